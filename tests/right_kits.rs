@@ -188,12 +188,16 @@ fn job(measurement: &str, control: &str, limit_um: f64, points: u32) -> String {
 
 const BOX: &str = "start_mm = { x = 0.0, y = 0.0, z = -720.0 }\nsize_mm = { x = 900.0, y = 720.0, z = 720.0 }\nsteps = 30\norder = \"XYZ\"\n";
 
-fn diagonals(readings: &str, linear: &str, active: &str) -> String {
+fn diagonals(readings: &str, linear: &str, active: &str, u: &str) -> String {
     let mut text = format!(
         "readings = \"{readings}\"\nactive_while_measuring = \"{active}\"\n[measurement.step_diagonal]\n{BOX}"
     );
     for (axis, ..) in AXES {
-        writeln!(text, "[[measurement.step_diagonal.linear]]\naxis = \"{axis}\"\nerrors = \"{linear}\"\nu_um_per_m = 0.5").unwrap();
+        writeln!(
+            text,
+            "[[measurement.step_diagonal.linear]]\naxis = \"{axis}\"\nerrors = \"{linear}\"\n{u}"
+        )
+        .unwrap();
     }
     text
 }
@@ -252,8 +256,11 @@ fn outcome(at: &Path, left: &[Row]) -> Outcome {
     }
 }
 
-/// Step diagonals both times, σ = 0.3 µm, n = 30, three linear axes, L = 5 µm.
-fn by_diagonals(seed: u64, runs: u32) -> Outcome {
+/// What the linear axes state of their uncertainty.
+const STATED_LINES: &str = "u_um_per_m = 0.5";
+
+/// Step diagonals both times, σ = 0.3 µm, n = 30, three linear axes that state `lines`, L = 5 µm.
+fn by_diagonals(seed: u64, runs: u32, lines: &str) -> Outcome {
     let mut random = Random::new(seed);
     let directory = tempfile::tempdir().unwrap();
     let at = directory.path();
@@ -274,7 +281,7 @@ fn by_diagonals(seed: u64, runs: u32) -> Outcome {
     put(
         "job.toml",
         &job(
-            &diagonals("readings.csv", "linear.csv", "none"),
+            &diagonals("readings.csv", "linear.csv", "none", lines),
             control,
             5.0,
             31,
@@ -283,7 +290,7 @@ fn by_diagonals(seed: u64, runs: u32) -> Outcome {
     put(
         "after.toml",
         &job(
-            &diagonals("after.csv", "linear-after.csv", "kit"),
+            &diagonals("after.csv", "linear-after.csv", "kit", lines),
             control,
             5.0,
             31,
@@ -410,12 +417,13 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
     let mut accused = Vec::new();
     let mut held = Vec::new();
     let mut passed_of_three = 0.0;
-    for (runs, name) in [
-        (1, "step diagonals, one run"),
-        (3, "step diagonals, three runs"),
+    for (runs, lines, name) in [
+        (1, STATED_LINES, "step diagonals, one run"),
+        (3, STATED_LINES, "step diagonals, three runs"),
+        (3, "", "the same without `u_um_per_m`"),
     ] {
         let all = trials(diagonals, |i| {
-            by_diagonals(10_000 * u64::from(runs) + i, runs)
+            by_diagonals(10_000 * u64::from(runs) + i, runs, lines)
         });
         text += &row(name, &all, true);
         accused.push(share_accused(&all));

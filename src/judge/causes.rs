@@ -30,11 +30,11 @@ pub use self::data::Basis;
 pub use self::question::{Corrected, Question, Slip};
 
 use self::candidates::{all_faults, alone, cause};
-use self::data::{Data, RISK, quantile};
+use self::data::{Data, RISK, is_stated, quantile};
 use self::decide::{decides, short};
 use self::fault::{Fault, Fit};
 use crate::judge::after::Observation;
-use crate::judge::findings::OfTerm;
+use crate::judge::findings::{AsLeft, OfTerm};
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Figure;
 use crate::text::finding::Finding;
@@ -80,11 +80,46 @@ pub struct Diagnosis {
     pub decides: Option<String>,
     /// What the comparison rests on.
     pub basis: Basis,
+    /// Terms left out, because neither measurement states their uncertainty while others have one: the
+    /// scatter of neighbours tells nothing of a slope or of sums of steps.
+    pub not_compared: Vec<ErrorTerm>,
+}
+
+impl Diagnosis {
+    /// Whether every value was compared, and none is off the forecast.
+    pub(crate) fn is_wholly_as_forecast(&self) -> bool {
+        self.as_forecast && self.not_compared.is_empty()
+    }
+
+    /// What was left out, in words.
+    pub(crate) fn left_out(&self) -> Option<Finding> {
+        let terms = self.not_compared.clone();
+        (!terms.is_empty()).then(|| AsLeft::NotCompared { terms }.into())
+    }
 }
 
 /// Tries all faults on the data. Refused where the second measurement makes sense in another unit
 /// only: a slip of 1000.
 pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
+    let (stated, unstated): (Vec<Observation>, Vec<Observation>) =
+        (question.seen.iter().cloned()).partition(|observation| is_stated(question, observation));
+    if stated.is_empty() || unstated.is_empty() {
+        return diagnosed(question);
+    }
+    let left_out = Question {
+        seen: &unstated,
+        ..question.clone()
+    };
+    Ok(Diagnosis {
+        not_compared: left_out.terms(),
+        ..diagnosed(&Question {
+            seen: &stated,
+            ..question.clone()
+        })?
+    })
+}
+
+fn diagnosed(question: &Question<'_>) -> Result<Diagnosis, Problem> {
     let faults = all_faults(question);
     let mut data = Data::new(question);
     if data.is_empty() {
@@ -107,6 +142,7 @@ pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
         by_term: Vec::new(),
         decides: None,
         basis: data.basis.clone(),
+        not_compared: Vec::new(),
     };
     if as_forecast {
         refuse_too_large(&data)?;

@@ -175,6 +175,7 @@ findings! {
         RestsOn { label: Finding } => Note, "{label}";
         LostMotion { reversals_um: Vec<(ErrorTerm, f64)> } => Note, "the first measurement did not tell the directions apart, so it did not see the lost motion, and its tables leave it; B (mean moving + minus mean moving -), µm: {}", joined(reversals_um.iter().map(|(term, um)| format!("{term} {:+.3}", Figure(*um))));
         FewerWays { terms: Vec<ErrorTerm> } => Note, "found in both directions, measured afterwards without: {}; a fault of the reversal does not show", joined(terms);
+        NotCompared { terms: Vec<ErrorTerm> } => Note, "not compared with the forecast, because their U is not stated: {}; state `u_um_per_m` of the linear axes (`noise_um` of an error table)", joined(terms);
         DiagonalsOnly => Note, "straight runs show the body diagonals only: the nine errors were not measured afterwards";
         OffForecast { terms: Vec<(ErrorTerm, f64, f64)> } => Note, "off the forecast at some position by more than both measurements explain (99.9 %, all positions together): {}", joined(terms.iter().map(|(term, um, u_um)| format!("{term} {um:.3} µm (U = {u_um:.3} µm)")));
     }

@@ -40,7 +40,7 @@ pub(crate) fn second_look(
 ) -> Result<SecondLook, Problems> {
     let control = emulator(&inputs.profile, &verification.found, &verification.state)
         .and_then(|found| Control::new(&inputs.model, &verification.plan, found.as_ref()));
-    let comparison = compare(
+    let mut comparison = compare(
         inputs.machine(),
         &verification.plan,
         control.as_ref().ok(),
@@ -69,6 +69,7 @@ pub(crate) fn second_look(
         if !found.as_forecast && found.causes.is_empty() {
             lost_motion = unseen(inputs, measured, |measured| diagnosed(measured, &[]))?;
         }
+        comparison.findings.extend(found.left_out());
         diagnosis = Some(found);
     }
     let doubts = doubts(inputs, verification, &comparison);

@@ -9,7 +9,7 @@ use crate::control::claims::Assumption;
 use crate::judge::after::{AfterMeasurement, Comparison, Line};
 use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
-use crate::judge::findings::OfTerm;
+use crate::judge::findings::{OfTerm, joined};
 use crate::judge::forecast::{Forecast, Grounds, Miss, TermForecast};
 use crate::kit::manifest::{HashedFile, change, diagonals};
 use crate::kit::second_look::SecondLook;
@@ -206,7 +206,7 @@ impl Page<'_> {
     /// What was assumed of the control matters until a measurement has shown it.
     pub(in crate::cli) fn assumptions(&self) -> &[Assumption] {
         let diagnosis = self.look().and_then(|look| look.diagnosis.as_ref());
-        let shown = diagnosis.is_some_and(|found| found.as_forecast);
+        let shown = diagnosis.is_some_and(Diagnosis::is_wholly_as_forecast);
         match shown && self.verdict() == Verdict::Pass {
             true => &[],
             false => &self.verification.compiled.assumptions,
@@ -266,8 +266,12 @@ fn explanation(look: &SecondLook) -> Vec<String> {
         found.off_um, found.basis.sigma_um, found.basis.words
     );
     if found.as_forecast {
+        let compared = match found.not_compared.as_slice() {
+            [] => String::new(),
+            terms => format!(" (without {}: their U is not stated)", joined(terms)),
+        };
         let words = format!(
-            "the tables act as forecast, no fault shows ({off}): what is left was left by the plan, or lies within U"
+            "the tables act as forecast{compared}, no fault shows ({off}): what is left was left by the plan, or lies within U"
         );
         return (look.verdict != Verdict::Pass)
             .then_some(words)
@@ -320,6 +324,7 @@ fn diagnosis(found: &Diagnosis) -> Value {
         "causes": found.causes,
         "by_term": found.by_term,
         "decides": found.decides,
+        "not_compared": found.not_compared.iter().map(ToString::to_string).collect::<Vec<_>>(),
     })
 }
 

@@ -339,6 +339,11 @@ fn root_mean_square(values: &[f64]) -> f64 {
     (values.iter().map(|v| v * v).sum::<f64>() / count).sqrt()
 }
 
+/// Whether the uncertainty of a value is stated in one of both measurements at least.
+pub(super) fn is_stated(question: &Question<'_>, observation: &Observation) -> bool {
+    observation.u_um.is_some() || found_variance(question, observation) > 0.0
+}
+
 fn floor_um(question: &Question<'_>) -> f64 {
     (question.count_um / 2.0)
         .hypot(question.forecast_um)
