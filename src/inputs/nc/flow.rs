@@ -160,14 +160,17 @@ fn keyword_of(word: &str) -> Option<Keyword> {
     found.map(|(_, keyword)| *keyword)
 }
 
-/// Executes the statement that begins at a place of a line, as far as variables go.
+/// Executes the statement that begins at a place of a line, as far as variables go. `seeking` = no
+/// branch of an `if` was taken yet: else the conditions behind it are not asked, their variables may
+/// have no value.
 pub(super) fn statement(
     line: &[u8],
     at: usize,
+    seeking: bool,
     variables: &mut Variables,
 ) -> Result<Statement, Wrong> {
     if let Some((name, keyword)) = word_of(line, at) {
-        return word(line, (at, keyword), name, variables);
+        return word(line, (at, keyword), name, seeking, variables);
     }
     if line[at] == b'#' {
         return set(line, at, &ISO, variables);
@@ -302,6 +305,7 @@ fn word(
     line: &[u8],
     (start, at): (usize, usize),
     name: String,
+    seeking: bool,
     variables: &mut Variables,
 ) -> Result<Statement, Wrong> {
     let mut reader = Reader::new(line, at, &ISO, variables);
@@ -310,6 +314,9 @@ fn word(
         let message = format!("`{letters}` behind O is not executed");
         return Err(Wrong::new((start, at + letters.len()), message, FLOW));
     };
+    if keyword == Keyword::ElseIf && !seeking {
+        return Ok(Statement::Word(name, keyword, false));
+    }
     reader.at += letters.len();
     let mut holds = true;
     let mut values = Vec::new();

@@ -234,11 +234,11 @@ impl Control<'_> {
         if self.is_repeated() {
             self.count(0, 0.0, line.number)?;
         }
-        let execute = match self.setup.language {
-            Language::Iso => flow::statement,
-            Language::Siemens => siemens::statement,
+        let executed = match self.setup.language {
+            Language::Iso => flow::statement(line.bytes, at, self.seeking, &mut self.variables),
+            Language::Siemens => siemens::statement(line.bytes, at, &mut self.variables),
         };
-        match execute(line.bytes, at, &mut self.variables) {
+        match executed {
             Ok(statement) => {
                 let place = self.place(line, (at, line.bytes.len()));
                 Ok(Next::Statement(statement, place))

@@ -175,6 +175,15 @@ fn subprograms_of_linuxcnc_have_variables_of_their_own() {
 }
 
 #[test]
+fn branches_behind_the_one_taken_are_not_asked() {
+    let program =
+        "#1=1\no1 if [#1 EQ 1]\nG1 X1\no1 elseif [#<unset> EQ 2]\nX2\no1 else\nX3\no1 endif\nY1";
+    assert_eq!(ends(program), ["1 0 0", "1 1 0"]);
+    let asked = program.replace("#1 EQ 1", "#1 EQ 0");
+    assert!(why(&control(), &asked).0.contains("has no value"));
+}
+
+#[test]
 fn a_loop_without_end_is_refused() {
     for program in [
         "N10 G1 X1\nGOTO 10",
