@@ -12,6 +12,8 @@ pub mod klipper;
 pub mod linuxcnc;
 pub mod siemens;
 
+use std::any::Any;
+
 /// The memory of one of the format families.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Tables {
@@ -29,4 +31,20 @@ pub enum Tables {
     Isg(isg::IsgTables),
     /// The factors of a Klipper skew correction.
     Klipper(klipper::KlipperTables),
+}
+
+impl Tables {
+    /// The tables of one family; `None` in a memory of another.
+    pub(crate) fn own<T: Any>(&self) -> Option<&T> {
+        let own: &dyn Any = match self {
+            Tables::Siemens(own) => own,
+            Tables::Fanuc(own) => own,
+            Tables::Generic(own) => own,
+            Tables::Declared(own) => own,
+            Tables::Linuxcnc(own) => own,
+            Tables::Isg(own) => own,
+            Tables::Klipper(own) => own,
+        };
+        own.downcast_ref()
+    }
 }

@@ -3,32 +3,22 @@
 use crate::control::controller::DeclaredFacts;
 use crate::control::table::Tables;
 use crate::control::table::declared::{DeclaredTable, DeclaredTables, Point};
-use crate::judge::active::{Found, Held, ReadOutReader};
+use crate::judge::active::{Found, ReadOutReader};
 use crate::judge::before::{Before, Old};
-use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
-use crate::judge::family::Family;
+use crate::judge::family::{Family, Side};
 use crate::judge::findings::InControl;
-use crate::quantity::axis::PerAxis;
-use crate::read::Text;
 use crate::read::declared::read;
 use crate::text::problem::Problems;
 
 impl Family for DeclaredFacts {
-    fn read_out(
-        &self,
-        reading: &mut ReadOutReader<'_>,
-        texts: &[Text<'_>],
-    ) -> Result<Found, Problems> {
-        let texts = texts.iter().map(|(name, text)| (&**name, &**text));
-        let mut found = read(&texts.collect::<Vec<_>>(), self)?;
-        let held = Held::plain(Tables::Declared(found.clone()));
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+        let mut found = read(reading.texts, self)?;
+        let held = Tables::Declared(found.clone());
         tell_others(reading, &mut found);
         Ok(Found {
-            held,
             tables: Tables::Declared(found),
-            backlash: PerAxis::default(),
-            unit: None,
+            ..Found::all(held)
         })
     }
 
@@ -44,14 +34,9 @@ impl Family for DeclaredFacts {
             .collect()
     }
 
-    fn entries(
-        &self,
-        tables: &Tables,
-        _others: &Tables,
-        diagnosis: Option<&Disagreements>,
-    ) -> Entries {
+    fn entries(&self, side: &Side<'_>) -> Entries {
         let of_table = |table: &DeclaredTable| {
-            let told = !diagnosis.is_some_and(|d| d.explains(&table.base, &table.output));
+            let told = side.tells(&table.base, &table.output);
             let name = table.name();
             let entry = move |(index, point): (u32, &Point)| {
                 let numbers = vec![Some(point.position), Some(point.forward), point.reverse];
@@ -61,7 +46,7 @@ impl Family for DeclaredFacts {
             let points = (self.first_point.value..).zip(&table.points);
             points.map(entry).collect::<Vec<_>>()
         };
-        own(tables).iter().flat_map(of_table).collect()
+        own(side.tables).iter().flat_map(of_table).collect()
     }
 
     /// The files that were read out are the rollback.
@@ -72,10 +57,7 @@ impl Family for DeclaredFacts {
 
 /// The tables of a memory; a memory of another family holds none.
 fn own(tables: &Tables) -> &[DeclaredTable] {
-    match tables {
-        Tables::Declared(own) => &own.tables,
-        _ => &[],
-    }
+    tables.own().map_or(&[], |own: &DeclaredTables| &own.tables)
 }
 
 /// Tables of axes that the job does not have; one that moves an axis of the job is told as such.

@@ -10,26 +10,25 @@ use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::Entries;
 use crate::judge::findings::{Difference, InControl, InSum};
-use crate::read::{ReadBack, Text};
+use crate::read::ReadBack;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 
 /// A family of controls, on the side of what was read out.
 pub(crate) trait Family {
     /// What files of the control hold, and what of it acts on the job's axes.
-    fn read_out(
-        &self,
-        reading: &mut ReadOutReader<'_>,
-        texts: &[Text<'_>],
-    ) -> Result<Found, Problems>;
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems>;
 
     /// New tables at places of others, and what to do.
     fn taken(&self, _others: &Others, _new: &Tables) -> Vec<(String, &'static str)> {
         Vec::new()
     }
 
-    /// What makes old tables act that the new files do not overwrite.
-    fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String>;
+    /// What makes old tables act that the new files do not overwrite. Here: a new file takes the place of the
+    /// old one, whole.
+    fn left_over(&self, _old: &Tables, _new: &Tables) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Lets the job say what the files do between the points, where it does not state it; gives what is to be
     /// told.
@@ -43,12 +42,7 @@ pub(crate) trait Family {
     }
 
     /// What tables hold, entry by entry, beside those that they are compared with.
-    fn entries(
-        &self,
-        tables: &Tables,
-        others: &Tables,
-        diagnosis: Option<&Disagreements>,
-    ) -> Entries;
+    fn entries(&self, side: &Side<'_>) -> Entries;
 
     /// What the files of a kit set beside the tables that the job does not write, and what they do not set
     /// though they should.
@@ -74,6 +68,21 @@ pub(crate) trait Family {
     /// What the control held of all that a kit changes; `Err` = what of the tables, points and parameters
     /// that the files overwrite was not read out.
     fn old(&self, before: &Before<'_>) -> Result<Old, Vec<String>>;
+}
+
+/// Tables beside those that they are compared with.
+#[derive(Clone, Copy)]
+pub(crate) struct Side<'a> {
+    pub(crate) tables: &'a Tables,
+    pub(crate) others: &'a Tables,
+    pub(crate) diagnosis: Option<&'a Disagreements>,
+}
+
+impl Side<'_> {
+    /// Whether a difference of the table of a pair of axes is told: no diagnosis explains it.
+    pub(crate) fn tells(&self, base: &str, output: &str) -> bool {
+        !self.diagnosis.is_some_and(|d| d.explains(base, output))
+    }
 }
 
 /// The family of a profile.

@@ -10,22 +10,16 @@ use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::Job;
 use crate::judge::active::{ActiveControl, Found, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
-use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
-use crate::judge::family::Family;
+use crate::judge::family::{Family, Side};
 use crate::judge::findings::{InControl, InSum};
-use crate::read::Text;
 use crate::text::problem::Problems;
 use crate::write::plan::axis_names;
 use std::collections::BTreeMap;
 
 impl Family for FanucFacts {
-    fn read_out(
-        &self,
-        reading: &mut ReadOutReader<'_>,
-        texts: &[Text<'_>],
-    ) -> Result<Found, Problems> {
-        read_out::read(reading, self, texts)
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+        read_out::read(reading, self)
     }
 
     fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)> {
@@ -85,12 +79,10 @@ impl Family for FanucFacts {
         (!axes.is_empty()).then_some(InSum::Interpolated { axes })
     }
 
-    fn entries(
-        &self,
-        tables: &Tables,
-        _others: &Tables,
-        diagnosis: Option<&Disagreements>,
-    ) -> Entries {
+    fn entries(&self, side: &Side<'_>) -> Entries {
+        let Side {
+            tables, diagnosis, ..
+        } = side;
         let own = own(tables);
         let explained = |key: &ParameterKey| {
             let axis = key.axis.map(|axis| axis.to_string());
@@ -138,10 +130,7 @@ fn own(tables: &Tables) -> &FanucMemory {
         parameters: BTreeMap::new(),
         points: BTreeMap::new(),
     };
-    match tables {
-        Tables::Fanuc(own) => own,
-        _ => NONE,
-    }
+    tables.own().unwrap_or(NONE)
 }
 
 /// 3605#1 of an axis as files of the control hold it; `None` where none does, or the axes of a

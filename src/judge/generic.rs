@@ -3,37 +3,29 @@
 use crate::control::controller::GenericFacts;
 use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
-use crate::judge::active::{Found, Held, ReadOutReader};
+use crate::judge::active::{Found, ReadOutReader};
 use crate::judge::before::{Before, Old};
-use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
-use crate::judge::family::Family;
+use crate::judge::family::{Family, Side};
 use crate::judge::findings::InControl;
-use crate::quantity::axis::PerAxis;
-use crate::read::{Text, generic};
+use crate::read::generic;
 use crate::text::problem::Problems;
 
 impl Family for GenericFacts {
-    fn read_out(
-        &self,
-        reading: &mut ReadOutReader<'_>,
-        texts: &[Text<'_>],
-    ) -> Result<Found, Problems> {
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
         let mut problems = Problems::none();
         let mut tables = Vec::new();
-        for (name, text) in texts {
+        for (name, text) in reading.texts {
             tables.extend(problems.take(generic::read_out(name, text)));
         }
         let mut table = generic::merge(problems.or_ok(tables)?)?;
-        let held = Held::plain(Tables::Generic(table.clone()));
+        let held = Tables::Generic(table.clone());
         if reading.judges() {
             tell_others(reading, &mut table);
         }
         Ok(Found {
-            held,
             tables: Tables::Generic(table),
-            backlash: PerAxis::default(),
-            unit: None,
+            ..Found::all(held)
         })
     }
 
@@ -48,16 +40,11 @@ impl Family for GenericFacts {
             .collect()
     }
 
-    fn entries(
-        &self,
-        tables: &Tables,
-        _others: &Tables,
-        diagnosis: Option<&Disagreements>,
-    ) -> Entries {
-        let own = own(tables);
+    fn entries(&self, side: &Side<'_>) -> Entries {
+        let own = own(side.tables);
         let entry = |row: &GenericRow| {
             let (base, output) = (&row.base_axis, &row.output_axis);
-            let told = !diagnosis.is_some_and(|d| d.explains(base, output));
+            let told = side.tells(base, output);
             let way = row
                 .direction
                 .map_or(String::new(), |way| format!(" in {way}"));
@@ -80,10 +67,7 @@ impl Family for GenericFacts {
 /// The rows of a memory; a memory of another family holds none.
 fn own(tables: &Tables) -> &GenericTable {
     const NONE: &GenericTable = &GenericTable { rows: Vec::new() };
-    match tables {
-        Tables::Generic(own) => own,
-        _ => NONE,
-    }
+    tables.own().unwrap_or(NONE)
 }
 
 /// Old tables of other axes are refused: the new file would take their place.

@@ -3,47 +3,23 @@
 use crate::control::controller::IsgFacts;
 use crate::control::table::Tables;
 use crate::control::table::isg::{Curve, IsgTables};
-use crate::judge::active::{Found, Held, ReadOutReader};
+use crate::judge::active::{Found, ReadOutReader};
 use crate::judge::before::{Before, Old};
-use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
-use crate::judge::family::Family;
+use crate::judge::family::{Family, Side};
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::{Text, isg};
+use crate::read::isg;
 use crate::text::problem::Problems;
 
 impl Family for IsgFacts {
-    fn read_out(
-        &self,
-        reading: &mut ReadOutReader<'_>,
-        texts: &[Text<'_>],
-    ) -> Result<Found, Problems> {
-        let texts: Vec<(&str, &str)> = texts
-            .iter()
-            .map(|(name, text)| (&**name, &**text))
-            .collect();
-        let (tables, findings) = isg::read(&texts)?;
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+        let (tables, findings) = isg::read(reading.texts)?;
         reading.findings.extend(findings);
-        Ok(Found {
-            held: Held::plain(Tables::Isg(tables.clone())),
-            tables: Tables::Isg(tables),
-            backlash: PerAxis::default(),
-            unit: None,
-        })
+        Ok(Found::all(Tables::Isg(tables)))
     }
 
-    /// A new list takes the place of the old one, whole.
-    fn left_over(&self, _old: &Tables, _new: &Tables) -> Vec<String> {
-        Vec::new()
-    }
-
-    fn entries(
-        &self,
-        tables: &Tables,
-        _others: &Tables,
-        diagnosis: Option<&Disagreements>,
-    ) -> Entries {
-        let tables = own(tables);
+    fn entries(&self, side: &Side<'_>) -> Entries {
+        let tables = own(side.tables);
         let name = |axis: Axis| {
             let number = tables.axes[axis];
             number.map_or(String::new(), |number| number.to_string())
@@ -67,9 +43,7 @@ impl Family for IsgFacts {
         let of_curve = |curve: &Curve| {
             let block = curve.parameter.to_string();
             let told = match curve.parameter.pair() {
-                Some((base, output)) => {
-                    !diagnosis.is_some_and(|d| d.explains(&name(base), &name(output)))
-                }
+                Some((base, output)) => side.tells(&name(base), &name(output)),
                 None => true,
             };
             let points = (0_u32..).zip(curve.points.clone());
@@ -95,8 +69,5 @@ impl Family for IsgFacts {
 /// The tables of a memory; a memory of another family holds none.
 fn own(tables: &Tables) -> &IsgTables {
     const NONE: &IsgTables = &IsgTables::NONE;
-    match tables {
-        Tables::Isg(own) => own,
-        _ => NONE,
-    }
+    tables.own().unwrap_or(NONE)
 }

@@ -5,27 +5,17 @@ use crate::control::table::Tables;
 use crate::control::table::linuxcnc::{CompTable, CrossTable, LinuxcncTables, Point, Row};
 use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::before::{Before, Old};
-use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
-use crate::judge::family::Family;
+use crate::judge::family::{Family, Side};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Direction, PerAxis};
 use crate::quantity::units::UM_PER_MM;
-use crate::read::Text;
 use crate::read::linuxcnc::{Contents, Joint, read};
 use crate::text::problem::Problems;
 
 impl Family for LinuxcncFacts {
-    fn read_out(
-        &self,
-        reading: &mut ReadOutReader<'_>,
-        texts: &[Text<'_>],
-    ) -> Result<Found, Problems> {
-        let texts: Vec<(&str, &str)> = texts
-            .iter()
-            .map(|(name, text)| (&**name, &**text))
-            .collect();
-        let mut found = read(&texts, self)?;
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+        let mut found = read(reading.texts, self)?;
         reading.findings.extend(found.not_named());
         let held = Held::plain(Tables::Linuxcnc(found.tables.clone()));
         check_homes(reading, &found);
@@ -48,15 +38,10 @@ impl Family for LinuxcncFacts {
         stays.chain(hal).collect()
     }
 
-    fn entries(
-        &self,
-        tables: &Tables,
-        _others: &Tables,
-        diagnosis: Option<&Disagreements>,
-    ) -> Entries {
+    fn entries(&self, side: &Side<'_>) -> Entries {
         let of_table = |table: &CompTable| {
             let joint = table.joint.to_string();
-            let told = !diagnosis.is_some_and(|d| d.explains(&joint, &joint));
+            let told = side.tells(&joint, &joint);
             let name = table.name();
             let entry = move |item, value| ((name.clone(), item), Entry::of(value, told, told));
             let columns = Value::Text(table.columns.number().to_string());
@@ -74,7 +59,7 @@ impl Family for LinuxcncFacts {
         };
         let of_cross = |table: &CrossTable| {
             let (base, output) = (table.base.to_string(), table.output.to_string());
-            let told = !diagnosis.is_some_and(|d| d.explains(&base, &output));
+            let told = side.tells(&base, &output);
             let name = format!("HAL: {}", table.name());
             let points = (0_u32..).zip(table.pieces.iter().flatten());
             let entry = move |(index, point): (u32, &Point)| {
@@ -87,7 +72,7 @@ impl Family for LinuxcncFacts {
             };
             points.map(entry).collect::<Vec<_>>()
         };
-        let tables = own(tables);
+        let tables = own(side.tables);
         let joints = tables.joints.iter().flat_map(of_table);
         joints
             .chain(tables.cross.iter().flat_map(of_cross))
@@ -106,10 +91,7 @@ fn own(tables: &Tables) -> &LinuxcncTables {
         joints: Vec::new(),
         cross: Vec::new(),
     };
-    match tables {
-        Tables::Linuxcnc(own) => own,
-        _ => NONE,
-    }
+    tables.own().unwrap_or(NONE)
 }
 
 /// The unit of the files: what they say, else the job.

@@ -14,22 +14,17 @@ use crate::control::table::siemens::{
 };
 use crate::judge::active::{Found, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
-use crate::judge::disagreement::Disagreements;
 use crate::judge::disagreement::entries::{Entries, Value, table};
-use crate::judge::family::Family;
+use crate::judge::family::{Family, Side};
 use crate::judge::findings::{Difference, InControl};
-use crate::read::{ReadBack, Text};
+use crate::read::ReadBack;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use data::{Datum, LEC_ON, TABLE_ON};
 
 impl Family for SiemensFacts {
-    fn read_out(
-        &self,
-        reading: &mut ReadOutReader<'_>,
-        texts: &[Text<'_>],
-    ) -> Result<Found, Problems> {
-        read_out::read(reading, texts)
+    fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+        read_out::read(reading)
     }
 
     fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)> {
@@ -48,17 +43,11 @@ impl Family for SiemensFacts {
         left
     }
 
-    fn entries(
-        &self,
-        tables: &Tables,
-        others: &Tables,
-        diagnosis: Option<&Disagreements>,
-    ) -> Entries {
-        let others = own(others);
-        let explained =
-            |base: &str, output: &str| diagnosis.is_some_and(|d| d.explains(base, output));
+    fn entries(&self, side: &Side<'_>) -> Entries {
+        let (tables, others) = (own(side.tables), own(side.others));
+        let explained = |base: &str, output: &str| !side.tells(base, output);
         let mut entries = Entries::new();
-        for lec in &own(tables).lec {
+        for lec in &tables.lec {
             // A table of the other measuring system is told as such (`measuring_systems`).
             let other_system = |t: &LecTable| t.axis == lec.axis && t.encoder != lec.encoder;
             let told = !explained(&lec.axis, &lec.axis) && !others.lec.iter().any(other_system);
@@ -66,7 +55,7 @@ impl Family for SiemensFacts {
             let told = (told, told);
             table(&mut entries, &lec.name(), &fields, &lec.values, told);
         }
-        for cec in &own(tables).cec {
+        for cec in &tables.cec {
             let (moving, output) = (&cec.input_axis, &cec.output_axis);
             let same = others.cec.iter().find(|t| t.number == cec.number);
             let is_known = |t: &CecTable| explained(&t.input_axis, &t.output_axis);
@@ -124,10 +113,7 @@ fn own(tables: &Tables) -> &SiemensTables {
         lec: Vec::new(),
         cec: Vec::new(),
     };
-    match tables {
-        Tables::Siemens(own) => own,
-        _ => NONE,
-    }
+    tables.own().unwrap_or(NONE)
 }
 
 /// What switches tables on.

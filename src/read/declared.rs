@@ -17,8 +17,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{Comments, DeclaredFacts, Field};
 use crate::control::table::Tables;
 use crate::control::table::declared::{DeclaredTable, DeclaredTables};
-use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::read::family::{Family, KitText, ReadBack, other_family};
+use crate::read::family::{Emulated, Family, KitText, ReadBack, own};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::text::problem::{Problem, Problems, shown};
 use std::ops::Range;
@@ -29,15 +28,8 @@ impl Family for DeclaredFacts {
         Ok(Tables::Declared(read(&texts, self)?).into())
     }
 
-    fn control(
-        &self,
-        tables: &Tables,
-        state: &ControlState,
-    ) -> Result<Box<dyn Emulator>, CannotEmulate> {
-        let Tables::Declared(tables) = tables else {
-            return Err(other_family());
-        };
-        Ok(Box::new(control::control(tables, self, state)?))
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+        Ok(Box::new(control::control(own(tables)?, self, state)?))
     }
 
     /// A pair of axes has one table.

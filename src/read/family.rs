@@ -8,7 +8,11 @@ use crate::read::findings::ReadFinding;
 use crate::read::siemens::MachineDatum;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
+use std::any::Any;
 use std::borrow::Cow;
+
+/// A control that holds tables, or why there is none.
+pub(crate) type Emulated = Result<Box<dyn Emulator>, CannotEmulate>;
 
 /// A family of controls; the facts of its profiles implement it, in its folder.
 pub(crate) trait Family {
@@ -16,15 +20,13 @@ pub(crate) trait Family {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems>;
 
     /// A control that holds these tables.
-    fn control(
-        &self,
-        tables: &Tables,
-        state: &ControlState,
-    ) -> Result<Box<dyn Emulator>, CannotEmulate>;
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated;
 
     /// What the control holds once a file that stands apart is loaded over its tables: tables and points of
-    /// the same number are replaced, everything else stays.
-    fn load(&self, held: &mut Tables, file: Tables);
+    /// the same number are replaced, everything else stays. Here: they take the place of all that there was.
+    fn load(&self, held: &mut Tables, file: Tables) {
+        *held = file;
+    }
 
     /// Whether a text may mean something to the control, whole or damaged.
     ///
@@ -59,11 +61,7 @@ pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
 }
 
 /// The control of a profile with tables in its memory.
-pub fn emulator(
-    profile: &Profile,
-    tables: &Tables,
-    state: &ControlState,
-) -> Result<Box<dyn Emulator>, CannotEmulate> {
+pub fn emulator(profile: &Profile, tables: &Tables, state: &ControlState) -> Emulated {
     family(&profile.dialect).control(tables, state)
 }
 
@@ -72,9 +70,10 @@ pub(crate) fn load(profile: &Profile, held: &mut Tables, file: Tables) {
     family(&profile.dialect).load(held, file);
 }
 
-/// Tables of one family given to a control of another.
-pub(crate) fn other_family() -> CannotEmulate {
-    CannotEmulate("the tables are not of the profile's dialect".to_string())
+/// The tables of a memory for a control of their family.
+pub(super) fn own<T: Any>(tables: &Tables) -> Result<&T, CannotEmulate> {
+    let other = || CannotEmulate("the tables are not of the profile's dialect".to_string());
+    tables.own().ok_or_else(other)
 }
 
 /// A file of a kit as it lies on the disk.

@@ -20,8 +20,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, FanucFacts, NumberRange};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::read::family::{Family, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, other_family};
+use crate::read::family::{Emulated, Family, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, own};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, located};
 use crate::text::problem::{Problem, Problems, refuse_long_lines};
 use block::{Block, Segment, blocks, number, parse, record, uniform_line_ends};
@@ -62,15 +61,8 @@ impl Family for FanucFacts {
         Ok(Tables::Fanuc(merge(memories)?).into())
     }
 
-    fn control(
-        &self,
-        tables: &Tables,
-        state: &ControlState,
-    ) -> Result<Box<dyn Emulator>, CannotEmulate> {
-        let Tables::Fanuc(memory) = tables else {
-            return Err(other_family());
-        };
-        Ok(Box::new(FanucControl::new(memory, self, state)?))
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+        Ok(Box::new(FanucControl::new(own(tables)?, self, state)?))
     }
 
     fn load(&self, held: &mut Tables, file: Tables) {

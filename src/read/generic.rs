@@ -20,8 +20,7 @@ use crate::control::controller::GenericFacts;
 use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::Direction;
-use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::read::family::{Family, KitText, ReadBack, each, other_family};
+use crate::read::family::{Emulated, Family, KitText, ReadBack, each, own};
 use crate::text::problem::{Problem, Problems};
 use rows::COLUMNS;
 
@@ -30,20 +29,8 @@ impl Family for GenericFacts {
         Ok(Tables::Generic(merge(each(files, read)?)?).into())
     }
 
-    fn control(
-        &self,
-        tables: &Tables,
-        state: &ControlState,
-    ) -> Result<Box<dyn Emulator>, CannotEmulate> {
-        let Tables::Generic(table) = tables else {
-            return Err(other_family());
-        };
-        Ok(Box::new(control::control(table, state)?))
-    }
-
-    /// A table takes the place of the one before.
-    fn load(&self, held: &mut Tables, file: Tables) {
-        *held = file;
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+        Ok(Box::new(control::control(own(tables)?, state)?))
     }
 
     fn may_obey(&self, text: &str) -> bool {

@@ -18,8 +18,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{FileFormat, IsgFacts};
 use crate::control::table::Tables;
 use crate::control::table::isg::{Curve, IsgTables, Parameter};
-use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::read::family::{Family, KitText, ReadBack, other_family};
+use crate::read::family::{Emulated, Family, KitText, ReadBack, own};
 use crate::read::findings::ReadFinding;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
@@ -34,20 +33,8 @@ impl Family for IsgFacts {
         })
     }
 
-    fn control(
-        &self,
-        tables: &Tables,
-        state: &ControlState,
-    ) -> Result<Box<dyn Emulator>, CannotEmulate> {
-        let Tables::Isg(tables) = tables else {
-            return Err(other_family());
-        };
-        Ok(Box::new(IsgControl::new(tables, self, state)?))
-    }
-
-    /// A list takes the place of the one before, with its parameter files.
-    fn load(&self, held: &mut Tables, file: Tables) {
-        *held = file;
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+        Ok(Box::new(IsgControl::new(own(tables)?, self, state)?))
     }
 
     fn may_obey(&self, text: &str) -> bool {

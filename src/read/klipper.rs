@@ -9,8 +9,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::KlipperFacts;
 use crate::control::table::Tables;
 use crate::control::table::klipper::{FACTORS, KlipperTables, Skew};
-use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::read::family::{Family, KitText, ReadBack, other_family};
+use crate::read::family::{Emulated, Family, KitText, ReadBack, own};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::text::problem::{Problem, Problems, shown};
 use std::ops::Range;
@@ -21,20 +20,8 @@ impl Family for KlipperFacts {
         Ok(Tables::Klipper(read(&texts)?).into())
     }
 
-    fn control(
-        &self,
-        tables: &Tables,
-        state: &ControlState,
-    ) -> Result<Box<dyn Emulator>, CannotEmulate> {
-        let Tables::Klipper(tables) = tables else {
-            return Err(other_family());
-        };
-        Ok(Box::new(KlipperControl::new(tables, self, state)))
-    }
-
-    /// The profile that is loaded last acts alone.
-    fn load(&self, held: &mut Tables, file: Tables) {
-        *held = file;
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+        Ok(Box::new(KlipperControl::new(own(tables)?, self, state)))
     }
 
     fn may_obey(&self, text: &str) -> bool {

@@ -21,8 +21,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, CrossTerms, LinuxcncFacts};
 use crate::control::table::Tables;
 use crate::control::table::linuxcnc::{Columns, CompTable, CrossTable, LinuxcncTables};
-use crate::read::emulate::{CannotEmulate, Emulator};
-use crate::read::family::{Family, KitText, ReadBack, other_family};
+use crate::read::family::{Emulated, Family, KitText, ReadBack, own};
 use crate::read::findings::ReadFinding;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
@@ -39,15 +38,8 @@ impl Family for LinuxcncFacts {
         })
     }
 
-    fn control(
-        &self,
-        tables: &Tables,
-        state: &ControlState,
-    ) -> Result<Box<dyn Emulator>, CannotEmulate> {
-        let Tables::Linuxcnc(tables) = tables else {
-            return Err(other_family());
-        };
-        Ok(Box::new(control::control(tables, self, state)?))
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+        Ok(Box::new(control::control(own(tables)?, self, state)?))
     }
 
     /// A joint has one table; a HAL file takes the place of another.

@@ -29,9 +29,8 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::Tables;
 use crate::control::table::siemens::LecTable;
-use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::family::{
-    Family, FileData, KitText, Part, READ_OUT_AS_A_WHOLE, ReadBack, each, other_family,
+    Emulated, Family, FileData, KitText, Part, READ_OUT_AS_A_WHOLE, ReadBack, each, own,
 };
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
@@ -70,15 +69,8 @@ impl Family for SiemensFacts {
         })
     }
 
-    fn control(
-        &self,
-        tables: &Tables,
-        state: &ControlState,
-    ) -> Result<Box<dyn Emulator>, CannotEmulate> {
-        let Tables::Siemens(tables) = tables else {
-            return Err(other_family());
-        };
-        Ok(Box::new(SiemensControl::new(tables, self, state)?))
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+        Ok(Box::new(SiemensControl::new(own(tables)?, self, state)?))
     }
 
     fn load(&self, held: &mut Tables, file: Tables) {

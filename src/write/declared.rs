@@ -17,11 +17,10 @@ use crate::quantity::units::{Deviation, UM_PER_MM, power_of_ten, rounded};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compiled::{
-    Bump, Compiled, Placement, backlash_parameter, backlash_text, column, control_state,
-    whole_below,
+    Compiled, Placement, backlash_parameter, backlash_text, column, control_state, whole_below,
 };
-use crate::write::control_text::{Instead, fixed};
-use crate::write::family::Family;
+use crate::write::control_text::fixed;
+use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
 use crate::write::selection::TableStock;
@@ -103,17 +102,9 @@ impl Family for DeclaredFacts {
         }
     }
 
-    fn context(
-        &self,
-        task: Task<'_>,
-        _compiled: &Compiled,
-        tables: &Tables,
-        _instead: &Instead<'_>,
-    ) -> Option<Value> {
-        let Tables::Declared(own) = tables else {
-            return None;
-        };
-        Some(self.seen(task, &own.tables))
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+        let own: &DeclaredTables = emitted.tables.own()?;
+        Some(self.seen(emitted.task, &own.tables))
     }
 
     fn has(&self, mechanism: Mechanism) -> bool {
@@ -139,17 +130,10 @@ impl Family for DeclaredFacts {
     }
 
     /// Both columns of the tables of the term have the bump.
-    fn proof_tables(
-        &self,
-        _task: Task<'_>,
-        plan: &Plan,
-        _kit: &Tables,
-        (mechanism, term, bump): (Mechanism, ErrorTerm, &Bump),
-    ) -> Option<Tables> {
-        let is_own = |planned: &PlannedTable| self.belongs(mechanism, planned);
-        let tables = self.tables(plan, is_own, |planned, _| match planned.term == term {
-            true => bump.deviations(),
-            false => vec![Deviation::ZERO; planned.values.len()],
+    fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
+        let is_own = |planned: &PlannedTable| self.belongs(proof.mechanism, planned);
+        let tables = self.tables(proof.plan, is_own, |planned, _| {
+            proof.deviations(planned.term == proof.term, planned.values.len())
         });
         Some(Tables::Declared(DeclaredTables::of(tables)))
     }

@@ -23,7 +23,7 @@ use crate::text::plain;
 use crate::text::problem::{Problem, Problems, shown};
 use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, ascii, is_comment_text};
-use crate::write::family::family;
+use crate::write::family::{Emitted, family};
 use crate::write::findings::TableFinding;
 use crate::write::task::Task;
 use serde::Serialize;
@@ -118,9 +118,14 @@ fn context_of(
         true => compiled.placements.as_slice(),
         false => &[],
     };
-    let tables = family(task.profile).context(task, compiled, tables, instead);
-    let mut tables =
-        tables.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
+    let seen = family(task.profile).context(&Emitted {
+        task,
+        compiled,
+        tables,
+        instead,
+    });
+    let mut seen =
+        seen.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
     let machine = &task.job.machine;
     let said = |text: &str| match task.profile.comments.value.are_allowed() {
         true => ascii(text).into_owned(),
@@ -146,8 +151,8 @@ fn context_of(
         "header": header(task, &date, active, instead.notice),
         "terms": placements.iter().map(term).collect::<Vec<Value>>(),
     });
-    for (name, seen) in tables.as_object_mut().into_iter().flatten() {
-        context[name] = seen.take();
+    for (name, own) in seen.as_object_mut().into_iter().flatten() {
+        context[name] = own.take();
     }
     Ok(Context(context))
 }

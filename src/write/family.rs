@@ -6,6 +6,7 @@ use crate::control::controller::{ControlUnit, Dialect, Mechanism, Profile};
 use crate::control::table::Tables;
 use crate::inputs::job::Compensation;
 use crate::quantity::axis::ErrorTerm;
+use crate::quantity::units::Deviation;
 use crate::text::problem::Problems;
 use crate::write::compiled::{Bump, Compiled};
 use crate::write::control_text::Instead;
@@ -23,7 +24,9 @@ pub(crate) trait Family {
     fn length_digit(&self, unit: ControlUnit) -> LengthDigit;
 
     /// Whether there can be a table for each direction of a term.
-    fn takes_directions(&self, term: ErrorTerm) -> bool;
+    fn takes_directions(&self, _term: ErrorTerm) -> bool {
+        false
+    }
 
     /// Whether a table stands in place of the backlash parameter of its axis, which then does nothing.
     fn replaces_backlash(&self) -> bool {
@@ -31,7 +34,9 @@ pub(crate) trait Family {
     }
 
     /// The tables that the control has few of; `None` where it has enough for everything.
-    fn budget(&self, compensation: &Compensation) -> Option<TableStock>;
+    fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
+        None
+    }
 
     /// Most points of a table for these targets, and of what.
     fn point_limit(&self, targets: &[&Target]) -> (u32, &'static str);
@@ -60,7 +65,9 @@ pub(crate) trait Family {
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems>;
 
     /// Whether a kit uses what a fact belongs to; what cannot be judged counts as used.
-    fn uses(&self, mechanism: Mechanism, plan: &Plan, tables: &Tables) -> bool;
+    fn uses(&self, _mechanism: Mechanism, _plan: &Plan, _tables: &Tables) -> bool {
+        true
+    }
 
     /// Whether the names of the axes say which axis of the control is meant.
     fn names_reach_axes(&self) -> bool {
@@ -68,13 +75,7 @@ pub(crate) trait Family {
     }
 
     /// What the templates see of tables: names with finished texts; `None` for those of another family.
-    fn context(
-        &self,
-        task: Task<'_>,
-        compiled: &Compiled,
-        tables: &Tables,
-        instead: &Instead<'_>,
-    ) -> Option<Value>;
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Value>;
 
     /// What the control's display shows once these tables act, a sentence each; none where no display is known.
     fn displayed(&self, _tables: &Tables, _state: &ControlState) -> Vec<String> {
@@ -87,7 +88,9 @@ pub(crate) trait Family {
     }
 
     /// Whether a table belongs to one of these mechanisms.
-    fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool;
+    fn belongs(&self, _mechanism: Mechanism, _table: &PlannedTable) -> bool {
+        true
+    }
 
     /// Largest changes of a bump in one section that are tried in turn, counts; `None` = the slope alone limits.
     fn section_limits(&self, _mechanism: Mechanism) -> Vec<Option<i64>> {
@@ -105,16 +108,42 @@ pub(crate) trait Family {
     }
 
     /// The tables of a kit of one mechanism, zero but for the bump in the table of a term.
-    fn proof_tables(
-        &self,
-        task: Task<'_>,
-        plan: &Plan,
-        kit: &Tables,
-        proof: (Mechanism, ErrorTerm, &Bump),
-    ) -> Option<Tables>;
+    fn proof_tables(&self, _proof: &ProofOf<'_>) -> Option<Tables> {
+        None
+    }
 
     /// What no proof of a kit writes and would keep what the control holds, zero in one of the proofs.
     fn zero_the_rest(&self, _kit: &Tables, _proofs: &mut [&mut Tables]) {}
+}
+
+/// What the files with tables are rendered from.
+pub(crate) struct Emitted<'a> {
+    pub(crate) task: Task<'a>,
+    pub(crate) compiled: &'a Compiled,
+    /// Those of the kit, or of a file that stands apart.
+    pub(crate) tables: &'a Tables,
+    pub(crate) instead: &'a Instead<'a>,
+}
+
+/// The bump of a sign proof, and where it stands.
+pub(crate) struct ProofOf<'a> {
+    pub(crate) task: Task<'a>,
+    pub(crate) plan: &'a Plan,
+    /// The tables of the kit.
+    pub(crate) kit: &'a Tables,
+    pub(crate) mechanism: Mechanism,
+    pub(crate) term: ErrorTerm,
+    pub(crate) bump: &'a Bump,
+}
+
+impl ProofOf<'_> {
+    /// What a table with this many points pretends: the bump, or zeros where it is not the one.
+    pub(super) fn deviations(&self, has_bump: bool, points: usize) -> Vec<Deviation> {
+        match has_bump {
+            true => self.bump.deviations(),
+            false => vec![Deviation::ZERO; points],
+        }
+    }
 }
 
 /// The family of a profile's control.

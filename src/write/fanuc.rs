@@ -14,9 +14,8 @@ use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
 use crate::inputs::job::Compensation;
 use crate::quantity::axis::ErrorTerm;
 use crate::text::problem::Problems;
-use crate::write::compiled::{Bump, Compiled, control_state};
-use crate::write::control_text::Instead;
-use crate::write::family::Family;
+use crate::write::compiled::{Compiled, control_state};
+use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
@@ -125,16 +124,8 @@ impl Family for FanucFacts {
         }
     }
 
-    fn context(
-        &self,
-        _task: Task<'_>,
-        _compiled: &Compiled,
-        tables: &Tables,
-        _instead: &Instead<'_>,
-    ) -> Option<Value> {
-        let Tables::Fanuc(memory) = tables else {
-            return None;
-        };
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+        let memory: &FanucMemory = emitted.tables.own()?;
         Some(context(memory, self))
     }
 
@@ -161,17 +152,9 @@ impl Family for FanucFacts {
         }
     }
 
-    fn proof_tables(
-        &self,
-        _task: Task<'_>,
-        plan: &Plan,
-        kit: &Tables,
-        (mechanism, term, bump): (Mechanism, ErrorTerm, &Bump),
-    ) -> Option<Tables> {
-        let Tables::Fanuc(kit) = kit else {
-            return None;
-        };
-        proof::memory(plan, self, kit, mechanism, (term, bump)).map(Tables::Fanuc)
+    fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
+        let kit: &FanucMemory = proof.kit.own()?;
+        proof::memory(proof, self, kit).map(Tables::Fanuc)
     }
 
     fn zero_the_rest(&self, kit: &Tables, proofs: &mut [&mut Tables]) {

@@ -4,7 +4,7 @@
 mod sheet;
 
 use crate::control::claims::Precondition;
-use crate::control::controller::{ControlUnit, GenericFacts, Mechanism, TypedValue};
+use crate::control::controller::{ControlUnit, GenericFacts, TypedValue};
 use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::inputs::job::Compensation;
@@ -13,10 +13,9 @@ use crate::quantity::units::{self, Deviation};
 use crate::text::document::MOST_ROWS;
 use crate::text::problem::Problems;
 use crate::write::compiled::{
-    Bump, Compiled, Placement, backlash_parameter, backlash_text, control_state,
+    Compiled, Placement, backlash_parameter, backlash_text, control_state,
 };
-use crate::write::control_text::Instead;
-use crate::write::family::Family;
+use crate::write::family::{Emitted, Family};
 use crate::write::grid::LengthDigit;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
@@ -82,41 +81,15 @@ impl Family for GenericFacts {
         })
     }
 
-    fn uses(&self, _mechanism: Mechanism, _plan: &Plan, _tables: &Tables) -> bool {
-        true
-    }
-
-    fn context(
-        &self,
-        task: Task<'_>,
-        compiled: &Compiled,
-        tables: &Tables,
-        _instead: &Instead<'_>,
-    ) -> Option<Value> {
-        let Tables::Generic(table) = tables else {
-            return None;
-        };
-        let is_rounded = |row: &GenericRow| task.detection_unit_um(row.term.of).is_some();
-        let mut seen = sheet::context(table, self, &compiled.state);
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+        let table: &GenericTable = emitted.tables.own()?;
+        let is_rounded = |row: &GenericRow| emitted.task.detection_unit_um(row.term.of).is_some();
+        let mut seen = sheet::context(table, self, &emitted.compiled.state);
         if !table.rows.iter().all(is_rounded) {
             seen["sheet"] = json!([]); // nobody types nine decimals
         }
         seen["rows"] = context(table);
         Some(seen)
-    }
-
-    fn belongs(&self, _mechanism: Mechanism, _table: &PlannedTable) -> bool {
-        false
-    }
-
-    fn proof_tables(
-        &self,
-        _task: Task<'_>,
-        _plan: &Plan,
-        _kit: &Tables,
-        _proof: (Mechanism, ErrorTerm, &Bump),
-    ) -> Option<Tables> {
-        None
     }
 }
 

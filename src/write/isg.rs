@@ -10,7 +10,7 @@ use crate::control::claims::Precondition;
 use crate::control::controller::{ControlUnit, FileFormat, IsgFacts, LeverOrigin, Mechanism};
 use crate::control::table::Tables;
 use crate::control::table::isg::{Curve, IsgTables, Parameter, Point};
-use crate::inputs::job::{Compensation, WantedTerms};
+use crate::inputs::job::WantedTerms;
 use crate::machine::model::Measured;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::chain::{Chain, unit};
@@ -18,13 +18,12 @@ use crate::quantity::curve::{ErrorCurve, Interpolation};
 use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, power_of_ten, rounded};
 use crate::text::problem::{Problem, Problems};
 use crate::write::compiled::{
-    Bump, Compiled, Placement, backlash_parameter, backlash_text, control_state,
+    Compiled, Placement, backlash_parameter, backlash_text, control_state,
 };
-use crate::write::control_text::{Instead, fixed};
-use crate::write::family::Family;
+use crate::write::control_text::fixed;
+use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
-use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use serde_json::{Value, json};
 
@@ -41,14 +40,6 @@ impl Family for IsgFacts {
             unit: ControlUnit::Millimetre,
             decimals: self.position_decimals.value,
         }
-    }
-
-    fn takes_directions(&self, _term: ErrorTerm) -> bool {
-        false
-    }
-
-    fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
-        None
     }
 
     fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
@@ -94,16 +85,8 @@ impl Family for IsgFacts {
         }
     }
 
-    fn context(
-        &self,
-        _task: Task<'_>,
-        _compiled: &Compiled,
-        tables: &Tables,
-        _instead: &Instead<'_>,
-    ) -> Option<Value> {
-        let Tables::Isg(tables) = tables else {
-            return None;
-        };
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+        let tables: &IsgTables = emitted.tables.own()?;
         let axis = |(axis, number): (Axis, &Option<u32>)| {
             let number = number.map_or(String::new(), |number| number.to_string());
             json!({ "letter": axis.to_string(), "number": number })
@@ -122,26 +105,12 @@ impl Family for IsgFacts {
         }))
     }
 
-    fn belongs(&self, _mechanism: Mechanism, _table: &PlannedTable) -> bool {
-        true
-    }
-
     /// Angles are 0 too, so nothing but the bump acts.
-    fn proof_tables(
-        &self,
-        _task: Task<'_>,
-        _plan: &Plan,
-        kit: &Tables,
-        (_, term, bump): (Mechanism, ErrorTerm, &Bump),
-    ) -> Option<Tables> {
-        let Tables::Isg(kit) = kit else {
-            return None;
-        };
+    fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
+        let kit: &IsgTables = proof.kit.own()?;
         let of_kit = kit.curves.iter().map(|curve| {
-            let deviations = match curve.parameter == Parameter::Deviation(term) {
-                true => bump.deviations(),
-                false => vec![Deviation::ZERO; curve.points.len()],
-            };
+            let has_bump = curve.parameter == Parameter::Deviation(proof.term);
+            let deviations = proof.deviations(has_bump, curve.points.len());
             let points = curve.points.iter().zip(deviations);
             let point = |(point, d): (&Point, Deviation)| Point {
                 value: self.value(d),

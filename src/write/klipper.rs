@@ -7,20 +7,18 @@
 
 use crate::control::claims::Precondition;
 use crate::control::control_state::ControlState;
-use crate::control::controller::{ControlUnit, KlipperFacts, Mechanism};
+use crate::control::controller::{ControlUnit, KlipperFacts};
 use crate::control::table::Tables;
 use crate::control::table::klipper::{FACTORS, KlipperTables, Skew, factor_name};
-use crate::inputs::job::Compensation;
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::fit::{Nodes, residual};
 use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, power_of_ten, rounded};
 use crate::text::problem::{Problem, Problems};
-use crate::write::compiled::{Bump, Compiled, Placement, control_state};
-use crate::write::control_text::{Instead, fixed};
-use crate::write::family::Family;
+use crate::write::compiled::{Compiled, Placement, control_state};
+use crate::write::control_text::fixed;
+use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
-use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use serde_json::{Value, json};
 
@@ -55,14 +53,6 @@ impl Family for KlipperFacts {
         }
     }
 
-    fn takes_directions(&self, _term: ErrorTerm) -> bool {
-        false
-    }
-
-    fn budget(&self, _compensation: &Compensation) -> Option<TableStock> {
-        None
-    }
-
     fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
         (u32::MAX, "a factor")
     }
@@ -88,20 +78,9 @@ impl Family for KlipperFacts {
         })
     }
 
-    fn uses(&self, _mechanism: Mechanism, _plan: &Plan, _tables: &Tables) -> bool {
-        true
-    }
-
-    fn context(
-        &self,
-        _task: Task<'_>,
-        _compiled: &Compiled,
-        tables: &Tables,
-        _instead: &Instead<'_>,
-    ) -> Option<Value> {
-        let Tables::Klipper(KlipperTables { skew: Some(skew) }) = tables else {
-            return None;
-        };
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+        let tables: &KlipperTables = emitted.tables.own()?;
+        let skew = tables.skew.as_ref()?;
         let factors = FACTORS.iter().zip(skew.factors());
         let factors = factors.map(|((_, name), factor)| {
             json!({ "name": name, "value": fixed(factor, self.value_decimals.value) })
@@ -120,25 +99,15 @@ impl Family for KlipperFacts {
         planes.map(shown).collect()
     }
 
-    fn belongs(&self, _mechanism: Mechanism, _table: &PlannedTable) -> bool {
-        true
-    }
-
     fn proves_by_slope(&self) -> bool {
         true
     }
 
-    fn proof_tables(
-        &self,
-        _task: Task<'_>,
-        _plan: &Plan,
-        _kit: &Tables,
-        (_, term, bump): (Mechanism, ErrorTerm, &Bump),
-    ) -> Option<Tables> {
-        let [from, peak, _] = bump.places();
-        let slope = bump.height().um() / (peak - from).mm();
+    fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
+        let [from, peak, _] = proof.bump.places();
+        let slope = proof.bump.height().um() / (peak - from).mm();
         let factor = self.factor(Deviation::from_um(slope));
-        let factors = FACTORS.map(|(own, _)| if own == term { factor } else { 0.0 });
+        let factors = FACTORS.map(|(own, _)| if own == proof.term { factor } else { 0.0 });
         let skew = Some(Skew::none(PROOF).with(factors));
         Some(Tables::Klipper(KlipperTables { skew }))
     }

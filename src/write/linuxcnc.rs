@@ -21,9 +21,9 @@ use crate::inputs::job::Compensation;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{Deviation, power_of_ten, rounded};
 use crate::text::problem::Problems;
-use crate::write::compiled::{Bump, Compiled, Placement, column, control_state};
-use crate::write::control_text::{Instead, fixed, trimmed};
-use crate::write::family::Family;
+use crate::write::compiled::{Compiled, Placement, column, control_state};
+use crate::write::control_text::{fixed, trimmed};
+use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
@@ -110,20 +110,12 @@ impl Family for LinuxcncFacts {
         }
     }
 
-    fn context(
-        &self,
-        task: Task<'_>,
-        _compiled: &Compiled,
-        tables: &Tables,
-        _instead: &Instead<'_>,
-    ) -> Option<Value> {
-        let Tables::Linuxcnc(tables) = tables else {
-            return None;
-        };
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+        let tables: &LinuxcncTables = emitted.tables.own()?;
         let joints = tables.joints.iter().map(|table| self.seen(table));
         let mut seen = self.hal_context(&tables.cross);
         seen["joints"] = joints.collect::<Vec<Value>>().into();
-        seen["controller_reference"] = task.reference_text().into();
+        seen["controller_reference"] = emitted.task.reference_text().into();
         Some(seen)
     }
 
@@ -146,33 +138,21 @@ impl Family for LinuxcncFacts {
     }
 
     /// Both columns of every joint of the term have the bump, so that the two sides of a gantry move alike.
-    fn proof_tables(
-        &self,
-        task: Task<'_>,
-        plan: &Plan,
-        kit: &Tables,
-        (mechanism, term, bump): (Mechanism, ErrorTerm, &Bump),
-    ) -> Option<Tables> {
-        let Tables::Linuxcnc(kit) = kit else {
-            return None;
-        };
-        if mechanism == Mechanism::Hal {
-            let deviations = |table: &PlannedTable| match table.term == term {
-                true => bump.deviations(),
-                false => vec![Deviation::ZERO; table.values.len()],
-            };
-            let cross = self.cross_tables(task, plan, deviations);
+    fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
+        let kit: &LinuxcncTables = proof.kit.own()?;
+        if proof.mechanism == Mechanism::Hal {
+            let cross = self.cross_tables(proof.task, proof.plan, |table| {
+                proof.deviations(table.term == proof.term, table.values.len())
+            });
             let joints = Vec::new();
             return Some(Tables::Linuxcnc(LinuxcncTables { joints, cross }));
         }
-        let own = &plan.names[term.of];
+        let own = &proof.plan.names[proof.term.of];
         let of_kit = kit.joints.iter().map(|table| {
-            let deviations = match own.contains(&table.joint.to_string()) {
-                true => bump.deviations(),
-                false => vec![Deviation::ZERO; table.rows.len()],
-            };
+            let has_bump = own.contains(&table.joint.to_string());
+            let deviations = proof.deviations(has_bump, table.rows.len());
             let rows = table.rows.iter().zip(deviations);
-            let row = |(row, d): (&Row, Deviation)| self.row(task, row.nominal, [d, d]);
+            let row = |(row, d): (&Row, Deviation)| self.row(proof.task, row.nominal, [d, d]);
             CompTable {
                 rows: rows.map(row).collect(),
                 ..table.clone()

@@ -24,9 +24,9 @@ use crate::inputs::job::Compensation;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{Deviation, UM_PER_MM, power_of_ten};
 use crate::text::problem::Problems;
-use crate::write::compiled::{Bump, Compiled, Placement, control_state};
-use crate::write::control_text::{Instead, trimmed};
-use crate::write::family::Family;
+use crate::write::compiled::{Compiled, Placement, control_state};
+use crate::write::control_text::trimmed;
+use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::grid::{Grid, LengthDigit, as_number};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
@@ -121,17 +121,9 @@ impl Family for SiemensFacts {
         }
     }
 
-    fn context(
-        &self,
-        task: Task<'_>,
-        compiled: &Compiled,
-        tables: &Tables,
-        instead: &Instead<'_>,
-    ) -> Option<Value> {
-        let Tables::Siemens(tables) = tables else {
-            return None;
-        };
-        Some(context::context(task, compiled, tables, self, instead))
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+        let tables: &SiemensTables = emitted.tables.own()?;
+        Some(context::context(emitted, tables, self))
     }
 
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
@@ -145,8 +137,6 @@ impl Family for SiemensFacts {
         }
     }
 
-    /// Every physical axis of the term has the bump, so that the two sides of a gantry move alike; CEC tables
-    /// of the term have it in both directions.
     /// One place of each table: where it holds most.
     fn displayed(&self, tables: &Tables, state: &ControlState) -> Vec<String> {
         let Tables::Siemens(tables) = tables else {
@@ -168,26 +158,17 @@ impl Family for SiemensFacts {
         lec.chain(cec).collect()
     }
 
-    fn proof_tables(
-        &self,
-        task: Task<'_>,
-        plan: &Plan,
-        kit: &Tables,
-        (mechanism, term, bump): (Mechanism, ErrorTerm, &Bump),
-    ) -> Option<Tables> {
-        let Tables::Siemens(kit) = kit else {
-            return None;
-        };
-        let pairs = axis_pairs(&plan.names, term);
+    /// Every physical axis of the term has the bump, so that the two sides of a gantry move alike; CEC tables
+    /// of the term have it in both directions.
+    fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
+        let kit: &SiemensTables = proof.kit.own()?;
+        let pairs = axis_pairs(&proof.plan.names, proof.term);
         let contents = |pair: (&str, &str), sign: TableSign, count: usize| {
-            let deviations = match pairs.contains(&pair) {
-                true => bump.deviations(),
-                false => vec![Deviation::ZERO; count],
-            };
-            values(task, self, &deviations, sign)
+            let deviations = proof.deviations(pairs.contains(&pair), count);
+            values(proof.task, self, &deviations, sign)
         };
         let mut tables = SiemensTables::default();
-        if mechanism == Mechanism::EncComp {
+        if proof.mechanism == Mechanism::EncComp {
             tables.lec.clone_from(&kit.lec);
         } else {
             tables.cec.clone_from(&kit.cec);

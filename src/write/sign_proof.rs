@@ -19,7 +19,7 @@ use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::units::Millimetres;
 use crate::text::finding::Finding;
 use crate::write::compiled::{Compiled, whole_below};
-use crate::write::family::family;
+use crate::write::family::{ProofOf, family};
 use crate::write::findings::TableFinding;
 use crate::write::grid::Grid;
 use crate::write::task::{Plan, PlannedTable, Task};
@@ -48,8 +48,14 @@ pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProo
         let limits = family.section_limits(mechanism).into_iter();
         let mut bumps = limits.filter_map(|limit| highest(task, compiled, &planned, limit));
         let proof = bumps.next().and_then(|(term, bump)| {
-            let proof = (mechanism, term, &bump);
-            let tables = family.proof_tables(task, plan, &compiled.tables, proof)?;
+            let tables = family.proof_tables(&ProofOf {
+                task,
+                plan,
+                kit: &compiled.tables,
+                mechanism,
+                term,
+                bump: &bump,
+            })?;
             Some(SignProof {
                 of,
                 term,

@@ -27,6 +27,7 @@ pub fn from_read_out(
 ) -> Result<ActiveControl, Problems> {
     let mut reading = ReadOutReader {
         job,
+        texts: &[],
         names: axis_names(job, profile)?,
         purpose,
         others: Others::default(),
@@ -34,8 +35,12 @@ pub fn from_read_out(
         findings: Vec::new(),
     };
     let texts = texts(profile, path, &files, &mut reading)?;
-    let found = family(&profile.dialect).read_out(&mut reading, &texts)?;
-    drop(texts);
+    let texts: Vec<(&str, &str)> = texts
+        .iter()
+        .map(|(name, text)| (&**name, &**text))
+        .collect();
+    reading.texts = &texts;
+    let found = family(&profile.dialect).read_out(&mut reading)?;
     let own = job.compensation.control_unit;
     if let Some(unit) = found.unit.filter(|unit| *unit != own) {
         let (unit, own) = (unit.word(), own.word());
@@ -47,11 +52,11 @@ pub fn from_read_out(
     let state = stated(job, profile, &backlash_um)?;
     let origin = Origin::ReadOut(found.held);
     problems.or_ok(ActiveControl {
-        files,
         held_backlash: Axis::ALL.map(|axis| found.backlash[axis].clone()).concat(),
         others: reading.others,
         assumptions: reading.assumptions,
         findings: reading.findings,
+        files,
         ..ActiveControl::new(path, origin, found.tables, state, backlash_um)
     })
 }

@@ -182,9 +182,23 @@ pub(crate) struct Found {
     pub(crate) unit: Option<ControlUnit>,
 }
 
+impl Found {
+    /// Tables that all acted, and nothing beside them.
+    pub(crate) fn all(tables: Tables) -> Found {
+        Found {
+            held: Held::plain(tables.clone()),
+            tables,
+            backlash: PerAxis::default(),
+            unit: None,
+        }
+    }
+}
+
 /// A read-out against a job, while it is read.
 pub(crate) struct ReadOutReader<'a> {
     pub(crate) job: &'a Job,
+    /// The files, an archive as its files: names and texts.
+    pub(crate) texts: &'a [(&'a str, &'a str)],
     pub(crate) names: PerAxis<Vec<String>>,
     pub(crate) purpose: ReadOutFor,
     pub(crate) others: Others,

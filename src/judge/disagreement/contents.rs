@@ -10,7 +10,7 @@ use super::entries::{Entries, Item, Value};
 use crate::control::controller::Profile;
 use crate::control::table::Tables;
 use crate::judge::before::Before;
-use crate::judge::family::family;
+use crate::judge::family::{Side, family};
 use crate::judge::findings::{Difference, InControl, listed};
 use crate::read::ReadBack;
 use crate::text::finding::Finding;
@@ -30,8 +30,15 @@ pub fn contents(
     let mut found = match wanted == &read.tables {
         true => Vec::new(),
         false => {
-            let own = family.entries(wanted, &read.tables, diagnosis);
-            let got = family.entries(&read.tables, wanted, diagnosis);
+            let entries = |tables, others| {
+                family.entries(&Side {
+                    tables,
+                    others,
+                    diagnosis,
+                })
+            };
+            let own = entries(wanted, &read.tables);
+            let got = entries(&read.tables, wanted);
             differences(&own, &got, diagnosis.is_some())
         }
     };

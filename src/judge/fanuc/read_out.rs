@@ -8,7 +8,6 @@ use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::power_of_ten;
-use crate::read::Text;
 use crate::read::fanuc::{merge, read_out};
 use crate::text::problem::Problems;
 
@@ -22,14 +21,10 @@ const IDLE_AT_ZERO: [(u32, u32); 5] = [
 ];
 
 /// Reads the files of a control.
-pub(super) fn read(
-    reading: &mut ReadOutReader<'_>,
-    facts: &FanucFacts,
-    texts: &[Text<'_>],
-) -> Result<Found, Problems> {
+pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Result<Found, Problems> {
     let mut problems = Problems::none();
     let mut memories = Vec::new();
-    for (name, text) in texts {
+    for (name, text) in reading.texts {
         let unit = reading.job.compensation.control_unit;
         if let Some(read) = problems.take(read_out(name, text, facts, unit)) {
             memories.push(read.memory);
@@ -37,7 +32,7 @@ pub(super) fn read(
                 reading.take(of_spindle(&parameter), InControl::Spindle { parameter });
             }
             if read.passed_over > 0 {
-                let (file, count, what) = (name.clone(), read.passed_over, "other parameters");
+                let (file, count, what) = (name.to_string(), read.passed_over, "other parameters");
                 reading.tell(InControl::PassedOver { file, count, what });
             }
         }

@@ -12,16 +12,17 @@ use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::UM_PER_MM;
+use crate::read::file_of;
 use crate::read::siemens::{
     MachineDatum, MachineValue, ReadOut, SiemensContents, has_active_data, is_switch, merge,
     read_out,
 };
-use crate::read::{Text, file_of};
 use crate::text::problem::Problems;
 use std::collections::BTreeMap;
 
 /// Reads the files of a control.
-pub(super) fn read(reading: &mut ReadOutReader<'_>, texts: &[Text<'_>]) -> Result<Found, Problems> {
+pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
+    let texts = reading.texts;
     // Where part programs are all that there is, they count.
     let reads_programs = !texts.iter().any(|(name, text)| has_active_data(name, text));
     let contents = contents(texts, reads_programs, reading)?;
@@ -63,7 +64,7 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, texts: &[Text<'_>]) -> Resul
 
 /// What the texts of a read-out hold, one by one.
 fn contents(
-    texts: &[Text<'_>],
+    texts: &[(&str, &str)],
     reads_programs: bool,
     reading: &mut ReadOutReader<'_>,
 ) -> Result<Vec<SiemensContents>, Problems> {

@@ -6,31 +6,29 @@
 use crate::control::controller::{FanucFacts, Mechanism, TableSign};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Deviation;
 use crate::write::compiled::Bump;
+use crate::write::family::ProofOf;
 use crate::write::grid::{as_number, whole};
-use crate::write::task::{Plan, axis_pairs};
+use crate::write::task::axis_pairs;
 
 const MOST_SETS: u32 = 6;
 
 /// What the file of a mechanism writes.
 pub(super) fn memory(
-    plan: &Plan,
+    proof: &ProofOf<'_>,
     facts: &FanucFacts,
     kit: &FanucMemory,
-    mechanism: Mechanism,
-    (term, bump): (ErrorTerm, &Bump),
 ) -> Option<FanucMemory> {
-    let pairs: Vec<(u32, u32)> = axis_pairs(&plan.names, term)
+    let pairs: Vec<(u32, u32)> = axis_pairs(&proof.plan.names, proof.term)
         .iter()
         .map(|(base, output)| Some((base.parse().ok()?, output.parse().ok()?)))
         .collect::<Option<_>>()?;
     let mut out = FanucMemory::default();
-    if mechanism == Mechanism::Pitch {
+    if proof.mechanism == Mechanism::Pitch {
         for (axis, run) in runs(kit) {
             let has_bump = pairs.iter().any(|(_, output)| *output == axis);
-            let bump = has_bump.then_some(bump);
+            let bump = has_bump.then_some(proof.bump);
             for first in std::iter::once(run.first).chain(run.second) {
                 increments(run, first, facts.pitch_sign.value, bump, &mut out);
             }
@@ -39,10 +37,10 @@ pub(super) fn memory(
     }
     for set in sets(kit) {
         let has_bump = pairs.contains(&(set.moving, set.output));
-        let bump = has_bump.then_some(bump);
+        let bump = has_bump.then_some(proof.bump);
         let sign = facts.straightness_sign.value;
         let run = run(kit, set.moving)?;
-        if mechanism == Mechanism::PerPoint {
+        if proof.mechanism == Mechanism::PerPoint {
             let start = facts.straightness_start_parameter.value + set.index;
             increments(run, held(kit, start, None)?, sign, bump, &mut out);
         } else {

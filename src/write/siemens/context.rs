@@ -6,19 +6,24 @@ use crate::control::table::siemens::{
     CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
 };
 use crate::quantity::axis::Direction;
-use crate::write::compiled::{Compiled, Placement};
-use crate::write::control_text::{Instead, fixed};
+use crate::write::compiled::Placement;
+use crate::write::control_text::fixed;
+use crate::write::family::Emitted;
 use crate::write::siemens::parameters::at_reference;
 use crate::write::task::Task;
 use serde_json::{Value, json};
 
 pub(super) fn context(
-    task: Task<'_>,
-    compiled: &Compiled,
+    emitted: &Emitted<'_>,
     tables: &SiemensTables,
     facts: &SiemensFacts,
-    instead: &Instead<'_>,
 ) -> Value {
+    let Emitted {
+        task,
+        compiled,
+        instead,
+        ..
+    } = *emitted;
     let digits = Digits {
         facts,
         as_read: instead.as_read,
