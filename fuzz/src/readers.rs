@@ -216,55 +216,38 @@ pub fn fanuc(input: &[u8]) -> Answer {
     read_fanuc::merge(vec![memory.clone(), memory]).map(|_| format!("{read_out}"))
 }
 
+/// What the reader of a control makes of files of a kit.
+fn kit<'a>(id: &str, files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Answer {
+    let role = Role::Table;
+    let files = files.map(|(path, bytes)| KitFile { path, role, bytes });
+    let read = nonius::read::read(&built_in(id)?, &files.collect::<Vec<_>>())?;
+    Ok(format!("{read:?}"))
+}
+
+/// The same of the parts of a bundle.
+fn bundle(id: &str, input: &[u8]) -> Answer {
+    let parts = Bundle::read(input).0;
+    kit(id, parts.iter().map(|(path, bytes)| (&**path, &**bytes)))
+}
+
 /// The ini lines of a machine, the tables that they name and a HAL file: the parts of a bundle.
 pub fn linuxcnc(input: &[u8]) -> Answer {
-    let profile = built_in("linuxcnc-hal")?;
-    let bundle = Bundle::read(input);
-    let files = bundle.0.iter().map(|(path, bytes)| KitFile {
-        path,
-        role: Role::Table,
-        bytes,
-    });
-    let files: Vec<KitFile<'_>> = files.collect();
-    let read = nonius::read::read(&profile, &files)?;
-    Ok(format!("{read:?}"))
+    bundle("linuxcnc-hal", input)
 }
 
 /// A file of a control whose profile declares it.
 pub fn declared(input: &[u8]) -> Answer {
-    let bytes = input;
-    let file = KitFile {
-        path: "axeserr.dat",
-        role: Role::Table,
-        bytes,
-    };
-    let read = nonius::read::read(&built_in("weihong")?, &[file])?;
-    Ok(format!("{read:?}"))
+    kit("weihong", std::iter::once(("axeserr.dat", input)))
 }
 
 /// The list of a volumetric compensation and its parameter files: the parts of a bundle.
 pub fn isg(input: &[u8]) -> Answer {
-    let profile = built_in("isg-volcomp")?;
-    let bundle = Bundle::read(input);
-    let files = bundle.0.iter().map(|(path, bytes)| KitFile {
-        path,
-        role: Role::Table,
-        bytes,
-    });
-    let files: Vec<KitFile<'_>> = files.collect();
-    let read = nonius::read::read(&profile, &files)?;
-    Ok(format!("{read:?}"))
+    bundle("isg-volcomp", input)
 }
 
 /// A configuration of Klipper.
 pub fn klipper(input: &[u8]) -> Answer {
-    let file = KitFile {
-        path: "printer.cfg",
-        role: Role::Table,
-        bytes: input,
-    };
-    let read = nonius::read::read(&built_in("klipper-skew")?, &[file])?;
-    Ok(format!("{read:?}"))
+    kit("klipper-skew", std::iter::once(("printer.cfg", input)))
 }
 
 /// The generic table.
