@@ -58,19 +58,37 @@ fn expect_verdict(directory: &Path, what: &str, status: i32, says: &str) {
     assert!(told.contains(says), "{what}: expected `{says}` in\n{told}");
 }
 
+/// What `verify` says of a kit with one file changed, which is put back.
+fn expect_of_changed(
+    directory: &Path,
+    (what, file): (&str, &str),
+    change: impl Fn(&str) -> String,
+    (status, says): (i32, &str),
+) {
+    let path = directory.join("kit").join(file);
+    let good = fs::read_to_string(&path).expect("the file is there");
+    let bad = change(&good);
+    assert_ne!(good, bad, "{what}: nothing was changed");
+    fs::write(&path, bad).expect("the file can be written");
+    expect_verdict(directory, what, status, says);
+    fs::write(&path, good).expect("the file can be written");
+}
+
 fn find_all(control: &str, changes: &[Change]) {
-    let (directory, kit) = kit(control);
+    let (directory, _) = kit(control);
     expect_verdict(directory.path(), "untouched", 0, "job and tables agree");
     for change in changes {
-        let path = kit.join(change.file);
-        let good = fs::read_to_string(&path).expect("the file is there");
-        let lines: Vec<String> = good.split('\n').filter_map(change.line).collect();
-        let bad = lines.join("\n");
-        assert_ne!(good, bad, "{}: nothing was changed", change.what);
-        fs::write(&path, bad).expect("the file can be written");
-        expect_verdict(directory.path(), change.what, change.status, change.says);
-        fs::write(&path, good).expect("the file can be written");
+        let lines = |good: &str| {
+            let lines: Vec<String> = good.split('\n').filter_map(change.line).collect();
+            lines.join("\n")
+        };
+        let (file, said) = ((change.what, change.file), (change.status, change.says));
+        expect_of_changed(directory.path(), file, lines, said);
     }
+}
+
+fn behind_first_percent(text: &str, blocks: &str) -> String {
+    text.replacen('%', &format!("%\n{blocks}"), 1)
 }
 
 /// The line with the number behind `mark` changed, if it begins with `head`.
@@ -91,6 +109,12 @@ fn without(line: &str, head: &str) -> Option<String> {
 fn replaced(line: &str, from: &str, to: &str) -> Option<String> {
     Some(line.replace(from, to))
 }
+
+#[path = "tampered/what_others_own.rs"]
+mod what_others_own;
+
+#[path = "tampered/as_a_control_reads.rs"]
+mod as_a_control_reads;
 
 const EEC: &str = "NONIUS_EEC.MPF";
 const CEC: &str = "NONIUS_CEC.MPF";
@@ -429,462 +453,6 @@ fn a_whole_file_missing() {
         let says = format!("`{file}` is listed in manifest.json but missing");
         expect_verdict(directory.path(), file, 1, &says);
     }
-}
-
-/// A file, what becomes of its text, and what `verify` says.
-type Foreign = (&'static str, fn(&str) -> String, &'static str);
-
-/// Kits without manifest, as they are read out of a control: only the contents can tell.
-#[test]
-fn what_the_job_does_not_own() {
-    const ON: &str = "NONIUS_ENABLE.MPF";
-    const OFF: &str = "NONIUS_DISABLE.MPF";
-    const MEMORY: &str = "NONIUS_MEMORY.TXT";
-    let siemens: [Foreign; 9] = [
-        (
-            ON,
-            |text| text.replace("NEWCONF", "$MA_BACKLASH[0,AX1]=0.5\nNEWCONF"),
-            "`NONIUS_ENABLE.MPF` sets $MA_BACKLASH[0,AX1] = 0.5: the job does not write it there",
-        ),
-        (
-            ON,
-            |text| text.replace("$MA_ENC_COMP_ENABLE[0,AX1]=1\n", ""),
-            "the enable file does not switch on ENC_COMP[0,AX1] (MD32700): not written, expected 1",
-        ),
-        (
-            ON,
-            |_| "M30\n".to_string(),
-            "the enable file does not switch on ENC_COMP[0,AX1] (MD32700), ENC_COMP[0,AX2]",
-        ),
-        (
-            OFF,
-            |text| text.replace("=0", "=1"),
-            "the disable file does not switch off ENC_COMP[0,AX1] (MD32700), ENC_COMP[0,AX2]",
-        ),
-        (
-            MEMORY,
-            |text| text.replace("POINTS[0,AX1]=31", "POINTS[0,AX1]=3"),
-            "the memory file does not reserve enough for ENC_COMP[0,AX1] (MD38000): set to 3, expected at least 31",
-        ),
-        (
-            MEMORY,
-            |text| text.replace("N38000 $MA_MM_ENC_COMP_MAX_POINTS[0,AX1]=31\n", ""),
-            "the memory file does not reserve enough for ENC_COMP[0,AX1] (MD38000): not written, expected at least 31",
-        ),
-        (
-            EEC,
-            |text| text.replace("M30", "$MA_ENC_COMP_ENABLE[0,AX1]=1\nM30"),
-            "`NONIUS_EEC.MPF` sets $MA_ENC_COMP_ENABLE[0,AX1] = 1: the job does not write it",
-        ),
-        (
-            CEC,
-            |text| {
-                let table = "$AN_CEC[40,0]=0\n$AN_CEC[40,1]=0\n$AN_CEC_INPUT_AXIS[40]=(AX1)\n\
-                             $AN_CEC_OUTPUT_AXIS[40]=(AX2)\n$AN_CEC_STEP[40]=50\n\
-                             $AN_CEC_MIN[40]=0\n$AN_CEC_MAX[40]=50\n";
-                text.replace("M30", &format!("{table}M30"))
-            },
-            "CEC table 40 (AX2 while AX1 moves): the job does not write it",
-        ),
-        (
-            CEC,
-            |text| {
-                text.replace("$AN_CEC[0,", "$AN_CEC[50,")
-                    .lines()
-                    .map(|line| match line.starts_with("$AN_CEC_") {
-                        true => line.replace("[0]=", "[50]=") + "\n",
-                        false => line.to_string() + "\n",
-                    })
-                    .collect()
-            },
-            "CEC table 0 (AX2 while AX1 moves): missing, the job writes it",
-        ),
-    ];
-    foreign_contents("siemens-840d-sl", &siemens);
-    let (points, parameters) = ("PITCH.TXT", "CNC-PARA.TXT");
-    let fanuc: [Foreign; 4] = [
-        (
-            points,
-            |text| behind_first_percent(text, "N11200Q0P5\nN11201Q0P5\n"),
-            "points 1200 to 1201: the job does not write them",
-        ),
-        (
-            parameters,
-            |text| behind_first_percent(text, "N01320Q1A1P100\n"),
-            "parameter 1320 of axis 1 = 100: the job does not write it",
-        ),
-        (
-            parameters,
-            |text| behind_first_percent(text, "N01851Q1A4P20\n"),
-            "parameter 1851 of axis 4 = 20: the job does not write it",
-        ),
-        (
-            points,
-            |text| behind_first_percent(text, "N11200Q0P0\n"),
-            "point 1200: the job does not write it",
-        ),
-    ];
-    foreign_contents("fanuc-30i", &fanuc);
-}
-
-fn behind_first_percent(text: &str, blocks: &str) -> String {
-    text.replacen('%', &format!("%\n{blocks}"), 1)
-}
-
-fn foreign_contents(control: &str, cases: &[Foreign]) {
-    let (directory, kit) = kit(control);
-    fs::remove_file(kit.join("manifest.json")).expect("the file can be removed");
-    expect_verdict(directory.path(), "untouched", 0, "job and tables agree");
-    for (file, change, says) in cases {
-        let path = kit.join(file);
-        let good = fs::read_to_string(&path).expect("the file is there");
-        let bad = change(&good);
-        assert_ne!(good, bad, "{file}: nothing was changed");
-        fs::write(&path, bad).expect("the file can be written");
-        expect_verdict(directory.path(), file, 1, says);
-        fs::write(&path, good).expect("the file can be written");
-    }
-}
-
-/// A file, what becomes of its text, the status, and what `verify` says.
-type Read = (&'static str, fn(&str) -> String, i32, &'static str);
-
-/// What a control and a reader could understand differently, in kits without manifest: a value that the
-/// reader takes must be one that the control gets. Sources: docs/siemens.md §3.3, docs/fanuc.md §3.4.
-fn judged_as_a_control_would(control: &str, cases: &[Read]) {
-    let (directory, kit) = kit(control);
-    fs::remove_file(kit.join("manifest.json")).expect("the file can be removed");
-    for (file, change, status, says) in cases {
-        let path = kit.join(file);
-        let good = fs::read_to_string(&path).expect("the file is there");
-        let bad = change(&good);
-        assert_ne!(good, bad, "{file}: nothing was changed");
-        fs::write(&path, &bad).expect("the file can be written");
-        let what = format!("{file}: {says}");
-        expect_verdict(directory.path(), &what, *status, says);
-        fs::write(&path, good).expect("the file can be written");
-    }
-}
-
-#[test]
-fn siemens_files_are_read_as_the_control_reads_them() {
-    const ON: &str = "NONIUS_ENABLE.MPF";
-    const OFF: &str = "NONIUS_DISABLE.MPF";
-    let cases: [Read; 14] = [
-        (
-            EEC,
-            |text| format!("STOPRE\n{}", text.replace("M30", "STOPRE\nM30")),
-            0,
-            "job and tables agree",
-        ),
-        (
-            CEC,
-            |text| format!("NEWCONF\n{}", text.replace("M30", "newconf\nM30")),
-            0,
-            "job and tables agree",
-        ),
-        (
-            ON,
-            |text| text.replace("NEWCONF\n", ""),
-            0,
-            "note: `NONIUS_ENABLE.MPF` sets $MA_ENC_COMP_ENABLE[0,AX1] and no NEWCONF follows",
-        ),
-        (
-            OFF,
-            |text| format!("NEWCONF\n{}", text.replace("NEWCONF\n", "")),
-            0,
-            "note: `NONIUS_DISABLE.MPF` sets $MA_CEC_ENABLE[AX1] and no NEWCONF follows",
-        ),
-        (
-            EEC,
-            |text| format!("CHANDATA(1)\n{text}"),
-            0,
-            "job and tables agree",
-        ),
-        (
-            EEC,
-            |text| format!("CHANDATA(2)\n{text}"),
-            2,
-            "`CHANDATA(2)` names another channel",
-        ),
-        (
-            CEC,
-            |text| text.replace("M30", "chandata( 02 )\nM30"),
-            2,
-            "`CHANDATA(2)` names another channel",
-        ),
-        (
-            EEC,
-            |text| format!("; a note\u{2028}$AA_ENC_COMP[0,1,AX1]=0.5\n{text}"),
-            2,
-            "character U+2028 in the file",
-        ),
-        (
-            EEC,
-            |text| format!("; a note \u{202e}\n{text}"),
-            2,
-            "character U+202E in the file",
-        ),
-        (
-            EEC,
-            |text| format!("; Fr\u{e4}se\n{text}"),
-            0,
-            "job and tables agree",
-        ),
-        (
-            EEC,
-            |text| text.replacen('\n', "\r", 1),
-            2,
-            "control character U+000D",
-        ),
-        (
-            EEC,
-            |text| format!("%_N_AX_EEC_INI\n;$PATH=/_N_WKS_DIR/_N_A_WPD\n{text}"),
-            2,
-            "does not go to the active data",
-        ),
-        (
-            EEC,
-            |text| format!("%_N_AX_EEC_INI\n;$PATH=/_N_NC_ACT_DIR\n{text}"),
-            0,
-            "job and tables agree",
-        ),
-        (
-            EEC,
-            |text| format!("\u{feff}{text}"),
-            2,
-            "character U+FEFF in the file",
-        ),
-    ];
-    judged_as_a_control_would("siemens-840d-sl", &cases);
-    let no_code: [Read; 7] = [
-        (
-            EEC,
-            |text| format!("GOTOF END\n{text}"),
-            2,
-            "`GOTOF END` does not belong here",
-        ),
-        (
-            EEC,
-            |text| format!("IF R1==0\n{text}"),
-            2,
-            "`IF R1==0` does not belong here",
-        ),
-        (
-            EEC,
-            |text| format!("CALL \"X\"\n{text}"),
-            2,
-            "does not belong here",
-        ),
-        (EEC, |text| format!("/{text}"), 2, "does not belong here"),
-        (
-            EEC,
-            |text| format!("M17\n{text}"),
-            2,
-            "a statement follows the end word",
-        ),
-        (
-            EEC,
-            |text| format!("{text}%_N_B_MPF\nM30\n"),
-            2,
-            "first line",
-        ),
-        (
-            EEC,
-            |text| text.replacen("$AA", "\0$AA", 1),
-            2,
-            "control character U+0000",
-        ),
-    ];
-    judged_as_a_control_would("siemens-840d-sl", &no_code);
-}
-
-#[test]
-fn fanuc_files_are_read_as_the_control_reads_them() {
-    const POINTS: &str = "PITCH.TXT";
-    const PARAMETERS: &str = "CNC-PARA.TXT";
-    let cases: [Read; 14] = [
-        (
-            POINTS,
-            |text| format!("N10003Q0P7\n{text}"),
-            2,
-            "stands before the opening `%`",
-        ),
-        (
-            POINTS,
-            |text| format!("\n{text}"),
-            2,
-            "stands before the opening `%`",
-        ),
-        (
-            POINTS,
-            |text| format!("\u{feff}{text}"),
-            2,
-            "stands before the opening `%`",
-        ),
-        (
-            POINTS,
-            |text| format!("{text}N10003Q0P7\n"),
-            2,
-            "a block stands behind the closing `%`",
-        ),
-        (
-            POINTS,
-            |text| format!("{text}sum 12\nn 10003 Q0P7"),
-            2,
-            "a block stands behind the closing `%`",
-        ),
-        (
-            POINTS,
-            |text| format!("{text}checked by hand\n"),
-            0,
-            "job and tables agree",
-        ),
-        (
-            POINTS,
-            |text| text.replace("\n\r\r", "\r"),
-            2,
-            "carriage return",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("\n\r\rN10002", "\rN10002", 1),
-            2,
-            "carriage return",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("\n\r\rN10000", "\rN10000", 1),
-            2,
-            "carriage return",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("\n\r\rN10002", ";N10002", 1),
-            2,
-            "`;` ends no block",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "n10002", 1),
-            2,
-            "lower case",
-        ),
-        (
-            PARAMETERS,
-            |text| text.replacen("A1P", "A1M", 1),
-            2,
-            "the letter `M`, expected `P`",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "\u{b}N10002", 1),
-            2,
-            "expected",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "\tN10002", 1),
-            0,
-            "job and tables agree",
-        ),
-    ];
-    judged_as_a_control_would("fanuc-30i", &cases);
-    let other_kinds: [Read; 7] = [
-        (
-            POINTS,
-            |text| text.replacen("N10002", "/N10002", 1),
-            2,
-            "found `/`",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "(N10002", 1),
-            2,
-            "a comment",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "M30\nN10002", 1),
-            2,
-            "found `M`",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "%\nN10002", 1),
-            2,
-            "inside the record",
-        ),
-        (
-            POINTS,
-            |text| format!("{text}{text}"),
-            2,
-            "inside the record",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "G10L50\nN10003R5\nG11\nN10002", 1),
-            2,
-            "a G10 program",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "\0N10002", 1),
-            2,
-            "a block that begins with `N` was expected",
-        ),
-    ];
-    judged_as_a_control_would("fanuc-30i", &other_kinds);
-}
-
-/// What the program prints of a machine with the tables in `kit`, without how they are called.
-fn figures(directory: &Path, command: &[&str]) -> String {
-    let arguments = [command, &["job.toml", "--tables", "kit", "-v"]].concat();
-    let output = nonius(directory, &arguments);
-    assert_eq!(output.status.code(), Some(0), "{command:?}");
-    let page = String::from_utf8_lossy(&output.stdout).into_owned();
-    let lines = page.lines().filter(|line| !line.starts_with("note: "));
-    lines.collect::<Vec<_>>().join("\n")
-}
-
-/// A control itself calls its whole parameter file `CNC-PARA.TXT`, with thousands of others in it.
-#[test]
-fn a_whole_parameter_file_is_judged_by_what_concerns_the_tables() {
-    let (directory, kit) = kit("fanuc-30i");
-    let assess: &[&str] = &["assess"];
-    let simulate: &[&str] = &["simulate", "--errors", "--force", "-o", "simulated.csv"];
-    let of_the_kit = [assess, simulate].map(|command| figures(directory.path(), command));
-    fs::remove_file(kit.join("manifest.json")).expect("the file can be removed");
-    let path = kit.join("CNC-PARA.TXT");
-    let good = fs::read_to_string(&path).expect("the file is there");
-    let others = |count: usize| -> String {
-        let blocks = (0..count).map(|k| format!("N{:05}Q1P0\n", 100 + k));
-        blocks.collect()
-    };
-    for other in ["SIGN-PITCH.TXT", "SIGN-STRAIGHT.TXT", "checklist.md"] {
-        fs::remove_file(kit.join(other)).expect("the file can be removed");
-    }
-    let blocks = format!("{}N01240Q1A1P0.0A2P0.0A3P0.0A4P5.0\n", others(200));
-    let whole = behind_first_percent(&good, &blocks);
-    fs::write(&path, &whole).expect("the file can be written");
-    for says in [
-        "job and tables agree",
-        "`CNC-PARA.TXT` holds far more than a kit: taken as read out of the control",
-        "`CNC-PARA.TXT`: 200 other parameters were ignored",
-    ] {
-        expect_verdict(directory.path(), "the whole file", 0, says);
-    }
-    let read_out = [assess, simulate].map(|command| figures(directory.path(), command));
-    assert_eq!(read_out, of_the_kit, "the same tables, the same figures");
-    let moved = whole.replace("N03620Q1A1P0A", "N03620Q1A1P1A");
-    assert_ne!(moved, whole, "3620 is changed");
-    fs::write(&path, moved).expect("the file can be written");
-    let says = "EXX (1 while 1 moves): shifted reference";
-    expect_verdict(directory.path(), "the reference moved", 1, says);
-    let few = behind_first_percent(&good, &others(50));
-    fs::write(&path, few).expect("the file can be written");
-    let says = "and 44 more: the job does not write them";
-    expect_verdict(directory.path(), "a kit with others' parameters", 1, says);
 }
 
 #[test]
