@@ -131,6 +131,40 @@ fn every_template_renders() {
     }
 }
 
+/// A profile from the text of its page.
+fn of_page(page: &str) -> Result<Profile, String> {
+    let source = Source::from_bytes("own.toml", page.as_bytes()).unwrap();
+    let template = |name: &str, is_own: bool| (!is_own).then(|| builtin::template(name))?;
+    let own = load::profile(source, ProfileSource::BuiltIn, &template, &builtin::page);
+    own.map_err(|problems| problems.render())
+}
+
+/// A step without an origin is a rule of this program; one with half of it is refused. Facts that pages once had
+/// to state are still taken, and shown.
+#[test]
+fn a_step_without_an_origin_is_a_rule_of_this_program() {
+    let page = |more: &str| {
+        format!(
+            "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"klipper-skew\"\n\
+             [facts.direction]\nvalue = \"none\"\nevidence = \"manual\"\nsource = \"a page\"\n\
+             [[checklist]]\npart = \"Before\"\ntext = \"Read it out.\"\n{more}"
+        )
+    };
+    let own = of_page(&page("")).unwrap();
+    let step = &own.checklist[0].text;
+    assert_eq!(step.source, "a rule of this program, not of the control");
+    assert_eq!(step.evidence, Evidence::Manual);
+    assert!(own.statements.iter().any(|s| s.fact == "direction"));
+    for (half, missing) in [
+        ("source = \"a page\"\n", "`evidence` is missing"),
+        ("consequence = \"none\"\n", "`source` is missing"),
+        ("evidence = \"manual\"\n", "`source` is missing"),
+    ] {
+        let told = of_page(&page(half)).unwrap_err();
+        assert!(told.contains(missing), "{half}: {told}");
+    }
+}
+
 /// Facts of the page itself decide which files of the page below are written, and what is not stated stays.
 #[test]
 fn a_page_is_laid_over_the_one_it_builds_on() {
@@ -138,13 +172,7 @@ fn a_page_is_laid_over_the_one_it_builds_on() {
         [facts.table_form]\nvalue = \"data\"\nevidence = \"manual\"\nsource = \"a page\"\n\
         [facts.cec_sign]\nvalue = \"as_correction\"\nevidence = \"executed\"\nsource = \"a proof\"\n\
         [program]\nextension = \"SPF\"\n";
-    let source = Source::from_bytes("own.toml", page.as_bytes()).unwrap();
-    let own = load::profile(
-        source,
-        ProfileSource::BuiltIn,
-        &|name, is_own| (!is_own).then(|| builtin::template(name))?,
-        &builtin::page,
-    );
+    let own = of_page(page);
     let (own, base) = (own.unwrap(), builtin::profile("siemens-828d").unwrap());
     assert!(own.files.iter().any(|file| file.path.ends_with(".INI")));
     assert!(base.files.iter().all(|file| !file.path.ends_with(".INI")));

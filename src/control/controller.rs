@@ -23,6 +23,7 @@ pub mod program;
 mod siemens;
 
 pub use self::declared::{BesideTable, DeclaredFacts, Order, Size, ValueForm};
+pub(crate) use self::fact::RULE;
 pub use self::fact::{
     Comments, ControlUnit, Evidence, Fact, Mechanism, NumberRange, Outside, Role, Statement,
     TableForm, TableSign,

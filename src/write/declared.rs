@@ -7,7 +7,7 @@
 
 use crate::control::claims::Precondition;
 use crate::control::controller::{
-    BesideTable, ControlUnit, DeclaredFacts, Evidence, Mechanism, Order, Outside, ValueForm,
+    BesideTable, ControlUnit, DeclaredFacts, Evidence, Mechanism, Order, Outside, RULE, ValueForm,
 };
 use crate::control::table::Tables;
 use crate::control::table::declared::{DeclaredTable, DeclaredTables, Point, name};
@@ -308,7 +308,7 @@ impl DeclaredFacts {
             "reference points",
             task.reference_text(),
             "the tables are zero there",
-            "a rule of this program, not of the control",
+            RULE,
         );
         axes.map(of_axis).chain([reference]).collect()
     }

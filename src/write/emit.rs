@@ -336,6 +336,7 @@ fn render_those(
         };
         for (path, item) in items(values, file) {
             seen.insert("item", item);
+            seen.insert("role", file.role.word());
             match templates.text(&file.template_name, &file.template, seen) {
                 Ok(text) => files.push(RenderedFile {
                     path,

@@ -593,7 +593,7 @@ pub(super) fn origin(section: &Section<'_>) -> Option<Fact<()>> {
 }
 
 /// The same, with a consequence where it is assumed.
-pub(super) fn complete_origin(section: &Section<'_>) -> Option<Fact<()>> {
+fn complete_origin(section: &Section<'_>) -> Option<Fact<()>> {
     let origin = origin(section);
     let is_assumed = section.text("evidence").as_deref() == Some(Evidence::Assumed.word());
     if is_assumed && !section.has("consequence") {
@@ -603,4 +603,21 @@ pub(super) fn complete_origin(section: &Section<'_>) -> Option<Fact<()>> {
         );
     }
     origin
+}
+
+/// Where a statement is from that no control makes.
+pub(crate) const RULE: &str = "a rule of this program, not of the control";
+
+/// The same of a step or a key of a job: one that states nothing of it is a rule of this program.
+pub(super) fn origin_or_rule(section: &Section<'_>) -> Option<Fact<()>> {
+    let is_stated = ["evidence", "source", "consequence"].map(|key| section.has(key));
+    match is_stated.contains(&true) {
+        true => complete_origin(section),
+        false => Some(Fact {
+            value: (),
+            evidence: Evidence::Manual,
+            source: RULE.to_string(),
+            consequence: None,
+        }),
+    }
 }

@@ -1,6 +1,6 @@
 //! Keys of a job that a control needs: what only a person at the machine knows, and where it is read there.
 
-use crate::control::controller::fact::{Evidence, Fact, Word, complete_origin};
+use crate::control::controller::fact::{Evidence, Fact, Word, origin_or_rule};
 use crate::text::document::Section;
 use serde::Serialize;
 
@@ -71,7 +71,7 @@ fn job_key(section: &Section<'_>) -> Option<JobKey> {
     let key = section.required_text("key", "a key of a job");
     let text = section.required_text("text", "what to write, and where the control shows it");
     let example = section.text("example");
-    let origin = complete_origin(section);
+    let origin = origin_or_rule(section);
     section.refuse_unknown_keys();
     let Fact {
         evidence,

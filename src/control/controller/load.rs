@@ -181,8 +181,11 @@ fn dialect(family: Option<Known>, facts: &Facts<'_>) -> Option<Dialect> {
     let outside = family.map_or(&[][..], |(family, _)| family.outside);
     let outside: Vec<_> = outside.iter().map(|own| (own.word_of(), *own)).collect();
     facts.read("outside", |f| f.choice("value", &outside));
-    facts.stated::<String>("direction");
-    facts.stated::<String>("value_unit");
+    for told in ["direction", "value_unit"] {
+        if facts.section.has(told) {
+            facts.stated::<String>(told); // pages once had to state it
+        }
+    }
     dialect
 }
 

@@ -1,7 +1,7 @@
 //! `[[files]]`, `[[checklist]]` and `[program]` of a profile.
 
 use crate::control::checklist::{List, ROLES, Step, Subject, When, is_placeholder, pieces};
-use crate::control::controller::fact::{Facts, Word, complete_origin};
+use crate::control::controller::fact::{Facts, Word, origin_or_rule};
 use crate::control::controller::families::proved;
 use crate::control::controller::program::{Language, ProgramFacts};
 use crate::control::controller::{EmittedFile, Mechanism, Role, TableForm};
@@ -184,7 +184,7 @@ pub(super) fn checklist(root: &Section<'_>) -> Option<Vec<Step>> {
 fn step(section: &Section<'_>) -> Option<Step> {
     let part = section.required_text("part", "the heading it stands under");
     let text = section.required_text("text", "what to do");
-    let origin = complete_origin(section);
+    let origin = origin_or_rule(section);
     let list = section.choice("list", List::WORDS);
     let when = section.text("when").map(|words| condition(section, &words));
     section.refuse_unknown_keys();
