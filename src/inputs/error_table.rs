@@ -102,7 +102,7 @@ impl ErrorTable {
 /// comes from one table: two files have two zeros, and what lies between them is not measured.
 impl ErrorTable {
     /// Whether every cell of a table can be read and any value was filled in, whatever was measured.
-    pub fn look_at_cells(source: Source) -> Result<(), Problems> {
+    pub(crate) fn look_at_cells(source: Source) -> Result<(), Problems> {
         let table = ErrorTable::read(source)?;
         let all = table.series.iter().flat_map(|(_, series)| series);
         let is_measured = |s: &Series| {
@@ -124,7 +124,7 @@ impl ErrorTable {
 
     /// One table with the series of all; `None` = there is none. What stands in two of them, or
     /// does not fit together, is a problem at its first row.
-    pub fn merged(tables: Vec<ErrorTable>) -> Result<Option<ErrorTable>, Problems> {
+    pub(crate) fn merged(tables: Vec<ErrorTable>) -> Result<Option<ErrorTable>, Problems> {
         let mut problems = Problems::none();
         let mut tables = tables.into_iter();
         let Some(mut whole) = tables.next() else {

@@ -45,7 +45,7 @@ impl Readings {
     }
 
     /// Whether every cell of a file can be read, whatever was measured.
-    pub fn look_at_cells(source: &Source) -> Result<(), Problems> {
+    pub(crate) fn look_at_cells(source: &Source) -> Result<(), Problems> {
         let (table, _) = rows::columns(source)?;
         rows::rows(&table).map(|_| ())
     }

@@ -54,13 +54,13 @@ impl Worst {
 
 impl Alternative {
     /// The term of which most is left.
-    pub fn worst_term(&self) -> Option<Worst> {
+    pub(crate) fn worst_term(&self) -> Option<Worst> {
         let terms = self.forecast.terms.iter();
         Worst::of(terms.map(|t| (t.term.to_string(), t.change)))
     }
 
     /// The diagonal of which most is left.
-    pub fn worst_diagonal(&self) -> Option<Worst> {
+    pub(crate) fn worst_diagonal(&self) -> Option<Worst> {
         let diagonals = self.forecast.diagonals.iter();
         Worst::of(diagonals.map(|d| (d.name.to_string(), d.change)))
     }

@@ -116,12 +116,12 @@ impl Directory {
     }
 
     /// The files as the readers take them.
-    pub fn kit_files(&self) -> Vec<KitFile<'_>> {
+    pub(crate) fn kit_files(&self) -> Vec<KitFile<'_>> {
         self.files.iter().map(kit_file).collect()
     }
 
     /// The files in the emulated control of the job, with what the manifest says against them.
-    pub fn load(&self, inputs: &Inputs) -> Result<LoadedControl, Problems> {
+    pub(crate) fn load(&self, inputs: &Inputs) -> Result<LoadedControl, Problems> {
         let mut loaded = match self.read_out(inputs)? {
             Some(control) => load_read_out(inputs, &control)?,
             None => load(inputs, &self.kit_files(), self.state.as_ref())

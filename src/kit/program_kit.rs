@@ -48,7 +48,7 @@ impl ProgramKit {
     }
 
     /// The same without readings to be filled in: there is a table for them already.
-    pub fn without_form(mut self) -> ProgramKit {
+    pub(crate) fn without_form(mut self) -> ProgramKit {
         self.files.retain(|file| file.role != FileRole::Readings);
         if let Some(files) = self.manifest["files"].as_array_mut() {
             files.retain(|file| file["role"] != FileRole::Readings.word());
@@ -57,7 +57,7 @@ impl ProgramKit {
     }
 
     /// The bytes of `manifest.json`.
-    pub fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
+    pub(crate) fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
         Ok(manifest::bytes_of_kit(&self.manifest)?)
     }
 }

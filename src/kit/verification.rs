@@ -108,7 +108,7 @@ impl Verification {
     }
 
     /// What no file of the directory does, and what to see to on the control instead.
-    pub fn notes(&self) -> Vec<Finding> {
+    pub(crate) fn notes(&self) -> Vec<Finding> {
         of_severity(&self.findings, Severity::Note)
     }
 

@@ -54,7 +54,7 @@ pub struct Visit<'a> {
 
 impl Visit<'_> {
     /// The name of the table.
-    pub const fn table_name(&self) -> &'static str {
+    pub(crate) const fn table_name(&self) -> &'static str {
         match self.readings {
             true => "readings.csv",
             false => "errors.csv",
@@ -96,7 +96,7 @@ impl Visit<'_> {
     }
 
     /// Whether the control has part programs of the run.
-    pub fn has_programs(&self) -> bool {
+    pub(crate) fn has_programs(&self) -> bool {
         self.readings && self.profile.program.is_some()
     }
 

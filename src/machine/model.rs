@@ -49,7 +49,7 @@ pub struct MeasuredTerm {
 impl MeasuredTerm {
     /// Largest standard uncertainty (k = 1) of a value against that at the reference, µm; `None` =
     /// not stated.
-    pub fn u_um(&self) -> Option<f64> {
+    pub(crate) fn u_um(&self) -> Option<f64> {
         let all = self.uncertainty.iter().map(|point| point.u_um);
         all.reduce(larger)
     }
@@ -182,7 +182,7 @@ impl ErrorModel {
 
     /// Why figures that rest on these curves are doubtful; `asked` = the terms
     /// that the job wants. A verdict is then at most undecided.
-    pub fn doubts(&self, asked: impl Fn(ErrorTerm) -> bool) -> Vec<Finding> {
+    pub(crate) fn doubts(&self, asked: impl Fn(ErrorTerm) -> bool) -> Vec<Finding> {
         let missing = self.remarks.not_determined.iter();
         let missing = missing.map(|(term, _)| *term);
         let terms: Vec<ErrorTerm> = missing

@@ -30,7 +30,7 @@ impl Trace {
     }
 
     /// Whose errors they are.
-    pub fn ink(&self) -> Ink {
+    pub(crate) fn ink(&self) -> Ink {
         self.ink
     }
 

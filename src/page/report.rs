@@ -136,7 +136,7 @@ fn style_text(text: &str) -> String {
 
 impl Report<'_> {
     /// The page, self-contained: no script, nothing from elsewhere.
-    pub fn html(&self) -> Result<String, Problems> {
+    pub(crate) fn html(&self) -> Result<String, Problems> {
         let context = json!({
             "lang": escaped(&self.locale.texts.language),
             "t": self.locale.texts.escaped(),

@@ -27,7 +27,7 @@ impl Texts {
     }
 
     /// A shipped language; `None` = not among them.
-    pub fn shipped(language: &str) -> Option<Result<Texts, Problems>> {
+    pub(crate) fn shipped(language: &str) -> Option<Result<Texts, Problems>> {
         let (name, page) = LANGUAGES.into_iter().find(|(name, _)| *name == language)?;
         Some(
             Source::from_bytes(name, page.as_bytes()).and_then(|source| Texts::read(&source, name)),
@@ -35,7 +35,7 @@ impl Texts {
     }
 
     /// The language of whatever stands on no page.
-    pub fn english() -> Result<Texts, Problems> {
+    pub(crate) fn english() -> Result<Texts, Problems> {
         let [(name, page), ..] = LANGUAGES;
         Texts::read(&Source::from_bytes(name, page.as_bytes())?, name)
     }

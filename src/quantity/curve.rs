@@ -95,7 +95,7 @@ impl ErrorCurve {
     }
 
     /// First and last measured position, mm.
-    pub fn measured_range(&self) -> (Millimetres, Millimetres) {
+    pub(crate) fn measured_range(&self) -> (Millimetres, Millimetres) {
         (self.knots[0], self.knots[self.knots.len() - 1])
     }
 

@@ -132,7 +132,7 @@ impl Millimetres {
     }
 
     /// The number as a sentence shows it: to the micrometre, without the dust of binary fractions.
-    pub fn shown(self) -> f64 {
+    pub(crate) fn shown(self) -> f64 {
         rounded(self.0, 3)
     }
 }

@@ -213,13 +213,13 @@ impl Problem {
 
     /// The same, with the next step.
     #[must_use]
-    pub fn help(mut self, help: impl Into<String>) -> Self {
+    pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(bounded(help.into()));
         self
     }
 
     /// The problem as a person reads it: sentence, place, line with carets, next step.
-    pub fn render(&self) -> String {
+    pub(crate) fn render(&self) -> String {
         self.render_with(None)
     }
 
@@ -370,7 +370,7 @@ impl Problems {
     }
 
     /// Adds one.
-    pub fn push(&mut self, problem: Problem) {
+    pub(crate) fn push(&mut self, problem: Problem) {
         self.push_with(|| problem);
     }
 
@@ -404,7 +404,7 @@ impl Problems {
     }
 
     /// Adds all of another list.
-    pub fn extend(&mut self, others: Problems) {
+    pub(crate) fn extend(&mut self, others: Problems) {
         for other in others.kept {
             self.add(other);
         }
@@ -428,12 +428,12 @@ impl Problems {
     }
 
     /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.kept.is_empty()
     }
 
     /// The different problems that were kept, each at its first place.
-    pub fn iter(&self) -> impl Iterator<Item = &Problem> {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &Problem> {
         self.kept.iter().map(|kept| &kept.problem)
     }
 

@@ -270,7 +270,7 @@ impl VolumeModel {
     /// `at_reference`: what the control adds at the reference where the axis came there as it
     /// homes; the mean of two corrections that differ by a reversal is shifted to it, as that of
     /// the measured curves is.
-    pub fn correct(
+    pub(crate) fn correct(
         &mut self,
         term: ErrorTerm,
         correction: &ErrorCurve,
@@ -293,7 +293,7 @@ impl VolumeModel {
     }
 
     /// The reference of an axis, and the direction in which it comes there.
-    pub fn homing(&self, axis: Axis) -> Option<(Millimetres, Direction)> {
+    pub(crate) fn homing(&self, axis: Axis) -> Option<(Millimetres, Direction)> {
         self.machine[axis].map(|machine| (machine.reference, machine.homing()))
     }
 
@@ -305,7 +305,7 @@ impl VolumeModel {
     }
 
     /// The deviation of a term with stated squareness, zero at the reference.
-    pub fn from_reference(&self, term: ErrorTerm) -> Option<ErrorCurve> {
+    pub(crate) fn from_reference(&self, term: ErrorTerm) -> Option<ErrorCurve> {
         let curve = self.deviation(term)?;
         let machine = self.machine[term.along];
         Some(machine.map_or(curve.clone(), |m| curve.rezeroed_at(m.reference)))

@@ -236,7 +236,7 @@ impl Bump {
     }
 
     /// The deviation that the table pretends at the peak.
-    pub fn height(&self) -> Deviation {
+    pub(crate) fn height(&self) -> Deviation {
         Deviation::from_um(as_number(self.counts) * self.count_um)
     }
 

@@ -280,7 +280,7 @@ pub enum ControlUnit {
 
 impl ControlUnit {
     /// Millimetres in one unit.
-    pub const fn in_mm(self) -> f64 {
+    pub(crate) const fn in_mm(self) -> f64 {
         match self {
             ControlUnit::Millimetre => 1.0,
             ControlUnit::Inch => crate::quantity::units::MM_PER_INCH,

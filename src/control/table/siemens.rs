@@ -25,7 +25,7 @@ impl SiemensGrid {
     }
 
     /// Whether the last point lies on MAX.
-    pub fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         (self.steps() - self.steps().round()).abs() < WHOLE
     }
 

@@ -40,7 +40,7 @@ pub(super) type Axes = PerAxis<Option<MachineAxis>>;
 
 impl MachineAxis {
     /// The stated direction of the reference return, or +.
-    pub fn homing(&self) -> Direction {
+    pub(crate) fn homing(&self) -> Direction {
         self.reference_direction.unwrap_or(Direction::Plus)
     }
 

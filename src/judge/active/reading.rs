@@ -98,7 +98,7 @@ impl Held {
     }
 
     /// A machine or setting datum.
-    pub fn datum(&self, name: &str, indices: &[String]) -> Option<&MachineDatum> {
+    pub(crate) fn datum(&self, name: &str, indices: &[String]) -> Option<&MachineDatum> {
         let same = |datum: &&MachineDatum| datum.name == name && datum.indices == indices;
         self.data.iter().find(same)
     }

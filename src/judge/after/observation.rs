@@ -47,7 +47,7 @@ impl Observation {
     }
 
     /// Whether it is a value of this term by itself.
-    pub fn is_of(&self, term: ErrorTerm) -> bool {
+    pub(crate) fn is_of(&self, term: ErrorTerm) -> bool {
         self.diagonal.is_none() && self.parts.iter().all(|part| part.term == term)
     }
 }
@@ -108,14 +108,14 @@ impl Control {
     }
 
     /// What is added beside the tables (a backlash parameter), µm.
-    pub fn constant_um(&self, term: ErrorTerm, direction: Direction) -> f64 {
+    pub(crate) fn constant_um(&self, term: ErrorTerm, direction: Direction) -> f64 {
         let anywhere = Millimetres::new(0.0);
         let all = self.response(term, direction).correction(anywhere).um();
         all - self.tables_um(term, direction, anywhere)
     }
 
     /// Whether a table acts on a term.
-    pub fn has_table(&self, term: ErrorTerm) -> bool {
+    pub(crate) fn has_table(&self, term: ErrorTerm) -> bool {
         self.0[term].iter().any(|way| !way.tables().is_empty())
     }
 

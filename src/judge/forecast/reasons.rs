@@ -96,7 +96,7 @@ pub enum Miss {
 
 impl Miss {
     /// The worst first: fails, then by figure + U in limits; what was not measured has no figure.
-    pub fn worst_first(&self, other: &Miss) -> Ordering {
+    pub(crate) fn worst_first(&self, other: &Miss) -> Ordering {
         let (own, others) = (self.rank(), other.rank());
         others.0.cmp(&own.0).then(others.1.total_cmp(&own.1))
     }

@@ -77,7 +77,7 @@ pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<
 
 impl JudgedRange {
     /// Whether enough of it was measured for a verdict.
-    pub fn is_known(&self) -> bool {
+    pub(crate) fn is_known(&self) -> bool {
         self.share >= COVERED
     }
 

@@ -83,7 +83,7 @@ impl Agreement {
     }
 
     /// The contradiction; `None` where there is none.
-    pub fn contradiction(&self) -> Option<SeparationFinding> {
+    pub(crate) fn contradiction(&self) -> Option<SeparationFinding> {
         let says = |line: &LineCheck| {
             let (um_per_m, ratio) = line.difference()?;
             let (name, um_per_m, ratio) = (line.name(), Figure(um_per_m), ratio.abs());

@@ -109,7 +109,7 @@ impl<'a> AngleModel<'a> {
     }
 
     /// Whether no angle is known.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         let all = Axis::ALL
             .into_iter()
             .flat_map(|axis| self.table.series(axis));

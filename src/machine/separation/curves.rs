@@ -105,7 +105,7 @@ pub enum ReferenceLine {
 impl ReferenceLine {
     /// Slope, µm/m, of the line of this type; positions in mm, deviations in µm. Zero for fewer
     /// than two positions.
-    pub fn slope_um_per_m(self, positions_mm: &[f64], deviations_um: &[f64]) -> f64 {
+    pub(crate) fn slope_um_per_m(self, positions_mm: &[f64], deviations_um: &[f64]) -> f64 {
         let pairs = positions_mm.iter().zip(deviations_um);
         let (rise, length) = match self {
             ReferenceLine::EndPoints => {

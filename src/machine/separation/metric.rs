@@ -105,7 +105,7 @@ impl Metric {
     }
 
     /// What the data do not determine; empty where all is.
-    pub fn undetermined(&self) -> Vec<Finding> {
+    pub(crate) fn undetermined(&self) -> Vec<Finding> {
         let open = |axis: &Axis| self.scale[*axis].is_none();
         let axes: Vec<Axis> = Axis::ALL.into_iter().filter(open).collect();
         let scales = (!axes.is_empty()).then_some(SeparationFinding::OpenScales { axes });

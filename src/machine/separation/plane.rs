@@ -59,7 +59,7 @@ pub struct PerPlane<T> {
 
 impl<T> PerPlane<T> {
     /// The value of each plane from a function of the plane.
-    pub fn from_fn(of: impl FnMut(Plane) -> T) -> PerPlane<T> {
+    pub(crate) fn from_fn(of: impl FnMut(Plane) -> T) -> PerPlane<T> {
         let [xy, xz, yz] = Plane::ALL.map(of);
         PerPlane { xy, xz, yz }
     }

@@ -70,7 +70,7 @@ impl Means {
     }
 
     /// The groups that the readings hold.
-    pub fn groups(&self) -> &'static [Group] {
+    pub(crate) fn groups(&self) -> &'static [Group] {
         match self.reverse {
             None => &[Group::ForwardOnly],
             Some(_) => &[

@@ -186,7 +186,7 @@ pub struct ClosureTests {
 
 impl ClosureTests {
     /// Whether no difference is beyond k·u; `None` where u is not known.
-    pub fn agrees(&self) -> Option<bool> {
+    pub(crate) fn agrees(&self) -> Option<bool> {
         let ratios: Option<Vec<f64>> = self.tests.iter().map(|test| test.worst_ratio).collect();
         ratios.map(|ratios| ratios.iter().all(|ratio| *ratio <= self.k))
     }

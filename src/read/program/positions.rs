@@ -44,7 +44,7 @@ impl Named {
     }
 
     /// Direction in which an axis travels on a pass; `None` = it rests.
-    pub fn travelled(self, axis: Axis, pass: Pass) -> Option<Direction> {
+    pub(crate) fn travelled(self, axis: Axis, pass: Pass) -> Option<Direction> {
         match (self, pass) {
             (Named::Diagonal(diagonal), pass) => Some(diagonal.travelled(axis, pass)),
             (Named::Axis(moving), _) if moving != axis => None,

@@ -282,7 +282,7 @@ impl<'a> Section<'a> {
     }
 
     /// One of a list of words, if the key is present.
-    pub fn choice<T: Copy>(&self, key: &'static str, words: &[(&'static str, T)]) -> Option<T> {
+    pub(crate) fn choice<T: Copy>(&self, key: &'static str, words: &[(&'static str, T)]) -> Option<T> {
         self.choice_by(key, words, |known, word| known == word)
     }
 
@@ -398,7 +398,7 @@ impl<'a> Section<'a> {
     }
 
     /// Keys and texts of a free section (protocol); numbers are kept as they are written.
-    pub fn entries(&self) -> Vec<(String, String)> {
+    pub(crate) fn entries(&self) -> Vec<(String, String)> {
         let text = |value: &DeValue<'_>| match value {
             DeValue::String(text) => Some(text.to_string()),
             DeValue::Integer(number) => Some(number.as_str().to_string()),

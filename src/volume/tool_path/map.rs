@@ -130,7 +130,7 @@ impl PathMap {
     }
 
     /// The error vector at a place with a tool that is `longer` by so many mm, µm.
-    pub fn error_at(&self, place: Place, longer: f64) -> [f64; 3] {
+    pub(crate) fn error_at(&self, place: Place, longer: f64) -> [f64; 3] {
         self.error_in(self.cell(place, [0; 3]), place, longer)
     }
 

@@ -69,7 +69,7 @@ impl Resolution {
     }
 
     /// The largest whole number of digits that is not longer.
-    pub fn at_most(self, mm: f64) -> Digits {
+    pub(crate) fn at_most(self, mm: f64) -> Digits {
         whole((mm / self.digit_mm() + WHOLE).floor())
     }
 
