@@ -218,12 +218,8 @@ impl Problem {
         self
     }
 
-    /// The problem as a person reads it: sentence, place, line with carets, next step.
-    pub(crate) fn render(&self) -> String {
-        self.render_with(None)
-    }
-
-    /// The same, with what is to be known of other places.
+    /// The problem as a person reads it: sentence, place, line with carets, next step, and what is to be
+    /// known of other places.
     fn render_with(&self, note: Option<&str>) -> String {
         let level = Level::ERROR.with_name("problem");
         let mut group = Group::with_title(level.primary_title(seen(&self.message)));
@@ -531,7 +527,7 @@ mod tests {
         let place = Place::in_text("table.csv", &line, start, start + 5);
         assert_eq!((place.column, place.width), (5001, 5));
         assert!(place.text.chars().count() <= LONGEST_LINE + 2);
-        let text = Problem::new("it is wrong").at(place).render();
+        let text = Problem::new("it is wrong").at(place).render_with(None);
         assert!(text.contains("table.csv:1:5001"), "{text}");
         let lines: Vec<&str> = text.lines().collect();
         let carets = lines.iter().position(|line| line.contains('^'));

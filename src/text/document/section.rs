@@ -282,7 +282,11 @@ impl<'a> Section<'a> {
     }
 
     /// One of a list of words, if the key is present.
-    pub(crate) fn choice<T: Copy>(&self, key: &'static str, words: &[(&'static str, T)]) -> Option<T> {
+    pub(crate) fn choice<T: Copy>(
+        &self,
+        key: &'static str,
+        words: &[(&'static str, T)],
+    ) -> Option<T> {
         self.choice_by(key, words, |known, word| known == word)
     }
 

@@ -153,6 +153,7 @@ mod tests {
     #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
     use super::Templates;
+    use crate::text::problem::Problems;
     use proptest::prelude::*;
     use serde_json::json;
 
@@ -181,7 +182,7 @@ mod tests {
 
     fn said(template: &str, context: &tera::Context) -> Result<String, String> {
         let rendered = Templates::default().text("own.tera", template, context);
-        rendered.map_err(|problem| problem.render())
+        rendered.map_err(|problem| Problems::from(problem).render())
     }
 
     #[test]
