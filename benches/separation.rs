@@ -12,7 +12,7 @@ use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::noise::{Noise, NoiseSource};
 use nonius::machine::separation::readings::run_counts;
 use nonius::machine::separation::uncertainty::Budget;
-use nonius::machine::separation::{Campaign, Line, curves_of, separate};
+use nonius::machine::separation::{Campaign, MeasuredLine, curves_of, separate};
 use nonius::quantity::axis::PerAxis;
 use nonius::quantity::diagonal::Run;
 use nonius::quantity::units::Deviation;
@@ -37,9 +37,9 @@ fn measurement() -> DiagonalMeasurement {
     }
 }
 
-fn lines(measurement: &DiagonalMeasurement) -> Vec<Line> {
+fn lines(measurement: &DiagonalMeasurement) -> Vec<MeasuredLine> {
     let stated = |linear: &nonius::inputs::job::Linear| match linear.slope {
-        LinearSlope::Stated(slope_um_per_m) => Some(Line {
+        LinearSlope::Stated(slope_um_per_m) => Some(MeasuredLine {
             direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
             slope_um_per_m,
             u_um_per_m: linear.u_um_per_m,

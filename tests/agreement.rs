@@ -15,7 +15,7 @@ mod simulated;
 
 use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
 use nonius::machine::separation::metric::Plane;
-use nonius::machine::separation::{Line, Separation, separate};
+use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass};
 use rand_chacha::ChaCha8Rng;
@@ -33,7 +33,7 @@ fn machine(seed: u64) -> (Machine, Machine, ChaCha8Rng) {
     (truth, leant, random)
 }
 
-fn measured(seed: u64, change: impl Fn(&mut [Line])) -> (Machine, Separation) {
+fn measured(seed: u64, change: impl Fn(&mut [MeasuredLine])) -> (Machine, Separation) {
     let (truth, leant, mut random) = machine(seed);
     let noisy = with_noise(&leant.readings(None), SIGMA_UM, &mut random);
     let mut lines = truth.lines(&Axis::ALL, Some(0.5));
@@ -275,7 +275,7 @@ fn a_beam_over_a_part_of_the_travel_is_freed_of_the_shapes() {
     let (truth, leant, _) = machine(7);
     let all = runs(1, Pass::Forward, &leant.readings(None));
     let at = |name: &str, index: usize| truth.curves[term(name)][index];
-    let part = Line {
+    let part = MeasuredLine {
         direction: PerAxis::from_fn(|axis| f64::from(axis == Axis::X)),
         // 0 to 450 mm: interval ends 0 to 15.
         slope_um_per_m: at("EXX", 15) / 0.45,
@@ -289,7 +289,7 @@ fn a_beam_over_a_part_of_the_travel_is_freed_of_the_shapes() {
         let name = format!("E{of}{along}");
         at(&name, 24) - at(&name, 6)
     };
-    let skew = Line {
+    let skew = MeasuredLine {
         direction: PerAxis {
             x: x / length,
             y: y / length,
@@ -310,7 +310,7 @@ fn a_beam_over_a_part_of_the_travel_is_freed_of_the_shapes() {
         }
     }
     // Taken for the whole travel it is wrong by micrometres.
-    let careless = Line { ends: None, ..part };
+    let careless = MeasuredLine { ends: None, ..part };
     let found = solved(&truth.volume, vec![careless, y_axis[0]], &all);
     let far = curve(&found, term("EXX"))[30] - truth.curves[term("EXX")][30];
     assert!(far.abs() > 0.3, "{far}");

@@ -19,7 +19,7 @@ use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor};
 use nonius::machine::separation::readings::run_counts;
 use nonius::machine::separation::reversal::{Estimate, Turn};
 use nonius::machine::separation::uncertainty::Budget;
-use nonius::machine::separation::{Line, SeparatedError, Separation, separate};
+use nonius::machine::separation::{MeasuredLine, SeparatedError, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use rand_chacha::ChaCha8Rng;
@@ -67,7 +67,7 @@ const LOST_UM: PerAxis<f64> = PerAxis {
 };
 
 /// One machine, measured with noise: the truth (X primary) and what the separation makes of it.
-fn measured(seed: u64, way: Way<'_>) -> (Machine, Separation, Vec<Line>) {
+fn measured(seed: u64, way: Way<'_>) -> (Machine, Separation, Vec<MeasuredLine>) {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let box_ = volume([900.0, 720.0, 720.0], way.steps);
     let mut truth = Machine::random(&box_, &mut random).x_primary();

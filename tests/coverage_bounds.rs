@@ -20,7 +20,7 @@ mod simulated;
 use nonius::inputs::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::metric::Plane;
-use nonius::machine::separation::{Campaign, Line, SeparatedError, Separation, separate};
+use nonius::machine::separation::{Campaign, MeasuredLine, SeparatedError, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use nonius::quantity::chain::Chain;
 use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
@@ -378,7 +378,7 @@ fn measured(row: &Row, rigid: &Rigid, random: &mut ChaCha8Rng) -> Vec<Run> {
 
 fn campaign<'a>(
     measurement: &'a DiagonalMeasurement,
-    lines: Vec<Line>,
+    lines: Vec<MeasuredLine>,
     stated: StatedUncertainty,
 ) -> Campaign<'a> {
     let mut campaign = simulated::campaign(measurement, lines);

@@ -18,7 +18,7 @@ mod simulated;
 use nonius::inputs::job::{Frame, Job, SetUp, UseOf};
 use nonius::kit::visit_plan::{Design, SetUpTimes, Visit, plan};
 use nonius::machine::separation::metric::Plane;
-use nonius::machine::separation::{Line, SeparatedError, Separation, separate};
+use nonius::machine::separation::{MeasuredLine, SeparatedError, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
 use nonius::text::document::Source;
@@ -179,7 +179,7 @@ fn visited(row: &Row, planned: &Visit, job: &Job, seed: u64) -> (Machine, Separa
         }
     }
     let truth = machine.x_primary();
-    let line = |line: &Line| {
+    let line = |line: &MeasuredLine| {
         let axis = Axis::ALL
             .into_iter()
             .find(|axis| line.direction[*axis] > 0.5)
@@ -190,7 +190,7 @@ fn visited(row: &Row, planned: &Visit, job: &Job, seed: u64) -> (Machine, Separa
             of: axis,
             along: axis,
         });
-        Line {
+        MeasuredLine {
             slope_um_per_m: slope + laser + own * normal(&mut random),
             ..*line
         }

@@ -9,7 +9,7 @@
 use nonius::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use nonius::inputs::readings::Readings;
 use nonius::machine::separation::metric::Plane;
-use nonius::machine::separation::{Campaign, Line, Separation, separate};
+use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::diagonal::Diagonal;
 use nonius::text::document::Source;
@@ -49,7 +49,7 @@ fn separated(case: &str) -> Separation {
         let LinearSlope::Stated(slope_um_per_m) = linear.slope else {
             panic!("the golden cases state their slopes");
         };
-        Line {
+        MeasuredLine {
             direction: nonius::quantity::axis::PerAxis::from_fn(|axis| {
                 f64::from(axis == linear.axis)
             }),

@@ -39,7 +39,7 @@ use crate::write::plan::Plan;
 
 /// What stands on one line of the page; `None` = not measured, or no forecast.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct ComparedLine {
     /// `EXX`, or `PPP`.
     pub name: String,
     /// As found, µm.
@@ -60,9 +60,9 @@ pub struct Line {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// The nine terms, as far as either measurement holds them.
-    pub terms: Vec<Line>,
+    pub terms: Vec<ComparedLine>,
     /// The body diagonals.
-    pub diagonals: Vec<Line>,
+    pub diagonals: Vec<ComparedLine>,
     /// The measured figures in the shape of a forecast, for verdict and misses.
     pub as_left: Forecast,
     /// Terms found before and not measured afterwards.
@@ -139,9 +139,9 @@ pub fn compare(
         )
     };
     let terms = ErrorTerm::ALL.iter();
-    let terms: Vec<Line> = terms.filter_map(|term| line(&term.to_string())).collect();
+    let terms: Vec<ComparedLine> = terms.filter_map(|term| line(&term.to_string())).collect();
     let diagonals = Diagonal::ALL.iter();
-    let mut diagonals: Vec<Line> = diagonals.filter_map(|d| line(d.name())).collect();
+    let mut diagonals: Vec<ComparedLine> = diagonals.filter_map(|d| line(d.name())).collect();
     if let AfterMeasurement::Diagonals(_) = after {
         for line in &mut diagonals {
             along_run(line, machine, control, &seen);
@@ -178,7 +178,7 @@ const NOT_OFF: f64 = 0.999;
 /// Terms that are off the forecast at some position by more than both measurements explain,
 /// u² = u²(as left) + u²(as found), each against its reference, with 99.9 % over all values. Only
 /// where both uncertainties are stated.
-fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[Line]) -> Option<AsLeft> {
+fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[ComparedLine]) -> Option<AsLeft> {
     let values: usize = as_left.terms.iter().map(|term| term.figures.len()).sum();
     let fewest = [before.remarks.degrees_of_freedom, as_left.sigma.freedom()];
     let fewest = fewest.into_iter().flatten().reduce(smaller);
@@ -227,10 +227,10 @@ fn line(
     name: &str,
     [found, expected, as_left]: [Option<&Forecast>; 3],
     difference_um: Option<f64>,
-) -> Option<Line> {
+) -> Option<ComparedLine> {
     let row = |forecast: Option<&Forecast>| forecast?.change(name);
     let (found, after) = (row(found), row(as_left));
-    (found.is_some() || after.is_some()).then(|| Line {
+    (found.is_some() || after.is_some()).then(|| ComparedLine {
         name: name.to_string(),
         before_um: found.map(|row| row.before_um),
         forecast_um: row(expected).map(|row| row.after_um),
@@ -243,7 +243,7 @@ fn line(
 
 /// As found and forecast at the nodes that were walked afterwards.
 fn along_run(
-    line: &mut Line,
+    line: &mut ComparedLine,
     machine: Machine<'_>,
     control: Option<&Control>,
     seen: &[Observation],

@@ -53,7 +53,7 @@ pub mod table;
 pub mod uncertainty;
 pub mod unmeasured;
 
-pub use self::campaign::{Campaign, Line, corrected};
+pub use self::campaign::{Campaign, MeasuredLine, corrected};
 pub(crate) use self::expected::{Instrument, expected, linear_axis};
 pub use self::separate::{Separation, curves_of, separate};
 pub use self::solved::{NineErrors, SeparatedError};

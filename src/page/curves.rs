@@ -193,8 +193,8 @@ impl Curves<'_> {
 
     /// Deviation without compensation + emulated correction in each direction, and the points of the
     /// tables.
-    fn forecast(&self, term: ErrorTerm) -> Result<(Vec<Line>, Vec<f64>), CannotEmulate> {
-        let (mut lines, mut places): (Vec<Line>, Vec<f64>) = (Vec::new(), Vec::new());
+    fn forecast(&self, term: ErrorTerm) -> Result<(Vec<CurveLine>, Vec<f64>), CannotEmulate> {
+        let (mut lines, mut places): (Vec<CurveLine>, Vec<f64>) = (Vec::new(), Vec::new());
         let (Some((plan, control)), Some(known)) =
             (self.loaded, self.machine.uncompensated.terms[term].as_ref())
         else {
@@ -208,7 +208,7 @@ impl Curves<'_> {
                 let response = control.response(base, output, direction)?;
                 let points = sampled(curve, Some(&response));
                 if !lines.iter().any(|line| line.points == points) {
-                    lines.push(Line { direction, points });
+                    lines.push(CurveLine { direction, points });
                 }
                 let nodes = response.tables().iter().flat_map(|table| table.nodes());
                 places.extend(nodes.map(|(at, _)| at.mm()));
@@ -223,21 +223,21 @@ impl Curves<'_> {
 }
 
 /// A line of a term, moving one way.
-struct Line {
+struct CurveLine {
     direction: Direction,
     points: Vec<(f64, f64)>,
 }
 
 /// The measured curves; one without regard to the direction once.
-fn lines(known: &MeasuredTerm) -> Vec<Line> {
-    let mut lines: Vec<Line> = Vec::new();
+fn lines(known: &MeasuredTerm) -> Vec<CurveLine> {
+    let mut lines: Vec<CurveLine> = Vec::new();
     for direction in Direction::BOTH {
         let points = known
             .measured
             .curve(direction)
             .map(|curve| sampled(curve, None));
         if let Some(points) = points.filter(|new| lines.iter().all(|line| line.points != *new)) {
-            lines.push(Line { direction, points });
+            lines.push(CurveLine { direction, points });
         }
     }
     lines
@@ -272,7 +272,7 @@ fn knots(curve: &ErrorCurve) -> Vec<(f64, f64)> {
 
 /// ±2 u of the values of its direction about a line, straight between the measured positions; none where no
 /// u is stated.
-fn band(ink: Ink, known: &MeasuredTerm, line: &Line) -> Option<Mark> {
+fn band(ink: Ink, known: &MeasuredTerm, line: &CurveLine) -> Option<Mark> {
     let mut u: Vec<(f64, f64)> = Vec::new();
     let is_own = |way: Option<Direction>| way.is_none_or(|way| way == line.direction);
     for point in known

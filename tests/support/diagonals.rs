@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 use nonius::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp, StatedUncertainty};
-use nonius::machine::separation::{Campaign, Line, Separation, separate};
+use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use nonius::quantity::units::{Deviation, Millimetres};
@@ -185,8 +185,8 @@ impl Machine {
     }
 
     /// Positioning slopes of some axes as a linear measurement gives them.
-    pub(crate) fn lines(&self, axes: &[Axis], u_um_per_m: Option<f64>) -> Vec<Line> {
-        let line = |axis: &Axis| Line {
+    pub(crate) fn lines(&self, axes: &[Axis], u_um_per_m: Option<f64>) -> Vec<MeasuredLine> {
+        let line = |axis: &Axis| MeasuredLine {
             direction: PerAxis::from_fn(|other| f64::from(other == *axis)),
             slope_um_per_m: self.slope(ErrorTerm {
                 of: *axis,
@@ -256,7 +256,10 @@ pub(crate) fn measurement(volume: &Volume, setup: SetUp, frame: Frame) -> Diagon
     }
 }
 
-pub(crate) fn campaign(measurement: &DiagonalMeasurement, lines: Vec<Line>) -> Campaign<'_> {
+pub(crate) fn campaign(
+    measurement: &DiagonalMeasurement,
+    lines: Vec<MeasuredLine>,
+) -> Campaign<'_> {
     Campaign {
         measurement,
         stated: StatedUncertainty::default(),
@@ -274,7 +277,7 @@ pub(crate) fn naive(volume: &Volume, runs: &[Run]) -> Separation {
 }
 
 /// The set-up solved for, X primary.
-pub(crate) fn solved(volume: &Volume, lines: Vec<Line>, runs: &[Run]) -> Separation {
+pub(crate) fn solved(volume: &Volume, lines: Vec<MeasuredLine>, runs: &[Run]) -> Separation {
     let measurement = measurement(volume, SetUp::Solve, Frame::XPrimary);
     separate(&campaign(&measurement, lines), runs)
 }

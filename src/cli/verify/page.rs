@@ -6,7 +6,7 @@ use crate::cli::show::{self, um};
 use crate::cli::squareness::squareness;
 use crate::cli::verify::second::Second;
 use crate::control::claims::Assumption;
-use crate::judge::after::{AfterMeasurement, Comparison, Line};
+use crate::judge::after::{AfterMeasurement, ComparedLine, Comparison};
 use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
 use crate::judge::findings::{OfTerm, joined};
@@ -337,8 +337,8 @@ fn forecast_terms(forecast: &Forecast) -> Value {
     Value::Object(forecast.terms.iter().map(term).collect::<Map<_, _>>())
 }
 
-fn figures(lines: &[Line]) -> Value {
-    let line = |line: &Line| {
+fn figures(lines: &[ComparedLine]) -> Value {
+    let line = |line: &ComparedLine| {
         let figures = json!({
             "before_um": line.before_um,
             "forecast_um": line.forecast_um,
@@ -358,7 +358,7 @@ fn lines(comparison: &Comparison) -> String {
         None => "not measured".to_string(),
         some => um(some),
     };
-    let row = |what: &str, line: &Line| {
+    let row = |what: &str, line: &ComparedLine| {
         let expanded = match line.after_um {
             None => "-".to_string(),
             Some(_) => show::expanded(line.expanded_um),

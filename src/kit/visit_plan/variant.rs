@@ -3,7 +3,7 @@
 use crate::inputs::job::{Acceptance, ProgramRequest};
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, JudgedRange};
-use crate::machine::separation::{Line, Separation};
+use crate::machine::separation::{MeasuredLine, Separation};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::units::{Millimetres, larger};
 use crate::write::program::MirrorSize;
@@ -63,7 +63,7 @@ pub struct Visit {
     /// What the mirror has to cover.
     pub mirror: Option<MirrorSize>,
     /// Linear axes and beams with their uncertainties.
-    pub lines: Vec<Line>,
+    pub lines: Vec<MeasuredLine>,
     /// What the separation will say of readings: uncertainties and what stays open.
     pub expected: Separation,
     /// The verdict of `generate` where neither machine nor tables leave anything.

@@ -22,7 +22,7 @@ pub struct Campaign<'a> {
     /// `[measurement.uncertainty]`.
     pub stated: StatedUncertainty,
     /// Slopes of single axes and other beams.
-    pub lines: Vec<Line>,
+    pub lines: Vec<MeasuredLine>,
     /// Reversal of single axes from linear measurements in both directions.
     pub reversals: LinearReversals,
     /// Effects of angular errors on the readings.
@@ -41,7 +41,7 @@ impl Campaign<'_> {
 
 /// A straight line beside the diagonals; the uncertainty where it is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct MeasuredLine {
     /// Direction, of length 1.
     pub direction: PerAxis<f64>,
     /// Displacement error by length, µm/m.
@@ -124,7 +124,7 @@ fn linear_line(
     volume: &Volume,
     linear: &Linear,
     table: Option<&ErrorTable>,
-) -> Result<Line, Problems> {
+) -> Result<MeasuredLine, Problems> {
     let (slope_um_per_m, u_of_table) = match (&linear.slope, table) {
         (LinearSlope::Stated(slope), _) => (*slope, None),
         (LinearSlope::Errors(path), None) => {
@@ -136,7 +136,7 @@ fn linear_line(
         }
         (LinearSlope::Errors(_), Some(table)) => slope_over_box(volume, linear.axis, table)?,
     };
-    Ok(Line {
+    Ok(MeasuredLine {
         direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
         slope_um_per_m,
         u_um_per_m: linear.u_um_per_m.or(u_of_table),
@@ -198,9 +198,9 @@ fn slope_over_box(
 }
 
 /// A beam between two places inside the box, as the job was checked for.
-fn beam_line(beam: &Beam) -> Line {
+fn beam_line(beam: &Beam) -> MeasuredLine {
     let way = PerAxis::from_fn(|axis| (beam.to[axis] - beam.from[axis]).mm());
-    Line {
+    MeasuredLine {
         direction: PerAxis::from_fn(|axis| way[axis] / way.length()),
         slope_um_per_m: beam.slope_um_per_m,
         u_um_per_m: beam.u_um_per_m,

@@ -22,7 +22,7 @@
 //! Exact for any η where the beam meets the mirror along its normal; at an angle α to it every
 //! diagonal reads α²/2 short.
 
-use super::campaign::Line;
+use super::campaign::MeasuredLine;
 use super::findings::SeparationFinding;
 pub use super::plane::{PerPlane, Plane};
 use super::plane::{UNKNOWNS, Unknown};
@@ -223,7 +223,7 @@ impl Equations {
         volume: &Volume,
         diagonals: &PerDiagonal<(PerAxis<f64>, f64)>,
         totals: &TotalsUncertainty,
-        lines: &[Line],
+        lines: &[MeasuredLine],
     ) -> Equations {
         let variance = |u: f64| u.max(NEGLECTED_UM_PER_M).squared();
         let causes = &totals.common_um_per_m;

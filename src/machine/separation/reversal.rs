@@ -149,20 +149,20 @@ pub(super) fn ran_over(
 }
 
 /// What B of a term does to the four jumps of an axis, by diagonal.
-type Column = PerDiagonal<f64>;
+type Effect = PerDiagonal<f64>;
 
 /// B of the axis itself, the same at both ends.
-fn own(volume: &Volume, along: Axis) -> Column {
+fn own(volume: &Volume, along: Axis) -> Effect {
     PerDiagonal::from_fn(|_| volume.cosine(along))
 }
 
 /// B of the axis itself at one end: diagonals that travel it in + turn at the high one.
-fn own_at(volume: &Volume, along: Axis, end: Direction) -> Column {
+fn own_at(volume: &Volume, along: Axis, end: Direction) -> Effect {
     PerDiagonal::from_fn(|d| f64::from(d.forward(along) == end) * volume.cosine(along))
 }
 
 /// B of a cross term.
-fn cross(volume: &Volume, along: Axis, of: Axis) -> Column {
+fn cross(volume: &Volume, along: Axis, of: Axis) -> Effect {
     PerDiagonal::from_fn(|d| d.sign(along) * d.sign(of) * volume.cosine(of))
 }
 
@@ -177,7 +177,7 @@ struct Fit {
 }
 
 impl Fit {
-    fn new(along: Axis, columns: &[Column], jumps: &Jumps) -> Fit {
+    fn new(along: Axis, columns: &[Effect], jumps: &Jumps) -> Fit {
         let variance = Diagonal::ALL.map(|d| jumps.variance[d]);
         let jump = DVector::from_fn(4, |i, _| jumps.um[Diagonal::ALL[i]][along]);
         let many = columns.len();
@@ -238,9 +238,9 @@ impl AxisTurn {
             Axis::Z => [Axis::X, Axis::Y],
         };
         let ends = [Direction::Minus, Direction::Plus].map(|end| own_at(volume, along, end));
-        let fit = |own: &[Column], others: &[Axis]| {
+        let fit = |own: &[Effect], others: &[Axis]| {
             let crosses = others.iter().map(|of| cross(volume, along, *of));
-            let columns: Vec<Column> = own.iter().copied().chain(crosses).collect();
+            let columns: Vec<Effect> = own.iter().copied().chain(crosses).collect();
             Fit::new(along, &columns, jumps)
         };
         let all = fit(&ends, &others);
@@ -308,7 +308,7 @@ pub(super) fn turn(
         constancy: PerAxis::from_fn(|axis| axes[axis].constancy(noise)),
         in_curves: PerTerm::from_fn(|term| low(term).is_some()),
         low_um: PerTerm::from_fn(|term| low(term).map_or(0.0, |(fit, place)| fit.values[place])),
-        low: PerTerm::from_fn(|term| low(term).map_or_else(Column::default, |(f, i)| f.shares(i))),
+        low: PerTerm::from_fn(|term| low(term).map_or_else(Effect::default, |(f, i)| f.shares(i))),
         high: PerAxis::from_fn(|axis| axes[axis].at_ends.shares(1)),
     })
 }

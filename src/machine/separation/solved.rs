@@ -1,7 +1,7 @@
 //! Slopes of the nine curves, from increments, totals and lines, and the curves with their uncertainties.
 
 use super::agreement::Agreement;
-use super::campaign::{Campaign, Line};
+use super::campaign::{Campaign, MeasuredLine};
 use super::curves::{
     Curve, ReferenceLine, at, curves, end_slope, mean_curve, plus_line, with_slope,
 };
@@ -57,7 +57,7 @@ impl<'a> Solved<'a> {
         let means = mean_increments(&increments);
         let ratios = displacement_ratios(volume, &means);
         let lines = campaign.lines.iter();
-        let lines: Vec<Line> = lines
+        let lines: Vec<MeasuredLine> = lines
             .map(|line| without_shapes(budget, &mean_raw, line))
             .collect();
         let ends_um = PerDiagonal::from_fn(|d| {
@@ -309,7 +309,11 @@ pub(super) fn naive_squareness(slopes_um_per_m: &PerTerm<f64>, plane: Plane) -> 
 /// A line as formula (7) takes it, between the ends of the box: what the separated shapes contribute
 /// between its own ends taken off. Between places x₁ and x₂ of each axis k,
 /// Σ_jk v_j (D_j(k)(x₂) − D_j(k)(x₁)) = L·vᵀhv + that of the shapes.
-fn without_shapes(budget: &Budget<'_>, mean_raw: &PerTerm<Curve>, line: &Line) -> Line {
+fn without_shapes(
+    budget: &Budget<'_>,
+    mean_raw: &PerTerm<Curve>,
+    line: &MeasuredLine,
+) -> MeasuredLine {
     let volume = budget.volume;
     let Some([from, to]) = line.ends else {
         return *line;
@@ -330,7 +334,7 @@ fn without_shapes(budget: &Budget<'_>, mean_raw: &PerTerm<Curve>, line: &Line) -
     let square_mm = |axis: Axis| (to[axis] - from[axis]).mm().squared();
     let square_mm: f64 = Axis::ALL.into_iter().map(square_mm).sum();
     let per_m = 1000.0 / square_mm.sqrt();
-    Line {
+    MeasuredLine {
         slope_um_per_m: line.slope_um_per_m - per_m * shape_um,
         u_um_per_m: line.u_um_per_m.map(|u| u.hypot(per_m * variance.sqrt())),
         ..*line

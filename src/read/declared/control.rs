@@ -35,7 +35,7 @@ fn load(
     let mut points = table.points.clone();
     points.sort_by(|a, b| a.position.total_cmp(&b.position));
     let way = |value: fn(&Point) -> f64| {
-        let column = Column {
+        let column = OneWay {
             points: &points,
             value,
             facts,
@@ -82,13 +82,13 @@ fn covers_travel(
 }
 
 /// The values of a table for one direction.
-struct Column<'a> {
+struct OneWay<'a> {
     points: &'a [Point],
     value: fn(&Point) -> f64,
     facts: &'a DeclaredFacts,
 }
 
-impl Column<'_> {
+impl OneWay<'_> {
     fn response(&self, table: &DeclaredTable, reference: Millimetres) -> Option<Response> {
         let sign = self.facts.sign(table.is_own()).value;
         let (value_um, place_um) = (

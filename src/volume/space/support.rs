@@ -35,8 +35,8 @@ pub(super) struct Support {
     nu_range: (f64, f64),
     third: Envelope,
     second: Envelope,
-    chords: Vec<Line>,
-    chords_of_chord: Vec<Line>,
+    chords: Vec<HullLine>,
+    chords_of_chord: Vec<HullLine>,
     /// Bound of each row.
     rows: Vec<f64>,
     /// Values of a row's lines, the third axis at its best.
@@ -198,14 +198,14 @@ impl Support {
 
 /// A line over slopes: s·x + y.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Line {
+pub(super) struct HullLine {
     pub(super) x: f64,
     pub(super) y: f64,
     /// Number of the point.
     pub(super) number: usize,
 }
 
-impl Line {
+impl HullLine {
     #[inline(always)]
     pub(super) fn at(&self, slope: f64) -> f64 {
         slope * self.x + self.y
@@ -215,7 +215,7 @@ impl Line {
 /// The upper hull of points whose x ascends.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Envelope {
-    hull: Vec<Line>,
+    hull: Vec<HullLine>,
     /// Slope at which the next point of the hull takes over.
     turns: Vec<f64>,
 }
@@ -233,7 +233,7 @@ impl Envelope {
                 }
                 self.hull.pop();
             }
-            self.hull.push(Line { x, y, number });
+            self.hull.push(HullLine { x, y, number });
         }
         self.turns.clear();
         let pairs = self.hull.windows(2);
@@ -244,14 +244,14 @@ impl Envelope {
     /// The lines that can be the largest for a slope of `low..=high`.
     ///
     /// The turns ascend but for rounding, which costs no more than rounding.
-    pub(super) fn between(&self, low: f64, high: f64) -> &[Line] {
+    pub(super) fn between(&self, low: f64, high: f64) -> &[HullLine] {
         let first = self.turns.partition_point(|turn| *turn < low);
         let last = self.turns.partition_point(|turn| *turn <= high);
         &self.hull[first..=last.max(first)]
     }
 
     /// At most `limit` lines whose largest is nowhere below the envelope for `low..=high`.
-    pub(super) fn few(&self, low: f64, high: f64, limit: usize, lines: &mut Vec<Line>) {
+    pub(super) fn few(&self, low: f64, high: f64, limit: usize, lines: &mut Vec<HullLine>) {
         lines.clear();
         let all = self.between(low, high);
         let count = limit.max(1);
@@ -266,13 +266,13 @@ impl Envelope {
             let next = largest(all, knot(n));
             let x = (next - value) / (knot(n) - knot(n - 1));
             let y = next - x * knot(n);
-            lines.push(Line { x, y, number: n });
+            lines.push(HullLine { x, y, number: n });
             value = next;
         }
     }
 }
 
-fn largest(lines: &[Line], slope: f64) -> f64 {
+fn largest(lines: &[HullLine], slope: f64) -> f64 {
     let start = lines[0].at(slope);
     lines[1..].iter().fold(start, |m, line| {
         let value = line.at(slope);
