@@ -143,7 +143,7 @@ fn extremes(model: &VolumeModel) -> Extremes {
     PerTerm::from_fn(|term: ErrorTerm| {
         let (low, high) = model.range(term.along);
         let (from, to) = (Millimetres::new(low), Millimetres::new(high));
-        let curve = model.from_reference(term)?;
+        let curve = model.against_reference(term)?;
         Some(curve.extremes_against_line(from, to, 0.0, 0.0))
     })
 }

@@ -305,7 +305,7 @@ impl VolumeModel {
     }
 
     /// The deviation of a term with stated squareness, zero at the reference.
-    pub(crate) fn from_reference(&self, term: ErrorTerm) -> Option<ErrorCurve> {
+    pub(crate) fn against_reference(&self, term: ErrorTerm) -> Option<ErrorCurve> {
         let curve = self.deviation(term)?;
         let machine = self.machine[term.along];
         Some(machine.map_or(curve.clone(), |m| curve.rezeroed_at(m.reference)))
