@@ -666,6 +666,7 @@ fn a_reversal_that_no_curve_holds_is_said_beside_the_figures() {
                 1,
             );
             assert!(text.contains("verdict: undecided"), "{text}");
+            assert!(!text.contains("reversal not measured"), "{text}");
             let marked = text
                 .lines()
                 .find(|line| line.starts_with("EXX  ") && line.contains("without"));

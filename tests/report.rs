@@ -718,3 +718,26 @@ fn a_template_and_texts_of_ones_own() {
         );
     }
 }
+
+/// What each file of a kit is for, in the reader's language.
+#[test]
+fn the_purpose_of_a_file_is_no_word_of_the_manifest() {
+    let folder = tempfile::tempdir().expect("a place to write to");
+    let job = "fixtures/nine_errors_900/siemens-840d-sl.toml";
+    let kit = kit(folder.path(), job);
+    let tables = kit.to_str().expect("a name");
+    for (language, proof) in [
+        ("en", "sign proof"),
+        ("de", "Vorzeichenprobe"),
+        ("zh", "符号验证"),
+    ] {
+        let page = page(&[job, "--tables", tables, "--language", language]);
+        let (_, files) = page.split_once("NONIUS_EEC.MPF</td>").expect("the files");
+        let files = files.split("</table>").next().expect("a table");
+        assert!(files.contains(&format!(">{proof}<")), "{language}: {files}");
+        assert!(
+            !files.contains(">sign-proof<") && !files.contains(">table<"),
+            "{files}"
+        );
+    }
+}

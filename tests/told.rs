@@ -177,3 +177,31 @@ fn a_reversal_within_its_uncertainty_is_told_as_noise() {
     );
     assert!(!said.contains("EXX: its reversal"), "{said}");
 }
+
+/// X was measured in both directions, Y and Z were not: that is neither "not measured" nor nothing.
+#[test]
+fn the_errors_without_a_reversal_are_named() {
+    let directory = tempfile::tempdir().expect("a temporary directory can be made");
+    let job = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/machines/five_points");
+    for name in ["siemens-840d-sl.toml", "errors.csv"] {
+        fs::copy(job.join(name), directory.path().join(name)).expect("a copy");
+    }
+    let run = |arguments: &[&str]| {
+        let output = nonius(directory.path(), arguments);
+        String::from_utf8(output.stdout).expect("it is text")
+    };
+    let said = run(&["generate", "siemens-840d-sl.toml", "-o", "kit"]);
+    let names = "EXY, EYY, EZY, EXZ, EYZ, EZZ";
+    let words = format!("reversal of {names} not measured");
+    assert!(said.contains(&words), "{said}");
+    let german = run(&[
+        "report",
+        "siemens-840d-sl.toml",
+        "--language",
+        "de",
+        "-o",
+        "-",
+    ]);
+    let words = format!("Umkehrspanne von {names} nicht gemessen");
+    assert!(german.contains(&words), "{german}");
+}

@@ -10,7 +10,7 @@ use crate::cli::files::{file_name, read_argument};
 use crate::cli::inputs;
 use crate::cli::outcome::{Outcome, Print, positive};
 use crate::cli::plot::PlotOnly;
-use crate::cli::tables::{AskedTables, Corrected};
+use crate::cli::tables::{AskedTables, Corrected, NamedControl};
 use crate::inputs::job::Job;
 use crate::inputs::kind::FileKind;
 use crate::kit::Inputs;
@@ -118,7 +118,8 @@ fn page(options: &Options) -> Result<Page, Problems> {
     take_chain(&mut inputs, options.chain)?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     check(&volume, options)?;
-    page_of_job(options.grid, &options.tables, &request, &inputs, volume)
+    let corrected = options.tables.corrected(&inputs, &volume)?;
+    page_of_job(options.grid, corrected, &request, &inputs, volume)
 }
 
 /// Nodes of each axis in a report: enough for its pictures.
@@ -128,11 +129,18 @@ fn grid_of_report() -> GridChoice {
     GridChoice::Equal(PerAxis::from_fn(|_| NODES_OF_REPORT))
 }
 
-/// The page of a report, with the tables that are asked for.
-pub(super) fn for_report(inputs: &Inputs, tables: &AskedTables) -> Result<Page, Problems> {
+/// The page of a report, with the tables of a control where there are any.
+pub(super) fn for_report(inputs: &Inputs, control: Option<NamedControl>) -> Result<Page, Problems> {
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let request = request_of_report(&volume)?;
-    page_of_job(grid_of_report(), tables, &request, inputs, volume)
+    let corrected = control.map(|control| Corrected::of(inputs, &volume, control));
+    page_of_job(
+        grid_of_report(),
+        corrected.transpose()?,
+        &request,
+        inputs,
+        volume,
+    )
 }
 
 /// The page of a report of an error table alone, with its least job and its errors.
@@ -159,14 +167,13 @@ fn request_of_report(volume: &VolumeModel) -> Result<Request, Problem> {
 
 fn page_of_job(
     grid: GridChoice,
-    tables: &AskedTables,
+    corrected: Option<Corrected>,
     request: &Request,
     inputs: &Inputs,
     volume: VolumeModel,
 ) -> Result<Page, Problems> {
     let bare = inputs.under_tables.as_ref();
     let bare = bare.map(|_| volume.with_errors_of(&inputs.model));
-    let corrected = tables.corrected(inputs, &volume)?;
     let others: Vec<&VolumeModel> = corrected
         .iter()
         .map(|corrected| &corrected.volume)

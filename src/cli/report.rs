@@ -4,7 +4,7 @@ use crate::cli::files::{file_name, read_argument};
 use crate::cli::job_files::{folder_of, read_page};
 use crate::cli::outcome::{Content, Outcome, Output, json_of};
 use crate::cli::screen::Screen;
-use crate::cli::tables::AskedTables;
+use crate::cli::tables::{NamedControl, of_directory, own_tables};
 use crate::cli::verify::Judged;
 use crate::cli::{assess, inputs, standards};
 use crate::control::claims::Assumption;
@@ -13,7 +13,7 @@ use crate::inputs::kind::FileKind;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Machine;
 use crate::kit::manifest::MANIFEST;
-use crate::kit::{Inputs, cannot_emulate, generate, hashed, verify};
+use crate::kit::{Inputs, cannot_emulate, generate, hashed, load, verify};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Report, Shown, Texts, Visit, linear_document, terms};
@@ -46,7 +46,7 @@ pub(super) struct Options {
     #[arg(long, value_name = "LANGUAGE|FILE", default_value = "en")]
     language: String,
     /// Unit of lengths on the page
-    #[arg(long, value_enum, default_value_t = Unit::Mm)]
+    #[arg(long, visible_alias = "length-unit", value_enum, default_value_t = Unit::Mm)]
     unit: Unit,
     /// Sign of the company (PNG, JPEG or SVG)
     #[arg(long, value_name = "FILE")]
@@ -142,7 +142,7 @@ fn of_table(locale: Locale<'_>, path: &Path, name: &str, bytes: &[u8]) -> Result
 
 /// The measurement of a job without tables, as found.
 fn of_job(locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
-    let page = assess::for_report(inputs, &AskedTables::NONE)?;
+    let page = assess::for_report(inputs, None)?;
     let model = inputs.as_measured();
     let mut visit = Visit::found(locale, &inputs.job, model, inputs.machine(), &page)?;
     let is_stated = inputs.job.source.place_of("compensation.controller");
@@ -155,7 +155,10 @@ fn of_job(locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
 /// The tables of a directory, or those that `generate` would write.
 fn with_tables(options: &Options, locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
     let mut visit = Visit::of(&inputs.job);
-    let judged = judged(&mut visit, options, inputs)?;
+    let (judged, control) = match options.tables.as_deref() {
+        None => of_own_tables(&mut visit, &options.job, inputs)?,
+        Some(directory) => of_files(&mut visit, options, inputs, directory)?,
+    };
     let page = judged.page(inputs)?;
     visit.control.clone_from(&inputs.profile.name);
     visit.verdict = Some(page.verdict());
@@ -173,7 +176,7 @@ fn with_tables(options: &Options, locale: Locale<'_>, inputs: &Inputs) -> Result
         .documents
         .push(("verify".to_string(), json_of(&page.document())?));
     visit.pictures.push(("curves", page.picture(locale)?));
-    match assess::for_report(inputs, &AskedTables::of(options.tables.as_deref())) {
+    match control.and_then(|control| assess::for_report(inputs, Some(control))) {
         Ok(page) => add_volume(&mut visit, locale, &page)?,
         Err(problems) => visit.without_volume = problems.iter().map(words).collect(),
     }
@@ -228,22 +231,33 @@ impl Visit {
     }
 }
 
-fn judged<'a>(
+/// What is judged, and the control with these tables, or why there is none.
+type Tables<'a> = (Judged<'a>, Result<NamedControl, Problems>);
+
+/// The tables that `generate` would write.
+fn of_own_tables<'a>(
+    visit: &mut Visit,
+    job: &'a Path,
+    inputs: &Inputs,
+) -> Result<Tables<'a>, Problems> {
+    let kit = generate(inputs)?;
+    let manifest = json_of(&kit.manifest)?;
+    visit.documents.push(("kit".to_string(), manifest));
+    let sizes = kit.files.iter().map(|f| (f.path.clone(), f.bytes.len()));
+    visit.sizes = sizes.collect();
+    let (files, state) = (kit.kit_files(), Some(&kit.manifest.state));
+    let verification = verify(inputs, &files, state, Vec::new())?;
+    let control = load(inputs, &files, state).map(|control| (own_tables(inputs), control));
+    Ok((Judged::made(job, verification), control))
+}
+
+/// The files of a directory.
+fn of_files<'a>(
     visit: &mut Visit,
     options: &'a Options,
     inputs: &Inputs,
-) -> Result<Judged<'a>, Problems> {
-    let Some(directory) = options.tables.as_deref() else {
-        let kit = generate(inputs)?;
-        visit
-            .documents
-            .push(("kit".to_string(), json_of(&kit.manifest)?));
-        let sizes = kit.files.iter().map(|f| (f.path.clone(), f.bytes.len()));
-        visit.sizes = sizes.collect();
-        let state = Some(&kit.manifest.state);
-        let verification = verify(inputs, &kit.kit_files(), state, Vec::new())?;
-        return Ok(Judged::made(&options.job, verification));
-    };
+    directory: &'a Path,
+) -> Result<Tables<'a>, Problems> {
     let judged = Judged::read(inputs, &options.job, directory, options.after.as_deref())?;
     visit.date_after = judged.date_after().map(str::to_string);
     if let Ok((_, bytes)) = read_argument(&directory.join(MANIFEST)) {
@@ -251,7 +265,7 @@ fn judged<'a>(
         visit.sizes = sizes(directory, &manifest);
         visit.documents.push(("kit".to_string(), manifest));
     }
-    Ok(judged)
+    Ok((judged, of_directory(inputs, directory)))
 }
 
 /// Bytes of the files of a manifest. One of others may name any path: only what lies in the directory is looked at.

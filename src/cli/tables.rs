@@ -37,22 +37,6 @@ pub(super) struct Corrected {
 }
 
 impl AskedTables {
-    /// None: the machine as it is.
-    pub(super) const NONE: AskedTables = AskedTables {
-        tables: None,
-        with_tables: false,
-    };
-
-    /// The files of a directory, or what the job asks for.
-    pub(super) fn of(tables: Option<&Path>) -> AskedTables {
-        let with_tables = tables.is_none();
-        let tables = tables.map(Path::to_path_buf);
-        AskedTables {
-            tables,
-            with_tables,
-        }
-    }
-
     /// Whether any are asked for.
     pub(super) fn is_any(&self) -> bool {
         self.tables.is_some() || self.with_tables
@@ -69,9 +53,42 @@ impl AskedTables {
         inputs: &Inputs,
         volume: &VolumeModel,
     ) -> Result<Option<Corrected>, Problems> {
-        let Some((from, loaded)) = self.loaded(inputs)? else {
-            return Ok(None);
-        };
+        let loaded = self.loaded(inputs)?;
+        let corrected = loaded.map(|loaded| Corrected::of(inputs, volume, loaded));
+        corrected.transpose()
+    }
+
+    /// Of the control with them, and where they come from.
+    fn loaded(&self, inputs: &Inputs) -> Result<Option<NamedControl>, Problems> {
+        if self.with_tables {
+            return Ok(Some((own_tables(inputs), load_own(inputs)?)));
+        }
+        let directory = self.tables.as_deref();
+        directory.map(|own| of_directory(inputs, own)).transpose()
+    }
+}
+
+/// Where tables come from, in words, and the control with them.
+pub(super) type NamedControl = (String, LoadedControl);
+
+/// The words for the tables that a job asks for.
+pub(super) fn own_tables(inputs: &Inputs) -> String {
+    format!("the tables of the job for {}", inputs.profile.name)
+}
+
+/// The control with the files of a directory.
+pub(super) fn of_directory(inputs: &Inputs, directory: &Path) -> Result<NamedControl, Problems> {
+    let loaded = read_directory(inputs, directory)?.load(inputs)?;
+    Ok((format!("the files of {}", directory.display()), loaded))
+}
+
+impl Corrected {
+    /// `volume` is the machine as it was measured.
+    pub(super) fn of(
+        inputs: &Inputs,
+        volume: &VolumeModel,
+        (from, loaded): NamedControl,
+    ) -> Result<Corrected, Problems> {
         let control = loaded.control.as_ref();
         let volume = with_tables(volume, &inputs.model, &loaded.plan, control).map_err(|e| {
             Problem::new(format!("the tables cannot be emulated: {}", e.0))
@@ -80,25 +97,12 @@ impl AskedTables {
         let found = loaded.findings.into_iter();
         let (disagreements, notes) =
             found.partition(|found| found.severity() == Severity::Disagreement);
-        Ok(Some(Corrected {
+        Ok(Corrected {
             from,
             volume,
             disagreements,
             notes,
-        }))
-    }
-
-    fn loaded(&self, inputs: &Inputs) -> Result<Option<(String, LoadedControl)>, Problems> {
-        if self.with_tables {
-            let from = format!("the tables of the job for {}", inputs.profile.name);
-            return Ok(Some((from, load_own(inputs)?)));
-        }
-        let Some(directory) = &self.tables else {
-            return Ok(None);
-        };
-        let loaded = read_directory(inputs, directory)?.load(inputs)?;
-        let from = format!("the files of {}", directory.display());
-        Ok(Some((from, loaded)))
+        })
     }
 }
 

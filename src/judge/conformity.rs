@@ -32,6 +32,8 @@ const PLACES: u32 = 32;
 const ROUNDS: usize = 60;
 /// Precision of U relative to u.
 const PRECISION: f64 = 1e-6;
+/// From here on erfc is below 2e-17: thousands of such figures do not change a sum near 1.
+const SURE: f64 = 6.0;
 
 /// Answer to the question whether a limit is kept; the worse one is the larger.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -210,7 +212,11 @@ fn chance_within(figures: &[Magnitude], estimates: &[(f64, f64)], limit_um: f64)
         .map(|f| (limit_um - f.um) / f.u_um / std::f64::consts::SQRT_2)
         .collect();
     let all = |(sigma, weight): &(f64, f64)| {
-        let outside = rooms.iter().map(|room| erfc(room * sigma));
+        let near = rooms
+            .iter()
+            .map(|room| room * sigma)
+            .filter(|room| *room < SURE);
+        let outside = near.map(erfc);
         weight * outside.map(|p| (-p).ln_1p()).sum::<f64>().exp()
     };
     estimates.iter().map(all).sum::<f64>()

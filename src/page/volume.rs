@@ -38,16 +38,12 @@ pub fn volume(locale: Locale<'_>, heading: &str, sides: &[Side<'_>]) -> Picture 
         distribution(locale, sides),
         Some(contributions(locale, sides)),
     ];
-    let mut panels: Vec<Option<Panel>> = views.collect();
-    if panels.len() % 2 == 1 {
-        panels.push(None);
-    }
-    panels.extend(below);
+    let panels = views.chain(below).filter(Option::is_some);
     Picture {
         title: heading.to_string(),
         description: locale.words("volume_alt"),
         columns: 2,
-        panels,
+        panels: panels.collect(),
         note: locale.words("volume_note"),
     }
 }

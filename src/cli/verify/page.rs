@@ -216,10 +216,12 @@ impl Page<'_> {
     pub(in crate::cli) fn document(&self) -> Document<'_> {
         let compiled = &self.verification.compiled;
         let forecast = self.verification.forecast.as_ref();
-        let misses = self.grounds().misses;
+        let misses = self
+            .judged()
+            .map(|of| of.misses(self.inputs.job.acceptance));
         let stated = self.verification.disagreements();
         let causes = stated.iter().map(ToString::to_string);
-        let causes = causes.chain(misses.iter().map(Miss::to_string));
+        let causes = causes.chain(misses.iter().flatten().map(Miss::to_string));
         let causes = causes.chain(self.doubts().iter().map(ToString::to_string));
         let page = Document {
             schema: 1,

@@ -31,8 +31,10 @@ pub enum RestsOn {
     Ranges(Vec<JudgedRange>),
     /// All was measured in this direction only.
     OneWay(Direction),
-    /// No axis was measured in both directions.
-    NoReversal,
+    /// These were not measured in both directions; empty = none was.
+    NoReversal(Vec<ErrorTerm>),
+    /// Both directions were measured; no curve holds the reversal.
+    ReversalNotCounted,
     /// U of these counts as 0 because nobody stated it; empty = of all.
     WithoutU(Vec<ErrorTerm>),
     /// Causes without a stated bound.
@@ -157,14 +159,15 @@ impl Forecast {
             limit_um,
             verdict: self.judge(&term.figures, limit_um),
         };
-        let all = Miss::Figure {
+        let all = |verdict| Miss::Figure {
             of: Of::Terms,
             um: self.max_residual_um(),
             expanded_um: self.max_expanded_um(),
             limit_um,
-            verdict: self.judge(&self.figures(), limit_um),
+            verdict,
         };
-        singly_or_together(self.terms.iter().map(one), all)
+        let verdict = || self.judge(&self.figures(), limit_um);
+        singly_or_together(self.terms.iter().map(one), verdict, all)
     }
 
     fn diagonals_missing(&self, limit_um: f64) -> Vec<Miss> {
@@ -185,14 +188,15 @@ impl Forecast {
             .map(|d| d.change.after_um)
             .fold(0.0, larger);
         let stated = diagonals.iter().any(|d| d.change.u_um.is_some());
-        let all = Miss::Figure {
+        let all = |verdict| Miss::Figure {
             of: Of::Diagonals,
             um,
             expanded_um: stated.then(|| 2.0 * expanded_um(&halves, self.sigma)),
             limit_um,
-            verdict: self.judge_diagonals(&diagonals, limit_um),
+            verdict,
         };
-        singly_or_together(self.diagonals.iter().map(one), all)
+        let verdict = || self.judge_diagonals(&diagonals, limit_um);
+        singly_or_together(self.diagonals.iter().map(one), verdict, all)
     }
 
     /// What a verdict rests on, and what it does not count.
@@ -219,12 +223,15 @@ impl Forecast {
 
     /// What no figure holds because an axis was not measured both ways; `None` = all were.
     fn directions(&self) -> Option<RestsOn> {
-        let ways: Vec<Option<Direction>> = self.terms.iter().filter_map(|t| t.one_way).collect();
-        let only = |way: Direction| !ways.is_empty() && ways.iter().all(|w| *w == Some(way));
+        let without = self.terms.iter().filter(|t| t.one_way.is_some());
+        let names: Vec<ErrorTerm> = without.map(|t| t.term).collect();
+        let only = |way: Direction| self.terms.iter().all(|t| t.one_way == Some(Some(way)));
         match Direction::BOTH.into_iter().find(|way| only(*way)) {
+            _ if names.is_empty() => None,
             Some(way) => Some(RestsOn::OneWay(way)),
-            None if ways.is_empty() => None,
-            None => Some(RestsOn::NoReversal),
+            None if self.without_reversal_um.is_some() => Some(RestsOn::ReversalNotCounted),
+            None if names.len() == self.terms.len() => Some(RestsOn::NoReversal(Vec::new())),
+            None => Some(RestsOn::NoReversal(names)),
         }
     }
 
@@ -240,13 +247,24 @@ impl Forecast {
     }
 }
 
-/// The figures that miss a limit by themselves; where none does, whether all together do.
-fn singly_or_together(each: impl Iterator<Item = Miss>, all: Miss) -> Vec<Miss> {
+/// The figures that miss a limit by themselves; where none does, whether all together do, whose U takes long
+/// and is asked for only then.
+fn singly_or_together(
+    each: impl Iterator<Item = Miss>,
+    verdict: impl Fn() -> Verdict,
+    all: impl Fn(Verdict) -> Miss,
+) -> Vec<Miss> {
     let missing: Vec<Miss> = each.filter(|judged| !judged.is_kept()).collect();
-    match missing.is_empty() {
-        true => (!all.is_kept()).then_some(all).into_iter().collect(),
-        false => missing,
+    if !missing.is_empty() {
+        return missing;
     }
+    let together = Some(verdict()).filter(|verdict| *verdict != Verdict::Pass);
+    together.map(all).into_iter().collect()
+}
+
+fn listed(terms: &[ErrorTerm]) -> String {
+    let names: Vec<String> = terms.iter().map(ToString::to_string).collect();
+    names.join(", ")
 }
 
 /// Which errors a verdict speaks of.
@@ -300,17 +318,18 @@ impl fmt::Display for RestsOn {
         match self {
             RestsOn::Ranges(ranges) => out.write_str(&share::words(ranges)),
             RestsOn::OneWay(way) => write!(out, "moving {way} only"),
-            RestsOn::NoReversal => out.write_str("reversal not measured"),
+            RestsOn::ReversalNotCounted => out.write_str("reversal measured, but not counted"),
+            RestsOn::NoReversal(terms) if terms.is_empty() => {
+                out.write_str("reversal not measured")
+            }
+            RestsOn::NoReversal(terms) => {
+                write!(out, "reversal of {} not measured", listed(terms))
+            }
             RestsOn::WithoutU(terms) if terms.is_empty() => {
                 out.write_str("U is not stated and counted as 0")
             }
             RestsOn::WithoutU(terms) => {
-                let terms: Vec<String> = terms.iter().map(ToString::to_string).collect();
-                write!(
-                    out,
-                    "U of {} is not stated and counted as 0",
-                    terms.join(", ")
-                )
+                write!(out, "U of {} is not stated and counted as 0", listed(terms))
             }
             RestsOn::NotCounted(causes) => {
                 let mut parts: Vec<String> = causes.iter().map(ToString::to_string).collect();

@@ -72,7 +72,9 @@ impl Report<'_> {
                 };
                 self.fill("one_way", [("way", way.to_string())])
             }
-            RestsOn::NoReversal => self.t("no_reversal"),
+            RestsOn::ReversalNotCounted => self.t("reversal_not_counted"),
+            RestsOn::NoReversal(terms) if terms.is_empty() => self.t("no_reversal"),
+            RestsOn::NoReversal(terms) => self.fill("no_reversal_of", [("errors", names(terms))]),
             RestsOn::WithoutU(terms) if terms.is_empty() => self.t("without_u"),
             RestsOn::WithoutU(terms) => self.fill("without_u_of", [("errors", names(terms))]),
             RestsOn::NotCounted(causes) => self.not_counted(causes),

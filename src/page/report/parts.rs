@@ -224,16 +224,19 @@ impl Report<'_> {
                 .iter()
                 .find(|(name, _)| Some(name.as_str()) == file["path"].as_str());
             let size = size.map_or_else(String::new, |(_, bytes)| bytes.to_string());
+            let role = format!("role_{}", file["role"].as_str().unwrap_or_default());
             vec![
                 text("path"),
-                text("role"),
+                match self.locale.texts.has(&role) {
+                    true => self.t(&role),
+                    false => text("role"),
+                },
                 size,
                 format!("<code>{}</code>", text("sha256")),
             ]
         });
-        let head = ["file", "role"].map(|key| self.t(key)).into_iter();
-        let head = head.chain(["Byte".to_string(), self.t("sha256")]);
-        let files = Table::new(head.collect(), files, true);
+        let head = ["file", "role", "bytes", "sha256"].map(|key| self.t(key));
+        let files = Table::new(head.to_vec(), files, true);
         Part {
             tables: vec![placed.in_english(), files],
             ..self.part("tables")
