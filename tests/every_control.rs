@@ -122,3 +122,23 @@ fn the_table_of_one_machine_is_what_every_control_gives() {
     }
     assert_eq!(written, table, "docs/controllers.md: NONIUS_UPDATE=1");
 }
+
+/// The order of work comes first: few words above it, and what only has to be compared stands in the annex.
+#[test]
+fn a_checklist_begins_with_the_work() {
+    for id in builtin::ids() {
+        let directory = visit(id);
+        kit(id, directory.path());
+        let sheet = fs::read_to_string(directory.path().join("kit/checklist.md")).unwrap();
+        let (work, annex) = sheet.split_once("\n## Annex").unwrap();
+        let (above, _) = work.split_once("\n1. [ ] ").unwrap();
+        let bullets = above.lines().filter(|line| line.starts_with("- ")).count();
+        assert!(
+            bullets <= 4,
+            "{id}: {bullets} bullets above the steps\n{above}"
+        );
+        assert!(!work.contains("; found: ________"), "{id}: {work}");
+        let compared = work.contains("what the annex lists under this number");
+        assert_eq!(compared, annex.contains("; found: ________"), "{id}");
+    }
+}

@@ -24,7 +24,7 @@ use crate::write::emit::{self, RenderedFile};
 use crate::write::plan::Plan;
 use crate::write::sign_proof::sign_proofs;
 use proofs::Proofs;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// What is written beside the tables of a kit.
 pub(super) struct FieldKit {
@@ -75,12 +75,12 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     };
     let parts = parts(&task.profile.checklist, &facts);
     let sign_proofs = shown.iter().map(proofs::document).collect();
+    let misses = lists::misses(made);
     files.extend(emit::render_checklist(
         task,
         &made.templates,
         &made.context,
-        &lists::head(made),
-        &parts,
+        json!({ "head": lists::head(made, &misses), "parts": parts, "about": lists::about(made, &misses) }),
     )?);
     Ok(FieldKit {
         files,

@@ -11,7 +11,6 @@ mod templates;
 pub use crate::write::control_text::{Instead, Switch};
 pub use templates::Templates;
 
-use crate::control::checklist::{Paragraph, Part};
 use crate::control::controller::{EmittedFile, Role, builtin};
 use crate::control::table::Tables;
 use crate::inputs::error_table::SIMULATED;
@@ -253,19 +252,16 @@ pub(crate) fn render_apart(
     )
 }
 
-/// The checklist, for people: line ends of every computer, not of the control. `head` stands above
-/// the steps.
+/// The checklist, for people: line ends of every computer, not of the control.
 pub(crate) fn render_checklist(
     task: Task<'_>,
     templates: &Templates,
     context: &Context,
-    head: &[Paragraph],
-    parts: &[Part],
+    words: Value,
 ) -> Result<Vec<RenderedFile>, Problems> {
     let names = ["tool", "controller", "machine", "measurement"];
     let names = names.map(|name| (name.to_string(), context.0[name].clone()));
     let names = Value::Object(names.into_iter().collect());
-    let words = json!({ "head": head, "parts": parts });
     let files = task.profile.files.iter();
     let mut rendered = Vec::new();
     for file in files.filter(|file| file.role == Role::Checklist) {

@@ -1,16 +1,20 @@
-//! A checklist: what stands above its steps (whether the kit is a rehearsal, doubtful, good enough), and its
-//! lists: what is overwritten, what has to be set, what the display shows.
+//! A checklist: what stands above its steps (whether the kit is a rehearsal, doubtful, good enough), what stands
+//! behind them, and its lists: what is overwritten, what has to be set, what the display shows.
 
 use crate::control::checklist::{Listed, Paragraph};
 use crate::control::claims::{Precondition, SeenTo, shared};
 use crate::judge::conformity::Verdict;
+use crate::judge::forecast::Miss;
 use crate::kit::made::Made;
 use crate::kit::remarks;
 use crate::text::html::BLANK;
 use crate::write::compensation::Compiled;
 
+/// So many figures that miss the acceptance stand above the steps; [`about`] has all.
+const MOST: usize = 3;
+
 /// What stands above the steps.
-pub(super) fn head(made: &Made<'_>) -> Vec<Paragraph> {
+pub(super) fn head(made: &Made<'_>, misses: &[Miss]) -> Vec<Paragraph> {
     let remarks = &made.inputs.model.remarks;
     let simulated = remarks.simulated().map(|note| format!("**{note}**"));
     let doubts = made.doubts.iter();
@@ -18,15 +22,22 @@ pub(super) fn head(made: &Made<'_>) -> Vec<Paragraph> {
     simulated
         .chain(doubts)
         .map(|text| paragraph(text, Vec::new()))
-        .chain([verdict(made)])
-        .chain(known(made))
+        .chain([verdict(made, misses)])
         .collect()
 }
 
-/// What was printed when the kit was made, for the person who has only this page.
-fn known(made: &Made<'_>) -> Option<Paragraph> {
+/// What was printed when the kit was made, for the person who has only this page; it stands in the annex.
+pub(super) fn about(made: &Made<'_>, misses: &[Miss]) -> Vec<String> {
+    let misses = misses.iter().map(ToString::to_string);
     let known = remarks(&made.plan, &made.compiled, Some(&made.forecast));
-    (!known.is_empty()).then(|| paragraph("About these tables:", known))
+    misses.chain(known).collect()
+}
+
+/// What misses the acceptance, the worst first.
+pub(super) fn misses(made: &Made<'_>) -> Vec<Miss> {
+    let mut misses = made.forecast.misses(made.inputs.job.acceptance);
+    misses.sort_by(Miss::worst_first);
+    misses
 }
 
 fn paragraph(text: impl Into<String>, items: Vec<String>) -> Paragraph {
@@ -34,7 +45,7 @@ fn paragraph(text: impl Into<String>, items: Vec<String>) -> Paragraph {
     Paragraph { text, items }
 }
 
-fn verdict(made: &Made<'_>) -> Paragraph {
+fn verdict(made: &Made<'_>, misses: &[Miss]) -> Paragraph {
     let nothing_asked = made.inputs.job.acceptance.asks_nothing();
     match made.verdict {
         Verdict::Pass if nothing_asked => {
@@ -48,8 +59,10 @@ fn verdict(made: &Made<'_>) -> Paragraph {
                 made.forecast.range_words(),
                 verdict.word()
             );
-            let misses = made.forecast.misses(made.inputs.job.acceptance);
-            paragraph(sentence, misses.iter().map(ToString::to_string).collect())
+            let worst = misses.iter().take(MOST).map(ToString::to_string);
+            let more = misses.len().saturating_sub(MOST);
+            let more = (more > 0).then(|| format!("{more} more: annex"));
+            paragraph(sentence, worst.chain(more).collect())
         }
     }
 }
@@ -63,17 +76,22 @@ pub(super) fn places(made: &Made<'_>) -> Listed {
     vec![places.join("; ")].into()
 }
 
+/// At the step what is replaced and has to be noted; in the annex what only has to be compared.
 pub(super) fn preconditions(compiled: &Compiled) -> Listed {
-    let mut list = shared(&compiled.preconditions);
-    list.retain(|(_, p)| p.when != SeenTo::After);
-    let item = |(what, p): &(String, &Precondition)| match p.when {
-        SeenTo::Entered => format!("{what}: found {BLANK}; {} is entered below", p.value),
-        _ => format!("{what} must be {}; found: {BLANK}", p.value),
+    let list = shared(&compiled.preconditions);
+    let of = |when: SeenTo| list.iter().filter(move |(_, p)| p.when == when);
+    let item = |(what, p): &(String, &Precondition)| {
+        format!("{what}: found {BLANK}; {} is entered below", p.value)
     };
-    let note = |(what, p): &(String, &Precondition)| format!("{what}: {} *({})*", p.why, p.source);
+    let must = |(what, p): &(String, &Precondition)| {
+        let (value, why, source) = (&p.value, &p.why, &p.source);
+        format!("{what} must be {value}; found: {BLANK} Why: {why} *({source})*")
+    };
+    let why = |(what, p): &(String, &Precondition)| format!("{what}: {} *({})*", p.why, p.source);
+    let notes = of(SeenTo::Before).map(must);
     Listed {
-        items: list.iter().map(item).collect(),
-        notes: list.iter().map(note).collect(),
+        items: of(SeenTo::Entered).map(item).collect(),
+        notes: notes.chain(of(SeenTo::Entered).map(why)).collect(),
     }
 }
 
