@@ -2,6 +2,7 @@
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
 
+use nonius::control::controller::builtin;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -152,5 +153,76 @@ fn no_profile_names_a_file_that_a_laptop_or_shell_takes_for_something_else() {
         let (status, text) = told(at, &["generate", "own.toml", "-o", "kit"]);
         assert_eq!(status, Some(2), "{name}\n{text}");
         assert!(text.contains("is no file name"), "{name}\n{text}");
+    }
+}
+
+/// Marks that mean something to a page, a drawing, a spreadsheet, a shell or a control.
+const MARKS: &str = "A<b>\";(x)&";
+
+/// Names of files and comments with them go nowhere; a machine's name with them is refused or only shown.
+#[test]
+fn marks_of_others_mean_nothing() {
+    for id in builtin::ids() {
+        let place = start();
+        let at = place.path();
+        let read = |name: &str| fs::read_to_string(at.join(name)).expect("a fixture");
+        let job = read("job.toml").replace("siemens-840d-sl", id);
+        let job = job.replace("# detection_unit_um", "detection_unit_um");
+        let (named, table) = (format!("{MARKS}.toml"), format!("{MARKS}.csv"));
+        fs::write(
+            at.join(&table),
+            format!("# {MARKS}\n{}", read("errors.csv")),
+        )
+        .expect("a table");
+        let job = job.replace("\"errors.csv\"", &format!("'{table}'"));
+        fs::write(at.join(&named), &job).expect("a job");
+        let of_machine = job.lines().map(|line| match line.starts_with("name = ") {
+            true => format!("name = '{MARKS}'\n"),
+            false => format!("{line}\n"),
+        });
+        fs::write(at.join("machine.toml"), of_machine.collect::<String>()).expect("a job");
+        let plot = ["--plot", "kit.svg"];
+        let (status, text) = told(
+            at,
+            &[&["generate", &named, "-o", "kit"][..], &plot].concat(),
+        );
+        assert_ne!(status, Some(2), "{id}: {text}");
+        told(
+            at,
+            &["report", &named, "--tables", "kit", "-o", "report.html"],
+        );
+        told(at, &["generate", "machine.toml", "-o", "second"]);
+        told(at, &["report", "machine.toml", "-o", "machine.html"]);
+        harmless(at, id);
+    }
+}
+
+fn harmless(at: &Path, id: &str) {
+    let inside = |folder: &Path| {
+        fs::read_dir(folder)
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+    };
+    let places = ["", "kit", "second"].map(|folder| inside(&at.join(folder)));
+    for entry in places.into_iter().flatten() {
+        let path = entry.expect("an entry").path();
+        let name = path
+            .file_name()
+            .expect("a name")
+            .to_string_lossy()
+            .into_owned();
+        let is_text_for_people = name.ends_with(".json") || name.ends_with(".md");
+        if path.is_dir() || is_text_for_people || name.starts_with('A') || name == "machine.toml" {
+            continue;
+        }
+        let content = String::from_utf8_lossy(&fs::read(&path).expect("a file")).into_owned();
+        assert!(!content.contains("<b>"), "{id}: {}", path.display());
+        let is_page = name.ends_with(".html") || name.ends_with(".svg");
+        assert!(
+            is_page || !content.contains("\";("),
+            "{id}: {}",
+            path.display()
+        );
     }
 }

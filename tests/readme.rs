@@ -58,6 +58,34 @@ fn the_readme_shows_what_the_main_job_prints() {
     );
 }
 
+/// Every command of the example in docs/rehearsal.md, as it is written there.
+#[cfg(unix)]
+#[test]
+fn the_rehearsal_runs_as_it_is_written() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = std::fs::read_to_string(root.join("docs/rehearsal.md")).expect("the page");
+    let script = block_behind(&page, "run by tests/readme.rs");
+    let script = script.trim_start_matches("sh\n");
+    let folder = tempfile::tempdir().expect("a place to write to");
+    std::os::unix::fs::symlink(root.join("fixtures"), folder.path().join("fixtures"))
+        .expect("a link");
+    let program = Path::new(env!("CARGO_BIN_EXE_nonius")).parent();
+    let program = program.expect("a directory").display();
+    let path = std::env::var("PATH").unwrap_or_default();
+    let output = Command::new("sh")
+        .args(["-e", "-c", script])
+        .env("PATH", format!("{program}:{path}"))
+        .current_dir(folder.path())
+        .output()
+        .expect("a shell");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(printed.matches("verdict: pass").count(), 3, "{printed}");
+    assert!(printed.contains("REHEARSAL: both measurements were simulated"));
+    assert!(folder.path().join("out/visit/report.html").exists());
+}
+
 #[test]
 fn the_table_of_evidence_is_that_of_the_profiles() {
     let readme = readme();

@@ -123,7 +123,8 @@ fn unknown(word: &str) -> Problem {
 }
 
 /// The control that a word names: most of its parts stand in the id and the full name, one of them
-/// with a digit (`31i` in `FANUC Series 30i/31i/32i-B`); else the id that is written most alike.
+/// with a digit (`31i` in `FANUC Series 30i/31i/32i-B`); else the word stands in them without their
+/// hyphens (`840dsl`); else the id that is written most alike.
 fn meant(word: &str) -> Option<(&'static str, String)> {
     let full_name = |id: &str| profile(id).map(|known| known.name).unwrap_or_default();
     let parts = parts(word);
@@ -138,7 +139,14 @@ fn meant(word: &str) -> Option<(&'static str, String)> {
             best = Some((shared.len(), id));
         }
     }
-    let id = best.map(|(_, id)| id).or_else(|| nearest(word, ids()))?;
+    let joined = |id: &str| self::parts(&format!("{id} {}", full_name(id))).concat();
+    let model = Some(parts.concat()).filter(|word| word.contains(|c: char| c.is_ascii_digit()));
+    let of_model = || {
+        let model = model.as_deref()?;
+        ids().into_iter().find(|id| joined(id).contains(model))
+    };
+    let id = best.map(|(_, id)| id).or_else(of_model);
+    let id = id.or_else(|| nearest(word, ids()))?;
     Some((id, full_name(id)))
 }
 
@@ -164,6 +172,9 @@ mod tests {
             ("fanuc-0i", "fanuc-0i-f"),
             ("siemens-840d", "siemens-840d-sl"),
             ("simens-828d", "siemens-828d"),
+            ("840dsl", "siemens-840d-sl"),
+            ("Sinumerik828D", "siemens-828d"),
+            ("fanuc30i", "fanuc-30i"),
         ];
         for (word, id) in words {
             assert_eq!(meant(word).map(|(id, _)| id), Some(id), "{word}");
