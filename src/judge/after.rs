@@ -32,7 +32,7 @@ use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::smaller;
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::plan::Plan;
@@ -88,7 +88,7 @@ impl Emulator for Bare {
         Vec::new()
     }
 
-    fn response(&self, _: &str, _: &str, _: Direction) -> Result<Response, CannotEmulate> {
+    fn response(&self, _: &str, _: &str, _: Direction) -> Emulated<Response> {
         Ok(Response::default())
     }
 }

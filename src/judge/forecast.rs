@@ -30,7 +30,7 @@ use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{Millimetres, larger};
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::write::grid::EDGE_MM;
 use crate::write::plan::{Plan, axis_pairs};
 
@@ -42,12 +42,7 @@ impl Emulator for Straightened<'_> {
         self.0.connected_axes()
     }
 
-    fn response(
-        &self,
-        base: &str,
-        output: &str,
-        direction: Direction,
-    ) -> Result<Response, CannotEmulate> {
+    fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
         Ok(self.0.response(base, output, direction)?.straightened())
     }
 }
@@ -58,7 +53,7 @@ pub fn forecast(
     plan: &Plan,
     control: &dyn Emulator,
     ranges: &[JudgedRange],
-) -> Result<Forecast, CannotEmulate> {
+) -> Emulated<Forecast> {
     let model = machine.as_measured;
     let sigma = Sigma::with_freedom(model.remarks.degrees_of_freedom);
     let judged = share::stated(ranges);
@@ -123,7 +118,7 @@ fn residuals(
     control: &dyn Emulator,
     term: ErrorTerm,
     judged: Option<(Millimetres, Millimetres)>,
-) -> Result<Vec<Magnitude>, CannotEmulate> {
+) -> Emulated<Vec<Magnitude>> {
     let mut figures: Vec<(Option<Direction>, Cell, f64)> = Vec::new();
     for direction in Direction::BOTH {
         let Some((measured, curve)) = machine.curves(term, direction) else {

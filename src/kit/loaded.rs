@@ -14,7 +14,7 @@ use crate::judge::disagreement::{self, surroundings};
 use crate::judge::findings::{InControl, not_emulated};
 use crate::kit::inputs::cannot_emulate;
 use crate::quantity::units::rounded;
-use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::emulate::{Emulated, Emulator};
 use crate::read::{KitFile, emulator, read, unread};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
@@ -29,7 +29,7 @@ pub(super) struct Loaded {
     /// The control outside the tables, as it goes with the files.
     pub(super) state: ControlState,
     /// The control with the tables, or why nothing can be said of it.
-    pub(super) control: Result<Box<dyn Emulator>, CannotEmulate>,
+    pub(super) control: Emulated<Box<dyn Emulator>>,
     /// How the files differ from what the job asks for; what no file does, what was ignored, and
     /// what is taken for granted; what acts on the axes of the job and is not emulated (a doubt).
     pub(super) findings: Vec<Finding>,

@@ -9,7 +9,7 @@ use crate::judge::disagreement;
 use crate::judge::findings::not_emulated;
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 use crate::quantity::axis::Axis;
-use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::emulate::{Emulated, Emulator};
 use crate::read::{KitFile, ReadBack, emulator, read, unread};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
@@ -154,7 +154,7 @@ pub(super) fn differences(
     plan: &Plan,
     compiled: &Compiled,
     read: &ReadBack,
-) -> (Vec<Finding>, Result<Box<dyn Emulator>, CannotEmulate>) {
+) -> (Vec<Finding>, Emulated<Box<dyn Emulator>>) {
     let profile = &inputs.profile;
     let found = emulator(profile, &read.tables, &compiled.state);
     let contents = |diagnosis| disagreement::contents(profile, &compiled.tables, read, diagnosis);

@@ -6,13 +6,13 @@ use crate::judge::before::Before;
 use crate::kit::findings::InRollback;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::Millimetres;
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::read::emulator;
 use crate::write::plan::axis_pairs;
 
 /// Largest movement of each physical axis when the tables are switched, all base axes at their
 /// worst place: a bound, not a place.
-pub(super) fn switching(made: &Made<'_>) -> Result<Vec<String>, CannotEmulate> {
+pub(super) fn switching(made: &Made<'_>) -> Emulated<Vec<String>> {
     let control = switched(made)?;
     let has_tables = |axis: &Axis| made.plan.tables.iter().any(|t| t.term.of == *axis);
     let line = |axis: Axis| {
@@ -48,7 +48,7 @@ fn references(made: &Made<'_>) -> PerAxis<f64> {
 
 /// The control without its backlash parameters: they are not switched with the tables, but what a
 /// table holds for one direction is (3627 on Fanuc).
-fn switched(made: &Made<'_>) -> Result<Box<dyn Emulator>, CannotEmulate> {
+fn switched(made: &Made<'_>) -> Emulated<Box<dyn Emulator>> {
     let mut state = made.compiled.state.clone();
     for axis in &mut state.axes {
         axis.backlash_um = 0.0;
@@ -57,11 +57,7 @@ fn switched(made: &Made<'_>) -> Result<Box<dyn Emulator>, CannotEmulate> {
 }
 
 /// Largest correction of one axis by another, anywhere and at the reference, µm.
-fn of_term(
-    made: &Made<'_>,
-    control: &dyn Emulator,
-    term: ErrorTerm,
-) -> Result<(f64, f64), CannotEmulate> {
+fn of_term(made: &Made<'_>, control: &dyn Emulator, term: ErrorTerm) -> Emulated<(f64, f64)> {
     if !made.plan.tables.iter().any(|table| table.term == term) {
         return Ok((0.0, 0.0));
     }
@@ -102,7 +98,7 @@ pub(super) fn way_back(before: &Before<'_>) -> Vec<InRollback> {
     moved.unwrap_or_else(|reason| vec![InRollback::MovementUnknown { reason: reason.0 }])
 }
 
-fn moved(before: &Before<'_>, control: &dyn Emulator) -> Result<Vec<InRollback>, CannotEmulate> {
+fn moved(before: &Before<'_>, control: &dyn Emulator) -> Emulated<Vec<InRollback>> {
     let names = &before.plan.names;
     let mut moved = Vec::new();
     for of in Axis::ALL {
@@ -129,7 +125,7 @@ fn at_place(
     control: &dyn Emulator,
     (base, output): (&str, &str),
     along: Axis,
-) -> Result<f64, CannotEmulate> {
+) -> Emulated<f64> {
     let Some(machine) = before.task.job.machine.axes[along] else {
         return Ok(0.0);
     };

@@ -8,7 +8,7 @@ use crate::machine::separation::Separation;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::Millimetres;
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::write::plan::{Plan, axis_pairs};
 
 /// What the nine curves are drawn from; what is not there is not drawn.
@@ -36,11 +36,7 @@ const K: f64 = 2.0;
 /// Nine panels, a row for each direction of the error and a column for each moving axis; µm against
 /// mm, zero at the reference. Both directions of travel are drawn where both are known. A band is
 /// ±2 u of the measured values of its direction, about each curve of the last stage.
-pub fn terms(
-    locale: Locale<'_>,
-    heading: &str,
-    curves: &Curves<'_>,
-) -> Result<Picture, CannotEmulate> {
+pub fn terms(locale: Locale<'_>, heading: &str, curves: &Curves<'_>) -> Emulated<Picture> {
     let mut panels = Vec::new();
     for (of, along) in ErrorTerm::ALL.map(|term| (term.of, term.along)) {
         let term = ErrorTerm { of, along };
@@ -168,7 +164,7 @@ impl Curves<'_> {
     }
 
     /// What is drawn of a term, bands first; `None` where it was never measured.
-    fn marks(&self, term: ErrorTerm) -> Result<Option<Vec<Mark>>, CannotEmulate> {
+    fn marks(&self, term: ErrorTerm) -> Emulated<Option<Vec<Mark>>> {
         let (found, left) = (self.found(term), self.left(term));
         let (forecast, places) = self.forecast(term)?;
         let stages = [
@@ -193,7 +189,7 @@ impl Curves<'_> {
 
     /// Deviation without compensation + emulated correction in each direction, and the points of the
     /// tables.
-    fn forecast(&self, term: ErrorTerm) -> Result<(Vec<CurveLine>, Vec<f64>), CannotEmulate> {
+    fn forecast(&self, term: ErrorTerm) -> Emulated<(Vec<CurveLine>, Vec<f64>)> {
         let (mut lines, mut places): (Vec<CurveLine>, Vec<f64>) = (Vec::new(), Vec::new());
         let (Some((plan, control)), Some(known)) =
             (self.loaded, self.machine.uncompensated.terms[term].as_ref())

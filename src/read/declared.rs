@@ -17,7 +17,8 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{Comments, DeclaredFacts, Field};
 use crate::control::table::Tables;
 use crate::control::table::declared::{DeclaredTable, DeclaredTables};
-use crate::read::family::{Emulated, Family, KitText, ReadBack, own};
+use crate::read::emulate::{Emulated, Emulator};
+use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::text::problem::{Problem, Problems, shown};
 use std::ops::Range;
@@ -28,7 +29,7 @@ impl Family for DeclaredFacts {
         Ok(Tables::Declared(read(&texts, self)?).into())
     }
 
-    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         Ok(Box::new(control::control(own(tables)?, self, state)?))
     }
 

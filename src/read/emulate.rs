@@ -17,6 +17,9 @@ use crate::quantity::units::{Correction, Millimetres, SAME_PLACE_MM};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CannotEmulate(pub String);
 
+/// What an emulator tells, or why it cannot.
+pub type Emulated<T> = Result<T, CannotEmulate>;
+
 /// What a control does between two nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Between {
@@ -329,12 +332,7 @@ pub trait Emulator {
 
     /// What `output` gets while `base` moves in `direction`. Axes that no table connects give a
     /// response of zero. Fails where the semantics do not say what the control would do.
-    fn response(
-        &self,
-        base: &str,
-        output: &str,
-        direction: Direction,
-    ) -> Result<Response, CannotEmulate>;
+    fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response>;
 
     /// What the control takes off a rotation about `about` while `base` stands somewhere, µrad in place of µm:
     /// it acts through the positions of the axes that `base` carries, from where they rest while others are

@@ -3,7 +3,7 @@
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Dialect, Profile, Role};
 use crate::control::table::Tables;
-use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::findings::ReadFinding;
 use crate::read::siemens::MachineDatum;
 use crate::text::finding::Finding;
@@ -11,16 +11,13 @@ use crate::text::problem::{Problem, Problems, shown};
 use std::any::Any;
 use std::borrow::Cow;
 
-/// A control that holds tables, or why there is none.
-pub(crate) type Emulated = Result<Box<dyn Emulator>, CannotEmulate>;
-
 /// A family of controls; the facts of its profiles implement it, in its folder.
 pub(crate) trait Family {
     /// All files of a kit as one memory, in the order in which they are loaded.
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems>;
 
     /// A control that holds these tables.
-    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated;
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>>;
 
     /// What the control holds once a file that stands apart is loaded over its tables: tables and points of
     /// the same number are replaced, everything else stays. Here: they take the place of all that there was.
@@ -61,7 +58,11 @@ pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
 }
 
 /// The control of a profile with tables in its memory.
-pub fn emulator(profile: &Profile, tables: &Tables, state: &ControlState) -> Emulated {
+pub fn emulator(
+    profile: &Profile,
+    tables: &Tables,
+    state: &ControlState,
+) -> Emulated<Box<dyn Emulator>> {
     family(&profile.dialect).control(tables, state)
 }
 
@@ -71,7 +72,7 @@ pub(crate) fn load(profile: &Profile, held: &mut Tables, file: Tables) {
 }
 
 /// The tables of a memory for a control of their family.
-pub(super) fn own<T: Any>(tables: &Tables) -> Result<&T, CannotEmulate> {
+pub(super) fn own<T: Any>(tables: &Tables) -> Emulated<&T> {
     let other = || CannotEmulate("the tables are not of the profile's dialect".to_string());
     tables.own().ok_or_else(other)
 }

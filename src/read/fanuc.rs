@@ -20,7 +20,8 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, FanucFacts, NumberRange};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use crate::read::family::{Emulated, Family, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, own};
+use crate::read::emulate::{Emulated, Emulator};
+use crate::read::family::{Family, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, own};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, located};
 use crate::text::problem::{Problem, Problems, refuse_long_lines};
 use block::{Block, Segment, blocks, number, parse, record, uniform_line_ends};
@@ -61,7 +62,7 @@ impl Family for FanucFacts {
         Ok(Tables::Fanuc(merge(memories)?).into())
     }
 
-    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         Ok(Box::new(FanucControl::new(own(tables)?, self, state)?))
     }
 

@@ -20,7 +20,8 @@ use crate::control::controller::GenericFacts;
 use crate::control::table::Tables;
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::Direction;
-use crate::read::family::{Emulated, Family, KitText, ReadBack, each, own};
+use crate::read::emulate::{Emulated, Emulator};
+use crate::read::family::{Family, KitText, ReadBack, each, own};
 use crate::text::problem::{Problem, Problems};
 use rows::COLUMNS;
 
@@ -29,7 +30,7 @@ impl Family for GenericFacts {
         Ok(Tables::Generic(merge(each(files, read)?)?).into())
     }
 
-    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         Ok(Box::new(control::control(own(tables)?, state)?))
     }
 

@@ -18,7 +18,8 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{FileFormat, IsgFacts};
 use crate::control::table::Tables;
 use crate::control::table::isg::{Curve, IsgTables, Parameter};
-use crate::read::family::{Emulated, Family, KitText, ReadBack, own};
+use crate::read::emulate::{Emulated, Emulator};
+use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::findings::ReadFinding;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
@@ -33,7 +34,7 @@ impl Family for IsgFacts {
         })
     }
 
-    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         Ok(Box::new(IsgControl::new(own(tables)?, self, state)?))
     }
 

@@ -9,7 +9,8 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::KlipperFacts;
 use crate::control::table::Tables;
 use crate::control::table::klipper::{FACTORS, KlipperTables, Skew};
-use crate::read::family::{Emulated, Family, KitText, ReadBack, own};
+use crate::read::emulate::{Emulated, Emulator};
+use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::text::problem::{Problem, Problems, shown};
 use std::ops::Range;
@@ -20,7 +21,7 @@ impl Family for KlipperFacts {
         Ok(Tables::Klipper(read(&texts)?).into())
     }
 
-    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         Ok(Box::new(KlipperControl::new(own(tables)?, self, state)))
     }
 

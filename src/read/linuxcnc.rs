@@ -21,7 +21,8 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, CrossTerms, LinuxcncFacts};
 use crate::control::table::Tables;
 use crate::control::table::linuxcnc::{Columns, CompTable, CrossTable, LinuxcncTables};
-use crate::read::family::{Emulated, Family, KitText, ReadBack, own};
+use crate::read::emulate::{Emulated, Emulator};
+use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::findings::ReadFinding;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
@@ -38,7 +39,7 @@ impl Family for LinuxcncFacts {
         })
     }
 
-    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         Ok(Box::new(control::control(own(tables)?, self, state)?))
     }
 

@@ -8,7 +8,7 @@
 
 use crate::control::control_state::{AxisState, ControlState};
 use crate::quantity::axis::Direction;
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
 
 /// What one axis gets because another one, or itself, stands somewhere.
 #[derive(Clone, Debug)]
@@ -42,7 +42,7 @@ impl PairControl {
         pairs: Vec<Pair>,
         replaces_backlash: bool,
         state: &ControlState,
-    ) -> Result<PairControl, CannotEmulate> {
+    ) -> Emulated<PairControl> {
         for name in pairs.iter().flat_map(|pair| [&pair.base, &pair.output]) {
             known_axis(state, name)?;
         }
@@ -60,12 +60,7 @@ impl Emulator for PairControl {
         self.pairs.iter().map(names).collect()
     }
 
-    fn response(
-        &self,
-        base: &str,
-        output: &str,
-        direction: Direction,
-    ) -> Result<Response, CannotEmulate> {
+    fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
         let own = self.pairs.iter().find(|pair| pair.is_for(base, output));
         let way = usize::from(direction == Direction::Minus);
         let mut response = own.map(|own| own.ways[way].clone()).unwrap_or_default();
@@ -78,10 +73,7 @@ impl Emulator for PairControl {
 }
 
 /// The axis of a name.
-pub(super) fn known_axis<'a>(
-    state: &'a ControlState,
-    name: &str,
-) -> Result<&'a AxisState, CannotEmulate> {
+pub(super) fn known_axis<'a>(state: &'a ControlState, name: &str) -> Emulated<&'a AxisState> {
     let axis = state.axis(name);
     axis.ok_or_else(|| CannotEmulate(format!("foreign axis: the job has no axis `{name}`")))
 }

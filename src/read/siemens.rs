@@ -29,8 +29,9 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::Tables;
 use crate::control::table::siemens::LecTable;
+use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{
-    Emulated, Family, FileData, KitText, Part, READ_OUT_AS_A_WHOLE, ReadBack, each, own,
+    Family, FileData, KitText, Part, READ_OUT_AS_A_WHOLE, ReadBack, each, own,
 };
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
@@ -69,7 +70,7 @@ impl Family for SiemensFacts {
         })
     }
 
-    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated {
+    fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         Ok(Box::new(SiemensControl::new(own(tables)?, self, state)?))
     }
 

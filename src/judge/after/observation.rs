@@ -5,7 +5,7 @@ use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::quantity::units::{Correction, Millimetres};
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::write::plan::{Plan, axis_pairs};
 
 /// One deviation that a value sees.
@@ -64,11 +64,7 @@ pub struct Control(PerTerm<[Response; 2]>);
 impl Control {
     /// Asks an emulator for the nine terms; a term that was not measured may concern an axis that
     /// the control does not have.
-    pub fn new(
-        before: &ErrorModel,
-        plan: &Plan,
-        emulator: &dyn Emulator,
-    ) -> Result<Control, CannotEmulate> {
+    pub fn new(before: &ErrorModel, plan: &Plan, emulator: &dyn Emulator) -> Emulated<Control> {
         let mut responses = PerTerm::from_fn(|_| [Response::default(), Response::default()]);
         for term in ErrorTerm::ALL {
             let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {

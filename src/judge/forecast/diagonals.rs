@@ -10,7 +10,7 @@ use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::{AT_PLACE_MM, Millimetres, Squared, larger};
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::write::plan::{Plan, axis_pairs};
 
 /// The measured box: low corner and size of each axis, mm.
@@ -72,7 +72,7 @@ pub(super) fn forecast(
     control: &dyn Emulator,
     judged: &PerAxis<Option<(Millimetres, Millimetres)>>,
     sigma: Sigma,
-) -> Result<Vec<DiagonalForecast>, CannotEmulate> {
+) -> Emulated<Vec<DiagonalForecast>> {
     let model = machine.as_measured;
     let Some(measured_box) = MeasuredBox::of(model, judged) else {
         return Ok(Vec::new());
@@ -119,7 +119,7 @@ fn travels<'a>(
     plan: &Plan,
     control: &dyn Emulator,
     measured_box: &MeasuredBox,
-) -> Result<Vec<(ErrorTerm, Direction, Travel<'a>)>, CannotEmulate> {
+) -> Emulated<Vec<(ErrorTerm, Direction, Travel<'a>)>> {
     let mut travels = Vec::new();
     for (term, _) in machine.as_measured.measured() {
         for direction in Direction::BOTH {

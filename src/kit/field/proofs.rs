@@ -4,7 +4,7 @@ use crate::control::controller::Role;
 use crate::kit::made::{Made, as_kit_file};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::Millimetres;
-use crate::read::emulate::{CannotEmulate, Emulator};
+use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::{KitFile, ReadBack, emulator, load, read_apart};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
@@ -119,7 +119,7 @@ fn shows_otherwise(why: &str) -> Problems {
 }
 
 /// The same in both directions and on every physical axis, and nothing beside the bump.
-fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Result<f64, CannotEmulate> {
+fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Emulated<f64> {
     // The grid of an inch control is rounded to its last digit, 0.03 µm beside the place asked for;
     // on the slope of a bump that is less than a nanometre.
     const EQUAL_UM: f64 = 1e-3;

@@ -9,7 +9,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{BesideTable, DeclaredFacts, Outside, ValueForm};
 use crate::control::table::declared::{DeclaredTable, DeclaredTables, Point};
 use crate::quantity::units::{Correction, Figure, Millimetres, UM_PER_MM, power_of_ten};
-use crate::read::emulate::{Between, CannotEmulate, NodeTable, Response};
+use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable, Response};
 use crate::read::pairs::{Pair, PairControl, known_axis};
 
 /// A control that holds these tables.
@@ -20,18 +20,14 @@ pub(super) fn control(
     tables: &DeclaredTables,
     facts: &DeclaredFacts,
     state: &ControlState,
-) -> Result<PairControl, CannotEmulate> {
+) -> Emulated<PairControl> {
     let load = |table: &DeclaredTable| load(table, facts, known_axis(state, &table.base)?);
     let pairs = tables.tables.iter().map(load).collect::<Result<_, _>>()?;
     let replaces_backlash = facts.backlash.value == BesideTable::Replaced;
     PairControl::new(pairs, replaces_backlash, state)
 }
 
-fn load(
-    table: &DeclaredTable,
-    facts: &DeclaredFacts,
-    base: &AxisState,
-) -> Result<Pair, CannotEmulate> {
+fn load(table: &DeclaredTable, facts: &DeclaredFacts, base: &AxisState) -> Emulated<Pair> {
     let mut points = table.points.clone();
     points.sort_by(|a, b| a.position.total_cmp(&b.position));
     let way = |value: fn(&Point) -> f64| {
@@ -63,7 +59,7 @@ fn covers_travel(
     points: &[Point],
     facts: &DeclaredFacts,
     base: &AxisState,
-) -> Result<(), CannotEmulate> {
+) -> Emulated<()> {
     let unit_mm = facts.position_size.value.um / UM_PER_MM;
     let digit_mm = unit_mm / power_of_ten(facts.position_decimals.value);
     let (Some(first), Some(last)) = (points.first(), points.last()) else {

@@ -19,7 +19,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::FanucFacts;
 use crate::control::table::fanuc::FanucMemory;
 use crate::quantity::axis::Direction;
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
 use parameters::{Link, Loading, Run, cannot};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -54,7 +54,7 @@ impl FanucControl {
         memory: &FanucMemory,
         facts: &FanucFacts,
         state: &ControlState,
-    ) -> Result<FanucControl, CannotEmulate> {
+    ) -> Emulated<FanucControl> {
         let from = Loading {
             memory,
             facts,
@@ -75,7 +75,7 @@ impl FanucControl {
         Ok(FanucControl { axes, links })
     }
 
-    fn known(&self, axis: &str) -> Result<String, CannotEmulate> {
+    fn known(&self, axis: &str) -> Emulated<String> {
         let found = self
             .axes
             .iter()
@@ -95,19 +95,14 @@ impl Emulator for FanucControl {
             .collect()
     }
 
-    fn response(
-        &self,
-        base: &str,
-        output: &str,
-        direction: Direction,
-    ) -> Result<Response, CannotEmulate> {
+    fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
         let pair = (self.known(base)?, self.known(output)?);
         let mut link = self.links.get(&pair).cloned().unwrap_or_default();
         Ok(std::mem::take(link.way(direction)))
     }
 }
 
-fn load_links(from: Loading) -> Result<Links, CannotEmulate> {
+fn load_links(from: Loading) -> Emulated<Links> {
     let mut links = Links::new();
     let mut runs = Vec::new();
     for number in pitch_axes(from.memory) {
@@ -137,7 +132,7 @@ fn pitch_axes(memory: &FanucMemory) -> BTreeSet<u32> {
 }
 
 /// A kit may repeat the direction of the reference return, but not change it.
-fn refuse_other_return(from: Loading) -> Result<(), CannotEmulate> {
+fn refuse_other_return(from: Loading) -> Emulated<()> {
     for key in from
         .memory
         .parameters
@@ -158,7 +153,7 @@ fn refuse_other_return(from: Loading) -> Result<(), CannotEmulate> {
 }
 
 /// Two tables with a point in common would each use the other's values.
-fn refuse_shared(runs: &[Run]) -> Result<(), CannotEmulate> {
+fn refuse_shared(runs: &[Run]) -> Emulated<()> {
     for (index, (own, a)) in runs.iter().enumerate() {
         let shared = runs[index + 1..].iter().find(|(_, b)| a.overlaps(*b));
         if let Some((other, b)) = shared {

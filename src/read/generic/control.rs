@@ -13,17 +13,14 @@ use crate::control::control_state::ControlState;
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres};
-use crate::read::emulate::{Between, CannotEmulate, NodeTable, Response};
+use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable, Response};
 use crate::read::pairs::{Pair, PairControl};
 
 /// A control that holds this table, as its reader checked it.
 ///
 /// **unit** `state.unit` has no say: the table is in mm and µm · **limits** fails if an axis
 /// is not one of the control, and if a block for one direction acts in addition to one for both.
-pub(super) fn control(
-    table: &GenericTable,
-    state: &ControlState,
-) -> Result<PairControl, CannotEmulate> {
+pub(super) fn control(table: &GenericTable, state: &ControlState) -> Emulated<PairControl> {
     let mut groups: Vec<Vec<&GenericRow>> = Vec::new();
     for row in &table.rows {
         match groups.iter_mut().find(|group| same_block(group[0], row)) {
@@ -71,7 +68,7 @@ fn same_pair(a: &GenericRow, b: &GenericRow) -> bool {
 }
 
 /// What the rows of a block add.
-fn corrections(rows: &[&GenericRow]) -> Result<NodeTable, CannotEmulate> {
+fn corrections(rows: &[&GenericRow]) -> Emulated<NodeTable> {
     let (first, last) = (rows[0], rows[rows.len() - 1]);
     let step = (last.position_mm - first.position_mm) / (rows.len().max(2) - 1) as f64;
     let value = |row: &&GenericRow| Correction::from_um(row.correction_um);
@@ -86,7 +83,7 @@ fn corrections(rows: &[&GenericRow]) -> Result<NodeTable, CannotEmulate> {
 }
 
 /// A block for one direction beside one for both: whether they add is not known.
-fn refuse_mixed(block: &GenericRow, others: &[Vec<&GenericRow>]) -> Result<(), CannotEmulate> {
+fn refuse_mixed(block: &GenericRow, others: &[Vec<&GenericRow>]) -> Emulated<()> {
     let is_mixed = |other: &Vec<&GenericRow>| {
         same_pair(other[0], block) && other[0].direction.is_none() != block.direction.is_none()
     };

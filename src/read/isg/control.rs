@@ -16,7 +16,7 @@ use crate::control::table::isg::{Curve, IsgTables, Parameter};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::chain::unit;
 use crate::quantity::units::{Correction, Millimetres};
-use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
+use crate::read::emulate::{CannotEmulate, Emulated, Emulator, NodeTable, Response};
 use crate::read::pairs::known_axis;
 
 /// A control with a compensation in memory.
@@ -43,11 +43,7 @@ impl IsgControl {
     ///
     /// **unit** `state.unit` has no say: the files are in mm · **limits** fails if an axis is not one of the
     /// control, and where angles act on axes whose correction is turned round or left out
-    pub fn new(
-        tables: &IsgTables,
-        facts: &IsgFacts,
-        state: &ControlState,
-    ) -> Result<IsgControl, CannotEmulate> {
+    pub fn new(tables: &IsgTables, facts: &IsgFacts, state: &ControlState) -> Emulated<IsgControl> {
         let mut axes = PerAxis::default();
         for (axis, number) in tables.axes.iter() {
             axes[axis] = number.map(|number| known_axis(state, &number.to_string()).cloned());
@@ -211,12 +207,7 @@ impl Emulator for IsgControl {
         deviations.filter_map(pair).collect()
     }
 
-    fn response(
-        &self,
-        base: &str,
-        output: &str,
-        direction: Direction,
-    ) -> Result<Response, CannotEmulate> {
+    fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
         let (known, other) = (
             known_axis(&self.state, base)?,
             known_axis(&self.state, output)?,

@@ -11,7 +11,7 @@ use crate::control::controller::KlipperFacts;
 use crate::control::table::klipper::{KlipperTables, Skew};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, UM_PER_MM};
-use crate::read::emulate::{CannotEmulate, Emulator, Response};
+use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::read::pairs::known_axis;
 
 /// A printer with a profile loaded.
@@ -51,12 +51,7 @@ impl Emulator for KlipperControl {
         pairs.collect()
     }
 
-    fn response(
-        &self,
-        base: &str,
-        output: &str,
-        _direction: Direction,
-    ) -> Result<Response, CannotEmulate> {
+    fn response(&self, base: &str, output: &str, _direction: Direction) -> Emulated<Response> {
         let (base, output) = (
             known_axis(&self.state, base)?,
             known_axis(&self.state, output)?,

@@ -14,7 +14,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::LinuxcncFacts;
 use crate::control::table::linuxcnc::{Columns, CompTable, CrossTable, LinuxcncTables, Point, Row};
 use crate::quantity::units::{Correction, UM_PER_MM};
-use crate::read::emulate::{CannotEmulate, Response};
+use crate::read::emulate::{CannotEmulate, Emulated, Response};
 use crate::read::pairs::{Pair, PairControl};
 
 /// A control that holds these tables. BACKLASH, counted from the direction of homing, acts on a joint without a
@@ -25,7 +25,7 @@ pub(super) fn control(
     tables: &LinuxcncTables,
     facts: &LinuxcncFacts,
     state: &ControlState,
-) -> Result<PairControl, CannotEmulate> {
+) -> Emulated<PairControl> {
     let unit_mm = state.unit.in_mm();
     let own = |table: &CompTable| {
         let way = |column: fn(&Row) -> f64| response(table, facts, unit_mm, column);
@@ -66,7 +66,7 @@ fn response(
     facts: &LinuxcncFacts,
     unit_mm: f64,
     column: fn(&Row) -> f64,
-) -> Result<Response, CannotEmulate> {
+) -> Emulated<Response> {
     let correction = |row: &Row| {
         let trim = trim(table.columns, row.nominal, column(row));
         facts.trim_sign.value.correction(trim * unit_mm * UM_PER_MM)
@@ -78,11 +78,7 @@ fn response(
 }
 
 /// The curves of one joint by another, which add up.
-fn cross_response(
-    table: &CrossTable,
-    facts: &LinuxcncFacts,
-    unit_mm: f64,
-) -> Result<Response, CannotEmulate> {
+fn cross_response(table: &CrossTable, facts: &LinuxcncFacts, unit_mm: f64) -> Emulated<Response> {
     let points = table.pieces.iter().flatten();
     let mut places: Vec<f64> = points.map(|point| point.position).collect();
     places.sort_by(f64::total_cmp);

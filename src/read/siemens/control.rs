@@ -20,7 +20,7 @@ use crate::control::controller::{ControlUnit, MultiplyMode, SiemensFacts};
 use crate::control::table::siemens::{CecDirection, CecTable, SiemensGrid, SiemensTables};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres, UM_PER_MM};
-use crate::read::emulate::{Between, CannotEmulate, Emulator, NodeTable, Response};
+use crate::read::emulate::{Between, CannotEmulate, Emulated, Emulator, NodeTable, Response};
 
 /// (MAX−MIN)/STEP may differ this much from the index of the last point, in steps; STEP is
 /// rounded in real files.
@@ -88,7 +88,7 @@ impl SiemensControl {
         tables: &SiemensTables,
         facts: &SiemensFacts,
         state: &ControlState,
-    ) -> Result<SiemensControl, CannotEmulate> {
+    ) -> Emulated<SiemensControl> {
         let mut lec = Vec::new();
         for table in &tables.lec {
             let raw = Raw {
@@ -118,12 +118,12 @@ impl SiemensControl {
         })
     }
 
-    fn axis(&self, name: &str) -> Result<&AxisState, CannotEmulate> {
+    fn axis(&self, name: &str) -> Emulated<&AxisState> {
         let found = self.axes.iter().find(|axis| same(&axis.name, name));
         found.ok_or_else(|| CannotEmulate(format!("the control has no axis `{name}`")))
     }
 
-    fn lec_of(&self, axis: &str) -> Result<Option<&LoadedLec>, CannotEmulate> {
+    fn lec_of(&self, axis: &str) -> Emulated<Option<&LoadedLec>> {
         let mut of_axis = self.lec.iter().filter(|table| same(&table.axis, axis));
         match (of_axis.next(), of_axis.next()) {
             (Some(first), Some(second)) => Err(CannotEmulate(format!(
@@ -144,7 +144,7 @@ impl SiemensControl {
     }
 
     /// A product of tables has no response of one base axis alone.
-    fn refuse_products(&self, base: &str, output: &str) -> Result<(), CannotEmulate> {
+    fn refuse_products(&self, base: &str, output: &str) -> Emulated<()> {
         let takes_part = |table: &&LoadedCec| {
             let factor = table.factor.map(|index| &self.cec[index]);
             let is_product = table.is_factor || factor.is_some();
@@ -162,7 +162,7 @@ impl SiemensControl {
     }
 
     /// The clamp acts on the sum over all base axes, so no single response can show it.
-    fn refuse_clamp(&self, output: &str) -> Result<(), CannotEmulate> {
+    fn refuse_clamp(&self, output: &str) -> Emulated<()> {
         let largest = self.largest_cec_um(output);
         let limit = self.facts.cec_max_sum_um.value;
         if largest <= limit {
@@ -219,12 +219,7 @@ impl Emulator for SiemensControl {
         pairs
     }
 
-    fn response(
-        &self,
-        base: &str,
-        output: &str,
-        direction: Direction,
-    ) -> Result<Response, CannotEmulate> {
+    fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
         self.refuse_products(base, output)?;
         let acting = self.cec_of(output);
         let acting = acting.filter(|table| same(&table.input, base) && table.acts_in(direction));
@@ -242,11 +237,7 @@ impl Emulator for SiemensControl {
     }
 }
 
-fn load_cec(
-    table: &CecTable,
-    facts: &SiemensFacts,
-    unit: ControlUnit,
-) -> Result<LoadedCec, CannotEmulate> {
+fn load_cec(table: &CecTable, facts: &SiemensFacts, unit: ControlUnit) -> Emulated<LoadedCec> {
     let raw = Raw {
         name: format!("$AN_CEC[{}]", table.number),
         grid: table.grid,
@@ -277,11 +268,7 @@ fn load_cec(
 
 /// Connects tables with their factor tables. A table may be multiplied by itself; any other
 /// chain is refused, the manuals do not say how deep the control follows it.
-fn link_factors(
-    tables: &[CecTable],
-    loaded: &mut [LoadedCec],
-    unit: ControlUnit,
-) -> Result<(), CannotEmulate> {
+fn link_factors(tables: &[CecTable], loaded: &mut [LoadedCec], unit: ControlUnit) -> Emulated<()> {
     for (index, table) in tables.iter().enumerate() {
         let Some(number) = table.multiply_by.checked_sub(1) else {
             continue;
@@ -316,7 +303,7 @@ struct Raw<'a> {
 
 impl Raw<'_> {
     /// The numbers in µm, in table sense; fails if one is missing or the grid does not fit.
-    fn numbers_um(&self) -> Result<Vec<f64>, CannotEmulate> {
+    fn numbers_um(&self) -> Emulated<Vec<f64>> {
         self.check_grid()?;
         let um_per_unit = self.unit.in_mm() * UM_PER_MM;
         let number = |(point, value): (usize, &Option<f64>)| match value {
@@ -331,7 +318,7 @@ impl Raw<'_> {
         Ok(numbers)
     }
 
-    fn check_grid(&self) -> Result<(), CannotEmulate> {
+    fn check_grid(&self) -> Emulated<()> {
         let points = self.values.len();
         let tolerance = if self.modulo {
             MODULO_RATIO_TOLERANCE
@@ -352,7 +339,7 @@ impl Raw<'_> {
         Ok(())
     }
 
-    fn check_closed(&self, numbers: &[f64]) -> Result<(), CannotEmulate> {
+    fn check_closed(&self, numbers: &[f64]) -> Emulated<()> {
         if !self.modulo {
             return Ok(());
         }
@@ -372,7 +359,7 @@ impl Raw<'_> {
         &self,
         numbers_um: &[f64],
         correction: impl Fn(f64) -> Correction,
-    ) -> Result<NodeTable, CannotEmulate> {
+    ) -> Emulated<NodeTable> {
         let corrections: Vec<Correction> = numbers_um.iter().map(|um| correction(*um)).collect();
         let in_mm = |length: f64| Millimetres::new(length * self.unit.in_mm());
         let (start, step) = (in_mm(self.grid.min), in_mm(self.grid.step));

@@ -4,7 +4,7 @@ use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::{Direction, Rotation};
 use crate::quantity::curve::{ErrorCurve, Interpolation, JUMP_MM};
 use crate::quantity::units::{Deviation, Millimetres};
-use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response, Stretch};
+use crate::read::emulate::{Emulated, Emulator, NodeTable, Response, Stretch};
 use crate::volume::volume_model::VolumeModel;
 use crate::write::plan::{Plan, axis_pairs};
 
@@ -25,7 +25,7 @@ pub(crate) fn with_tables(
     uncompensated: &ErrorModel,
     plan: &Plan,
     control: &dyn Emulator,
-) -> Result<VolumeModel, CannotEmulate> {
+) -> Emulated<VolumeModel> {
     let mut left = volume.with_errors_of(uncompensated);
     for (term, measured) in uncompensated.measured() {
         let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {

@@ -6,7 +6,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{FanucFacts, NumberRange};
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
 use crate::quantity::axis::Direction;
-use crate::read::emulate::{CannotEmulate, Response};
+use crate::read::emulate::{CannotEmulate, Emulated, Response};
 
 /// What a base axis gives an output axis, by direction of the base.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,7 +39,7 @@ pub(super) struct Loading<'a> {
 }
 
 /// Refusal in words.
-pub(super) fn cannot<T>(words: impl Into<String>) -> Result<T, CannotEmulate> {
+pub(super) fn cannot<T>(words: impl Into<String>) -> Emulated<T> {
     Err(CannotEmulate(words.into()))
 }
 
@@ -51,7 +51,7 @@ pub(super) fn name(number: u32, axis: Option<u32>) -> String {
 
 impl<'a> Loading<'a> {
     /// The stated axis of a controlled-axis number.
-    pub(super) fn axis(self, number: u32) -> Result<&'a AxisState, CannotEmulate> {
+    pub(super) fn axis(self, number: u32) -> Emulated<&'a AxisState> {
         match self.state.axis(&number.to_string()) {
             Some(axis) => Ok(axis),
             None => cannot(format!(
@@ -61,7 +61,7 @@ impl<'a> Loading<'a> {
     }
 
     /// Detection unit of an axis, µm.
-    pub(super) fn detection_unit_um(self, axis: &AxisState) -> Result<f64, CannotEmulate> {
+    pub(super) fn detection_unit_um(self, axis: &AxisState) -> Emulated<f64> {
         match axis.detection_unit_um {
             Some(um) if um.is_finite() && um > 0.0 => Ok(um),
             _ => cannot(format!(
@@ -77,7 +77,7 @@ impl<'a> Loading<'a> {
     }
 
     /// A whole number, which has to be there.
-    pub(super) fn integer(self, number: u32, axis: Option<u32>) -> Result<i64, CannotEmulate> {
+    pub(super) fn integer(self, number: u32, axis: Option<u32>) -> Emulated<i64> {
         match self.memory.parameter(number, axis) {
             Some(ParameterValue::Integer(value)) => Ok(value),
             Some(_) => cannot(format!("{} is not a whole number", name(number, axis))),
@@ -89,12 +89,7 @@ impl<'a> Loading<'a> {
     }
 
     /// A whole number that has to lie in `0..=limit`.
-    pub(super) fn count(
-        self,
-        number: u32,
-        axis: Option<u32>,
-        limit: u32,
-    ) -> Result<u32, CannotEmulate> {
+    pub(super) fn count(self, number: u32, axis: Option<u32>, limit: u32) -> Emulated<u32> {
         let value = self.integer(number, axis)?;
         let count = u32::try_from(value).ok().filter(|count| *count <= limit);
         count.ok_or_else(|| {
@@ -104,12 +99,7 @@ impl<'a> Loading<'a> {
     }
 
     /// A whole number that has to lie in `-limit..=limit`.
-    pub(super) fn amount(
-        self,
-        number: u32,
-        axis: Option<u32>,
-        limit: u32,
-    ) -> Result<f64, CannotEmulate> {
+    pub(super) fn amount(self, number: u32, axis: Option<u32>, limit: u32) -> Emulated<f64> {
         let value = self.integer(number, axis)?;
         let amount = i32::try_from(value).ok();
         let amount = amount.filter(|amount| amount.unsigned_abs() <= limit);
@@ -120,7 +110,7 @@ impl<'a> Loading<'a> {
     }
 
     /// Eight bits, if the kit writes them.
-    pub(super) fn bits(self, number: u32, axis: Option<u32>) -> Result<Option<u8>, CannotEmulate> {
+    pub(super) fn bits(self, number: u32, axis: Option<u32>) -> Emulated<Option<u8>> {
         match self.memory.parameter(number, axis) {
             Some(ParameterValue::Bits(bits)) => Ok(Some(bits)),
             Some(_) => cannot(format!("{} does not hold eight bits", name(number, axis))),
@@ -130,7 +120,7 @@ impl<'a> Loading<'a> {
 
     /// Values of `count` points from `first` on, detection units. A real control holds more than the
     /// `increment_max` that is written, so no other limit than that of the data word counts here.
-    pub(super) fn increments(self, first: u32, count: u32) -> Result<Vec<i32>, CannotEmulate> {
+    pub(super) fn increments(self, first: u32, count: u32) -> Emulated<Vec<i32>> {
         (first..first + count)
             .map(|point| match self.memory.points.get(&point) {
                 Some(value) => Ok(*value),
@@ -142,7 +132,7 @@ impl<'a> Loading<'a> {
     }
 
     /// Refuses what the kit holds beyond pitch and straightness compensation.
-    pub(super) fn refuse_others(self) -> Result<(), CannotEmulate> {
+    pub(super) fn refuse_others(self) -> Emulated<()> {
         for key in self.memory.parameters.keys() {
             let what = name(key.number, key.axis);
             let other = OTHERS.iter().find(|(_, ranges)| is_in(ranges, key.number));
@@ -162,7 +152,7 @@ impl<'a> Loading<'a> {
         Ok(())
     }
 
-    fn refuse_bits(self, number: u32, axis: Option<u32>) -> Result<(), CannotEmulate> {
+    fn refuse_bits(self, number: u32, axis: Option<u32>) -> Emulated<()> {
         let known = OTHER_BITS.iter().find(|(bits, _, _)| *bits == number);
         let Some((_, mask, words)) = known else {
             return Ok(());

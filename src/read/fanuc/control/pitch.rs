@@ -13,7 +13,7 @@ use super::parameters::{Link, Loading, Run, cannot, name};
 use crate::control::controller::{ControlUnit, IntervalForm, NumberRange};
 use crate::control::table::fanuc::ParameterValue;
 use crate::quantity::units::{Correction, Millimetres, power_of_ten};
-use crate::read::emulate::{Between, CannotEmulate, NodeTable};
+use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable};
 
 /// 3627 is a signed word (B-63530EN).
 const REVERSAL_MAX: u32 = 32767;
@@ -33,7 +33,7 @@ pub(super) struct Grid {
 
 impl Grid {
     /// The grid of a controlled axis.
-    pub(super) fn load(from: Loading, axis: u32) -> Result<Grid, CannotEmulate> {
+    pub(super) fn load(from: Loading, axis: u32) -> Emulated<Grid> {
         let stated = from.axis(axis)?;
         refuse_rotary(from, axis)?;
         let [reference_point, first, last] = point_numbers(from, axis)?;
@@ -74,11 +74,7 @@ impl Grid {
     }
 
     /// A table with these corrections at the nodes Nmin−1 … Nmax.
-    pub(super) fn table(
-        &self,
-        nodes: &[Correction],
-        between: Between,
-    ) -> Result<NodeTable, CannotEmulate> {
+    pub(super) fn table(&self, nodes: &[Correction], between: Between) -> Emulated<NodeTable> {
         let below = f64::from(self.zero_node()) * self.interval.mm();
         let start = self.reference - Millimetres::new(below);
         NodeTable::new(start, self.interval, nodes, between)
@@ -87,7 +83,7 @@ impl Grid {
 }
 
 /// 3620, 3621, 3622 in the order that the control requires (docs/fanuc.md §1.1).
-fn point_numbers(from: Loading, axis: u32) -> Result<[u32; 3], CannotEmulate> {
+fn point_numbers(from: Loading, axis: u32) -> Emulated<[u32; 3]> {
     let read = |number| from.count(number, Some(axis), u32::MAX);
     let (reference, first, last) = (read(3620)?, read(3621)?, read(3622)?);
     if first <= reference && reference < last {
@@ -98,7 +94,7 @@ fn point_numbers(from: Loading, axis: u32) -> Result<[u32; 3], CannotEmulate> {
     ))
 }
 
-fn refuse_rotary(from: Loading, axis: u32) -> Result<(), CannotEmulate> {
+fn refuse_rotary(from: Loading, axis: u32) -> Emulated<()> {
     match from.memory.parameter(3625, Some(axis)) {
         None | Some(ParameterValue::Integer(0)) => Ok(()),
         Some(ParameterValue::Real(travel)) if travel.abs() <= 0.0 => Ok(()),
@@ -109,7 +105,7 @@ fn refuse_rotary(from: Loading, axis: u32) -> Result<(), CannotEmulate> {
 }
 
 /// 3624 as a length: a real number in mm or inch, or a number of least input increments.
-fn interval(from: Loading, axis: u32) -> Result<Millimetres, CannotEmulate> {
+fn interval(from: Loading, axis: u32) -> Emulated<Millimetres> {
     let what = name(3624, Some(axis));
     let facts = from.facts;
     let length = match (
@@ -139,7 +135,7 @@ fn interval(from: Loading, axis: u32) -> Result<Millimetres, CannotEmulate> {
 }
 
 /// A bit of 3605, if the kit writes it.
-fn switch(from: Loading, axis: u32, bit: u8) -> Result<Option<bool>, CannotEmulate> {
+fn switch(from: Loading, axis: u32, bit: u8) -> Emulated<Option<bool>> {
     let bits = from.bits(3605, Some(axis))?;
     Ok(bits.map(|bits| bits & (1 << bit) != 0))
 }
@@ -171,7 +167,7 @@ pub(super) fn node_sums(increments: &[i32], zero_node: u32) -> Vec<f64> {
 }
 
 /// Pitch compensation of an axis for both directions; magnification 0 gives none.
-pub(super) fn load(from: Loading, axis: u32, runs: &mut Vec<Run>) -> Result<Link, CannotEmulate> {
+pub(super) fn load(from: Loading, axis: u32, runs: &mut Vec<Run>) -> Emulated<Link> {
     let state = from.axis(axis)?;
     let magnification = from.count(3623, Some(axis), from.facts.magnification_max.value)?;
     let mut link = Link::default();
@@ -211,7 +207,7 @@ struct Pitch<'a> {
 
 impl Pitch<'_> {
     /// The table whose values begin at point `first`.
-    fn table(&self, first: u32) -> Result<NodeTable, CannotEmulate> {
+    fn table(&self, first: u32) -> Emulated<NodeTable> {
         let increments = self.from.increments(first, self.grid.count())?;
         let nodes: Vec<Correction> = node_sums(&increments, self.grid.zero_node())
             .into_iter()
@@ -230,7 +226,7 @@ impl Pitch<'_> {
     }
 
     /// Points of the table for travel in − (3626), as many as of the other one.
-    fn second_run(&self) -> Result<NumberRange, CannotEmulate> {
+    fn second_run(&self) -> Emulated<NumberRange> {
         let first = self
             .from
             .count(3626, Some(self.axis), u32::MAX - self.grid.count())?;
@@ -246,7 +242,7 @@ impl Pitch<'_> {
     }
 
     /// 3627: the value at the reference of the curve against the reference return.
-    fn reversal(&self) -> Result<Correction, CannotEmulate> {
+    fn reversal(&self) -> Emulated<Correction> {
         let units = self.from.amount(3627, Some(self.axis), REVERSAL_MAX)?;
         let magnified = self.from.facts.reversal_magnified.value;
         let factor = if magnified { self.magnification } else { 1.0 };

@@ -11,7 +11,7 @@ use super::parameters::{Loading, Run, cannot, name};
 use super::pitch::{Grid, lies_in, node_sums};
 use crate::control::controller::{NumberRange, StraightnessForm};
 use crate::quantity::units::Correction;
-use crate::read::emulate::{Between, CannotEmulate, NodeTable};
+use crate::read::emulate::{Between, Emulated, NodeTable};
 
 /// Sets that the numbers leave room for: 5731 + 10·(s − 1) reaches the amounts at s = 4, and
 /// 5711 + s − 1 ends at 5716.
@@ -33,7 +33,7 @@ pub(super) struct Shift {
 }
 
 /// The sets in use; the runs of points they look at are noted.
-pub(super) fn load(from: Loading, runs: &mut Vec<Run>) -> Result<Vec<Shift>, CannotEmulate> {
+pub(super) fn load(from: Loading, runs: &mut Vec<Run>) -> Emulated<Vec<Shift>> {
     let sets = from.facts.straightness_sets.value;
     let room = match from.facts.straightness_form.value {
         StraightnessForm::FourPoint => FOUR_POINT_SETS,
@@ -67,7 +67,7 @@ struct Set<'a> {
 }
 
 impl Set<'_> {
-    fn load(self, runs: &mut Vec<Run>) -> Result<Option<Shift>, CannotEmulate> {
+    fn load(self, runs: &mut Vec<Run>) -> Emulated<Option<Shift>> {
         if self.is_unused()? {
             return Ok(None);
         }
@@ -99,7 +99,7 @@ impl Set<'_> {
     }
 
     /// Moving axis 0, per-point magnification 0, or a set that the kit does not touch at all.
-    fn is_unused(self) -> Result<bool, CannotEmulate> {
+    fn is_unused(self) -> Emulated<bool> {
         let from = self.from;
         let per_point = from.facts.straightness_form.value == StraightnessForm::PerPoint;
         let magnification = self.magnification_parameter();
@@ -141,7 +141,7 @@ impl Set<'_> {
         self.from.facts.straightness_start_parameter.value + self.index
     }
 
-    fn axis_number(self, first: u32) -> Result<u32, CannotEmulate> {
+    fn axis_number(self, first: u32) -> Emulated<u32> {
         let number = first + self.index;
         match self.from.count(number, None, u32::MAX)? {
             0 => self.refuse(format!("{} is 0", name(number, None))),
@@ -149,7 +149,7 @@ impl Set<'_> {
         }
     }
 
-    fn refuse<T>(self, words: String) -> Result<T, CannotEmulate> {
+    fn refuse<T>(self, words: String) -> Emulated<T> {
         cannot(format!("straightness set {}: {words}", self.index + 1))
     }
 
@@ -159,7 +159,7 @@ impl Set<'_> {
     }
 
     /// Rounded to whole units at every point, relative to the reference (docs/fanuc.md §5.4).
-    fn four_points(self, grid: &Grid, unit_um: f64) -> Result<NodeTable, CannotEmulate> {
+    fn four_points(self, grid: &Grid, unit_um: f64) -> Emulated<NodeTable> {
         let knots = self.knots(grid)?;
         let at_reference = amount_at(&knots, f64::from(grid.reference_point));
         let first_node = f64::from(grid.points.first) - 1.0;
@@ -171,7 +171,7 @@ impl Set<'_> {
     }
 
     /// Points a, b, c, d with their amounts.
-    fn knots(self, grid: &Grid) -> Result<[Knot; 4], CannotEmulate> {
+    fn knots(self, grid: &Grid) -> Emulated<[Knot; 4]> {
         let limit = self.from.facts.straightness_amount_max.value;
         let mut knots = [Knot {
             point: 0,
@@ -201,12 +201,7 @@ impl Set<'_> {
 
     /// One increment for each pitch point of the moving axis (docs/fanuc.md §5.5). Its interpolated
     /// form is a function of its own whose switch is not known, so the step form is taken.
-    fn per_point(
-        self,
-        grid: &Grid,
-        unit_um: f64,
-        runs: &mut Vec<Run>,
-    ) -> Result<NodeTable, CannotEmulate> {
+    fn per_point(self, grid: &Grid, unit_um: f64, runs: &mut Vec<Run>) -> Emulated<NodeTable> {
         let facts = self.from.facts;
         let magnification = self.from.count(
             self.magnification_parameter(),

@@ -42,11 +42,7 @@ fn state() -> ControlState {
     }
 }
 
-fn load(
-    blocks: &[String],
-    facts: &FanucFacts,
-    state: &ControlState,
-) -> Result<FanucControl, CannotEmulate> {
+fn load(blocks: &[String], facts: &FanucFacts, state: &ControlState) -> Emulated<FanucControl> {
     let text = format!("%\n\r\r{}\n\r\r%\n\r\r", blocks.join("\n\r\r"));
     let memory = read("CNC.TXT", &text, facts).expect("a good file");
     FanucControl::new(&memory, facts, state)

@@ -117,7 +117,7 @@ fn own(control: &SiemensControl, axis: &str, position: f64, direction: Direction
     response.correction(at(position))
 }
 
-fn why<T>(result: Result<T, CannotEmulate>) -> String {
+fn why<T>(result: Emulated<T>) -> String {
     result.err().expect("cannot be emulated").0
 }
 
