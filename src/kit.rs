@@ -33,7 +33,8 @@ use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
 use crate::write::emit::{self, RenderedFile, TOOL};
-use crate::write::plan::{Plan, plan};
+use crate::write::plan::Plan;
+use inputs::Asked;
 pub(crate) use inputs::cannot_emulate;
 pub use inputs::{Inputs, remarks};
 pub use loaded::{LoadedControl, load};
@@ -75,9 +76,7 @@ impl Kit {
 
 /// What a template sees.
 pub(crate) fn template_context(inputs: &Inputs) -> Result<emit::Context, Problems> {
-    let task = inputs.task();
-    let plan = plan(task)?;
-    emit::context(task, &inputs.compile(&plan)?)
+    emit::context(inputs.task(), &Asked::of(inputs)?.compiled)
 }
 
 /// Makes a kit. Refused unless every file reads back to exactly what was meant.
@@ -87,13 +86,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let field = field::make(&made)?;
     made.files.extend(field.files);
     made.compiled.notes.extend(field.notes);
-    let mut manifest = build_manifest(
-        inputs,
-        &made.plan,
-        &made.compiled,
-        &made.files,
-        &made.forecast,
-    );
+    let mut manifest = build_manifest(&made);
     manifest.sign_proofs = field.sign_proofs;
     manifest.doubts = made.doubts;
     Ok(Kit {
@@ -107,13 +100,15 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     })
 }
 
-fn build_manifest(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
-    files: &[RenderedFile],
-    forecast: &Forecast,
-) -> Manifest {
+fn build_manifest(made: &Made<'_>) -> Manifest {
+    let Made {
+        inputs,
+        plan,
+        compiled,
+        files,
+        forecast,
+        ..
+    } = made;
     let job = &inputs.job;
     Manifest {
         schema: SCHEMA,

@@ -15,13 +15,12 @@ use super::{Inputs, movement, rollback};
 use crate::control::checklist::{KitFacts, List, parts};
 use crate::control::controller::{Mechanism, Role};
 use crate::kit::findings::FieldFault;
-use crate::kit::inputs::cannot_emulate;
+use crate::kit::inputs::{Asked, cannot_emulate};
 use crate::read::{KitFile, ReadBack, read_apart};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
-use crate::write::compensation::{Compiled, displayed, uses};
+use crate::write::compensation::{displayed, uses};
 use crate::write::emit::{self, RenderedFile};
-use crate::write::plan::Plan;
 use crate::write::sign_proof::sign_proofs;
 use proofs::Proofs;
 use serde_json::{Value, json};
@@ -91,15 +90,14 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
 
 /// How the files of a directory that stand apart differ from those of the job.
 pub(super) fn differences(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
+    asked: &Asked<'_>,
     files: &[KitFile<'_>],
 ) -> Result<Vec<Finding>, Problems> {
+    let inputs = asked.inputs;
     let mut found: Vec<Finding> = Vec::new();
     let proved = proof_files(inputs, files);
     if !proved.is_empty() {
-        let wanted = sign_proofs(inputs.task(), plan, compiled).proofs;
+        let wanted = sign_proofs(inputs.task(), &asked.plan, &asked.compiled).proofs;
         for (mechanism, files) in proved {
             let read = read_apart(&inputs.profile, &files, Role::SignProof)?;
             let proof = wanted.iter().find(|p| Some(p.of.mechanism) == mechanism);
@@ -116,7 +114,7 @@ pub(super) fn differences(
             found.extend(unwritten);
         }
     }
-    found.extend(rollback::differences(inputs, plan, compiled, files)?.map(Finding::from));
+    found.extend(rollback::differences(asked, files)?.map(Finding::from));
     Ok(found)
 }
 

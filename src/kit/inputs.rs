@@ -16,7 +16,7 @@ use crate::read::emulate::CannotEmulate;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, compile};
-use crate::write::plan::{Plan, Task};
+use crate::write::plan::{Plan, Task, plan};
 use crate::write::target::Omission;
 
 /// The inputs of a kit, read and checked.
@@ -147,7 +147,7 @@ impl Inputs {
     }
 
     /// The plan in the control's numbers, beside the tables that were active.
-    pub(super) fn compile(&self, plan: &Plan) -> Result<Compiled, Problems> {
+    fn compile(&self, plan: &Plan) -> Result<Compiled, Problems> {
         let mut compiled = compile(self.task(), plan)?;
         if let Some(active) = &self.active {
             active::collisions(&self.job, &self.profile, active, &compiled.tables)?;
@@ -165,6 +165,25 @@ impl Inputs {
             profile: &self.profile,
             model: &self.model,
         }
+    }
+}
+
+/// What a job asks of its control.
+pub(super) struct Asked<'a> {
+    pub(super) inputs: &'a Inputs,
+    pub(super) plan: Plan,
+    pub(super) compiled: Compiled,
+}
+
+impl Asked<'_> {
+    /// The plan of a job, and what it compiles to.
+    pub(super) fn of(inputs: &Inputs) -> Result<Asked<'_>, Problems> {
+        let plan = plan(inputs.task())?;
+        Ok(Asked {
+            inputs,
+            compiled: inputs.compile(&plan)?,
+            plan,
+        })
     }
 }
 

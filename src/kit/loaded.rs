@@ -12,14 +12,13 @@ use crate::judge::active::{ActiveControl, named_axis};
 use crate::judge::before::Before;
 use crate::judge::disagreement::{self, surroundings};
 use crate::judge::findings::{InControl, not_emulated};
-use crate::kit::inputs::cannot_emulate;
+use crate::kit::inputs::{Asked, cannot_emulate};
 use crate::quantity::units::rounded;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::{KitFile, emulator, read, unread};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
-use crate::write::compensation::Compiled;
-use crate::write::plan::{Plan, plan};
+use crate::write::plan::Plan;
 use serde_json::Value;
 
 /// Files against what the job asks for.
@@ -40,20 +39,19 @@ pub(super) struct Loaded {
 impl Loaded {
     /// The files of a kit; `named` = `state` of their manifest. Everything that they hold counts.
     pub(super) fn kit(
-        inputs: &Inputs,
-        plan: &Plan,
-        compiled: &Compiled,
+        asked: &Asked<'_>,
         files: &[KitFile<'_>],
         named: Option<&Value>,
     ) -> Result<Loaded, Problems> {
-        let (state, of_state) = loaded_state(inputs, plan, compiled, named);
-        let read = read(&inputs.profile, files)?;
-        let (mut findings, found) = differences(inputs, plan, compiled, &read);
-        let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
+        let profile = &asked.inputs.profile;
+        let (state, of_state) = loaded_state(asked, named);
+        let read = read(profile, files)?;
+        let (mut findings, found) = differences(asked, &read);
+        let absent = disagreement::absent(profile, &asked.compiled.tables, &read);
         findings.extend(absent.into_iter().chain(of_state));
         Ok(Loaded {
-            unread: unread(&inputs.profile, files),
-            control: found.and_then(|_| emulator(&inputs.profile, &read.tables, &state)),
+            unread: unread(profile, files),
+            control: found.and_then(|_| emulator(profile, &read.tables, &state)),
             tables: read.tables,
             state,
             findings,
@@ -61,13 +59,13 @@ impl Loaded {
     }
 
     /// What was read out of a control, judged by what it does to the job's axes.
-    pub(super) fn read_out(
-        inputs: &Inputs,
-        plan: &Plan,
-        compiled: &Compiled,
-        active: &ActiveControl,
-    ) -> Result<Loaded, Problems> {
-        let (state, of_state) = read_out_state(inputs, plan, compiled, active);
+    pub(super) fn read_out(asked: &Asked<'_>, active: &ActiveControl) -> Result<Loaded, Problems> {
+        let Asked {
+            inputs,
+            plan,
+            compiled,
+        } = asked;
+        let (state, of_state) = read_out_state(asked, active);
         let with = |tables, state| emulator(&inputs.profile, tables, state);
         let wanted =
             with(&compiled.tables, &compiled.state).map_err(|reason| cannot_emulate(&reason))?;
@@ -121,9 +119,8 @@ pub fn load(
     files: &[KitFile<'_>],
     named: Option<&Value>,
 ) -> Result<LoadedControl, Problems> {
-    let plan = plan(inputs.task())?;
-    let compiled = inputs.compile(&plan)?;
-    Loaded::kit(inputs, &plan, &compiled, files, named)?.with(plan)
+    let asked = Asked::of(inputs)?;
+    Loaded::kit(&asked, files, named)?.with(asked.plan)
 }
 
 /// Loads what was read out of a control into the emulated control of a job.
@@ -131,9 +128,8 @@ pub(crate) fn load_read_out(
     inputs: &Inputs,
     active: &ActiveControl,
 ) -> Result<LoadedControl, Problems> {
-    let plan = plan(inputs.task())?;
-    let compiled = inputs.compile(&plan)?;
-    Loaded::read_out(inputs, &plan, &compiled, active)?.with(plan)
+    let asked = Asked::of(inputs)?;
+    Loaded::read_out(&asked, active)?.with(asked.plan)
 }
 
 /// Makes the files of a job in memory and loads their bytes.
@@ -147,13 +143,8 @@ type Outside = (ControlState, Vec<Finding>);
 
 /// The control of a job with the backlash parameters of a kit; `named` = `state` of its manifest,
 /// `None` where there is none, so that only the job says what they are.
-pub(super) fn loaded_state(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
-    named: Option<&Value>,
-) -> Outside {
-    outside(inputs, plan, compiled, |axis, wanted| {
+pub(super) fn loaded_state(asked: &Asked<'_>, named: Option<&Value>) -> Outside {
+    outside(asked, |axis, wanted| {
         let entry = named.and_then(|state| named_axis(state, &axis.name));
         match entry.and_then(|entry| entry.get("backlash_um")) {
             Some(parameter) => take(axis, "the kit was made for", parameter.as_f64(), wanted),
@@ -168,14 +159,9 @@ pub(super) fn loaded_state(
 
 /// The same with the backlash parameters that were read out of the control. One that the job does
 /// not ask for acts as it did while measuring.
-fn read_out_state(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
-    control: &ActiveControl,
-) -> Outside {
-    let parameter = inputs.profile.family.backlash_parameter;
-    outside(inputs, plan, compiled, |state, wanted| {
+fn read_out_state(asked: &Asked<'_>, control: &ActiveControl) -> Outside {
+    let parameter = asked.inputs.profile.family.backlash_parameter;
+    outside(asked, |state, wanted| {
         let axis = state.name.clone();
         let mut held = control.held_backlash.iter();
         let found = held.find(|(name, _)| *name == axis).and_then(|(_, um)| *um);
@@ -197,14 +183,12 @@ fn read_out_state(
 }
 
 fn outside(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
+    asked: &Asked<'_>,
     judged: impl Fn(&mut AxisState, Option<f64>) -> Option<InControl>,
 ) -> Outside {
-    let mut state = compiled.state.clone();
+    let mut state = asked.compiled.state.clone();
     let findings = state.axes.iter_mut().filter_map(|axis| {
-        let wanted = named_backlash(inputs, plan, compiled, &axis.name);
+        let wanted = named_backlash(asked.inputs, &asked.plan, &asked.compiled, &axis.name);
         judged(axis, wanted).map(Finding::from)
     });
     let findings = findings.collect();

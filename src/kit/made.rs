@@ -1,7 +1,7 @@
 //! The files of a kit, read back, with what they will leave.
 
 use super::findings::KitFinding;
-use super::inputs::{Inputs, cannot_emulate, judged};
+use super::inputs::{Asked, Inputs, cannot_emulate, judged};
 use crate::control::controller::Profile;
 use crate::inputs::job::ActiveTables;
 use crate::judge::conformity::Verdict;
@@ -15,7 +15,7 @@ use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::Compiled;
 use crate::write::emit::{self, Context, RenderedFile, Templates};
-use crate::write::plan::{Plan, Task, plan};
+use crate::write::plan::{Plan, Task};
 use crate::write::target::wants;
 
 /// A kit without what is written beside its tables.
@@ -41,27 +41,26 @@ impl Made<'_> {
     /// Refused unless every file reads back to exactly what was meant.
     pub(super) fn of(inputs: &Inputs) -> Result<Made<'_>, Problems> {
         let task = inputs.task();
-        let plan = plan(task)?;
-        let mut compiled = inputs.compile(&plan)?;
-        let context = emit::context(task, &compiled)?;
+        let mut asked = Asked::of(inputs)?;
+        let context = emit::context(task, &asked.compiled)?;
         let templates = Templates::default();
         let files = emit::render(task, &templates, &context)?;
         let read = read_back(&inputs.profile, &files)?;
-        ensure_same(inputs, &plan, &compiled, &read)?;
-        let absent = disagreement::absent(&inputs.profile, &compiled.tables, &read);
-        compiled.notes.extend(absent);
+        ensure_same(&asked, &read)?;
+        let absent = disagreement::absent(&inputs.profile, &asked.compiled.tables, &read);
+        asked.compiled.notes.extend(absent);
         if inputs.profile.comments.value.are_allowed() {
             let names = emit::other_letters(&inputs.job, &inputs.profile.name);
-            compiled.notes.extend(names);
+            asked.compiled.notes.extend(names);
         }
-        let forecast = left(inputs, &plan, &compiled, &read)?;
+        let forecast = left(&asked, &read)?;
         let unread = unread(&inputs.profile, &as_read(&files));
         let doubts: Vec<Finding> = doubts(inputs).into_iter().chain(unread).collect();
         let verdict = judged(&forecast, inputs, &doubts);
         Ok(Made {
             inputs,
-            plan,
-            compiled,
+            plan: asked.plan,
+            compiled: asked.compiled,
             context,
             templates,
             files,
@@ -83,12 +82,12 @@ impl Made<'_> {
 }
 
 /// What files that were read back leave.
-fn left(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
-    read: &ReadBack,
-) -> Result<Forecast, Problems> {
+fn left(asked: &Asked<'_>, read: &ReadBack) -> Result<Forecast, Problems> {
+    let Asked {
+        inputs,
+        plan,
+        compiled,
+    } = asked;
     let ranges = judged_ranges(&inputs.job, inputs.as_measured());
     emulator(&inputs.profile, &read.tables, &compiled.state)
         .and_then(|control| forecast(inputs.machine(), plan, control.as_ref(), &ranges))
@@ -122,14 +121,9 @@ fn read_back(profile: &Profile, files: &[RenderedFile]) -> Result<ReadBack, Prob
 }
 
 /// A template that drops, doubles, changes or adds something is found here.
-fn ensure_same(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
-    read: &ReadBack,
-) -> Result<(), Problems> {
-    let (sentences, _) = differences(inputs, plan, compiled, read);
-    let same_tables = compiled.tables == read.tables;
+fn ensure_same(asked: &Asked<'_>, read: &ReadBack) -> Result<(), Problems> {
+    let (sentences, _) = differences(asked, read);
+    let same_tables = asked.compiled.tables == read.tables;
     if same_tables && sentences.is_empty() {
         return Ok(());
     }
@@ -150,11 +144,14 @@ fn ensure_same(
 /// How files differ from what was compiled: what the tables do to the axes first, then what else
 /// the files hold; and the control that they would make, or why there is none.
 pub(super) fn differences(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
+    asked: &Asked<'_>,
     read: &ReadBack,
 ) -> (Vec<Finding>, Emulated<Box<dyn Emulator>>) {
+    let Asked {
+        inputs,
+        plan,
+        compiled,
+    } = asked;
     let profile = &inputs.profile;
     let found = emulator(profile, &read.tables, &compiled.state);
     let contents = |diagnosis| disagreement::contents(profile, &compiled.tables, read, diagnosis);

@@ -12,8 +12,9 @@
 //! point and parameter that the files overwrite, there is no rollback file, and what is missing is
 //! named. Zeros are not a rollback.
 
+use super::inputs::Asked;
 use super::made::{Made, as_kit_file};
-use super::{Inputs, movement};
+use super::movement;
 use crate::control::controller::Role;
 use crate::judge::active::Origin;
 use crate::judge::before::{Before, ChangedBy, Old};
@@ -23,9 +24,7 @@ use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::read::{KitFile, ReadBack, read_apart};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
-use crate::write::compensation::Compiled;
-use crate::write::emit::{self, Instead, RenderedFile, Switch, Templates};
-use crate::write::plan::Plan;
+use crate::write::emit::{self, Emitted, Instead, RenderedFile, Switch, Templates};
 
 /// What a kit writes for the rollback, and what it leaves to a person.
 #[derive(Default)]
@@ -87,15 +86,13 @@ impl Before<'_> {
             as_read: true,
             switches: old.data.iter().map(switch).collect(),
         };
-        let is_own = |file: &crate::control::controller::EmittedFile| file.role == Role::Rollback;
-        let files = emit::render_apart(
-            self.task,
-            templates,
-            self.compiled,
-            &old.tables,
-            &instead,
-            is_own,
-        )?;
+        let emitted = Emitted {
+            task: self.task,
+            compiled: self.compiled,
+            tables: &old.tables,
+            instead: &instead,
+        };
+        let files = emit::render_apart(templates, &emitted, |file| file.role == Role::Rollback)?;
         let read_files: Vec<KitFile<'_>> = files.iter().map(as_kit_file).collect();
         let read = read_apart(self.task.profile, &read_files, Role::Rollback);
         if !read.is_ok_and(|read| is_same(old, &read)) {
@@ -135,11 +132,14 @@ fn switch(datum: &MachineDatum) -> Switch {
 
 /// Rollback files of a directory against what the job's read-out holds.
 pub(super) fn differences(
-    inputs: &Inputs,
-    plan: &Plan,
-    compiled: &Compiled,
+    asked: &Asked<'_>,
     files: &[KitFile<'_>],
 ) -> Result<Option<FieldFault>, Problems> {
+    let Asked {
+        inputs,
+        plan,
+        compiled,
+    } = asked;
     if !files.iter().any(|file| file.role == Role::Rollback) {
         return Ok(None);
     }

@@ -1,6 +1,6 @@
 //! The bytes of a directory, judged against a job.
 
-use super::inputs::judged;
+use super::inputs::{Asked, cannot_emulate, judged};
 use super::loaded::Loaded;
 use super::made::doubts;
 use super::{Inputs, field};
@@ -10,12 +10,11 @@ use crate::judge::active::ActiveControl;
 use crate::judge::conformity::Verdict;
 use crate::judge::findings::not_emulated;
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
-use crate::kit::inputs::cannot_emulate;
 use crate::read::{KitFile, emulator};
 use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
-use crate::write::plan::{Plan, plan};
+use crate::write::plan::Plan;
 
 /// What `verify` finds.
 #[derive(Clone, Debug)]
@@ -48,27 +47,31 @@ pub fn verify(
     named: Option<&serde_json::Value>,
     before: Vec<Finding>,
 ) -> Result<Verification, Problems> {
-    let plan = plan(inputs.task())?;
-    let compiled = inputs.compile(&plan)?;
-    let mut loaded = Loaded::kit(inputs, &plan, &compiled, files, named)?;
-    emulator(&inputs.profile, &compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
-    let field = field::differences(inputs, &plan, &compiled, files)?;
+    let asked = Asked::of(inputs)?;
+    let mut loaded = Loaded::kit(&asked, files, named)?;
+    let wanted = &asked.compiled;
+    emulator(&inputs.profile, &wanted.tables, &wanted.state).map_err(|e| cannot_emulate(&e))?;
+    let field = field::differences(&asked, files)?;
     loaded.findings = [before, loaded.findings, field].concat();
-    Ok(Verification::of(inputs, plan, compiled, loaded))
+    Ok(Verification::of(asked, loaded))
 }
 
 /// Judges what was read out of a control by what it does to the job's axes: whatever else it holds
 /// was ignored, and its notes say so.
 pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verification, Problems> {
-    let plan = plan(inputs.task())?;
-    let compiled = inputs.compile(&plan)?;
-    let loaded = Loaded::read_out(inputs, &plan, &compiled, control)?;
-    Ok(Verification::of(inputs, plan, compiled, loaded))
+    let asked = Asked::of(inputs)?;
+    let loaded = Loaded::read_out(&asked, control)?;
+    Ok(Verification::of(asked, loaded))
 }
 
 impl Verification {
     /// The forecast of a control with the files, and the verdict.
-    fn of(inputs: &Inputs, plan: Plan, compiled: Compiled, loaded: Loaded) -> Verification {
+    fn of(asked: Asked<'_>, loaded: Loaded) -> Verification {
+        let Asked {
+            inputs,
+            plan,
+            compiled,
+        } = asked;
         let mut findings = loaded.findings;
         let ranges = judged_ranges(&inputs.job, inputs.as_measured());
         let forecast = loaded.control.ok().and_then(|control| {

@@ -7,6 +7,7 @@
 //! a profile's sense of a table enters. Rounding is half away from zero, on totals, so no point
 //! is off by more than half a count.
 
+pub(crate) use crate::write::compiled::stated_control;
 pub use crate::write::compiled::{Compiled, Placement};
 pub(crate) use crate::write::control_text::trimmed;
 

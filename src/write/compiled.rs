@@ -6,7 +6,7 @@ use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::Proof;
 use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, AxisSettings, BacklashPolicy, Job};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::{Deviation, Millimetres, rounded};
 use crate::text::finding::Finding;
 use crate::write::grid::{Grid, as_number, whole};
@@ -71,29 +71,38 @@ pub(crate) fn control_state(
     plan: &Plan,
     backlash_um: impl Fn(Axis) -> f64,
 ) -> ControlState {
+    let is_bidirectional = |axis| plan.has_two_tables(axis);
+    stated_control(task.job, &plan.names, backlash_um, is_bidirectional)
+}
+
+/// The same, of axes with these names.
+pub(crate) fn stated_control(
+    job: &Job,
+    names: &PerAxis<Vec<String>>,
+    backlash_um: impl Fn(Axis) -> f64,
+    is_bidirectional: impl Fn(Axis) -> bool,
+) -> ControlState {
     let mut axes = Vec::new();
-    let rest = task.job.measurement.levers.origin(&task.job.machine.axes);
-    for (axis, names) in plan.names.iter() {
-        let Some(machine) = task.job.machine.axes[axis] else {
+    let rest = job.measurement.levers.origin(&job.machine.axes);
+    for (axis, names) in names.iter() {
+        let Some(machine) = job.machine.axes[axis] else {
             continue;
         };
-        let settings = task.job.compensation.axes[axis].as_ref();
-        for name in names {
-            axes.push(AxisState {
-                name: name.clone(),
-                reference: machine.reference,
-                reference_direction: machine.homing(),
-                detection_unit_um: settings.and_then(|s| s.detection_unit_um),
-                backlash_um: backlash_um(axis),
-                bidirectional: plan.has_two_tables(axis),
-                interpolated: settings.is_some_and(AxisSettings::is_interpolated),
-                travel: machine.reach(),
-                rest: Millimetres::new(rest[axis]),
-            });
-        }
+        let settings = job.compensation.axes[axis].as_ref();
+        axes.extend(names.iter().map(|name| AxisState {
+            name: name.clone(),
+            reference: machine.reference,
+            reference_direction: machine.homing(),
+            detection_unit_um: settings.and_then(|s| s.detection_unit_um),
+            backlash_um: backlash_um(axis),
+            bidirectional: is_bidirectional(axis),
+            interpolated: settings.is_some_and(AxisSettings::is_interpolated),
+            travel: machine.reach(),
+            rest: Millimetres::new(rest[axis]),
+        }));
     }
     ControlState {
-        unit: task.job.compensation.control_unit,
+        unit: job.compensation.control_unit,
         axes,
     }
 }

@@ -9,10 +9,10 @@ pub mod program;
 mod templates;
 
 pub use crate::write::control_text::{Instead, Switch};
+pub(crate) use crate::write::family::Emitted;
 pub use templates::Templates;
 
 use crate::control::controller::{EmittedFile, Role, builtin};
-use crate::control::table::Tables;
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::axis::Direction;
@@ -22,7 +22,7 @@ use crate::text::plain;
 use crate::text::problem::{Problem, Problems, shown};
 use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, ascii, is_comment_text};
-use crate::write::family::{Emitted, family};
+use crate::write::family::family;
 use crate::write::findings::TableFinding;
 use crate::write::task::Task;
 use serde::Serialize;
@@ -100,29 +100,25 @@ pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems>
         names_terms: true,
         ..Instead::default()
     };
-    let context = context_of(task, compiled, &compiled.tables, &own)?;
+    let context = context_of(&Emitted {
+        task,
+        compiled,
+        tables: &compiled.tables,
+        instead: &own,
+    })?;
     if task.profile.comments.value.are_allowed() {
         refuse_unsafe_text(task)?;
     }
     Ok(context)
 }
 
-fn context_of(
-    task: Task<'_>,
-    compiled: &Compiled,
-    tables: &Tables,
-    instead: &Instead<'_>,
-) -> Result<Context, Problems> {
+fn context_of(emitted: &Emitted<'_>) -> Result<Context, Problems> {
+    let (task, instead) = (emitted.task, emitted.instead);
     let placements = match instead.names_terms {
-        true => compiled.placements.as_slice(),
+        true => emitted.compiled.placements.as_slice(),
         false => &[],
     };
-    let seen = family(task.profile).context(&Emitted {
-        task,
-        compiled,
-        tables,
-        instead,
-    });
+    let seen = family(task.profile).context(emitted);
     let mut seen =
         seen.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
     let machine = &task.job.machine;
@@ -237,19 +233,12 @@ pub fn render(
 
 /// Files that stand apart, from tables of their own: rollback, or the sign proof of a mechanism.
 pub(crate) fn render_apart(
-    task: Task<'_>,
     templates: &Templates,
-    compiled: &Compiled,
-    tables: &Tables,
-    instead: &Instead<'_>,
+    emitted: &Emitted<'_>,
     is_wanted: impl Fn(&EmittedFile) -> bool,
 ) -> Result<Vec<RenderedFile>, Problems> {
-    render_those(
-        task,
-        templates,
-        &context_of(task, compiled, tables, instead)?,
-        is_wanted,
-    )
+    let context = context_of(emitted)?;
+    render_those(emitted.task, templates, &context, is_wanted)
 }
 
 /// The checklist, for people: line ends of every computer, not of the control.

@@ -1,16 +1,16 @@
 //! What a control held while measuring, and what is found while its files are read.
 
 use crate::control::claims::Assumption;
-use crate::control::control_state::{AxisState, ControlState};
+use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, NumberRange, Profile};
 use crate::control::table::Tables;
-use crate::inputs::job::{ActiveTables, AxisSettings, Job};
+use crate::inputs::job::{ActiveTables, Job};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::units::Millimetres;
 use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
+use crate::write::compensation::stated_control;
 use crate::write::plan::axis_names;
 
 /// The control as it was while measuring, decoded from files.
@@ -265,30 +265,10 @@ pub(super) fn stated(
     backlash_um: &PerAxis<Option<f64>>,
 ) -> Result<ControlState, Problems> {
     let names = axis_names(job, profile)?;
-    let mut axes = Vec::new();
-    let rest = job.measurement.levers.origin(&job.machine.axes);
-    for (axis, names) in names.iter() {
-        let Some(machine) = job.machine.axes[axis] else {
-            continue;
-        };
-        let settings = job.compensation.axes[axis].as_ref();
-        let bits = settings.and_then(|s| s.parameter_3605).unwrap_or(0);
-        axes.extend(names.iter().map(|name| AxisState {
-            name: name.clone(),
-            reference: machine.reference,
-            reference_direction: machine.homing(),
-            detection_unit_um: settings.and_then(|s| s.detection_unit_um),
-            backlash_um: backlash_um[axis].unwrap_or(0.0),
-            bidirectional: bits & 1 != 0,
-            interpolated: settings.is_some_and(AxisSettings::is_interpolated),
-            travel: machine.reach(),
-            rest: Millimetres::new(rest[axis]),
-        }));
-    }
-    Ok(ControlState {
-        unit: job.compensation.control_unit,
-        axes,
-    })
+    let bits = |axis: Axis| job.compensation.axes[axis].as_ref()?.parameter_3605;
+    let is_bidirectional = |axis| bits(axis).is_some_and(|bits| bits & 1 != 0);
+    let backlash_um = |axis| backlash_um[axis].unwrap_or(0.0);
+    Ok(stated_control(job, &names, backlash_um, is_bidirectional))
 }
 
 /// Backlash parameters of the files and of the job together; two different values are a problem.

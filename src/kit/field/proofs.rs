@@ -8,7 +8,7 @@ use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::{KitFile, ReadBack, emulator, load, read_apart};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
-use crate::write::emit::{self, Instead, RenderedFile};
+use crate::write::emit::{self, Emitted, Instead, RenderedFile};
 use crate::write::plan::{Plan, axis_pairs};
 use crate::write::sign_proof::{SignProof, SignProofs, sign_proofs};
 use serde_json::{Value, json};
@@ -88,14 +88,15 @@ fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, 
         ..Instead::default()
     };
     let wanted = Some(proof.of.mechanism);
-    emit::render_apart(
-        made.task(),
-        &made.templates,
-        &made.compiled,
-        &proof.tables,
-        &instead,
-        |file| file.role == Role::SignProof && file.mechanism == wanted,
-    )
+    let emitted = Emitted {
+        task: made.task(),
+        compiled: &made.compiled,
+        tables: &proof.tables,
+        instead: &instead,
+    };
+    emit::render_apart(&made.templates, &emitted, |file| {
+        file.role == Role::SignProof && file.mechanism == wanted
+    })
 }
 
 fn read_proof(made: &Made<'_>, files: &[RenderedFile]) -> Result<ReadBack, Problems> {

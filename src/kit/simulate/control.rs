@@ -3,7 +3,7 @@
 use crate::judge::active::{ActiveControl, named_axis};
 use crate::judge::after::Control;
 use crate::kit::findings::InRehearsal;
-use crate::kit::inputs::cannot_emulate;
+use crate::kit::inputs::{Asked, cannot_emulate};
 use crate::kit::loaded::loaded_state;
 use crate::kit::{Inputs, LoadedControl, emulator, load_read_out};
 use crate::quantity::axis::Axis;
@@ -36,11 +36,16 @@ impl SimulatedTables {
             model: &inputs.model,
         };
         let plan = plan(task)?;
-        let compiled = compile(task, &plan)?;
-        let (state, findings) = loaded_state(inputs, &plan, &compiled, named);
+        let asked = Asked {
+            inputs,
+            compiled: compile(task, &plan)?,
+            plan,
+        };
+        let (state, findings) = loaded_state(&asked, named);
+        let plan = &asked.plan;
         let read = read(&inputs.profile, files)?;
         let control = emulator(&inputs.profile, &read.tables, &state)
-            .and_then(|emulator| Control::new(&inputs.model, &plan, emulator.as_ref()))
+            .and_then(|emulator| Control::new(&inputs.model, plan, emulator.as_ref()))
             .map_err(|reason| cannot_emulate(&reason))?;
         let parameter = |axis: Axis| {
             let name = plan.names[axis].first()?;
