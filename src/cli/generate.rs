@@ -101,7 +101,9 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
             show::squareness_and_reversals(model),
         ]),
         findings: remarks(&kit.plan, compiled, Some(&kit.forecast)),
-        always: show::assumed_signs(&compiled.assumptions, &proofs),
+        always: show::to_decide(&compiled.assumptions)
+            .chain(show::assumed_signs(&compiled.assumptions, &proofs))
+            .collect(),
         more: vec![
             More::new(
                 compiled.placements.len(),

@@ -17,7 +17,7 @@ pub(super) struct Detail {
     /// Print everything: all findings, tables and assumptions
     #[arg(short = 'v', long)]
     explain: bool,
-    /// Print the verdict only, and a sign that is assumed
+    /// Print the verdict only, and what is assumed and has to be decided or proved
     #[arg(short, long, conflicts_with = "explain")]
     quiet: bool,
 }

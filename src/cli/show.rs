@@ -253,6 +253,17 @@ pub(super) fn assumed_signs(assumptions: &[Assumption], proofs: &[&str]) -> Vec<
     (!signs.is_empty()).then_some(line).into_iter().collect()
 }
 
+/// What is assumed and has to be decided before anything is loaded, a line each.
+pub(super) fn to_decide(assumptions: &[Assumption]) -> impl Iterator<Item = String> {
+    let open = assumptions.iter().filter(|own| own.to_decide);
+    open.map(|own| {
+        format!(
+            "DECIDE BEFORE LOADING, assumed: {} = {}; if wrong: {}",
+            own.fact, own.value, own.consequence
+        )
+    })
+}
+
 /// Notes as findings.
 pub(super) fn notes(notes: impl IntoIterator<Item = impl Display>) -> Vec<String> {
     let notes = notes.into_iter();

@@ -13,6 +13,9 @@ pub struct Assumption {
     pub evidence: &'static str,
     /// What happens on the machine if it is wrong.
     pub consequence: String,
+    /// What only the job can say, and what is lost if it is wrong.
+    #[serde(skip)]
+    pub to_decide: bool,
     /// Why it cannot matter for this kit, where it cannot.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub without_effect: Option<&'static str>,
@@ -30,7 +33,16 @@ impl Assumption {
             value: value.into(),
             evidence: crate::control::controller::Evidence::Assumed.word(),
             consequence: consequence.into(),
+            to_decide: false,
             without_effect: None,
+        }
+    }
+
+    /// The same, to be decided before anything is loaded.
+    pub(crate) fn to_decide(self) -> Self {
+        Assumption {
+            to_decide: true,
+            ..self
         }
     }
 }

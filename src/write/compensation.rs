@@ -120,6 +120,7 @@ fn profile_assumptions(task: Task<'_>, plan: &Plan, tables: &Tables) -> Vec<Assu
             value: s.value.clone(),
             evidence: s.evidence.word(),
             consequence: s.consequence.clone().unwrap_or_default(),
+            to_decide: false,
             without_effect: s
                 .mechanism
                 .filter(|mechanism| !uses(task, plan, tables, *mechanism))

@@ -61,11 +61,12 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
         }
     }
     if plan.has_cross() && task.job.compensation.first_set.is_none() {
-        assumptions.push(Assumption::of_job(
+        let first = Assumption::of_job(
             "first_set",
             "1",
             "straightness sets already in use from set 1 would be overwritten: state `first_set`",
-        ));
+        );
+        assumptions.push(first.to_decide());
     }
     assumptions
 }

@@ -73,11 +73,12 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -
         }
     }
     if !tables.cec.is_empty() && task.job.compensation.first_table.is_none() {
-        assumptions.push(Assumption::of_job(
+        let first = Assumption::of_job(
             "first_table",
             "0",
             "CEC tables already in use from index 0 would be overwritten: state `first_table`",
-        ));
+        );
+        assumptions.push(first.to_decide());
     }
     assumptions
 }
