@@ -269,6 +269,11 @@ fn fagor_8055() {
 }
 
 #[test]
+fn fagor_8065() {
+    contract_of("fagor-8065");
+}
+
+#[test]
 fn heidenhain_com() {
     contract_of("heidenhain-com");
 }
@@ -298,6 +303,7 @@ fn no_profile_is_left_out() {
         "aerotech",
         "isg-axis",
         "fagor-8055",
+        "fagor-8065",
         "heidenhain-com",
         "gsk",
         "klipper-skew", // lines alone: tests/skew.rs

@@ -1,5 +1,5 @@
 //! The control of docs/controllers.md §3, added without Rust: the page's own files, from the profile to the second visit;
-//! and a control of which nobody knows what it adds outside a table.
+//! and what the built-in profiles of this dialect ask of files and checklists.
 #![allow(
     clippy::unwrap_used,
     clippy::expect_used,
@@ -260,5 +260,140 @@ fn a_short_table_is_refused_where_outside_is_not_known() {
         let (status, said) = nonius(&folder, line);
         assert_eq!(status, Some(expected), "{line}: {said}");
         assert_eq!(said.contains(words), expected > 0, "{line}: {said}");
+    }
+}
+
+/// Its table has points within the travel only, and inside it adds what one with a point behind the end would add.
+#[test]
+fn the_last_section_ends_with_the_travel_where_the_control_uses_no_point_behind_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = root().join("fixtures/machines/five_points");
+    let put = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let errors = fs::read_to_string(machine.join("errors.csv")).unwrap();
+    let job = fs::read_to_string(machine.join("weihong.toml")).unwrap();
+    put("errors.csv", &errors);
+    // Y from -200 to 200 mm: 4 2 0 -3 -6 um; the points at -225 and 225 mm hold those of the ends.
+    put(
+        "job.toml",
+        &job.replace(
+            "[compensation.axes.y]\nspacing_mm = 100.0",
+            "[compensation.axes.y]\nspacing_mm = 75.0",
+        ),
+    );
+    nonius(&folder, "generate job.toml -o kit");
+    let text = kit_file(&folder, "kit/axeserr.dat");
+    let y: Vec<&str> = text.lines().skip_while(|line| *line != "[Y]").collect();
+    let first = "-200.000, 0.004, 0.004";
+    assert!(
+        y[1].starts_with(first) && y[7].starts_with("200.000, -0.006"),
+        "{y:?}"
+    );
+    assert_eq!(y[8], "[Z]");
+    let beyond = text.replace("200.000, -0.006, -0.006", "225.000, -0.006, -0.006");
+    read_out(&folder, "beyond", &beyond);
+    let (status, said) = nonius(&folder, "verify job.toml --tables beyond");
+    assert_eq!(status, Some(1), "{said}");
+    assert!(
+        said.contains("this control does not use points beyond the travel"),
+        "{said}"
+    );
+}
+
+/// Steps of a profile stand behind those of the one that it builds on, each at the end of its part.
+#[test]
+fn a_profile_adds_steps_to_the_checklist_of_its_base() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = root().join("fixtures/machines/five_points");
+    let put = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    put(
+        "errors.csv",
+        &fs::read_to_string(machine.join("errors.csv")).unwrap(),
+    );
+    let job = fs::read_to_string(machine.join("weihong.toml")).unwrap();
+    put("job.toml", &job.replace("\"weihong\"", "\"own.toml\""));
+    let own = "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"weihong\"\n\n[[steps]]\npart = \"Before anything is loaded\"\ntext = \"Call the owner.\"\nevidence = \"manual\"\nsource = \"the owner\"\n";
+    put("own.toml", own);
+    nonius(&folder, "generate job.toml -o kit");
+    let list = kit_file(&folder, "kit/checklist.md");
+    let at = |words: &str| {
+        list.find(words)
+            .unwrap_or_else(|| panic!("{words}: {list}"))
+    };
+    let order = [
+        "whoever keeps the profile",
+        "`Screw error compensation`",
+        "Call the owner.",
+        "## Sign proof",
+    ];
+    assert!(order.map(at).is_sorted(), "{list}");
+    put("own.toml", &own.replace("Before anything", "Before all"));
+    let (status, said) = nonius(&folder, "generate job.toml -o other");
+    assert_eq!(status, Some(2), "{said}");
+    let words = "the checklist has no part `Before all is loaded`";
+    assert!(
+        said.contains(words) && said.contains("its parts: `Before anything is loaded`, "),
+        "{said}"
+    );
+}
+
+/// The real file holds all parameters of an axis; what a person may have done to it is refused.
+#[test]
+fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let machine = root().join("fixtures/machines/five_points");
+    for name in ["errors.csv", "fagor-8065.toml"] {
+        fs::copy(machine.join(name), folder.path().join(name)).unwrap();
+    }
+    nonius(&folder, "generate fagor-8065.toml -o kit");
+    let utf16 = |text: &str| {
+        text.encode_utf16()
+            .flat_map(u16::to_le_bytes)
+            .collect::<Vec<u8>>()
+    };
+    let lines = |axis: &str| {
+        let bytes = fs::read(folder.path().join(format!("kit/draft-{axis}.mp"))).unwrap();
+        assert_eq!((bytes.len() % 2, bytes[1]), (0, 0));
+        bytes
+            .iter()
+            .step_by(2)
+            .map(|byte| char::from(*byte))
+            .collect::<String>()
+    };
+    let whole = |axis: &str| {
+        let head = format!(
+            "\u{feff}{axis} AXIS                        ;3100\r\nMM                            ;0\r\n2;/LSCRWDATA/REFNEED          ;0\r\n"
+        );
+        let tail = "2;/FILTER/FILTER 1/ORDER                            ;0\r\n";
+        head + &lines(axis).replace('\n', "\r\n") + tail
+    };
+    fs::create_dir(folder.path().join("out")).unwrap();
+    let put = |axis: &str, bytes: Vec<u8>| {
+        fs::write(folder.path().join(format!("out/{axis}.mp")), bytes).unwrap()
+    };
+    for axis in ["X", "Y", "Z"] {
+        put(axis, utf16(&whole(axis)));
+    }
+    let verify = "verify fagor-8065.toml --tables out";
+    let (status, said) = nonius(&folder, verify);
+    assert!(
+        status == Some(0) && said.contains("job and tables agree"),
+        "{said}"
+    );
+    let x = whole("X");
+    for (bytes, says) in [
+        (x.clone().into_bytes(), "`X.mp` is not text in UTF-16"),
+        (utf16(&x.replace("MM  ", "INCH")), "the file is in `INCH`"),
+        (
+            utf16(&x.replace("DATA/POSERROR 2", "DATA/POSEROR 2")),
+            "no pattern of the profile takes this line",
+        ),
+        (
+            utf16(&x.replace("POSERROR 2", "POSERROR 3")),
+            "a second `forward` here",
+        ),
+    ] {
+        put("X", bytes);
+        let (status, said) = nonius(&folder, verify);
+        assert!(status == Some(2) && said.contains(says), "{says}: {said}");
     }
 }

@@ -26,7 +26,16 @@ fn kit(profile: &str) -> Kit {
 
 /// Control characters made visible; the line end of a file stays a line end.
 fn visible(bytes: &[u8]) -> String {
-    let text = std::str::from_utf8(bytes).unwrap();
+    let text = match bytes.contains(&0) {
+        false => String::from_utf8(bytes.to_vec()).unwrap(),
+        true => {
+            let units = bytes
+                .chunks(2)
+                .map(|two| u16::from_le_bytes([two[0], two[1]]));
+            let text: String = char::decode_utf16(units).map(Result::unwrap).collect();
+            format!("UTF-16LE\n{text}")
+        }
+    };
     text.replace("\n\r\r", "␊␍␍¶")
         .replace("\r\n", "␍␊¶")
         .replace('\r', "␍")
@@ -224,6 +233,11 @@ fn isg_axis() {
 #[test]
 fn fagor_8055() {
     files_of("fagor-8055");
+}
+
+#[test]
+fn fagor_8065() {
+    files_of("fagor-8065");
 }
 
 #[test]

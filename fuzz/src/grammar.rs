@@ -22,7 +22,11 @@ pub enum Family {
 
 /// What is wrong with a file that a control loads.
 pub fn judge(family: Family, name: &str, bytes: &[u8]) -> Result<(), String> {
-    let text = std::str::from_utf8(bytes).map_err(|_| format!("{name} is not text"))?;
+    let mut bytes = bytes.to_vec();
+    if family == Family::Declared {
+        bytes.retain(|byte| *byte != 0); // the high bytes of UTF-16
+    }
+    let text = std::str::from_utf8(&bytes).map_err(|_| format!("{name} is not text"))?;
     if !text.is_ascii() {
         return Err(format!("{name} holds a letter that is not ASCII"));
     }

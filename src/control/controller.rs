@@ -109,6 +109,20 @@ impl LineEnd {
     }
 }
 
+/// How the characters of a control's files are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// UTF-8, of which plain letters and digits are ASCII.
+    Utf8,
+    /// UTF-16, the low byte first.
+    Utf16Le,
+}
+
+impl Word for Encoding {
+    const WORDS: &'static [(&'static str, Encoding)] =
+        &[("utf-8", Encoding::Utf8), ("utf-16le", Encoding::Utf16Le)];
+}
+
 /// One file that a profile emits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EmittedFile {
@@ -186,6 +200,8 @@ pub struct Profile {
     pub dialect: Dialect,
     /// Line end of the emitted files.
     pub line_end: Fact<LineEnd>,
+    /// How the characters of the emitted files are stored; `None` = not stated, UTF-8.
+    pub encoding: Option<Fact<Encoding>>,
     /// Whether the control's files may carry comments.
     pub comments: Fact<Comments>,
     /// Names of the axes X, Y, Z where the job does not state them.
@@ -204,4 +220,12 @@ pub struct Profile {
     pub program: Option<program::ProgramFacts>,
     /// All facts in words, in the order of the program's questions.
     pub statements: Vec<Statement>,
+}
+
+impl Profile {
+    /// How the characters of the control's files are stored.
+    pub(crate) fn encoding(&self) -> Encoding {
+        let stated = self.encoding.as_ref();
+        stated.map_or(Encoding::Utf8, |fact| fact.value)
+    }
 }

@@ -4,6 +4,7 @@
 //!   line ─┬ blank, comment ──────────────────────────→ nothing
 //!         ├ axis, base, output ──→ the pair of axes that the lines below are for
 //!         ├ start, spacing, count, last ──→ of the table of that pair
+//!         ├ unit ──→ has to be that of the profile
 //!         └ point, position, value, forward, reverse ──→ a point of it
 //! ```
 //! With `point` the fields of one point may stand in several lines; without it each line is a point. A line that
@@ -14,7 +15,7 @@ mod table;
 
 use self::table::Draft;
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Comments, DeclaredFacts, Field};
+use crate::control::controller::{Comments, DeclaredFacts, Field, Pattern, Size};
 use crate::control::table::Tables;
 use crate::control::table::declared::{DeclaredTable, DeclaredTables};
 use crate::read::emulate::{Emulated, Emulator};
@@ -153,6 +154,15 @@ impl Axes {
     }
 }
 
+/// What a line says that looks like a comment and names the unit.
+fn unit_of_comment<'a>(
+    patterns: impl Iterator<Item = &'a Pattern>,
+    line: &str,
+) -> Option<Vec<(Field, Range<usize>)>> {
+    let mut of_unit = patterns.filter(|own| own.fields().any(|field| field == Field::Unit));
+    of_unit.find_map(|own| own.take(line))
+}
+
 /// A file while it is read.
 struct Reading<'a> {
     facts: &'a DeclaredFacts,
@@ -172,11 +182,18 @@ impl Reading<'_> {
             Comments::From(sign) => line.trim_start().starts_with(sign.as_str()),
             _ => false,
         };
-        if line.trim().is_empty() || is_comment {
+        if line.trim().is_empty() {
             return;
         }
-        let patterns = self.facts.lines.value.iter();
-        let Some(found) = patterns.clone().find_map(|own| own.take(line)) else {
+        let mut patterns = self.facts.lines.value.iter();
+        let found = match is_comment {
+            false => patterns.find_map(|own| own.take(line)),
+            true => unit_of_comment(patterns, line),
+        };
+        let Some(found) = found else {
+            if is_comment {
+                return;
+            }
             let help = "the patterns of the profile (`lines`) say what a line can be; what the control makes of another one is not known";
             return self.complain(span, "no pattern of the profile takes this line", help);
         };
@@ -188,11 +205,22 @@ impl Reading<'_> {
                     self.axes
                         .set(field, text.get(part).unwrap_or_default().trim());
                 }
+                Field::Unit => self.check_unit(text, part),
                 _ => fields.push((field, part)),
             }
         }
         if !fields.is_empty() {
             self.take(text, span, fields);
+        }
+    }
+
+    /// The unit that a file names is that of the profile.
+    fn check_unit(&mut self, text: &str, span: Range<usize>) {
+        let word = text.get(span.clone()).unwrap_or_default().trim();
+        if Size::of_word(word) != Some(self.facts.value_size.value) {
+            let message = format!("the file is in `{}`, the profile is not", shown(word));
+            let help = "`value_size` of the profile says the unit of the values: a file in another one is not read";
+            self.complain(span, message, help);
         }
     }
 

@@ -1,7 +1,7 @@
 //! What judge, kit and command line ask of a family of controls, and the files of a kit read through it.
 
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Dialect, Profile, Role};
+use crate::control::controller::{Dialect, Encoding, Profile, Role};
 use crate::control::table::Tables;
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::findings::ReadFinding;
@@ -157,15 +157,23 @@ fn read_role(
     let mut problems = Problems::none();
     let mut texts = Vec::new();
     let is_read = |file: &&KitFile<'_>| file.role.is_read_back() && is_wanted(file.role);
-    for KitFile { path, role, bytes } in files.iter().filter(is_read).copied() {
-        match std::str::from_utf8(bytes) {
-            Ok(text) => texts.push(KitText { path, role, text }),
-            Err(_) => problems.push(Problem::new(format!("`{path}` is not text"))),
+    for file in files.iter().filter(is_read) {
+        match kit_text(profile, file.bytes) {
+            Some(text) => texts.push((file, text)),
+            None => problems.push(not_text(profile, file.path)),
         }
     }
     if texts.is_empty() && problems.is_empty() {
         return Err(Problem::new("there is no file to read back").into());
     }
+    let texts: Vec<KitText<'_>> = texts
+        .iter()
+        .map(|(KitFile { path, role, .. }, text)| KitText {
+            path,
+            role: *role,
+            text,
+        })
+        .collect();
     match problems.take(family(&profile.dialect).read_kit(&texts)) {
         Some(read) => problems.or_ok(read),
         None => Err(problems),
@@ -209,7 +217,7 @@ pub fn is_whole(profile: &Profile, bytes: &[u8]) -> bool {
     let family = family(&profile.dialect);
     match family.parts("", bytes).as_deref() {
         Ok([(name, bytes)]) if name.is_empty() => {
-            text(bytes).is_some_and(|text| family.is_whole(&text))
+            text(profile, bytes).is_some_and(|text| family.is_whole(&text))
         }
         _ => true,
     }
@@ -226,19 +234,53 @@ pub(crate) fn file_of(name: &str) -> &str {
 /// A file that was read out of a control as text, an archive as its files: `all.arc/_N_AX_EEC_INI`.
 pub fn texts<'a>(profile: &Profile, name: &str, bytes: &'a [u8]) -> Result<Vec<Text<'a>>, Problem> {
     let parts = family(&profile.dialect).parts(name, bytes)?;
-    let own = |(name, bytes)| match text(bytes) {
+    let own = |(name, bytes): Part<'a>| match text(profile, bytes) {
         Some(text) => Ok((name, text)),
-        None => Err(Problem::new(format!("`{name}` is not text"))
-            .help("name the files that the control wrote as text")),
+        None => Err(not_text(profile, &name).help("name the files that the control wrote as text")),
     };
     parts.into_iter().map(own).collect()
 }
 
-/// A file as text: UTF-8 without its byte order mark, or one byte for each character (Latin-1), as
-/// older controls write comments and messages. `None` where it is neither.
-fn text(bytes: &[u8]) -> Option<Cow<'_, str>> {
+/// A file of a kit as text.
+fn kit_text<'a>(profile: &Profile, bytes: &'a [u8]) -> Option<Cow<'a, str>> {
+    match profile.encoding() {
+        Encoding::Utf8 => std::str::from_utf8(bytes).ok().map(Cow::Borrowed),
+        Encoding::Utf16Le => utf16(bytes).map(Cow::Owned),
+    }
+}
+
+/// A file of two bytes for each character, the low one first; `None` of one that holds no zero byte: letters and
+/// digits would have one each.
+fn utf16(bytes: &[u8]) -> Option<String> {
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    let units = pairs.iter().map(|pair| u16::from_le_bytes(*pair));
+    let text = char::decode_utf16(units).collect::<Result<String, _>>();
+    let text = text
+        .ok()
+        .filter(|_| rest.is_empty() && bytes.contains(&0))?;
+    Some(text.strip_prefix(MARK).unwrap_or(&text).to_string())
+}
+
+/// The byte order mark.
+const MARK: char = '\u{feff}';
+
+fn not_text(profile: &Profile, name: &str) -> Problem {
+    Problem::new(match profile.encoding() {
+        Encoding::Utf8 => format!("`{name}` is not text"),
+        Encoding::Utf16Le => {
+            format!("`{name}` is not text in UTF-16 (low byte first), as this control has it")
+        }
+    })
+}
+
+/// A file of a control as text: as [`kit_text`], of UTF-8 without its byte order mark, or one byte for each
+/// character (Latin-1), as older controls write comments and messages. `None` where it is neither.
+fn text<'a>(profile: &Profile, bytes: &'a [u8]) -> Option<Cow<'a, str>> {
+    if profile.encoding() != Encoding::Utf8 {
+        return kit_text(profile, bytes);
+    }
     match std::str::from_utf8(bytes) {
-        Ok(text) => Some(Cow::Borrowed(text.strip_prefix('\u{feff}').unwrap_or(text))),
+        Ok(text) => Some(Cow::Borrowed(text.strip_prefix(MARK).unwrap_or(text))),
         Err(_) if bytes.contains(&0) => None,
         Err(_) => Some(bytes.iter().map(|byte| char::from(*byte)).collect()),
     }
@@ -246,5 +288,6 @@ fn text(bytes: &[u8]) -> Option<Cow<'_, str>> {
 
 /// Whether a file may mean something to the control of a profile ([`Family::may_obey`]).
 pub(crate) fn may_be_meant_for(profile: &Profile, file: &KitFile<'_>) -> bool {
-    family(&profile.dialect).may_obey(&String::from_utf8_lossy(file.bytes))
+    let text = kit_text(profile, file.bytes);
+    family(&profile.dialect).may_obey(&text.unwrap_or_else(|| String::from_utf8_lossy(file.bytes)))
 }

@@ -71,16 +71,21 @@ impl Family for DeclaredFacts {
         };
         let state = control_state(task, plan, backlash_um);
         let all = |_: &PlannedTable| true;
-        let tables = self.tables(plan, all, |planned, way| {
+        let cancels = |planned: &PlannedTable, way| {
             let replaced = self.replaces_backlash() && planned.term.is_positioning();
             let axis = plan.names[planned.term.of]
                 .first()
                 .and_then(|own| state.axis(own));
             column(plan, planned.term, axis.filter(|_| replaced), way)
-        });
-        self.check(task, plan, &tables)?;
+        };
+        let tables = self.tables(task, plan, all, cancels);
+        self.check(task, &tables)?;
+        self.check_ends(task, plan, cancels)?;
         let placed = plan.tables.iter();
-        let placed = placed.map(|own| Placement::of(own, place(plan, own), self.count_um()));
+        let placed = placed.map(|own| Placement {
+            points: points_of(&tables, plan, own),
+            ..Placement::of(own, place(plan, own), self.count_um())
+        });
         Ok(Compiled {
             placements: placed.collect(),
             preconditions: self.preconditions(task, plan),
@@ -132,7 +137,7 @@ impl Family for DeclaredFacts {
     /// Both columns of the tables of the term have the bump.
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
         let is_own = |planned: &PlannedTable| self.belongs(proof.mechanism, planned);
-        let tables = self.tables(proof.plan, is_own, |planned, _| {
+        let tables = self.tables(proof.task, proof.plan, is_own, |planned, _| {
             proof.deviations(planned.term == proof.term, planned.values.len())
         });
         Some(Tables::Declared(DeclaredTables::of(tables)))
@@ -165,6 +170,7 @@ impl DeclaredFacts {
     /// The tables of some of a plan, one for each pair of axes, from what each column cancels.
     fn tables(
         &self,
+        task: Task<'_>,
         plan: &Plan,
         is_wanted: impl Fn(&PlannedTable) -> bool,
         cancels: impl Fn(&PlannedTable, Direction) -> Vec<Deviation>,
@@ -176,24 +182,52 @@ impl DeclaredFacts {
                 if tables.iter().any(|own| own.is_for(base, output)) {
                     continue; // of two directions the first wrote both columns
                 }
-                let ways = Direction::BOTH.map(|way| cancels(planned, way));
+                let nodes = self.nodes(task, planned, |way| cancels(planned, way));
                 tables.push(DeclaredTable {
                     base: base.to_string(),
                     output: output.clone(),
-                    points: self.points(planned, ways),
+                    points: self.points(planned.term.is_positioning(), &nodes),
                 });
             }
         }
         tables
     }
 
-    /// The points of a table in the order of the file; rounded here, once.
-    fn points(&self, planned: &PlannedTable, ways: [Vec<Deviation>; 2]) -> Vec<Point> {
-        let is_own = planned.term.is_positioning();
+    /// The places of a table, and what each column cancels there. Points beyond the travel fall away where the control
+    /// takes none, and the straight line to the first of them ends with the travel.
+    fn nodes(
+        &self,
+        task: Task<'_>,
+        planned: &PlannedTable,
+        cancels: impl Fn(Direction) -> Vec<Deviation>,
+    ) -> Vec<Node> {
         let grid = &planned.grid;
-        let place = |at: i64| self.place(grid.written(at));
-        let places: Vec<f64> = (grid.first..=grid.last).map(place).collect();
-        let [forward, reverse] = ways.map(|values| self.values(is_own, &places, &values));
+        let [plus, minus] = Direction::BOTH.map(cancels);
+        let places = (grid.first..=grid.last).map(|at| self.place(grid.written(at)));
+        let values = plus.into_iter().zip(minus);
+        let nodes = places.zip(values).map(|(at, (plus, minus))| Node {
+            at,
+            ways: [plus, minus],
+        });
+        let nodes: Vec<Node> = nodes.collect();
+        let machine = task.job.machine.axes[planned.term.along];
+        let Some(machine) = machine.filter(|_| !self.points_beyond_travel.value) else {
+            return nodes;
+        };
+        let (low, high) = machine.reach();
+        within(
+            &nodes,
+            [low, high].map(|end| self.place(end.mm() / grid.digit.unit.in_mm())),
+        )
+    }
+
+    /// The points of a table in the order of the file; rounded here, once.
+    fn points(&self, is_own: bool, nodes: &[Node]) -> Vec<Point> {
+        let places: Vec<f64> = nodes.iter().map(|node| node.at).collect();
+        let [forward, reverse] = [0, 1].map(|way| {
+            let deviations: Vec<Deviation> = nodes.iter().map(|node| node.ways[way]).collect();
+            self.values(is_own, &places, &deviations)
+        });
         let has_two = is_own && self.has_two();
         let rows = places.iter().zip(forward).zip(reverse);
         let point = |((position, forward), reverse): ((&f64, f64), f64)| Point {
@@ -237,7 +271,7 @@ impl DeclaredFacts {
     }
 
     /// What the control does not take, or does not say what it does with.
-    fn check(&self, task: Task<'_>, plan: &Plan, tables: &[DeclaredTable]) -> Result<(), Problems> {
+    fn check(&self, task: Task<'_>, tables: &[DeclaredTable]) -> Result<(), Problems> {
         let mut problems = Problems::none();
         let most = self.largest_value.value;
         for table in tables {
@@ -262,25 +296,61 @@ impl DeclaredFacts {
                 );
             }
         }
-        if self.outside.value == Outside::Unknown {
-            for (axis, grid) in plan.grids.iter() {
-                let (Some(grid), Some(machine)) = (grid, task.job.machine.axes[axis]) else {
-                    continue;
-                };
-                let (low, high) = grid.range();
-                if low.mm() > machine.low.mm() + END_MM || high.mm() < machine.high.mm() - END_MM {
-                    let key = format!("compensation.axes.{}", axis.key());
-                    let message = format!(
-                        "the table of axis {axis} ends inside the travel, and what this control adds outside a table is not known"
-                    );
-                    let problem = task.job.problem_at(&key, message);
-                    problems.push(problem.help(
-                        "leave out `start_mm` and `end_mm`: the table then covers the travel",
-                    ));
-                }
+        problems.or_ok(())
+    }
+
+    /// Tables that end inside the travel, where what the control adds outside is not known, or nothing and the value at
+    /// the end is something.
+    fn check_ends(
+        &self,
+        task: Task<'_>,
+        plan: &Plan,
+        cancels: impl Fn(&PlannedTable, Direction) -> Vec<Deviation>,
+    ) -> Result<(), Problems> {
+        let why = match self.outside.value {
+            Outside::Hold => return Ok(()),
+            Outside::Zero => {
+                "this control adds nothing outside a table: the correction would jump at its end"
+            }
+            Outside::Unknown => "what this control adds outside a table is not known",
+        };
+        let mut axes: Vec<Axis> = Vec::new();
+        for planned in &plan.tables {
+            let axis = planned.term.along;
+            let Some(machine) = task.job.machine.axes[axis] else {
+                continue;
+            };
+            let (low, high) = planned.grid.range();
+            let is_nothing = |end| {
+                let mut ways = Direction::BOTH.iter().map(|way| cancels(planned, *way));
+                self.outside.value == Outside::Zero && ways.all(|own| self.is_nothing(end, &own))
+            };
+            let is_short = low.mm() > machine.low.mm() + END_MM && !is_nothing(End::First)
+                || high.mm() < machine.high.mm() - END_MM && !is_nothing(End::Last);
+            if is_short && !axes.contains(&axis) {
+                axes.push(axis);
             }
         }
+        let mut problems = Problems::none();
+        for axis in axes {
+            let key = format!("compensation.axes.{}", axis.key());
+            let message = format!("the table of axis {axis} ends inside the travel, and {why}");
+            let problem = task.job.problem_at(&key, message);
+            problems.push(
+                problem.help("leave out `start_mm` and `end_mm`: the table then covers the travel"),
+            );
+        }
         problems.or_ok(())
+    }
+
+    /// Whether a column holds nothing at an end.
+    fn is_nothing(&self, end: End, column: &[Deviation]) -> bool {
+        let value = match end {
+            End::First => column.first(),
+            End::Last => column.last(),
+        };
+        let counts = value.map_or(0.0, |own| own.um() / self.count_um());
+        rounded(counts, 0).abs() < 1.0
     }
 
     fn preconditions(&self, task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
@@ -382,6 +452,52 @@ impl DeclaredFacts {
             "points": table.points.iter().enumerate().map(point).collect::<Vec<Value>>(),
         })
     }
+}
+
+/// A place of a table in the unit of the file, and what the columns for + and − cancel there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Node {
+    at: f64,
+    ways: [Deviation; 2],
+}
+
+/// An end of a table.
+#[derive(Clone, Copy)]
+enum End {
+    First,
+    Last,
+}
+
+/// Ascending nodes between two ends, and the straight lines between nodes cut off there.
+fn within(nodes: &[Node], [low, high]: [f64; 2]) -> Vec<Node> {
+    let cut = |at: f64| {
+        let mut pairs = nodes.windows(2);
+        let pair = pairs.find(|pair| pair[0].at < at && at < pair[1].at)?;
+        let part = (at - pair[0].at) / (pair[1].at - pair[0].at);
+        let between = |way: usize| {
+            let [from, to] = [pair[0], pair[1]].map(|node| node.ways[way].um());
+            Deviation::from_um(from + (to - from) * part)
+        };
+        Some(Node {
+            at,
+            ways: [0, 1].map(between),
+        })
+    };
+    let inside = nodes
+        .iter()
+        .filter(|node| low <= node.at && node.at <= high);
+    let inside = cut(low).into_iter().chain(inside.copied());
+    inside.chain(cut(high)).collect()
+}
+
+/// Points of the file for a planned table.
+fn points_of(tables: &[DeclaredTable], plan: &Plan, planned: &PlannedTable) -> usize {
+    let output = plan.names[planned.term.of].first();
+    let own = output.and_then(|output| {
+        let base = plan.base_of(planned.term, output);
+        tables.iter().find(|own| own.is_for(base, output))
+    });
+    own.map_or(planned.grid.count(), |own| own.points.len())
 }
 
 /// A table may end short of the travel by this much (rounding of positions), mm.

@@ -12,7 +12,7 @@ pub use crate::write::control_text::{Instead, Switch};
 pub(crate) use crate::write::family::Emitted;
 pub use templates::Templates;
 
-use crate::control::controller::{EmittedFile, Role, builtin};
+use crate::control::controller::{EmittedFile, Encoding, Role, builtin};
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::axis::Direction;
@@ -326,7 +326,10 @@ fn render_those(
                 Ok(text) => files.push(RenderedFile {
                     path,
                     role: file.role,
-                    bytes: with_line_ends(text, task.profile.line_end.value.text()).into_bytes(),
+                    bytes: encoded(
+                        with_line_ends(text, task.profile.line_end.value.text()),
+                        task.profile.encoding(),
+                    ),
                 }),
                 Err(problem) => problems.push(problem),
             }
@@ -341,6 +344,13 @@ fn page_context(context: &Context) -> Value {
     each_text(&mut page, escaped);
     page["style"] = PAGE_STYLE.into();
     page
+}
+
+fn encoded(text: String, encoding: Encoding) -> Vec<u8> {
+    match encoding {
+        Encoding::Utf8 => text.into_bytes(),
+        Encoding::Utf16Le => text.encode_utf16().flat_map(u16::to_le_bytes).collect(),
+    }
 }
 
 fn with_line_ends(text: String, line_end: &str) -> String {

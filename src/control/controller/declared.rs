@@ -100,6 +100,15 @@ pub struct Size {
     pub um: f64,
 }
 
+impl Size {
+    /// The size of a unit of length by its word, in capitals or not.
+    pub(crate) fn of_word(word: &str) -> Option<Size> {
+        let mut all = SIZES.iter();
+        let own = all.find(|(own, _)| own.eq_ignore_ascii_case(word))?;
+        Some(Size { um: own.1.um() })
+    }
+}
+
 impl Stated for Size {
     fn read(fact: &Section<'_>) -> Option<Self> {
         let is_text = fact
@@ -150,6 +159,8 @@ facts! {
         backlash: BesideTable,
         /// What a control adds outside a table.
         outside: Outside,
+        /// Whether a point may lie behind the end of the travel.
+        points_beyond_travel: bool,
         /// What begins a comment.
         comments: Comments,
         /// What a line of a file can be, in this order.
@@ -182,7 +193,7 @@ impl DeclaredFacts {
     }
 
     /// What the switches have to be together: fact, whether it is so, what is expected.
-    fn rules(&self) -> [(&'static str, bool, &'static str); 6] {
+    fn rules(&self) -> [(&'static str, bool, &'static str); 7] {
         let is_increment = self.value_form.value == ValueForm::Increment;
         let has_two = self.has_two();
         let is_ascending = self.order.value == Order::Ascending;
@@ -203,6 +214,11 @@ impl DeclaredFacts {
                 "order",
                 is_ascending || !(is_increment || is_spaced),
                 "`ascending` with increments, or with a start and a spacing",
+            ),
+            (
+                "points_beyond_travel",
+                self.points_beyond_travel.value || !is_spaced,
+                "`true` with a start and a spacing: equal steps need not end with the travel",
             ),
             (
                 "backlash",

@@ -10,7 +10,7 @@ use crate::control::controller::load_parts::{Templates, checklist, files, progra
 use crate::control::controller::{CommonFacts, Dialect, Fact, Profile, ProfileSource};
 use crate::text::document::{Section, Source, read_page_over};
 use crate::text::problem::{Problems, shown};
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeArray, DeTable, DeValue};
 
 pub use crate::control::controller::load_parts::TemplateFinder;
 
@@ -47,7 +47,7 @@ fn text_of(page: &str, key: &str) -> Option<String> {
 }
 
 /// What a page takes of the one below: what it does not state. Facts are taken one by one, whole;
-/// `mechanism`, which says what a fact belongs to, also by itself.
+/// `mechanism`, which says what a fact belongs to, also by itself. Its `steps` stand before the own ones.
 fn lay_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
     for (key, value) in below {
         let name: &str = key.get_ref();
@@ -61,6 +61,14 @@ fn lay_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
                 ("program", DeValue::Table(program)) => lay_over(own, program),
                 _ => {}
             },
+            Some(DeValue::Array(own)) if name == "steps" => {
+                if let DeValue::Array(steps) = value.into_inner() {
+                    *own = steps
+                        .into_iter()
+                        .chain(std::mem::replace(own, DeArray::new()))
+                        .collect();
+                }
+            }
             Some(_) => {}
         }
     }
@@ -106,6 +114,8 @@ fn read_profile(
     let facts = root.required_section("facts").map(Facts::of);
     let dialect = facts.as_ref().and_then(|facts| dialect(family, facts));
     let common = facts.as_ref().and_then(CommonFacts::read);
+    let encoding = facts.as_ref().filter(|facts| facts.section.has("encoding"));
+    let encoding = encoding.map(|facts| facts.stated("encoding"));
     if let Some(facts) = &facts {
         facts.section.refuse_unknown_keys();
     }
@@ -125,6 +135,7 @@ fn read_profile(
         family: family?.0,
         dialect: dialect?,
         line_end: common.line_end,
+        encoding: optional(encoding)?,
         comments: common.comments,
         axis_names: common.axis_names,
         detection_unit_required: common.detection_unit_required,

@@ -174,11 +174,29 @@ fn is_device_of_windows(path: &str) -> bool {
     ["con", "prn", "aux", "nul"].contains(&stem.as_str()) || numbered("com") || numbered("lpt")
 }
 
-/// The steps of a visit; none where the page has none.
+/// The steps of a visit; none where the page has none. Those of `[[steps]]` stand at the end of their part.
 pub(super) fn checklist(root: &Section<'_>) -> Option<Vec<Step>> {
     let sections = root.sections("checklist");
-    let steps: Vec<Option<Step>> = sections.iter().map(step).collect();
-    steps.into_iter().collect()
+    let list: Vec<Option<Step>> = sections.iter().map(step).collect();
+    let mut list: Vec<Step> = list.into_iter().collect::<Option<_>>()?;
+    for section in &root.sections("steps") {
+        let own = step(section)?;
+        match list.iter().rposition(|step| step.part == own.part) {
+            Some(last) => list.insert(last + 1, own),
+            None => no_part(section, &own.part, &list),
+        }
+    }
+    Some(list)
+}
+
+fn no_part(section: &Section<'_>, part: &str, list: &[Step]) {
+    let mut parts: Vec<String> = list.iter().map(|own| format!("`{}`", own.part)).collect();
+    parts.dedup();
+    section.problem(
+        "part",
+        format!("the checklist has no part `{}`", shown(part)),
+        format!("its parts: {}", parts.join(", ")),
+    );
 }
 
 fn step(section: &Section<'_>) -> Option<Step> {

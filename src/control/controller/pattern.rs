@@ -33,6 +33,8 @@ pub(crate) enum Field {
     Count,
     /// The number of the last one.
     Last,
+    /// The unit of the values, as a word.
+    Unit,
 }
 
 impl Field {
@@ -56,6 +58,7 @@ impl Word for Field {
         ("spacing", Field::Spacing),
         ("count", Field::Count),
         ("last", Field::Last),
+        ("unit", Field::Unit),
     ];
 }
 

@@ -14,8 +14,9 @@ use crate::read::pairs::{Pair, PairControl, known_axis};
 
 /// A control that holds these tables.
 ///
-/// **limits** fails if an axis is not one of the control, and if a table ends inside the travel of its axis and
-/// the profile does not say what is added outside
+/// **limits** fails if an axis is not one of the control, if a table ends inside the travel of its axis and
+/// the profile does not say what is added outside, or says nothing is and the table does not end with nothing, and
+/// if it goes beyond the travel and the profile says that the control uses no such point
 pub(super) fn control(
     tables: &DeclaredTables,
     facts: &DeclaredFacts,
@@ -39,12 +40,16 @@ fn load(table: &DeclaredTable, facts: &DeclaredFacts, base: &AxisState) -> Emula
         let response = column.response(table, base.reference);
         response.ok_or_else(|| CannotEmulate(format!("the {} has no point", table.name())))
     };
-    let ways = [
+    let mut ways = [
         way(|point| point.forward)?,
         way(|point| point.reverse.unwrap_or(point.forward))?,
     ];
-    if facts.outside.value == Outside::Unknown {
-        covers_travel(table, &points, facts, base)?;
+    let places = facts.places_mm(&points);
+    meets_travel(table, &places, facts, base, &ways)?;
+    if facts.outside.value == Outside::Zero {
+        for way in &mut ways {
+            nothing_outside(&places, way);
+        }
     }
     Ok(Pair {
         base: table.base.clone(),
@@ -53,28 +58,59 @@ fn load(table: &DeclaredTable, facts: &DeclaredFacts, base: &AxisState) -> Emula
     })
 }
 
-/// Whether ascending points cover the travel of the axis that is looked up, but for the rounding of a position.
-fn covers_travel(
+/// Whether ascending places cover the travel of the axis that is looked up and do not go beyond it, where a control
+/// needs that, but for the rounding of a position.
+fn meets_travel(
     table: &DeclaredTable,
-    points: &[Point],
+    places: &[f64],
     facts: &DeclaredFacts,
     base: &AxisState,
+    ways: &[Response; 2],
 ) -> Emulated<()> {
-    let unit_mm = facts.position_size.value.um / UM_PER_MM;
-    let digit_mm = unit_mm / power_of_ten(facts.position_decimals.value);
-    let (Some(first), Some(last)) = (points.first(), points.last()) else {
+    let digit_mm = facts.position_size.value.um / UM_PER_MM;
+    let digit_mm = digit_mm / power_of_ten(facts.position_decimals.value);
+    let (Some(first), Some(last)) = (places.first(), places.last()) else {
         return Ok(());
     };
-    let [first, last] = [first, last].map(|point| point.position * unit_mm);
     let (low, high) = (base.travel.0.mm(), base.travel.1.mm());
-    if first <= low + digit_mm && last >= high - digit_mm {
-        return Ok(());
-    }
-    let [first, last, low, high] = [first, last, low, high].map(Figure);
+    let is_nothing = |at: &f64| {
+        let um = |way: &Response| way.correction(Millimetres::new(*at)).um().abs();
+        ways.iter().all(|way| um(way) <= NOTHING_UM)
+    };
+    let may_end = |at: &f64| match facts.outside.value {
+        Outside::Hold => true,
+        Outside::Zero => is_nothing(at),
+        Outside::Unknown => false,
+    };
+    let covers_low = *first <= low + digit_mm || may_end(first);
+    let covers = covers_low && (*last >= high - digit_mm || may_end(last));
+    let is_beyond = *first < low - digit_mm || *last > high + digit_mm;
+    let why = match facts.outside.value {
+        _ if is_beyond && !facts.points_beyond_travel.value => {
+            "this control does not use points beyond the travel"
+        }
+        _ if covers => return Ok(()),
+        Outside::Zero => {
+            "this control adds nothing outside a table: the correction would jump at its end"
+        }
+        _ => "what this control adds outside a table is not known",
+    };
+    let [first, last, low, high] = [*first, *last, low, high].map(Figure);
     let (name, axis) = (table.name(), &base.name);
     Err(CannotEmulate(format!(
-        "the {name} covers {first:.3} mm to {last:.3} mm, the travel of {axis} with its reference point is {low:.3} mm to {high:.3} mm, and what this control adds outside a table is not known"
+        "the {name} covers {first:.3} mm to {last:.3} mm, the travel of {axis} with its reference point is {low:.3} mm to {high:.3} mm, and {why}"
     )))
+}
+
+/// A correction that is none, µm (a picometre).
+const NOTHING_UM: f64 = 1e-6;
+
+impl DeclaredFacts {
+    /// Where points lie.
+    fn places_mm(&self, points: &[Point]) -> Vec<f64> {
+        let unit_mm = |point: &Point| point.position * self.position_size.value.um / UM_PER_MM;
+        points.iter().map(unit_mm).collect()
+    }
 }
 
 /// The values of a table for one direction.
@@ -87,24 +123,14 @@ struct OneWay<'a> {
 impl OneWay<'_> {
     fn response(&self, table: &DeclaredTable, reference: Millimetres) -> Option<Response> {
         let sign = self.facts.sign(table.is_own()).value;
-        let (value_um, place_um) = (
-            self.facts.value_size.value.um,
-            self.facts.position_size.value.um,
-        );
-        let mm: Vec<f64> = self
-            .points
-            .iter()
-            .map(|point| point.position * place_um / UM_PER_MM)
-            .collect();
+        let value_um = self.facts.value_size.value.um;
+        let mm = self.facts.places_mm(self.points);
         let correction = |amount: &f64| sign.correction(amount * value_um);
         let values: Vec<Correction> = self.amounts().iter().map(correction).collect();
         let mut response = Response::straight(&mm, &values)?;
         if self.facts.value_form.value == ValueForm::Increment {
             let there = response.correction(reference);
             response.shift(Correction::from_um(0.0 - there.um()));
-        }
-        if self.facts.outside.value == Outside::Zero {
-            nothing_outside(&mm, &mut response);
         }
         Some(response)
     }

@@ -33,7 +33,7 @@ fn refused(facts: &DeclaredFacts, text: &str) -> String {
 
 #[test]
 fn sections_of_a_file_are_tables() {
-    let text = ";unit=mm\n[X]\n-570.025, 0.027, 0.083\n-450.020, 0.025, 0.077\n\n[y]\r\n0.000, 0.000, 0.030\r\n1000.00,0.0,.03\r\n";
+    let text = "; screw\n;UNIT = MM\nunit=mm\n[X]\n-570.025, 0.027, 0.083\n-450.020, 0.025, 0.077\n\n[y]\r\n0.000, 0.000, 0.030\r\n1000.00,0.0,.03\r\n";
     let found = read(&[("axeserr.dat", text)], &weihong()).unwrap().tables;
     let point = |position, forward, reverse| Point {
         position,
@@ -53,10 +53,19 @@ fn sections_of_a_file_are_tables() {
 fn what_is_lost_doubled_or_foreign_is_refused_at_its_place() {
     let facts = weihong();
     for (text, says) in [
-        ("[X]\n0, 0, 0\nunit = mm\n1, 0, 0\n", "file.dat:3:1"),
+        ("[X]\n0, 0, 0\nunits = mm\n1, 0, 0\n", "file.dat:3:1"),
         (
-            "[X]\n0, 0, 0\nunit = mm\n1, 0, 0\n",
+            "[X]\n0, 0, 0\nunits = mm\n1, 0, 0\n",
             "no pattern of the profile takes this line",
+        ),
+        (
+            ";unit=inch\n[X]\n0, 0, 0\n1, 0, 0\n",
+            "the file is in `inch`, the profile is not",
+        ),
+        (";unit=inch\n[X]\n0, 0, 0\n1, 0, 0\n", "file.dat:1:7"),
+        (
+            "unit = furlong\n[X]\n0, 0, 0\n1, 0, 0\n",
+            "the file is in `furlong`",
         ),
         ("0, 0, 0\n1, 0, 0\n", "no line says of which axis"),
         ("[X]\n0, 0, 0\n0, 1, 0\n", "position 0 does not lie above 0"),
@@ -136,7 +145,8 @@ fn fields_of_a_point_stand_in_several_lines() {
 fn places_are_counted_from_the_start_and_the_axis_stands_in_the_name() {
     let lines = r"['start (?<start>\S+) step (?<spacing>\S+)', '(?<forward>\S+) (?<reverse>\S+)']";
     let name = r"['(?<axis>[a-z])-table\.txt']";
-    let facts = own(&[("lines", lines), ("file_name", name)]).unwrap();
+    let beyond = ("points_beyond_travel", "true");
+    let facts = own(&[("lines", lines), ("file_name", name), beyond]).unwrap();
     let found = read(
         &[("kit/x-table.txt", "start -10 step 2.5\n1 2\n3 4\n5 6\n")],
         &facts,
@@ -190,6 +200,11 @@ fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
             "expected one of `mm`, `um`, `inch`",
         ),
         ("comments", "true", "the sign that begins a comment"),
+        (
+            "lines",
+            r"['(?<axis>[XYZ]) (?<start>\S+) (?<spacing>\S+)', '(?<forward>\S+) (?<reverse>\S+)']",
+            "`points_beyond_travel` is out of range, expected `true`",
+        ),
         (
             "outside",
             "\"fade\"",

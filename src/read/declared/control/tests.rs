@@ -3,11 +3,12 @@ use crate::control::controller::{ControlUnit, Dialect, Fact, Size, TableSign, bu
 use crate::quantity::axis::Direction;
 use crate::read::emulate::Emulator;
 
-/// Weihong with its end values held.
+/// Weihong with its end values held and points anywhere.
 fn weihong() -> DeclaredFacts {
     match builtin::profile("weihong").unwrap().dialect {
         Dialect::Declared(mut facts) => {
             set(&mut facts.outside, Outside::Hold);
+            set(&mut facts.points_beyond_travel, true);
             facts
         }
         other => panic!("{other:?}"),
@@ -97,8 +98,8 @@ fn positions_and_increments_say_the_same_as_amounts() {
 #[test]
 fn outside_a_table_there_is_nothing_where_the_profile_says_so() {
     let mut facts = weihong();
-    let tables = table(&[(0.0, 0.002, Some(0.004)), (10.0, -0.006, Some(0.0))]);
-    let places = [-1.0, 0.0, 5.0, 10.0, 10.1, 500.0];
+    let tables = table(&[(0.0, 0.002, Some(0.004)), (1000.0, -0.006, Some(0.0))]);
+    let places = [-1.0, 0.0, 500.0, 1000.0, 1000.1, 5000.0];
     let held = [
         [-2.0, -4.0],
         [-2.0, -4.0],
@@ -135,5 +136,32 @@ fn a_table_that_ends_inside_the_travel_is_not_evaluated_where_outside_is_not_kno
         assert!(why.starts_with(&covered), "{why}");
         assert!(why.contains("0.000 mm to 1000.000 mm"), "{why}");
         assert!(why.ends_with("outside a table is not known"), "{why}");
+    }
+}
+
+/// Inside the travel a correction does not jump: of two columns both have to end with nothing.
+#[test]
+fn a_table_that_ends_inside_the_travel_ends_with_nothing_where_nothing_is_added_outside() {
+    let mut facts = weihong();
+    set(&mut facts.outside, Outside::Zero);
+    let of = |forward, reverse| table(&[(0.0, 0.002, Some(0.0)), (500.0, forward, Some(reverse))]);
+    assert!(control(&of(0.0, 0.0), &facts, &state()).is_ok());
+    for (forward, reverse) in [(0.001, 0.0), (0.0, -0.001)] {
+        let why = control(&of(forward, reverse), &facts, &state()).unwrap_err();
+        assert!(why.0.contains("would jump at its end"), "{}", why.0);
+    }
+}
+
+#[test]
+fn points_beyond_the_travel_are_refused_where_the_control_does_not_use_them() {
+    let mut facts = weihong();
+    set(&mut facts.points_beyond_travel, false);
+    let of = |first, last| table(&[(first, 0.0, Some(0.0)), (last, 0.001, Some(0.0))]);
+    for (first, last) in [(0.0, 1000.0), (-0.001, 1000.001), (1.0, 999.0)] {
+        assert!(control(&of(first, last), &facts, &state()).is_ok());
+    }
+    for (first, last) in [(-0.1, 1000.0), (0.0, 1000.1)] {
+        let why = control(&of(first, last), &facts, &state()).unwrap_err();
+        assert!(why.0.contains("points beyond the travel"), "{}", why.0);
     }
 }
