@@ -39,7 +39,7 @@ impl Assumption {
     }
 
     /// The same, to be decided before anything is loaded.
-    pub(crate) fn to_decide(self) -> Self {
+    pub(crate) fn undecided(self) -> Self {
         Assumption {
             to_decide: true,
             ..self

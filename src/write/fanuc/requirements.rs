@@ -66,7 +66,7 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
             "1",
             "straightness sets already in use from set 1 would be overwritten: state `first_set`",
         );
-        assumptions.push(first.to_decide());
+        assumptions.push(first.undecided());
     }
     assumptions
 }

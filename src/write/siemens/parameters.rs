@@ -78,7 +78,7 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -
             "0",
             "CEC tables already in use from index 0 would be overwritten: state `first_table`",
         );
-        assumptions.push(first.to_decide());
+        assumptions.push(first.undecided());
     }
     assumptions
 }
