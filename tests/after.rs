@@ -326,22 +326,50 @@ fn directed(ex_um: [&str; 3], lost_um: f64) -> String {
 }
 
 #[test]
-fn one_direction_decides_nothing_where_the_reversal_is_compensated() {
+fn one_direction_decides_nothing_where_both_were_found() {
     let one_way =
         "axis,direction,position_mm,ex_um,ey_um\nx,+,0,0,0\nx,+,50,0.1,0\nx,+,100,0.1,0\n";
-    for (policy, verdict) in [
-        ("two-tables", "undecided"),
-        ("curve-and-parameter", "undecided"),
-    ] {
+    for policy in ["two-tables", "curve-and-parameter", "mean"] {
         let directory = both_ways(policy, 3.0);
         fs::write(directory.path().join("after.csv"), one_way).unwrap();
         let (_, document) = judged(directory.path(), "after.csv");
-        assert_eq!(document["verdict"], verdict, "{policy}: {document:#}");
+        assert_eq!(document["verdict"], "undecided", "{policy}: {document:#}");
         assert!(
             causes(&document).contains("reversal that is left: EXX"),
             "{policy}"
         );
     }
+}
+
+/// The reversal that a policy leaves is forecast: it is no noise, and hides nothing.
+#[test]
+fn a_reversal_left_on_purpose_hides_no_inactive_tables() {
+    let (without_u, lost_um) = (|text: String| text.replace(",0.05,0.05", ",,"), 14.0);
+    let directory = both_ways("mean", lost_um);
+    let path = directory.path();
+    let errors = fs::read_to_string(path.join("errors.csv")).unwrap();
+    fs::write(path.join("errors.csv"), without_u(errors)).unwrap();
+    ended(path, "generate job.toml -o kit --force");
+    let as_found = without_u(directed(["0", "6.1", "15.9"], lost_um));
+    fs::write(path.join("after.csv"), as_found).unwrap();
+    let (_, document) = judged(path, "after.csv");
+    assert_eq!(document["diagnosis"]["as_forecast"], false, "{document:#}");
+    assert!(causes(&document).contains("NOT ACTIVE"), "{document:#}");
+}
+
+#[test]
+fn noise_as_large_as_the_errors_hides_whether_the_tables_act() {
+    let rows = [[0.0, 0.0, 0.0], [50.0, 5.0, 3.0], [100.0, 9.0, -4.0]];
+    let directory = visit(&table(&rows, 20.0));
+    let errors = table(
+        &[[0.0, 0.0, 0.0], [50.0, 6.0, 3.0], [100.0, 16.0, -4.0]],
+        20.0,
+    );
+    fs::write(directory.path().join("errors.csv"), errors).unwrap();
+    ended(directory.path(), "generate job.toml -o kit --force");
+    let (_, document) = judged(directory.path(), "after.csv");
+    assert_eq!(document["diagnosis"]["hides_tables"], true, "{document:#}");
+    assert!(causes(&document).contains("whether the tables act does not show"));
 }
 
 #[test]

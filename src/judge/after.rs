@@ -150,7 +150,7 @@ pub fn compare(
     let is_missing = |term: &ErrorTerm| !as_left.terms.iter().any(|line| line.term == *term);
     let missing = before.measured().map(|(term, _)| term);
     let missing = missing.filter(is_missing).collect();
-    let mut findings = doubts::findings(machine.as_measured, before, control, after);
+    let mut findings = doubts::findings(machine.as_measured, before, after);
     findings.extend(off_forecast(before, &as_left, &terms).map(Finding::from));
     Ok(Comparison {
         terms,

@@ -30,11 +30,11 @@ pub use self::data::Basis;
 pub use self::question::{Corrected, Question, Slip};
 
 use self::candidates::{all_faults, alone, cause};
-use self::data::{Data, RISK, is_stated, quantile};
+use self::data::{Data, RISK, quantile};
 use self::decide::{decides, short};
 use self::fault::{Fault, Fit};
 use crate::judge::after::Observation;
-use crate::judge::findings::{AsLeft, OfTerm};
+use crate::judge::findings::OfTerm;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Figure;
 use crate::text::finding::Finding;
@@ -70,6 +70,8 @@ pub struct Cause {
 pub struct Diagnosis {
     /// As left is what the forecast said, within the uncertainty of both measurements.
     pub as_forecast: bool,
+    /// It would be so, too, if the tables did not act: the noise hides them.
+    pub hides_tables: bool,
     /// Root mean square of as left − forecast, µm.
     pub off_um: f64,
     /// The causes that the data cannot tell apart, the usual ones first; empty if nothing fits.
@@ -80,75 +82,37 @@ pub struct Diagnosis {
     pub decides: Option<String>,
     /// What the comparison rests on.
     pub basis: Basis,
-    /// Terms left out, because neither measurement states their uncertainty while others have one: the
-    /// scatter of neighbours tells nothing of a slope or of sums of steps.
-    pub not_compared: Vec<ErrorTerm>,
-}
-
-impl Diagnosis {
-    /// Whether every value was compared, and none is off the forecast.
-    pub(crate) fn is_wholly_as_forecast(&self) -> bool {
-        self.as_forecast && self.not_compared.is_empty()
-    }
-
-    /// What was left out, in words.
-    pub(crate) fn left_out(&self) -> Option<Finding> {
-        let terms = self.not_compared.clone();
-        (!terms.is_empty()).then(|| AsLeft::NotCompared { terms }.into())
-    }
 }
 
 /// Tries all faults on the data. Refused where the second measurement makes sense in another unit
 /// only: a slip of 1000.
 pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
-    let (stated, unstated): (Vec<Observation>, Vec<Observation>) =
-        (question.seen.iter().cloned()).partition(|observation| is_stated(question, observation));
-    if stated.is_empty() || unstated.is_empty() {
-        return diagnosed(question);
-    }
-    let left_out = Question {
-        seen: &unstated,
-        ..question.clone()
-    };
-    Ok(Diagnosis {
-        not_compared: left_out.terms(),
-        ..diagnosed(&Question {
-            seen: &stated,
-            ..question.clone()
-        })?
-    })
-}
-
-fn diagnosed(question: &Question<'_>) -> Result<Diagnosis, Problem> {
     let faults = all_faults(question);
     let mut data = Data::new(question);
     if data.is_empty() {
         return Err(Problem::new("no position was measured both times")
             .help("measure the same range of the same axes again"));
     }
-    // Equal weights leave the fits as they are, whatever the uncertainty turns out to be.
-    let early: Option<Vec<Fit>> =
-        (!data.has_both_uncertainties()).then(|| all_fits(&data, &faults));
-    if let Some(fits) = &early {
-        data.settle(fits);
+    if !data.has_both_uncertainties() {
+        data.settle(&all_fits(&data, &faults));
     }
     let forecast = data.fit(&Fault::none());
     refuse_too_small(&data, &faults, &forecast)?;
     let as_forecast = data.stands(&forecast);
     let mut found = Diagnosis {
         as_forecast,
+        hides_tables: as_forecast && hides_tables(&data, &faults),
         off_um: data.rms(&forecast),
         causes: Vec::new(),
         by_term: Vec::new(),
         decides: None,
         basis: data.basis.clone(),
-        not_compared: Vec::new(),
     };
     if as_forecast {
         refuse_too_large(&data)?;
         return Ok(found);
     }
-    let fits = early.unwrap_or_else(|| all_fits(&data, &faults));
+    let fits = all_fits(&data, &faults);
     let standing = not_excluded(&data, &faults, fits);
     if standing.is_empty() {
         refuse_too_large(&data)?;
@@ -162,6 +126,12 @@ fn diagnosed(question: &Question<'_>) -> Result<Diagnosis, Problem> {
 
 fn all_fits(data: &Data<'_>, faults: &[Fault]) -> Vec<Fit> {
     faults.iter().map(|fault| data.fit(fault)).collect()
+}
+
+/// Whether as left agrees as well with tables that do not act at all.
+fn hides_tables(data: &Data<'_>, faults: &[Fault]) -> bool {
+    let inactive = faults.iter().find(|fault| fault.kind == "not active");
+    inactive.is_some_and(|fault| data.stands(&data.fit(fault)))
 }
 
 /// Faults with their fits that fit by themselves and are as good as the best one, the usual ones

@@ -170,12 +170,10 @@ findings! {
         Copy => Doubt, "the values afterwards are those of the first measurement: the same file, or a copy of it";
         SameSlopes { axes: Vec<Axis> } => Doubt, "`slope_um_per_m` of {} afterwards is that of the first job to the last digit: a copy, so nothing shows what the tables do there; state what was measured with the tables active", Axis::letters(axes);
         Sparse { axis: Axis, first_mm: f64, second_mm: f64 } => Doubt, "axis {axis} was measured at positions {first_mm:.3} mm apart as found, afterwards up to {second_mm:.3} mm apart: nothing is known between them";
-        ReversalNotSeen { terms: Vec<ErrorTerm> } => Doubt, "the two directions are corrected apart, but were not both measured afterwards, so nothing is known of the reversal that is left: {}", joined(terms);
+        ReversalNotSeen { terms: Vec<ErrorTerm> } => Doubt, "both directions are known as found (measured, or by the backlash that was active) and were not both measured afterwards, so nothing is known of the reversal that is left: {}", joined(terms);
         OtherFrame { first: Option<Frame>, second: Option<Frame> } => Doubt, "the two measurements count from different frames (as found: {}; afterwards: {}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame", frame_word(*first), frame_word(*second);
         RestsOn { label: Finding } => Note, "{label}";
         LostMotion { reversals_um: Vec<(ErrorTerm, f64)> } => Note, "the first measurement did not tell the directions apart, so it did not see the lost motion, and its tables leave it; B (mean moving + minus mean moving -), µm: {}", joined(reversals_um.iter().map(|(term, um)| format!("{term} {:+.3}", Figure(*um))));
-        FewerWays { terms: Vec<ErrorTerm> } => Note, "found in both directions, measured afterwards without: {}; a fault of the reversal does not show", joined(terms);
-        NotCompared { terms: Vec<ErrorTerm> } => Note, "not compared with the forecast, because their U is not stated: {}; state `u_um_per_m` of the linear axes (`noise_um` of an error table)", joined(terms);
         DiagonalsOnly => Note, "straight runs show the body diagonals only: the nine errors were not measured afterwards";
         OffForecast { terms: Vec<(ErrorTerm, f64, f64)> } => Note, "off the forecast at some position by more than both measurements explain (99.9 %, all positions together): {}", joined(terms.iter().map(|(term, um, u_um)| format!("{term} {um:.3} µm (U = {u_um:.3} µm)")));
     }

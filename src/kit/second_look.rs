@@ -7,7 +7,6 @@ use crate::judge::after::{
 };
 use crate::judge::causes::{Corrected, Diagnosis, Question, diagnose};
 use crate::judge::conformity::Verdict;
-use crate::judge::forecast::Forecast;
 use crate::kit::findings::KitFinding;
 use crate::quantity::axis::{Direction, PerAxis};
 use crate::text::finding::{Finding, Severity, of_severity};
@@ -40,7 +39,7 @@ pub(crate) fn second_look(
 ) -> Result<SecondLook, Problems> {
     let control = emulator(&inputs.profile, &verification.found, &verification.state)
         .and_then(|found| Control::new(&inputs.model, &verification.plan, found.as_ref()));
-    let mut comparison = compare(
+    let comparison = compare(
         inputs.machine(),
         &verification.plan,
         control.as_ref().ok(),
@@ -50,10 +49,10 @@ pub(crate) fn second_look(
     )?;
     let (mut diagnosis, mut lost_motion) = (None, None);
     let is_measured = comparison.is_measured();
-    if let (true, Ok(control), Some(forecast)) = (is_measured, &control, &verification.forecast) {
+    if let (true, Ok(control), Some(_)) = (is_measured, &control, &verification.forecast) {
         let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
             let seen = observations(&inputs.model, measured);
-            let question = question(inputs, verification, forecast, control, &seen);
+            let question = question(inputs, verification, control, &seen);
             diagnose(&Question {
                 corrected,
                 ..question
@@ -69,7 +68,6 @@ pub(crate) fn second_look(
         if !found.as_forecast && found.causes.is_empty() {
             lost_motion = unseen(inputs, measured, |measured| diagnosed(measured, &[]))?;
         }
-        comparison.findings.extend(found.left_out());
         diagnosis = Some(found);
     }
     let doubts = doubts(inputs, verification, &comparison);
@@ -102,7 +100,6 @@ fn unseen(
 fn question<'a>(
     inputs: &'a Inputs,
     verification: &Verification,
-    forecast: &Forecast,
     control: &'a Control,
     seen: &'a [Observation],
 ) -> Question<'a> {
@@ -118,7 +115,6 @@ fn question<'a>(
         reference_mm: PerAxis::from_fn(|a| axis(a).map_or(0.0, |a| a.reference.mm())),
         alpha_per_k: alpha_per_k(&inputs.job),
         count_um: counts.fold(0.0, f64::max),
-        forecast_um: forecast.max_residual_um(),
         display: inputs.profile.display.as_ref().map(|f| f.value.as_str()),
     }
 }

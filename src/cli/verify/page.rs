@@ -9,7 +9,7 @@ use crate::control::claims::Assumption;
 use crate::judge::after::{AfterMeasurement, ComparedLine, Comparison};
 use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
-use crate::judge::findings::{OfTerm, joined};
+use crate::judge::findings::OfTerm;
 use crate::judge::forecast::{Forecast, Grounds, Miss, TermForecast};
 use crate::kit::manifest::{HashedFile, change, diagonals};
 use crate::kit::second_look::SecondLook;
@@ -206,7 +206,7 @@ impl Page<'_> {
     /// What was assumed of the control matters until a measurement has shown it.
     pub(in crate::cli) fn assumptions(&self) -> &[Assumption] {
         let diagnosis = self.look().and_then(|look| look.diagnosis.as_ref());
-        let shown = diagnosis.is_some_and(Diagnosis::is_wholly_as_forecast);
+        let shown = diagnosis.is_some_and(|found| found.as_forecast && !found.hides_tables);
         match shown && self.verdict() == Verdict::Pass {
             true => &[],
             false => &self.verification.compiled.assumptions,
@@ -268,13 +268,14 @@ fn explanation(look: &SecondLook) -> Vec<String> {
         found.off_um, found.basis.sigma_um, found.basis.words
     );
     if found.as_forecast {
-        let compared = match found.not_compared.as_slice() {
-            [] => String::new(),
-            terms => format!(" (without {}: their U is not stated)", joined(terms)),
+        let words = match found.hides_tables {
+            true => format!(
+                "whether the tables act does not show: as left agrees with the forecast, and as well with the machine without tables ({off}); state the noise of both measurements (`noise_um`; `u_um_per_m` of linear axes)"
+            ),
+            false => format!(
+                "the tables act as forecast, no fault shows ({off}): what is left was left by the plan, or is noise"
+            ),
         };
-        let words = format!(
-            "the tables act as forecast{compared}, no fault shows ({off}): what is left was left by the plan, or lies within U"
-        );
         return (look.verdict != Verdict::Pass)
             .then_some(words)
             .into_iter()
@@ -318,6 +319,7 @@ fn explanation(look: &SecondLook) -> Vec<String> {
 fn diagnosis(found: &Diagnosis) -> Value {
     json!({
         "as_forecast": found.as_forecast,
+        "hides_tables": found.hides_tables,
         "off_forecast_um": found.off_um,
         "sigma_um": found.basis.sigma_um,
         "sigma_from": found.basis.words,
@@ -326,7 +328,6 @@ fn diagnosis(found: &Diagnosis) -> Value {
         "causes": found.causes,
         "by_term": found.by_term,
         "decides": found.decides,
-        "not_compared": found.not_compared.iter().map(ToString::to_string).collect::<Vec<_>>(),
     })
 }
 

@@ -1,7 +1,6 @@
 //! Why as-left figures decide nothing in favour, and what whoever reads the page should know.
 
 use super::measurement::AfterMeasurement;
-use super::observation::Control;
 use crate::judge::findings::AsLeft;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, ErrorTerm};
@@ -19,7 +18,6 @@ const ROUNDING: f64 = 1.0 + 1e-6;
 pub(super) fn findings(
     measured_first: &ErrorModel,
     before: &ErrorModel,
-    control: Option<&Control>,
     after: &AfterMeasurement,
 ) -> Vec<Finding> {
     let found = not_measured(measured_first, after).into_iter();
@@ -30,15 +28,10 @@ pub(super) fn findings(
             let sparse = Axis::ALL
                 .map(|axis| sparse(before, model, axis))
                 .into_iter();
-            let doubts = sparse.chain([
-                reversal_not_seen(before, control, model),
-                other_frame(before, model),
-            ]);
+            let doubts =
+                sparse.chain([reversal_not_seen(before, model), other_frame(before, model)]);
             found.extend(doubts.flatten().map(Finding::from));
             found.extend(model.remarks.notes.iter().cloned());
-            let terms: Vec<ErrorTerm> = fewer_ways(before, model).map(|(term, _)| term).collect();
-            let fewer = (!terms.is_empty()).then_some(AsLeft::FewerWays { terms });
-            found.extend(fewer.map(Finding::from));
             found.extend(unseen_reversal(before, model).map(|reversal| reversal.found));
         }
         AfterMeasurement::Diagonals(runs) => {
@@ -107,26 +100,13 @@ fn widest_gap_mm(measured: &MeasuredTerm) -> Option<f64> {
     gaps.reduce(f64::max)
 }
 
-/// Terms that were found in both directions and not measured so again.
-fn fewer_ways<'a>(
-    before: &'a ErrorModel,
-    after: &'a ErrorModel,
-) -> impl Iterator<Item = (ErrorTerm, &'a MeasuredTerm)> {
-    after.measured().filter(|(term, measured)| {
-        let both = |m: &MeasuredTerm| m.measured.has_both_ways();
-        before.terms[*term].as_ref().is_some_and(both) && !both(measured)
-    })
-}
-
-/// Both directions are corrected apart, and only one of them, or their mean, was measured again.
-fn reversal_not_seen(
-    before: &ErrorModel,
-    control: Option<&Control>,
-    after: &ErrorModel,
-) -> Option<AsLeft> {
-    let control = control?;
-    let terms = fewer_ways(before, after).filter(|(term, _)| !control.is_undirected(*term));
-    let terms: Vec<ErrorTerm> = terms.map(|(term, _)| term).collect();
+/// Terms that are known in both directions as found, of which one, or the mean, was measured again.
+fn reversal_not_seen(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> {
+    let both = |measured: &MeasuredTerm| measured.measured.has_both_ways();
+    let known = |term: ErrorTerm| before.terms[term].as_ref().is_some_and(both);
+    let seen = after.measured();
+    let fewer = seen.filter(|(term, measured)| known(*term) && !both(measured));
+    let terms: Vec<ErrorTerm> = fewer.map(|(term, _)| term).collect();
     (!terms.is_empty()).then_some(AsLeft::ReversalNotSeen { terms })
 }
 

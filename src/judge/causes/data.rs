@@ -22,6 +22,8 @@ const FEWEST_DIFFERENCES: f64 = 8.0;
 const DIFFERENCES_OF_A_FREEDOM: f64 = 4.0;
 /// Median of |deviate| of a normal distribution.
 const NORMAL_MEDIAN: f64 = 0.674_5;
+/// Square of the ratio between both formulas of [`Data::widen`].
+const STEPS_OF_A_SUM: f64 = 3.0;
 /// √6, standard deviation of a second difference of independent deviates.
 const SECOND_DIFFERENCE: f64 = 2.449_489_742_783_178;
 
@@ -105,17 +107,42 @@ impl<'a> Data<'a> {
             }
         };
         let sigma = larger(least, floor);
-        for own in &mut self.sigma_um {
-            *own = larger(*own, sigma);
-        }
+        let widest = self.widen(sigma);
         self.basis.sigma_um = root_mean_square(&self.sigma_um);
         let unstated = match self.basis.words.is_empty() {
             true => "no uncertainty is stated".to_string(),
             false => format!("at least {}", self.basis.words),
         };
+        let sums = widest.map_or_else(String::new, |um| {
+            format!("; up to {um:.3} µm, as sums of steps scatter, where no U is stated")
+        });
         self.basis.words = format!(
-            "{unstated}: {sigma:.3} µm is taken, {what} about the best explanation, at least half a count and what the forecast leaves ({floor:.3} µm)"
+            "{unstated}: {sigma:.3} µm is taken, {what} about the best explanation, at least half a count ({floor:.3} µm){sums}"
         );
+    }
+
+    /// Takes σ for every value that has less, µm. Beside values with a stated uncertainty those without
+    /// one are sums of steps (positioning of separated readings whose linear axes state no U), whose
+    /// noise neighbours hardly show: a sum of n steps of independent noise has √(3n) times the σ that
+    /// their second differences show. Gives back the largest of these.
+    ///
+    /// formula  second difference of a sum: e(i+1) − e(i), √2 σ(e); of independent values: √6 σ
+    fn widen(&mut self, sigma: f64) -> Option<f64> {
+        let seen = self.question.seen;
+        let is_stated = |o: &Observation| is_stated(self.question, o);
+        let is_mixed = seen.iter().any(is_stated);
+        let mut widest = None;
+        for (observation, own) in seen.iter().zip(&mut self.sigma_um) {
+            let mut least = sigma;
+            if is_mixed && !is_stated(observation) {
+                let curve = seen.iter().filter(|o| o.curve == observation.curve);
+                let steps = curve.count().saturating_sub(1).max(1) as f64;
+                least *= (STEPS_OF_A_SUM * steps).sqrt();
+                widest = Some(widest.map_or(least, |um| larger(um, least)));
+            }
+            *own = larger(*own, least);
+        }
+        widest
     }
 
     /// Scatter about the forecast, µm; about the best explanation where that is smaller by more than
@@ -340,14 +367,12 @@ fn root_mean_square(values: &[f64]) -> f64 {
 }
 
 /// Whether the uncertainty of a value is stated in one of both measurements at least.
-pub(super) fn is_stated(question: &Question<'_>, observation: &Observation) -> bool {
+fn is_stated(question: &Question<'_>, observation: &Observation) -> bool {
     observation.u_um.is_some() || found_variance(question, observation) > 0.0
 }
 
 fn floor_um(question: &Question<'_>) -> f64 {
-    (question.count_um / 2.0)
-        .hypot(question.forecast_um)
-        .max(SMALLEST_UM)
+    larger(question.count_um / 2.0, SMALLEST_UM)
 }
 
 /// Σ (weight · u as found)² over the errors that a value sees; parts of one term move together.

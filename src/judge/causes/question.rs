@@ -84,8 +84,6 @@ pub struct Question<'a> {
     pub alpha_per_k: PerAxis<f64>,
     /// Largest count of the tables, µm.
     pub count_um: f64,
-    /// Largest residual of the forecast, µm.
-    pub forecast_um: f64,
     /// The display of the control that shows the correction that acts; `None` = none is known.
     pub display: Option<&'a str>,
 }
