@@ -353,6 +353,24 @@ fn every_figure_is_that_of_its_command() {
     assert!(left.contains("/terms/EXX/after_um") && left.contains("As left"));
     assert!(left.contains("REHEARSAL") && left.contains("the values afterwards were simulated"));
     check_figures(&left, job, &kit, Some(after));
+    // Who measured it again, and with what, where a second job says so.
+    let text = std::fs::read_to_string(job).expect("a job");
+    let text = text.replace("\"errors.csv\"", "\"after.csv\"");
+    let text = text.replace("= \"none\"", "= \"kit\"");
+    let text = text.replace("2026-11-20", "2026-11-23");
+    let text =
+        format!("{text}\n[measurement.protocol]\nby = \"A. Person\"\ntripod = \"granite\"\n");
+    let second = folder.path().join("after.toml");
+    std::fs::write(&second, text).expect("a job");
+    let second = second.to_str().expect("a name");
+    let left = page(&[job, "--tables", tables, "--after", second]);
+    for said in [
+        "As found: 2026-11-20; As left: 2026-11-23",
+        "As left: A. Person",
+        "As left: granite",
+    ] {
+        assert!(left.contains(said), "{said}");
+    }
 }
 
 /// Each family, with a second measurement: its page is as long as it gets.

@@ -46,7 +46,7 @@ pub(super) struct Options {
     #[arg(long, value_name = "LANGUAGE|FILE", default_value = "en")]
     language: String,
     /// Unit of lengths on the page
-    #[arg(long, visible_alias = "length-unit", value_enum, default_value_t = Unit::Mm)]
+    #[arg(long, value_enum, default_value_t = Unit::Mm)]
     unit: Unit,
     /// Sign of the company (PNG, JPEG or SVG)
     #[arg(long, value_name = "FILE")]
@@ -259,7 +259,7 @@ fn of_files<'a>(
     directory: &'a Path,
 ) -> Result<Tables<'a>, Problems> {
     let judged = Judged::read(inputs, &options.job, directory, options.after.as_deref())?;
-    visit.date_after = judged.date_after().map(str::to_string);
+    visit.protocol_after = judged.protocol_after();
     if let Ok((_, bytes)) = read_argument(&directory.join(MANIFEST)) {
         let manifest: Value = serde_json::from_slice(&bytes).unwrap_or_default();
         visit.sizes = sizes(directory, &manifest);

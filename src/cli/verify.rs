@@ -87,9 +87,12 @@ impl<'a> Judged<'a> {
         }
     }
 
-    /// When the second measurement was made, as its job says.
-    pub(super) fn date_after(&self) -> Option<&str> {
-        self.second.as_ref()?.date.as_deref()
+    /// `date` and protocol of the second measurement, as its job states them.
+    pub(super) fn protocol_after(&self) -> Vec<(String, String)> {
+        self.second
+            .as_ref()
+            .map(|second| second.protocol.clone())
+            .unwrap_or_default()
     }
 
     /// What is told of them.

@@ -66,8 +66,8 @@ pub struct Visit {
     pub doubts: Vec<String>,
     /// Whether the tables were measured.
     pub is_measured: bool,
-    /// When that was, as the second job says.
-    pub date_after: Option<String>,
+    /// `date` and protocol of that measurement, as the second job states them.
+    pub protocol_after: Vec<(String, String)>,
     /// What the verdict is made of.
     pub grounds: Grounds,
     /// How the files differ from the job, or from their manifest.
@@ -98,7 +98,7 @@ impl Visit {
             is_rehearsal: false,
             doubts: Vec::new(),
             is_measured: false,
-            date_after: None,
+            protocol_after: Vec::new(),
             grounds: Grounds::default(),
             disagreements: Vec::new(),
             assumptions: Vec::new(),
@@ -233,12 +233,28 @@ impl Report<'_> {
         )
     }
 
-    /// When it was measured; with a second measurement whose date is stated, both days by name.
-    fn dates(&self) -> String {
-        let first = self.visit.job.measurement.date.clone().unwrap_or_default();
-        match &self.visit.date_after {
-            None => first,
-            Some(after) => format!("{}: {first}; {}: {after}", self.t("found"), self.t("left")),
+    /// What the first job states under a key; where the second states something else, both by name.
+    fn both(&self, key: &str, first: Option<&str>) -> String {
+        let after = self.visit.protocol_after.iter();
+        let after = after
+            .filter(|(own, _)| own == key)
+            .map(|(_, value)| value.as_str());
+        let first = ("found", first.unwrap_or_default());
+        let stated = [Some(first), after.last().map(|value| ("left", value))];
+        let stated = stated
+            .into_iter()
+            .flatten()
+            .filter(|(_, value)| !value.is_empty());
+        let stated: Vec<(&str, &str)> = stated.collect();
+        match stated.as_slice() {
+            [] | [("found", _)] => first.1.to_string(),
+            [(_, one), (_, other)] if one == other => (*one).to_string(),
+            several => {
+                let named = several
+                    .iter()
+                    .map(|(of, value)| format!("{}: {value}", self.t(of)));
+                named.collect::<Vec<_>>().join("; ")
+            }
         }
     }
 
@@ -249,10 +265,8 @@ impl Report<'_> {
         let machine = &self.visit.job.machine;
         let protocol = &self.visit.job.measurement.protocol;
         let stated = |key: &str| {
-            protocol
-                .iter()
-                .find(|(own, _)| own == key)
-                .map(|(_, v)| v.clone())
+            let mut own = protocol.iter().filter(|(own, _)| own == key);
+            self.both(key, own.next().map(|(_, value)| value.as_str()))
         };
         let line =
             |label: String, value: String| json!({ "label": label, "value": escaped(&value) });
@@ -260,19 +274,26 @@ impl Report<'_> {
             line(self.t("machine"), machine.name.clone()),
             line(self.t("serial"), machine.serial.clone().unwrap_or_default()),
             line(self.t("control"), self.visit.control.clone()),
-            line(self.t("date"), self.dates()),
+            line(
+                self.t("date"),
+                self.both("date", self.visit.job.measurement.date.as_deref()),
+            ),
         ];
-        lines.extend(ALWAYS.map(|key| line(self.t(key), stated(key).unwrap_or_default())));
-        let others = protocol
-            .iter()
-            .filter(|(key, _)| !ALWAYS.contains(&key.as_str()));
-        lines.extend(others.map(|(key, value)| {
+        lines.extend(ALWAYS.map(|key| line(self.t(key), stated(key))));
+        let after = self.visit.protocol_after.iter();
+        let own = |key: &&String| protocol.iter().any(|(own, _)| own == *key);
+        let added = after
+            .map(|(key, _)| key)
+            .filter(|key| !own(key) && *key != "date");
+        let others = protocol.iter().map(|(key, _)| key).chain(added);
+        let others = others.filter(|key| !ALWAYS.contains(&key.as_str()));
+        lines.extend(others.map(|key| {
             let label = if self.locale.texts.has(key) {
                 self.t(key)
             } else {
                 escaped(key)
             };
-            line(label, value.clone())
+            line(label, stated(key))
         }));
         lines
     }

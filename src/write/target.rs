@@ -130,10 +130,14 @@ fn check_directions(job: &Job, model: &ErrorModel, problems: &mut Problems) {
     }
 }
 
-/// Tables that were active can bring directions that the measurement does not have.
+/// Tables and backlash that were active can bring directions that the measurement does not have.
 fn known_how(job: &Job) -> &'static str {
+    let backlash_um = &job.measurement.active_settings.backlash_um;
     match job.measurement.active {
         ActiveTables::Path(_) => "(with those that the active tables cancel) are known",
+        _ if backlash_um.iter().any(|(_, um)| um.is_some()) => {
+            "(with the backlash that was active) are known"
+        }
         _ => "were measured",
     }
 }

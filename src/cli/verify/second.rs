@@ -29,8 +29,8 @@ pub(super) struct Second {
     /// What its errors were read from; absent = an error table alone, or straight runs.
     pub(super) errors: Option<ErrorSource>,
     pub(super) hashes: Vec<HashedFile>,
-    /// When it was measured, as its job says.
-    pub(super) date: Option<String>,
+    /// `date` and protocol of its job; empty without a job.
+    pub(super) protocol: Vec<(String, String)>,
     /// What its job states or leaves open, one sentence each.
     pub(super) notes: Vec<Finding>,
     /// Its job, and the tables that were active as it names them, where they lie elsewhere.
@@ -65,6 +65,13 @@ fn active(
     }
 }
 
+/// When it was measured, by whom, with what.
+fn protocol(job: &Job) -> Vec<(String, String)> {
+    let date = job.measurement.date.iter();
+    let date = date.map(|date| ("date".to_string(), date.clone()));
+    date.chain(job.measurement.protocol.clone()).collect()
+}
+
 /// What a second job states that its figures do not hold, and what it leaves open.
 fn notes(job: &Job, tables: &Path) -> Vec<Finding> {
     let mut notes = job.measurement.notes();
@@ -87,7 +94,7 @@ impl Second {
                 measurement: of_table(first, source)?,
                 errors: None,
                 hashes: vec![own],
-                date: None,
+                protocol: Vec::new(),
                 notes: Vec::new(),
                 active: None,
             });
@@ -102,7 +109,7 @@ impl Second {
             measurement,
             errors,
             hashes: files.hashes,
-            date: job.measurement.date.clone(),
+            protocol: protocol(&job),
             notes: notes(&job, tables),
             active: active.map(|active| (job, active)),
         })
