@@ -137,8 +137,20 @@ fn a_checklist_begins_with_the_work() {
             bullets <= 4,
             "{id}: {bullets} bullets above the steps\n{above}"
         );
-        assert!(!work.contains("; found: ________"), "{id}: {work}");
         let compared = work.contains("what the annex lists under this number");
-        assert_eq!(compared, annex.contains("; found: ________"), "{id}");
+        let found = sheet.contains("; found: ________") || work.contains(": found ________");
+        assert_eq!(compared, found, "{id}");
+        let page = fs::read_to_string(directory.path().join("kit/checklist.html")).unwrap();
+        assert!(
+            page.contains(".annex li:has(.blank){font-size:9.6pt"),
+            "{id}: a blank of the annex is printed in a size to write on"
+        );
+        // What is overwritten or moves an axis is not hidden in the annex.
+        for harm in ["must be free", "moves the axis", "moves axes"] {
+            let mut hidden = annex.lines().filter(|line| line.contains("; found: "));
+            assert_eq!(hidden.find(|line| line.contains(harm)), None, "{id}");
+        }
+        let lines = work.lines().count();
+        assert!(lines <= 70, "{id}: {lines} lines before the annex");
     }
 }

@@ -105,6 +105,42 @@ fn assumptions_without_effect_stand_apart_with_the_reason() {
 }
 
 #[test]
+fn what_is_to_be_decided_is_on_the_screen_and_has_its_box_in_the_steps() {
+    let of_siemens = ["first_table = 0; if wrong: CEC tables already in use"];
+    let of_fanuc = [
+        "first_set = 1; if wrong: straightness sets already in use",
+        "reserved_points = none; if wrong: points already used",
+    ];
+    let controls = [
+        ("siemens-840d-sl", &of_siemens[..]),
+        ("fanuc-30i", &of_fanuc),
+    ];
+    for (id, open) in controls {
+        let (directory, data, talk) = told(id, None);
+        let text = |name: &str| {
+            let path = directory.path().join("kit").join(name);
+            fs::read_to_string(path).expect("the checklist is there")
+        };
+        let (work, page) = (text("checklist.md"), text("checklist.html"));
+        let (work, annex) = work.split_once("## Annex").expect("an annex");
+        let (page, _) = page.split_once("class=\"annex\"").expect("an annex");
+        let boxed = "<li><span class=\"box\">&#160;</span> <strong>DECIDE,</strong>";
+        for line in open {
+            let said = format!("DECIDE BEFORE LOADING, assumed: {line}");
+            assert!(data.contains(&said) || talk.contains(&said), "{data}{talk}");
+            let item = format!("\n   - [ ] **DECIDE,** assumed: {line}");
+            assert!(work.contains(&item), "{id}: {item}\n{work}");
+            let item = format!(
+                "{boxed} assumed: {}",
+                line.split_once(';').expect("two parts").0
+            );
+            assert!(page.contains(&item), "{id}: {item}\n{page}");
+            assert!(!annex.contains(line), "{id}: {line}\n{annex}");
+        }
+    }
+}
+
+#[test]
 fn preconditions_are_sentences_and_axes_share_one() {
     let (_directory, data, talk) = told("fanuc-30i", None);
     assert!(

@@ -256,12 +256,7 @@ pub(super) fn assumed_signs(assumptions: &[Assumption], proofs: &[&str]) -> Vec<
 /// What is assumed and has to be decided before anything is loaded, a line each.
 pub(super) fn to_decide(assumptions: &[Assumption]) -> impl Iterator<Item = String> {
     let open = assumptions.iter().filter(|own| own.to_decide);
-    open.map(|own| {
-        format!(
-            "DECIDE BEFORE LOADING, assumed: {} = {}; if wrong: {}",
-            own.fact, own.value, own.consequence
-        )
-    })
+    open.map(|own| format!("DECIDE BEFORE LOADING, assumed: {}", own.words()))
 }
 
 /// Notes as findings.

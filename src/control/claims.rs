@@ -38,6 +38,12 @@ impl Assumption {
         }
     }
 
+    /// `fact = value; if wrong: consequence`
+    pub(crate) fn words(&self) -> String {
+        let (fact, value, consequence) = (&self.fact, &self.value, &self.consequence);
+        format!("{fact} = {value}; if wrong: {consequence}")
+    }
+
     /// The same, to be decided before anything is loaded.
     pub(crate) fn undecided(self) -> Self {
         Assumption {
@@ -69,6 +75,8 @@ pub struct Precondition {
 pub enum SeenTo {
     /// Before anything is loaded.
     Before,
+    /// The same; unless it holds, data are overwritten or an axis moves.
+    Danger,
     /// The value is entered after the tables, and put back on rollback.
     Entered,
     /// After loading: there is nothing to compare before.
@@ -89,6 +97,14 @@ impl Precondition {
             why: why.into(),
             source: source.into(),
             when: SeenTo::Before,
+        }
+    }
+
+    /// The same, where data are overwritten or an axis moves unless it holds.
+    pub(crate) fn dangerous(self) -> Self {
+        Precondition {
+            when: SeenTo::Danger,
+            ..self
         }
     }
 

@@ -8,6 +8,10 @@ pub(crate) const BLANK: &str = "________";
 /// The same on an HTML page, as large as handwriting; its style says how large.
 const BLANK_IN_HTML: &str = "<span class=\"blank\">&#160;</span>";
 
+/// What a person ticks, in texts for a page.
+pub(crate) const BOX: &str = "[ ]";
+const BOX_IN_HTML: &str = "<span class=\"box\">&#160;</span>";
+
 /// The marks of the checklist's texts, the longer ones first, and their elements.
 const MARKS: [(&str, &str); 3] = [("**", "strong"), ("*", "em"), ("`", "code")];
 
@@ -28,7 +32,7 @@ pub(crate) fn escaped(text: &str) -> String {
     out
 }
 
-/// A text of the checklist: escaped, its marks as elements, [`BLANK`] as a place to write on.
+/// A text of the checklist: escaped, its marks as elements, [`BLANK`] as a place to write on, [`BOX`] as one to tick.
 pub(crate) fn marked(text: &str) -> String {
     elements(&escaped(&text.replace('\n', " ")))
 }
@@ -45,7 +49,7 @@ pub(crate) fn each_text(context: &mut Value, as_html: fn(&str) -> String) {
 
 fn elements(text: &str) -> String {
     let (mut out, mut rest) = (String::with_capacity(text.len()), text);
-    while let Some(at) = rest.find(['*', '`', '_']) {
+    while let Some(at) = rest.find(['*', '`', '_', '[']) {
         let (before, from) = rest.split_at(at);
         let (element, after) = element(from);
         out.push_str(before);
@@ -59,6 +63,9 @@ fn elements(text: &str) -> String {
 fn element(text: &str) -> (String, &str) {
     if let Some(after) = text.strip_prefix(BLANK) {
         return (BLANK_IN_HTML.to_string(), after);
+    }
+    if let Some(after) = text.strip_prefix(BOX) {
+        return (BOX_IN_HTML.to_string(), after);
     }
     for (mark, tag) in MARKS {
         let inside = text.strip_prefix(mark);
@@ -99,6 +106,7 @@ mod tests {
                 "found: ________ µm",
                 "found: <span class=\"blank\">&#160;</span> µm",
             ),
+            ("[ ] a[0,X]", "<span class=\"box\">&#160;</span> a[0,X]"),
             ("2 * 3 ` **4", "2 * 3 ` **4"),
             ("`<**`*</i>*", "<code>&lt;**</code><em>&lt;/i&gt;</em>"),
         ] {

@@ -377,9 +377,10 @@ impl DeclaredFacts {
         let reference = Precondition::new(
             "reference points",
             task.reference_text(),
-            "the tables are zero there",
+            "the tables are zero there; if they are elsewhere, switching the tables on moves axes",
             RULE,
-        );
+        )
+        .dangerous();
         axes.map(of_axis).chain([reference]).collect()
     }
 

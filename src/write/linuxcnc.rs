@@ -289,9 +289,9 @@ fn preconditions(task: Task<'_>, joints: &[CompTable], cross: &[CrossTable]) -> 
     let mut list = vec![Precondition::new(
         "[TRAJ]LINEAR_UNITS",
         unit,
-        "positions and values of the tables are in the machine unit",
+        "positions and values of the tables are in the machine unit; in another one every movement is 25.4 times as large or as small",
         "LinuxCNC documentation, INI Configuration",
-    )];
+    ).dangerous()];
     list.extend(joints.iter().map(|table| {
         Precondition::new(
             format!("BACKLASH of [{}]", table.name()),
@@ -319,13 +319,16 @@ fn preconditions(task: Task<'_>, joints: &[CompTable], cross: &[CrossTable]) -> 
         task.reference_text(),
         "the tables are zero there, in the direction of homing; where they are not, homing shifts the machine zero by the value there",
         SEEN,
-    ));
-    list.push(Precondition::new(
-        "NO_FORCE_HOMING of [TRAJ]",
-        "absent or 0",
-        "the tables act before homing too, on a position that is not that of the machine",
-        SEEN,
-    ));
+    ).dangerous());
+    list.push(
+        Precondition::new(
+            "NO_FORCE_HOMING of [TRAJ]",
+            "absent or 0",
+            "the tables act before homing too, on a position that is not that of the machine",
+            SEEN,
+        )
+        .dangerous(),
+    );
     if !cross.is_empty() {
         list.extend(hal::preconditions());
     }

@@ -174,6 +174,6 @@ pub(crate) fn left_over(
     let stale = family(&profile.dialect).left_over(&active.tables, new);
     let stale = stale.into_iter();
     stale
-        .map(|what| Precondition::new(what, profile.family.off, WHY, SOURCE))
+        .map(|what| Precondition::new(what, profile.family.off, WHY, SOURCE).dangerous())
         .collect()
 }

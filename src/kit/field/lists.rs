@@ -2,13 +2,14 @@
 //! behind them, and its lists: what is overwritten, what has to be set, what the display shows.
 
 use crate::control::checklist::{Listed, Paragraph};
-use crate::control::claims::{Precondition, SeenTo, shared};
+use crate::control::claims::{Assumption, Precondition, SeenTo, shared};
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Miss;
 use crate::kit::made::Made;
 use crate::kit::remarks;
-use crate::text::html::BLANK;
+use crate::text::html::{BLANK, BOX};
 use crate::write::compensation::Compiled;
+use crate::write::findings::TableFinding;
 
 /// So many figures that miss the acceptance stand above the steps; [`about`] has all.
 const MOST: usize = 3;
@@ -76,10 +77,15 @@ pub(super) fn places(made: &Made<'_>) -> Listed {
     vec![places.join("; ")].into()
 }
 
-/// At the step what is replaced and has to be noted; in the annex what only has to be compared.
+/// At the step what is overwritten, replaced or moves an axis; in the annex what only has to be compared.
 pub(super) fn preconditions(compiled: &Compiled) -> Listed {
     let list = shared(&compiled.preconditions);
     let of = |when: SeenTo| list.iter().filter(move |(_, p)| p.when == when);
+    let danger = |(what, p): &(String, &Precondition)| {
+        let (value, why) = (&p.value, &p.why);
+        format!("**{what} must be {value}**; found: {BLANK} Why: {why}")
+    };
+    let source = |(what, p): &(String, &Precondition)| format!("{what}: *{}*", p.source);
     let item = |(what, p): &(String, &Precondition)| {
         format!("{what}: found {BLANK}; {} is entered below", p.value)
     };
@@ -88,11 +94,23 @@ pub(super) fn preconditions(compiled: &Compiled) -> Listed {
         format!("{what} must be {value}; found: {BLANK} Why: {why} *({source})*")
     };
     let why = |(what, p): &(String, &Precondition)| format!("{what}: {} *({})*", p.why, p.source);
+    let items = of(SeenTo::Danger).map(danger);
+    let items = items.chain(of(SeenTo::Entered).map(item));
     let notes = of(SeenTo::Before).map(must);
+    let notes = notes.chain(of(SeenTo::Danger).map(source));
     Listed {
-        items: of(SeenTo::Entered).map(item).collect(),
+        items: items.chain(references_off(compiled)).collect(),
         notes: notes.chain(of(SeenTo::Entered).map(why)).collect(),
     }
+}
+
+/// Reference points outside the travel: if one is elsewhere, switching a table on moves axes.
+fn references_off(compiled: &Compiled) -> impl Iterator<Item = String> {
+    let off = compiled
+        .notes
+        .iter()
+        .filter(|note| matches!(note.kind(), Some(TableFinding::ReferenceOff { .. })));
+    off.map(|note| format!("{BOX} {note}"))
 }
 
 /// Values that belong to the tables and that no file holds.
@@ -103,14 +121,14 @@ pub(super) fn entered(compiled: &Compiled, how: impl Fn(&Precondition) -> String
         .collect()
 }
 
-/// What is assumed of the control and matters for this kit.
+/// What is assumed of the control and matters for this kit: at the step what has to be decided, with a box each.
 pub(super) fn assumptions(compiled: &Compiled) -> Listed {
     let list = compiled.assumptions.iter();
     let list = list.filter(|a| a.without_effect.is_none());
+    let (open, known): (Vec<&Assumption>, Vec<&Assumption>) = list.partition(|a| a.to_decide);
+    let decide = |a: &&Assumption| format!("{BOX} **DECIDE,** assumed: {}", a.words());
     Listed {
-        items: Vec::new(),
-        notes: list
-            .map(|a| format!("{} = {}; if wrong: {}", a.fact, a.value, a.consequence))
-            .collect(),
+        items: open.iter().map(decide).collect(),
+        notes: known.iter().map(|a| a.words()).collect(),
     }
 }

@@ -42,22 +42,24 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
                 .is_some_and(|s| s.first_point.is_none())
         })
     {
-        assumptions.push(Assumption::of_job(
+        let reserved = Assumption::of_job(
             "reserved_points",
             "none",
             "points already used by other axes would be overwritten: state `reserved_points`",
-        ));
+        );
+        assumptions.push(reserved.undecided());
     }
     for run in runs {
         if plan.of_axis(run.axis).next().is_none() {
-            assumptions.push(Assumption::of_job(
+            let unused = Assumption::of_job(
                 format!("pitch_compensation_of_axis_{}", run.id),
                 "none in use",
                 format!(
                     "an existing pitch compensation of axis {} would be replaced by zeros: compensate E{1}{1} in the same job",
                     run.id, run.axis
                 ),
-            ));
+            );
+            assumptions.push(unused.undecided());
         }
     }
     if plan.has_cross() && task.job.compensation.first_set.is_none() {
@@ -142,9 +144,9 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
             trimmed(machine.reference.mm() / unit.in_mm(), 6),
             unit.word()
         ),
-        "the points are anchored on the reference position",
+        "the points are anchored on the reference position; if it is elsewhere, switching the tables on moves the axis",
         "B-64303CM-1/01 section 1.3.1",
-    )];
+    ).dangerous()];
     let settings = task.job.compensation.axes[run.axis].as_ref();
     let directed = run.minus_first.is_some();
     if settings.is_none_or(|s| s.parameter_3605.is_none()) {

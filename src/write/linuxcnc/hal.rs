@@ -265,13 +265,13 @@ pub(super) fn preconditions() -> [Precondition; 4] {
             "the same as HOME_OFFSET",
             "the corrections act while homing too: where the other joints do not stand at their reference points, homing shifts the machine zero by the correction there",
             SEEN,
-        ),
+        ).dangerous(),
         Precondition::new(
             "MIN_LIMIT and MAX_LIMIT of each corrected joint",
             "inside the real ends by at least the largest movement",
             "the correction is added behind the limits of position, velocity and acceleration, which do not see it",
             SEEN,
-        ),
+        ).dangerous(),
         Precondition::new(
             "MIN_FERROR and FERROR of each corrected joint",
             "larger by the way of one servo period",

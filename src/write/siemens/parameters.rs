@@ -111,7 +111,7 @@ pub(super) fn preconditions(
         task.reference_text(),
         "the tables are zero there, of two tables for the directions that of the reference return; a table that is not zero at the real reference point moves the axis when it is switched on (MD34100 holds the position where the measuring system is incremental, from memory)",
         format!("{K3} p. 238"),
-    ));
+    ).dangerous());
     list
 }
 
@@ -119,9 +119,9 @@ fn basic_system(task: Task<'_>) -> Precondition {
     Precondition::new(
         "MD10240 $MN_SCALING_SYSTEM_IS_METRIC",
         task.job.compensation.control_unit.as_metric(),
-        "positions and values of the tables are in the basic system",
+        "positions and values of the tables are in the basic system; in the other one every movement is 25.4 times as large or as small",
         "802D sl Function Manual 11/2012 p. 222",
-    )
+    ).dangerous()
 }
 
 fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition> {
@@ -140,7 +140,8 @@ fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition
             metric,
             "unit system of the CEC data where MD10260 = 1",
             "802D sl Function Manual 11/2012 p. 222",
-        ),
+        )
+        .dangerous(),
         max_sum_precondition(task, tables),
         Precondition::new(
             format!("MD32710 $MA_CEC_ENABLE[{}]", outputs),
@@ -153,7 +154,8 @@ fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition
             "absent, or meant to act",
             "MD32710 in the enable and disable files switches every CEC table of an axis",
             format!("{K3} p. 245"),
-        ),
+        )
+        .dangerous(),
         Precondition::new(
             format!("SD41310 $SN_CEC_TABLE_WEIGHT[{}]", numbers.join(", ")),
             "1",
@@ -170,7 +172,8 @@ fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition
             },
             "existing tables of these numbers are overwritten",
             "`first_table` of the job",
-        ),
+        )
+        .dangerous(),
     ]
 }
 
