@@ -235,26 +235,14 @@ impl Report<'_> {
 
     /// What the first job states under a key; where the second states something else, both by name.
     fn both(&self, key: &str, first: Option<&str>) -> String {
-        let after = self.visit.protocol_after.iter();
-        let after = after
-            .filter(|(own, _)| own == key)
-            .map(|(_, value)| value.as_str());
-        let first = ("found", first.unwrap_or_default());
-        let stated = [Some(first), after.last().map(|value| ("left", value))];
-        let stated = stated
-            .into_iter()
-            .flatten()
-            .filter(|(_, value)| !value.is_empty());
-        let stated: Vec<(&str, &str)> = stated.collect();
-        match stated.as_slice() {
-            [] | [("found", _)] => first.1.to_string(),
-            [(_, one), (_, other)] if one == other => (*one).to_string(),
-            several => {
-                let named = several
-                    .iter()
-                    .map(|(of, value)| format!("{}: {value}", self.t(of)));
-                named.collect::<Vec<_>>().join("; ")
-            }
+        let mut after = self.visit.protocol_after.iter();
+        let after = after.find(|(own, _)| own == key);
+        let after = after.map_or("", |(_, value)| value.as_str());
+        match (first.unwrap_or_default(), after) {
+            (first, "") => first.to_string(),
+            (first, after) if first == after => first.to_string(),
+            ("", after) => format!("{}: {after}", self.t("left")),
+            (first, after) => format!("{}: {first}; {}: {after}", self.t("found"), self.t("left")),
         }
     }
 
