@@ -263,40 +263,47 @@ fn a_short_table_is_refused_where_outside_is_not_known() {
     }
 }
 
-/// Its table has points within the travel only, and inside it adds what one with a point behind the end would add.
+/// What is written has no point behind an end of the travel; a table that was read out with one is refused.
 #[test]
-fn the_last_section_ends_with_the_travel_where_the_control_uses_no_point_behind_it() {
+fn a_table_beyond_the_travel_is_refused_where_the_control_uses_no_point_there() {
+    const X: &str = "travel_mm = [0.0, 400.0]\nreference_mm = 0.0";
+    const OUTSIDE: &str = "travel_mm = [0.0, 400.0]\nreference_mm = -50.0";
     let folder = tempfile::tempdir().unwrap();
     let machine = root().join("fixtures/machines/five_points");
     let put = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     let errors = fs::read_to_string(machine.join("errors.csv")).unwrap();
     let job = fs::read_to_string(machine.join("weihong.toml")).unwrap();
     put("errors.csv", &errors);
-    // Y from -200 to 200 mm: 4 2 0 -3 -6 um; the points at -225 and 225 mm hold those of the ends.
-    put(
-        "job.toml",
-        &job.replace(
+    let no_fit = "no spacing has points at both ends of this travel";
+    for (right, wrong, says) in [
+        (
             "[compensation.axes.y]\nspacing_mm = 100.0",
             "[compensation.axes.y]\nspacing_mm = 75.0",
+            "`spacing_mm = 50` has points at both ends of the travel and none beyond",
         ),
-    );
+        ("[0.0, 400.0]", "[0.0, 399.9995]", no_fit),
+        (X, OUTSIDE, no_fit),
+    ] {
+        assert!(job.contains(right), "{right}");
+        put("job.toml", &job.replace(right, wrong));
+        let (status, said) = nonius(&folder, "generate job.toml -o kit");
+        assert_eq!(status, Some(2), "{wrong}: {said}");
+        assert!(
+            said.contains("would have points beyond the travel"),
+            "{said}"
+        );
+        assert!(said.contains(says), "{wrong}: {said}");
+        assert!(!folder.path().join("kit").exists());
+    }
+    put("job.toml", &job);
     nonius(&folder, "generate job.toml -o kit");
     let text = kit_file(&folder, "kit/axeserr.dat");
-    let y: Vec<&str> = text.lines().skip_while(|line| *line != "[Y]").collect();
-    let first = "-200.000, 0.004, 0.004";
-    assert!(
-        y[1].starts_with(first) && y[7].starts_with("200.000, -0.006"),
-        "{y:?}"
-    );
-    assert_eq!(y[8], "[Z]");
     let beyond = text.replace("200.000, -0.006, -0.006", "225.000, -0.006, -0.006");
     read_out(&folder, "beyond", &beyond);
     let (status, said) = nonius(&folder, "verify job.toml --tables beyond");
     assert_eq!(status, Some(1), "{said}");
-    assert!(
-        said.contains("this control does not use points beyond the travel"),
-        "{said}"
-    );
+    let words = "this control does not use points beyond the travel";
+    assert!(said.contains(words), "{said}");
 }
 
 /// Steps of a profile stand behind those of the one that it builds on, each at the end of its part.
@@ -361,7 +368,7 @@ fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it() {
     };
     let whole = |axis: &str| {
         let head = format!(
-            "\u{feff}{axis} AXIS                        ;3100\r\nMM                            ;0\r\n2;/LSCRWDATA/REFNEED          ;0\r\n"
+            "\u{feff}{axis} AXIS                        ;3100\r\nMM                            ;0\r\n2;/LSCRWDATA/REFNEED          ;0\r\n2;/BACKLASH ;0.0000\r\n2;/LOOPCH ;NO\r\n2;/LSCRWCOMP ;ON\r\n2;/LSCRWDATA/BIDIR ;YES\r\n2;/LSCRWDATA/NPOINTS ;5\r\n"
         );
         let tail = "2;/FILTER/FILTER 1/ORDER                            ;0\r\n";
         head + &lines(axis).replace('\n', "\r\n") + tail
@@ -390,6 +397,26 @@ fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it() {
         (
             utf16(&x.replace("POSERROR 2", "POSERROR 3")),
             "a second `forward` here",
+        ),
+        (
+            utf16(&x.replace("LSCRWCOMP ;ON", "LSCRWCOMP ;OFF")),
+            "no pattern of the profile takes this line",
+        ),
+        (
+            utf16(&x.replace("BIDIR ;YES", "BIDIR ;NO")),
+            "no pattern of the profile takes this line",
+        ),
+        (
+            utf16(&x.replace("LSCRWDATA/BIDIR", "LSCRWDATA/TYPE")),
+            "no pattern of the profile takes this line",
+        ),
+        (
+            utf16(&x.replace("BACKLASH ;0.0000", "BACKLASH ;0.0500")),
+            "no pattern of the profile takes this line",
+        ),
+        (
+            utf16(&x.replace("NPOINTS ;5", "NPOINTS ;2")),
+            "the file says 2 here, its points make it 5",
         ),
     ] {
         put("X", bytes);

@@ -38,10 +38,13 @@ impl Assumption {
         }
     }
 
-    /// `fact = value; if wrong: consequence`
+    /// `fact = value; if wrong: consequence`, without patterns, which nobody compares with a control.
     pub(crate) fn words(&self) -> String {
         let (fact, value, consequence) = (&self.fact, &self.value, &self.consequence);
-        format!("{fact} = {value}; if wrong: {consequence}")
+        match value.contains("(?<") {
+            true => format!("{fact}; if wrong: {consequence}"),
+            false => format!("{fact} = {value}; if wrong: {consequence}"),
+        }
     }
 
     /// The same, to be decided before anything is loaded.

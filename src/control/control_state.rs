@@ -25,6 +25,8 @@ pub struct AxisState {
     pub interpolated: bool,
     /// Both ends of its travel, with the reference.
     pub travel: (Millimetres, Millimetres),
+    /// Both ends of its travel, whatever the reference.
+    pub ends: (Millimetres, Millimetres),
     /// Where it rests while other axes are measured.
     pub rest: Millimetres,
 }

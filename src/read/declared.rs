@@ -192,7 +192,7 @@ impl Reading<'_> {
         };
         let Some(found) = found else {
             if is_comment {
-                return;
+                return self.check_comment(line, span);
             }
             let help = "the patterns of the profile (`lines`) say what a line can be; what the control makes of another one is not known";
             return self.complain(span, "no pattern of the profile takes this line", help);
@@ -211,6 +211,21 @@ impl Reading<'_> {
         }
         if !fields.is_empty() {
             self.take(text, span, fields);
+        }
+    }
+
+    /// A comment that names a unit says it as the profile does: one that begins with the word, or holds it beside a size.
+    fn check_comment(&mut self, line: &str, span: Range<usize>) {
+        let mut patterns = self.facts.lines.value.iter();
+        let has_unit = patterns.any(|own| own.fields().any(|field| field == Field::Unit));
+        let words = line.split(|c: char| !c.is_alphanumeric());
+        let words: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+        let is_unit = |word: &&str| word.eq_ignore_ascii_case("unit");
+        let begins = words.first().is_some_and(is_unit);
+        let has_size = words.iter().any(|word| Size::of_word(word).is_some());
+        if has_unit && (begins || has_size && words.iter().any(is_unit)) {
+            let help = "the patterns of the profile (`lines`) say how a file names its unit; take the word out if the line means something else";
+            self.complain(span, "a comment that may name a unit", help);
         }
     }
 

@@ -98,6 +98,7 @@ pub(crate) fn stated_control(
             bidirectional: is_bidirectional(axis),
             interpolated: settings.is_some_and(AxisSettings::is_interpolated),
             travel: machine.reach(),
+            ends: (machine.low, machine.high),
             rest: Millimetres::new(rest[axis]),
         }));
     }

@@ -64,6 +64,10 @@ impl Family for DeclaredFacts {
         (self.points.value, "a table")
     }
 
+    fn takes_points_beyond(&self) -> bool {
+        self.points_beyond_travel.value
+    }
+
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         let backlash_um = |axis| match self.replaces_backlash() {
             true => 0.0,
@@ -78,14 +82,11 @@ impl Family for DeclaredFacts {
                 .and_then(|own| state.axis(own));
             column(plan, planned.term, axis.filter(|_| replaced), way)
         };
-        let tables = self.tables(task, plan, all, cancels);
+        let tables = self.tables(plan, all, cancels);
         self.check(task, &tables)?;
         self.check_ends(task, plan, cancels)?;
         let placed = plan.tables.iter();
-        let placed = placed.map(|own| Placement {
-            points: points_of(&tables, plan, own),
-            ..Placement::of(own, place(plan, own), self.count_um())
-        });
+        let placed = placed.map(|own| Placement::of(own, place(plan, own), self.count_um()));
         Ok(Compiled {
             placements: placed.collect(),
             preconditions: self.preconditions(task, plan),
@@ -137,7 +138,7 @@ impl Family for DeclaredFacts {
     /// Both columns of the tables of the term have the bump.
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
         let is_own = |planned: &PlannedTable| self.belongs(proof.mechanism, planned);
-        let tables = self.tables(proof.task, proof.plan, is_own, |planned, _| {
+        let tables = self.tables(proof.plan, is_own, |planned, _| {
             proof.deviations(planned.term == proof.term, planned.values.len())
         });
         Some(Tables::Declared(DeclaredTables::of(tables)))
@@ -170,7 +171,6 @@ impl DeclaredFacts {
     /// The tables of some of a plan, one for each pair of axes, from what each column cancels.
     fn tables(
         &self,
-        task: Task<'_>,
         plan: &Plan,
         is_wanted: impl Fn(&PlannedTable) -> bool,
         cancels: impl Fn(&PlannedTable, Direction) -> Vec<Deviation>,
@@ -182,52 +182,24 @@ impl DeclaredFacts {
                 if tables.iter().any(|own| own.is_for(base, output)) {
                     continue; // of two directions the first wrote both columns
                 }
-                let nodes = self.nodes(task, planned, |way| cancels(planned, way));
+                let ways = Direction::BOTH.map(|way| cancels(planned, way));
                 tables.push(DeclaredTable {
                     base: base.to_string(),
                     output: output.clone(),
-                    points: self.points(planned.term.is_positioning(), &nodes),
+                    points: self.points(planned, ways),
                 });
             }
         }
         tables
     }
 
-    /// The places of a table, and what each column cancels there. Points beyond the travel fall away where the control
-    /// takes none, and the straight line to the first of them ends with the travel.
-    fn nodes(
-        &self,
-        task: Task<'_>,
-        planned: &PlannedTable,
-        cancels: impl Fn(Direction) -> Vec<Deviation>,
-    ) -> Vec<Node> {
-        let grid = &planned.grid;
-        let [plus, minus] = Direction::BOTH.map(cancels);
-        let places = (grid.first..=grid.last).map(|at| self.place(grid.written(at)));
-        let values = plus.into_iter().zip(minus);
-        let nodes = places.zip(values).map(|(at, (plus, minus))| Node {
-            at,
-            ways: [plus, minus],
-        });
-        let nodes: Vec<Node> = nodes.collect();
-        let machine = task.job.machine.axes[planned.term.along];
-        let Some(machine) = machine.filter(|_| !self.points_beyond_travel.value) else {
-            return nodes;
-        };
-        let (low, high) = machine.reach();
-        within(
-            &nodes,
-            [low, high].map(|end| self.place(end.mm() / grid.digit.unit.in_mm())),
-        )
-    }
-
     /// The points of a table in the order of the file; rounded here, once.
-    fn points(&self, is_own: bool, nodes: &[Node]) -> Vec<Point> {
-        let places: Vec<f64> = nodes.iter().map(|node| node.at).collect();
-        let [forward, reverse] = [0, 1].map(|way| {
-            let deviations: Vec<Deviation> = nodes.iter().map(|node| node.ways[way]).collect();
-            self.values(is_own, &places, &deviations)
-        });
+    fn points(&self, planned: &PlannedTable, ways: [Vec<Deviation>; 2]) -> Vec<Point> {
+        let is_own = planned.term.is_positioning();
+        let grid = &planned.grid;
+        let place = |at: i64| self.place(grid.written(at));
+        let places: Vec<f64> = (grid.first..=grid.last).map(place).collect();
+        let [forward, reverse] = ways.map(|values| self.values(is_own, &places, &values));
         let has_two = is_own && self.has_two();
         let rows = places.iter().zip(forward).zip(reverse);
         let point = |((position, forward), reverse): ((&f64, f64), f64)| Point {
@@ -455,50 +427,11 @@ impl DeclaredFacts {
     }
 }
 
-/// A place of a table in the unit of the file, and what the columns for + and − cancel there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Node {
-    at: f64,
-    ways: [Deviation; 2],
-}
-
 /// An end of a table.
 #[derive(Clone, Copy)]
 enum End {
     First,
     Last,
-}
-
-/// Ascending nodes between two ends, and the straight lines between nodes cut off there.
-fn within(nodes: &[Node], [low, high]: [f64; 2]) -> Vec<Node> {
-    let cut = |at: f64| {
-        let mut pairs = nodes.windows(2);
-        let pair = pairs.find(|pair| pair[0].at < at && at < pair[1].at)?;
-        let part = (at - pair[0].at) / (pair[1].at - pair[0].at);
-        let between = |way: usize| {
-            let [from, to] = [pair[0], pair[1]].map(|node| node.ways[way].um());
-            Deviation::from_um(from + (to - from) * part)
-        };
-        Some(Node {
-            at,
-            ways: [0, 1].map(between),
-        })
-    };
-    let inside = nodes
-        .iter()
-        .filter(|node| low <= node.at && node.at <= high);
-    let inside = cut(low).into_iter().chain(inside.copied());
-    inside.chain(cut(high)).collect()
-}
-
-/// Points of the file for a planned table.
-fn points_of(tables: &[DeclaredTable], plan: &Plan, planned: &PlannedTable) -> usize {
-    let output = plan.names[planned.term.of].first();
-    let own = output.and_then(|output| {
-        let base = plan.base_of(planned.term, output);
-        tables.iter().find(|own| own.is_for(base, output))
-    });
-    own.map_or(planned.grid.count(), |own| own.points.len())
 }
 
 /// A table may end short of the travel by this much (rounding of positions), mm.

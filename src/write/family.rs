@@ -46,6 +46,11 @@ pub(crate) trait Family {
         0.0
     }
 
+    /// Whether a point may lie behind the end of the travel.
+    fn takes_points_beyond(&self) -> bool {
+        true
+    }
+
     /// Most rows of all tables together.
     fn most_rows(&self) -> usize {
         usize::MAX

@@ -83,6 +83,13 @@ impl Grid {
         (reference + as_number(index * self.spacing_digits)) / self.digit.per_unit() + 0.0
     }
 
+    /// Whether the points, as they are written, lie within the travel.
+    pub(crate) fn is_within(&self, machine: MachineAxis) -> bool {
+        let mm = |index| self.written(index) * self.digit.unit.in_mm();
+        mm(self.first) >= machine.low.mm() - SHORT_MM
+            && mm(self.last) <= machine.high.mm() + SHORT_MM
+    }
+
     /// Number of points.
     pub fn count(&self) -> usize {
         usize::try_from(self.last - self.first + 1).unwrap_or(0)
@@ -290,6 +297,34 @@ pub(crate) fn with_points(
     })
 }
 
+/// The largest spacing, not above another one, with points on the reference and on both ends of the travel.
+pub(crate) fn ending_with_travel(
+    machine: MachineAxis,
+    digit: LengthDigit,
+    most_mm: f64,
+) -> Option<f64> {
+    let digits = |mm: f64| {
+        let digits = mm / digit.mm();
+        let is_whole = (digits - digits.round()).abs() <= ON_GRID;
+        (is_whole && digits >= 0.0).then(|| whole(digits.round()))
+    };
+    digits(machine.reference.mm().abs())?;
+    let below = digits((machine.reference - machine.low).mm())?;
+    let above = digits((machine.high - machine.reference).mm())?;
+    let common = common_divisor(below, above);
+    let most = digits_of(most_mm, digit).max(1);
+    let mut parts = (common + most - 1) / most..=common;
+    let parts = parts.find(|parts| common % parts == 0)?;
+    Some(written_mm(common / parts, digit))
+}
+
+fn common_divisor(a: i64, b: i64) -> i64 {
+    match b {
+        0 => a,
+        _ => common_divisor(b, a % b),
+    }
+}
+
 fn spacing_of(step: i64) -> f64 {
     as_number(step) * SPACING_STEP_MM
 }
@@ -344,6 +379,22 @@ mod tests {
     #[test]
     fn two_points_cannot_hold_a_reference_inside() {
         assert!(with_points(axis(-10.0, 10.0, 0.0), MICRON, 2).is_err());
+    }
+
+    #[test]
+    fn a_spacing_that_ends_with_the_travel() {
+        for (low, high, reference, most, fits) in [
+            (0.0, 900.0, 0.0, 128.572, Some(112.5)),
+            (-200.0, 300.0, 0.0, 33.334, Some(25.0)),
+            (0.0, 400.0, 0.0, 500.0, Some(400.0)),
+            (0.0, 399.9995, 0.0, 100.0, None),
+            (0.0004, 400.0004, 0.0004, 100.0, None),
+            (0.0, 400.0, -10.0, 100.0, None),
+        ] {
+            let machine = axis(low, high, reference);
+            let own = ending_with_travel(machine, MICRON, most);
+            assert_eq!(own, fits, "{low} to {high}");
+        }
     }
 
     #[test]

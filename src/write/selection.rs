@@ -56,7 +56,7 @@ impl TableStock {
     /// That of a control on which an axis can follow so many others; `None` = all that there are.
     pub(crate) fn of_cross_terms(masters: u32) -> Option<TableStock> {
         let resource = match masters {
-            0 => "tables for cross terms (fact `cross_terms` of its profile)",
+            0 => "tables for cross terms that this profile writes (fact `cross_terms`)",
             1 => "tables for cross terms, one for each axis that is corrected,",
             _ => return None,
         };

@@ -1,7 +1,6 @@
 //! A kit under test, and what the control holds of it.
 
 use crate::support::machine::{Machine, Term};
-use crate::support::um_at;
 use nonius::control::controller::{Dialect, Profile, StraightnessForm};
 use nonius::control::table::Tables;
 use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
@@ -28,24 +27,12 @@ pub(crate) struct Held {
 
 impl Held {
     pub(crate) fn of(response: &Response) -> Held {
-        if response.tables().len() > 1 {
-            return Held::of_sections(response);
-        }
+        assert_eq!(response.tables().len(), 1, "one table acts");
         let nodes: Vec<_> = response.tables()[0].nodes().collect();
         Held {
             mm: nodes.iter().map(|(x, _)| x.mm()).collect(),
             um: nodes.iter().map(|(_, c)| c.um()).collect(),
         }
-    }
-
-    /// Of a table whose last section ends with the travel: sections of unequal length.
-    fn of_sections(response: &Response) -> Held {
-        let nodes = response.tables().iter().flat_map(|table| table.nodes());
-        let mut mm: Vec<f64> = nodes.map(|(x, _)| x.mm()).collect();
-        mm.sort_by(f64::total_cmp);
-        mm.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
-        let um = mm.iter().map(|x| um_at(response, *x)).collect();
-        Held { mm, um }
     }
 
     pub(crate) fn step(&self) -> f64 {

@@ -41,14 +41,6 @@ struct OneWay<'a> {
     constant_um: f64,
 }
 
-/// A control that uses no points beyond the travel: the planned grid may have some.
-fn may_be_cut(case: &Case<'_>) -> bool {
-    match &case.profile.dialect {
-        Dialect::Declared(facts) => !facts.points_beyond_travel.value,
-        _ => false,
-    }
-}
-
 impl<'a> OneWay<'a> {
     fn of(
         case: &'a Case<'a>,
@@ -62,10 +54,6 @@ impl<'a> OneWay<'a> {
         let mut placed = case.kit.compiled.placements.iter();
         let response = support::response(case.control, base, output, direction);
         let held = Held::of(&response);
-        assert!(
-            response.tables().len() == 1 || may_be_cut(case),
-            "one table acts"
-        );
         OneWay {
             case,
             term,
@@ -101,32 +89,10 @@ impl<'a> OneWay<'a> {
         x >= first - 1e-3 && x <= last + 1e-3
     }
 
-    /// The last sections end with the travel.
-    fn is_cut(&self) -> bool {
-        self.response.tables().len() > 1
-    }
-
-    fn step(&self) -> f64 {
-        match self.is_cut() {
-            true => self.planned.grid.spacing().mm(),
-            false => self.held.step(),
-        }
-    }
-
-    /// Nodes at the ends of the travel of a table that is cut there.
-    fn is_end(&self, x: f64) -> bool {
-        let ends = [self.axis.low, self.axis.high];
-        let half_digit = half_position_digit(self.case) + 1e-9;
-        self.is_cut() && ends.iter().any(|end| (x - end).abs() <= half_digit)
-    }
-
     /// The places that the nodes stand for, counted from the reference point.
     fn anchored(&self) -> Vec<f64> {
-        let (step, reference) = (self.step(), self.axis.reference);
-        let exact = |x: &f64| match self.is_end(*x) {
-            true => *x,
-            false => reference + ((x - reference) / step).round() * step,
-        };
+        let (step, reference) = (self.held.step(), self.axis.reference);
+        let exact = |x: &f64| reference + ((x - reference) / step).round() * step;
         self.held.mm.iter().map(exact).collect()
     }
 
@@ -166,7 +132,7 @@ impl<'a> OneWay<'a> {
     /// The table as the fit made it; `sample` is the curve itself, by the test's own figures.
     fn wanted(&self) -> Vec<f64> {
         let (first, _) = self.range();
-        let step = self.step();
+        let step = self.held.step();
         let planned = |x: f64| {
             let off = |node: &usize| (first + *node as f64 * step - x).abs();
             let nodes = 0..self.planned.values.len();
@@ -177,20 +143,16 @@ impl<'a> OneWay<'a> {
             self.planned.values[nearest].um() + carried
         };
         let is_sampled = self.case.machine.fit == "sample";
-        let at_node = |x: f64| match is_sampled {
-            true => self.target(x),
-            false => planned(x),
-        };
-        let at = |x: f64| {
-            if !self.is_end(x) {
-                return at_node(x);
-            }
-            let below = ((x - first) / step).floor();
-            let nodes = [below, below + 1.0].map(|node| first + node * step);
-            let [from, to] = nodes.map(at_node);
-            from + (to - from) * (x - nodes[0]) / step
-        };
-        self.anchored().into_iter().map(at).collect()
+        let places = self.anchored().into_iter();
+        places
+            .map(|x| {
+                if is_sampled {
+                    self.target(x)
+                } else {
+                    planned(x)
+                }
+            })
+            .collect()
     }
 
     fn count_is_as_printed(&self) {
@@ -216,10 +178,7 @@ impl<'a> OneWay<'a> {
         let nodes = self.held.mm.iter().filter(|x| self.is_on_grid(**x));
         assert_eq!(
             nodes.count(),
-            match may_be_cut(self.case) {
-                true => self.placement.points,
-                false => self.planned.grid.count(),
-            },
+            self.planned.grid.count(),
             "{}: nodes {:?}",
             self.name(),
             self.held.mm
@@ -233,7 +192,7 @@ impl<'a> OneWay<'a> {
             Dialect::Fanuc(_) => 1e-3,
             _ => 2.0 * half_position_digit(self.case),
         };
-        let short = digit * self.held.mm.len() as f64 / 2.0 + 1e-6 * self.step();
+        let short = digit * self.held.mm.len() as f64 / 2.0 + 1e-6 * self.held.step();
         let (first, last) = self.range();
         assert!(first <= self.axis.low + short && last >= self.axis.high - short);
     }
@@ -320,11 +279,7 @@ impl<'a> OneWay<'a> {
         let has_two = has_two || carried.abs() > 0.0;
         if self.direction == self.term.homing || !(has_two || self.has_parameter()) {
             let node = self.held.um[self.held.node_at(reference)];
-            let dust = if self.adds_up() || self.is_cut() {
-                DUST_UM
-            } else {
-                0.0
-            };
+            let dust = if self.adds_up() { DUST_UM } else { 0.0 };
             assert!(
                 node.abs() <= dust && self.constant_um.abs() < DUST_UM,
                 "{name}: {node} at the reference"

@@ -25,7 +25,6 @@ pub(crate) fn turned_sign_doubles(
             .unwrap();
         let right = support::response(case.control, base, output, direction);
         let wrong = support::response(turned, base, output, direction);
-        let is_cut = right.tables().len() > 1;
         let (right, wrong) = (Held::of(&right), Held::of(&wrong));
         for (a, b) in right.um.iter().zip(&wrong.um) {
             let generic = matches!(case.profile.dialect, Dialect::Generic(_));
@@ -48,9 +47,8 @@ pub(crate) fn turned_sign_doubles(
             planned.grid.range().1.mm() + 1e-3,
         );
         let (mut deviation, mut left) = (0.0_f64, 0.0_f64);
-        for (node, (x, um)) in right.mm.iter().zip(&right.um).enumerate() {
-            let is_end = node == 0 || node + 1 == right.mm.len();
-            if *x < first || *x > last || is_cut && is_end {
+        for (x, um) in right.mm.iter().zip(&right.um) {
+            if *x < first || *x > last {
                 continue;
             }
             let own = term.target(case.machine, two_tables(case, term), direction, *x) - zero;

@@ -237,6 +237,11 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     // No table moves another axis.
     let own_only = linuxcnc || !super::has_cross_terms(profile);
     let isg = matches!(profile.dialect, Dialect::Isg(_));
+    // A control that uses no points beyond the travel gets travels that end on the grid.
+    let ends_on_grid = match &profile.dialect {
+        Dialect::Declared(facts) => !facts.points_beyond_travel.value,
+        _ => false,
+    };
     let mut features = Vec::new();
     // Cycled, so that every value meets the others; the rest is drawn.
     let directions = seed % 7; // 0, 1: undirected · 2 … 5: both, one policy each · 6: one way
@@ -293,7 +298,10 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let mut axes_text = String::new();
     let mut slopes = Vec::new();
     for (index, axis) in Axis::ALL.into_iter().enumerate() {
-        let length = random.of(&[100.0, 240.0, 500.0, 720.0, 900.0, 1234.567]);
+        let length = random.of(&match ends_on_grid {
+            true => [100.0, 240.0, 500.0, 720.0, 900.0, 1200.0],
+            false => [100.0, 240.0, 500.0, 720.0, 900.0, 1234.567],
+        });
         let low = random.of(&[0.0, -length, -length / 4.0, 17.5]);
         let high = low + length;
         let (from, to) = if random.once_in(3) {
@@ -304,6 +312,8 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         let reference = match random.below(6) {
             0 => low,
             1 => high,
+            3.. if ends_on_grid => low + 0.5 * length,
+            2 if ends_on_grid => low,
             2 => low + 0.05 * length, // off the measured range, where that is shorter
             3 => low + 0.5 * length,
             _ => random.between(low, high),
@@ -377,6 +387,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
             &mut random,
             &mut axes_text,
             length,
+            ends_on_grid,
             step_limit,
             fit,
             &mut features,
@@ -511,12 +522,21 @@ fn grid_text(
     random: &mut Random,
     text: &mut String,
     length: f64,
+    ends_on_grid: bool,
     residual_um: f64,
     fit: &str,
     features: &mut Vec<&'static str>,
 ) {
-    let parts = random.of(&[4.0, 9.0, 15.0, 30.0, 60.0]);
+    let parts = random.of(&match ends_on_grid {
+        true => [4.0, 8.0, 10.0, 20.0, 40.0],
+        false => [4.0, 9.0, 15.0, 30.0, 60.0],
+    });
     match random.below(6) {
+        0 | 1 if ends_on_grid => {
+            features.push("points");
+            writeln!(text, "points = {}", parts + 1.0).unwrap();
+        }
+        _ if ends_on_grid => writeln!(text, "spacing_mm = {:?}", length / parts).unwrap(),
         0 => {
             features.push("points");
             writeln!(text, "points = {}", 3 + random.below(50)).unwrap();

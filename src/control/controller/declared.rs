@@ -161,6 +161,8 @@ facts! {
         outside: Outside,
         /// Whether a point may lie behind the end of the travel.
         points_beyond_travel: bool,
+        /// A column for − that is zero everywhere stands for that for +.
+        zero_reverse_is_forward: bool,
         /// What begins a comment.
         comments: Comments,
         /// What a line of a file can be, in this order.
@@ -193,7 +195,7 @@ impl DeclaredFacts {
     }
 
     /// What the switches have to be together: fact, whether it is so, what is expected.
-    fn rules(&self) -> [(&'static str, bool, &'static str); 7] {
+    fn rules(&self) -> [(&'static str, bool, &'static str); 6] {
         let is_increment = self.value_form.value == ValueForm::Increment;
         let has_two = self.has_two();
         let is_ascending = self.order.value == Order::Ascending;
@@ -214,11 +216,6 @@ impl DeclaredFacts {
                 "order",
                 is_ascending || !(is_increment || is_spaced),
                 "`ascending` with increments, or with a start and a spacing",
-            ),
-            (
-                "points_beyond_travel",
-                self.points_beyond_travel.value || !is_spaced,
-                "`true` with a start and a spacing: equal steps need not end with the travel",
             ),
             (
                 "backlash",

@@ -40,10 +40,13 @@ fn load(table: &DeclaredTable, facts: &DeclaredFacts, base: &AxisState) -> Emula
         let response = column.response(table, base.reference);
         response.ok_or_else(|| CannotEmulate(format!("the {} has no point", table.name())))
     };
-    let mut ways = [
-        way(|point| point.forward)?,
-        way(|point| point.reverse.unwrap_or(point.forward))?,
-    ];
+    let copies = facts.zero_reverse_is_forward.value
+        && points.iter().all(|point| point.reverse == Some(0.0));
+    let reverse = match copies {
+        true => |point: &Point| point.forward,
+        false => |point: &Point| point.reverse.unwrap_or(point.forward),
+    };
+    let mut ways = [way(|point| point.forward)?, way(reverse)?];
     let places = facts.places_mm(&points);
     meets_travel(table, &places, facts, base, &ways)?;
     if facts.outside.value == Outside::Zero {
@@ -84,7 +87,8 @@ fn meets_travel(
     };
     let covers_low = *first <= low + digit_mm || may_end(first);
     let covers = covers_low && (*last >= high - digit_mm || may_end(last));
-    let is_beyond = *first < low - digit_mm || *last > high + digit_mm;
+    let (lowest, highest) = (base.ends.0.mm(), base.ends.1.mm());
+    let is_beyond = *first < lowest - digit_mm || *last > highest + digit_mm;
     let why = match facts.outside.value {
         _ if is_beyond && !facts.points_beyond_travel.value => {
             "this control does not use points beyond the travel"

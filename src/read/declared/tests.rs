@@ -33,7 +33,7 @@ fn refused(facts: &DeclaredFacts, text: &str) -> String {
 
 #[test]
 fn sections_of_a_file_are_tables() {
-    let text = "; screw\n;UNIT = MM\nunit=mm\n[X]\n-570.025, 0.027, 0.083\n-450.020, 0.025, 0.077\n\n[y]\r\n0.000, 0.000, 0.030\r\n1000.00,0.0,.03\r\n";
+    let text = "; screw, drilling unit 5\n;UNIT = MM\nunit=mm\n[X]\n-570.025, 0.027, 0.083\n-450.020, 0.025, 0.077\n\n[y]\r\n0.000, 0.000, 0.030\r\n1000.00,0.0,.03\r\n";
     let found = read(&[("axeserr.dat", text)], &weihong()).unwrap().tables;
     let point = |position, forward, reverse| Point {
         position,
@@ -63,6 +63,26 @@ fn what_is_lost_doubled_or_foreign_is_refused_at_its_place() {
             "the file is in `inch`, the profile is not",
         ),
         (";unit=inch\n[X]\n0, 0, 0\n1, 0, 0\n", "file.dat:1:7"),
+        (
+            " ;unit=inch\n[X]\n0, 0, 0\n1, 0, 0\n",
+            "the file is in `inch`",
+        ),
+        (
+            ";unit=inch ; NK200\n[X]\n0, 0, 0\n1, 0, 0\n",
+            "a comment that may name a unit",
+        ),
+        (
+            ";unit:inch\n[X]\n0, 0, 0\n1, 0, 0\n",
+            "a comment that may name a unit",
+        ),
+        (
+            "; Unit inch\n[X]\n0, 0, 0\n1, 0, 0\n",
+            "a comment that may name a unit",
+        ),
+        (
+            "; the unit is inch\n[X]\n0, 0, 0\n1, 0, 0\n",
+            "a comment that may name a unit",
+        ),
         (
             "unit = furlong\n[X]\n0, 0, 0\n1, 0, 0\n",
             "the file is in `furlong`",
@@ -145,8 +165,7 @@ fn fields_of_a_point_stand_in_several_lines() {
 fn places_are_counted_from_the_start_and_the_axis_stands_in_the_name() {
     let lines = r"['start (?<start>\S+) step (?<spacing>\S+)', '(?<forward>\S+) (?<reverse>\S+)']";
     let name = r"['(?<axis>[a-z])-table\.txt']";
-    let beyond = ("points_beyond_travel", "true");
-    let facts = own(&[("lines", lines), ("file_name", name), beyond]).unwrap();
+    let facts = own(&[("lines", lines), ("file_name", name)]).unwrap();
     let found = read(
         &[("kit/x-table.txt", "start -10 step 2.5\n1 2\n3 4\n5 6\n")],
         &facts,
@@ -200,11 +219,6 @@ fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
             "expected one of `mm`, `um`, `inch`",
         ),
         ("comments", "true", "the sign that begins a comment"),
-        (
-            "lines",
-            r"['(?<axis>[XYZ]) (?<start>\S+) (?<spacing>\S+)', '(?<forward>\S+) (?<reverse>\S+)']",
-            "`points_beyond_travel` is out of range, expected `true`",
-        ),
         (
             "outside",
             "\"fade\"",

@@ -33,6 +33,7 @@ pub(super) fn grids(
         }
         if let Some(grid) = problems.take(axis_grid(task, axis, machine, settings, &along)) {
             check_grid(task, axis, machine, settings, &grid, &mut problems);
+            refuse_beyond(task, axis, machine, &along, &grid, &mut problems);
             note_spacing(axis, settings, &grid, notes);
             grids[axis] = Some(grid);
         }
@@ -188,6 +189,35 @@ fn check_grid(
                 .help("use a larger spacing"),
         );
     }
+}
+
+/// Points beyond the travel where the control uses none.
+fn refuse_beyond(
+    task: Task<'_>,
+    axis: Axis,
+    machine: MachineAxis,
+    targets: &[&Target],
+    grid: &Grid,
+    problems: &mut Problems,
+) {
+    if family(task.profile).takes_points_beyond() || grid.is_within(machine) {
+        return;
+    }
+    let most = f64::from(point_limit(task.profile, targets).0);
+    let travel = (machine.high - machine.low).mm();
+    let spacing = grid::ending_with_travel(machine, grid.digit, grid.spacing().mm());
+    let help = match spacing.filter(|spacing| travel / spacing + 1.0 <= most + 0.5) {
+        Some(spacing) => {
+            format!("`spacing_mm = {spacing}` has points at both ends of the travel and none beyond")
+        }
+        None => "no spacing has points at both ends of this travel: state as `travel_mm` ends that lie whole spacings from the reference point, which lies between them".to_string(),
+    };
+    let message = format!(
+        "the table of axis {axis} would have points beyond the travel, and {} uses none there",
+        task.profile.name
+    );
+    let key = format!("compensation.axes.{}", axis.key());
+    problems.push(task.job.problem_at(&key, message).help(help));
 }
 
 fn refuse_unmeasured(

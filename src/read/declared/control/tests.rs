@@ -49,6 +49,7 @@ fn state() -> ControlState {
             bidirectional: false,
             interpolated: false,
             travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
+            ends: (Millimetres::new(0.0), Millimetres::new(1000.0)),
             rest: Millimetres::new(0.0),
         }],
     }
@@ -153,6 +154,17 @@ fn a_table_that_ends_inside_the_travel_ends_with_nothing_where_nothing_is_added_
 }
 
 #[test]
+fn a_column_of_zeros_stands_for_the_other_where_the_profile_says_so() {
+    let mut facts = weihong();
+    let zeros = table(&[(0.0, 0.002, Some(0.0)), (1000.0, 0.002, Some(0.0))]);
+    let own = table(&[(0.0, 0.002, Some(0.0)), (1000.0, 0.002, Some(0.001))]);
+    assert_eq!(um(&facts, &zeros, &[500.0]), [[-2.0, 0.0]]);
+    set(&mut facts.zero_reverse_is_forward, true);
+    assert_eq!(um(&facts, &zeros, &[500.0]), [[-2.0, -2.0]]);
+    assert_eq!(um(&facts, &own, &[1000.0]), [[-2.0, -1.0]]);
+}
+
+#[test]
 fn points_beyond_the_travel_are_refused_where_the_control_does_not_use_them() {
     let mut facts = weihong();
     set(&mut facts.points_beyond_travel, false);
@@ -160,6 +172,10 @@ fn points_beyond_the_travel_are_refused_where_the_control_does_not_use_them() {
     for (first, last) in [(0.0, 1000.0), (-0.001, 1000.001), (1.0, 999.0)] {
         assert!(control(&of(first, last), &facts, &state()).is_ok());
     }
+    // The reference lies outside the travel: a table that holds it is beyond.
+    let mut outside = state();
+    outside.axes[0].ends.0 = Millimetres::new(50.0);
+    assert!(control(&of(0.0, 1000.0), &facts, &outside).is_err());
     for (first, last) in [(-0.1, 1000.0), (0.0, 1000.1)] {
         let why = control(&of(first, last), &facts, &state()).unwrap_err();
         assert!(why.0.contains("points beyond the travel"), "{}", why.0);

@@ -31,6 +31,7 @@ fn axis_state(name: &str) -> AxisState {
         bidirectional: false,
         interpolated: false,
         travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
+        ends: (Millimetres::new(0.0), Millimetres::new(1000.0)),
         rest: Millimetres::new(0.0),
     }
 }

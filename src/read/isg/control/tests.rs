@@ -41,6 +41,7 @@ fn state() -> ControlState {
         bidirectional: false,
         interpolated: false,
         travel: (Millimetres::new(-500.0), Millimetres::new(500.0)),
+        ends: (Millimetres::new(-500.0), Millimetres::new(500.0)),
         rest: Millimetres::new(rest),
     };
     ControlState {

@@ -33,6 +33,7 @@ fn control(comp: &str, kind: &str, unit: ControlUnit, backlash_um: f64) -> PairC
         bidirectional: false,
         interpolated: false,
         travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
+        ends: (Millimetres::new(0.0), Millimetres::new(1000.0)),
         rest: Millimetres::new(0.0),
     }];
     let state = ControlState { unit, axes };

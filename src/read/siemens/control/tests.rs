@@ -39,6 +39,7 @@ fn axis(name: &str) -> AxisState {
         bidirectional: false,
         interpolated: false,
         travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
+        ends: (Millimetres::new(0.0), Millimetres::new(1000.0)),
         rest: Millimetres::new(0.0),
     }
 }
