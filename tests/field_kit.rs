@@ -585,6 +585,12 @@ fn a_reference_point_off_the_travel_is_noted() {
     let words = "mm outside the travel of the job";
     for id in support::positioning_ids() {
         let (job, errors) = five_points(id);
+        let profile = nonius::control::controller::builtin::profile(id).unwrap();
+        if let nonius::control::controller::Dialect::Declared(facts) = &profile.dialect
+            && !facts.points_beyond_travel.value
+        {
+            continue; // refused: tests/declared.rs
+        }
         for (reference, beyond) in [
             ("460.0", Some("460 mm, lies 60.00")),
             ("-0.02", Some("-0.02 mm, lies 0.02")),
