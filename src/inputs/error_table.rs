@@ -124,7 +124,7 @@ impl ErrorTable {
 
     /// One table with the series of all; `None` = there is none. What stands in two of them, or
     /// does not fit together, is a problem at its first row.
-    pub(crate) fn merged(tables: Vec<ErrorTable>) -> Result<Option<ErrorTable>, Problems> {
+    pub fn merged(tables: Vec<ErrorTable>) -> Result<Option<ErrorTable>, Problems> {
         let mut problems = Problems::none();
         let mut tables = tables.into_iter();
         let Some(mut whole) = tables.next() else {

@@ -86,7 +86,7 @@ impl Inputs {
     }
 
     /// Adds the angular errors of a table of their own (`measurement.angles`).
-    pub(crate) fn with_angles(mut self, table: &ErrorTable) -> Result<Inputs, Problems> {
+    pub fn with_angles(mut self, table: &ErrorTable) -> Result<Inputs, Problems> {
         self.model.add_angles(&self.job, table)?;
         self.angles = Some(table.clone());
         Ok(self)

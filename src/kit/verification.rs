@@ -111,7 +111,7 @@ impl Verification {
     }
 
     /// What no file of the directory does, and what to see to on the control instead.
-    pub(crate) fn notes(&self) -> Vec<Finding> {
+    pub fn notes(&self) -> Vec<Finding> {
         of_severity(&self.findings, Severity::Note)
     }
 

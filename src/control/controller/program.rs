@@ -69,7 +69,7 @@ pub struct ProgramFacts {
 
 impl ProgramFacts {
     /// Address of the seconds of a dwell: the last letter of that fact.
-    pub(crate) fn dwell_address(&self) -> char {
+    pub fn dwell_address(&self) -> char {
         self.dwell.value.chars().last().unwrap_or_default()
     }
 
