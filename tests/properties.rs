@@ -269,7 +269,7 @@ proptest! {
     ) {
         // The same everywhere is no error: all that counts is relative to the reference.
         let rails = rails.map(|rail| rail.with_errors(|_, _, _| offset));
-        for id in support::positioning_ids() {
+        for id in support::any_grid_ids() {
             let (inputs, kit) =
                 support::generate(&job(&rails, id, &ways, spacing, ""), &csv(&rails, Unit::Metric));
             let control = support::control(&inputs.profile, &kit);
@@ -331,7 +331,7 @@ proptest! {
 
     #[test]
     fn so_many_points_cover_the_travel_with_the_smallest_spacing(rails in rails(), points in 3..100_u32) {
-        for id in support::positioning_ids() {
+        for id in support::any_grid_ids() {
             let text = job(&rails, id, "", |_| format!("points = {points}"), "");
             let (_, kit) = support::generate(&text, &csv(&rails, Unit::Metric));
             for (axis, rail) in Axis::ALL.into_iter().zip(&rails) {

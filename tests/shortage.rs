@@ -38,7 +38,7 @@ fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
 #[test]
 fn every_table_is_exactly_zero_at_a_reference_between_measured_points() {
     let table = "axis,position_mm,ey_um\nx,0,1.812\nx,50,6.457\nx,100,4.722\n";
-    for id in support::positioning_ids() {
+    for id in support::any_grid_ids() {
         let table = match support::has_cross_terms(&builtin::profile(id).unwrap()) {
             false => table.replace("ey_um", "ex_um"),
             true => table.to_string(),
@@ -145,7 +145,7 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
     let table = "axis,direction,position_mm,ex_um,ez_um\nx,+,0,0,0\nx,+,100,3,0\nx,-,0,0,0\nx,-,100,3.0000005,0\n\
                  z,+,0,0,0\nz,+,100,0,5\nz,-,0,0,-2\nz,-,100,0,4\n";
     let policies = "backlash = { x = \"two-tables\", y = \"mean\", z = \"two-tables\" }";
-    for id in support::positioning_ids() {
+    for id in support::any_grid_ids() {
         let (_, kit) = support::generate(&job(id, policies, 0.0, 50.0), table);
         let directed = |term: &str| {
             let term = ErrorTerm::from_name(term).unwrap();

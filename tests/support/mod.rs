@@ -78,6 +78,14 @@ pub(crate) fn positioning_ids() -> impl Iterator<Item = &'static str> {
     ids.filter(|id| *id != "klipper-skew")
 }
 
+/// Those of them that take a grid of any spacing: the others refuse one that goes beyond the travel.
+pub(crate) fn any_grid_ids() -> impl Iterator<Item = &'static str> {
+    positioning_ids().filter(|id| match builtin::profile(id).unwrap().dialect {
+        Dialect::Declared(facts) => facts.points_beyond_travel.value,
+        _ => true,
+    })
+}
+
 /// Whether the table of an axis for itself stands in place of its backlash parameter.
 pub(crate) fn replaces_backlash(profile: &Profile) -> bool {
     match &profile.dialect {
