@@ -22,14 +22,8 @@ const ERRORS: &str = include_str!("../fixtures/nine_errors_900/errors.csv");
 /// The job of the shipped fixture for any control (a detection unit does no harm elsewhere).
 fn job_text(controller: &str) -> String {
     JOB.replace("siemens-840d-sl", controller)
-        .replace(
-            "[compensation.axes.y]",
-            "detection_unit_um = 1.0\n[compensation.axes.y]",
-        )
-        .replace(
-            "[compensation.axes.z]",
-            "detection_unit_um = 1.0\n[compensation.axes.z]",
-        )
+        .replace("[compensation.axes.y]", "detection_unit_um = 1.0\n[compensation.axes.y]")
+        .replace("[compensation.axes.z]", "detection_unit_um = 1.0\n[compensation.axes.z]")
         .replace("[acceptance]", "detection_unit_um = 1.0\n[acceptance]")
 }
 
@@ -66,19 +60,12 @@ fn emulation(criterion: &mut Criterion) {
         let profile = builtin::profile(controller).expect("a built-in profile");
         let control = emulator(&profile, &kit.compiled.tables, &kit.compiled.state)
             .expect("an emulated control");
-        let response = control
-            .response(base, output, Direction::Plus)
-            .expect("a response");
+        let response = control.response(base, output, Direction::Plus).expect("a response");
         let positions: Vec<Millimetres> = (0..POSITIONS)
             .map(|k| Millimetres::new(f64::from(k * 7919 % POSITIONS) * 0.09))
             .collect();
         group.bench_function(controller, |bencher| {
-            bencher.iter(|| {
-                positions
-                    .iter()
-                    .map(|at| response.correction(*at).um())
-                    .sum::<f64>()
-            });
+            bencher.iter(|| positions.iter().map(|at| response.correction(*at).um()).sum::<f64>());
         });
     }
     group.finish();

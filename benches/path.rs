@@ -17,25 +17,12 @@ const LINES: u32 = 200_000;
 
 /// A machine of 900 mm with 31 nodes an axis and all eighteen curves.
 fn machine() -> PathMap {
-    let nodes = || {
-        (0..31_u8)
-            .map(|node| f64::from(node) * 30.0)
-            .collect::<Vec<f64>>()
-    };
-    PathMap::new(
-        [0, 1, 2],
-        [nodes(), nodes(), nodes()],
-        [0.0; 3],
-        false,
-        |axis, x| {
-            let shift = [0.3, 1.1, 2.7][axis];
-            let wave = |k: f64| 5.0 * (x / 97.0 * k + shift).sin();
-            (
-                [wave(1.0), wave(1.7), wave(2.3)],
-                [wave(0.7), wave(1.3), wave(1.9)],
-            )
-        },
-    )
+    let nodes = || (0..31_u8).map(|node| f64::from(node) * 30.0).collect::<Vec<f64>>();
+    PathMap::new([0, 1, 2], [nodes(), nodes(), nodes()], [0.0; 3], false, |axis, x| {
+        let shift = [0.3, 1.1, 2.7][axis];
+        let wave = |k: f64| 5.0 * (x / 97.0 * k + shift).sin();
+        ([wave(1.0), wave(1.7), wave(2.3)], [wave(0.7), wave(1.3), wave(1.9)])
+    })
     .expect("a machine")
 }
 
@@ -56,11 +43,8 @@ fn program() -> String {
     let mut text = String::from("G21 G90 G17 G0 X450. Y450. Z450.\nF2000\n");
     for line in 0..LINES {
         let t = f64::from(line) * 0.001;
-        let (x, y, z) = (
-            450.0 + 200.0 * t.cos(),
-            450.0 + 200.0 * t.sin(),
-            450.0 + 100.0 * (t * 0.1).sin(),
-        );
+        let (x, y, z) =
+            (450.0 + 200.0 * t.cos(), 450.0 + 200.0 * t.sin(), 450.0 + 100.0 * (t * 0.1).sin());
         let _ = writeln!(text, "N{line} G1 X{x:.4} Y{y:.4} Z{z:.4}");
     }
     text
@@ -73,18 +57,14 @@ struct Bytes<'a> {
 
 impl Text for Bytes<'_> {
     fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem> {
-        let rest = &self.text[usize::try_from(self.mark.bytes)
-            .unwrap_or(usize::MAX)
-            .min(self.text.len())..];
+        let rest = &self.text
+            [usize::try_from(self.mark.bytes).unwrap_or(usize::MAX).min(self.text.len())..];
         let Some(end) = rest.iter().position(|byte| *byte == b'\n') else {
             return Ok(None);
         };
         self.mark.bytes += end as u64 + 1;
         self.mark.lines += 1;
-        Ok(Some(Line {
-            number: self.mark.lines,
-            bytes: &rest[..end],
-        }))
+        Ok(Some(Line { number: self.mark.lines, bytes: &rest[..end] }))
     }
     fn mark(&self) -> Mark {
         self.mark
@@ -114,9 +94,7 @@ fn points(criterion: &mut Criterion) {
             };
             let length = step.length_mm();
             let mut profile = Profile::new(&map, limits(length / f64::from(POINTS)));
-            profile
-                .follow(black_box(&step), &mut |_| {})
-                .expect("inside");
+            profile.follow(black_box(&step), &mut |_| {}).expect("inside");
             profile.summary()
         });
     });
@@ -132,14 +110,9 @@ fn whole_program(criterion: &mut Criterion) {
     group.bench_function("200 000 lines", |bencher| {
         bencher.iter(|| {
             let mut profile = Profile::new(&map, limits(1.0));
-            let mut bytes = Bytes {
-                text: text.as_bytes(),
-                mark: Mark::default(),
-            };
-            run(&mut bytes, "part.nc", &setup, |step| {
-                profile.follow(step, &mut |_| {})
-            })
-            .expect("a program");
+            let mut bytes = Bytes { text: text.as_bytes(), mark: Mark::default() };
+            run(&mut bytes, "part.nc", &setup, |step| profile.follow(step, &mut |_| {}))
+                .expect("a program");
             profile.summary()
         });
     });

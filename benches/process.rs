@@ -22,10 +22,7 @@ use tempfile::TempDir;
 const NONIUS: &str = env!("CARGO_BIN_EXE_nonius");
 
 fn run(command: &mut Command) -> Duration {
-    command
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .stdout(Stdio::null())
-        .stderr(Stdio::null());
+    command.current_dir(env!("CARGO_MANIFEST_DIR")).stdout(Stdio::null()).stderr(Stdio::null());
     let start = Instant::now();
     let status = command.status();
     let time = start.elapsed();
@@ -41,9 +38,7 @@ fn version() -> Command {
 
 /// `true` by its whole path, so that nobody has to look for it; `None` where the system has none.
 fn true_of_system() -> Option<&'static str> {
-    ["/usr/bin/true", "/bin/true"]
-        .into_iter()
-        .find(|path| Path::new(path).exists())
+    ["/usr/bin/true", "/bin/true"].into_iter().find(|path| Path::new(path).exists())
 }
 
 fn empty_program() -> Command {
@@ -76,24 +71,11 @@ impl Place {
 /// A disk, where kits stay: deleting their thousands of files slows some disks down for minutes,
 /// and with them the next run. And memory.
 fn places() -> Vec<Place> {
-    let disk = (
-        "on disk",
-        Path::new(env!("CARGO_TARGET_TMPDIR")).to_path_buf(),
-        true,
-    );
+    let disk = ("on disk", Path::new(env!("CARGO_TARGET_TMPDIR")).to_path_buf(), true);
     let memory = ("in memory", PathBuf::from("/dev/shm"), false);
     let is_there = |(_, root, _): &(&str, PathBuf, bool)| root.is_dir();
-    let place = |(name, root, stays)| Place {
-        name,
-        root,
-        stays,
-        folder: OnceCell::new(),
-    };
-    [disk, memory]
-        .into_iter()
-        .filter(is_there)
-        .map(place)
-        .collect()
+    let place = |(name, root, stays)| Place { name, root, stays, folder: OnceCell::new() };
+    [disk, memory].into_iter().filter(is_there).map(place).collect()
 }
 
 /// Time of a program, less that of an empty one: one run before an empty program, one after it.
@@ -137,10 +119,7 @@ fn processes(criterion: &mut Criterion) {
             });
         });
         if !empties.is_empty() {
-            println!(
-                "  the empty program beside it: median {:?}",
-                median(empties)
-            );
+            println!("  the empty program beside it: median {:?}", median(empties));
         }
     };
     if true_of_system().is_some() {

@@ -25,9 +25,7 @@ fn job() -> String {
         ("spacing_mm = 75.0", "spacing_mm = 7.5"),
         ("spacing_mm = 50.0", "spacing_mm = 5.0"),
     ];
-    wider
-        .into_iter()
-        .fold(JOB.to_string(), |text, (old, new)| text.replace(old, new))
+    wider.into_iter().fold(JOB.to_string(), |text, (old, new)| text.replace(old, new))
 }
 
 /// Readings that rise and bend; no machine's.

@@ -77,11 +77,7 @@ fn separation(criterion: &mut Criterion) {
     let counts = run_counts(&whole.runs);
     let budget = Budget {
         volume: &measurement.volume,
-        noise: Some(Noise {
-            sigma_um: 0.3,
-            freedom: None,
-            source: NoiseSource::Stated,
-        }),
+        noise: Some(Noise { sigma_um: 0.3, freedom: None, source: NoiseSource::Stated }),
         runs: &counts,
         turned: false,
         stated: campaign.stated,
@@ -97,11 +93,7 @@ fn separation(criterion: &mut Criterion) {
     group.sample_size(10);
     group.throughput(Throughput::Elements(TRIALS));
     for threads in [1, 2] {
-        let plan = Trials {
-            trials: 4000,
-            seed: 1502,
-            threads,
-        };
+        let plan = Trials { trials: 4000, seed: 1502, threads };
         let name = format!("Monte Carlo, 4000 trials, threads: {threads}");
         group.bench_function(name, |bencher| {
             bencher.iter(|| simulate(&campaign, &budget, black_box(&whole.means), plan, &|_| {}))

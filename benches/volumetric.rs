@@ -52,10 +52,7 @@ fn volumetric(criterion: &mut Criterion) {
         bencher.iter(|| all_pairs(black_box(&vectors)))
     });
     for angular in [0.05, 0.1, 0.2] {
-        let tolerance = Tolerance {
-            angular,
-            magnitude: 0.9,
-        };
+        let tolerance = Tolerance { angular, magnitude: 0.9 };
         group.bench_function(format!("grouping {angular}, 21 nodes an axis"), |bencher| {
             bencher.iter(|| grouping(black_box(&vectors), tolerance))
         });
@@ -64,16 +61,15 @@ fn volumetric(criterion: &mut Criterion) {
         bencher.iter(|| WindowMap::of(black_box(&map), [11; 3]))
     });
     for threads in [1, 2] {
-        group.bench_function(
-            format!("histogram, 21 nodes an axis, {threads} threads"),
-            |bencher| bencher.iter(|| exact(black_box(&vectors), 10.0, threads)),
-        );
+        group
+            .bench_function(format!("histogram, 21 nodes an axis, {threads} threads"), |bencher| {
+                bencher.iter(|| exact(black_box(&vectors), 10.0, threads))
+            });
     }
     let large = machine_h([101; 3]);
-    group.bench_function(
-        "estimated histogram, 101 nodes an axis, 1 million pairs",
-        |bencher| bencher.iter(|| estimate(black_box(&large), 10.0, 1_000_000, 1502)),
-    );
+    group.bench_function("estimated histogram, 101 nodes an axis, 1 million pairs", |bencher| {
+        bencher.iter(|| estimate(black_box(&large), 10.0, 1_000_000, 1502))
+    });
     let vectors = large.vectors();
     group.bench_function("cloud, 101 nodes an axis", |bencher| {
         bencher.iter(|| cloud::longest(black_box(&vectors)))

@@ -101,14 +101,7 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
 }
 
 fn build_manifest(made: &Made<'_>) -> Manifest {
-    let Made {
-        inputs,
-        plan,
-        compiled,
-        files,
-        forecast,
-        ..
-    } = made;
+    let Made { inputs, plan, compiled, files, forecast, .. } = made;
     let job = &inputs.job;
     Manifest {
         schema: SCHEMA,

@@ -52,10 +52,7 @@ fn visit(after: &str) -> tempfile::TempDir {
 fn judged(directory: &Path, after: &str) -> (Option<i32>, Value) {
     let command = format!("verify job.toml --tables kit --after {after} --format json");
     let (status, text, said) = ended(directory, &command);
-    (
-        status,
-        serde_json::from_str(&text).unwrap_or_else(|_| panic!("{said}")),
-    )
+    (status, serde_json::from_str(&text).unwrap_or_else(|_| panic!("{said}")))
 }
 
 /// A table in X and Y with the same standard uncertainty everywhere.
@@ -69,10 +66,7 @@ fn table(rows: &[[f64; 3]], u_um: f64) -> String {
 
 #[test]
 fn figures_are_zero_at_the_reference_whatever_the_laser_counted_from() {
-    let directory = visit(&table(
-        &[[0.0, 7.0, -3.0], [50.0, 7.3, -3.1], [100.0, 6.5, -2.8]],
-        0.15,
-    ));
+    let directory = visit(&table(&[[0.0, 7.0, -3.0], [50.0, 7.3, -3.1], [100.0, 6.5, -2.8]], 0.15));
     let (status, document) = judged(directory.path(), "after.csv");
     assert_eq!((status, &document["verdict"]), (Some(0), &"pass".into()));
     let exx = &document["terms"]["EXX"];
@@ -96,10 +90,8 @@ fn the_uncertainty_decides_between_fail_and_undecided() {
         (1.7, 0.2, "undecided"),
         (1.8, 0.2, "fail"), // six values: 2.63 u = 0.743
     ] {
-        let directory = visit(&table(
-            &[[0.0, 0.0, 0.0], [50.0, um, 0.01], [100.0, 0.0, 0.0]],
-            u_um,
-        ));
+        let directory =
+            visit(&table(&[[0.0, 0.0, 0.0], [50.0, um, 0.01], [100.0, 0.0, 0.0]], u_um));
         let (status, document) = judged(directory.path(), "after.csv");
         assert_eq!(document["verdict"], verdict, "{um}, u = {u_um}");
         assert_eq!(status, Some(i32::from(verdict != "pass")));
@@ -110,16 +102,9 @@ fn the_uncertainty_decides_between_fail_and_undecided() {
 fn what_was_not_measured_again_is_named_and_decides_nothing() {
     let directory = visit("axis,position_mm,ex_um\nx,0,0\nx,50,0.1\nx,100,0.1\n");
     let (status, document) = judged(directory.path(), "after.csv");
-    assert_eq!(
-        (status, &document["verdict"]),
-        (Some(1), &"undecided".into())
-    );
+    assert_eq!((status, &document["verdict"]), (Some(1), &"undecided".into()));
     assert!(document["terms"]["EYX"]["after_um"].is_null());
-    assert!(
-        document["causes"]
-            .to_string()
-            .contains("not measured afterwards")
-    );
+    assert!(document["causes"].to_string().contains("not measured afterwards"));
     assert!(document["causes"].to_string().contains("EYX"));
 }
 
@@ -128,19 +113,12 @@ fn a_shorter_range_leaves_it_undecided() {
     let directory = visit(&table(&[[0.0, 0.0, 0.0], [50.0, 0.1, 0.0]], 0.1));
     let (_, document) = judged(directory.path(), "after.csv");
     assert_eq!(document["verdict"], "undecided");
-    assert!(
-        document["causes"]
-            .to_string()
-            .contains("less than nine tenths decide nothing")
-    );
+    assert!(document["causes"].to_string().contains("less than nine tenths decide nothing"));
 }
 
 #[test]
 fn tables_that_were_changed_fail_whatever_was_measured() {
-    let directory = visit(&table(
-        &[[0.0, 0.0, 0.0], [50.0, 0.0, 0.0], [100.0, 0.0, 0.0]],
-        0.1,
-    ));
+    let directory = visit(&table(&[[0.0, 0.0, 0.0], [50.0, 0.0, 0.0], [100.0, 0.0, 0.0]], 0.1));
     let file = directory.path().join("kit/compensation.csv");
     let text = fs::read_to_string(&file).unwrap();
     fs::write(&file, format!("{text}\n")).unwrap();
@@ -151,14 +129,9 @@ fn tables_that_were_changed_fail_whatever_was_measured() {
 
 #[test]
 fn tables_that_do_not_act_are_named_with_the_look_that_decides() {
-    let directory = visit(&table(
-        &[[0.0, 0.0, 0.0], [50.0, 6.05, 3.02], [100.0, 16.0, -4.0]],
-        0.1,
-    ));
-    let (status, page, _) = ended(
-        directory.path(),
-        "verify job.toml --tables kit --after after.csv",
-    );
+    let directory = visit(&table(&[[0.0, 0.0, 0.0], [50.0, 6.05, 3.02], [100.0, 16.0, -4.0]], 0.1));
+    let (status, page, _) =
+        ended(directory.path(), "verify job.toml --tables kit --after after.csv");
     assert_eq!(status, Some(1));
     assert!(page.contains("NOT ACTIVE: all tables do not act"), "{page}");
     assert!(page.contains("to decide:"), "{page}");
@@ -184,10 +157,7 @@ fn a_job_with_readings_gives_what_its_separated_table_gives() {
         assert_eq!(by_job[part], by_table[part]);
     }
     let exx = &by_job["terms"]["EXX"];
-    assert_eq!(
-        exx["after_um"], exx["before_um"],
-        "the same readings: nothing acts"
-    );
+    assert_eq!(exx["after_um"], exx["before_um"], "the same readings: nothing acts");
 }
 
 /// Lengths that were brought to 20 °C are not compared with lengths that were not.
@@ -203,17 +173,10 @@ fn a_second_job_states_the_material_where_the_first_does() {
     fs::write(path.join("job.toml"), first).unwrap();
     ended(path, "generate job.toml -o kit");
     let (_, _, said) = {
-        fs::write(
-            path.join("after.toml"),
-            job.replace(NONE_ACTIVE, KIT_ACTIVE),
-        )
-        .unwrap();
+        fs::write(path.join("after.toml"), job.replace(NONE_ACTIVE, KIT_ACTIVE)).unwrap();
         ended(path, "verify job.toml --tables kit --after after.toml")
     };
-    assert!(
-        said.contains("does not state [measurement.step_diagonal.material]"),
-        "{said}"
-    );
+    assert!(said.contains("does not state [measurement.step_diagonal.material]"), "{said}");
 }
 
 /// Rows of an error table in X and Y without uncertainty.
@@ -221,9 +184,7 @@ const LEFT: &str = "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,0.2,0.1\nx,100,0
 
 /// A job of the second measurement.
 fn after_job(active: &str, more: &str) -> String {
-    let job = JOB
-        .replace("errors.csv", "after.csv")
-        .replace(NONE_ACTIVE, active);
+    let job = JOB.replace("errors.csv", "after.csv").replace(NONE_ACTIVE, active);
     job.replace("[compensation]\n", &format!("{more}[compensation]\n"))
 }
 
@@ -237,11 +198,7 @@ fn a_second_job_that_does_not_say_what_was_active_is_warned_about() {
     let path = directory.path();
     fs::write(path.join("after.toml"), after_job("", "")).unwrap();
     let (_, document) = judged(path, "after.toml");
-    assert!(
-        document["notes"]
-            .to_string()
-            .contains("does not state `active_while_measuring`")
-    );
+    assert!(document["notes"].to_string().contains("does not state `active_while_measuring`"));
     fs::write(path.join("after.toml"), after_job(KIT_ACTIVE, "")).unwrap();
     let (status, document) = judged(path, "after.toml");
     assert_eq!(status, Some(0), "{document:#}");
@@ -291,10 +248,7 @@ fn far_fewer_positions_leave_it_undecided() {
         fs::write(path.join("after.csv"), rows(step)).unwrap();
         let (_, document) = judged(path, "after.csv");
         assert_eq!(document["verdict"], verdict, "every {step} mm");
-        assert_eq!(
-            causes(&document).contains("known between them"),
-            verdict != "pass"
-        );
+        assert_eq!(causes(&document).contains("known between them"), verdict != "pass");
     }
 }
 
@@ -303,10 +257,8 @@ fn both_ways(policy: &str, lost_um: f64) -> tempfile::TempDir {
     let directory = visit(LEFT);
     let path = directory.path();
     fs::write(path.join("errors.csv"), directed(["0", "6", "16"], lost_um)).unwrap();
-    let job = JOB.replace(
-        "[compensation]\n",
-        &format!("[compensation]\nbacklash = \"{policy}\"\n"),
-    );
+    let job =
+        JOB.replace("[compensation]\n", &format!("[compensation]\nbacklash = \"{policy}\"\n"));
     fs::write(path.join("job.toml"), job).unwrap();
     ended(path, "generate job.toml -o kit --force");
     directory
@@ -334,10 +286,7 @@ fn one_direction_decides_nothing_where_both_were_found() {
         fs::write(directory.path().join("after.csv"), one_way).unwrap();
         let (_, document) = judged(directory.path(), "after.csv");
         assert_eq!(document["verdict"], "undecided", "{policy}: {document:#}");
-        assert!(
-            causes(&document).contains("reversal that is left: EXX"),
-            "{policy}"
-        );
+        assert!(causes(&document).contains("reversal that is left: EXX"), "{policy}");
     }
 }
 
@@ -361,10 +310,7 @@ fn a_reversal_left_on_purpose_hides_no_inactive_tables() {
 fn noise_as_large_as_the_errors_hides_whether_the_tables_act() {
     let rows = [[0.0, 0.0, 0.0], [50.0, 5.0, 3.0], [100.0, 9.0, -4.0]];
     let directory = visit(&table(&rows, 20.0));
-    let errors = table(
-        &[[0.0, 0.0, 0.0], [50.0, 6.0, 3.0], [100.0, 16.0, -4.0]],
-        20.0,
-    );
+    let errors = table(&[[0.0, 0.0, 0.0], [50.0, 6.0, 3.0], [100.0, 16.0, -4.0]], 20.0);
     fs::write(directory.path().join("errors.csv"), errors).unwrap();
     ended(directory.path(), "generate job.toml -o kit --force");
     let (_, document) = judged(directory.path(), "after.csv");
@@ -377,10 +323,7 @@ fn lost_motion_that_the_first_measurement_could_not_see_is_named() {
     let directory = visit(&directed(["0", "0.05", "0"], 5.0));
     let (_, document) = judged(directory.path(), "after.csv");
     assert_eq!(document["verdict"], "fail");
-    assert!(
-        causes(&document).contains("LOST MOTION, no fault of the tables"),
-        "{document:#}"
-    );
+    assert!(causes(&document).contains("LOST MOTION, no fault of the tables"), "{document:#}");
     assert!(causes(&document).contains("EXX -5.000"), "{document:#}");
     assert!(!causes(&document).contains("unknown"), "{document:#}");
 }
@@ -391,23 +334,14 @@ fn without_limits_a_turned_sign_is_undecided() {
     let (job, _) = JOB.split_once("[acceptance]").unwrap();
     fs::write(directory.path().join("job.toml"), job).unwrap();
     let (status, document) = judged(directory.path(), "after.csv");
-    assert_eq!(
-        (status, &document["verdict"]),
-        (Some(1), &"undecided".into())
-    );
+    assert_eq!((status, &document["verdict"]), (Some(1), &"undecided".into()));
     assert!(causes(&document).contains("SIGN TURNED"), "{document:#}");
 }
 
 #[test]
 fn what_is_off_the_forecast_is_named_though_it_passes() {
-    let directory = visit(&table(
-        &[[0.0, 0.0, 0.0], [50.0, 0.6, 0.01], [100.0, 0.0, 0.0]],
-        0.05,
-    ));
-    let errors = table(
-        &[[0.0, 0.0, 0.0], [50.0, 6.0, 3.0], [100.0, 16.0, -4.0]],
-        0.05,
-    );
+    let directory = visit(&table(&[[0.0, 0.0, 0.0], [50.0, 0.6, 0.01], [100.0, 0.0, 0.0]], 0.05));
+    let errors = table(&[[0.0, 0.0, 0.0], [50.0, 6.0, 3.0], [100.0, 16.0, -4.0]], 0.05);
     fs::write(directory.path().join("errors.csv"), errors).unwrap();
     let (_, document) = judged(directory.path(), "after.csv");
     assert_eq!(document["verdict"], "pass");
@@ -425,10 +359,7 @@ fn what_is_off_the_forecast_is_named_though_it_passes() {
 fn a_limit_missed_without_a_stated_uncertainty_says_so() {
     let directory = visit("axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,2,0\nx,100,0,0\n");
     let (_, document) = judged(directory.path(), "after.csv");
-    assert!(
-        causes(&document).contains("EXX leaves 2.000 µm (U not stated)"),
-        "{document:#}"
-    );
+    assert!(causes(&document).contains("EXX leaves 2.000 µm (U not stated)"), "{document:#}");
 }
 
 /// Slopes of cross terms that were separated hold another rotation than those of a given table.
@@ -461,10 +392,7 @@ fn the_backlash_parameter_of_a_kit_is_the_one_of_its_manifest() {
     assert_eq!(document["terms"]["EXX"]["forecast_um"], 2.0);
     let (_, said, _) = ended(path, "simulate job.toml --tables kit --errors -o -");
     assert!(said.contains("x,-,100,2,"), "{said}");
-    assert!(
-        said.contains("3.000 µm as manifest.json of the kit names it"),
-        "{said}"
-    );
+    assert!(said.contains("3.000 µm as manifest.json of the kit names it"), "{said}");
 }
 
 /// Files under names of the control's own, with data of no concern among them.

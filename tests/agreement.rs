@@ -70,18 +70,9 @@ fn a_wrong_linear_axis_is_not_swallowed() {
     close(others.found_um_per_m, truth.slope(term("EZZ")), 4.0, "Z");
     let (difference, ratio) = z.difference().unwrap();
     close(difference, 50.0, 4.0, "difference");
-    close(
-        ratio,
-        difference / others.u_difference_um_per_m,
-        1e-9,
-        "ratio",
-    );
+    close(ratio, difference / others.u_difference_um_per_m, 1e-9, "ratio");
     assert!(words(&found.doubts)[0].contains("linear axes and diagonals DISAGREE"));
-    assert!(
-        words(&found.doubts)[0].contains("Z by +"),
-        "{}",
-        words(&found.doubts)[0]
-    );
+    assert!(words(&found.doubts)[0].contains("Z by +"), "{}", words(&found.doubts)[0]);
     assert!(found.tilts.is_none());
     for name in ["EXX", "EYY", "EZZ", "EXY", "EXZ", "EYZ"] {
         assert_eq!(u_at_end(&found, name), None, "{name}");
@@ -101,10 +92,7 @@ fn true_linear_axes_agree_and_each_is_confirmed_by_the_others() {
     for (line, axis) in agreement.lines.iter().zip(Axis::ALL) {
         assert_eq!(line.name(), axis.to_string());
         let others = line.others.unwrap();
-        let slope = truth.slope(ErrorTerm {
-            of: axis,
-            along: axis,
-        });
+        let slope = truth.slope(ErrorTerm { of: axis, along: axis });
         let far = (others.found_um_per_m - slope).abs();
         assert!(far < 3.5 * others.u_difference_um_per_m, "{axis}: {far}");
         // V/c⁴ for the totals' mean and c² shares of the others: all three have one ratio.
@@ -128,11 +116,7 @@ fn without_redundancy_it_is_said_that_nothing_checks() {
     let lines = truth.lines(&[Axis::X, Axis::Y], Some(0.5));
     let found = solved(&truth.volume, lines, &runs(1, Pass::Forward, &noisy));
     assert_eq!(found.agreement, None);
-    let said = |wanted: &str| {
-        words(&found.labels)
-            .iter()
-            .any(|label| label.contains(wanted))
-    };
+    let said = |wanted: &str| words(&found.labels).iter().any(|label| label.contains(wanted));
     assert!(said("nothing checks the linear axes"));
 }
 
@@ -149,10 +133,7 @@ fn with_stated(stated: StatedUncertainty, material: Option<Material>) -> Separat
 }
 
 fn steel(axes: &[Axis], temperature_c: Option<f64>) -> Material {
-    let steel = AxisMaterial {
-        alpha_per_k: 11.5e-6,
-        temperature_c,
-    };
+    let steel = AxisMaterial { alpha_per_k: 11.5e-6, temperature_c };
     Material {
         material_corrected: true,
         air_corrected: true,
@@ -165,10 +146,7 @@ fn steel(axes: &[Axis], temperature_c: Option<f64>) -> Material {
 #[test]
 fn the_laser_goes_through_the_solution() {
     let plain = with_stated(StatedUncertainty::default(), None);
-    let stated = StatedUncertainty {
-        laser_ppm: Some(1.0),
-        ..StatedUncertainty::default()
-    };
+    let stated = StatedUncertainty { laser_ppm: Some(1.0), ..StatedUncertainty::default() };
     let found = with_stated(stated, None);
     let added = |name: &str| {
         let [with, without] = [&found, &plain].map(|s| u_at_end(s, name).unwrap());
@@ -189,10 +167,7 @@ fn the_laser_goes_through_the_solution() {
 
 #[test]
 fn the_temperature_goes_through_the_solution() {
-    let stated = StatedUncertainty {
-        temperature_k: Some(1.0),
-        ..StatedUncertainty::default()
-    };
+    let stated = StatedUncertainty { temperature_k: Some(1.0), ..StatedUncertainty::default() };
     let found = with_stated(stated, Some(steel(&Axis::ALL, Some(22.0))));
     close(u_at_end(&found, "EZZ").unwrap(), 29.50, 0.05, "EZZ");
     close(u_at_end(&found, "EXX").unwrap(), 0.09, 1e-3, "EXX");
@@ -200,38 +175,25 @@ fn the_temperature_goes_through_the_solution() {
     let found = with_stated(stated, Some(steel(&[Axis::X], Some(22.0))));
     let wanted = 11.5 * 0.72 * (900.0f64 / 720.0).powi(2);
     close(u_at_end(&found, "EZZ").unwrap(), wanted, 0.05, "EZZ by X");
-    let said = |wanted: &str| {
-        words(&found.labels)
-            .iter()
-            .any(|label| label.contains(wanted))
-    };
+    let said = |wanted: &str| words(&found.labels).iter().any(|label| label.contains(wanted));
     assert!(said("temperature_k is included in the scales for X"));
     assert!(said("but not for Y, Z"));
 }
 
 #[test]
 fn changes_between_set_ups_make_squareness_uncertain() {
-    let stated = StatedUncertainty {
-        setup_ppm: Some(2.3),
-        ..StatedUncertainty::default()
-    };
+    let stated = StatedUncertainty { setup_ppm: Some(2.3), ..StatedUncertainty::default() };
     let found = with_stated(stated, None);
-    for (plane, area) in [
-        (Plane::Xy, 0.9 * 0.72),
-        (Plane::Xz, 0.9 * 0.72),
-        (Plane::Yz, 0.72 * 0.72),
-    ] {
+    for (plane, area) in
+        [(Plane::Xy, 0.9 * 0.72), (Plane::Xz, 0.9 * 0.72), (Plane::Yz, 0.72 * 0.72)]
+    {
         // R²/(2 V_j V_k) · u(ε)
         let wanted = 2.3 * found.volume.diagonal_mm().powi(2) / 1e6 / (2.0 * area);
         let u = found.u_squareness.of(plane).map(|u| u.u_um_per_m).unwrap();
         close(u, wanted, 0.01, plane.key());
     }
     let silent = with_stated(StatedUncertainty::default(), None);
-    let said = |wanted: &str| {
-        words(&silent.labels)
-            .iter()
-            .any(|label| label.contains(wanted))
-    };
+    let said = |wanted: &str| words(&silent.labels).iter().any(|label| label.contains(wanted));
     assert!(said("setup_ppm is not stated"));
     assert!(said("xy 1.42, xz 1.42, yz 1.78") || said("xy 1.43, xz 1.43, yz 1.78"));
 }
@@ -256,12 +218,7 @@ fn recorded_temperatures_serve_the_coefficient_of_expansion() {
         run.temperatures_c = PerAxis::from_fn(|_| Some(vec![35.0; run.deviations.len()]));
     }
     let warm = separate(&campaign, &all);
-    close(
-        u_at_end(&warm, "EZZ").unwrap(),
-        15.0 * 0.72 * 3.5625,
-        0.05,
-        "EZZ",
-    );
+    close(u_at_end(&warm, "EZZ").unwrap(), 15.0 * 0.72 * 3.5625, 0.05, "EZZ");
     assert!(
         words(&warm.labels)
             .iter()
@@ -290,11 +247,7 @@ fn a_beam_over_a_part_of_the_travel_is_freed_of_the_shapes() {
         at(&name, 24) - at(&name, 6)
     };
     let skew = MeasuredLine {
-        direction: PerAxis {
-            x: x / length,
-            y: y / length,
-            z: 0.0,
-        },
+        direction: PerAxis { x: x / length, y: y / length, z: 0.0 },
         slope_um_per_m: 1000.0
             * (x * (rise("X", "X") + rise("X", "Y")) + y * (rise("Y", "X") + rise("Y", "Y")))
             / (length * length),
@@ -332,17 +285,9 @@ fn what_rests_on_an_unknown_uncertainty_has_none() {
     lines[0].u_um_per_m = None;
     let found = solved(&truth.volume, lines, &runs(1, Pass::Forward, &noisy));
     assert_eq!(u_at_end(&found, "EXX"), None);
-    assert_eq!(
-        u_at_end(&found, "EZZ"),
-        None,
-        "it is what X and Y leave of S"
-    );
+    assert_eq!(u_at_end(&found, "EZZ"), None, "it is what X and Y leave of S");
     assert!(u_at_end(&found, "EYY").is_some(), "the linear axis itself");
-    assert!(
-        words(&found.labels)
-            .iter()
-            .any(|label| label.contains("add `u_um_per_m`"))
-    );
+    assert!(words(&found.labels).iter().any(|label| label.contains("add `u_um_per_m`")));
 }
 
 #[test]
@@ -376,11 +321,7 @@ fn the_share_of_unknown_scales_in_squareness_is_told() {
             machine.volume.cosine(Axis::Y) * d.sign(Axis::Y),
         );
         let length = x.hypot(y);
-        machine.lean[d] = PerAxis {
-            x: size * y / length,
-            y: -size * x / length,
-            z: 0.0,
-        };
+        machine.lean[d] = PerAxis { x: size * y / length, y: -size * x / length, z: 0.0 };
     }
     let all = runs(1, Pass::Forward, &machine.readings(None));
     let found = solved(&machine.volume, Vec::new(), &all);
@@ -391,8 +332,6 @@ fn the_share_of_unknown_scales_in_squareness_is_told() {
     assert!(xy.abs() <= told * 1.05 + 1e-3, "{xy} against {told}");
     assert!(xy.abs() >= told * 0.2, "{xy} against {told}");
     assert!(
-        words(&found.labels)
-            .iter()
-            .any(|label| label.contains("through the tilts of the mirror"))
+        words(&found.labels).iter().any(|label| label.contains("through the tilts of the mirror"))
     );
 }

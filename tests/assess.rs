@@ -1,10 +1,6 @@
 //! `nonius assess`: machine H to the digits, the tables of paper 000, before and after.
 
-#![allow(
-    clippy::expect_used,
-    clippy::unwrap_used,
-    reason = "a test that cannot go on has to stop"
-)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test that cannot go on has to stop")]
 
 #[path = "support/run.rs"]
 mod run;
@@ -22,9 +18,7 @@ use serde_json::Value;
 use std::path::Path;
 
 fn fixtures(name: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name)
 }
 
 fn json(directory: &Path, arguments: &str) -> Value {
@@ -36,12 +30,7 @@ fn json(directory: &Path, arguments: &str) -> Value {
 
 fn page(directory: &Path, arguments: &str) -> String {
     let output = nonius(directory, &format!("{arguments} --explain"));
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
 
@@ -62,62 +51,25 @@ fn machine_h_has_the_figures_of_its_authority() {
     assert_eq!(found["grid"], expected["grid"]);
     assert_eq!(found["frame"], "as given");
     let definitions = &found["definitions"];
-    for key in [
-        "va_um",
-        "box_um",
-        "length_um",
-        "max_from_reference_um",
-        "proposed_um",
-    ] {
-        assert_near(
-            key,
-            &definitions[key],
-            expected[key].as_f64().unwrap(),
-            LAST_DIGIT,
-        );
+    for key in ["va_um", "box_um", "length_um", "max_from_reference_um", "proposed_um"] {
+        assert_near(key, &definitions[key], expected[key].as_f64().unwrap(), LAST_DIGIT);
     }
     for (index, range) in expected["ranges_um"].as_array().unwrap().iter().enumerate() {
-        assert_near(
-            "range",
-            &definitions["ranges_um"][index],
-            range.as_f64().unwrap(),
-            LAST_DIGIT,
-        );
+        assert_near("range", &definitions["ranges_um"][index], range.as_f64().unwrap(), LAST_DIGIT);
     }
-    for (place, want) in expected["va_pair_mm"]
-        .as_array()
-        .unwrap()
-        .iter()
-        .enumerate()
-    {
+    for (place, want) in expected["va_pair_mm"].as_array().unwrap().iter().enumerate() {
         for (axis, mm) in want.as_array().unwrap().iter().enumerate() {
-            assert_near(
-                "pair",
-                &definitions["va_pair_mm"][place][axis],
-                mm.as_f64().unwrap(),
-                0.0,
-            );
+            assert_near("pair", &definitions["va_pair_mm"][place][axis], mm.as_f64().unwrap(), 0.0);
         }
     }
     let windows = &expected["windows_6x2x1_m"];
     for key in ["min_um", "max_um", "corner_um"] {
-        assert_near(
-            key,
-            &found["windows"][key],
-            windows[key].as_f64().unwrap(),
-            LAST_DIGIT,
-        );
+        assert_near(key, &found["windows"][key], windows[key].as_f64().unwrap(), LAST_DIGIT);
     }
-    assert_eq!(
-        found["windows"]["min_at_mm"],
-        serde_json::json!([6000.0, 2000.0, 1000.0])
-    );
+    assert_eq!(found["windows"]["min_at_mm"], serde_json::json!([6000.0, 2000.0, 1000.0]));
     let parts = found["contributions"].as_array().unwrap();
     let part = |name: &str| parts.iter().find(|p| p["term"] == name).unwrap();
-    for (key, column) in [
-        ("contributions_um", "um"),
-        ("va_without_um", "va_without_um"),
-    ] {
+    for (key, column) in [("contributions_um", "um"), ("va_without_um", "va_without_um")] {
         for (name, um) in expected[key].as_object().unwrap() {
             assert_near(name, &part(name)[column], um.as_f64().unwrap(), 0.000_501);
         }
@@ -162,29 +114,18 @@ fn machine_h_keeps_its_figure_on_other_grids() {
     let folder = fixtures("machine_h");
     for grid in ["2,2,2", "25,17,13", "21,21,21"] {
         let found = json(&folder, &format!("assess job.toml --grid {grid}"));
-        assert_near(
-            grid,
-            &found["definitions"]["va_um"],
-            1_149.980_852,
-            LAST_DIGIT,
-        );
+        assert_near(grid, &found["definitions"]["va_um"], 1_149.980_852, LAST_DIGIT);
     }
     let histogram = &json(&folder, "assess job.toml --histogram 50")["histogram"];
     let counts = histogram["counts"].as_array().unwrap();
     let sum: u64 = counts.iter().map(|n| n.as_u64().unwrap()).sum();
-    assert_eq!(
-        (sum, counts.len()),
-        (819 * 818 / 2, 23),
-        "1149.98 µm lies in bin 22"
-    );
+    assert_eq!((sum, counts.len()), (819 * 818 / 2, 23), "1149.98 µm lies in bin 22");
     assert_eq!(histogram["exact"], true);
 }
 
 /// Columns of paper 000 in its own order; D‹moving›‹direction›, so DYX is EXY. Read the other way
 /// round its own sums (DX max 0.03106) cannot be had.
-const COLUMNS: [&str; 9] = [
-    "EXX", "EYX", "EZX", "EYY", "EXY", "EZY", "EZZ", "EXZ", "EYZ",
-];
+const COLUMNS: [&str; 9] = ["EXX", "EYX", "EZX", "EYY", "EXY", "EZY", "EZZ", "EXZ", "EYZ"];
 
 fn by_component(min: [f64; 9], max: [f64; 9]) -> ByComponent {
     let mut extremes = PerTerm::from_fn(|_: ErrorTerm| None);
@@ -217,25 +158,16 @@ fn example_1_of_paper_000() {
     // Printed: 0.109176, and 0.077857 in the table but 0.077856 in the text (0.0778585 from its rows).
     near(found.proposed, 0.109_176, 5e-7);
     near(found.existing, 0.077_857, 2e-6);
-    near(
-        found
-            .proposed
-            .zip(found.existing)
-            .map(|(new, old)| new / old),
-        1.402_233_909,
-        1e-8,
-    );
+    near(found.proposed.zip(found.existing).map(|(new, old)| new / old), 1.402_233_909, 1e-8);
 }
 
 /// Paper 000, example 2 (inch): three minima are printed without their minus signs.
 #[test]
 fn example_2_of_paper_000() {
-    let max = [
-        0.000_484, 0.000_316, 0.000_039, -6e-7, 2.2e-6, 0.000_201, 0.000_179, 6.2e-6, 0.000_056,
-    ];
-    let printed = [
-        0.000_651, -1.3e-5, -0.000_5, 0.000_44, -0.001_89, 0.0, -0.000_3, 0.001_12, -0.000_4,
-    ];
+    let max =
+        [0.000_484, 0.000_316, 0.000_039, -6e-7, 2.2e-6, 0.000_201, 0.000_179, 6.2e-6, 0.000_056];
+    let printed =
+        [0.000_651, -1.3e-5, -0.000_5, 0.000_44, -0.001_89, 0.0, -0.000_3, 0.001_12, -0.000_4];
     let mut min = printed;
     for lost in [0, 3, 7] {
         min[lost] = -min[lost];
@@ -244,19 +176,9 @@ fn example_2_of_paper_000() {
     near(found.existing, 0.003_079_338, 1e-9);
     near(found.existing, 0.003_084, 6e-6);
     near(found.proposed, 0.004_595, 7e-6);
-    near(
-        found
-            .proposed
-            .zip(found.existing)
-            .map(|(new, old)| new / old),
-        1.49,
-        0.005,
-    );
+    near(found.proposed.zip(found.existing).map(|(new, old)| new / old), 1.49, 0.005);
     let as_printed = by_component(printed, max);
-    assert!(
-        (as_printed.proposed.unwrap() - 0.004_595).abs() > 0.001,
-        "the signs were lost"
-    );
+    assert!((as_printed.proposed.unwrap() - 0.004_595).abs() > 0.001, "the signs were lost");
 }
 
 /// With every error tabled and the control's grid on the measured nodes nothing but rounding is
@@ -278,12 +200,7 @@ fn the_tables_take_off_what_they_hold() {
     std::fs::write(directory.path().join("job.toml"), format!("{job}{axes}")).unwrap();
     std::fs::write(directory.path().join("errors.csv"), &errors).unwrap();
     let kit = nonius(directory.path(), "generate job.toml -o kit");
-    assert_eq!(
-        kit.status.code(),
-        Some(0),
-        "{}",
-        String::from_utf8_lossy(&kit.stderr)
-    );
+    assert_eq!(kit.status.code(), Some(0), "{}", String::from_utf8_lossy(&kit.stderr));
     let found = json(directory.path(), "assess job.toml --tables kit");
     // The angles alone: deviations and squareness struck out of the same table.
     let alone: String = errors
@@ -308,10 +225,7 @@ fn the_tables_take_off_what_they_hold() {
         .collect();
     std::fs::write(directory.path().join("angles.toml"), without_squareness).unwrap();
     let angles = json(directory.path(), "assess angles.toml");
-    let (left, alone) = (
-        &found["after"]["definitions"]["va_um"],
-        &angles["definitions"]["va_um"],
-    );
+    let (left, alone) = (&found["after"]["definitions"]["va_um"], &angles["definitions"]["va_um"]);
     // Z nodes of the table (200 mm) are not those of the measurement (333.3 mm): between them a
     // table of straight lines leaves a little.
     assert_near("what is left", left, alone.as_f64().unwrap(), 3.0);
@@ -361,18 +275,14 @@ fn angles_of_their_own_table_are_read() {
         rows.map(cut).collect()
     };
     let job = std::fs::read_to_string(folder.join("job.toml")).unwrap();
-    let job = job.replace(
-        "errors = \"errors.csv\"",
-        "errors = \"errors.csv\"\nangles = \"angles.csv\"",
-    );
+    let job =
+        job.replace("errors = \"errors.csv\"", "errors = \"errors.csv\"\nangles = \"angles.csv\"");
     let put = |name: &str, text: String| std::fs::write(directory.path().join(name), text).unwrap();
     put("job.toml", job);
     put("errors.csv", columns(&[0, 1, 2, 3, 4]));
     put("angles.csv", columns(&[0, 1, 5, 6, 7]));
-    let (apart, whole) = (
-        json(directory.path(), "assess job.toml"),
-        json(&folder, "assess job.toml"),
-    );
+    let (apart, whole) =
+        (json(directory.path(), "assess job.toml"), json(&folder, "assess job.toml"));
     assert_eq!(apart["definitions"], whole["definitions"]);
     assert_eq!(apart["contributions"], whole["contributions"]);
 }
@@ -382,25 +292,14 @@ fn angles_of_their_own_table_are_read() {
 fn angles_can_be_zeroed_where_the_squareness_was_measured() {
     let folder = fixtures("machine_h");
     let directory = tempfile::tempdir().unwrap();
-    std::fs::copy(
-        folder.join("errors.csv"),
-        directory.path().join("errors.csv"),
-    )
-    .unwrap();
+    std::fs::copy(folder.join("errors.csv"), directory.path().join("errors.csv")).unwrap();
     let job = std::fs::read_to_string(folder.join("job.toml")).unwrap();
-    let job = job.replace(
-        "[compensation]",
-        "[measurement.angles_zero_mm]\nx = 0.0\n\n[compensation]",
-    );
+    let job =
+        job.replace("[compensation]", "[measurement.angles_zero_mm]\nx = 0.0\n\n[compensation]");
     std::fs::write(directory.path().join("job.toml"), job).unwrap();
     let found = json(directory.path(), "assess job.toml");
     // By a program of its own: all angles less their value at 0.
-    assert_near(
-        "VA",
-        &found["definitions"]["va_um"],
-        1_148.470_874,
-        LAST_DIGIT,
-    );
+    assert_near("VA", &found["definitions"]["va_um"], 1_148.470_874, LAST_DIGIT);
     let page = page(directory.path(), "assess job.toml");
     assert!(page.contains("angles of X count from 0 mm"), "{page}");
 }

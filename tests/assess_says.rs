@@ -31,9 +31,7 @@ fn document(directory: &Path, arguments: &str) -> Value {
 }
 
 fn fixtures(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name)
 }
 
 /// A folder with these files.
@@ -65,16 +63,12 @@ active_while_measuring = \"none\"
 ";
 
 fn um(value: &Value) -> f64 {
-    value
-        .as_f64()
-        .unwrap_or_else(|| panic!("{value} is no number"))
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
 
 fn has_label(found: &Value, words: &str) -> bool {
     let labels = found["labels"].as_array().unwrap();
-    labels
-        .iter()
-        .any(|label| label.as_str().unwrap().contains(words))
+    labels.iter().any(|label| label.as_str().unwrap().contains(words))
 }
 
 /// Three axes that rise to 30 µm at 100 and 200 mm: a spline overshoots between them.
@@ -97,11 +91,7 @@ z,300,0,0,0
 fn the_volume_is_claimed_only_where_no_place_is_worse() {
     let spline =
         format!("{CUBE}[compensation]\ncontroller = \"generic\"\ncurve = \"natural-spline\"\n");
-    let jobs = folder(&[
-        ("job.toml", CUBE),
-        ("spline.toml", &spline),
-        ("errors.csv", HUMPS),
-    ]);
+    let jobs = folder(&[("job.toml", CUBE), ("spline.toml", &spline), ("errors.csv", HUMPS)]);
     let exact = |arguments: &str| {
         let found = document(jobs.path(), arguments);
         let d = &found["definitions"];
@@ -115,41 +105,21 @@ fn the_volume_is_claimed_only_where_no_place_is_worse() {
     let (finer, claimed) = exact("assess spline.toml --grid 31,31,31");
     assert!(finer > 59.7 && !claimed, "{finer}");
     let said = page(jobs.path(), "assess spline.toml");
-    assert!(
-        said.contains("51.962 µm: no two of these nodes differ by more"),
-        "{said}"
-    );
+    assert!(said.contains("51.962 µm: no two of these nodes differ by more"), "{said}");
     let said = page(jobs.path(), "assess job.toml");
-    assert!(
-        said.contains("51.962 µm: no two places of the volume differ by more"),
-        "{said}"
-    );
+    assert!(said.contains("51.962 µm: no two places of the volume differ by more"), "{said}");
 }
 
 #[test]
 fn a_separation_keeps_its_labels_and_its_frame() {
-    let found = document(
-        &fixtures("diagonals/case_d_bidirectional"),
-        "assess job.toml",
-    );
+    let found = document(&fixtures("diagonals/case_d_bidirectional"), "assess job.toml");
     assert_eq!(found["frame"], "as-measured");
-    assert!(
-        has_label(&found, "set-up assumed perfect"),
-        "{}",
-        found["labels"]
-    );
-    assert!(
-        has_label(&found, "a reversal of about"),
-        "{}",
-        found["labels"]
-    );
+    assert!(has_label(&found, "set-up assumed perfect"), "{}", found["labels"]);
+    assert!(has_label(&found, "a reversal of about"), "{}", found["labels"]);
     let found = document(&fixtures("start/readings"), "assess job.toml");
     assert_eq!(found["frame"], "x-primary");
     let said = page(&fixtures("start/readings"), "assess job.toml");
-    assert!(
-        said.contains("frame: X primary, XY plane secondary"),
-        "{said}"
-    );
+    assert!(said.contains("frame: X primary, XY plane secondary"), "{said}");
     assert!(!said.contains("nothing was rotated"), "{said}");
 }
 
@@ -174,20 +144,13 @@ fn a_turned_datum_leaves_what_the_page_says_to_stay() {
                 _ => [-20.0 * m, -30.0 * m, 0.0],
             };
             let [x, y, z] = [ex, ey, ez].map(number);
-            format!(
-                "{axis},{at},{},{},{}\n",
-                x + added[0],
-                y + added[1],
-                z + added[2]
-            )
+            format!("{axis},{at},{},{},{}\n", x + added[0], y + added[1], z + added[2])
         })
         .collect();
     let job = std::fs::read_to_string(start.join("job.toml")).unwrap();
     let turned = folder(&[("job.toml", &job), ("errors.csv", &turned)]);
-    let (one, other) = (
-        document(&start, "assess job.toml"),
-        document(turned.path(), "assess job.toml"),
-    );
+    let (one, other) =
+        (document(&start, "assess job.toml"), document(turned.path(), "assess job.toml"));
     let both = |key: &str| (um(&one["definitions"][key]), um(&other["definitions"][key]));
     let change = |key: &str| {
         let (a, b) = both(key);
@@ -210,10 +173,8 @@ fn tables_that_were_active_are_part_of_the_machine_as_measured() {
     let start = fixtures("start/errors");
     let job = std::fs::read_to_string(start.join("job.toml")).unwrap();
     let table = std::fs::read_to_string(start.join("errors.csv")).unwrap();
-    let after = job.replace(
-        "active_while_measuring = \"none\"",
-        "active_while_measuring = \"kit\"",
-    );
+    let after =
+        job.replace("active_while_measuring = \"none\"", "active_while_measuring = \"kit\"");
     let silent = job.replace("active_while_measuring = \"none\"", "");
     let jobs = folder(&[
         ("job.toml", &job),
@@ -229,11 +190,7 @@ fn tables_that_were_active_are_part_of_the_machine_as_measured() {
     let found = document(jobs.path(), "assess after.toml");
     assert_eq!(found["active"]["tables"], "kit");
     assert_eq!(um(&found["definitions"]["va_um"]), 1.0);
-    assert!(
-        um(&found["active"]["va_without_um"]) > 14.0,
-        "{}",
-        found["active"]
-    );
+    assert!(um(&found["active"]["va_without_um"]) > 14.0, "{}", found["active"]);
     let said = page(jobs.path(), "assess after.toml");
     assert!(
         said.contains("as measured, with the tables of `kit` active; without any tables"),
@@ -252,30 +209,18 @@ fn places_that_levers_depend_on_are_named() {
     let jobs = folder(&[("job.toml", &more), ("errors.csv", HUMPS)]);
     let found = document(jobs.path(), "assess job.toml");
     assert_eq!(found["tool_offset_mm"], json!([0.0, 0.0, -120.5]));
-    assert_eq!(
-        found["offsets_mm"],
-        json!({"x": 4000.0, "y": 100.0, "z": null})
-    );
+    assert_eq!(found["offsets_mm"], json!({"x": 4000.0, "y": 100.0, "z": null}));
     assert_eq!(found["volume_mm"]["y"], json!([0.0, 300.0]));
-    assert!(
-        has_label(&found, "does not reach: X 4000 mm"),
-        "{}",
-        found["labels"]
-    );
+    assert!(has_label(&found, "does not reach: X 4000 mm"), "{}", found["labels"]);
     let said = page(jobs.path(), "assess job.toml");
-    assert!(
-        said.contains("tool offset (0, 0, -120.5) mm; offsets X 4000, Y 100 mm"),
-        "{said}"
-    );
+    assert!(said.contains("tool offset (0, 0, -120.5) mm; offsets X 4000, Y 100 mm"), "{said}");
 }
 
 #[test]
 fn what_was_not_measured_is_no_error_of_nothing() {
     let table = "axis,position_mm,ex_um,ez_um,ea_urad,eb_urad,ec_urad\nx,0.1,0,0,5,20,10\nx,900.25,10,1,5,20,30\n";
-    let jobs = folder(&[
-        ("x.csv", table),
-        ("angles.csv", "axis,position_mm,ec_urad\nx,0,0\nx,100,9\n"),
-    ]);
+    let jobs =
+        folder(&[("x.csv", table), ("angles.csv", "axis,position_mm,ec_urad\nx,0,0\nx,100,9\n")]);
     let found = document(jobs.path(), "assess x.csv --chain wXYZt");
     assert_eq!(found["errors_measured"], 5);
     let ranges = &found["definitions"]["ranges_um"];
@@ -296,48 +241,30 @@ fn what_was_not_measured_is_no_error_of_nothing() {
         ("errors.csv", "axis,position_mm,ec_urad\nx,0,0\nx,300,100\n"),
     ]);
     let found = document(alone.path(), "assess job.toml");
-    assert_eq!(
-        um(&found["definitions"]["va_um"]),
-        30.0,
-        "100 µrad of 300 mm"
-    );
+    assert_eq!(um(&found["definitions"]["va_um"]), 30.0, "100 µrad of 300 mm");
 }
 
 #[test]
 fn bins_that_no_drawn_pair_hit_are_unknown() {
-    let found = document(
-        &fixtures("machine_h"),
-        "assess job.toml --grid 45,45,45 --histogram 1",
-    );
+    let found = document(&fixtures("machine_h"), "assess job.toml --grid 45,45,45 --histogram 1");
     let histogram = &found["histogram"];
     assert_eq!(histogram["exact"], false);
     let counts = histogram["counts"].as_array().unwrap();
     let errors = histogram["standard_errors"].as_array().unwrap();
     assert_eq!(counts.len(), 1150, "1149.98 µm lies in bin 1149");
-    assert!(
-        um(&counts[1149]) >= 1.0,
-        "the last bin holds the largest difference"
-    );
-    assert!(
-        counts.iter().any(Value::is_null),
-        "no drawn pair fell there"
-    );
+    assert!(um(&counts[1149]) >= 1.0, "the last bin holds the largest difference");
+    assert!(counts.iter().any(Value::is_null), "no drawn pair fell there");
     for (count, error) in counts.iter().zip(errors) {
         assert!(count.as_f64() != Some(0.0) && error.as_f64() != Some(0.0));
     }
-    let said = page(
-        &fixtures("machine_h"),
-        "assess job.toml --grid 45,45,45 --histogram 1",
-    );
+    let said = page(&fixtures("machine_h"), "assess job.toml --grid 45,45,45 --histogram 1");
     assert!(said.contains("no drawn pair fell there"), "{said}");
 }
 
 #[test]
 fn the_map_of_sub_volumes_holds_the_extremes() {
-    let found = document(
-        &fixtures("machine_h"),
-        "assess job.toml --window 6000,2000,1000 --grouping 0.1",
-    );
+    let found =
+        document(&fixtures("machine_h"), "assess job.toml --window 6000,2000,1000 --grouping 0.1");
     let windows = &found["windows"];
     let map = &windows["map"];
     let [x, y, z] = ["x_mm", "y_mm", "z_mm"].map(|key| map[key].as_array().unwrap());
@@ -368,11 +295,7 @@ fn figures_need_neither_a_control_nor_a_backlash_policy() {
     let jobs = folder(&[("job.toml", CUBE), ("errors.csv", both)]);
     let found = document(jobs.path(), "assess job.toml");
     assert_eq!(um(&found["definitions"]["va_um"]), 10.0);
-    assert!(
-        has_label(&found, "the mean of both counts"),
-        "{}",
-        found["labels"]
-    );
+    assert!(has_label(&found, "the mean of both counts"), "{}", found["labels"]);
     let refused = nonius(jobs.path(), "generate job.toml -o kit");
     assert_eq!(refused.status.code(), Some(2), "tables need a control");
 }
@@ -384,10 +307,7 @@ fn slips_of_the_unit_are_doubted() {
     let jobs = folder(&[("job.toml", &job), ("errors.csv", table)]);
     let found = document(jobs.path(), "assess job.toml");
     assert!(
-        has_label(
-            &found,
-            "doubt: EXX reaches 5100 µm, and more than 5000 µm is unlikely"
-        ),
+        has_label(&found, "doubt: EXX reaches 5100 µm, and more than 5000 µm is unlikely"),
         "{}",
         found["labels"]
     );
@@ -400,10 +320,7 @@ fn slips_of_the_unit_are_doubted() {
 fn the_page_and_the_document_of_machine_h() {
     let folder = fixtures("machine_h");
     insta::assert_snapshot!("machine_h_page", screen(&folder, "assess job.toml"));
-    insta::assert_snapshot!(
-        "machine_h_document",
-        page(&folder, "assess job.toml --format json")
-    );
+    insta::assert_snapshot!("machine_h_document", page(&folder, "assess job.toml --format json"));
 }
 
 /// The job of docs/volumetric.md runs as it stands.
@@ -422,10 +339,8 @@ z,-450,-3,2,-4,1,1,1
 z,0,0,0,0,0,0,0
 ";
     let jobs = folder(&[("job.toml", job), ("errors.csv", table)]);
-    let found = document(
-        jobs.path(),
-        "assess job.toml --grid 17,11,10 --window 300,200,200 --histogram 5",
-    );
+    let found =
+        document(jobs.path(), "assess job.toml --grid 17,11,10 --window 300,200,200 --histogram 5");
     assert_eq!(found["errors_measured"], 21);
     assert_eq!(found["missing"], json!([]));
     assert_eq!(found["definitions"]["va_exact"], true);

@@ -22,9 +22,7 @@ fn installed(program: &str) -> bool {
 fn reports(folder: &Path) -> Vec<PathBuf> {
     let run = |arguments: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
-        let command = command
-            .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .args(arguments);
+        let command = command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments);
         let output = command.output().expect("the program runs");
         let words = String::from_utf8_lossy(&output.stderr);
         assert_ne!(output.status.code(), Some(2), "{arguments:?}: {words}");
@@ -36,16 +34,7 @@ fn reports(folder: &Path) -> Vec<PathBuf> {
     run(&["simulate", job, "--tables", &kit, "--errors", "-o", &after]);
     let readings = "fixtures/start/readings/job.toml";
     run(&["report", readings, "-o", &place("readings.html")]);
-    run(&[
-        "report",
-        readings,
-        "--language",
-        "de",
-        "--unit",
-        "inch",
-        "-o",
-        &place("german.html"),
-    ]);
+    run(&["report", readings, "--language", "de", "--unit", "inch", "-o", &place("german.html")]);
     run(&[
         "report",
         job,
@@ -69,29 +58,13 @@ fn reports(folder: &Path) -> Vec<PathBuf> {
     let table = std::fs::read_to_string(five.join("errors.csv")).expect("a table");
     std::fs::write(folder.join("errors.csv"), table).expect("a copy");
     let words = std::fs::read_to_string(five.join("generic.toml")).expect("a job");
-    let words = words.replace(
-        "spacing_mm = 100.0",
-        "spacing_mm = 100.0\ndetection_unit_um = 1.0",
-    );
+    let words = words.replace("spacing_mm = 100.0", "spacing_mm = 100.0\ndetection_unit_um = 1.0");
     std::fs::write(folder.join("typed.toml"), words).expect("a job");
-    run(&[
-        "generate",
-        &place("typed.toml"),
-        "-q",
-        "-o",
-        &place("typed"),
-    ]);
+    run(&["generate", &place("typed.toml"), "-q", "-o", &place("typed")]);
     std::fs::copy(place("typed/tables.html"), place("tables.html")).expect("a copy");
-    [
-        "checklist.html",
-        "tables.html",
-        "readings.html",
-        "german.html",
-        "left.html",
-        "pictures.html",
-    ]
-    .map(|name| folder.join(name))
-    .to_vec()
+    ["checklist.html", "tables.html", "readings.html", "german.html", "left.html", "pictures.html"]
+        .map(|name| folder.join(name))
+        .to_vec()
 }
 
 /// What each command draws.
@@ -114,16 +87,7 @@ fn pictures(folder: &Path, kit: &str, after: &str) -> Vec<String> {
         &["verify", job, "--tables", kit, "--after", after],
         &["separate", readings, "--trials", "0"],
         &["separate", case_d, "--trials", "0"],
-        &[
-            "assess",
-            job,
-            "--tables",
-            kit,
-            "--grid",
-            "7,7,7",
-            "--histogram",
-            "1",
-        ],
+        &["assess", job, "--tables", kit, "--grid", "7,7,7", "--histogram", "1"],
         &["path", path_job, part, "--with-tables"],
         &["standards", "fixtures/standards/x_axis.csv"],
         &["standards", case_d],
@@ -131,25 +95,13 @@ fn pictures(folder: &Path, kit: &str, after: &str) -> Vec<String> {
     let draw = |(number, arguments): (usize, &&[&str])| {
         let place = folder.join(format!("{number}.svg"));
         let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
-        let command = command
-            .current_dir(env!("CARGO_MANIFEST_DIR"))
-            .args(*arguments);
-        let output = command
-            .arg("--plot")
-            .arg(&place)
-            .output()
-            .expect("the program runs");
+        let command = command.current_dir(env!("CARGO_MANIFEST_DIR")).args(*arguments);
+        let output = command.arg("--plot").arg(&place).output().expect("the program runs");
         let words = String::from_utf8_lossy(&output.stderr);
         let svg = std::fs::read_to_string(&place);
         let svg = svg.unwrap_or_else(|_| panic!("{arguments:?}: {words}"));
-        assert!(
-            svg.contains("<title>") && svg.contains("<desc>"),
-            "{arguments:?}"
-        );
-        assert!(
-            !svg.contains("NaN") && !svg.contains(">inf"),
-            "{arguments:?}"
-        );
+        assert!(svg.contains("<title>") && svg.contains("<desc>"), "{arguments:?}");
+        assert!(!svg.contains("NaN") && !svg.contains(">inf"), "{arguments:?}");
         svg
     };
     commands.iter().enumerate().map(draw).collect()
@@ -166,10 +118,7 @@ fn every_command_draws_and_replaces_nothing() {
     let command = command.args(["assess", "fixtures/start/errors/job.toml", "--plot"]);
     let output = command.arg(&place).output().expect("the program runs");
     let words = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        output.status.code() == Some(2) && words.contains("is not overwritten"),
-        "{words}"
-    );
+    assert!(output.status.code() == Some(2) && words.contains("is not overwritten"), "{words}");
 }
 
 /// Machine 900 with a limit; U so large that nothing is decided, and a doubt, where it is `undecided`.
@@ -205,9 +154,7 @@ fn pages(print: &Path) -> usize {
     let bytes = std::fs::read(print).expect("a print");
     let text = String::from_utf8_lossy(&bytes);
     let pages = text.lines();
-    pages
-        .filter(|line| line.trim_end().ends_with("/Type /Page"))
-        .count()
+    pages.filter(|line| line.trim_end().ends_with("/Type /Page")).count()
 }
 
 /// The first page alone, with the place for two signatures, is one sheet: as forecast and as left, however
@@ -218,20 +165,10 @@ fn signatures_stand_on_the_first_sheet() {
         return;
     }
     let folder = tempfile::tempdir().expect("a place to write to");
-    let place = |name: &str| {
-        folder
-            .path()
-            .join(name)
-            .to_str()
-            .expect("a name")
-            .to_string()
-    };
+    let place = |name: &str| folder.path().join(name).to_str().expect("a name").to_string();
     for verdict in ["pass", "undecided", "fail"] {
         let job = judged(folder.path(), verdict);
-        let (kit, after) = (
-            place(&format!("{verdict}/kit")),
-            place(&format!("{verdict}.csv")),
-        );
+        let (kit, after) = (place(&format!("{verdict}/kit")), place(&format!("{verdict}.csv")));
         let (page, sheet, print) = (place("page.html"), place("sheet.html"), place("print.pdf"));
         let run = |arguments: &[&str]| {
             let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
@@ -262,11 +199,7 @@ fn signatures_stand_on_the_first_sheet() {
             let url = format!("file://{sheet}");
             chromium(
                 folder.path(),
-                &[
-                    "--no-pdf-header-footer",
-                    &format!("--print-to-pdf={print}"),
-                    &url,
-                ],
+                &["--no-pdf-header-footer", &format!("--print-to-pdf={print}"), &url],
             );
             assert_eq!(
                 pages(Path::new(&print)),
@@ -281,17 +214,8 @@ fn signatures_stand_on_the_first_sheet() {
 fn chromium(folder: &Path, arguments: &[&str]) -> Output {
     let data = format!("--user-data-dir={}", folder.join("browser").display());
     let output = Command::new("chromium")
-        .args([
-            "--headless",
-            "--no-sandbox",
-            "--disable-gpu",
-            "--no-first-run",
-        ])
-        .args([
-            "--disable-background-networking",
-            "--disable-component-update",
-            "--disable-sync",
-        ])
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--no-first-run"])
+        .args(["--disable-background-networking", "--disable-component-update", "--disable-sync"])
         .args(["--disable-quic", "--allow-file-access-from-files", &data])
         .args(arguments)
         .output();
@@ -330,33 +254,20 @@ fn nothing_is_cut_off_or_lies_on_another() {
     }
     let folder = tempfile::tempdir().expect("a place to write to");
     for report in reports(folder.path()) {
-        let name = report
-            .file_name()
-            .expect("a name")
-            .to_str()
-            .expect("a plain name");
+        let name = report.file_name().expect("a name").to_str().expect("a plain name");
         for width in [1280, 390, 794] {
-            let page = MEASURE
-                .replace("PAGE", name)
-                .replace("WIDTH", &width.to_string());
+            let page = MEASURE.replace("PAGE", name).replace("WIDTH", &width.to_string());
             let place = folder.path().join("measure.html");
             std::fs::write(&place, page).expect("a page");
             let url = format!("file://{}", place.display());
-            let output = chromium(
-                folder.path(),
-                &["--virtual-time-budget=5000", "--dump-dom", &url],
-            );
+            let output =
+                chromium(folder.path(), &["--virtual-time-budget=5000", "--dump-dom", &url]);
             let dom = String::from_utf8_lossy(&output.stdout);
-            let found = dom
-                .split("<pre id=\"r\">")
-                .nth(1)
-                .and_then(|rest| rest.split("</pre>").next());
+            let found =
+                dom.split("<pre id=\"r\">").nth(1).and_then(|rest| rest.split("</pre>").next());
             let found = found.expect("what was measured");
             let (texts, wrong) = found.split_once('\n').unwrap_or((found, ""));
-            assert!(
-                texts.starts_with("measured "),
-                "{name}, {width} px: {texts}"
-            );
+            assert!(texts.starts_with("measured "), "{name}, {width} px: {texts}");
             assert_eq!(wrong, "", "{name}, {width} px");
         }
     }
@@ -374,11 +285,7 @@ fn the_print_has_its_pages() {
         let url = format!("file://{}", report.display());
         chromium(folder.path(), &["--no-pdf-header-footer", &to, &url]);
         let pages = pages(&print);
-        assert!(
-            (2..=8).contains(&pages),
-            "{}: {pages} pages",
-            report.display()
-        );
+        assert!((2..=8).contains(&pages), "{}: {pages} pages", report.display());
     }
 }
 
@@ -391,10 +298,7 @@ fn the_html_is_valid() {
     let pages = reports(folder.path()).into_iter();
     // Pictures are files of their own; a page has their style once, in its head.
     for report in pages.filter(|page| !page.ends_with("pictures.html")) {
-        let output = Command::new("tidy")
-            .args(["-q", "-e", "-utf8"])
-            .arg(&report)
-            .output();
+        let output = Command::new("tidy").args(["-q", "-e", "-utf8"]).arg(&report).output();
         let output = output.expect("the validator runs");
         let words = String::from_utf8_lossy(&output.stderr);
         assert_eq!(words, "", "{}", report.display());

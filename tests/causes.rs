@@ -127,9 +127,7 @@ struct Plan {
     seed: u64,
 }
 
-const NINE: [&str; 9] = [
-    "EXX", "EYX", "EZX", "EXY", "EYY", "EZY", "EXZ", "EYZ", "EZZ",
-];
+const NINE: [&str; 9] = ["EXX", "EYX", "EZX", "EXY", "EYY", "EZY", "EXZ", "EYZ", "EZZ"];
 const RIGS: [Plan; 7] = [
     Plan {
         name: "840D sl, nine terms",
@@ -189,11 +187,8 @@ const RIGS: [Plan; 7] = [
     },
 ];
 
-const LENGTHS: [(Axis, f64, f64); 3] = [
-    (Axis::X, 0.0, 900.0),
-    (Axis::Y, 0.0, 600.0),
-    (Axis::Z, -480.0, 480.0),
-];
+const LENGTHS: [(Axis, f64, f64); 3] =
+    [(Axis::X, 0.0, 900.0), (Axis::Y, 0.0, 600.0), (Axis::Z, -480.0, 480.0)];
 
 fn gauss(random: &mut Random) -> f64 {
     (0..12).map(|_| random.between(0.0, 1.0)).sum::<f64>() - 6.0
@@ -201,20 +196,11 @@ fn gauss(random: &mut Random) -> f64 {
 
 /// A wavy curve with a slope, and its reversal.
 fn curve(random: &mut Random, term: &str, low: f64, length: f64, reversal: f64) -> Lines {
-    let size = if term.as_bytes()[1] == term.as_bytes()[2] {
-        1.0
-    } else {
-        0.5
-    };
-    let (a, b, slope) = (
-        random.between(4.0, 7.0),
-        random.between(1.5, 3.0),
-        random.between(-14.0, 14.0),
-    );
+    let size = if term.as_bytes()[1] == term.as_bytes()[2] { 1.0 } else { 0.5 };
+    let (a, b, slope) =
+        (random.between(4.0, 7.0), random.between(1.5, 3.0), random.between(-14.0, 14.0));
     let (p, q) = (random.between(0.0, 6.2), random.between(0.0, 6.2));
-    let mm: Vec<f64> = (0..=30)
-        .map(|i| low + length * f64::from(i) / 30.0)
-        .collect();
+    let mm: Vec<f64> = (0..=30).map(|i| low + length * f64::from(i) / 30.0).collect();
     let wave = |x: f64| {
         let t = (x - low) / length * std::f64::consts::TAU;
         size * (a * (1.6 * t + p).sin() + b * (3.7 * t + q).sin() + slope * (x - low) / 1000.0)
@@ -231,17 +217,11 @@ fn rig(plan: &Plan) -> Rig {
     let mut truth = BTreeMap::new();
     for term in plan.terms {
         let along = Axis::from_letter(&term[2..]).unwrap();
-        let (_, low, length) = LENGTHS
-            .into_iter()
-            .find(|(axis, ..)| *axis == along)
-            .unwrap();
+        let (_, low, length) = LENGTHS.into_iter().find(|(axis, ..)| *axis == along).unwrap();
         let own = random.below(1_000_000) as u64;
         for way in ways {
-            let reversal = if *way == "-" && term.as_bytes()[1] == term.as_bytes()[2] {
-                6.0
-            } else {
-                0.0
-            };
+            let reversal =
+                if *way == "-" && term.as_bytes()[1] == term.as_bytes()[2] { 6.0 } else { 0.0 };
             truth.insert(
                 (term.to_string(), *way),
                 curve(&mut Random::new(own), term, low, length, reversal),
@@ -250,24 +230,13 @@ fn rig(plan: &Plan) -> Rig {
     }
     let with_u = plan.second != Second::TableWithoutU;
     let job = job_text(plan, with_u);
-    let csv = table(&truth, ways, with_u, |_, _, _, um| {
-        um + NOISE_UM * gauss(&mut random)
-    });
+    let csv = table(&truth, ways, with_u, |_, _, _, um| um + NOISE_UM * gauss(&mut random));
     let (inputs, kit) = generate(&job, &csv);
     let directory = tempfile::tempdir().unwrap();
     std::fs::write(directory.path().join("job.toml"), &job).unwrap();
     std::fs::write(directory.path().join("errors.csv"), &csv).unwrap();
     run(directory.path(), &["generate", "job.toml", "-o", "kit"]).unwrap();
-    Rig {
-        name: plan.name,
-        inputs,
-        kit,
-        truth,
-        both_ways,
-        second: plan.second,
-        job,
-        directory,
-    }
+    Rig { name: plan.name, inputs, kit, truth, both_ways, second: plan.second, job, directory }
 }
 
 fn job_text(plan: &Plan, with_u: bool) -> String {
@@ -290,13 +259,8 @@ fn job_text(plan: &Plan, with_u: bool) -> String {
         writeln!(text, "backlash = \"{policy}\"").unwrap();
     }
     for (axis, _, length) in LENGTHS {
-        writeln!(
-            text,
-            "[compensation.axes.{}]\nspacing_mm = {:?}",
-            axis.key(),
-            length / 30.0
-        )
-        .unwrap();
+        writeln!(text, "[compensation.axes.{}]\nspacing_mm = {:?}", axis.key(), length / 30.0)
+            .unwrap();
         if plan.controller.starts_with("fanuc") {
             text.push_str("detection_unit_um = 0.1\n");
         }
@@ -313,11 +277,7 @@ fn table(
     mut value: impl FnMut(ErrorTerm, &str, f64, f64) -> f64,
 ) -> String {
     let mut csv = String::from("axis,direction,position_mm,ex_um,ey_um,ez_um");
-    csv.push_str(if with_u {
-        ",u_ex_um,u_ey_um,u_ez_um\n"
-    } else {
-        "\n"
-    });
+    csv.push_str(if with_u { ",u_ex_um,u_ey_um,u_ez_um\n" } else { "\n" });
     for along in Axis::ALL {
         for way in ways {
             let of = |of: Axis| {
@@ -325,10 +285,7 @@ fn table(
                     *name == (ErrorTerm { of, along }).to_string() && w == way
                 })
             };
-            let Some(mm) = Axis::ALL
-                .into_iter()
-                .find_map(&of)
-                .map(|(_, lines)| lines.mm.clone())
+            let Some(mm) = Axis::ALL.into_iter().find_map(&of).map(|(_, lines)| lines.mm.clone())
             else {
                 continue;
             };
@@ -339,15 +296,7 @@ fn table(
                         Some((_, lines)) => write!(
                             csv,
                             ",{:.6}",
-                            value(
-                                ErrorTerm {
-                                    of: direction,
-                                    along
-                                },
-                                way,
-                                x,
-                                lines.at(x)
-                            )
+                            value(ErrorTerm { of: direction, along }, way, x, lines.at(x))
                         )
                         .unwrap(),
                         None => csv.push(','),
@@ -378,12 +327,8 @@ fn control(rig: &Rig, fault: Injected) -> Box<dyn Emulator> {
             _ => {}
         }
     }
-    kit::emulator(
-        &rig.inputs.profile,
-        &loaded(&rig.inputs.profile, &rig.kit),
-        &state,
-    )
-    .unwrap_or_else(|reason| panic!("{}", reason.0))
+    kit::emulator(&rig.inputs.profile, &loaded(&rig.inputs.profile, &rig.kit), &state)
+        .unwrap_or_else(|reason| panic!("{}", reason.0))
 }
 
 /// What the tables add to a term, and what is added beside them.
@@ -391,11 +336,7 @@ fn parts(rig: &Rig, control: &dyn Emulator, term: ErrorTerm, way: Direction, x: 
     let (base, output) = axis_pairs(&rig.kit.plan.names, term)[0];
     let response = support::response(control, base, output, way);
     let at = Millimetres::new(x);
-    let tables: f64 = response
-        .tables()
-        .iter()
-        .map(|table| table.correction(at).um())
-        .sum();
+    let tables: f64 = response.tables().iter().map(|table| table.correction(at).um()).sum();
     (tables, response.correction(at).um() - tables)
 }
 
@@ -421,15 +362,9 @@ fn acts(
         }
         Injected::AxesExchanged(map) => {
             let made_for = |axis: Axis| Axis::ALL[map.iter().position(|to| *to == axis).unwrap()];
-            of_term(ErrorTerm {
-                of: made_for(term.of),
-                along: made_for(term.along),
-            })
+            of_term(ErrorTerm { of: made_for(term.of), along: made_for(term.along) })
         }
-        Injected::Transposed => of_term(ErrorTerm {
-            of: term.along,
-            along: term.of,
-        }),
+        Injected::Transposed => of_term(ErrorTerm { of: term.along, along: term.of }),
         Injected::OutputsExchanged if term.along == Axis::X && term.of != Axis::X => {
             let of = if term.of == Axis::Y { Axis::Z } else { Axis::Y };
             of_term(ErrorTerm { of, along: Axis::X })
@@ -476,10 +411,8 @@ fn measure_again(rig: &Rig, fault: Injected, random: &mut Random) {
 
 fn straight_job(rig: &Rig) -> String {
     let section = "readings = \"after.csv\"\n[measurement.step_diagonal]\nkind = \"straight\"\nstart_mm = { x = 0.0, y = 0.0, z = -480.0 }\nsize_mm = { x = 900.0, y = 600.0, z = 480.0 }\nsteps = 30\n";
-    let (head, tail) = rig
-        .job
-        .split_once("errors = \"errors.csv\"\nactive_while_measuring = \"none\"\n")
-        .unwrap();
+    let (head, tail) =
+        rig.job.split_once("errors = \"errors.csv\"\nactive_while_measuring = \"none\"\n").unwrap();
     format!("{head}{section}{tail}")
 }
 
@@ -487,12 +420,7 @@ fn readings(rig: &Rig, left: impl Fn(ErrorTerm, f64) -> f64, random: &mut Random
     let at = |of: fn(&(Axis, f64, f64)) -> f64| {
         nonius::quantity::axis::PerAxis::from_fn(|axis| Millimetres::new(of(&LENGTHS[index(axis)])))
     };
-    let volume = Volume {
-        start: at(|a| a.1),
-        size: at(|a| a.2),
-        steps: 30,
-        order: Axis::ALL,
-    };
+    let volume = Volume { start: at(|a| a.1), size: at(|a| a.2), steps: 30, order: Axis::ALL };
     let mut csv = String::from("diagonal,node,deviation_um\n");
     for diagonal in Diagonal::ALL {
         let laser = volume.laser(diagonal);
@@ -503,11 +431,7 @@ fn readings(rig: &Rig, left: impl Fn(ErrorTerm, f64) -> f64, random: &mut Random
                 .into_iter()
                 .map(|t| laser[t.of] * left(t, place[t.along].mm()))
                 .sum();
-            let noise = if node == 0 {
-                0.0
-            } else {
-                NOISE_UM * gauss(random)
-            };
+            let noise = if node == 0 { 0.0 } else { NOISE_UM * gauss(random) };
             if node == 0 {
                 start = sum;
             }
@@ -520,11 +444,7 @@ fn readings(rig: &Rig, left: impl Fn(ErrorTerm, f64) -> f64, random: &mut Random
 
 fn run(directory: &Path, arguments: &[&str]) -> Result<String, String> {
     let program = env!("CARGO_BIN_EXE_nonius");
-    let output = Command::new(program)
-        .args(arguments)
-        .current_dir(directory)
-        .output()
-        .unwrap();
+    let output = Command::new(program).args(arguments).current_dir(directory).output().unwrap();
     match output.status.code() {
         Some(0 | 1) => Ok(String::from_utf8(output.stdout).unwrap()),
         _ => Err(String::from_utf8_lossy(&output.stderr).to_string()),
@@ -600,18 +520,14 @@ fn outcomes(plan: &Plan) -> Vec<Outcome> {
     let rig = rig(plan);
     let mut random = Random::new(1000 + plan.seed);
     let faults = faults(&rig).into_iter();
-    faults
-        .map(|injected| outcome(&rig, injected, &mut random))
-        .collect()
+    faults.map(|injected| outcome(&rig, injected, &mut random)).collect()
 }
 
 fn outcome(rig: &Rig, injected: Injected, random: &mut Random) -> Outcome {
     measure_again(rig, injected, random);
     let straight = rig.second == Second::StraightDiagonals;
     let file = if straight { "after.toml" } else { "after.csv" };
-    let command = [
-        "verify", "job.toml", "--tables", "kit", "--after", file, "--format", "json",
-    ];
+    let command = ["verify", "job.toml", "--tables", "kit", "--after", file, "--format", "json"];
     let text = run(rig.directory.path(), &command);
     let text = text.unwrap_or_else(|said| panic!("{}: {injected:?}: {said}", rig.name));
     let document: Value = serde_json::from_str(&text).unwrap();
@@ -640,14 +556,8 @@ fn outcome(rig: &Rig, injected: Injected, random: &mut Random) -> Outcome {
 
 fn all_outcomes() -> Vec<Outcome> {
     std::thread::scope(|scope| {
-        let threads: Vec<_> = RIGS
-            .iter()
-            .map(|plan| scope.spawn(|| outcomes(plan)))
-            .collect();
-        threads
-            .into_iter()
-            .flat_map(|thread| thread.join().unwrap())
-            .collect()
+        let threads: Vec<_> = RIGS.iter().map(|plan| scope.spawn(|| outcomes(plan))).collect();
+        threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
     })
 }
 
@@ -678,25 +588,13 @@ fn confusion(outcomes: &[Outcome]) -> String {
     }
     text.push_str("\n| --- | ---: |");
     text.push_str(&" ---: |".repeat(kinds.len()));
-    for row in kinds
-        .iter()
-        .filter(|kind| outcomes.iter().any(|o| o.injected.kind() == **kind))
-    {
-        let of_row: Vec<&Outcome> = outcomes
-            .iter()
-            .filter(|o| o.injected.kind() == *row)
-            .collect();
+    for row in kinds.iter().filter(|kind| outcomes.iter().any(|o| o.injected.kind() == **kind)) {
+        let of_row: Vec<&Outcome> = outcomes.iter().filter(|o| o.injected.kind() == *row).collect();
         write!(text, "\n| {row} | {} |", of_row.len()).unwrap();
         for column in kinds {
-            let count = of_row
-                .iter()
-                .filter(|o| o.named.iter().any(|named| named == column))
-                .count();
-            let count = if count == 0 {
-                "–".to_string()
-            } else {
-                count.to_string()
-            };
+            let count =
+                of_row.iter().filter(|o| o.named.iter().any(|named| named == column)).count();
+            let count = if count == 0 { "–".to_string() } else { count.to_string() };
             write!(text, " {count} |").unwrap();
         }
     }
@@ -706,10 +604,7 @@ fn confusion(outcomes: &[Outcome]) -> String {
 #[test]
 fn the_true_cause_is_in_the_named_set_and_clean_runs_name_none() {
     let outcomes = all_outcomes();
-    let injected = outcomes
-        .iter()
-        .filter(|o| o.injected != Injected::Nothing)
-        .count();
+    let injected = outcomes.iter().filter(|o| o.injected != Injected::Nothing).count();
     assert!(injected >= 60, "only {injected} faults");
     let unseen = |o: &&Outcome| o.injected != Injected::Nothing && o.named == ["no fault"];
     let hidden = outcomes.iter().filter(unseen).count();
@@ -730,9 +625,8 @@ fn the_true_cause_is_in_the_named_set_and_clean_runs_name_none() {
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
-    let by_table = outcomes
-        .iter()
-        .filter(|o| !o.rig.contains("diagonals") && o.injected != Injected::Nothing);
+    let by_table =
+        outcomes.iter().filter(|o| !o.rig.contains("diagonals") && o.injected != Injected::Nothing);
     let sizes: Vec<usize> = by_table.map(|o| o.named.len()).collect();
     let mean = sizes.iter().sum::<usize>() as f64 / sizes.len() as f64;
     assert!(mean < 1.6, "sets of {mean} kinds on average");

@@ -94,21 +94,13 @@ fn table(machine: &Machine, seed: u64, value: impl Fn(Row) -> f64) -> String {
     let mut random = Random::new(seed);
     let mut noise = || NOISE_UM * ((0..12).map(|_| random.between(0.0, 1.0)).sum::<f64>() - 6.0);
     let mut csv = String::from("axis,direction,position_mm,ex_um,ey_um,u_ex_um,u_ey_um\n");
-    let ways: &[&'static str] = if machine.both_ways {
-        &["+", "-"]
-    } else {
-        &[""]
-    };
+    let ways: &[&'static str] = if machine.both_ways { &["+", "-"] } else { &[""] };
     for (along, high) in HIGH_MM {
         for way in ways {
             for mm in places(machine, high) {
                 let row = |of| Row { along, of, way, mm };
                 let (ex, ey) = (value(row('x')) + noise(), value(row('y')) + noise());
-                writeln!(
-                    csv,
-                    "{along},{way},{mm},{ex:.6},{ey:.6},{NOISE_UM},{NOISE_UM}"
-                )
-                .unwrap();
+                writeln!(csv, "{along},{way},{mm},{ex:.6},{ey:.6},{NOISE_UM},{NOISE_UM}").unwrap();
             }
         }
     }
@@ -118,11 +110,8 @@ fn table(machine: &Machine, seed: u64, value: impl Fn(Row) -> f64) -> String {
 fn job(machine: &Machine, errors: &str, active: &str) -> String {
     let mut text = String::from("schema = 1\n[machine]\nname = \"mill\"\n");
     for (axis, high) in HIGH_MM {
-        write!(
-            text,
-            "[machine.axes.{axis}]\ntravel_mm = [0.0, {high:?}]\nreference_mm = 0.0\n"
-        )
-        .unwrap();
+        write!(text, "[machine.axes.{axis}]\ntravel_mm = [0.0, {high:?}]\nreference_mm = 0.0\n")
+            .unwrap();
     }
     write!(
         text,
@@ -131,12 +120,8 @@ fn job(machine: &Machine, errors: &str, active: &str) -> String {
     )
     .unwrap();
     for (axis, _) in HIGH_MM {
-        write!(
-            text,
-            "[compensation.axes.{axis}]\nspacing_mm = {:?}\n",
-            machine.spacing_mm
-        )
-        .unwrap();
+        write!(text, "[compensation.axes.{axis}]\nspacing_mm = {:?}\n", machine.spacing_mm)
+            .unwrap();
         if machine.controller.starts_with("fanuc") {
             text.push_str("detection_unit_um = 0.5\n");
         }
@@ -148,11 +133,7 @@ fn job(machine: &Machine, errors: &str, active: &str) -> String {
 fn visit(machine: &Machine) -> tempfile::TempDir {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
-    fs::write(
-        path.join("errors.csv"),
-        table(machine, 1, |row| (machine.error_um)(&row)),
-    )
-    .unwrap();
+    fs::write(path.join("errors.csv"), table(machine, 1, |row| (machine.error_um)(&row))).unwrap();
     fs::write(path.join("job.toml"), job(machine, "errors.csv", "none")).unwrap();
     made(path, "job.toml", "kit");
     directory
@@ -184,31 +165,22 @@ fn after_with_noise(machine: &Machine, seed: u64, left: impl Fn(Row) -> f64) -> 
 
 fn kinds(found: &Value) -> Vec<&str> {
     let causes = found["causes"].as_array().unwrap();
-    causes
-        .iter()
-        .map(|cause| cause["kind"].as_str().unwrap())
-        .collect()
+    causes.iter().map(|cause| cause["kind"].as_str().unwrap()).collect()
 }
 
 fn words(found: &Value) -> Vec<&str> {
     let causes = found["causes"].as_array().unwrap();
-    causes
-        .iter()
-        .map(|cause| cause["words"].as_str().unwrap())
-        .collect()
+    causes.iter().map(|cause| cause["words"].as_str().unwrap()).collect()
 }
 
 fn decides(found: &Value) -> &str {
-    found["decides"]
-        .as_str()
-        .unwrap_or_else(|| panic!("{found:#}"))
+    found["decides"].as_str().unwrap_or_else(|| panic!("{found:#}"))
 }
 
 /// The two numbers before ` µm if <what>`.
 fn amounts(decides: &str, what: &str) -> (f64, f64) {
-    let (before, _) = decides
-        .split_once(&format!(" µm if {what}"))
-        .unwrap_or_else(|| panic!("{decides}"));
+    let (before, _) =
+        decides.split_once(&format!(" µm if {what}")).unwrap_or_else(|| panic!("{decides}"));
     let words: Vec<&str> = before.split_whitespace().collect();
     let number = |from_end: usize| words[words.len() - from_end].parse().unwrap();
     (number(3), number(1))
@@ -224,108 +196,64 @@ fn fitted_mm(words: &str) -> (f64, f64) {
 
 #[test]
 fn a_reversal_without_parameter_shows_where_the_parameter_acts() {
-    let machine = Machine {
-        policy: "backlash = \"curve-and-parameter\"",
-        both_ways: true,
-        ..SIEMENS
-    };
+    let machine =
+        Machine { policy: "backlash = \"curve-and-parameter\"", both_ways: true, ..SIEMENS };
     let reversal = |row: Row| {
-        if row.way == "-" && row.is_positioning() {
-            REVERSAL_UM
-        } else {
-            0.0
-        }
+        if row.way == "-" && row.is_positioning() { REVERSAL_UM } else { 0.0 }
     };
     let found = after(&machine, reversal);
     assert_eq!(kinds(&found), ["backlash not"], "{found:#}");
-    assert!(
-        words(&found)[0].contains("the backlash parameter is 0"),
-        "{found:#}"
-    );
+    assert!(words(&found)[0].contains("the backlash parameter is 0"), "{found:#}");
     let said = decides(&found);
     assert!(said.contains("coming there moving + / moving -"), "{said}");
     let (files, fault) = (amounts(said, "the control"), amounts(said, "backlash not"));
     assert!((files.0 - fault.0).abs() < 1e-9, "+ is as planned: {said}");
-    assert!(
-        ((files.1 - fault.1).abs() - REVERSAL_UM).abs() < 0.3,
-        "- is not: {said}"
-    );
+    assert!(((files.1 - fault.1).abs() - REVERSAL_UM).abs() < 0.3, "- is not: {said}");
 }
 
 #[test]
 fn one_table_in_both_directions_is_either_table() {
-    let machine = Machine {
-        policy: "backlash = \"two-tables\"",
-        both_ways: true,
-        ..SIEMENS
-    };
-    let found = after(&machine, |row| {
-        if row.way == "-" && row.is_positioning() {
-            REVERSAL_UM
-        } else {
-            0.0
-        }
-    });
+    let machine = Machine { policy: "backlash = \"two-tables\"", both_ways: true, ..SIEMENS };
+    let found =
+        after(
+            &machine,
+            |row| {
+                if row.way == "-" && row.is_positioning() { REVERSAL_UM } else { 0.0 }
+            },
+        );
     let said = words(&found).join("\n");
-    assert!(
-        kinds(&found).iter().all(|kind| *kind == "backlash not"),
-        "{found:#}"
-    );
+    assert!(kinds(&found).iter().all(|kind| *kind == "backlash not"), "{found:#}");
     assert!(
         said.contains("the table for + acts in both")
             && said.contains("the table for - acts in both"),
         "{said}"
     );
     let said = decides(&found);
-    let (files, plus) = (
-        amounts(said, "the control"),
-        amounts(said, "backlash not (every axis: table of +"),
-    );
-    assert!(
-        (files.0 - plus.0).abs() < 1e-9 && (files.1 - plus.1).abs() > 5.0,
-        "{said}"
-    );
+    let (files, plus) =
+        (amounts(said, "the control"), amounts(said, "backlash not (every axis: table of +"));
+    assert!((files.0 - plus.0).abs() < 1e-9 && (files.1 - plus.1).abs() > 5.0, "{said}");
 }
 
 #[test]
 fn amounts_are_those_of_the_file_and_its_sign_is_left_open() {
     let found = after(&SIEMENS, |row| -wavy(&row));
     let said = decides(&found);
-    assert!(
-        said.contains("service display") && said.contains("ENC_COMP"),
-        "{said}"
-    );
-    assert!(
-        said.contains("the other axes at their reference points"),
-        "{said}"
-    );
-    assert!(
-        said.contains("its sign on the display is not documented"),
-        "{said}"
-    );
+    assert!(said.contains("service display") && said.contains("ENC_COMP"), "{said}");
+    assert!(said.contains("the other axes at their reference points"), "{said}");
+    assert!(said.contains("its sign on the display is not documented"), "{said}");
     assert!(!said.contains("is -") && !said.contains("is +"), "{said}");
     let turned = after(&SIEMENS, |row| 2.0 * wavy(&row));
     assert_eq!(kinds(&turned), ["sign turned"]);
-    assert!(
-        decides(&turned).contains("bump of at most 20 µm"),
-        "{turned:#}"
-    );
+    assert!(decides(&turned).contains("bump of at most 20 µm"), "{turned:#}");
 }
 
 #[test]
 fn no_display_is_invented_for_a_control_without_one() {
     for controller in ["fanuc-30i", "fanuc-0i-f", "fanuc-16i", "generic"] {
-        let machine = Machine {
-            controller,
-            spacing_mm: 60.0,
-            ..SIEMENS
-        };
+        let machine = Machine { controller, spacing_mm: 60.0, ..SIEMENS };
         let found = after(&machine, |row| -wavy(&row));
         let said = decides(&found);
-        assert!(
-            said.contains("no display of the correction is known"),
-            "{controller}: {said}"
-        );
+        assert!(said.contains("no display of the correction is known"), "{controller}: {said}");
         assert!(!said.contains("service display"), "{controller}: {said}");
     }
 }
@@ -333,10 +261,7 @@ fn no_display_is_invented_for_a_control_without_one() {
 #[test]
 fn the_place_lies_where_was_measured() {
     // Nodes every 130 mm from the reference pass the end of the travel (900 mm).
-    let machine = Machine {
-        spacing_mm: 130.0,
-        ..SIEMENS
-    };
+    let machine = Machine { spacing_mm: 130.0, ..SIEMENS };
     let found = after(&machine, |row| -wavy(&row));
     let said = decides(&found);
     let (_, place) = said.split_once("added: ").unwrap();
@@ -348,17 +273,10 @@ fn the_place_lies_where_was_measured() {
 
 #[test]
 fn a_shift_of_a_control_that_corrects_in_steps_lies_within_its_uncertainty() {
-    let machine = Machine {
-        controller: "fanuc-30i",
-        ..SIEMENS
-    };
+    let machine = Machine { controller: "fanuc-30i", ..SIEMENS };
     let steps = |row: Row, shift: f64| {
         let nearest = ((row.mm - shift) / 30.0).round() * 30.0;
-        let high = HIGH_MM
-            .iter()
-            .find(|(axis, _)| *axis == row.along)
-            .unwrap()
-            .1;
+        let high = HIGH_MM.iter().find(|(axis, _)| *axis == row.along).unwrap().1;
         wavy(&row.at(nearest.clamp(0.0, high)))
     };
     for shift in [60.0, 90.0, -40.0, -100.0] {
@@ -368,21 +286,14 @@ fn a_shift_of_a_control_that_corrects_in_steps_lies_within_its_uncertainty() {
         assert_eq!(kinds(&found), ["shifted"], "{shift}: {found:#}");
         let (mm, u) = fitted_mm(words(&found)[0]);
         assert!((mm - shift).abs() <= u, "{mm} ± {u}, injected {shift}");
-        assert!(
-            (10.0..40.0).contains(&u),
-            "half a spacing is not known: {u}"
-        );
+        assert!((10.0..40.0).contains(&u), "half a spacing is not known: {u}");
     }
 }
 
 #[test]
 fn a_shift_by_two_points_that_moves_a_term_by_some_micrometres_is_named() {
-    let machine = Machine {
-        controller: "fanuc-30i",
-        spacing_mm: 50.0,
-        error_um: gentle,
-        ..SIEMENS
-    };
+    let machine =
+        Machine { controller: "fanuc-30i", spacing_mm: 50.0, error_um: gentle, ..SIEMENS };
     let found = after(&machine, |row| {
         let shift = if row.along == 'x' { 100.0 } else { 0.0 };
         gentle(&row) - gentle(&row.at((row.mm - shift).max(0.0)))
@@ -396,19 +307,10 @@ fn after_an_update_the_old_tables_are_tried() {
     let directory = visit(&SIEMENS);
     let path = directory.path();
     let residual = |row: Row| {
-        4.0 * (row.mm / 110.0).sin()
-            + if row.is_positioning() {
-                0.004 * row.mm
-            } else {
-                0.0
-            }
+        4.0 * (row.mm / 110.0).sin() + if row.is_positioning() { 0.004 * row.mm } else { 0.0 }
     };
     fs::write(path.join("residual.csv"), table(&SIEMENS, 3, residual)).unwrap();
-    fs::write(
-        path.join("update.toml"),
-        job(&SIEMENS, "residual.csv", "kit"),
-    )
-    .unwrap();
+    fs::write(path.join("update.toml"), job(&SIEMENS, "residual.csv", "kit")).unwrap();
     made(path, "update.toml", "new");
     let named = |name: &str, left: &dyn Fn(Row) -> f64| {
         fs::write(path.join(name), table(&SIEMENS, 4, left)).unwrap();
@@ -435,11 +337,7 @@ fn a_turned_measurement_stands_beside_what_it_looks_like() {
 fn plain_causes_stand_first() {
     for seed in 2..8 {
         let found = after_with_noise(&SIEMENS, seed, |row| wavy(&row));
-        assert_eq!(
-            kinds(&found)[..2],
-            ["not active", "wrong unit"],
-            "{found:#}"
-        );
+        assert_eq!(kinds(&found)[..2], ["not active", "wrong unit"], "{found:#}");
     }
 }
 
@@ -482,10 +380,7 @@ fn what_nothing_explains_is_named_with_its_place() {
     assert!(kinds(&found).is_empty(), "{found:#}");
     let by_term = found["by_term"].as_array().unwrap();
     let exx = by_term[0].as_str().unwrap();
-    assert!(
-        exx.starts_with("EXX: +") && exx.contains(" µm off the forecast at 450 mm"),
-        "{exx}"
-    );
+    assert!(exx.starts_with("EXX: +") && exx.contains(" µm off the forecast at 450 mm"), "{exx}");
     assert_eq!(by_term[1], "EYX: as forecast");
 }
 
@@ -493,19 +388,12 @@ fn what_nothing_explains_is_named_with_its_place() {
 fn exchanged_axes_are_said_once() {
     let found = after(&SIEMENS, |row| {
         let swap = |axis| if axis == 'x' { 'y' } else { 'x' };
-        let other = Row {
-            along: swap(row.along),
-            of: swap(row.of),
-            ..row
-        };
+        let other = Row { along: swap(row.along), of: swap(row.of), ..row };
         wavy(&row) - wavy(&other.at(row.mm.min(720.0)))
     });
     assert!(kinds(&found).contains(&"wrong axis"), "{found:#}");
     let said = words(&found).join("\n");
-    assert!(
-        said.contains("were made for X, Y, Z and act on Y, X, Z"),
-        "{said}"
-    );
+    assert!(said.contains("were made for X, Y, Z and act on Y, X, Z"), "{said}");
     assert!(!said.contains(",,") && !said.contains("µm um"), "{said}");
 }
 
@@ -527,11 +415,9 @@ fn a_scale_that_does_not_grow_stays() {
     made(path, "job.toml", "kit");
     let mut csv = String::from("axis,position_mm,ex_um,ey_um,ez_um,u_ex_um,u_ey_um,u_ez_um\n");
     let kelvin = 4.0;
-    for (axis, low, step, um_per_m) in [
-        ("x", 0.0, 100.0, 0.0),
-        ("y", 0.0, 75.0, 11.5),
-        ("z", -200.0, 50.0, 8.0),
-    ] {
+    for (axis, low, step, um_per_m) in
+        [("x", 0.0, 100.0, 0.0), ("y", 0.0, 75.0, 11.5), ("z", -200.0, 50.0, 8.0)]
+    {
         for index in 0..=4 {
             let mm = low + step * f64::from(index);
             let um = kelvin * um_per_m * mm / 1000.0 + 0.05 * (f64::from(index) * 2.3).sin();
@@ -550,10 +436,7 @@ fn a_scale_that_does_not_grow_stays() {
     let said = words(&found).join("\n");
     assert!(kinds(&found).contains(&"temperature"), "{found:#}");
     assert!(said.contains("X does not grow (0e-6 per K)"), "{said}");
-    assert!(
-        said.contains("K at 11.5e-6 per K") && said.contains("K at 8.0e-6 per K"),
-        "{said}"
-    );
+    assert!(said.contains("K at 11.5e-6 per K") && said.contains("K at 8.0e-6 per K"), "{said}");
 }
 
 #[test]

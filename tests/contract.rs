@@ -49,15 +49,8 @@ fn has_no_effect(case: &Case<'_>, term: ErrorTerm) {
         for direction in Direction::BOTH {
             let response = support::response(case.control, base, output, direction);
             for i in 0..=20 {
-                let um = um_at(
-                    &response,
-                    axis.low + (axis.high - axis.low) * f64::from(i) / 20.0,
-                );
-                assert!(
-                    um.to_bits() << 1 == 0,
-                    "{} {term}: {um} µm",
-                    case.profile.id
-                );
+                let um = um_at(&response, axis.low + (axis.high - axis.low) * f64::from(i) / 20.0);
+                assert!(um.to_bits() << 1 == 0, "{} {term}: {um} µm", case.profile.id);
             }
         }
     }
@@ -89,10 +82,7 @@ fn gantry_is_equal(case: &Case<'_>, term: ErrorTerm) {
 struct Shown<'a>(&'a Machine, &'a Profile);
 
 impl Drop for Shown<'_> {
-    #[allow(
-        clippy::print_stderr,
-        reason = "a failure has to be seen with its inputs"
-    )]
+    #[allow(clippy::print_stderr, reason = "a failure has to be seen with its inputs")]
     fn drop(&mut self) {
         if std::thread::panicking() {
             eprintln!("{}\n{}\n{}", self.1.id, self.0.job, self.0.csv);
@@ -114,19 +104,10 @@ fn features_of(case: &Case<'_>) -> Vec<&'static str> {
     let mut placements = case.kit.compiled.placements.iter();
     let is = |there: bool, name: &'static str| there.then_some(name);
     [
-        is(
-            tables.iter().any(|t| t.direction.is_some()),
-            "tables for one direction",
-        ),
+        is(tables.iter().any(|t| t.direction.is_some()), "tables for one direction"),
         is(!case.kit.plan.omitted.is_empty(), "terms without a table"),
-        is(
-            case.kit.plan.backlash_um.iter().any(|(_, b)| b.is_some()),
-            "backlash parameter",
-        ),
-        is(
-            placements.any(|p| p.count_um > 1.5 * unit(p.term).unwrap_or(1e9)),
-            "magnified",
-        ),
+        is(case.kit.plan.backlash_um.iter().any(|(_, b)| b.is_some()), "backlash parameter"),
+        is(placements.any(|p| p.count_um > 1.5 * unit(p.term).unwrap_or(1e9)), "magnified"),
     ]
     .into_iter()
     .flatten()
@@ -178,11 +159,7 @@ fn check(profile: &Profile, machine: &Machine) -> Seen {
         numbers_are_legal(&case, memory);
     }
     diagonals_hold(&case);
-    Seen {
-        compensated,
-        doubled,
-        features: features_of(&case),
-    }
+    Seen { compensated, doubled, features: features_of(&case) }
 }
 
 fn contract_of(id: &str) {

@@ -43,9 +43,7 @@ impl Tally {
     }
 
     fn shares(&self) -> impl Iterator<Item = (&str, f64)> {
-        self.0
-            .iter()
-            .map(|(what, (inside, all))| (what.as_str(), float(*inside) / float(*all)))
+        self.0.iter().map(|(what, (inside, all))| (what.as_str(), float(*inside) / float(*all)))
     }
 }
 
@@ -60,11 +58,7 @@ struct Way<'a> {
     back: Option<bool>,
 }
 
-const LOST_UM: PerAxis<f64> = PerAxis {
-    x: 8.0,
-    y: 5.0,
-    z: -3.0,
-};
+const LOST_UM: PerAxis<f64> = PerAxis { x: 8.0, y: 5.0, z: -3.0 };
 
 /// One machine, measured with noise: the truth (X primary) and what the separation makes of it.
 fn measured(seed: u64, way: Way<'_>) -> (Machine, Separation, Vec<MeasuredLine>) {
@@ -81,11 +75,7 @@ fn measured(seed: u64, way: Way<'_>) -> (Machine, Separation, Vec<MeasuredLine>)
     let mut all: Vec<Run> = Vec::new();
     for number in 1..=way.repeats {
         for (pass, readings) in &passes {
-            all.extend(runs(
-                number,
-                *pass,
-                &with_noise(readings, SIGMA_UM, &mut random),
-            ));
+            all.extend(runs(number, *pass, &with_noise(readings, SIGMA_UM, &mut random)));
         }
     }
     let mut lines = truth.lines(way.axes, Some(U_LINE_UM_PER_M));
@@ -124,13 +114,7 @@ fn count(tally: &mut Tally, truth: &Machine, found: &Separation) {
     for term in ErrorTerm::ALL {
         let mut curve = |name: &str, evidence: &SeparatedError, offset_um: f64| {
             let truth = (truth.curves[term].as_slice(), offset_um);
-            count_curve(
-                tally,
-                &format!("{term}{name}"),
-                truth,
-                evidence,
-                found.noise,
-            );
+            count_curve(tally, &format!("{term}{name}"), truth, evidence, found.noise);
         };
         curve("", found.errors.mean[term].as_ref().unwrap(), 0.0);
         if let Some(plus) = found.errors.directed(Direction::Plus) {
@@ -152,10 +136,7 @@ fn count(tally: &mut Tally, truth: &Machine, found: &Separation) {
 fn count_metric(tally: &mut Tally, truth: &Machine, found: &Separation) {
     let k = coverage_factor(found.noise.unwrap().freedom_f64());
     for axis in Axis::ALL {
-        let own = ErrorTerm {
-            of: axis,
-            along: axis,
-        };
+        let own = ErrorTerm { of: axis, along: axis };
         // The scale is the slope of the curve: its end has the same effective freedom.
         let curve = found.errors.mean[own].as_ref().unwrap();
         let freedom = curve.freedom(truth.volume.steps, found.noise);
@@ -179,11 +160,7 @@ fn count_turn(tally: &mut Tally, truth: &Machine, turn: &Turn, k: f64) {
         tally.add(&name, b.um - wanted, k * b.u_um.unwrap());
     };
     for term in ErrorTerm::ALL {
-        let lost = if term.is_positioning() {
-            truth.lost_um[term.along]
-        } else {
-            0.0
-        };
+        let lost = if term.is_positioning() { truth.lost_um[term.along] } else { 0.0 };
         add(format!("reversal {term}"), turn.reversal[term], lost);
     }
     for axis in Axis::ALL {
@@ -191,11 +168,7 @@ fn count_turn(tally: &mut Tally, truth: &Machine, turn: &Turn, k: f64) {
             add(format!("reversal {axis} {end}"), b, truth.lost_um[axis]);
         }
         for d in Diagonal::ALL {
-            add(
-                format!("reversal {axis} {d}"),
-                turn.by_diagonal[d][axis],
-                truth.lost_um[axis],
-            );
+            add(format!("reversal {axis} {d}"), turn.by_diagonal[d][axis], truth.lost_um[axis]);
         }
     }
 }
@@ -205,9 +178,7 @@ fn distance_from_uniform(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let count = float(values.len());
     let far = |(index, value): (usize, &f64)| {
-        (value - float(index) / count)
-            .abs()
-            .max((float(index + 1) / count - value).abs())
+        (value - float(index) / count).abs().max((float(index + 1) / count - value).abs())
     };
     values.iter().enumerate().map(far).fold(0.0, f64::max)
 }
@@ -219,19 +190,12 @@ const HIGHEST: f64 = 0.97;
 /// A − curve of a cross term whose reversal is not told from noise starts at 0, while the
 /// uncertainty says how far it may lie beside; machines without such a reversal are held more often.
 fn may_be_held_more_often(what: &str) -> bool {
-    let term = what
-        .strip_suffix('-')
-        .and_then(|rest| rest.split(' ').nth(1));
-    term.and_then(ErrorTerm::from_name)
-        .is_some_and(|term| !term.is_positioning())
+    let term = what.strip_suffix('-').and_then(|rest| rest.split(' ').nth(1));
+    term.and_then(ErrorTerm::from_name).is_some_and(|term| !term.is_positioning())
 }
 
 fn check(way: Way<'_>, machines: u64) {
-    let source = if way.repeats > 1 {
-        NoiseSource::Repeats
-    } else {
-        NoiseSource::Closure
-    };
+    let source = if way.repeats > 1 { NoiseSource::Repeats } else { NoiseSource::Closure };
     let mut tally = Tally::default();
     let (mut chances, mut refuted) = (Vec::new(), 0);
     for seed in 0..machines {
@@ -264,50 +228,26 @@ fn check(way: Way<'_>, machines: u64) {
         println!("  {what}: {:.1} %", 100.0 * share);
     }
     for (what, share) in tally.shares() {
-        let highest = if may_be_held_more_often(what) {
-            1.0
-        } else {
-            HIGHEST
-        };
-        assert!(
-            (LOWEST..=highest).contains(&share),
-            "{way:?} {what}: {share}"
-        );
+        let highest = if may_be_held_more_often(what) { 1.0 } else { HIGHEST };
+        assert!((LOWEST..=highest).contains(&share), "{way:?} {what}: {share}");
     }
-    let exact = tally
-        .shares()
-        .filter(|(what, _)| !may_be_held_more_often(what));
+    let exact = tally.shares().filter(|(what, _)| !may_be_held_more_often(what));
     let pooled: Vec<f64> = exact.map(|(_, share)| share).collect();
     let mean = pooled.iter().sum::<f64>() / float(pooled.len());
-    assert!(
-        (0.945..=0.965).contains(&mean),
-        "{way:?} all figures: {mean}"
-    );
+    assert!((0.945..=0.965).contains(&mean), "{way:?} all figures: {mean}");
     // Kolmogorov's 1 % limit.
     let limit = 1.63 / float(usize::try_from(machines).unwrap()).sqrt();
     assert!(distance < limit, "{way:?}: {distance}");
 }
 
 const TWO_AXES: &[Axis] = &[Axis::X, Axis::Y];
-const PLAIN: Way<'_> = Way {
-    steps: 30,
-    repeats: 1,
-    axes: TWO_AXES,
-    back: None,
-};
+const PLAIN: Way<'_> = Way { steps: 30, repeats: 1, axes: TWO_AXES, back: None };
 
 #[test]
 fn forward_passes_are_covered() {
     for repeats in [1, 3] {
         for axes in [TWO_AXES, &Axis::ALL] {
-            check(
-                Way {
-                    repeats,
-                    axes,
-                    ..PLAIN
-                },
-                MACHINES,
-            );
+            check(Way { repeats, axes, ..PLAIN }, MACHINES);
         }
     }
 }
@@ -315,28 +255,14 @@ fn forward_passes_are_covered() {
 #[test]
 fn a_turn_without_overrun_is_covered() {
     for repeats in [1, 3] {
-        check(
-            Way {
-                repeats,
-                back: Some(false),
-                ..PLAIN
-            },
-            MACHINES,
-        );
+        check(Way { repeats, back: Some(false), ..PLAIN }, MACHINES);
     }
 }
 
 #[test]
 fn passes_after_an_overrun_are_covered() {
     for repeats in [1, 3] {
-        check(
-            Way {
-                repeats,
-                back: Some(true),
-                ..PLAIN
-            },
-            MACHINES,
-        );
+        check(Way { repeats, back: Some(true), ..PLAIN }, MACHINES);
     }
 }
 
@@ -367,9 +293,7 @@ fn strained(box_: &Volume, readings: &Readings, strain: &PerDiagonal<f64>) -> Re
     PerDiagonal::from_fn(|d| {
         let nominal = |node: usize| 1000.0 * box_.nominal_mm(d, PathKind::Step, node);
         let values = readings[d].iter().enumerate();
-        values
-            .map(|(node, um)| um + strain[d] * nominal(node))
-            .collect()
+        values.map(|(node, um)| um + strain[d] * nominal(node)).collect()
     })
 }
 
@@ -394,10 +318,7 @@ fn with_stated_causes(seed: u64, setup: SetUp, frame: Frame) -> (Machine, Separa
         line.slope_um_per_m += U_LINE_UM_PER_M * normal(&mut random);
     }
     let mut measurement = simulated::measurement(&box_, setup, frame);
-    let axis = AxisMaterial {
-        alpha_per_k: ALPHA_PER_K,
-        temperature_c: Some(20.0 + WARM_K),
-    };
+    let axis = AxisMaterial { alpha_per_k: ALPHA_PER_K, temperature_c: Some(20.0 + WARM_K) };
     measurement.material = Some(Material {
         material_corrected: true,
         air_corrected: true,
@@ -457,10 +378,8 @@ fn the_noise_of_the_rotation_is_covered_as_measured() {
         let found = separate(&campaign, &runs(1, Pass::Forward, &noisy));
         for term in ErrorTerm::ALL {
             let evidence = found.errors.mean[term].as_ref().unwrap();
-            let (deviation, u) = (
-                &evidence.deviation_um[20],
-                evidence.expanded_um(20, found.noise).unwrap(),
-            );
+            let (deviation, u) =
+                (&evidence.deviation_um[20], evidence.expanded_um(20, found.noise).unwrap());
             if term.is_cross() {
                 tally.add(&term.to_string(), deviation - truth.curves[term][20], u);
             }
@@ -479,9 +398,8 @@ fn figures(machine: &Machine, curves: &PerTerm<Vec<f64>>) -> Vec<f64> {
         if term.is_positioning() {
             return range(curve.iter().copied());
         }
-        let positions: Vec<f64> = (0..curve.len())
-            .map(|i| machine.volume.along_mm(term.along, i))
-            .collect();
+        let positions: Vec<f64> =
+            (0..curve.len()).map(|i| machine.volume.along_mm(term.along, i)).collect();
         ReferenceLine::LeastSquares.straightness_um(&positions, curve)
     };
     ErrorTerm::ALL.map(value).into()
@@ -494,13 +412,7 @@ fn intervals_of_ranges_are_measured() {
     let (mut inside, mut bias, mut told, mut all) = ([0; 3], [0.0; 2], [0.0; 2], [0; 3]);
     let mut printed = [0.0; 3];
     for seed in 0..100 {
-        let (truth, found, lines) = measured(
-            10_000 + seed,
-            Way {
-                axes: &axes,
-                ..PLAIN
-            },
-        );
+        let (truth, found, lines) = measured(10_000 + seed, Way { axes: &axes, ..PLAIN });
         let measurement = simulated::measurement(
             &truth.volume,
             nonius::inputs::job::SetUp::Solve,
@@ -516,11 +428,7 @@ fn intervals_of_ranges_are_measured() {
             stated: campaign.stated,
             material: None,
         };
-        let plan = Trials {
-            trials: 400,
-            seed: 7,
-            threads: 1,
-        };
+        let plan = Trials { trials: 400, seed: 7, threads: 1 };
         let simulated = simulate(&campaign, &budget, &found.means, plan, &|_| {}).unwrap();
         let estimates = PerTerm::from_fn(|term| curve(&found, term).to_vec());
         let (wanted, found) = (figures(&truth, &truth.curves), figures(&truth, &estimates));
@@ -556,10 +464,6 @@ fn intervals_of_ranges_are_measured() {
         let share = float(inside[kind]) / float(all[kind]);
         println!("interval {kind} holds the truth {:.1} %", 100.0 * share);
         // 300 to 600 figures of 100 machines scatter by some 2 %.
-        assert!(
-            (share - printed[kind]).abs() < 0.03,
-            "{kind}: {share}, printed {}",
-            printed[kind]
-        );
+        assert!((share - printed[kind]).abs() < 0.03, "{kind}: {share}, printed {}", printed[kind]);
     }
 }

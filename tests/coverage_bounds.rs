@@ -211,76 +211,26 @@ const PLAIN: Row = Row {
 };
 
 const fn turning(name: &'static str, turning: Turning, urad: f64) -> Row {
-    Row {
-        name,
-        turning,
-        angle_urad: Some(urad),
-        ..PLAIN
-    }
+    Row { name, turning, angle_urad: Some(urad), ..PLAIN }
 }
 
 const fn beam(name: &'static str, mrad: f64, repeats: u32) -> Row {
-    Row {
-        name,
-        repeats,
-        beam_mrad: Some(mrad),
-        ..PLAIN
-    }
+    Row { name, repeats, beam_mrad: Some(mrad), ..PLAIN }
 }
 
 const ROWS: &[Row] = &[
     PLAIN,
-    Row {
-        name: "three runs",
-        repeats: 3,
-        ..PLAIN
-    },
-    Row {
-        name: "both directions, turn without overrun",
-        back: Some(false),
-        ..PLAIN
-    },
-    Row {
-        name: "both directions after an overrun",
-        back: Some(true),
-        ..PLAIN
-    },
-    turning(
-        "nine angles, even, 10 µrad",
-        Turning::All { bow: 0.0 },
-        10.0,
-    ),
-    turning(
-        "nine angles, bow 30 %, 10 µrad",
-        Turning::All { bow: 0.3 },
-        10.0,
-    ),
-    turning(
-        "nine angles, bow 100 %, 10 µrad",
-        Turning::All { bow: 1.0 },
-        10.0,
-    ),
-    turning(
-        "nine angles, bow 100 %, 1 µrad",
-        Turning::All { bow: 1.0 },
-        1.0,
-    ),
-    turning(
-        "nine angles, bow 100 %, 0.3 µrad",
-        Turning::All { bow: 1.0 },
-        0.3,
-    ),
+    Row { name: "three runs", repeats: 3, ..PLAIN },
+    Row { name: "both directions, turn without overrun", back: Some(false), ..PLAIN },
+    Row { name: "both directions after an overrun", back: Some(true), ..PLAIN },
+    turning("nine angles, even, 10 µrad", Turning::All { bow: 0.0 }, 10.0),
+    turning("nine angles, bow 30 %, 10 µrad", Turning::All { bow: 0.3 }, 10.0),
+    turning("nine angles, bow 100 %, 10 µrad", Turning::All { bow: 1.0 }, 10.0),
+    turning("nine angles, bow 100 %, 1 µrad", Turning::All { bow: 1.0 }, 1.0),
+    turning("nine angles, bow 100 %, 0.3 µrad", Turning::All { bow: 1.0 }, 0.3),
     turning("one angle, even, 10 µrad", Turning::One { bow: 0.0 }, 10.0),
-    turning(
-        "one angle, bow 30 %, 10 µrad",
-        Turning::One { bow: 0.3 },
-        10.0,
-    ),
-    turning(
-        "one angle, bow 100 %, 10 µrad",
-        Turning::One { bow: 1.0 },
-        10.0,
-    ),
+    turning("one angle, bow 30 %, 10 µrad", Turning::One { bow: 0.3 }, 10.0),
+    turning("one angle, bow 100 %, 10 µrad", Turning::One { bow: 1.0 }, 10.0),
     beam("beam 0.5 mrad", 0.5, 1),
     beam("beam 1 mrad", 1.0, 1),
     beam("beam 1 mrad, three runs", 1.0, 3),
@@ -299,35 +249,17 @@ const ROWS: &[Row] = &[
 const SILENT: &[Row] = &[
     Row {
         stated: false,
-        ..turning(
-            "one angle, bow 100 %, 10 µrad",
-            Turning::One { bow: 1.0 },
-            10.0,
-        )
+        ..turning("one angle, bow 100 %, 10 µrad", Turning::One { bow: 1.0 }, 10.0)
     },
     Row {
         stated: false,
-        ..turning(
-            "nine angles, bow 100 %, 10 µrad",
-            Turning::All { bow: 1.0 },
-            10.0,
-        )
+        ..turning("nine angles, bow 100 %, 10 µrad", Turning::All { bow: 1.0 }, 10.0)
     },
-    Row {
-        stated: false,
-        ..beam("beam 0.5 mrad", 0.5, 1)
-    },
-    Row {
-        stated: false,
-        ..beam("beam 1 mrad", 1.0, 1)
-    },
+    Row { stated: false, ..beam("beam 0.5 mrad", 0.5, 1) },
+    Row { stated: false, ..beam("beam 1 mrad", 1.0, 1) },
 ];
 
-const LOST_UM: PerAxis<f64> = PerAxis {
-    x: 8.0,
-    y: 5.0,
-    z: -3.0,
-};
+const LOST_UM: PerAxis<f64> = PerAxis { x: 8.0, y: 5.0, z: -3.0 };
 
 fn machine(row: &Row, random: &mut ChaCha8Rng) -> Rigid {
     let box_ = volume([900.0, 720.0, 720.0], STEPS);
@@ -348,19 +280,11 @@ fn machine(row: &Row, random: &mut ChaCha8Rng) -> Rigid {
     };
     let urad = row.angle_urad.unwrap_or(0.0);
     let mut signed = || {
-        if random.next_u32().is_multiple_of(2) {
-            urad
-        } else {
-            -urad
-        }
+        if random.next_u32().is_multiple_of(2) { urad } else { -urad }
     };
     let angles = some.into_iter();
     let angles = angles.map(|(rotation, bow)| (rotation, shape(signed(), bow)));
-    Rigid {
-        nine,
-        angles: angles.collect(),
-        beam,
-    }
+    Rigid { nine, angles: angles.collect(), beam }
 }
 
 /// The runs of a machine with noise.
@@ -597,20 +521,13 @@ const SMALL_NOISE: StatedUncertainty = StatedUncertainty {
 };
 
 fn yaw_of_x() -> Rotation {
-    Rotation {
-        about: Axis::Z,
-        along: Axis::X,
-    }
+    Rotation { about: Axis::Z, along: Axis::X }
 }
 
 #[test]
 fn a_bow_of_the_yaw_shifts_the_squareness_and_u_holds_it() {
     let rigid = quiet(vec![(yaw_of_x(), shape(10.0, 1.0))], 14);
-    let stated = StatedUncertainty {
-        angle_urad: Some(10.0),
-        noise_um: Some(0.1),
-        ..SMALL_NOISE
-    };
+    let stated = StatedUncertainty { angle_urad: Some(10.0), noise_um: Some(0.1), ..SMALL_NOISE };
     let found = of_clean(&rigid, None, stated);
     let truth = rigid.truth().slope(ErrorTerm::from_name("EXY").unwrap());
     let error = found.squareness_um_per_m.xy.unwrap() - truth;
@@ -622,10 +539,7 @@ fn a_bow_of_the_yaw_shifts_the_squareness_and_u_holds_it() {
         for (index, wanted) in rigid.truth().curves[term].iter().enumerate() {
             let error = (evidence.deviation_um[index] - wanted).abs();
             let expanded = evidence.expanded_um(index, found.noise).unwrap();
-            assert!(
-                error <= expanded + 1e-6,
-                "{term} {index}: {error}, U {expanded}"
-            );
+            assert!(error <= expanded + 1e-6, "{term} {index}: {error}, U {expanded}");
         }
     }
 }
@@ -633,10 +547,7 @@ fn a_bow_of_the_yaw_shifts_the_squareness_and_u_holds_it() {
 /// The influence of every single value of every angle, one by one through readings and separation.
 #[test]
 fn the_bound_is_the_sum_of_what_single_values_do() {
-    for (steps, rotation) in [4, 5]
-        .into_iter()
-        .flat_map(|n| Rotation::all().map(move |r| (n, r)))
-    {
+    for (steps, rotation) in [4, 5].into_iter().flat_map(|n| Rotation::all().map(move |r| (n, r))) {
         let mut sums = PerTerm::from_fn(|_| vec![0.0; steps + 1]);
         let mut squareness = [0.0; 3];
         for index in 1..=steps {
@@ -646,9 +557,8 @@ fn the_bound_is_the_sum_of_what_single_values_do() {
             let (truth, found) = (rigid.truth(), of_clean(&rigid, None, SMALL_NOISE));
             for term in ErrorTerm::ALL {
                 let curve = &found.errors.mean[term].as_ref().unwrap().deviation_um;
-                for (sum, (found, truth)) in sums[term]
-                    .iter_mut()
-                    .zip(curve.iter().zip(&truth.curves[term]))
+                for (sum, (found, truth)) in
+                    sums[term].iter_mut().zip(curve.iter().zip(&truth.curves[term]))
                 {
                     *sum += (found - truth).abs();
                 }
@@ -659,10 +569,7 @@ fn the_bound_is_the_sum_of_what_single_values_do() {
                 *sum += (found.squareness_um_per_m.of(plane).unwrap() - truth).abs();
             }
         }
-        let stated = StatedUncertainty {
-            angle_urad: Some(1.0),
-            ..SMALL_NOISE
-        };
+        let stated = StatedUncertainty { angle_urad: Some(1.0), ..SMALL_NOISE };
         let perfect = quiet(Vec::new(), steps);
         let with = of_clean(&perfect, Some(rotation), stated);
         let without = of_clean(&perfect, None, SMALL_NOISE);
@@ -677,20 +584,14 @@ fn the_bound_is_the_sum_of_what_single_values_do() {
             let both = u(&with, term).into_iter().zip(u(&without, term));
             for ((with, without), sum) in both.zip(&sums[term]) {
                 let angle = angle(with, without);
-                assert!(
-                    (angle - sum).abs() < 1e-3,
-                    "{rotation} {term}: {angle} {sum}"
-                );
+                assert!((angle - sum).abs() < 1e-3, "{rotation} {term}: {angle} {sum}");
             }
         }
         for (plane, sum) in Plane::ALL.into_iter().zip(squareness) {
             let u =
                 |found: &Separation| found.u_squareness.of(plane).map(|u| u.u_um_per_m).unwrap();
             let angle = angle(u(&with), u(&without));
-            assert!(
-                (angle - sum).abs() < 1e-3,
-                "{rotation} {plane:?}: {angle} {sum}"
-            );
+            assert!((angle - sum).abs() < 1e-3, "{rotation} {plane:?}: {angle} {sum}");
         }
     }
 }
@@ -714,10 +615,7 @@ fn a_beam_beside_the_normal_shortens_every_diagonal() {
     };
     for lean in [0.0, 1e-3, 5e-3] {
         let (z, squareness) = scale(lean, 0.0);
-        assert!(
-            z.abs() < 1e-3 && squareness < 1e-3,
-            "{lean}: {z} {squareness}"
-        );
+        assert!(z.abs() < 1e-3 && squareness < 1e-3, "{lean}: {z} {squareness}");
     }
     // −0.5 µm/m in every diagonal, X and Y held by their lines: (R/Z)² of it in Z.
     let gain = (900.0 * 900.0 + 720.0 * 720.0 + 500.0 * 500.0) / (500.0 * 500.0);
@@ -729,10 +627,7 @@ fn a_beam_beside_the_normal_shortens_every_diagonal() {
 /// To say nothing must not look better: the bound below which U holds is said, and none where it is stated.
 #[test]
 fn what_is_not_stated_is_said_with_the_bound_below_which_u_holds() {
-    let noise = StatedUncertainty {
-        noise_um: Some(SIGMA_UM),
-        ..SMALL_NOISE
-    };
+    let noise = StatedUncertainty { noise_um: Some(SIGMA_UM), ..SMALL_NOISE };
     let rigid = quiet(Vec::new(), 14);
     let silent = of_clean(&rigid, None, noise);
     let [angles, beam] = [&silent.not_counted.angles, &silent.not_counted.beam];
@@ -751,21 +646,13 @@ fn what_is_not_stated_is_said_with_the_bound_below_which_u_holds() {
         all
     };
     for stated in [
-        StatedUncertainty {
-            angle_urad: Some(urad),
-            ..noise
-        },
-        StatedUncertainty {
-            beam_mrad: Some(mrad),
-            ..noise
-        },
+        StatedUncertainty { angle_urad: Some(urad), ..noise },
+        StatedUncertainty { beam_mrad: Some(mrad), ..noise },
     ] {
         let found = of_clean(&rigid, None, stated);
         assert_eq!(found.not_counted.sentences().len(), 1);
         let pairs = largest(&found).into_iter().zip(largest(&silent));
-        let growth = pairs
-            .map(|(with, without)| with / without)
-            .fold(0.0, f64::max);
+        let growth = pairs.map(|(with, without)| with / without).fold(0.0, f64::max);
         assert!((1.07..1.12).contains(&growth), "{stated:?}: {growth}");
     }
 }

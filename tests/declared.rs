@@ -14,9 +14,7 @@ use tempfile::TempDir;
 /// The fenced block behind a marker of the page, without its indent.
 fn block(page: &str, marker: &str) -> String {
     let rest = page.split(marker).nth(1).expect(marker);
-    let lines = rest
-        .lines()
-        .skip_while(|line| !line.trim_start().starts_with("```"));
+    let lines = rest.lines().skip_while(|line| !line.trim_start().starts_with("```"));
     let lines = lines.skip(1).take_while(|line| line.trim() != "```");
     let lines = lines.map(|line| line.strip_prefix("   ").unwrap_or(line));
     lines.map(|line| format!("{line}\n")).collect()
@@ -36,10 +34,7 @@ fn visit() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     let put = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     put("norden.toml", &block(&page(), "as `norden.toml`:"));
-    put(
-        "n5.txt.tera",
-        &block(&page(), "the template `n5.txt.tera` beside it."),
-    );
+    put("n5.txt.tera", &block(&page(), "the template `n5.txt.tera` beside it."));
     let machine = root().join("fixtures/machines/five_points");
     let read = |name: &str| fs::read_to_string(machine.join(name)).unwrap();
     put("errors.csv", &read("errors.csv"));
@@ -61,10 +56,7 @@ fn nonius(folder: &TempDir, line: &str) -> (Option<i32>, String) {
 
 /// The value of a point in a file.
 fn value(text: &str, table: &str, point: u32) -> i64 {
-    let rest = text
-        .split(&format!("TABLE {table}\r\n"))
-        .nth(1)
-        .expect(table);
+    let rest = text.split(&format!("TABLE {table}\r\n")).nth(1).expect(table);
     let begin = format!("{point} ");
     let line = rest.lines().find(|line| line.starts_with(&begin)).unwrap();
     line[begin.len()..].parse().unwrap()
@@ -92,10 +84,7 @@ fn the_profile_of_the_page_makes_files_that_read_back() {
     assert_eq!(value(&text, "Y BY Y", 5), 120, "{text}");
     assert_eq!(value(&text, "X BY X", 5), -160, "{text}");
     assert_eq!(value(&text, "Z BY Y", 5), -20, "{text}");
-    assert!(
-        text.contains("FIRST -200.000 STEP 100.000 POINTS 5\r\n1 "),
-        "{text}"
-    );
+    assert!(text.contains("FIRST -200.000 STEP 100.000 POINTS 5\r\n1 "), "{text}");
     // The sample of the manual is a file of this control.
     let sample = block(&page(), "says on pages 88 and 89:");
     read_out(&folder, "sample", &sample);
@@ -116,21 +105,11 @@ fn what_was_read_out_is_judged() {
     read_out(&folder, "turned", &text.replace("\n5 120\r", "\n5 -120\r"));
     let (status, said) = nonius(&folder, "verify job.toml --tables turned");
     assert_eq!(status, Some(1), "{said}");
-    assert!(
-        said.contains("EYY") && said.contains("200.0000 mm"),
-        "{said}"
-    );
-    read_out(
-        &folder,
-        "foreign",
-        &text.replace("\r\nEND", "\r\nWEIGHT 2\r\nEND"),
-    );
+    assert!(said.contains("EYY") && said.contains("200.0000 mm"), "{said}");
+    read_out(&folder, "foreign", &text.replace("\r\nEND", "\r\nWEIGHT 2\r\nEND"));
     let (status, said) = nonius(&folder, "verify job.toml --tables foreign");
     assert_eq!(status, Some(2), "{said}");
-    assert!(
-        said.contains("no pattern of the profile takes this line"),
-        "{said}"
-    );
+    assert!(said.contains("no pattern of the profile takes this line"), "{said}");
     assert!(said.contains("READ.TXT:9:1"), "{said}");
 }
 
@@ -142,10 +121,7 @@ fn a_second_measurement_builds_on_what_was_active() {
     read_out(&folder, "active", &old);
     let job = kit_file(&folder, "job.toml");
     let second = job.replace("errors.csv", "second.csv");
-    let second = second.replace(
-        "= \"none\"",
-        "= \"active\"\nactive_terms_not_measured = \"keep\"",
-    );
+    let second = second.replace("= \"none\"", "= \"active\"\nactive_terms_not_measured = \"keep\"");
     fs::write(folder.path().join("second.toml"), second).unwrap();
     // What the tables left: 1 µm more at each end of Y.
     let left = "axis,position_mm,ey_um\ny,-200,1\ny,0,0\ny,200,1\n";
@@ -153,21 +129,9 @@ fn a_second_measurement_builds_on_what_was_active() {
     let (status, said) = nonius(&folder, "generate second.toml -o second");
     assert!(matches!(status, Some(0 | 1)), "{said}");
     let new = kit_file(&folder, "second/N5.TXT");
-    assert_eq!(
-        value(&new, "Y BY Y", 5),
-        value(&old, "Y BY Y", 5) - 20,
-        "{new}"
-    );
-    assert_eq!(
-        value(&new, "Y BY Y", 1),
-        value(&old, "Y BY Y", 1) - 20,
-        "{new}"
-    );
-    assert_eq!(
-        value(&new, "X BY X", 5),
-        value(&old, "X BY X", 5),
-        "not measured: kept\n{new}"
-    );
+    assert_eq!(value(&new, "Y BY Y", 5), value(&old, "Y BY Y", 5) - 20, "{new}");
+    assert_eq!(value(&new, "Y BY Y", 1), value(&old, "Y BY Y", 1) - 20, "{new}");
+    assert_eq!(value(&new, "X BY X", 5), value(&old, "X BY X", 5), "not measured: kept\n{new}");
 }
 
 #[test]
@@ -179,9 +143,7 @@ fn each_sign_proof_is_one_bump() {
         assert_eq!(text.matches("TABLE").count(), tables, "{text}");
         let points = text.lines().filter_map(|line| line.split_once(' '));
         let is_point = |(number, _): &(&str, &str)| number.parse::<u32>().is_ok();
-        let values = points
-            .filter(is_point)
-            .map(|(_, value)| value.parse::<i64>().unwrap());
+        let values = points.filter(is_point).map(|(_, value)| value.parse::<i64>().unwrap());
         let bump: Vec<i64> = values.filter(|value| *value != 0).collect();
         assert_eq!(bump, [-400], "20 um, as correction\n{text}");
     }
@@ -205,24 +167,12 @@ fn a_mistake_in_the_profile_has_its_line() {
             "(?<point>\\d+),(?<value>",
             "no pattern of the profile takes this line",
         ),
-        (
-            "value_size = { value = 0.05",
-            "value_size = { value = 0.1",
-            "",
-        ),
+        ("value_size = { value = 0.05", "value_size = { value = 0.1", ""),
     ] {
         assert!(profile.contains(right), "{right}");
-        fs::write(
-            folder.path().join("norden.toml"),
-            profile.replace(right, wrong),
-        )
-        .unwrap();
+        fs::write(folder.path().join("norden.toml"), profile.replace(right, wrong)).unwrap();
         let (status, said) = nonius(&folder, "controllers check norden.toml");
-        assert_eq!(
-            status,
-            Some(if says.is_empty() { 0 } else { 2 }),
-            "{wrong}: {said}"
-        );
+        assert_eq!(status, Some(if says.is_empty() { 0 } else { 2 }), "{wrong}: {said}");
         assert!(said.contains(says), "{wrong}: {said}");
         assert!(says.is_empty() || said.contains("-->"), "{wrong}: {said}");
     }
@@ -250,12 +200,9 @@ fn a_short_table_is_refused_where_outside_is_not_known() {
     let verify = "verify job.toml --tables active";
     let build_on = "generate second.toml -o second";
     let words = "the table of X covers 0.000 mm to 200.000 mm, the travel of X with its reference point is 0.000 mm to 400.000 mm, and what this control adds outside a table is not known";
-    for (text, line, expected) in [
-        (&whole, verify, 0),
-        (&short, verify, 1),
-        (&short, build_on, 2),
-        (&whole, build_on, 0),
-    ] {
+    for (text, line, expected) in
+        [(&whole, verify, 0), (&short, verify, 1), (&short, build_on, 2), (&whole, build_on, 0)]
+    {
         read_out(&folder, "active", text);
         let (status, said) = nonius(&folder, line);
         assert_eq!(status, Some(expected), "{line}: {said}");
@@ -288,10 +235,7 @@ fn a_table_beyond_the_travel_is_refused_where_the_control_uses_no_point_there() 
         put("job.toml", &job.replace(right, wrong));
         let (status, said) = nonius(&folder, "generate job.toml -o kit");
         assert_eq!(status, Some(2), "{wrong}: {said}");
-        assert!(
-            said.contains("would have points beyond the travel"),
-            "{said}"
-        );
+        assert!(said.contains("would have points beyond the travel"), "{said}");
         assert!(said.contains(says), "{wrong}: {said}");
         assert!(!folder.path().join("kit").exists());
     }
@@ -312,20 +256,14 @@ fn a_profile_adds_steps_to_the_checklist_of_its_base() {
     let folder = tempfile::tempdir().unwrap();
     let machine = root().join("fixtures/machines/five_points");
     let put = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
-    put(
-        "errors.csv",
-        &fs::read_to_string(machine.join("errors.csv")).unwrap(),
-    );
+    put("errors.csv", &fs::read_to_string(machine.join("errors.csv")).unwrap());
     let job = fs::read_to_string(machine.join("weihong.toml")).unwrap();
     put("job.toml", &job.replace("\"weihong\"", "\"own.toml\""));
     let own = "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"weihong\"\n\n[[steps]]\npart = \"Before anything is loaded\"\ntext = \"Call the owner.\"\nevidence = \"manual\"\nsource = \"the owner\"\n";
     put("own.toml", own);
     nonius(&folder, "generate job.toml -o kit");
     let list = kit_file(&folder, "kit/checklist.md");
-    let at = |words: &str| {
-        list.find(words)
-            .unwrap_or_else(|| panic!("{words}: {list}"))
-    };
+    let at = |words: &str| list.find(words).unwrap_or_else(|| panic!("{words}: {list}"));
     let order = [
         "whoever keeps the profile",
         "`Screw error compensation`",
@@ -352,19 +290,11 @@ fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it() {
         fs::copy(machine.join(name), folder.path().join(name)).unwrap();
     }
     nonius(&folder, "generate fagor-8065.toml -o kit");
-    let utf16 = |text: &str| {
-        text.encode_utf16()
-            .flat_map(u16::to_le_bytes)
-            .collect::<Vec<u8>>()
-    };
+    let utf16 = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
     let lines = |axis: &str| {
         let bytes = fs::read(folder.path().join(format!("kit/draft-{axis}.mp"))).unwrap();
         assert_eq!((bytes.len() % 2, bytes[1]), (0, 0));
-        bytes
-            .iter()
-            .step_by(2)
-            .map(|byte| char::from(*byte))
-            .collect::<String>()
+        bytes.iter().step_by(2).map(|byte| char::from(*byte)).collect::<String>()
     };
     let whole = |axis: &str| {
         let head = format!(
@@ -382,10 +312,7 @@ fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it() {
     }
     let verify = "verify fagor-8065.toml --tables out";
     let (status, said) = nonius(&folder, verify);
-    assert!(
-        status == Some(0) && said.contains("job and tables agree"),
-        "{said}"
-    );
+    assert!(status == Some(0) && said.contains("job and tables agree"), "{said}");
     let x = whole("X");
     for (bytes, says) in [
         (x.clone().into_bytes(), "`X.mp` is not text in UTF-16"),
@@ -394,18 +321,12 @@ fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it() {
             utf16(&x.replace("DATA/POSERROR 2", "DATA/POSEROR 2")),
             "no pattern of the profile takes this line",
         ),
-        (
-            utf16(&x.replace("POSERROR 2", "POSERROR 3")),
-            "a second `forward` here",
-        ),
+        (utf16(&x.replace("POSERROR 2", "POSERROR 3")), "a second `forward` here"),
         (
             utf16(&x.replace("LSCRWCOMP ;ON", "LSCRWCOMP ;OFF")),
             "no pattern of the profile takes this line",
         ),
-        (
-            utf16(&x.replace("BIDIR ;YES", "BIDIR ;NO")),
-            "no pattern of the profile takes this line",
-        ),
+        (utf16(&x.replace("BIDIR ;YES", "BIDIR ;NO")), "no pattern of the profile takes this line"),
         (
             utf16(&x.replace("LSCRWDATA/BIDIR", "LSCRWDATA/TYPE")),
             "no pattern of the profile takes this line",

@@ -22,26 +22,14 @@ use tree::{Tree, copy_of, difference, lay, skipped, told, tree};
 /// the fixture, with a separator at its end.
 const COMMANDS: &[(&str, &str)] = &[
     ("start/errors", "generate {}job.toml -o {}kit --format json"),
-    (
-        "nine_errors_900",
-        "generate {}siemens-840d-sl.toml -o {}kit",
-    ),
+    ("nine_errors_900", "generate {}siemens-840d-sl.toml -o {}kit"),
     ("nine_errors_900", "generate {}fanuc-30i.toml -o {}kit"),
     ("nine_errors_900", "assess {}generic.toml --format json"),
     ("diagonals/case_b_setup", "generate {}job.toml -o {}kit"),
-    (
-        "diagonals/case_b_setup",
-        "separate {}job.toml -o {}e.csv --trials 100 --format json",
-    ),
+    ("diagonals/case_b_setup", "separate {}job.toml -o {}e.csv --trials 100 --format json"),
     ("diagonals/case_b_setup", "separate {}job.toml"),
-    (
-        "start/errors",
-        "simulate {}job.toml --errors -o {}after.csv",
-    ),
-    (
-        "formats",
-        "import {}isg_component_errors_selfmade.csv -o {}e.csv --sign as-error",
-    ),
+    ("start/errors", "simulate {}job.toml --errors -o {}after.csv"),
+    ("formats", "import {}isg_component_errors_selfmade.csv -o {}e.csv --sign as-error"),
     ("standards", "standards {}x_axis.csv"),
 ];
 
@@ -180,20 +168,14 @@ fn all_commands() -> Vec<Asked> {
         case.lay_out(place.path());
         let (name, inputs, words) = (case.name, tree(place.path()), case.command);
         commands.extend(for_jobs(&name, &inputs));
-        commands.push(Asked {
-            name,
-            inputs,
-            words,
-        });
+        commands.push(Asked { name, inputs, words });
     }
     commands
 }
 
 /// What may be asked of the jobs among some inputs.
 fn for_jobs(name: &str, inputs: &Tree) -> Vec<Asked> {
-    let jobs = inputs
-        .keys()
-        .filter(|file| file.ends_with(".toml") && !file.contains('/'));
+    let jobs = inputs.keys().filter(|file| file.ends_with(".toml") && !file.contains('/'));
     let asked = |job: &String| {
         [
             "generate JOB -o out.kit",
@@ -222,11 +204,7 @@ fn made_by(program: &Path, asked: &Asked) -> (Made, String) {
         .output()
         .expect("the program starts");
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    let made = (
-        output.status.code(),
-        text(&output.stdout),
-        tree(place.path()),
-    );
+    let made = (output.status.code(), text(&output.stdout), tree(place.path()));
     (made, text(&output.stderr))
 }
 
@@ -251,7 +229,5 @@ fn another_build_makes_the_same_bytes_of_all_fixtures() {
     }
     assert!(differing.is_empty(), "{}", differing.join("\n"));
     let all = commands.len();
-    told(&format!(
-        "{all} commands, {written} of them with a result: the same bytes"
-    ));
+    told(&format!("{all} commands, {written} of them with a result: the same bytes"));
 }

@@ -47,13 +47,7 @@ fn repeated(seed: u64, count: u32) -> Vec<Run> {
     let machine = Machine::random(&box_30(), &mut random);
     let readings = machine.readings(None);
     (1..=count)
-        .flat_map(|run| {
-            runs(
-                run,
-                Pass::Forward,
-                &with_noise(&readings, SIGMA_UM, &mut random),
-            )
-        })
+        .flat_map(|run| runs(run, Pass::Forward, &with_noise(&readings, SIGMA_UM, &mut random)))
         .collect()
 }
 
@@ -64,12 +58,7 @@ fn disturb(runs: &mut [Run], diagonal: Diagonal, number: u32, node: usize, um: f
 }
 
 fn place(diagonal: Diagonal, run: u32, node: usize) -> ReadingPlace {
-    ReadingPlace {
-        diagonal,
-        pass: Pass::Forward,
-        run: Some(run),
-        node,
-    }
+    ReadingPlace { diagonal, pass: Pass::Forward, run: Some(run), node }
 }
 
 #[test]
@@ -107,9 +96,7 @@ fn renamed(mut runs: Vec<Run>, name_of: impl Fn(Diagonal) -> Diagonal) -> Vec<Ru
 }
 
 fn accusation(found: &Separation) -> Option<String> {
-    words(&found.doubts)
-        .into_iter()
-        .find(|doubt| doubt.starts_with("as if"))
+    words(&found.doubts).into_iter().find(|doubt| doubt.starts_with("as if"))
 }
 
 /// The four programs are alike: a file under another diagonal's name is complete and plausible.
@@ -129,11 +116,7 @@ fn readings_under_each_others_name_are_told() {
             };
             let found = naive(&box_30(), &renamed(repeated(seed, count), exchanged));
             let said = format!("as if the readings of {one} and {other} were exchanged");
-            assert!(
-                words(&found.doubts)[0].starts_with(&said),
-                "{:?}",
-                words(&found.doubts)
-            );
+            assert!(words(&found.doubts)[0].starts_with(&said), "{:?}", words(&found.doubts));
         }
     }
     for seed in 0..20 {
@@ -154,11 +137,7 @@ fn more_than_one_exchange_is_named_as_it_happened() {
     };
     let found = naive(&box_30(), &renamed(repeated(3, 3), ring));
     let said = "as if the readings named PPP, NPP, PNP were those of PNP, PPP, NPP:";
-    assert!(
-        words(&found.doubts)[0].starts_with(said),
-        "{:?}",
-        words(&found.doubts)
-    );
+    assert!(words(&found.doubts)[0].starts_with(said), "{:?}", words(&found.doubts));
     let pairs = |diagonal| match diagonal {
         Ppp => Npp,
         Npp => Ppp,
@@ -167,11 +146,7 @@ fn more_than_one_exchange_is_named_as_it_happened() {
     };
     let found = naive(&box_30(), &renamed(repeated(3, 3), pairs));
     let said = "as if the readings named PPP, NPP, PNP, PPN were those of NPP, PPP, PPN, PNP:";
-    assert!(
-        words(&found.doubts)[0].starts_with(said),
-        "{:?}",
-        words(&found.doubts)
-    );
+    assert!(words(&found.doubts)[0].starts_with(said), "{:?}", words(&found.doubts));
 }
 
 /// A walk whose steps went in another order than the job records, read against its own nominal list.
@@ -184,10 +159,7 @@ fn steps_in_another_order_are_told() {
             let mut machine = Machine::random(&box_30(), &mut random);
             machine.volume.order = order;
             let readings = with_noise(&machine.readings(None), 0.1, &mut random);
-            let box_ = Volume {
-                order: recorded,
-                ..box_30()
-            };
+            let box_ = Volume { order: recorded, ..box_30() };
             let found = naive(&box_, &runs(1, Pass::Forward, &readings));
             let [a, b, c] = order;
             let said = format!("or the steps went {a}, {b}, {c}: ");
@@ -216,12 +188,7 @@ fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
         labels.find(|label| label.starts_with("these readings would hardly show"))
     };
     let said = hardly(&found).unwrap();
-    for words in [
-        "NPP and PNP",
-        "NPP and PPN",
-        "PNP and PPN",
-        "nor steps that went X, Z, Y or",
-    ] {
+    for words in ["NPP and PNP", "NPP and PPN", "PNP and PPN", "nor steps that went X, Z, Y or"] {
         assert!(said.contains(words), "{said}");
     }
     assert!(!said.contains("PPP"), "{said}");
@@ -250,25 +217,17 @@ fn a_scatter_far_above_the_noise_is_a_finding() {
         words(&separate(&campaign, &all).doubts).join("\n")
     };
     let said = found(50.0, None, 1);
-    for words in [
-        "from the scatter of the closure: above the 1 µm that are assumed",
-        "state `noise_um`",
-    ] {
+    for words in
+        ["from the scatter of the closure: above the 1 µm that are assumed", "state `noise_um`"]
+    {
         assert!(said.contains(words), "{said}");
     }
     assert!(found(1000.0, None, 1).contains("above the 1 µm"));
-    for sound in [
-        found(0.0, None, 1),
-        found(0.0, Some(0.3), 3),
-        found(0.0, Some(0.2), 3),
-    ] {
+    for sound in [found(0.0, None, 1), found(0.0, Some(0.3), 3), found(0.0, Some(0.2), 3)] {
         assert_eq!(sound, "");
     }
     let said = found(0.0, Some(0.1), 3);
-    assert!(
-        said.contains("more than 2 times the 0.1 µm that `noise_um` states"),
-        "{said}"
-    );
+    assert!(said.contains("more than 2 times the 0.1 µm that `noise_um` states"), "{said}");
 }
 
 #[test]
@@ -280,11 +239,7 @@ fn with_two_runs_either_may_be_the_disturbed_one() {
     places.sort();
     let wanted = [1, 2].map(|run| place(Diagonal::Ppn, run, 17));
     assert_eq!(places, wanted);
-    assert_eq!(
-        found.closure.outliers.len(),
-        1,
-        "the closure names it once more"
-    );
+    assert_eq!(found.closure.outliers.len(), 1, "the closure names it once more");
 }
 
 #[test]
@@ -310,11 +265,7 @@ fn rolling(volume: &Volume, urad: f64) -> PerDiagonal<Vec<f64>> {
         let at = |node: usize| {
             let made = |axis: usize| node / 3 + usize::from(node % 3 > axis);
             let place = |axis: Axis, index: usize| {
-                let from_low = if d.sign(axis) > 0.0 {
-                    made(index)
-                } else {
-                    n - made(index)
-                };
+                let from_low = if d.sign(axis) > 0.0 { made(index) } else { n - made(index) };
                 volume.along_mm(axis, from_low)
             };
             let roll = urad * place(Axis::X, 0) / volume.size.x.mm();
@@ -341,18 +292,11 @@ fn roll_makes_ramps_and_accuses_no_reading() {
         let found = naive(&volume, &runs(1, Pass::Forward, &readings));
         let ramps = found.closure.ramps.as_ref().unwrap();
         assert!(ramps.is_roll(), "{ramps:?}");
-        assert!(
-            found.closure.outliers.is_empty(),
-            "{:?}",
-            found.closure.outliers
-        );
+        assert!(found.closure.outliers.is_empty(), "{:?}", found.closure.outliers);
         // 2 b (c/R) times the roll of + less that of - diagonals, from -A to +A over the axis.
         let wanted = 4.0 * 24e-3 * volume.cosine(Axis::Z) * urad * 29.0 / 30.0;
         let tolerance = 4.0 * sigma * ramps.u.y + 0.07 * wanted;
-        assert!(
-            (ramps.change_um.y.abs() - wanted).abs() < tolerance,
-            "{ramps:?} {wanted}"
-        );
+        assert!((ramps.change_um.y.abs() - wanted).abs() < tolerance, "{ramps:?} {wanted}");
         assert!((ramps.change_um.y + ramps.change_um.z).abs() < 2.0 * tolerance);
         assert!(words(&found.doubts)[0].contains("roll of an axis that carries others"));
         let scatter = found.closure.sigma_um().unwrap();
@@ -383,10 +327,7 @@ fn means_and_single_w_scatter_as_expected() {
     assert!((closure.scatter.x - expected).abs() < 1e-12);
     let near = |sum: f64, wanted: f64, what: &str| {
         let found = (sum / count).sqrt();
-        assert!(
-            (found / wanted - 1.0).abs() < 0.1,
-            "{what}: {found}, expected {wanted}"
-        );
+        assert!((found / wanted - 1.0).abs() < 0.1, "{what}: {found}, expected {wanted}");
     };
     near(single, expected * SIGMA_UM, "w");
     near(mean, closure.u_mean_um(Axis::X, SIGMA_UM), "mean");
@@ -415,29 +356,16 @@ fn the_scatter_is_tested_to_both_sides() {
         assert_eq!(test.larger, larger);
     }
     // Too small a noise makes U too small; too large a one is only wasteful.
-    assert!(
-        stated_noise(0.15)
-            .doubts
-            .iter()
-            .any(|d| d.to_string().contains("scatters more"))
-    );
+    assert!(stated_noise(0.15).doubts.iter().any(|d| d.to_string().contains("scatters more")));
     assert!(stated_noise(0.6).doubts.is_empty());
     let alone = naive(&box_30(), &repeated(1, 1));
-    assert_eq!(
-        alone.closure.test(&alone.noise.unwrap()),
-        None,
-        "nothing to test against"
-    );
+    assert_eq!(alone.closure.test(&alone.noise.unwrap()), None, "nothing to test against");
 }
 
 #[test]
 fn a_perfect_set_up_is_contradicted_by_the_mean_of_the_closure() {
     let mut machine = Machine::perfect(&box_30());
-    machine.lean[Diagonal::Npp] = PerAxis {
-        x: 0.0,
-        y: 50e-6,
-        z: -50e-6,
-    };
+    machine.lean[Diagonal::Npp] = PerAxis { x: 0.0, y: 50e-6, z: -50e-6 };
     let found = naive(&box_30(), &runs(1, Pass::Forward, &machine.readings(None)));
     assert!(
         words(&found.doubts)[0].contains("set-up is assumed perfect"),

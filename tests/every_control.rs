@@ -1,8 +1,5 @@
 //! One machine on every control: the table of docs/controllers.md is what `generate` and `verify` say.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test may stop at what it did not expect"
-)]
+#![allow(clippy::unwrap_used, reason = "a test may stop at what it did not expect")]
 
 #[path = "support/run.rs"]
 mod run;
@@ -26,11 +23,7 @@ fn visit(id: &str) -> tempfile::TempDir {
     let directory = tempfile::tempdir().unwrap();
     fs::copy(from.join("errors.csv"), directory.path().join("errors.csv")).unwrap();
     let job = fs::read_to_string(from.join("fanuc-30i.toml")).unwrap();
-    fs::write(
-        directory.path().join("job.toml"),
-        job.replace("fanuc-30i", id),
-    )
-    .unwrap();
+    fs::write(directory.path().join("job.toml"), job.replace("fanuc-30i", id)).unwrap();
     directory
 }
 
@@ -39,10 +32,7 @@ fn kit(id: &str, directory: &Path) -> Value {
     let (_, text, said) = ended(directory, "generate job.toml -o kit --format json");
     let kit: Value = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{id}: {said}"));
     let (_, verified, said) = ended(directory, "verify job.toml --tables kit");
-    assert!(
-        verified.contains("job and tables agree"),
-        "{id}: {verified}{said}"
-    );
+    assert!(verified.contains("job and tables agree"), "{id}: {verified}{said}");
     kit
 }
 
@@ -82,15 +72,10 @@ fn row(id: &str) -> String {
     let all = number(&kit["forecast"]["max_residual_um"]);
     let points = kit["tables"].as_array().unwrap().iter();
     let points: u64 = points.map(|table| table["points"].as_u64().unwrap()).sum();
-    let loaded = texts(&kit["files"], "path")
-        .into_iter()
-        .zip(texts(&kit["files"], "role"));
+    let loaded = texts(&kit["files"], "path").into_iter().zip(texts(&kit["files"], "role"));
     let loaded = loaded.filter(|(_, role)| ["table", "parameters"].contains(role));
-    let bytes = loaded.map(|(path, _)| {
-        fs::metadata(directory.path().join("kit").join(path))
-            .unwrap()
-            .len()
-    });
+    let bytes = loaded
+        .map(|(path, _)| fs::metadata(directory.path().join("kit").join(path)).unwrap().len());
     let bytes: u64 = bytes.sum();
     let served = match served.len() {
         9 => "all nine".to_string(),
@@ -133,10 +118,7 @@ fn a_checklist_begins_with_the_work() {
         let (work, annex) = sheet.split_once("\n## Annex").unwrap();
         let (above, _) = work.split_once("\n1. [ ] ").unwrap();
         let bullets = above.lines().filter(|line| line.starts_with("- ")).count();
-        assert!(
-            bullets <= 4,
-            "{id}: {bullets} bullets above the steps\n{above}"
-        );
+        assert!(bullets <= 4, "{id}: {bullets} bullets above the steps\n{above}");
         let compared = work.contains("what the annex lists under this number");
         let found = sheet.contains("; found: ________") || work.contains(": found ________");
         assert_eq!(compared, found, "{id}");

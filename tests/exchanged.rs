@@ -51,30 +51,10 @@ struct Way {
 }
 
 const WAYS: [Way; 4] = [
-    Way {
-        name: "three runs, n = 15",
-        steps: 15,
-        repeats: 3,
-        both: false,
-    },
-    Way {
-        name: "one run, n = 15",
-        steps: 15,
-        repeats: 1,
-        both: false,
-    },
-    Way {
-        name: "one run, n = 30",
-        steps: 30,
-        repeats: 1,
-        both: false,
-    },
-    Way {
-        name: "both directions, n = 15",
-        steps: 15,
-        repeats: 1,
-        both: true,
-    },
+    Way { name: "three runs, n = 15", steps: 15, repeats: 3, both: false },
+    Way { name: "one run, n = 15", steps: 15, repeats: 1, both: false },
+    Way { name: "one run, n = 30", steps: 30, repeats: 1, both: false },
+    Way { name: "both directions, n = 15", steps: 15, repeats: 1, both: true },
 ];
 
 /// What went wrong.
@@ -121,10 +101,7 @@ struct Wavy {
     even: &'static [&'static str],
 }
 
-const WAVY: Wavy = Wavy {
-    size: 1.0,
-    even: &[],
-};
+const WAVY: Wavy = Wavy { size: 1.0, even: &[] };
 
 fn machine(volume: &Volume, wavy: Wavy, random: &mut ChaCha8Rng) -> Machine {
     let mut machine = Machine::perfect(volume);
@@ -163,11 +140,7 @@ fn measured(
     for number in 1..=way.repeats {
         for (pass, readings) in &passes {
             let named = under_names(readings, slip);
-            all.extend(runs(
-                number,
-                *pass,
-                &with_noise(&named, SIGMA_UM, &mut random),
-            ));
+            all.extend(runs(number, *pass, &with_noise(&named, SIGMA_UM, &mut random)));
         }
     }
     let mut lines = truth.lines(&Axis::ALL, Some(U_LINE_UM_PER_M));
@@ -202,9 +175,7 @@ fn is_warned(found: &Separation, slip: Slip) -> bool {
 }
 
 fn accuses(found: &Separation) -> Option<String> {
-    words(&found.doubts)
-        .into_iter()
-        .find(|doubt| doubt.starts_with("as if"))
+    words(&found.doubts).into_iter().find(|doubt| doubt.starts_with("as if"))
 }
 
 fn is_wrong(truth: &Machine, found: &Separation) -> bool {
@@ -258,11 +229,7 @@ struct Outcome {
 
 impl Outcome {
     fn silent(&self) -> usize {
-        self.by_kind
-            .iter()
-            .flatten()
-            .map(|count| count.silent)
-            .sum()
+        self.by_kind.iter().flatten().map(|count| count.silent).sum()
     }
 }
 
@@ -333,12 +300,7 @@ fn right_table(outcomes: &[(Way, Outcome)], even: &[(Wavy, usize, u64)]) -> Stri
             [] => format!("waves {} times as large", wavy.size),
             even => format!("{} without waves", even.join(" and ")),
         };
-        writeln!(
-            text,
-            "| {}, {how} | {machines} | {accused} | – |",
-            WAYS[0].name
-        )
-        .unwrap();
+        writeln!(text, "| {}, {how} | {machines} | {accused} | – |", WAYS[0].name).unwrap();
     }
     text
 }
@@ -388,22 +350,12 @@ fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
                 sure.slips
             );
         }
-        let told: usize = outcome
-            .by_kind
-            .iter()
-            .flatten()
-            .map(|count| count.warned)
-            .sum();
+        let told: usize = outcome.by_kind.iter().flatten().map(|count| count.warned).sum();
         assert!(
             at_most(silent - told, silent, 1.0),
             "{name}: {told} of {silent} with the sentence"
         );
-        let slips: usize = outcome
-            .by_kind
-            .iter()
-            .flatten()
-            .map(|count| count.slips)
-            .sum();
+        let slips: usize = outcome.by_kind.iter().flatten().map(|count| count.slips).sum();
         println!("{name}: {silent} of {slips} silent");
     }
     for (wavy, accused, machines) in &even {
@@ -428,10 +380,7 @@ fn cases_that_once_passed_silently_are_findings() {
         return skipped::skipped();
     }
     for (case, words) in [
-        (
-            "names_worst",
-            "as if the readings of NPP and PNP were exchanged",
-        ),
+        ("names_worst", "as if the readings of NPP and PNP were exchanged"),
         ("readme_50um", "above the 1 µm that are assumed"),
     ] {
         let (status, page, _) = run::ended(&cases.join(case), "separate job.toml");

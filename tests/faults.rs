@@ -92,10 +92,7 @@ fn with_part_program(at: &Path) {
     let offset = "\n[[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n";
     append(&at.join("job.toml"), offset);
     let there_and_back = "X400.\nX0.\n".repeat(8);
-    put(
-        &at.join("part.nc"),
-        format!("G21 G90 G1 F1000\n{there_and_back}M30\n"),
-    );
+    put(&at.join("part.nc"), format!("G21 G90 G1 F1000\n{there_and_back}M30\n"));
 }
 
 fn old_path(at: &Path) {
@@ -207,12 +204,7 @@ impl Played {
         assert_ne!(said.status.code(), Some(2), "{}: {said:?}", scene.name);
         let after = tree(place.path());
         assert!(after.contains_key(scene.output), "{}", scene.name);
-        Played {
-            scene,
-            before,
-            after,
-            said,
-        }
+        Played { scene, before, after, said }
     }
 
     /// A fresh place, as it is before.
@@ -248,11 +240,7 @@ impl Played {
         let output = self.scene.output;
         let old = at(&self.before, output);
         let previous = format!("{output}.previous");
-        let known = [
-            old.clone(),
-            at(&self.before, &previous),
-            at(&self.after, output),
-        ];
+        let known = [old.clone(), at(&self.before, &previous), at(&self.after, output)];
         let is_kept = |name: &&String| name.starts_with(&previous) && !name.contains(".partial-");
         for name in directories(found).filter(is_kept) {
             if !known.contains(&at(found, name)) {
@@ -292,8 +280,7 @@ impl Played {
             return Err(format!("the next run: {talk}"));
         }
         let found = tree(place);
-        self.complete(&found)
-            .map_err(|why| format!("after the next run {why}"))?;
+        self.complete(&found).map_err(|why| format!("after the next run {why}"))?;
         if copies(&self.before, USERS_OWN) > copies(&found, USERS_OWN) && !self.is_file() {
             return Err("the next run lost a user's file".to_string());
         }
@@ -488,10 +475,7 @@ fn disturbed(played: &Played, call: &Call, fault: Fault) -> Result<(), String> {
                 played.scene.name,
                 output.status.code(),
                 line.unwrap_or_default(),
-                String::from_utf8_lossy(&output.stderr)
-                    .lines()
-                    .next()
-                    .unwrap_or_default(),
+                String::from_utf8_lossy(&output.stderr).lines().next().unwrap_or_default(),
             )
         })
 }
@@ -512,10 +496,9 @@ fn judge(played: &Played, fault: Fault, output: &Output, found: &Tree) -> Result
             None => Err(format!("changed: {}", difference(&played.before, found))),
         },
         (Fault::Refuse(_), Some(2)) if *found == played.before => Ok(()),
-        (Fault::Refuse(_), Some(2)) => Err(format!(
-            "status 2, but changed: {}",
-            difference(&played.before, found)
-        )),
+        (Fault::Refuse(_), Some(2)) => {
+            Err(format!("status 2, but changed: {}", difference(&played.before, found)))
+        }
         (Fault::Refuse(_), Some(_)) if done => played.written(found),
         (_, Some(_)) if done => played.complete(found),
         // The library panics where the end of a list of files is refused (docs/security.md §3): nothing is half.
@@ -540,9 +523,7 @@ fn try_faults(faults: impl Fn(&Call) -> Vec<Fault>, step: usize) {
     let all = cases.len();
     let step = if is_whole() { 1 } else { step };
     let cases: Vec<_> = cases.into_iter().step_by(step).collect();
-    let failures = in_parallel(&cases, |(scene, call, fault)| {
-        disturbed(scene, call, *fault)
-    });
+    let failures = in_parallel(&cases, |(scene, call, fault)| disturbed(scene, call, *fault));
     told(&format!("{} of {all} cases", cases.len()));
     let shown: Vec<&str> = failures.iter().take(40).map(String::as_str).collect();
     assert!(
@@ -621,10 +602,7 @@ impl Stick {
 
 impl Drop for Stick {
     fn drop(&mut self) {
-        let unmounted = Command::new("umount")
-            .arg("-l")
-            .arg(self.folder.path())
-            .status();
+        let unmounted = Command::new("umount").arg("-l").arg(self.folder.path()).status();
         assert!(unmounted.is_ok_and(|status| status.success()));
     }
 }

@@ -38,13 +38,7 @@ fn five_points(profile: &str) -> (String, String) {
 
 fn files_of(kit: &Kit, role: Role) -> Vec<KitFile<'_>> {
     let files = kit.files.iter().filter(|file| file.role == role);
-    files
-        .map(|file| KitFile {
-            path: &file.path,
-            role: file.role,
-            bytes: &file.bytes,
-        })
-        .collect()
+    files.map(|file| KitFile { path: &file.path, role: file.role, bytes: &file.bytes }).collect()
 }
 
 /// The control after the kit's parameters and all sign proofs were loaded, as `profile` reads them.
@@ -68,9 +62,7 @@ fn number(proof: &Value, key: &str) -> f64 {
 
 fn term_of(proof: &Value) -> ErrorTerm {
     let name = proof["term"].as_str().unwrap();
-    let found = ErrorTerm::ALL
-        .into_iter()
-        .find(|term| term.to_string() == name);
+    let found = ErrorTerm::ALL.into_iter().find(|term| term.to_string() == name);
     found.unwrap()
 }
 
@@ -80,22 +72,13 @@ fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
     let axis = inputs.job.machine.axes[term.along].unwrap();
     let spacing = kit.plan.grids[term.along].unwrap().spacing().mm();
     let shows = number(proof, "shows_um");
-    assert!(
-        (5.0 - DUST_UM..=20.0 + DUST_UM).contains(&shows.abs()),
-        "{name}: {shows} µm"
-    );
-    assert!(
-        shows < 0.0,
-        "{name}: the control pulls back what it takes for too far"
-    );
+    assert!((5.0 - DUST_UM..=20.0 + DUST_UM).contains(&shows.abs()), "{name}: {shows} µm");
+    assert!(shows < 0.0, "{name}: the control pulls back what it takes for too far");
     for place in places {
         let inside = axis.low.mm() - 1e-6 <= place && place <= axis.high.mm() + 1e-6;
         assert!(inside, "{name}: {place} mm is outside the travel");
         let away = (place - axis.reference.mm()).abs();
-        assert!(
-            away > spacing * (1.0 - 1e-6),
-            "{name}: {place} mm is at the reference"
-        );
+        assert!(away > spacing * (1.0 - 1e-6), "{name}: {place} mm is at the reference");
     }
     let control = proving(&inputs.profile, kit);
     let other = proving(&support::with_signs_turned(&inputs.profile), kit);
@@ -104,16 +87,10 @@ fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
             let response = support::response(control.as_ref(), base, output, direction);
             let turned = support::response(other.as_ref(), base, output, direction);
             let [from, peak, to] = places.map(|place| um_at(&response, place));
-            assert!(
-                (peak - from - shows).abs() < DUST_UM,
-                "{name}: {peak} - {from}"
-            );
+            assert!((peak - from - shows).abs() < DUST_UM, "{name}: {peak} - {from}");
             assert!((to - from).abs() < DUST_UM, "{name}");
             let [from, peak, _] = places.map(|place| um_at(&turned, place));
-            assert!(
-                (peak - from - number(proof, "other_sign_um")).abs() < DUST_UM,
-                "{name}"
-            );
+            assert!((peak - from - number(proof, "other_sign_um")).abs() < DUST_UM, "{name}");
             let nodes: Vec<_> = response.tables()[0].nodes().collect();
             let limit = inputs.job.limits.max_slope_um_per_mm * spacing + DUST_UM;
             for pair in nodes.windows(2) {
@@ -174,10 +151,7 @@ fn contract_of(id: &str) {
         let (inputs, kit) = support::generate(&machine.job, &machine.csv);
         let proofs = &kit.manifest.sign_proofs;
         let mechanisms = proofs.len() + kit.compiled.notes.iter().filter(has_no_proof).count();
-        assert!(
-            mechanisms > 0,
-            "{id} {seed}: every mechanism has a proof or a reason"
-        );
+        assert!(mechanisms > 0, "{id} {seed}: every mechanism has a proof or a reason");
         let names = proofs.iter().flat_map(|p| p["files"].as_array().unwrap());
         assert_eq!(names.count(), files_of(&kit, Role::SignProof).len());
         for proof in proofs {
@@ -251,10 +225,7 @@ fn without_a_read_out_the_first_step_is_to_read_out() {
         assert!(files_of(&kit, Role::Rollback).is_empty(), "{id}");
         let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
         let first = page.lines().find(|line| line.starts_with("1. ")).unwrap();
-        assert!(
-            first.contains("keep") && first.contains("rollback"),
-            "{id}: {first}"
-        );
+        assert!(first.contains("keep") && first.contains("rollback"), "{id}: {first}");
         // A note may show braces, as it shows what to write into a job.
         let unfilled = |line: &str| line.contains(['{', '}']) && !line.starts_with("- note: ");
         assert!(!page.lines().any(unfilled), "{id}: not filled in\n{page}");
@@ -287,34 +258,20 @@ fn with_read_out(id: &str) -> (Inputs, Tables) {
 
 #[test]
 fn rollback_is_what_was_read_out() {
-    for id in [
-        "siemens-840d-sl",
-        "siemens-828d",
-        "fanuc-30i",
-        "fanuc-0i-f",
-        "fanuc-16i",
-    ] {
+    for id in ["siemens-840d-sl", "siemens-828d", "fanuc-30i", "fanuc-0i-f", "fanuc-16i"] {
         let (inputs, tables) = with_read_out(id);
         let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}", p.render()));
         let files = files_of(&kit, Role::Rollback);
         let read = read_apart(&inputs.profile, &files, Role::Rollback).unwrap();
         assert_eq!(read.tables, tables, "{id}");
-        assert_ne!(
-            support::loaded(&inputs.profile, &kit),
-            tables,
-            "{id}: nothing to go back to"
-        );
+        assert_ne!(support::loaded(&inputs.profile, &kit), tables, "{id}: nothing to go back to");
         let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
         for file in &files {
             assert!(page.contains(file.path), "{id}: {}", file.path);
         }
         assert!(!page.contains("no rollback file"), "{id}");
         let set = read.machine_data.iter().flat_map(|file| &file.data).count();
-        assert_eq!(
-            set > 0,
-            id.starts_with("siemens"),
-            "{id}: switches as found"
-        );
+        assert_eq!(set > 0, id.starts_with("siemens"), "{id}: switches as found");
     }
 }
 
@@ -347,11 +304,7 @@ fn a_changed_sign_proof_is_found_and_does_not_reach_the_tables() {
             .map(|file| KitFile {
                 path: &file.path,
                 role: file.role,
-                bytes: if file.path == "NONIUS_SIGN_EEC.MPF" {
-                    changed
-                } else {
-                    &file.bytes
-                },
+                bytes: if file.path == "NONIUS_SIGN_EEC.MPF" { changed } else { &file.bytes },
             })
             .collect();
         kit::verify(&inputs, &files, None, Vec::new()).unwrap()
@@ -362,10 +315,7 @@ fn a_changed_sign_proof_is_found_and_does_not_reach_the_tables() {
     assert!(same.agrees(), "{:?}", same.disagreements());
     let higher = judged(text.replace("=0.020000", "=0.200000").as_bytes());
     let file = "NONIUS_SIGN_EEC.MPF".to_string();
-    assert_eq!(
-        higher.disagreements(),
-        [FieldFault::OtherProof { file }.into()]
-    );
+    assert_eq!(higher.disagreements(), [FieldFault::OtherProof { file }.into()]);
     assert_eq!(higher.forecast, same.forecast);
 }
 
@@ -375,10 +325,7 @@ fn a_bump_over_the_limit_is_refused() {
     let page = format!("{job}\n[limits]\nmax_bump_um = 25.0\n");
     let source = Source::from_bytes("job.toml", page.as_bytes()).unwrap();
     let problems = Job::read(source).unwrap_err().render();
-    assert!(
-        problems.contains("max_bump_um") && problems.contains("20"),
-        "{problems}"
-    );
+    assert!(problems.contains("max_bump_um") && problems.contains("20"), "{problems}");
 }
 
 #[test]
@@ -386,23 +333,13 @@ fn no_legal_place_is_said_and_nothing_is_written() {
     let (job, errors) = five_points("siemens-840d-sl");
     let page = format!("{job}\n[limits]\nmax_slope_um_per_mm = 0.049\n");
     let page = page.replace("backlash = \"two-tables\"\n", "");
-    let inputs = support::inputs(
-        &page,
-        "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,400,1,1,1\n",
-    );
+    let inputs =
+        support::inputs(&page, "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,400,1,1,1\n");
     let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}\n{errors}", p.render()));
     let proofs = files_of(&kit, Role::SignProof);
-    assert!(
-        proofs.is_empty(),
-        "4.9 µm in one section, and two sections do not fit"
-    );
+    assert!(proofs.is_empty(), "4.9 µm in one section, and two sections do not fit");
     let notes = kit.compiled.notes.iter().filter(has_no_proof);
-    assert_eq!(
-        notes.count(),
-        2,
-        "ENC_COMP and CEC: {:?}",
-        kit.compiled.notes
-    );
+    assert_eq!(notes.count(), 2, "ENC_COMP and CEC: {:?}", kit.compiled.notes);
 }
 
 fn text_of(kit: &Kit, path: &str) -> String {
@@ -429,10 +366,7 @@ fn a_backlash_parameter_is_not_switched_with_the_tables() {
     let (_, kit) = support::generate(&page, &errors);
     assert!(kit.compiled.state.axes[0].backlash_um > 0.0);
     let page = text_of(&kit, "checklist.md");
-    assert!(
-        page.contains("X (1): at most 0.000 µm at the reference"),
-        "{page}"
-    );
+    assert!(page.contains("X (1): at most 0.000 µm at the reference"), "{page}");
 }
 
 #[test]
@@ -453,19 +387,13 @@ fn a_bump_of_four_points_rises_like_one_of_pitch_points() {
     let (inputs, kit) = support::generate(&text("fanuc-0i-f.toml"), &text("errors.csv"));
     let mut proofs = kit.manifest.sign_proofs.iter();
     let proof = proofs.find(|proof| term_of(proof).is_cross()).unwrap();
-    assert!(
-        (number(proof, "shows_um") + 20.0).abs() < DUST_UM,
-        "{proof}"
-    );
+    assert!((number(proof, "shows_um") + 20.0).abs() < DUST_UM, "{proof}");
     let control = proving(&inputs.profile, &kit);
     let term = term_of(proof);
     let (base, output) = axis_pairs(&kit.plan.names, term)[0];
     let response = support::response(control.as_ref(), base, output, Direction::Plus);
     let nodes: Vec<f64> = response.tables()[0].nodes().map(|(_, c)| c.um()).collect();
-    let most = nodes
-        .windows(2)
-        .map(|p| (p[1] - p[0]).abs())
-        .fold(0.0, f64::max);
+    let most = nodes.windows(2).map(|p| (p[1] - p[0]).abs()).fold(0.0, f64::max);
     assert!(most <= 7.0, "{most} µm in one section");
 }
 
@@ -478,10 +406,7 @@ fn a_bump_of_four_points_is_steeper_only_where_there_is_no_room() {
     let (_, kit) = support::generate(&fine, &errors);
     let mut proofs = kit.manifest.sign_proofs.iter();
     let proof = proofs.find(|proof| term_of(proof).is_cross()).unwrap();
-    assert!(
-        (number(proof, "shows_um") + 20.0).abs() < DUST_UM,
-        "{proof}"
-    );
+    assert!((number(proof, "shows_um") + 20.0).abs() < DUST_UM, "{proof}");
 }
 
 #[test]
@@ -513,21 +438,11 @@ fn a_rehearsal_and_doubts_are_seen_in_the_files() {
     let (_, kit) = support::generate(&job, &format!("{remarks}{errors}"));
     let page = text_of(&kit, "checklist.md");
     let head = page.split("## ").next().unwrap();
-    assert!(
-        head.contains("**SIMULATED, not measured: predicted**"),
-        "{head}"
-    );
-    assert!(
-        head.contains("**DOUBTFUL:** a reading is disturbed"),
-        "{head}"
-    );
+    assert!(head.contains("**SIMULATED, not measured: predicted**"), "{head}");
+    assert!(head.contains("**DOUBTFUL:** a reading is disturbed"), "{head}");
     assert!(head.contains("**undecided**"), "{head}");
     for file in &kit.files {
-        assert!(
-            text_of(&kit, &file.path).contains("SIMULATED"),
-            "{}",
-            file.path
-        );
+        assert!(text_of(&kit, &file.path).contains("SIMULATED"), "{}", file.path);
     }
 }
 
@@ -559,10 +474,7 @@ fn the_display_is_asked_for_with_values_of_the_files() {
 
 #[test]
 fn how_to_switch_off_by_hand_stands_there_without_a_sign_proof() {
-    for (id, words) in [
-        ("fanuc-30i", "13381 for set 1"),
-        ("fanuc-0i-f", "5711 for set 1"),
-    ] {
+    for (id, words) in [("fanuc-30i", "13381 for set 1"), ("fanuc-0i-f", "5711 for set 1")] {
         let (job, errors) = five_points(id);
         let page =
             format!("{job}\n[limits]\nmax_slope_um_per_mm = 0.049\nmax_correction_um = 4.0\n");
@@ -571,10 +483,7 @@ fn how_to_switch_off_by_hand_stands_there_without_a_sign_proof() {
         let (_, kit) = support::generate(&page, few);
         assert!(files_of(&kit, Role::SignProof).is_empty(), "{id}: {errors}");
         let page = text_of(&kit, "checklist.md");
-        assert!(
-            page.contains("note 3623 of each axis, set it to 0"),
-            "{id}: {page}"
-        );
+        assert!(page.contains("note 3623 of each axis, set it to 0"), "{id}: {page}");
         assert!(page.contains(words), "{id}: {page}");
         assert!(page.contains("## Rollback"), "{id}: {page}");
     }
@@ -607,10 +516,7 @@ fn a_reference_point_off_the_travel_is_noted() {
             let checklist = text_of(&kit, "checklist.md");
             let (work, _) = checklist.split_once("## Annex").unwrap();
             let boxed = told.as_ref().map(|told| format!("- [ ] {told}"));
-            assert!(
-                boxed.is_none_or(|boxed| work.contains(&boxed)),
-                "{id}: {work}"
-            );
+            assert!(boxed.is_none_or(|boxed| work.contains(&boxed)), "{id}: {work}");
             match told {
                 Some(told) => assert!(notes.contains(&told), "{id}: {told}\n{notes}"),
                 None => assert!(!notes.contains(words), "{id}, {reference}\n{notes}"),
@@ -662,10 +568,7 @@ fn a_backlash_value_is_entered_with_the_tables_and_put_back() {
             assert!(off.contains(&put_back), "{id}\n{off}");
         }
         let stop = back.split("To stop this compensation").nth(1);
-        assert!(
-            stop.is_none_or(|stop| stop.contains("backlash")),
-            "{id}\n{back}"
-        );
+        assert!(stop.is_none_or(|stop| stop.contains("backlash")), "{id}\n{back}");
     }
 }
 
@@ -677,16 +580,8 @@ fn seen(page: &str) -> String {
         .split('<')
         .map(|part| part.split_once('>').map_or(part, |(_, text)| text))
         .collect::<String>();
-    let named = [
-        ("&lt;", "<"),
-        ("&gt;", ">"),
-        ("&quot;", "\""),
-        ("&#39;", "'"),
-        ("&amp;", "&"),
-    ];
-    named
-        .iter()
-        .fold(text, |text, (name, c)| text.replace(name, c))
+    let named = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&#39;", "'"), ("&amp;", "&")];
+    named.iter().fold(text, |text, (name, c)| text.replace(name, c))
 }
 
 #[test]
@@ -698,10 +593,7 @@ fn the_printed_checklist_has_every_line_of_the_other_in_its_order() {
         let steps = page.matches("class=\"box\"").count();
         let (text, checklist) = (seen(&page), text_of(&kit, "checklist.md"));
         let boxes = checklist.matches(" [ ] ").count();
-        assert!(
-            steps == boxes && boxes > 5,
-            "{id}: {steps} of {boxes} boxes"
-        );
+        assert!(steps == boxes && boxes > 5, "{id}: {steps} of {boxes} boxes");
         let plain = |text: &str| text.replace(['*', '`'], "");
         let (mut rest, mut lines) = (plain(&text), 0);
         let is_head = |line: &&str| line.starts_with("# ") || line.starts_with("Machine ");
@@ -709,18 +601,14 @@ fn the_printed_checklist_has_every_line_of_the_other_in_its_order() {
             let line = plain(line);
             let line =
                 line.trim_start_matches(|c: char| c.is_ascii_digit() || " .-[]#".contains(c));
-            let (_, after) = rest
-                .split_once(line)
-                .unwrap_or_else(|| panic!("{id}: {line}\n{rest}"));
+            let (_, after) =
+                rest.split_once(line).unwrap_or_else(|| panic!("{id}: {line}\n{rest}"));
             rest = after.to_string();
             lines += 1;
         }
         assert!(lines > boxes, "{id}");
         let found = ["<b>", "<script", "http", "src=", "url("];
         let found = found.iter().find(|word| page.contains(*word));
-        assert_eq!(
-            found, None,
-            "{id}: nothing of others is obeyed, nothing is fetched"
-        );
+        assert_eq!(found, None, "{id}: nothing of others is obeyed, nothing is fetched");
     }
 }

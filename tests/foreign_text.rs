@@ -60,10 +60,7 @@ fn of_a_manifest() {
     fs::write(&path, document.to_string()).expect("a manifest");
     for format in ["text", "json"] {
         told(at, &["history", "kit", "--format", format]);
-        told(
-            at,
-            &["verify", "job.toml", "--tables", "kit", "--format", format],
-        );
+        told(at, &["verify", "job.toml", "--tables", "kit", "--format", format]);
     }
     document["files"] = serde_json::json!([{ "path": format!("../{FOREIGN}"), "sha256": "0" }]);
     fs::write(&path, document.to_string()).expect("a manifest");
@@ -138,14 +135,8 @@ fn no_profile_names_a_file_that_a_laptop_or_shell_takes_for_something_else() {
     let place = start();
     let at = place.path();
     let job = fs::read_to_string(at.join("job.toml")).expect("the job");
-    fs::write(
-        at.join("own.toml"),
-        job.replace("siemens-840d-sl", "./shop.toml"),
-    )
-    .expect("a job");
-    for name in [
-        "CON", "nul.csv", "Com1.MPF", "LPT9", "-rf", "A.", "..", "a/b", "a:b", "a b",
-    ] {
+    fs::write(at.join("own.toml"), job.replace("siemens-840d-sl", "./shop.toml")).expect("a job");
+    for name in ["CON", "nul.csv", "Com1.MPF", "LPT9", "-rf", "A.", "..", "a/b", "a:b", "a b"] {
         let profile = format!(
             "schema = 1\nid = \"shop\"\nname = \"shop\"\nbased_on = \"generic\"\n[[files]]\nrole = \"table\"\npath = \"{name}\"\ntemplate = \"generic.csv.tera\"\n"
         );
@@ -169,11 +160,7 @@ fn marks_of_others_mean_nothing() {
         let job = read("job.toml").replace("siemens-840d-sl", id);
         let job = job.replace("# detection_unit_um", "detection_unit_um");
         let (named, table) = (format!("{MARKS}.toml"), format!("{MARKS}.csv"));
-        fs::write(
-            at.join(&table),
-            format!("# {MARKS}\n{}", read("errors.csv")),
-        )
-        .expect("a table");
+        fs::write(at.join(&table), format!("# {MARKS}\n{}", read("errors.csv"))).expect("a table");
         let job = job.replace("\"errors.csv\"", &format!("'{table}'"));
         fs::write(at.join(&named), &job).expect("a job");
         let of_machine = job.lines().map(|line| match line.starts_with("name = ") {
@@ -182,15 +169,9 @@ fn marks_of_others_mean_nothing() {
         });
         fs::write(at.join("machine.toml"), of_machine.collect::<String>()).expect("a job");
         let plot = ["--plot", "kit.svg"];
-        let (status, text) = told(
-            at,
-            &[&["generate", &named, "-o", "kit"][..], &plot].concat(),
-        );
+        let (status, text) = told(at, &[&["generate", &named, "-o", "kit"][..], &plot].concat());
         assert_ne!(status, Some(2), "{id}: {text}");
-        told(
-            at,
-            &["report", &named, "--tables", "kit", "-o", "report.html"],
-        );
+        told(at, &["report", &named, "--tables", "kit", "-o", "report.html"]);
         told(at, &["generate", "machine.toml", "-o", "second"]);
         told(at, &["report", "machine.toml", "-o", "machine.html"]);
         harmless(at, id);
@@ -198,20 +179,11 @@ fn marks_of_others_mean_nothing() {
 }
 
 fn harmless(at: &Path, id: &str) {
-    let inside = |folder: &Path| {
-        fs::read_dir(folder)
-            .into_iter()
-            .flatten()
-            .collect::<Vec<_>>()
-    };
+    let inside = |folder: &Path| fs::read_dir(folder).into_iter().flatten().collect::<Vec<_>>();
     let places = ["", "kit", "second"].map(|folder| inside(&at.join(folder)));
     for entry in places.into_iter().flatten() {
         let path = entry.expect("an entry").path();
-        let name = path
-            .file_name()
-            .expect("a name")
-            .to_string_lossy()
-            .into_owned();
+        let name = path.file_name().expect("a name").to_string_lossy().into_owned();
         let is_text_for_people = name.ends_with(".json") || name.ends_with(".md");
         if path.is_dir() || is_text_for_people || name.starts_with('A') || name == "machine.toml" {
             continue;
@@ -219,10 +191,6 @@ fn harmless(at: &Path, id: &str) {
         let content = String::from_utf8_lossy(&fs::read(&path).expect("a file")).into_owned();
         assert!(!content.contains("<b>"), "{id}: {}", path.display());
         let is_page = name.ends_with(".html") || name.ends_with(".svg");
-        assert!(
-            is_page || !content.contains("\";("),
-            "{id}: {}",
-            path.display()
-        );
+        assert!(is_page || !content.contains("\";("), "{id}: {}", path.display());
     }
 }

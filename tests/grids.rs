@@ -1,8 +1,5 @@
 //! Every planned grid covers the travel, unless the job says where it begins and ends.
-#![allow(
-    clippy::unwrap_used,
-    reason = "a test may stop at what it did not expect"
-)]
+#![allow(clippy::unwrap_used, reason = "a test may stop at what it did not expect")]
 
 mod support;
 
@@ -28,11 +25,7 @@ const CONTROLS: [(&str, &str); 5] = [
 /// reference cannot be one of them.
 fn grid_of(control: usize, [low, high]: [f64; 2], reference: f64, request: &str) -> Option<Grid> {
     let (name, unit) = CONTROLS[control];
-    let digit = if name.starts_with("fanuc") {
-        "\ndetection_unit_um = 1.0"
-    } else {
-        ""
-    };
+    let digit = if name.starts_with("fanuc") { "\ndetection_unit_um = 1.0" } else { "" };
     let job = format!(
         "schema = 1\n[machine]\nname = \"M\"\n[machine.axes.x]\ntravel_mm = [{low:?}, {high:?}]\n\
          reference_mm = {reference:?}\nreference_outside_mm = 10000.0\n[measurement]\n\
@@ -47,11 +40,7 @@ fn grid_of(control: usize, [low, high]: [f64; 2], reference: f64, request: &str)
         at(0.7)
     );
     let inputs = support::inputs(&job, &errors);
-    let task = Task {
-        job: &inputs.job,
-        profile: &inputs.profile,
-        model: &inputs.model,
-    };
+    let task = Task { job: &inputs.job, profile: &inputs.profile, model: &inputs.model };
     plan(task).ok()?.grids[Axis::X]
 }
 

@@ -48,11 +48,7 @@ setp lincurve.1.y-val-01 0.004
 
 fn tables(text: &str) -> Result<Vec<CrossTable>, String> {
     let profile = builtin::profile("linuxcnc-hal").unwrap();
-    let file = KitFile {
-        path: "m.hal",
-        role: Role::Table,
-        bytes: text.as_bytes(),
-    };
+    let file = KitFile { path: "m.hal", role: Role::Table, bytes: text.as_bytes() };
     match read(&profile, &[file]).map_err(|p| p.render())?.tables {
         Tables::Linuxcnc(tables) => Ok(tables.cross),
         other => panic!("{other:?}"),
@@ -72,10 +68,8 @@ fn a_file_written_by_hand_is_read() {
     let found = tables(FILE).unwrap();
     assert_eq!(found.len(), 1);
     assert_eq!((found[0].base, found[0].output), (0, 1));
-    let curves = [
-        vec![(-100.0, 0.001), (0.0, 0.0), (100.0, -0.002)],
-        vec![(100.0, 0.0), (150.0, 0.004)],
-    ];
+    let curves =
+        [vec![(-100.0, 0.001), (0.0, 0.0), (100.0, -0.002)], vec![(100.0, 0.0), (150.0, 0.004)]];
     assert_eq!(numbers(&found[0]), curves);
 }
 
@@ -85,10 +79,8 @@ fn gains_turn_and_scale_what_is_added() {
         "setp sum2.2.gain1 -1",
         "setp sum2.1.gain1 -1\nsetp sum2.2.gain1 1\nsetp sum2.0.gain1 2",
     );
-    let curves = [
-        vec![(-100.0, -0.001), (0.0, 0.0), (100.0, 0.002)],
-        vec![(100.0, 0.0), (150.0, -0.008)],
-    ];
+    let curves =
+        [vec![(-100.0, -0.001), (0.0, 0.0), (100.0, 0.002)], vec![(100.0, 0.0), (150.0, -0.008)]];
     assert_eq!(numbers(&tables(&turned).unwrap()[0]), curves);
 }
 
@@ -99,16 +91,8 @@ const REFUSED: &[(&str, &str, &str)] = &[
         "",
         "m.hal:16:24: what is added to the drive of joint 1 is not what is taken out of its feedback",
     ),
-    (
-        "gain1 -1",
-        "gain1 -0.5",
-        "is not what is taken out of its feedback",
-    ),
-    (
-        "sum2.1.in1 sum2.2.in1",
-        "sum2.1.in1",
-        "m.hal:8:6: a pin of this component has no signal",
-    ),
+    ("gain1 -1", "gain1 -0.5", "is not what is taken out of its feedback"),
+    ("sum2.1.in1 sum2.2.in1", "sum2.1.in1", "m.hal:8:6: a pin of this component has no signal"),
     (
         "net encoder => sum2.2.in0",
         "net command sum2.2.in0",
@@ -119,106 +103,42 @@ const REFUSED: &[(&str, &str, &str)] = &[
         "addf sum2.1 servo-thread\naddf sum2.0 servo-thread",
         "m.hal:6:6: this runs before `c` is made",
     ),
-    (
-        "addf sum2.0 servo-thread\n",
-        "addf sum2.0 slow\n",
-        "m.hal:6:13: `slow` is another thread",
-    ),
-    (
-        "addf lincurve.1 servo-thread\n",
-        "",
-        "this runs before `b` is made",
-    ),
-    (
-        "addf sum2.1 servo-thread\n",
-        "",
-        "m.hal:3:8: no thread runs sum2.1",
-    ),
+    ("addf sum2.0 servo-thread\n", "addf sum2.0 slow\n", "m.hal:6:13: `slow` is another thread"),
+    ("addf lincurve.1 servo-thread\n", "", "this runs before `b` is made"),
+    ("addf sum2.1 servo-thread\n", "", "m.hal:3:8: no thread runs sum2.1"),
     (
         "addf sum2.2 servo-thread",
         "addf sum2.1 servo-thread",
         "m.hal:8:6: `sum2.1` is added a second time",
     ),
-    (
-        "setp lincurve.0.y-val-01 0\n",
-        "",
-        "m.hal:2:8: a point of lincurve.0 is not set",
-    ),
-    (
-        "x-val-01 0\n",
-        "x-val-01 -100\n",
-        "the points of lincurve.0 do not ascend",
-    ),
-    (
-        "setp lincurve.1.x-val-01",
-        "setp lincurve.1.x-val-02",
-        "there is no `lincurve.1.x-val-02`",
-    ),
-    (
-        "y-val-01 0.004",
-        "y-val-01 nan",
-        "m.hal:27:26: `nan` is no number",
-    ),
-    (
-        "setp sum2.2.gain1 -1",
-        "setp sum2.2.offset -1",
-        "there is no `sum2.2.offset`",
-    ),
-    (
-        "personality=3,2",
-        "personality=3",
-        "loaded in a way that is not read",
-    ),
-    (
-        "personality=3,2",
-        "personality=3,17",
-        "loaded in a way that is not read",
-    ),
-    (
-        "count=2 personality=3,2",
-        "count=129 personality=3,2",
-        "129 curves, more than the 128",
-    ),
+    ("setp lincurve.0.y-val-01 0\n", "", "m.hal:2:8: a point of lincurve.0 is not set"),
+    ("x-val-01 0\n", "x-val-01 -100\n", "the points of lincurve.0 do not ascend"),
+    ("setp lincurve.1.x-val-01", "setp lincurve.1.x-val-02", "there is no `lincurve.1.x-val-02`"),
+    ("y-val-01 0.004", "y-val-01 nan", "m.hal:27:26: `nan` is no number"),
+    ("setp sum2.2.gain1 -1", "setp sum2.2.offset -1", "there is no `sum2.2.offset`"),
+    ("personality=3,2", "personality=3", "loaded in a way that is not read"),
+    ("personality=3,2", "personality=3,17", "loaded in a way that is not read"),
+    ("count=2 personality=3,2", "count=129 personality=3,2", "129 curves, more than the 128"),
     (
         "loadrt sum2 count=3",
         "loadrt sum2 count=3\nloadrt sum2 count=3",
         "m.hal:4:8: `sum2` is loaded a second time",
     ),
-    (
-        "loadrt sum2 count=3",
-        "loadrt sum2 count=4",
-        "no thread runs sum2.3",
-    ),
+    ("loadrt sum2 count=3", "loadrt sum2 count=4", "no thread runs sum2.3"),
     (
         "loadrt sum2 count=3",
         "loadrt sum2 count=3\nloadrt pid count=3",
         "m.hal:4:8: `pid` is a component that is not read here",
     ),
-    (
-        "# by hand",
-        "loadusr halmeter",
-        "m.hal:1:1: `loadusr` is not read here",
-    ),
-    (
-        "joint.0.pos-cmd =>",
-        "joint.0.pos-fb =>",
-        "there is no `joint.0.pos-fb`",
-    ),
-    (
-        "joint.0.pos-cmd =>",
-        "joint.16.pos-cmd =>",
-        "there is no `joint.16.pos-cmd`",
-    ),
+    ("# by hand", "loadusr halmeter", "m.hal:1:1: `loadusr` is not read here"),
+    ("joint.0.pos-cmd =>", "joint.0.pos-fb =>", "there is no `joint.0.pos-fb`"),
+    ("joint.0.pos-cmd =>", "joint.16.pos-cmd =>", "there is no `joint.16.pos-cmd`"),
     (
         "joint.0.pos-cmd =>",
         "joint.0.motor-pos-cmd =>",
         "lincurve.0 looks up something other than the position of a joint",
     ),
-    (
-        "net drive <= sum2.1.out",
-        "net c sum2.1.out",
-        "m.hal:14:7: signal `c` has two sources",
-    ),
+    ("net drive <= sum2.1.out", "net c sum2.1.out", "m.hal:14:7: signal `c` has two sources"),
     (
         "net encoder => sum2.2.in0",
         "net encoder => sum2.2.in0 sum2.1.in0",
@@ -236,10 +156,7 @@ fn what_would_not_do_what_is_meant_is_refused_at_the_place() {
             Some((at, words)) => (at, words),
             None => ("m.hal:", *words),
         };
-        assert!(
-            said.contains(at) && said.contains(words),
-            "{instead}\n{said}"
-        );
+        assert!(said.contains(at) && said.contains(words), "{instead}\n{said}");
     }
 }
 
@@ -257,13 +174,7 @@ fn long(spacing: f64) -> (String, String) {
         for (mm, at) in MEASURED_MM.iter().zip(0..) {
             let mut of = UM.iter().map(|um| um[at].to_string());
             let cells: Vec<String> = (0..3)
-                .map(|column| {
-                    if column == own {
-                        String::new()
-                    } else {
-                        of.next().unwrap()
-                    }
-                })
+                .map(|column| if column == own { String::new() } else { of.next().unwrap() })
                 .collect();
             writeln!(errors, "{axis},{mm},{}", cells.join(",")).unwrap();
         }
@@ -282,19 +193,10 @@ fn long(spacing: f64) -> (String, String) {
 fn pieces_add_up_to_a_long_table() {
     let (job, errors) = long(5.0);
     let (_, kit) = support::generate(&job, &errors);
-    let file = kit
-        .files
-        .iter()
-        .find(|file| file.path == "compensation.hal")
-        .unwrap();
+    let file = kit.files.iter().find(|file| file.path == "compensation.hal").unwrap();
     let text = std::str::from_utf8(&file.bytes).unwrap();
     let sixteens = vec!["16"; 64].join(",");
-    assert!(
-        text.contains(&format!(
-            "loadrt lincurve count=84 personality={sixteens}\n"
-        )),
-        "{text}"
-    );
+    assert!(text.contains(&format!("loadrt lincurve count=84 personality={sixteens}\n")), "{text}");
     let profile = builtin::profile("linuxcnc-hal").unwrap();
     let control = support::control(&profile, &kit);
     for (output, of) in [("1", UM[0]), ("2", UM[1])] {
@@ -305,10 +207,7 @@ fn pieces_add_up_to_a_long_table() {
             let share = (at.clamp(0.0, 1000.0) - MEASURED_MM[section]) / 250.0;
             let deviation = of[section] + share * (of[section + 1] - of[section]);
             let left = um_at(&response, at) + deviation;
-            assert!(
-                left.abs() <= 0.000_5 + support::DUST_UM,
-                "{output} at {at}: {left} µm"
-            );
+            assert!(left.abs() <= 0.000_5 + support::DUST_UM, "{output} at {at}: {left} µm");
         }
     }
 }
@@ -316,12 +215,7 @@ fn pieces_add_up_to_a_long_table() {
 #[test]
 fn more_curves_than_hal_holds_are_refused() {
     let (job, errors) = long(1.0);
-    let said = kit::generate(&support::inputs(&job, &errors))
-        .expect_err("402 curves")
-        .render();
-    assert!(
-        said.contains("402 curves of 16 points, more than the 128"),
-        "{said}"
-    );
+    let said = kit::generate(&support::inputs(&job, &errors)).expect_err("402 curves").render();
+    assert!(said.contains("402 curves of 16 points, more than the 128"), "{said}");
     assert!(said.contains("use a larger spacing"), "{said}");
 }

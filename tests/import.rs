@@ -38,12 +38,7 @@ fn run(
     stated: &Stated,
     encoding: Option<&'static Encoding>,
 ) -> Result<Imported, Problems> {
-    let file = Measurement {
-        path: name,
-        name,
-        sha256: &sha256(bytes),
-        bytes,
-    };
+    let file = Measurement { path: name, name, sha256: &sha256(bytes), bytes };
     import(file, None, encoding, stated)
 }
 
@@ -81,10 +76,7 @@ fn rtl_laser(first_target_at_mm: f64, targets_run: Direction) -> Stated {
 }
 
 fn signed(sign: TableSign) -> Stated {
-    Stated {
-        sign: Some(sign),
-        ..Stated::default()
-    }
+    Stated { sign: Some(sign), ..Stated::default() }
 }
 
 const RTL: &str = "rtl_linear_bidirectional_selfmade.rtl";
@@ -149,10 +141,7 @@ fn rows_of_an_api_export_that_contradict_themselves_are_refused() {
     );
     assert!(edited("(X)", "(Y)").contains("names axis `(Y)`"));
     assert!(edited("\t 0.001300", "\t 0.002300").contains("--rows"));
-    let turned = Stated {
-        sign: Some(TableSign::AsCorrection),
-        ..plus
-    };
+    let turned = Stated { sign: Some(TableSign::AsCorrection), ..plus };
     assert!(pos_refused("(X)", "(X)", &turned).contains("contradicts the file"));
 }
 
@@ -161,18 +150,11 @@ fn averages_of_an_api_export_are_taken_only_when_asked_for() {
     let text = String::from_utf8(bytes(POS)).unwrap();
     let text = text.replacen("\t 0.001300", "\t 0.002300", 1);
     let taken = |rows: Rows| {
-        let stated = Stated {
-            rows: Some(rows),
-            ..rtl_laser(0.0, Direction::Plus)
-        };
+        let stated = Stated { rows: Some(rows), ..rtl_laser(0.0, Direction::Plus) };
         run(POS, text.as_bytes(), &stated, None).unwrap_or_else(|p| panic!("{p}"))
     };
     let measured = taken(Rows::Measured);
-    assert!(
-        rows(&measured.text).contains("x,+,100,1.3,"),
-        "{}",
-        measured.text
-    );
+    assert!(rows(&measured.text).contains("x,+,100,1.3,"), "{}", measured.text);
     assert!(
         measured
             .findings
@@ -180,11 +162,7 @@ fn averages_of_an_api_export_are_taken_only_when_asked_for() {
             .any(|f| matches!(f.kind(), Some(ImportFinding::AveragesDiffer { .. })))
     );
     let averages = taken(Rows::Averages);
-    assert!(
-        rows(&averages.text).contains("x,+,100,2.3"),
-        "{}",
-        averages.text
-    );
+    assert!(rows(&averages.text).contains("x,+,100,2.3"), "{}", averages.text);
 }
 
 #[test]
@@ -261,10 +239,7 @@ fn a_straightness_keeps_its_sense_when_the_targets_run_the_other_way() {
         ..laser(0.0, Direction::Minus)
     };
     let text = table("s.csv", b"t;e;s\n0;1;2\n100;3;4\n", &stated);
-    assert_eq!(
-        rows(&text),
-        "axis,position_mm,ex_um,ey_um\nx,-100,-3,4\nx,0,-1,2"
-    );
+    assert_eq!(rows(&text), "axis,position_mm,ex_um,ey_um\nx,-100,-3,4\nx,0,-1,2");
     // What was turned is said of that column only.
     let sense: Vec<&str> = text.lines().filter(|l| l.contains("sense:")).collect();
     assert_eq!(
@@ -306,10 +281,7 @@ fn fields_of_the_user_text_may_share_a_line() {
     let shared = String::from_utf8(shared).unwrap();
     let shared = shared.replace("By:example\r\nAxis:X", "By:example Axis:X");
     let text = table(RTL, shared.as_bytes(), &rtl_laser(-200.0, Direction::Plus));
-    assert!(
-        text.contains("# the file says: Serial No: 0001\n"),
-        "{text}"
-    );
+    assert!(text.contains("# the file says: Serial No: 0001\n"), "{text}");
     assert!(text.contains("# the file says: By: example\n"), "{text}");
     assert!(text.contains("# the file says: Axis: X\n"), "{text}");
 }
@@ -324,11 +296,7 @@ fn ten_targets_fill_two_lines_of_five() {
         targets[5..].join("  "),
         deviations.join("\n")
     );
-    let text = rows(&table(
-        "ten.rtl",
-        text.as_bytes(),
-        &laser(0.0, Direction::Plus),
-    ));
+    let text = rows(&table("ten.rtl", text.as_bytes(), &laser(0.0, Direction::Plus)));
     assert_eq!(text.lines().count(), 11);
     assert!(text.ends_with("x,+,90,10.5"), "{text}");
 }
@@ -338,18 +306,12 @@ fn return_runs_that_were_never_made_are_left_out_and_said() {
     let text = String::from_utf8(changed("Flags: 0 0 2 0", "Flags: 0 1 2 0")).unwrap();
     let zeros: Vec<String> = text
         .lines()
-        .map(
-            |line| match line.split_whitespace().collect::<Vec<_>>()[..] {
-                [run @ ("2" | "4"), target, _] => format!("{run} {target} 0.000"),
-                _ => line.to_string(),
-            },
-        )
+        .map(|line| match line.split_whitespace().collect::<Vec<_>>()[..] {
+            [run @ ("2" | "4"), target, _] => format!("{run} {target} 0.000"),
+            _ => line.to_string(),
+        })
         .collect();
-    let text = table(
-        RTL,
-        zeros.join("\n").as_bytes(),
-        &rtl_laser(-200.0, Direction::Plus),
-    );
+    let text = table(RTL, zeros.join("\n").as_bytes(), &rtl_laser(-200.0, Direction::Plus));
     assert!(text.contains("runs 2, 4 hold only zeros"), "{text}");
     assert!(!text.contains("x,-,"), "{text}");
     assert!(text.contains("x,+,200,4.7,0.1"), "{text}");
@@ -381,10 +343,8 @@ fn other_encodings_are_read_where_they_are_stated() {
         let text = write(&imported.draft);
         assert!(text.contains(&format!("Machine: {expected}\n")), "{text}");
     }
-    let wide: Vec<u8> = std::iter::once(0xfeff)
-        .chain(text.encode_utf16())
-        .flat_map(u16::to_le_bytes)
-        .collect();
+    let wide: Vec<u8> =
+        std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
     let unmarked = run(RTL, &wide[2..], &stated, Some(UTF_16LE)).unwrap();
     assert!(write(&unmarked.draft).contains("# text: UTF-16LE, as stated"));
     let imported = run(RTL, &wide, &stated, None).unwrap();
@@ -396,11 +356,8 @@ fn squareness_has_the_sign_of_the_contract() {
     // ISO 230-1: EC0Y = −φxy, EB0Z = +φxz, EA0Z = −φyz.
     let text = "C0Y B0Z A0Z X0Y\n1e-6 2e-6 3e-6 0.5\n#\nY EYY\n0 0\n100 0.001\n";
     let imported = run("s.csv", text.as_bytes(), &signed(TableSign::AsError), None).unwrap();
-    let found: Vec<(&str, f64)> = imported
-        .squareness
-        .iter()
-        .map(|s| (s.pair, s.um_per_m))
-        .collect();
+    let found: Vec<(&str, f64)> =
+        imported.squareness.iter().map(|s| (s.pair, s.um_per_m)).collect();
     assert_eq!(found, [("xy", -1.0), ("xz", 2.0), ("yz", -3.0)]);
     assert!(
         imported.findings.iter().any(
@@ -413,14 +370,8 @@ fn squareness_has_the_sign_of_the_contract() {
 fn the_source_is_found_in_the_comments_only() {
     let hash = "a".repeat(64);
     let text = format!("# source: my file.rtl sha256 {hash}\naxis,position_mm\n");
-    assert_eq!(
-        source_of(&text),
-        Some(("my file.rtl".to_string(), hash.clone()))
-    );
-    assert_eq!(
-        source_of(&format!("axis\n# source: x sha256 {hash}\n")),
-        None
-    );
+    assert_eq!(source_of(&text), Some(("my file.rtl".to_string(), hash.clone())));
+    assert_eq!(source_of(&format!("axis\n# source: x sha256 {hash}\n")), None);
     assert_eq!(source_of("# source: x sha256 abc\n"), None);
 }
 
@@ -443,10 +394,7 @@ fn reversal_um(table: &str) -> f64 {
 fn a_temperature_beyond_all_numbers_is_not_told() {
     let rtl = "HEADER::\nFile type : rtl\nTARGET DATA::\nTarget-count: 2\nTargets :\n0 100\n\
         Flags: 0 1 2 0\nENVIRONMENT::\nMat temp 2 : 1e9931643\nRUNS::\nRun-count: 1\nDEVIATIONS::\n1 1 0\n1 2 1\nEOF::\n";
-    let stated = Stated {
-        material_corrected: None,
-        ..laser(0.0, Direction::Plus)
-    };
+    let stated = Stated { material_corrected: None, ..laser(0.0, Direction::Plus) };
     let text = table("x.rtl", rtl.as_bytes(), &stated);
     assert!(!text.contains("inf"), "{text}");
 }
@@ -531,16 +479,9 @@ fn angles_over_several_runs_state_no_uncertainty() {
         travel: Some(Travel::Both),
         ..signed(TableSign::AsError)
     };
-    let text = table(
-        "a.csv",
-        b"t;a;run\n0;1;1\n9;2;1\n0;1.5;2\n9;2.5;2\n",
-        &stated,
-    );
+    let text = table("a.csv", b"t;a;run\n0;1;1\n9;2;1\n0;1.5;2\n9;2.5;2\n", &stated);
     assert_eq!(rows(&text), "axis,position_mm,ea_urad\nx,0,1.25\nx,9,2.25");
-    assert!(
-        text.contains("their mean, no u is written for angles"),
-        "{text}"
-    );
+    assert!(text.contains("their mean, no u is written for angles"), "{text}");
 }
 
 #[test]
@@ -548,12 +489,10 @@ fn zeros_of_every_return_run_mean_what_is_stated() {
     let text = String::from_utf8(bytes(RTL)).unwrap();
     let zeros: Vec<String> = text
         .lines()
-        .map(
-            |line| match line.split_whitespace().collect::<Vec<_>>()[..] {
-                [run @ ("2" | "4"), target, _] => format!("{run} {target} 0.000"),
-                _ => line.to_string(),
-            },
-        )
+        .map(|line| match line.split_whitespace().collect::<Vec<_>>()[..] {
+            [run @ ("2" | "4"), target, _] => format!("{run} {target} 0.000"),
+            _ => line.to_string(),
+        })
         .collect();
     let zeros = zeros.join("\n");
     let mut stated = rtl_laser(-200.0, Direction::Plus);

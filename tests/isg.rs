@@ -76,10 +76,7 @@ fn va(at: &Path, arguments: &str) -> [f64; 2] {
 fn deviations_are_less_what_angles_do_on_the_line_of_measurement() {
     let directory = kit(&job(""));
     let file = read(directory.path(), "kit/volcomp.csv");
-    let rows: Vec<&str> = file
-        .lines()
-        .filter(|line| !line.starts_with("//"))
-        .collect();
+    let rows: Vec<&str> = file.lines().filter(|line| !line.starts_with("//")).collect();
     assert_eq!(rows[0], "X EXX EYX EZX EAX EBX ECX");
     assert_eq!(
         rows[1],
@@ -171,10 +168,9 @@ fn both_forms_are_read_back_and_judged() {
         let at = directory.path();
         let path = at.join("kit").join(file);
         let text = fs::read_to_string(&path).unwrap();
-        for (from, to, words) in [
-            ("0.000030000", "0.000050000", "ECX"),
-            ("0.009000", "-0.009000", "EXX"),
-        ] {
+        for (from, to, words) in
+            [("0.000030000", "0.000050000", "ECX"), ("0.009000", "-0.009000", "EXX")]
+        {
             fs::write(&path, text.replacen(from, to, 1)).unwrap();
             let (status, said, _) = ended(at, "verify job.toml --tables kit --explain");
             assert_eq!(status, Some(1), "{said}");
@@ -229,22 +225,10 @@ fn angles_that_were_changed_are_seen_in_files_read_out() {
 #[test]
 fn what_the_control_does_not_take_is_refused() {
     for (from, to, words) in [
-        (
-            "spacing_mm = 150",
-            "spacing_mm = 150\nids = [\"2\", \"4\"]",
-            "takes one",
-        ),
-        (
-            "spacing_mm = 150",
-            "spacing_mm = 150\nid = \"Y\"",
-            "a logical axis number",
-        ),
+        ("spacing_mm = 150", "spacing_mm = 150\nids = [\"2\", \"4\"]", "takes one"),
+        ("spacing_mm = 150", "spacing_mm = 150\nid = \"Y\"", "a logical axis number"),
         ("chain = \"wXYZt\"\n", "", "`machine.chain` is missing"),
-        (
-            "spacing_mm = 150",
-            "points = 2001",
-            "more than the 2000 of a compensation",
-        ),
+        ("spacing_mm = 150", "points = 2001", "more than the 2000 of a compensation"),
     ] {
         let directory = place(&job("").replace(from, to), ERRORS);
         let (status, _, said) = ended(directory.path(), "generate job.toml -o kit");
@@ -252,11 +236,7 @@ fn what_the_control_does_not_take_is_refused() {
         assert!(said.contains(words), "{to}: {said}");
         assert!(!directory.path().join("kit").exists());
     }
-    let only_x: String = job("")
-        .split("[machine.axes.y]")
-        .next()
-        .unwrap()
-        .to_string();
+    let only_x: String = job("").split("[machine.axes.y]").next().unwrap().to_string();
     let rows: Vec<&str> = ERRORS.lines().take(4).collect();
     let only_x = only_x.replace("y = 50.0, z = -100.0 ", "");
     let directory = place(&only_x.replace(", }", " }"), &rows.join("\n"));
@@ -279,18 +259,12 @@ fn old_tables_are_part_of_the_new_ones_unless_they_hold_angles() {
     let (status, _, said) = ended(at, "generate job.toml -o new");
     assert_eq!(status, Some(0), "{said}");
     let file = read(at, "new/volcomp.csv");
-    assert!(
-        file.contains("\n200.000000 0.012000 -0.004000 0.002000\r"),
-        "{file}"
-    );
+    assert!(file.contains("\n200.000000 0.012000 -0.004000 0.002000\r"), "{file}");
     let angles = kit(&job(""));
     fs::write(angles.path().join("job.toml"), again).unwrap();
     let (status, _, said) = ended(angles.path(), "generate job.toml -o new");
     assert_eq!(status, Some(2), "{said}");
-    assert!(
-        said.contains("the active tables hold angles (EAX)"),
-        "{said}"
-    );
+    assert!(said.contains("the active tables hold angles (EAX)"), "{said}");
 }
 
 /// A second measurement as the emulated control would give it; one without tables misses.
@@ -306,10 +280,7 @@ fn a_second_measurement_is_judged() {
         let measured = measured.lines().filter(|line| !line.starts_with('#'));
         let measured: String = measured.map(|line| format!("{line}\n")).collect();
         fs::write(at.join("after.csv"), measured).unwrap();
-        let page = json(
-            at,
-            "verify job.toml --tables kit --after after.csv --format json",
-        );
+        let page = json(at, "verify job.toml --tables kit --after after.csv --format json");
         assert_eq!(page["verdict"], expected, "{tables} {page:#}");
     }
 }

@@ -81,10 +81,7 @@ fn what_no_table_can_hold_is_refused_where_nothing_else_is_asked_for() {
     let directory = place(&job(NONE, keys));
     let (status, _, said) = ended(directory.path(), "generate job.toml -o kit");
     assert_eq!(status, Some(2), "{said}");
-    assert!(
-        said.contains("COMP_FILE corrects its own joint only"),
-        "{said}"
-    );
+    assert!(said.contains("COMP_FILE corrects its own joint only"), "{said}");
 }
 
 /// The reversal that a policy leaves to BACKLASH stands in the columns, for a COMP_FILE switches BACKLASH off.
@@ -120,9 +117,7 @@ fn the_mean_leaves_the_reversal_that_backlash_took_off() {
     let directory = kit(&job(measurement, "backlash = { x = \"mean\" }"));
     let manifest: Value =
         serde_json::from_str(&read(directory.path(), "kit/manifest.json")).unwrap();
-    let after = manifest["forecast"]["terms"]["EXX"]["after_um"]
-        .as_f64()
-        .unwrap();
+    let after = manifest["forecast"]["terms"]["EXX"]["after_um"].as_f64().unwrap();
     assert!((after - 14.0).abs() < 1e-3, "{after}");
 }
 
@@ -163,13 +158,7 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
     let (status, said) = read_out(|_, text| text);
     assert_eq!(status, Some(0), "{said}");
     for (name, from, to, expected, words) in [
-        (
-            "machine.ini",
-            "COMP_FILE_TYPE = 1",
-            "COMP_FILE_TYPE = 0",
-            1,
-            "EXX",
-        ),
+        ("machine.ini", "COMP_FILE_TYPE = 1", "COMP_FILE_TYPE = 0", 1, "EXX"),
         ("machine.ini", "COMP_FILE_TYPE = 1", "", 1, "EXX"),
         (
             "machine.ini",
@@ -199,55 +188,13 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
             1,
             "HOME_OFFSET of [JOINT_0] is 20 mm",
         ),
-        (
-            "machine.ini",
-            "COMP_FILE = joint-1.comp",
-            "# none",
-            1,
-            "EYY",
-        ),
-        (
-            "machine.ini",
-            "COMP_FILE = joint-1.comp",
-            "COMP_FILE = joint-0.comp",
-            1,
-            "EYY",
-        ),
-        (
-            "machine.ini",
-            "[JOINT_1]",
-            "[JOINT_7]",
-            1,
-            "the table of JOINT_7 belongs to a joint",
-        ),
-        (
-            "machine.ini",
-            "MIN_LIMIT = 0",
-            "BACKLASH = 0.010",
-            0,
-            "pass",
-        ),
-        (
-            "machine.ini",
-            "MIN_LIMIT",
-            "#INCLUDE",
-            2,
-            "includes another file",
-        ),
-        (
-            "joint-0.comp",
-            "50.000000 -0.006000",
-            "50.000000 0.006000",
-            1,
-            "EXX",
-        ),
-        (
-            "joint-0.comp",
-            "50.000000",
-            "# 50\n50.000000",
-            2,
-            "stops reading here without a word",
-        ),
+        ("machine.ini", "COMP_FILE = joint-1.comp", "# none", 1, "EYY"),
+        ("machine.ini", "COMP_FILE = joint-1.comp", "COMP_FILE = joint-0.comp", 1, "EYY"),
+        ("machine.ini", "[JOINT_1]", "[JOINT_7]", 1, "the table of JOINT_7 belongs to a joint"),
+        ("machine.ini", "MIN_LIMIT = 0", "BACKLASH = 0.010", 0, "pass"),
+        ("machine.ini", "MIN_LIMIT", "#INCLUDE", 2, "includes another file"),
+        ("joint-0.comp", "50.000000 -0.006000", "50.000000 0.006000", 1, "EXX"),
+        ("joint-0.comp", "50.000000", "# 50\n50.000000", 2, "stops reading here without a word"),
     ] {
         let (status, said) = read_out(|own, text| match own == name {
             true => text.replace(from, to),
@@ -269,11 +216,7 @@ fn old_tables_are_part_of_the_new_ones() {
     for name in ["joint-0.comp", "joint-1.comp"] {
         fs::copy(at.join("kit").join(name), at.join("out").join(name)).unwrap();
     }
-    fs::write(
-        at.join("job.toml"),
-        job("active_while_measuring = \"out\"", TWO),
-    )
-    .unwrap();
+    fs::write(at.join("job.toml"), job("active_while_measuring = \"out\"", TWO)).unwrap();
     let (status, _, said) = ended(at, "generate job.toml -o again");
     assert_eq!(status, Some(0), "{said}");
     let rows = "0.000000 0.000000 -0.008000\n50.000000 -0.012000 -0.020000\n100.000000 -0.032000 -0.040000\n";
@@ -297,10 +240,8 @@ fn a_second_measurement_is_judged() {
         fs::write(at.join("after.csv"), measured).unwrap();
         let job = job(NONE, TWO).replace("max_deviation_um = 100", "max_deviation_um = 10");
         fs::write(at.join("job.toml"), job).unwrap();
-        let (_, page, said) = ended(
-            at,
-            "verify job.toml --tables kit --after after.csv --format json",
-        );
+        let (_, page, said) =
+            ended(at, "verify job.toml --tables kit --after after.csv --format json");
         let page: Value = serde_json::from_str(&page).unwrap_or_else(|_| panic!("{said}"));
         assert_eq!(page["verdict"], expected, "{tables} {page:#}");
     }
@@ -324,19 +265,13 @@ fn a_profile_may_write_the_other_type() {
 #[test]
 fn a_table_has_up_to_256_rows() {
     let with = |spacing: &str| {
-        job(NONE, TWO).replace(
-            "spacing_mm = 50\nid = \"0\"",
-            &format!("{spacing}\nid = \"0\""),
-        )
+        job(NONE, TWO).replace("spacing_mm = 50\nid = \"0\"", &format!("{spacing}\nid = \"0\""))
     };
     kit(&with("points = 256"));
     let directory = place(&with("points = 257"));
     let (status, _, said) = ended(directory.path(), "generate job.toml -o kit");
     assert_eq!(status, Some(2), "{said}");
-    assert!(
-        said.contains("257 points, more than the 256 of a COMP_FILE"),
-        "{said}"
-    );
+    assert!(said.contains("257 points, more than the 256 of a COMP_FILE"), "{said}");
 }
 
 #[test]
@@ -351,21 +286,12 @@ fn the_interpreter_of_linuxcnc_takes_the_programs() {
     let at = directory.path();
     let (status, _, said) = ended(at, "program job.toml -o programs");
     assert_eq!(status, Some(0), "{said}");
-    let files: Vec<_> = fs::read_dir(at.join("programs"))
-        .unwrap()
-        .flatten()
-        .collect();
-    let programs: Vec<_> = files
-        .iter()
-        .filter(|f| f.path().extension().is_some_and(|e| e == "ngc"))
-        .collect();
+    let files: Vec<_> = fs::read_dir(at.join("programs")).unwrap().flatten().collect();
+    let programs: Vec<_> =
+        files.iter().filter(|f| f.path().extension().is_some_and(|e| e == "ngc")).collect();
     assert_eq!(programs.len(), 4);
     for file in programs {
-        let run = Command::new("rs274")
-            .arg("-g")
-            .arg(file.path())
-            .current_dir(at)
-            .output();
+        let run = Command::new("rs274").arg("-g").arg(file.path()).current_dir(at).output();
         let Ok(run) = run else {
             println!("rs274 is not installed: the programs were not interpreted");
             return;
@@ -373,13 +299,7 @@ fn the_interpreter_of_linuxcnc_takes_the_programs() {
         let said = String::from_utf8_lossy(&run.stdout).into_owned();
         let traverses = said.matches("STRAIGHT_TRAVERSE(").count();
         let feeds = said.matches("STRAIGHT_FEED(").count();
-        assert!(
-            run.status.success() && traverses > 1 && feeds > 12,
-            "{said}"
-        );
-        assert!(
-            said.contains("PROGRAM_END()") && said.contains("DWELL(3.0000)"),
-            "{said}"
-        );
+        assert!(run.status.success() && traverses > 1 && feeds > 12, "{said}");
+        assert!(said.contains("PROGRAM_END()") && said.contains("DWELL(3.0000)"), "{said}");
     }
 }

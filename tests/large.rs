@@ -59,12 +59,7 @@ fn run(directory: &Path, command: &str) -> Ran {
     let bytes = size(directory).max(before) + told.metadata().map_or(0, |file| file.len());
     let text = fs::read_to_string(&told).expect("what is told is text");
     fs::remove_file(told).expect("a file can be removed");
-    Ran {
-        status,
-        told: text,
-        bytes,
-        peak,
-    }
+    Ran { status, told: text, bytes, peak }
 }
 
 /// The most memory that a process held so far.
@@ -86,9 +81,7 @@ fn size(directory: &Path) -> u64 {
 }
 
 fn fixture(path: &str) -> String {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(path);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(path);
     fs::read_to_string(path).expect("the fixture is there")
 }
 
@@ -160,23 +153,11 @@ fn the_work_of_a_refusal_grows_with_the_input_not_with_its_square() {
     let flaws = lines(LARGEST_PAGE / 20, |n, text| {
         write!(text, "k{n} {n}").expect("a string");
     });
-    refused(
-        "generic",
-        "job.toml",
-        &flaws,
-        "generate job.toml -o kit",
-        "not valid TOML",
-    );
+    refused("generic", "job.toml", &flaws, "generate job.toml -o kit", "not valid TOML");
     let unknown = lines(LARGEST_PAGE / 20, |n, text| {
         write!(text, "k{n} = {n}").expect("a string");
     });
-    refused(
-        "generic",
-        "job.toml",
-        &unknown,
-        "generate job.toml -o kit",
-        "unknown key `k0`",
-    );
+    refused("generic", "job.toml", &unknown, "generate job.toml -o kit", "unknown key `k0`");
     let columns = format!("{}\n1;2\n", ";p".repeat(LARGEST_PAGE / 8));
     refused(
         "generic",
@@ -186,13 +167,7 @@ fn the_work_of_a_refusal_grows_with_the_input_not_with_its_square() {
         "columns, at most 1000 are read",
     );
     let returns = "k = 1\r".repeat(40_000);
-    refused(
-        "generic",
-        "job.toml",
-        &returns,
-        "generate job.toml -o kit",
-        "too many for a line",
-    );
+    refused("generic", "job.toml", &returns, "generate job.toml -o kit", "too many for a line");
 
     let names = lines(MOST_LINES / 2 - 10, |n, text| {
         write!(text, "[Q{n}]\nVALUE = 1").expect("a string");
@@ -206,24 +181,12 @@ fn the_work_of_a_refusal_grows_with_the_input_not_with_its_square() {
         write!(text, "EXX,A{n},A{n},,0,0,0,0,").expect("a string");
     });
     let axes = format!("{GENERIC}{axes}");
-    refused(
-        "generic",
-        "out/table.csv",
-        &axes,
-        READ_OUT,
-        "is another axis",
-    );
+    refused("generic", "out/table.csv", &axes, READ_OUT, "is another axis");
 
     let good = "N06000Q1A1P40\n".repeat(300_000);
     let bad = "N03620Q1A1X5\n".repeat(5000);
     let text = format!("%\n{good}{bad}%\n");
-    refused(
-        "fanuc-30i",
-        "out/PARA.TXT",
-        &text,
-        READ_OUT,
-        "the same in 1999 more lines",
-    );
+    refused("fanuc-30i", "out/PARA.TXT", &text, READ_OUT, "the same in 1999 more lines");
 }
 
 #[test]
@@ -262,11 +225,7 @@ fn a_file_that_stands_twice_in_a_manifest_is_told_once() {
     assert_eq!(told, 1, "{}", judged.told);
     let history = run(directory.path(), "history kit");
     assert_eq!(history.status, Some(1), "{}", history.told);
-    assert!(
-        history.told.contains("`PITCH.TXT` is listed twice"),
-        "{}",
-        history.told
-    );
+    assert!(history.told.contains("`PITCH.TXT` is listed twice"), "{}", history.told);
 }
 
 #[test]
@@ -275,22 +234,12 @@ fn memory_stays_in_proportion_to_input_and_output() {
     let rtl = fixture("formats/sample_synthetic.rtl");
     let blank = |count: usize| "\n".repeat(count);
     let list = |count: usize| {
-        format!(
-            "{}\n[k]\nk = [\n{}]\n",
-            job("generic"),
-            "1,1,1,1,1,1,1,1,\n".repeat(count)
-        )
+        format!("{}\n[k]\nk = [\n{}]\n", job("generic"), "1,1,1,1,1,1,1,1,\n".repeat(count))
     };
     let array = |elements: &str| format!("{{\"schema\":1,\"rows\":[\n{elements}1]}}");
     let points = lines(MOST_ROWS - 10, |n, text| {
         let increment = if n == 0 { "" } else { "0" };
-        write!(
-            text,
-            "EXX,X,X,,{n},{}.{:02},0,0,{increment}",
-            n / 100,
-            n % 100
-        )
-        .expect("a string");
+        write!(text, "EXX,X,X,,{n},{}.{:02},0,0,{increment}", n / 100, n % 100).expect("a string");
     });
     let pairs = lines(MOST_LINES - 10, |n, text| {
         write!(text, "{}.{:03},1", n / 1000, n % 1000).expect("a string");
@@ -298,12 +247,7 @@ fn memory_stays_in_proportion_to_input_and_output() {
     let generate = "generate job.toml -o made";
     let cases = [
         ("generic", "a.rtl", format!("{rtl}{}", blank(5 * MB)), RTL),
-        (
-            "generic",
-            "a.rtl",
-            format!("{rtl}{}", blank(MOST_LINES - 100)),
-            RTL,
-        ),
+        ("generic", "a.rtl", format!("{rtl}{}", blank(MOST_LINES - 100)), RTL),
         (
             "generic",
             "errors.csv",
@@ -324,48 +268,13 @@ fn memory_stays_in_proportion_to_input_and_output() {
         ),
         ("generic", "job.toml", list(LARGEST_PAGE / 18), generate),
         ("generic", "job.toml", list(5 * MB / 17), generate),
-        (
-            "generic",
-            "kit/manifest.json",
-            array(&"1,".repeat(LARGEST_PAGE / 2 - 20)),
-            KIT,
-        ),
-        (
-            "generic",
-            "kit/manifest.json",
-            array(&"{},".repeat(2 * MB)),
-            KIT,
-        ),
-        (
-            "generic",
-            "out/table.json",
-            array(&"{},\n".repeat(MOST_ROWS - 1)),
-            READ_OUT,
-        ),
-        (
-            "generic",
-            "out/table.json",
-            array(&"{},".repeat(2 * MB)),
-            READ_OUT,
-        ),
-        (
-            "generic",
-            "out/table.json",
-            array(&format!("[{}1],", "1,".repeat(2 * MB))),
-            READ_OUT,
-        ),
-        (
-            "generic",
-            "out/table.csv",
-            format!("{GENERIC}{points}"),
-            READ_OUT,
-        ),
-        (
-            "generic",
-            "out/table.csv",
-            format!("{GENERIC}{}", "x\n".repeat(3 * MB)),
-            READ_OUT,
-        ),
+        ("generic", "kit/manifest.json", array(&"1,".repeat(LARGEST_PAGE / 2 - 20)), KIT),
+        ("generic", "kit/manifest.json", array(&"{},".repeat(2 * MB)), KIT),
+        ("generic", "out/table.json", array(&"{},\n".repeat(MOST_ROWS - 1)), READ_OUT),
+        ("generic", "out/table.json", array(&"{},".repeat(2 * MB)), READ_OUT),
+        ("generic", "out/table.json", array(&format!("[{}1],", "1,".repeat(2 * MB))), READ_OUT),
+        ("generic", "out/table.csv", format!("{GENERIC}{points}"), READ_OUT),
+        ("generic", "out/table.csv", format!("{GENERIC}{}", "x\n".repeat(3 * MB)), READ_OUT),
         ("generic", "a.csv", format!("pos,ex\n{pairs}"), COLUMNS),
         (
             "siemens-840d-sl",
@@ -376,18 +285,10 @@ fn memory_stays_in_proportion_to_input_and_output() {
         (
             "siemens-840d-sl",
             "out/all.arc",
-            format!(
-                "%_N_AX_EEC_INI\n{}M17\n",
-                "$MA_BACKLASH[0,AX1]=1\n".repeat(200_000)
-            ),
+            format!("%_N_AX_EEC_INI\n{}M17\n", "$MA_BACKLASH[0,AX1]=1\n".repeat(200_000)),
             READ_OUT,
         ),
-        (
-            "fanuc-30i",
-            "out/PARA.TXT",
-            format!("%\n{}%\n", "N1\n".repeat(MB)),
-            READ_OUT,
-        ),
+        ("fanuc-30i", "out/PARA.TXT", format!("%\n{}%\n", "N1\n".repeat(MB)), READ_OUT),
     ];
     for (control, name, text, command) in &cases {
         let ran = over(control, name, text, command);
@@ -426,11 +327,7 @@ fn nothing_is_written_that_would_be_refused_when_it_is_read() {
     let table = fixture("nine_errors_900/errors.csv");
     put(&directory, "errors.csv", &format!("{doubts}{table}"));
     let refused = run(directory.path(), "generate job.toml -o doubtful");
-    assert!(
-        refused.told.contains("`manifest.json` holds more than"),
-        "{}",
-        refused.told
-    );
+    assert!(refused.told.contains("`manifest.json` holds more than"), "{}", refused.told);
     assert_eq!(refused.status, Some(2));
     assert!(!directory.path().join("doubtful").exists());
 }
@@ -470,9 +367,6 @@ fn the_limits_stand_in_the_contract() {
         format!("{} KiB", LARGEST_PAGE >> 10),
         format!("{} KiB for a line", LONGEST_LINE_BYTES >> 10),
     ] {
-        assert!(
-            page.contains(&limit),
-            "docs/interface.md does not state {limit}"
-        );
+        assert!(page.contains(&limit), "docs/interface.md does not state {limit}");
     }
 }

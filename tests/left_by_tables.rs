@@ -1,11 +1,7 @@
 //! What `assess` and `path` say of a machine with tables, against the forecast of `generate`,
 //! which finds it in another way; and where errors and levers count from.
 
-#![allow(
-    clippy::expect_used,
-    clippy::unwrap_used,
-    reason = "a test that cannot go on has to stop"
-)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test that cannot go on has to stop")]
 
 #[path = "support/run.rs"]
 mod run;
@@ -23,9 +19,7 @@ fn json(directory: &Path, arguments: &str) -> Value {
 }
 
 fn number(value: &Value) -> f64 {
-    value
-        .as_f64()
-        .unwrap_or_else(|| panic!("a number, not {value}"))
+    value.as_f64().unwrap_or_else(|| panic!("a number, not {value}"))
 }
 
 fn near(what: &str, got: f64, want: f64, room: f64) {
@@ -39,17 +33,10 @@ const LAST_DIGIT: f64 = 1.001e-6;
 fn job(measurement: &str, compensation: &str) -> String {
     let mut page = "schema = 1\n[machine]\nname = \"M\"\nchain = \"wXYZt\"\n".to_string();
     for axis in ["x", "y", "z"] {
-        writeln!(
-            page,
-            "[machine.axes.{axis}]\ntravel_mm = [0.0, 900.0]\nreference_mm = 0.0"
-        )
-        .unwrap();
+        writeln!(page, "[machine.axes.{axis}]\ntravel_mm = [0.0, 900.0]\nreference_mm = 0.0")
+            .unwrap();
     }
-    let errors = if measurement.contains("readings = ") {
-        ""
-    } else {
-        "errors = \"errors.csv\"\n"
-    };
+    let errors = if measurement.contains("readings = ") { "" } else { "errors = \"errors.csv\"\n" };
     let active = if measurement.contains("active_while_measuring") {
         ""
     } else {
@@ -90,10 +77,8 @@ const ALONG_X: &str = "G1 X900.\nM30\n";
 /// those of the forecast, which reads the same bytes and knows nothing of volumes and paths.
 #[test]
 fn what_is_left_along_one_axis_is_what_the_forecast_says() {
-    let shapes = [
-        "x,0,0,0,0\nx,900,100,0,0\n",
-        "x,0,0,0,0\nx,300,20,0,0\nx,600,-20,0,0\nx,900,0,0,0\n",
-    ];
+    let shapes =
+        ["x,0,0,0,0\nx,900,100,0,0\n", "x,0,0,0,0\nx,300,20,0,0\nx,600,-20,0,0\nx,900,0,0,0\n"];
     let controls = [("siemens-840d-sl", ""), ("fanuc-30i", ""), ("generic", "")];
     for shape in shapes {
         for curve in ["linear", "pchip", "natural-spline"] {
@@ -112,19 +97,11 @@ fn what_is_left_along_one_axis_is_what_the_forecast_says() {
                 let manifest: Value = serde_json::from_slice(&manifest).unwrap();
                 let forecast = number(&manifest["forecast"]["terms"]["EXX"]["after_um"]);
                 let straight = shape == shapes[0] && !id.starts_with("fanuc");
-                assert!(
-                    straight || forecast > 0.01,
-                    "{what}: {forecast} is too easy"
-                );
+                assert!(straight || forecast > 0.01, "{what}: {forecast} is too easy");
 
                 let path = json(at, "path job.toml p.nc --tables kit");
                 let largest = number(&path["after"]["extremes"]["e"]["max"]["um"]);
-                near(
-                    &format!("{what}, path"),
-                    largest,
-                    forecast,
-                    2.0 * LAST_DIGIT,
-                );
+                near(&format!("{what}, path"), largest, forecast, 2.0 * LAST_DIGIT);
 
                 // Both ends of the range of X lie in it, so VA is not less than the largest
                 // error: the reference is one of the nodes, where nothing is left.
@@ -138,12 +115,7 @@ fn what_is_left_along_one_axis_is_what_the_forecast_says() {
                 let accuracy = number(&path["after"]["profile_accuracy_um"]);
                 assert!(accuracy <= range + 2.0 * LAST_DIGIT, "{what}");
                 if curve == "linear" {
-                    near(
-                        &format!("{what}, accuracy"),
-                        accuracy,
-                        range,
-                        2.0 * LAST_DIGIT,
-                    );
+                    near(&format!("{what}, accuracy"), accuracy, range, 2.0 * LAST_DIGIT);
                     let va = number(&after["definitions"]["va_um"]);
                     near(&format!("{what}, VA"), va, range, 2.0 * LAST_DIGIT);
                 }
@@ -162,10 +134,7 @@ fn a_staircase_is_a_staircase() {
         ("p.nc", "G1 X38.\nX900.\nM30\n"),
     ]);
     let at = directory.path();
-    assert_ne!(
-        nonius(at, "generate job.toml -o kit").status.code(),
-        Some(2)
-    );
+    assert_ne!(nonius(at, "generate job.toml -o kit").status.code(), Some(2));
     let path = json(at, "path job.toml p.nc --tables kit -o points.csv");
     let points = std::fs::read_to_string(at.join("points.csv")).unwrap();
     let mut rows = points.lines().filter(|line| !line.starts_with('#'));
@@ -173,23 +142,10 @@ fn a_staircase_is_a_staircase() {
     let column = |name: &str| header.iter().position(|other| *other == name).unwrap();
     let (x, ex) = (column("x_mm"), column("after_ex_um"));
     let cells = rows.map(|row| row.split(',').collect::<Vec<&str>>());
-    let at_38 = cells.map(|row| {
-        (
-            row[x].parse::<f64>().unwrap(),
-            row[ex].parse::<f64>().unwrap(),
-        )
-    });
-    let (_, um) = at_38
-        .into_iter()
-        .find(|(x, _)| (x - 38.0).abs() < 1e-9)
-        .unwrap();
+    let at_38 = cells.map(|row| (row[x].parse::<f64>().unwrap(), row[ex].parse::<f64>().unwrap()));
+    let (_, um) = at_38.into_iter().find(|(x, _)| (x - 38.0).abs() < 1e-9).unwrap();
     near("x = 38", um, 38.0 / 9.0, 1e-3);
-    near(
-        "profile accuracy",
-        number(&path["after"]["profile_accuracy_um"]),
-        10.0,
-        LAST_DIGIT,
-    );
+    near("profile accuracy", number(&path["after"]["profile_accuracy_um"]), 10.0, LAST_DIGIT);
     // The same way back: both values of each jump are met again.
     std::fs::write(at.join("p.nc"), "G0 X900.\nG1 X0.\nM30\n").unwrap();
     let back = json(at, "path job.toml p.nc --tables kit");
@@ -200,12 +156,7 @@ fn a_staircase_is_a_staircase() {
         }
     }
     let after = &json(at, "assess job.toml --tables kit")["after"];
-    near(
-        "VA",
-        number(&after["definitions"]["va_um"]),
-        10.0,
-        LAST_DIGIT,
-    );
+    near("VA", number(&after["definitions"]["va_um"]), 10.0, LAST_DIGIT);
 }
 
 /// A kit that was active while measuring: the machine as it is is the one that was measured, and
@@ -217,18 +168,12 @@ fn as_it_is_means_as_it_was_measured() {
     let compensation = control("generic", "");
     let directory = written(&[
         ("old.toml", &job("", &compensation)),
-        (
-            "job.toml",
-            &job("active_while_measuring = \"kit\"", &compensation),
-        ),
+        ("job.toml", &job("active_while_measuring = \"kit\"", &compensation)),
         ("errors.csv", &naked),
         ("p.nc", ALONG_X),
     ]);
     let at = directory.path();
-    assert_eq!(
-        nonius(at, "generate old.toml -o kit").status.code(),
-        Some(0)
-    );
+    assert_eq!(nonius(at, "generate old.toml -o kit").status.code(), Some(0));
     std::fs::write(at.join("errors.csv"), left).unwrap();
     let found = json(at, "assess job.toml --with-tables");
     let va = |found: &Value| number(&found["definitions"]["va_um"]);
@@ -238,11 +183,7 @@ fn as_it_is_means_as_it_was_measured() {
     near("with the old tables", va(&found["after"]), 5.0, LAST_DIGIT);
     let path = json(at, "path job.toml p.nc --tables kit");
     for which in ["before", "after"] {
-        let summary = if which == "after" {
-            &path["after"]
-        } else {
-            &path
-        };
+        let summary = if which == "after" { &path["after"] } else { &path };
         let accuracy = number(&summary["profile_accuracy_um"]);
         near(which, accuracy, 5.0, LAST_DIGIT);
     }
@@ -258,28 +199,17 @@ fn what_lies_under_an_old_table_bends_where_the_table_does() {
     let coarse = fine.replace("spacing_mm = 90.0", "spacing_mm = 900.0");
     let directory = written(&[
         ("old.toml", &job("", &fine)),
-        (
-            "job.toml",
-            &job("active_while_measuring = \"kit\"", &coarse),
-        ),
+        ("job.toml", &job("active_while_measuring = \"kit\"", &coarse)),
         ("errors.csv", &naked),
     ]);
     let at = directory.path();
-    assert_eq!(
-        nonius(at, "generate old.toml -o kit").status.code(),
-        Some(0)
-    );
+    assert_eq!(nonius(at, "generate old.toml -o kit").status.code(), Some(0));
     std::fs::write(at.join("errors.csv"), left).unwrap();
     let forecast = &json(at, "generate job.toml -o new")["forecast"];
     let diagonals = forecast["diagonals"].as_object().unwrap();
     assert_eq!(diagonals.len(), 4);
     for diagonal in diagonals.values() {
-        near(
-            "as measured",
-            number(&diagonal["before_um"]),
-            0.0,
-            LAST_DIGIT,
-        );
+        near("as measured", number(&diagonal["before_um"]), 0.0, LAST_DIGIT);
         let left = number(&diagonal["after_um"]);
         near("left", left, 12.0 / 3.0_f64.sqrt(), LAST_DIGIT); // a cube: cosine 1/√3
     }
@@ -303,38 +233,16 @@ fn nothing_left_is_nothing_in_every_definition() {
     let page = page.replace("spacing_mm = 90.0", "spacing_mm = 50.0");
     let directory = written(&[("job.toml", &page), ("errors.csv", &whole)]);
     let found = json(directory.path(), "assess job.toml --with-tables");
-    near(
-        "before",
-        number(&found["definitions"]["va_um"]),
-        45.0,
-        LAST_DIGIT,
-    );
+    near("before", number(&found["definitions"]["va_um"]), 45.0, LAST_DIGIT);
     let after = &found["after"];
-    for key in [
-        "va_um",
-        "proposed_um",
-        "proposed_of_nine_um",
-        "existing_um",
-        "max_from_reference_um",
-    ] {
-        near(
-            key,
-            number(&after["definitions"][key]),
-            0.0,
-            2.0 * LAST_DIGIT,
-        );
+    for key in
+        ["va_um", "proposed_um", "proposed_of_nine_um", "existing_um", "max_from_reference_um"]
+    {
+        near(key, number(&after["definitions"][key]), 0.0, 2.0 * LAST_DIGIT);
     }
     for part in after["contributions"].as_array().unwrap() {
-        near(
-            &part["term"].to_string(),
-            number(&part["um"]),
-            0.0,
-            2.0 * LAST_DIGIT,
-        );
-        assert_ne!(
-            part["term"], "squareness_xy",
-            "it is in EXY, which the table corrects"
-        );
+        near(&part["term"].to_string(), number(&part["um"]), 0.0, 2.0 * LAST_DIGIT);
+        assert_ne!(part["term"], "squareness_xy", "it is in EXY, which the table corrects");
     }
 
     let reversal = "axis,position_mm,ex_um,ey_um,ez_um,direction\nx,0,0,0,0,+\nx,900,0,0,0,+\nx,0,-20,0,0,-\nx,900,-20,0,0,-\ny,0,0,0,0,\ny,900,0,0,0,\nz,0,0,0,0,\nz,900,0,0,0,\n";
@@ -361,10 +269,7 @@ fn squareness_and_a_slope_of_the_table_are_one_machine() {
     for (lines, program) in [("", with), (offsets, with), (offset, without)] {
         let stated = format!("{lines}\n[measurement.squareness_um_per_m]\nxz = 1000.0");
         let directory = written(&[
-            (
-                "stated.toml",
-                &(job(&stated, "controller = \"generic\"") + tool),
-            ),
+            ("stated.toml", &(job(&stated, "controller = \"generic\"") + tool)),
             (
                 "sloped.toml",
                 &(job(lines, "controller = \"generic\"").replace("errors.csv", "sloped.csv")
@@ -376,10 +281,7 @@ fn squareness_and_a_slope_of_the_table_are_one_machine() {
         ]);
         let [stated, sloped] = ["stated", "sloped"].map(|name| {
             let path = json(directory.path(), &format!("path {name}.toml p.nc"));
-            (
-                path["extremes"].clone(),
-                path["profile_accuracy_um"].clone(),
-            )
+            (path["extremes"].clone(), path["profile_accuracy_um"].clone())
         });
         assert_eq!(stated, sloped, "{lines}");
     }
@@ -407,17 +309,11 @@ fn readings_and_levers_count_from_one_place() {
         let measured = format!("[measurement]\nangles = \"angles.csv\"\n{offsets}");
         let with = page.replace("[measurement]\n", &measured);
         let mut lines: Vec<String> = with.lines().map(ToString::to_string).collect();
-        for line in lines
-            .iter_mut()
-            .filter(|l| l.starts_with("reference_mm"))
-            .skip(1)
-        {
+        for line in lines.iter_mut().filter(|l| l.starts_with("reference_mm")).skip(1) {
             *line = format!("reference_mm = {reference}");
         }
         std::fs::write(directory.path().join("job.toml"), lines.join("\n")).unwrap();
-        found.push(number(
-            &json(directory.path(), "assess job.toml")["definitions"]["va_um"],
-        ));
+        found.push(number(&json(directory.path(), "assess job.toml")["definitions"]["va_um"]));
     }
     assert!(found[0] > 1.0, "{found:?}");
     near("another reference", found[1], found[0], 1e-3);
@@ -433,17 +329,12 @@ fn too_many_own_nodes_are_refused() {
             writeln!(errors, "{axis},{},{},0,0", f64::from(node) * 1.9, node % 7).unwrap();
         }
     }
-    let directory = written(&[
-        ("job.toml", &job("", "controller = \"generic\"")),
-        ("errors.csv", &errors),
-    ]);
+    let directory =
+        written(&[("job.toml", &job("", "controller = \"generic\"")), ("errors.csv", &errors)]);
     let refused = nonius(directory.path(), "assess job.toml");
     assert_eq!(refused.status.code(), Some(2));
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
-    assert!(
-        said.contains("465 x 465 x 465, more than 100000000"),
-        "{said}"
-    );
+    assert!(said.contains("465 x 465 x 465, more than 100000000"), "{said}");
 }
 
 /// Before and after are judged at the same nodes; sub-volumes need even ones.
@@ -451,19 +342,11 @@ fn too_many_own_nodes_are_refused() {
 fn one_grid_for_before_and_after() {
     let errors = format!("{HEADER}x,0,0,0,0\nx,300,20,0,0\nx,600,-20,0,0\nx,900,0,0,0\n{LEVEL_YZ}");
     let compensation = control("generic", "").replace("90.0", "250.0");
-    let directory = written(&[
-        ("job.toml", &job("", &compensation)),
-        ("errors.csv", &errors),
-    ]);
-    let found = json(
-        directory.path(),
-        "assess job.toml --with-tables --histogram 5 --window 300,900,900",
-    );
+    let directory = written(&[("job.toml", &job("", &compensation)), ("errors.csv", &errors)]);
+    let found =
+        json(directory.path(), "assess job.toml --with-tables --histogram 5 --window 300,900,900");
     assert_eq!(found["grid"], found["after"]["grid"]);
-    assert_eq!(
-        found["histogram"]["pairs"],
-        found["after"]["histogram"]["pairs"]
-    );
+    assert_eq!(found["histogram"]["pairs"], found["after"]["histogram"]["pairs"]);
     assert_eq!(found["windows"]["count"], 3);
 }
 
@@ -472,10 +355,7 @@ fn one_grid_for_before_and_after() {
 #[test]
 fn an_optic_on_the_table_counts_where_it_was_measured() {
     let errors = "axis,position_mm,ex_um,ey_um,ez_um,ec_urad\nx,0,0,0,0,50\nx,900,0,0,0,0\ny,0,0,0,0,\ny,900,0,0,0,\nz,0,0,0,0,\nz,900,0,0,0,\n";
-    let page = job(
-        "straightness_optic_mm = { x = 0.0 }",
-        "controller = \"generic\"",
-    );
+    let page = job("straightness_optic_mm = { x = 0.0 }", "controller = \"generic\"");
     let page = page.replace("wXYZt", "XwYZt");
     let directory = written(&[("job.toml", &page), ("errors.csv", errors)]);
     let va = ["", " --grid 21,21,2"].map(|grid| {

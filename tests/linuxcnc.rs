@@ -57,12 +57,7 @@ const BOW: [[f64; 3]; 3] = [[0.0, 6.0, -2.5], [-4.0, 0.0, 3.0], [5.0, -3.5, 0.0]
 const TILT: [[f64; 3]; 3] = [[0.0, 12.0, -8.0], [25.0, 0.0, 5.0], [-15.0, 9.0, 0.0]];
 
 const fn crooked(name: &'static str, machine: Machine) -> Machine {
-    Machine {
-        name,
-        bow: BOW,
-        tilt: TILT,
-        ..machine
-    }
+    Machine { name, bow: BOW, tilt: TILT, ..machine }
 }
 
 const CASES: [Case; 6] = [
@@ -70,22 +65,12 @@ const CASES: [Case; 6] = [
     case(INCHES, "linuxcnc", 6, 11, "inch"),
     case(LARGE, "linuxcnc", 16, 31, "mm"),
     case(crooked("crooked mill", MILL), "linuxcnc-hal", 21, 41, "mm"),
-    case(
-        crooked("crooked inch mill", INCHES),
-        "linuxcnc-hal",
-        6,
-        11,
-        "inch",
-    ),
+    case(crooked("crooked inch mill", INCHES), "linuxcnc-hal", 6, 11, "inch"),
     case(crooked("long mill", LONG), "linuxcnc-hal", 256, 21, "mm"),
 ];
 
 /// Tables of as many points as a `COMP_FILE` takes, in 102 curves: more than there are numbers in a list.
-const LONG: Machine = Machine {
-    travel: [[0.0, 1020.0]; 3],
-    slope: [4.0, -6.0, 8.0],
-    ..MILL
-};
+const LONG: Machine = Machine { travel: [[0.0, 1020.0]; 3], slope: [4.0, -6.0, 8.0], ..MILL };
 
 const fn case(
     machine: Machine,
@@ -94,13 +79,7 @@ const fn case(
     stops: usize,
     unit: &'static str,
 ) -> Case {
-    Case {
-        machine,
-        controller,
-        points,
-        stops,
-        unit,
-    }
+    Case { machine, controller, points, stops, unit }
 }
 
 /// Whether all is asked for, which takes minutes: the other machines, the HAL files and a whole visit.

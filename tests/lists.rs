@@ -34,11 +34,7 @@ fn case_d(diagonal: &str) -> Vec<(String, f64)> {
     let key = |row: &(String, f64)| {
         let cells: Vec<&str> = row.0.split(',').collect();
         let back = cells[2] == "reverse";
-        (
-            cells[1].to_string(),
-            back,
-            if back { -node(row) } else { node(row) },
-        )
+        (cells[1].to_string(), back, if back { -node(row) } else { node(row) })
     };
     rows.sort_by_key(key);
     rows
@@ -102,21 +98,17 @@ fn own() -> (Vec<String>, Vec<f64>) {
 #[test]
 fn as_many_values_as_captures_fill_the_form() {
     let (cells, values) = own();
-    for (counting, own) in [
-        (Counting::Cumulative, values.clone()),
-        (Counting::Incremental, increments(&values)),
-    ] {
+    for (counting, own) in
+        [(Counting::Cumulative, values.clone()), (Counting::Incremental, increments(&values))]
+    {
         let text = filled(&own, counting, "#1=deviation_um").expect("they fit");
         let rows = text.lines().filter(|line| line.starts_with("PPP"));
         for (row, (cells, value)) in rows.zip(cells.iter().zip(&values)) {
             let (before, found) = row.rsplit_once(',').expect("cells");
             let found: f64 = found.parse().expect("a number");
             // The first capture of case D is not zero; increments count from it.
-            let expected = if counting == Counting::Cumulative {
-                *value
-            } else {
-                value - values[0]
-            };
+            let expected =
+                if counting == Counting::Cumulative { *value } else { value - values[0] };
             assert_eq!(before, cells);
             assert!((found - expected).abs() < 1e-6, "{row}: {expected}");
         }
@@ -126,15 +118,8 @@ fn as_many_values_as_captures_fill_the_form() {
 /// The name of a capture as the refusal says it.
 fn name(cells: &str) -> String {
     let cells: Vec<&str> = cells.split(',').collect();
-    let moved = if cells[4].is_empty() {
-        String::new()
-    } else {
-        format!(", moved {}", cells[4])
-    };
-    format!(
-        "run {}, direction {}, node {}{moved}",
-        cells[1], cells[2], cells[3]
-    )
+    let moved = if cells[4].is_empty() { String::new() } else { format!(", moved {}", cells[4]) };
+    format!("run {}, direction {}, node {}{moved}", cells[1], cells[2], cells[3])
 }
 
 /// Deviations alone, without the steps, are the hard case: what shows is that the runs no longer repeat.
@@ -147,10 +132,7 @@ fn among_deviations_the_missing_capture_lies_where_it_is_said_to() {
         values.remove(place);
         let said =
             filled(&values, Counting::Cumulative, "#1=deviation_um").expect_err("one is missing");
-        assert!(
-            said.contains("expected 186 as in the form: one is missing"),
-            "{said}"
-        );
+        assert!(said.contains("expected 186 as in the form: one is missing"), "{said}");
         let is_named = |at: &usize| said.contains(&name(&cells[*at]));
         let named: Vec<usize> = (0..cells.len()).filter(is_named).collect();
         let (Some(first), Some(last)) = (named.first(), named.last()) else {
@@ -159,16 +141,9 @@ fn among_deviations_the_missing_capture_lies_where_it_is_said_to() {
         };
         told += 1;
         narrow += usize::from(last - first <= 5);
-        assert!(
-            (first..=last).contains(&&place),
-            "{}: {said}",
-            name(&cells[place])
-        );
+        assert!((first..=last).contains(&&place), "{}: {said}", name(&cells[place]));
     }
-    assert!(
-        told > 50 && narrow > 30,
-        "{told} told, {narrow} within six captures"
-    );
+    assert!(told > 50 && narrow > 30, "{told} told, {narrow} within six captures");
 }
 
 #[test]
@@ -177,16 +152,10 @@ fn with_displacements_every_missing_or_doubled_capture_is_named() {
     let node = |cells: &String| cells.split(',').nth(3).unwrap().parse::<usize>().unwrap();
     // Projections of steps of 90, 72 and 72 mm on the diagonal of the box.
     let (steps, length) = ([90.0, 72.0, 72.0_f64], 900.0_f64.hypot(720.0).hypot(720.0));
-    let nominal = |node: usize| {
-        (0..node)
-            .map(|k| steps[k % 3] * steps[k % 3] * 10.0 / length)
-            .sum::<f64>()
-    };
-    let whole: Vec<f64> = cells
-        .iter()
-        .zip(&values)
-        .map(|(cells, um)| nominal(node(cells)) + um / 1000.0)
-        .collect();
+    let nominal =
+        |node: usize| (0..node).map(|k| steps[k % 3] * steps[k % 3] * 10.0 / length).sum::<f64>();
+    let whole: Vec<f64> =
+        cells.iter().zip(&values).map(|(cells, um)| nominal(node(cells)) + um / 1000.0).collect();
     for place in (0..whole.len()).step_by(3) {
         let mut values = whole.clone();
         values.remove(place);
@@ -197,13 +166,9 @@ fn with_displacements_every_missing_or_doubled_capture_is_named() {
         values.insert(place, whole[place] + 0.000_1);
         let said = filled(&values, Counting::Cumulative, "#1=displacement_mm")
             .expect_err("one is too many");
-        let named = [place + 1, place + 2]
-            .iter()
-            .any(|value| said.contains(&format!("value {value}")));
-        assert!(
-            named && said.contains("more than 10⁹ : 1"),
-            "{place}: {said}"
-        );
+        let named =
+            [place + 1, place + 2].iter().any(|value| said.contains(&format!("value {value}")));
+        assert!(named && said.contains("more than 10⁹ : 1"), "{place}: {said}");
     }
 }
 
@@ -212,10 +177,7 @@ fn what_lists_do_not_carry_has_to_be_stated() {
     let place = tempfile::tempdir().expect("a place to write to");
     let at = place.path();
     let travel = "--travel 400,300,200";
-    let (status, ..) = ended(
-        at,
-        &format!("new --controller generic {travel} --readings -o visit"),
-    );
+    let (status, ..) = ended(at, &format!("new --controller generic {travel} --readings -o visit"));
     assert_eq!(status, Some(0));
     let form = read_to_string(at.join("visit/readings.csv")).expect("a form");
     for name in DIAGONALS {
@@ -229,22 +191,13 @@ fn what_lists_do_not_carry_has_to_be_stated() {
     for (more, says) in [
         ("", "`--columns` is not stated"),
         ("", "`--captures` is not stated"),
-        (
-            "--columns #1=displacement_mm --captures cumulative",
-            "`--decimal` is not stated",
-        ),
-        (
-            "--columns #1=length_mm --captures cumulative",
-            "names no readings",
-        ),
+        ("--columns #1=displacement_mm --captures cumulative", "`--decimal` is not stated"),
+        ("--columns #1=length_mm --captures cumulative", "names no readings"),
         (
             "--columns #1=displacement_mm --captures cumulative --term EXX",
             "`--term` has no meaning",
         ),
-        (
-            "--columns #1=displacement_mm --captures incremental --decimal comma",
-            "one is too many",
-        ),
+        ("--columns #1=displacement_mm --captures incremental --decimal comma", "one is too many"),
     ] {
         let (status, _, said) = ended(at, &format!("{command} {more}"));
         assert_eq!(status, Some(2), "{more}");
@@ -258,10 +211,7 @@ fn what_lists_do_not_carry_has_to_be_stated() {
         ),
     );
     assert_eq!(status, Some(0), "{said}");
-    assert!(
-        page.contains("every capture of the form has its value"),
-        "{page}"
-    );
+    assert!(page.contains("every capture of the form has its value"), "{page}");
     let again = ended(
         at,
         &format!(
@@ -280,30 +230,23 @@ fn a_list_of_a_real_axis_misses_the_capture_that_was_taken_out() {
         return skipped::skipped();
     };
     let rows = table.lines().filter(|line| !line.starts_with(['#', 'i']));
-    let rows: Vec<Vec<f64>> = rows
-        .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
-        .collect();
+    let rows: Vec<Vec<f64>> =
+        rows.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
     let (mut form, mut names, mut whole) = (String::new(), Vec::new(), Vec::new());
     for run in 1..=5 {
         let up = rows.iter().map(|row| (row[1], "+", row[1 + run]));
         let down = rows.iter().rev().map(|row| (row[1], "-", row[6 + run]));
         for (target, direction, at) in up.chain(down) {
             form += &format!("{target},{run},{direction},\n");
-            names.push(format!(
-                "target_mm {target}, run {run}, direction {direction}"
-            ));
+            names.push(format!("target_mm {target}, run {run}, direction {direction}"));
             whole.push(at - rows[0][1]);
         }
     }
     let form = format!("target_mm,run,direction,deviation_um\n{form}");
     let filled = |values: &[f64]| {
         let text = list(values);
-        let file = Measurement {
-            path: "x.txt",
-            name: "x.txt",
-            sha256: "0",
-            bytes: text.as_bytes(),
-        };
+        let file =
+            Measurement { path: "x.txt", name: "x.txt", sha256: "0", bytes: text.as_bytes() };
         let stated = Stated {
             columns: Some("#1=displacement_mm".to_string()),
             captures: Some(Counting::Cumulative),
@@ -314,19 +257,8 @@ fn a_list_of_a_real_axis_misses_the_capture_that_was_taken_out() {
         filled.map_err(|problems| problems.render())
     };
     let text = filled(&whole).expect("they fit");
-    let first: f64 = text
-        .lines()
-        .last()
-        .unwrap()
-        .rsplit(',')
-        .next()
-        .unwrap()
-        .parse()
-        .unwrap();
-    assert!(
-        (first - (rows[0][11] - rows[0][1]) * 1000.0).abs() < 1e-6,
-        "{first}"
-    );
+    let first: f64 = text.lines().last().unwrap().rsplit(',').next().unwrap().parse().unwrap();
+    assert!((first - (rows[0][11] - rows[0][1]) * 1000.0).abs() < 1e-6, "{first}");
     for (place, name) in names.iter().enumerate() {
         let mut values = whole.clone();
         values.remove(place);
@@ -345,23 +277,9 @@ fn a_sheet_of_a_workbook_is_mapped_like_a_text() {
     let (status, _, said) = ended(root, &format!("{book} {columns}"));
     assert_eq!(status, Some(2), "the first sheet holds no table: {said}");
     let (status, _, said) = ended(root, &format!("{book} {columns} --sheet Other"));
-    assert!(
-        status == Some(2) && said.contains("its sheets: Notes, Readings"),
-        "{said}"
-    );
+    assert!(status == Some(2) && said.contains("its sheets: Notes, Readings"), "{said}");
     let (status, table, said) = ended(root, &format!("{book} {columns} --sheet Readings"));
     assert_eq!(status, Some(0), "{said}");
-    let rows: Vec<&str> = table
-        .lines()
-        .filter(|line| !line.starts_with('#'))
-        .collect();
-    assert_eq!(
-        rows,
-        [
-            "axis,position_mm,ex_um",
-            "x,0,0",
-            "x,100,1.25",
-            "x,200,-0.5"
-        ]
-    );
+    let rows: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
+    assert_eq!(rows, ["axis,position_mm,ex_um", "x,0,0", "x,100,1.25", "x,200,-0.5"]);
 }

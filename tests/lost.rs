@@ -15,9 +15,7 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// A fresh directory with the files of a fixture.
 fn copy_of(fixture: &str) -> TempDir {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
-    let from = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(fixture);
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(fixture);
     for entry in fs::read_dir(from).expect("the fixture is there") {
         let path = entry.expect("an entry").path();
         if path.is_file() {
@@ -57,8 +55,7 @@ fn content(mut file: File) -> String {
     use std::io::{Read, Seek};
     let mut text = String::new();
     file.rewind().expect("a file can be gone back in");
-    file.read_to_string(&mut text)
-        .expect("what is told is text");
+    file.read_to_string(&mut text).expect("what is told is text");
     text
 }
 
@@ -69,10 +66,7 @@ fn nonius(directory: &Path, command: &str) -> (Option<i32>, String) {
 fn expect(directory: &Path, command: &str, status: i32, says: &str) {
     let (found, told) = nonius(directory, command);
     assert_eq!(found, Some(status), "{command}\n{told}");
-    assert!(
-        told.contains(says),
-        "expected `{says}` of {command}\n{told}"
-    );
+    assert!(told.contains(says), "expected `{says}` of {command}\n{told}");
 }
 
 /// Every file below a directory, links not followed.
@@ -95,10 +89,7 @@ fn all_files(directory: &Path) -> Vec<(PathBuf, Vec<u8>)> {
 fn refused(directory: &Path, command: &str, says: &str) {
     let before = all_files(directory);
     expect(directory, command, 2, says);
-    assert!(
-        all_files(directory) == before,
-        "{command} changed something"
-    );
+    assert!(all_files(directory) == before, "{command} changed something");
 }
 
 fn put(path: PathBuf, text: impl AsRef<[u8]>) {
@@ -127,11 +118,7 @@ fn no_output_replaces_an_input() {
         refused(at, &command.replace("{}", &name), WOULD_REPLACE);
     }
     put(at.join("part.nc"), "G21 G90 G1 X10 F100\nX20\nM30\n");
-    refused(
-        at,
-        "path job.toml part.nc -o part.nc --force",
-        WOULD_REPLACE,
-    );
+    refused(at, "path job.toml part.nc -o part.nc --force", WOULD_REPLACE);
 }
 
 #[cfg(unix)]
@@ -169,12 +156,7 @@ fn no_output_lies_in_a_kit_that_is_read() {
     ] {
         refused(at, command, WOULD_REPLACE);
     }
-    expect(
-        at,
-        "simulate job.toml --tables kit --errors -o after.csv",
-        0,
-        "wrote",
-    );
+    expect(at, "simulate job.toml --tables kit --errors -o after.csv", 0, "wrote");
 }
 
 #[cfg(unix)]
@@ -187,11 +169,8 @@ fn an_output_is_a_regular_file_or_new() {
     fs::create_dir(at.join("folder")).expect("a directory");
     // A device of the test's own; only root can make one.
     let device = at.join("device");
-    let made = Command::new("mknod")
-        .arg(&device)
-        .args(["c", "1", "3"])
-        .stderr(Stdio::null())
-        .status();
+    let made =
+        Command::new("mknod").arg(&device).args(["c", "1", "3"]).stderr(Stdio::null()).status();
     let has_device = made.is_ok_and(|status| status.success());
     for (output, says) in [
         ("pipe", "is no regular file"),
@@ -364,10 +343,9 @@ fn devices_and_pipes_without_a_writer_are_refused_at_once() {
     let at = place.path();
     let job = fs::read_to_string(at.join("job.toml")).expect("the job");
     fifo(&at.join("pipe"));
-    for (input, says) in [
-        ("/dev/zero", "is no regular file"),
-        ("pipe", "nothing was written into it"),
-    ] {
+    for (input, says) in
+        [("/dev/zero", "is no regular file"), ("pipe", "nothing was written into it")]
+    {
         put(at.join("other.toml"), job.replace("errors.csv", input));
         refused(at, "generate other.toml -o kit", says);
         refused(at, &format!("generate {input} -o kit"), says);
@@ -385,11 +363,7 @@ fn a_pipe_with_a_writer_is_read() {
     fifo(&at.join("pipe"));
     let (from, to) = (at.join("job.toml"), at.join("pipe"));
     // Opened for both, so that it does not wait for the reader; the bytes fit into the pipe.
-    let mut both = File::options()
-        .read(true)
-        .write(true)
-        .open(to)
-        .expect("a pipe");
+    let mut both = File::options().read(true).write(true).open(to).expect("a pipe");
     let job = fs::read(from).expect("the job");
     std::io::Write::write_all(&mut both, &job).expect("the pipe takes it");
     let writer = std::thread::spawn(move || {
@@ -408,13 +382,7 @@ fn history_follows_no_path_out_of_a_kit() {
     let manifest = at.join("kit/manifest.json");
     let listed = fs::read_to_string(&manifest).expect("a manifest");
     let mut document: serde_json::Value = serde_json::from_str(&listed).expect("JSON");
-    for path in [
-        "../errors.csv",
-        "/dev/zero",
-        "sub/x.csv",
-        "..\\errors.csv",
-        "..",
-    ] {
+    for path in ["../errors.csv", "/dev/zero", "sub/x.csv", "..\\errors.csv", ".."] {
         document["files"][0]["path"] = path.into();
         put(manifest.clone(), document.to_string());
         let output = Command::new(env!("CARGO_BIN_EXE_nonius"))

@@ -38,12 +38,8 @@ fn value_of(key: &str, axis: usize, is_siemens: bool) -> String {
 }
 
 /// Keys that nobody knows before the measurement.
-const MEASURED: [&str; 4] = [
-    "date",
-    "active_while_measuring",
-    "active_backlash_um",
-    "slope_um_per_m",
-];
+const MEASURED: [&str; 4] =
+    ["date", "active_while_measuring", "active_backlash_um", "slope_um_per_m"];
 
 /// Fills in the `""` of a job but those of `later`, and changes nothing else.
 fn fill_in_job(job: &Path, is_siemens: bool, slopes: [f64; 3], later: &[&str]) {
@@ -148,17 +144,12 @@ fn machine(at: &Path, more: &str, box_ends: &[[f64; 2]; 3]) {
     begun_as(at, "generic", more, "machine");
     let table = at.join("machine/errors.csv");
     let page = read_to_string(&table).expect("a table");
-    let (mut rows, mut others): (Vec<String>, Vec<String>) = page
-        .lines()
-        .map(str::to_string)
-        .partition(|row| row.contains(",,,"));
+    let (mut rows, mut others): (Vec<String>, Vec<String>) =
+        page.lines().map(str::to_string).partition(|row| row.contains(",,,"));
     for (axis, ends) in ["x", "y", "z"].iter().zip(box_ends) {
         let both = more.contains("--both-directions");
         let directions: &[&str] = if both { &[",+", ",-"] } else { &[""] };
-        for (end, direction) in ends
-            .iter()
-            .flat_map(|e| directions.iter().map(move |d| (e, d)))
-        {
+        for (end, direction) in ends.iter().flat_map(|e| directions.iter().map(move |d| (e, d))) {
             rows.push(format!("{axis},{end},,,{direction}"));
         }
     }
@@ -166,11 +157,7 @@ fn machine(at: &Path, more: &str, box_ends: &[[f64; 2]; 3]) {
         let cells: Vec<&str> = row.split(',').collect();
         let mm: f64 = cells[1].parse().expect("a position");
         let direction = cells.get(5).copied().unwrap_or("").to_string();
-        (
-            cells[0].to_string(),
-            direction,
-            (1e6 * (mm + 1e4)).round().to_bits(),
-        )
+        (cells[0].to_string(), direction, (1e6 * (mm + 1e4)).round().to_bits())
     };
     rows.sort_by_key(key);
     rows.dedup_by_key(|row| key(row));
@@ -238,11 +225,8 @@ fn visit(id: &str, more: &str) {
         false => [[0.0, 800.0], [0.0, 500.0], [-400.0, 0.0]],
     };
     machine(at, &more.replace("--readings", ""), &ends);
-    let both = if more.contains("--both-directions") && are_readings {
-        "--both-directions"
-    } else {
-        ""
-    };
+    let both =
+        if more.contains("--both-directions") && are_readings { "--both-directions" } else { "" };
     let form = if are_readings { both } else { "--errors" };
     let simulate = |tables: &str, output: &str| {
         let machine = "--machine machine/errors.csv";
@@ -250,28 +234,15 @@ fn visit(id: &str, more: &str) {
         done(at, &command, &[0])
     };
     let refused = done(at, "generate visit/job.toml -o visit/kit", &[2]);
-    assert!(
-        refused.contains("keys are empty, expected a value of each"),
-        "{refused}"
-    );
+    assert!(refused.contains("keys are empty, expected a value of each"), "{refused}");
     if are_readings {
         before(at, id, is_siemens);
     } else {
-        assert!(
-            refused.contains("the table holds no deviation"),
-            "{refused}"
-        );
+        assert!(refused.contains("the table holds no deviation"), "{refused}");
     }
     fill_in_job(&job, is_siemens, SLOPES, &[]);
-    let table = if are_readings {
-        "readings.csv"
-    } else {
-        "errors.csv"
-    };
-    simulate(
-        &format!("--without-tables {form}"),
-        &format!("visit/{table}"),
-    );
+    let table = if are_readings { "readings.csv" } else { "errors.csv" };
+    simulate(&format!("--without-tables {form}"), &format!("visit/{table}"));
     if are_readings {
         done(at, "separate visit/job.toml --trials 0", &[0]);
     }
@@ -282,39 +253,21 @@ fn visit(id: &str, more: &str) {
     let refused = done(at, "verify visit/job.toml --tables visit", &[2]);
     assert!(refused.contains("it is no kit"), "{id}: {refused}");
     assert_eq!(refused.matches("problem:").count(), 1, "{id}: {refused}");
-    done(
-        at,
-        "report visit/job.toml --tables visit/kit -o first.html",
-        &[0, 1],
-    );
+    done(at, "report visit/job.toml --tables visit/kit -o first.html", &[0, 1]);
     simulate(&format!("--tables visit/kit {form}"), "visit/after.csv");
     if are_readings {
         simulate("--tables visit/kit --errors", "linear.csv");
         let slopes = slopes(&at.join("linear.csv"), &ends);
         fill_in_job(&visit.join("after.toml"), is_siemens, slopes, &[]);
     }
-    let after = if are_readings {
-        "after.toml"
-    } else {
-        "after.csv"
-    };
+    let after = if are_readings { "after.toml" } else { "after.csv" };
     let tables = format!("visit/job.toml --tables visit/kit --after visit/{after}");
     let page = done(at, &format!("verify {tables}"), &[0, 1]);
-    assert!(
-        page.contains("REHEARSAL") && !page.contains("NOT AS FORECAST"),
-        "{id} {more}: {page}"
-    );
-    done(
-        at,
-        &format!("report {tables} -o visit/report.html"),
-        &[0, 1],
-    );
+    assert!(page.contains("REHEARSAL") && !page.contains("NOT AS FORECAST"), "{id} {more}: {page}");
+    done(at, &format!("report {tables} -o visit/report.html"), &[0, 1]);
     let reports = ["first.html", "visit/report.html"].map(|name| read_to_string(at.join(name)));
     let [first, second] = reports.map(|report| report.expect("a report"));
-    assert!(
-        first.contains("VMC 800") && second.contains("SIMULATED"),
-        "{id} {more}"
-    );
+    assert!(first.contains("VMC 800") && second.contains("SIMULATED"), "{id} {more}");
 }
 
 /// What comes before the readings asks for nothing that is known only after them.
@@ -329,26 +282,18 @@ fn before(at: &Path, id: &str, is_siemens: bool) {
         assert!(!visit.join("programs/readings.csv").exists());
     }
     let refused = done(at, "separate visit/job.toml", &[2]);
-    for line in [
-        "keys are empty, expected a value of each",
-        "slope_um_per_m",
-        "active_while_measuring",
-    ] {
+    for line in
+        ["keys are empty, expected a value of each", "slope_um_per_m", "active_while_measuring"]
+    {
         assert!(refused.contains(line), "{refused}");
     }
     assert!(!refused.contains("detection_unit_um"), "{refused}");
-    assert!(
-        refused.contains("`displacement_mm` is empty, expected a number"),
-        "{refused}"
-    );
+    assert!(refused.contains("`displacement_mm` is empty, expected a number"), "{refused}");
 }
 
 #[test]
 fn every_control_gets_from_an_empty_folder_to_a_report() {
-    for id in builtin::ids()
-        .into_iter()
-        .filter(|id| *id != "klipper-skew")
-    {
+    for id in builtin::ids().into_iter().filter(|id| *id != "klipper-skew") {
         visit(id, "");
         visit(id, "--both-directions --steps 8");
     }
@@ -356,10 +301,7 @@ fn every_control_gets_from_an_empty_folder_to_a_report() {
 
 #[test]
 fn every_control_gets_from_an_empty_folder_to_a_report_by_readings() {
-    for id in builtin::ids()
-        .into_iter()
-        .filter(|id| *id != "klipper-skew")
-    {
+    for id in builtin::ids().into_iter().filter(|id| *id != "klipper-skew") {
         visit(id, "--readings");
         visit(id, "--readings --both-directions");
     }
@@ -374,27 +316,13 @@ fn the_slopes_of_the_first_job_copied_to_the_second_are_blamed_on_nobody_else() 
     fill_in_job(&visit.join("job.toml"), false, SLOPES, &[]);
     fill_in_job(&visit.join("after.toml"), false, SLOPES, &[]);
     let simulate = "simulate visit/job.toml --machine machine/errors.csv --force";
-    done(
-        at,
-        &format!("{simulate} --without-tables -o visit/readings.csv"),
-        &[0],
-    );
+    done(at, &format!("{simulate} --without-tables -o visit/readings.csv"), &[0]);
     done(at, "generate visit/job.toml -o visit/kit", &[0, 1]);
-    done(
-        at,
-        &format!("{simulate} --tables visit/kit -o visit/after.csv"),
-        &[0],
-    );
+    done(at, &format!("{simulate} --tables visit/kit -o visit/after.csv"), &[0]);
     let verify = "verify visit/job.toml --tables visit/kit --after visit/after.toml";
     let page = done(at, verify, &[1]);
-    assert!(
-        page.contains("`slope_um_per_m` of XYZ afterwards is that of the first job"),
-        "{page}"
-    );
-    assert!(
-        page.starts_with("REHEARSAL") && page.contains("verdict: undecided"),
-        "{page}"
-    );
+    assert!(page.contains("`slope_um_per_m` of XYZ afterwards is that of the first job"), "{page}");
+    assert!(page.starts_with("REHEARSAL") && page.contains("verdict: undecided"), "{page}");
     assert!(!page.contains("TEMPERATURE"), "{page}");
 }
 
@@ -405,36 +333,19 @@ fn what_is_there_stays_and_a_slip_of_the_options_is_refused() {
     begun(at, "generic", "");
     for (options, says) in [
         ("--controller generic --travel 1,2,3 -o visit", "visit"),
-        (
-            "--controller generic --travel 1,2 -o other",
-            "names 2 axes, expected X, Y and Z",
-        ),
-        (
-            "--controller generic --travel 1,2,3:3 -o other",
-            "the ends of the travel as LOW:HIGH",
-        ),
-        (
-            "--controller generic --travel -800,2,3 -o other",
-            "from -800 to 0 mm is `-800:0`",
-        ),
-        (
-            "--controller generic --travel 5,400,400 --readings -o other",
-            "too short for",
-        ),
-        (
-            "--controller fanuc-31i --travel 1,2,3 -o other",
-            "did you mean `fanuc-30i`",
-        ),
+        ("--controller generic --travel 1,2 -o other", "names 2 axes, expected X, Y and Z"),
+        ("--controller generic --travel 1,2,3:3 -o other", "the ends of the travel as LOW:HIGH"),
+        ("--controller generic --travel -800,2,3 -o other", "from -800 to 0 mm is `-800:0`"),
+        ("--controller generic --travel 5,400,400 --readings -o other", "too short for"),
+        ("--controller fanuc-31i --travel 1,2,3 -o other", "did you mean `fanuc-30i`"),
     ] {
         let (status, _, said) = ended(at, &format!("new {options}"));
         assert_eq!(status, Some(2), "{options}");
         assert!(said.contains(says), "{options}: {said}");
         assert!(!at.join("other").exists(), "{options}");
     }
-    let (status, document, _) = ended(
-        at,
-        "new --controller generic --travel 1,2,3 -o visit --force --format json",
-    );
+    let (status, document, _) =
+        ended(at, "new --controller generic --travel 1,2,3 -o visit --force --format json");
     assert_eq!(status, Some(0));
     let document: Value = serde_json::from_str(&document).expect("it is JSON");
     assert_eq!(document["steps"], 10);

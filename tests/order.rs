@@ -36,11 +36,7 @@ fn sources() -> Vec<(String, String, Vec<String>)> {
 
 /// Rooms that a line names as `crate::…`.
 fn named(line: &str) -> Vec<String> {
-    let word = |rest: &str| {
-        rest.chars()
-            .take_while(|c| c.is_alphanumeric() || *c == '_')
-            .collect()
-    };
+    let word = |rest: &str| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
     let mut parts = line.split("crate::");
     parts.next();
     parts.map(word).collect()
@@ -57,11 +53,7 @@ fn rooms() -> Vec<String> {
 #[test]
 fn there_are_eleven_rooms_and_an_import_points_back_in_their_order() {
     let order = rooms();
-    assert_eq!(
-        order.len(),
-        12,
-        "eleven rooms and the command line: {order:?}"
-    );
+    assert_eq!(order.len(), 12, "eleven rooms and the command line: {order:?}");
     let place = |room: &str| {
         let found = order.iter().position(|known| *known == room);
         found.unwrap_or_else(|| panic!("`{room}` is not a room of src/lib.rs"))
@@ -108,9 +100,7 @@ fn spread(tree: &str) -> Vec<(String, String)> {
         }
     }
     let parts = parts.iter().filter(|part| !part.trim().is_empty());
-    parts
-        .flat_map(|part| spread(&format!("{}{}", stem.trim(), part.trim())))
-        .collect()
+    parts.flat_map(|part| spread(&format!("{}{}", stem.trim(), part.trim()))).collect()
 }
 
 /// A path as it stands in the file `here`, from the root; `None` where it is not of this crate.
@@ -129,12 +119,7 @@ fn from_root(here: &[String], names: &BTreeMap<String, Route>, path: &str) -> Op
 /// A file with its name and what it gives on or imports; what is given on of files below is no use of them,
 /// unless the file itself names it again.
 fn module(file: &str, lines: &[String]) -> (Route, Module) {
-    let here = words(
-        &file
-            .trim_end_matches(".rs")
-            .trim_end_matches("/mod")
-            .replace('/', "::"),
-    );
+    let here = words(&file.trim_end_matches(".rs").trim_end_matches("/mod").replace('/', "::"));
     let (mut found, mut code, mut imports) = (Module::default(), String::new(), Vec::new());
     let mut lines = lines.iter().map(|line| line.trim());
     while let Some(line) = lines.next() {
@@ -143,14 +128,8 @@ fn module(file: &str, lines: &[String]) -> (Route, Module) {
             .filter(|_| line.starts_with("pub("))
             .map_or(line, |(_, rest)| rest);
         let bare = bare.trim_start_matches("pub ");
-        if let Some(child) = bare
-            .strip_prefix("mod ")
-            .and_then(|line| line.strip_suffix(';'))
-        {
-            found.names.insert(
-                child.to_string(),
-                [&here[..], &[child.to_string()]].concat(),
-            );
+        if let Some(child) = bare.strip_prefix("mod ").and_then(|line| line.strip_suffix(';')) {
+            found.names.insert(child.to_string(), [&here[..], &[child.to_string()]].concat());
         } else if let Some(tree) = bare.strip_prefix("use ") {
             let more: Vec<&str> = if tree.ends_with(';') {
                 Vec::new()
@@ -159,11 +138,8 @@ fn module(file: &str, lines: &[String]) -> (Route, Module) {
             };
             let close = if more.is_empty() { "" } else { "}" };
             let tree = format!("{}{}{close}", tree.trim_end_matches(';'), more.concat());
-            imports.extend(
-                spread(&tree)
-                    .into_iter()
-                    .map(|(path, name)| (path, name, bare == line)),
-            );
+            imports
+                .extend(spread(&tree).into_iter().map(|(path, name)| (path, name, bare == line)));
         } else {
             let (before, after) = line.split_once("pub(in ").unwrap_or((line, ""));
             let after = after.split_once(')').map_or("", |(_, rest)| rest);
@@ -188,20 +164,14 @@ fn module(file: &str, lines: &[String]) -> (Route, Module) {
     }
     let paths = code.split(|c: char| !c.is_alphanumeric() && c != '_' && c != ':');
     let paths = paths.filter(|path| path.contains("::"));
-    found
-        .uses
-        .extend(paths.filter_map(|path| from_root(&here, &found.names, path)));
+    found.uses.extend(paths.filter_map(|path| from_root(&here, &found.names, path)));
     (here, found)
 }
 
 /// The file that defines what is named, through all files that only give it on.
 fn defining(modules: &BTreeMap<Route, Module>, path: &[String]) -> Option<Route> {
-    let length = (1..=path.len())
-        .rev()
-        .find(|length| modules.contains_key(&path[..*length]))?;
-    let given = path
-        .get(length)
-        .and_then(|name| modules[&path[..length]].names.get(name));
+    let length = (1..=path.len()).rev().find(|length| modules.contains_key(&path[..*length]))?;
+    let given = path.get(length).and_then(|name| modules[&path[..length]].names.get(name));
     match given.filter(|given| given[..] != path[..=length]) {
         Some(given) => defining(modules, &[given, &path[length + 1..]].concat()),
         None => Some(path[..length].to_vec()),
@@ -210,17 +180,12 @@ fn defining(modules: &BTreeMap<Route, Module>, path: &[String]) -> Option<Route>
 
 /// Files that use each other, directly or through others, each with those of them that it uses.
 fn rings() -> Vec<Vec<(String, Vec<String>)>> {
-    let modules: BTreeMap<_, _> = sources()
-        .iter()
-        .map(|(file, _, code)| module(file, code))
-        .collect();
+    let modules: BTreeMap<_, _> =
+        sources().iter().map(|(file, _, code)| module(file, code)).collect();
     let arrows: BTreeMap<&Route, BTreeSet<Route>> = modules
         .iter()
         .map(|(name, module)| {
-            let to = module
-                .uses
-                .iter()
-                .filter_map(|path| defining(&modules, path));
+            let to = module.uses.iter().filter_map(|path| defining(&modules, path));
             (name, to.filter(|to| to != name).collect())
         })
         .collect();
@@ -235,24 +200,13 @@ fn rings() -> Vec<Vec<(String, Vec<String>)>> {
     let mutual = |a: &Route, b: &Route| reached[a].contains(b) && reached[b].contains(a);
     let (mut placed, mut rings) = (BTreeSet::new(), Vec::new());
     for name in reached.keys() {
-        let ring: Vec<&Route> = reached
-            .keys()
-            .copied()
-            .filter(|other| mutual(name, other))
-            .collect();
+        let ring: Vec<&Route> =
+            reached.keys().copied().filter(|other| mutual(name, other)).collect();
         if ring.len() > 1 && placed.insert(ring[0]) {
             let to = |from: &Route| {
-                arrows[from]
-                    .iter()
-                    .filter(|to| ring.contains(to))
-                    .map(|to| to.join("::"))
-                    .collect()
+                arrows[from].iter().filter(|to| ring.contains(to)).map(|to| to.join("::")).collect()
             };
-            rings.push(
-                ring.iter()
-                    .map(|from| (from.join("::"), to(from)))
-                    .collect(),
-            );
+            rings.push(ring.iter().map(|from| (from.join("::"), to(from))).collect());
         }
     }
     rings
@@ -268,11 +222,7 @@ fn no_files_of_a_room_stand_in_a_ring() {
         if !found.is_empty() {
             let lines = found.iter();
             let lines = lines.map(|(from, to)| format!("{from} -> {}\n", to.join(" ")));
-            wrong.push_str(&format!(
-                "{} files:\n{}",
-                found.len(),
-                lines.collect::<String>()
-            ));
+            wrong.push_str(&format!("{} files:\n{}", found.len(), lines.collect::<String>()));
         }
     }
     assert!(wrong.is_empty(), "files that use each other:\n{wrong}");
@@ -284,30 +234,18 @@ fn what_reads_a_controls_files_knows_nothing_of_what_writes_them() {
     for (file, room, code) in sources() {
         if room == "read" {
             let other = code.iter().flat_map(|line| named(line));
-            let other = other
-                .into_iter()
-                .find(|name| !known.contains(&name.as_str()));
+            let other = other.into_iter().find(|name| !known.contains(&name.as_str()));
             assert_eq!(other, None, "src/{file}");
         }
         let tera = code.iter().any(|line| line.contains("tera::"));
-        assert!(
-            !tera || file.starts_with("write/emit"),
-            "src/{file} uses tera"
-        );
+        assert!(!tera || file.starts_with("write/emit"), "src/{file} uses tera");
     }
 }
 
 #[test]
 fn only_the_command_line_touches_files_environment_and_terminal() {
-    let reserved = [
-        "std::fs",
-        "std::env",
-        "std::io",
-        "std::process",
-        "println!",
-        "print!(",
-        "SystemTime",
-    ];
+    let reserved =
+        ["std::fs", "std::env", "std::io", "std::process", "println!", "print!(", "SystemTime"];
     for (file, _, code) in sources().iter().filter(|(_, room, _)| room != "cli") {
         for line in code {
             if file == "write/emit/templates.rs" && line.contains("std::io::{Error,") {
@@ -325,9 +263,7 @@ fn only_the_command_line_touches_files_environment_and_terminal() {
 #[test]
 fn templates_lay_out_and_do_not_compute() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("templates");
-    let computing = [
-        "|", "round", " + ", " - ", " * ", " / ", " % ", "set ", "macro",
-    ];
+    let computing = ["|", "round", " + ", " - ", " * ", " / ", " % ", "set ", "macro"];
     let mut templates = 0;
     for path in glob::glob(&format!("{}/*.tera", folder.display())).unwrap() {
         let path = path.unwrap();

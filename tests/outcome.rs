@@ -41,9 +41,8 @@ fn told(output: &Output) -> String {
 fn names(at: &Path) -> Vec<String> {
     let entries = fs::read_dir(at).expect("a directory");
     let name = |entry: std::io::Result<fs::DirEntry>| entry.expect("an entry").file_name();
-    let mut names: Vec<String> = entries
-        .map(|entry| name(entry).to_string_lossy().into_owned())
-        .collect();
+    let mut names: Vec<String> =
+        entries.map(|entry| name(entry).to_string_lossy().into_owned()).collect();
     names.sort();
     names
 }
@@ -54,10 +53,7 @@ const WRITING: [(&str, &str); 6] = [
     ("generate job.toml -o above/deep/new", "above"),
     ("generate job.toml --format json -o new", "new"),
     ("simulate job.toml --errors -o new.csv", "new.csv"),
-    (
-        "simulate diagonals.toml --format json -o new.csv",
-        "new.csv",
-    ),
+    ("simulate diagonals.toml --format json -o new.csv", "new.csv"),
     ("separate diagonals.toml --trials 0 -o new.csv", "new.csv"),
 ];
 
@@ -176,9 +172,7 @@ fn started(at: &Path) -> std::process::Child {
 }
 
 fn signal(child: &std::process::Child, name: &str) {
-    let sent = Command::new("kill")
-        .args([format!("-{name}"), child.id().to_string()])
-        .status();
+    let sent = Command::new("kill").args([format!("-{name}"), child.id().to_string()]).status();
     assert!(sent.is_ok_and(|sent| sent.success()));
 }
 

@@ -54,9 +54,8 @@ fn killed_at_any_moment_nothing_looks_finished_that_is_not() {
     let place = copy_of("start/errors");
     let at = place.path();
     for round in 0..60_u64 {
-        let mut child = program(at, "generate job.toml -o kit --force")
-            .spawn()
-            .expect("the program starts");
+        let mut child =
+            program(at, "generate job.toml -o kit --force").spawn().expect("the program starts");
         std::thread::sleep(Duration::from_micros(round * 150));
         // It may have finished already; then there is nothing to kill.
         let _ = child.kill();
@@ -220,16 +219,8 @@ fn a_kit_is_written_through_a_link_to_its_folder() {
     let at = place.path();
     fs::create_dir(at.join("stick")).expect("a directory");
     std::os::unix::fs::symlink("stick", at.join("link")).expect("a link");
-    assert_eq!(
-        run(at, "generate job.toml -o link/kit").status.code(),
-        Some(0)
-    );
-    assert_eq!(
-        run(at, "generate job.toml -o link/kit --force")
-            .status
-            .code(),
-        Some(0)
-    );
+    assert_eq!(run(at, "generate job.toml -o link/kit").status.code(), Some(0));
+    assert_eq!(run(at, "generate job.toml -o link/kit --force").status.code(), Some(0));
     let found = tree(at);
     assert!(below(&found, "stick/kit.previous").is_some());
     assert!(below(&found, "stick/kit") == below(&found, "stick/kit.previous"));

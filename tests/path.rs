@@ -1,10 +1,6 @@
 //! `nonius path` through the program, and its scanner against one by others.
 
-#![allow(
-    clippy::expect_used,
-    clippy::unwrap_used,
-    reason = "a test that cannot go on has to stop"
-)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test that cannot go on has to stop")]
 
 #[path = "support/refusals.rs"]
 mod refusals;
@@ -75,22 +71,13 @@ fn said(output: &Output) -> String {
 
 fn done(directory: &Path, arguments: &str) -> String {
     let output = nonius(directory, arguments, "");
-    assert_eq!(
-        output.status.code(),
-        Some(0),
-        "{arguments}: {}",
-        said(&output)
-    );
+    assert_eq!(output.status.code(), Some(0), "{arguments}: {}", said(&output));
     String::from_utf8(output.stdout).unwrap()
 }
 
 fn summary(path: &str, program: &str) -> Value {
     let directory = prepared(path, program);
-    serde_json::from_str(&done(
-        directory.path(),
-        "path job.toml part.nc --format json",
-    ))
-    .unwrap()
+    serde_json::from_str(&done(directory.path(), "path job.toml part.nc --format json")).unwrap()
 }
 
 /// Rows of the CSV, as cells.
@@ -99,8 +86,7 @@ fn samples(path: &str, program: &str) -> Vec<Vec<String>> {
     done(directory.path(), "path job.toml part.nc -o points.csv");
     let text = fs::read_to_string(directory.path().join("points.csv")).unwrap();
     let rows = text.lines().skip(1);
-    rows.map(|row| row.split(',').map(String::from).collect())
-        .collect()
+    rows.map(|row| row.split(',').map(String::from).collect()).collect()
 }
 
 /// Where the moves of a program end, machine coordinates.
@@ -155,24 +141,17 @@ fn the_page_says_what_was_calculated_by_hand() {
         .collect();
     assert_eq!(
         rows[0],
-        [
-            "2", "7", "40.000,", "100.000,", "10.000", "+4.000", "+20.000", "+5.000", "21.000"
-        ]
+        ["2", "7", "40.000,", "100.000,", "10.000", "+4.000", "+20.000", "+5.000", "21.000"]
     );
     assert_eq!(
         rows[1],
-        [
-            "1", "6", "50.000,", "50.000,", "10.000", "+5.000", "+10.000", "+5.000", "12.247"
-        ]
+        ["1", "6", "50.000,", "50.000,", "10.000", "+5.000", "+10.000", "+5.000", "12.247"]
     );
 }
 
 #[test]
 fn every_sample_is_a_row() {
-    let directory = prepared(
-        "sample_mm = 5.0",
-        "G54 G1 X10. Y0\nG99 G81 X10. Z10. R20.\n",
-    );
+    let directory = prepared("sample_mm = 5.0", "G54 G1 X10. Y0\nG99 G81 X10. Z10. R20.\n");
     done(directory.path(), "path job.toml part.nc -o points.csv");
     let text = fs::read_to_string(directory.path().join("points.csv")).unwrap();
     let expected = "line,s_mm,x_mm,y_mm,z_mm,ex_um,ey_um,ez_um,e_um,tangent_um,normal_um,held,hole
@@ -187,12 +166,8 @@ fn every_sample_is_a_row() {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        let mode = |name: &str| {
-            fs::metadata(directory.path().join(name))
-                .unwrap()
-                .permissions()
-                .mode()
-        };
+        let mode =
+            |name: &str| fs::metadata(directory.path().join(name)).unwrap().permissions().mode();
         assert_eq!(mode("points.csv"), mode("job.toml"));
     }
 }
@@ -209,31 +184,15 @@ fn pipes_carry_program_and_samples() {
     assert!(!directory.path().join("-").exists());
     for (arguments, words) in [
         ("path - -", "cannot both come from standard input"),
-        (
-            "path job.toml part.nc -o - --format json",
-            "cannot both go to standard output",
-        ),
-        (
-            "path job.toml part.nc -o part.nc --force",
-            "would replace or change `part.nc`",
-        ),
-        (
-            "path job.toml part.nc -o errors.csv --force",
-            "would replace or change `errors.csv`",
-        ),
+        ("path job.toml part.nc -o - --format json", "cannot both go to standard output"),
+        ("path job.toml part.nc -o part.nc --force", "would replace or change `part.nc`"),
+        ("path job.toml part.nc -o errors.csv --force", "would replace or change `errors.csv`"),
     ] {
         let output = nonius(directory.path(), arguments, "");
         assert_eq!(output.status.code(), Some(2), "{arguments}");
-        assert!(
-            said(&output).contains(words),
-            "{arguments}: {}",
-            said(&output)
-        );
+        assert!(said(&output).contains(words), "{arguments}: {}", said(&output));
     }
-    assert_eq!(
-        fs::read_to_string(directory.path().join("part.nc")).unwrap(),
-        PART
-    );
+    assert_eq!(fs::read_to_string(directory.path().join("part.nc")).unwrap(), PART);
 }
 
 #[test]
@@ -247,13 +206,7 @@ fn tables_take_the_error_off() {
         );
         let found: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(found["after"]["disagreements"], serde_json::json!([]));
-        assert!(
-            found["after"]["extremes"]["e"]["max"]["um"]
-                .as_f64()
-                .unwrap()
-                < 1e-3,
-            "{text}"
-        );
+        assert!(found["after"]["extremes"]["e"]["max"]["um"].as_f64().unwrap() < 1e-3, "{text}");
         assert!(found["worst_holes"][0]["after_e_um"].as_f64().unwrap() < 1e-3);
     }
     let head = fs::read_to_string(directory.path().join("p.csv")).unwrap();
@@ -261,11 +214,8 @@ fn tables_take_the_error_off() {
         ",hole,after_ex_um,after_ey_um,after_ez_um,after_e_um,after_tangent_um,after_normal_um"
     ));
     // Another machine: the files are no longer those of the job.
-    fs::write(
-        directory.path().join("errors.csv"),
-        ERRORS.replace("x,100,10", "x,100,-10"),
-    )
-    .unwrap();
+    fs::write(directory.path().join("errors.csv"), ERRORS.replace("x,100,10", "x,100,-10"))
+        .unwrap();
     let page = done(directory.path(), "path job.toml part.nc --tables kit");
     let paragraphs: Vec<&str> = page.split("\n\n").collect();
     assert!(
@@ -284,11 +234,7 @@ fn profile_accuracy_is_exact_beyond_a_million_samples() {
     // Between (0, 0, 0) and (100, 100, 1): (10, 20, 0.5) µm.
     let accuracy = (100.0_f64 + 400.0 + 0.25).sqrt();
     for key in ["profile_accuracy_um", "profile_accuracy_at_most_um"] {
-        assert!(
-            (found[key].as_f64().unwrap() - accuracy).abs() < 2e-6,
-            "{key}: {}",
-            found[key]
-        );
+        assert!((found[key].as_f64().unwrap() - accuracy).abs() < 2e-6, "{key}: {}", found[key]);
     }
 }
 
@@ -299,14 +245,8 @@ fn the_smallest_error_is_exact() {
     let before = "G54 G0 X0 Y100. Z20.\nG1 X100. Y0\nX90.\nX100.\nZ0\nG0 X0 Y50.\n";
     let found = summary("sample_mm = 1000.0", &format!("{before}G1 X100. Y0\n"));
     let least = &found["extremes"]["e"]["min"];
-    assert!(
-        (least["um"].as_f64().unwrap() - 50.0_f64.sqrt()).abs() < 2e-6,
-        "{least}"
-    );
-    assert!(
-        (least["at_mm"][0].as_f64().unwrap() - 50.0).abs() < 1e-6,
-        "{least}"
-    );
+    assert!((least["um"].as_f64().unwrap() - 50.0_f64.sqrt()).abs() < 2e-6, "{least}");
+    assert!((least["at_mm"][0].as_f64().unwrap() - 50.0).abs() < 1e-6, "{least}");
     assert_eq!(least["line"], 7);
 }
 
@@ -322,10 +262,7 @@ fn a_cycle_follows_zero_and_length() {
         "G54 G0 Z50.\nG98 G81 X10. Z5. R20.\nG55 X20.\n",
         "G54 G0 Z50.\nG43 H1\nG91 G99 G81 X10. Z-5. R-20.\n",
     ] {
-        assert!(
-            refused("", program).contains("controls differ in where that is now"),
-            "{program}"
-        );
+        assert!(refused("", program).contains("controls differ in where that is now"), "{program}");
     }
 }
 
@@ -335,24 +272,16 @@ fn a_length_that_is_made_up_for_acts_once() {
     let last = |program: &str| ends(&format!("{start}{program}")).last().unwrap().clone();
     assert_eq!(last("G49 G53 Z90.\nG91 G1 Z-5.\n"), "0 0 85");
     assert_eq!(last("G1 X5.\nG91 G28 Z0 G49\n"), "5 0 0");
-    assert_eq!(
-        ends(&format!("{start}G91 G28 Z0 G49\n")),
-        ["0 0 62.5", "0 0 0"]
-    );
+    assert_eq!(ends(&format!("{start}G91 G28 Z0 G49\n")), ["0 0 62.5", "0 0 0"]);
     assert_eq!(last("G49\nG91 G1 Z-5.\n"), "0 0 45");
 }
 
 #[test]
 fn safety_lines_and_look_ahead_are_words() {
-    assert_eq!(
-        ends("G0 G17 G40 G49 G80 G90 G54\nX5.\nG80 G1 Y5.\n"),
-        ["5 0 0", "5 5 0"]
-    );
+    assert_eq!(ends("G0 G17 G40 G49 G80 G90 G54\nX5.\nG80 G1 Y5.\n"), ["5 0 0", "5 5 0"]);
     let found = summary("", "G54 G5.1 Q1\nG05 P10000\nG8 P1\nG1 X5.\nG5.1 Q0\n");
     assert!(
-        found["notes"]
-            .to_string()
-            .contains("look-ahead (G5, G5.1, G8) is switched on 3 times")
+        found["notes"].to_string().contains("look-ahead (G5, G5.1, G8) is switched on 3 times")
     );
     // Words of the line of O are executed, each time.
     assert_eq!(
@@ -367,15 +296,9 @@ fn safety_lines_and_look_ahead_are_words() {
 #[test]
 fn an_arc_to_its_own_direction_is_a_full_circle() {
     for word in ["G2", "G3"] {
-        let found = summary(
-            "",
-            &format!("G54 G0 X60. Y50. Z0\n{word} X60.005 Y50. I-10.\n"),
-        );
+        let found = summary("", &format!("G54 G0 X60. Y50. Z0\n{word} X60.005 Y50. I-10.\n"));
         let length = found["length_mm"].as_f64().unwrap();
-        assert!(
-            (length - 20.0025 * std::f64::consts::PI).abs() < 0.02,
-            "{word}: {length}"
-        );
+        assert!((length - 20.0025 * std::f64::consts::PI).abs() < 0.02, "{word}: {length}");
     }
 }
 
@@ -383,26 +306,14 @@ fn an_arc_to_its_own_direction_is_a_full_circle() {
 fn what_controls_do_differently_or_not_at_all_is_refused() {
     for (program, words) in [
         ("G54 G1 X5.\nG10 L2 P0 X5.\n", "`G10 L2 P0` is not executed"),
-        (
-            "G54 G1 X5.\nM98 P2\nX9.\nM30\n%\nO2\nX6.\n%\n",
-            "ends without M99",
-        ),
+        ("G54 G1 X5.\nM98 P2\nX9.\nM30\n%\nO2\nX6.\n%\n", "ends without M99"),
         ("G54 G1 X5.\nX6. %\n", "part.nc:2:5"),
         ("G54 G43 G1 Z5.\n", "`G43` without H"),
-        (
-            "G54 G0 X5.\r(end)\rG1 X9. ; all\rX20.\r",
-            "a carriage return inside a line",
-        ),
-        (
-            "G54 G0 X5.\nG81 X10. Z5. R9.\nG80 X20.\n",
-            "no motion is active (after `G80`",
-        ),
+        ("G54 G0 X5.\r(end)\rG1 X9. ; all\rX20.\r", "a carriage return inside a line"),
+        ("G54 G0 X5.\nG81 X10. Z5. R9.\nG80 X20.\n", "no motion is active (after `G80`"),
         ("G54 G1 X10,5\n", "write numbers with a point"),
         ("G54 G1 X5.\nM8 M98 P77\n", "part.nc:2:4"),
-        (
-            "G54 G5.1 Q2\nG1 X5.\n",
-            "splines and smoothing change the path",
-        ),
+        ("G54 G5.1 Q2\nG1 X5.\n", "splines and smoothing change the path"),
     ] {
         let said = refused("", program);
         assert!(said.contains(words), "{program}: {said}");
@@ -411,15 +322,9 @@ fn what_controls_do_differently_or_not_at_all_is_refused() {
 
 #[test]
 fn a_fault_is_told_once() {
-    let said = refused(
-        "",
-        "G54 G1 X5.\nM98 P2 L30\nX10. Y[1/0]\nM30\nO2\nX#1\nM99\n",
-    );
+    let said = refused("", "G54 G1 X5.\nM98 P2 L30\nX10. Y[1/0]\nM30\nO2\nX#1\nM99\n");
     assert_eq!(said.matches("problem: ").count(), 2, "{said}");
-    assert!(
-        said.contains("part.nc:3:9") && said.contains("part.nc:6:2"),
-        "{said}"
-    );
+    assert!(said.contains("part.nc:3:9") && said.contains("part.nc:6:2"), "{said}");
     let said = refused("", "G65 P9010 X5.\n");
     assert_eq!(said.matches("problem: ").count(), 1, "{said}");
 }
@@ -431,14 +336,8 @@ fn places_of_the_job_outside_the_travel_are_refused() {
             "start_mm = { x = 5000.0, y = 0.0, z = 0.0 }",
             "puts X at 5000 mm, outside the travel 0 … 100 mm",
         ),
-        (
-            "second_reference_mm = { x = 0.0, y = -1.0, z = 0.0 }",
-            "puts Y at -1 mm",
-        ),
-        (
-            "[[path.datum]]\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 99999.0",
-            "puts Z at 99999 mm",
-        ),
+        ("second_reference_mm = { x = 0.0, y = -1.0, z = 0.0 }", "puts Y at -1 mm"),
+        ("[[path.datum]]\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 99999.0", "puts Z at 99999 mm"),
     ] {
         let said = refused(path, "G54 G1 X5.\n");
         assert!(said.contains(words), "{path}: {said}");
@@ -447,10 +346,8 @@ fn places_of_the_job_outside_the_travel_are_refused() {
 
 #[test]
 fn a_datum_stands_in_the_headline() {
-    let directory = prepared(
-        "[[path.datum]]\nx_mm = 100.0\ny_mm = 0.0\nz_mm = 0.0",
-        "G54 G1 X50.\n",
-    );
+    let directory =
+        prepared("[[path.datum]]\nx_mm = 100.0\ny_mm = 0.0\nz_mm = 0.0", "G54 G1 X50.\n");
     let page = done(directory.path(), "path job.toml part.nc -v");
     assert!(
         page.contains("largest error 10.000 µm")
@@ -463,10 +360,8 @@ fn a_datum_stands_in_the_headline() {
 fn two_ways_to_the_tool_are_told() {
     let directory = prepared("", "G54 G43 H1 G1 X50. Z20.\n");
     let job = fs::read_to_string(directory.path().join("job.toml")).unwrap();
-    let with_tool = job.replace(
-        "active_while",
-        "tool_offset_mm = { x = 0.0, y = 0.0, z = -50.0 }\nactive_while",
-    );
+    let with_tool = job
+        .replace("active_while", "tool_offset_mm = { x = 0.0, y = 0.0, z = -50.0 }\nactive_while");
     fs::write(directory.path().join("job.toml"), with_tool).unwrap();
     let page = done(directory.path(), "path job.toml part.nc -v");
     assert!(
@@ -479,12 +374,7 @@ fn two_ways_to_the_tool_are_told() {
 fn own(line: &str) -> Option<Vec<(char, f64)>> {
     let words: Result<Vec<scan::Word>, scan::Wrong> = scan::words(line.as_bytes()).collect();
     let words = words.ok()?;
-    Some(
-        words
-            .iter()
-            .map(|word| (char::from(word.letter), word.value))
-            .collect(),
-    )
+    Some(words.iter().map(|word| (char::from(word.letter), word.value)).collect())
 }
 
 /// The same as the crate `gcode` reads them (numbers of single precision).
@@ -506,11 +396,8 @@ fn theirs(line: &str) -> Option<Vec<(char, f64)>> {
             };
             let tenth = number.minor().map_or(0, std::num::NonZeroU32::get);
             words.push((letter, f64::from(number.major()) + f64::from(tenth) / 10.0));
-            words.extend(
-                arguments
-                    .iter()
-                    .map(|a| (a.letter.to_ascii_uppercase(), value(&a.value))),
-            );
+            words
+                .extend(arguments.iter().map(|a| (a.letter.to_ascii_uppercase(), value(&a.value))));
         }
         let bare = block.word_addresses.iter();
         words.extend(bare.map(|a| (a.letter.to_ascii_uppercase(), value(&a.value))));
@@ -537,18 +424,15 @@ fn same_words(line: &str) -> Result<(), String> {
 }
 
 fn number() -> impl Strategy<Value = String> {
-    (
-        any::<bool>(),
-        0_u32..20_000,
-        proptest::option::of("[0-9]{1,4}"),
-    )
-        .prop_map(|(minus, whole, decimals)| {
+    (any::<bool>(), 0_u32..20_000, proptest::option::of("[0-9]{1,4}")).prop_map(
+        |(minus, whole, decimals)| {
             let mut text = format!("{}{whole}", if minus { "-" } else { "" });
             if let Some(decimals) = decimals {
                 let _ = write!(text, ".{decimals}");
             }
             text
-        })
+        },
+    )
 }
 
 /// A line such as `N10 G1 X1.5Y-2 (comment) F100`.
@@ -557,10 +441,7 @@ fn line() -> impl Strategy<Value = String> {
         "G0", "G01", "g2", "G54", "G54.1", "G91.1", "M3", "m8", "M98", "T12",
     ]);
     let words = proptest::collection::vec(
-        (
-            prop::sample::select("XYZIJKRFSPQHDLxyz".chars().collect::<Vec<_>>()),
-            number(),
-        ),
+        (prop::sample::select("XYZIJKRFSPQHDLxyz".chars().collect::<Vec<_>>()), number()),
         0..7,
     );
     let comment = prop::sample::select(vec!["", " (a comment)", " ; the rest"]);
@@ -574,11 +455,7 @@ fn line() -> impl Strategy<Value = String> {
         .prop_map(|(n, codes, words, spaced, comment)| {
             let mut parts: Vec<String> = n.iter().map(|n| format!("N{n}")).collect();
             parts.extend(codes.iter().map(|code| (*code).to_string()));
-            parts.extend(
-                words
-                    .iter()
-                    .map(|(letter, number)| format!("{letter}{number}")),
-            );
+            parts.extend(words.iter().map(|(letter, number)| format!("{letter}{number}")));
             parts.join(if spaced { " " } else { "" }) + comment
         })
 }

@@ -31,10 +31,7 @@ use std::process::Command;
 
 const SEED: u64 = 19;
 const VISITS: u64 = 500;
-const TIMES: SetUpTimes = SetUpTimes {
-    diagonal_min: 30.0,
-    linear_min: 20.0,
-};
+const TIMES: SetUpTimes = SetUpTimes { diagonal_min: 30.0, linear_min: 20.0 };
 
 /// One row of the table.
 struct Row {
@@ -66,31 +63,11 @@ const PLAIN: Row = Row {
 
 const ROWS: &[Row] = &[
     PLAIN,
-    Row {
-        name: "noise not stated",
-        noise: (1.0, false),
-        ..PLAIN
-    },
-    Row {
-        name: "linear X, Y and Z",
-        linear: &Axis::ALL,
-        ..PLAIN
-    },
-    Row {
-        name: "no linear axis: cross terms and squareness",
-        linear: &[],
-        ..PLAIN
-    },
-    Row {
-        name: "three runs",
-        program: "bidirectional = false\nruns = 3",
-        ..PLAIN
-    },
-    Row {
-        name: "return pass without overrun",
-        program: "overrun_mm = 0",
-        ..PLAIN
-    },
+    Row { name: "noise not stated", noise: (1.0, false), ..PLAIN },
+    Row { name: "linear X, Y and Z", linear: &Axis::ALL, ..PLAIN },
+    Row { name: "no linear axis: cross terms and squareness", linear: &[], ..PLAIN },
+    Row { name: "three runs", program: "bidirectional = false\nruns = 3", ..PLAIN },
+    Row { name: "return pass without overrun", program: "overrun_mm = 0", ..PLAIN },
     Row {
         name: "return pass after overrun, short Z",
         size: [800.0, 500.0, 250.0],
@@ -163,37 +140,21 @@ fn visited(row: &Row, planned: &Visit, job: &Job, seed: u64) -> (Machine, Separa
     let over = planned.expected.overrun;
     let laser = row.laser_ppm * normal(&mut random);
     let ppm = PerDiagonal::from_fn(|_| laser + row.setup_ppm * normal(&mut random));
-    let passes = [
-        Some((Pass::Forward, None)),
-        over.map(|over| (Pass::Reverse, Some(over))),
-    ];
+    let passes = [Some((Pass::Forward, None)), over.map(|over| (Pass::Reverse, Some(over)))];
     let mut all: Vec<Run> = Vec::new();
     for number in 1..=planned.variant.run.runs {
         for (pass, back) in passes.into_iter().flatten() {
             let exact = scaled(&machine, &machine.readings(back), &ppm);
-            all.extend(runs(
-                number,
-                pass,
-                &with_noise(&exact, row.noise.0, &mut random),
-            ));
+            all.extend(runs(number, pass, &with_noise(&exact, row.noise.0, &mut random)));
         }
     }
     let truth = machine.x_primary();
     let line = |line: &MeasuredLine| {
-        let axis = Axis::ALL
-            .into_iter()
-            .find(|axis| line.direction[*axis] > 0.5)
-            .unwrap();
+        let axis = Axis::ALL.into_iter().find(|axis| line.direction[*axis] > 0.5).unwrap();
         let u = line.u_um_per_m.unwrap();
         let own = (u * u - row.laser_ppm * row.laser_ppm).sqrt();
-        let slope = truth.slope(ErrorTerm {
-            of: axis,
-            along: axis,
-        });
-        MeasuredLine {
-            slope_um_per_m: slope + laser + own * normal(&mut random),
-            ..*line
-        }
+        let slope = truth.slope(ErrorTerm { of: axis, along: axis });
+        MeasuredLine { slope_um_per_m: slope + laser + own * normal(&mut random), ..*line }
     };
     let lines = planned.lines.iter().map(line).collect();
     let mut measurement = simulated::measurement(&truth.volume, SetUp::Solve, Frame::XPrimary);
@@ -238,12 +199,7 @@ fn count(shares: &mut Shares, truth: &Machine, planned: &Separation, found: &Sep
             assert_eq!(pair(planned).is_some(), pair(found).is_some(), "{term}");
             continue;
         };
-        curve(
-            shares,
-            &truth.curves[term],
-            (&plan, &read),
-            (planned, found),
-        );
+        curve(shares, &truth.curves[term], (&plan, &read), (planned, found));
     }
     for plane in Plane::ALL {
         let (of, along) = plane.axes();
@@ -286,17 +242,9 @@ fn the_u_of_a_plan_holds_the_truth_of_simulated_visits() {
             count(&mut shares, &truth, &planned.expected, &found);
         }
         judge(row, &shares, many);
-        let cells = shares
-            .each_ref()
-            .map(|share| format!("{:.1} %", 100.0 * share.value()));
+        let cells = shares.each_ref().map(|share| format!("{:.1} %", 100.0 * share.value()));
         let ratio = shares[0].read / shares[0].planned;
-        write!(
-            table,
-            "\n| {} | {} | {ratio:.3} |",
-            row.name,
-            cells.join(" | ")
-        )
-        .unwrap();
+        write!(table, "\n| {} | {} | {ratio:.3} |", row.name, cells.join(" | ")).unwrap();
     }
     println!("{table}");
     if is_whole() {
@@ -313,16 +261,8 @@ fn judge(row: &Row, shares: &Shares, many: u64) {
     let highest = if row.is_bound { 1.0 } else { 0.97 + slack };
     for share in shares.iter().filter(|share| share.all > 0) {
         let (value, ratio) = (share.value(), share.read / share.planned);
-        assert!(
-            (0.93 - slack..=highest).contains(&value),
-            "{}: {value}",
-            row.name
-        );
-        assert!(
-            (ratio - 1.0).abs() < 0.03,
-            "{}: U of the readings {ratio}",
-            row.name
-        );
+        assert!((0.93 - slack..=highest).contains(&value), "{}: {value}", row.name);
+        assert!((ratio - 1.0).abs() < 0.03, "{}: U of the readings {ratio}", row.name);
     }
 }
 
@@ -352,27 +292,15 @@ fn a_variant_opens_what_it_measures_and_the_cheapest_that_will_do_is_found() {
     assert_eq!([1, 2, 3].map(|count| with(count).open.len()), [2, 0, 0]);
     assert_eq!(with(3).reversals(), Axis::ALL);
     let cheapest = &open.visits[open.best.unwrap()];
-    assert_eq!(
-        cheapest.variant.linear.len(),
-        2,
-        "two linear axes determine all"
-    );
+    assert_eq!(cheapest.variant.linear.len(), 2, "two linear axes determine all");
     let u = |visit: &Visit| visit.together_um().unwrap();
-    let (_, tight) = planned(&format!(
-        "[acceptance]\nmax_deviation_um = {}\n",
-        0.8 * u(cheapest)
-    ));
+    let (_, tight) = planned(&format!("[acceptance]\nmax_deviation_um = {}\n", 0.8 * u(cheapest)));
     let better = &tight.visits[tight.best.unwrap()];
     assert!(better.minutes > cheapest.minutes && u(better) < 0.8 * u(cheapest));
     let (limits, never) = planned("[acceptance]\nmax_deviation_um = 0.001\n");
     let closest = &never.visits[never.best.unwrap()];
     assert!(closest.open.is_empty() && !closest.reaches(limits));
-    assert!(
-        never
-            .visits
-            .iter()
-            .all(|visit| !visit.open.is_empty() || u(visit) >= u(closest))
-    );
+    assert!(never.visits.iter().all(|visit| !visit.open.is_empty() || u(visit) >= u(closest)));
     for visit in &open.visits {
         let curves = Direction::BOTH.map(|d| visit.expected.errors.directed(d).is_some());
         let back = visit.variant.run.bidirectional || !visit.variant.linear.is_empty();
@@ -388,11 +316,7 @@ fn page(job: &str, arguments: &[&str]) -> (Option<i32>, String) {
     let program = program.current_dir(directory.path());
     let made = program.args(["plan", "job.toml"]).args(arguments).output();
     let made = made.unwrap();
-    assert!(
-        made.stderr.is_empty(),
-        "{}",
-        String::from_utf8_lossy(&made.stderr)
-    );
+    assert!(made.stderr.is_empty(), "{}", String::from_utf8_lossy(&made.stderr));
     (made.status.code(), String::from_utf8(made.stdout).unwrap())
 }
 
@@ -401,43 +325,27 @@ fn the_page_is_one_screen_and_the_document_holds_its_figures() {
     let start = include_str!("../fixtures/start/readings/job.toml");
     let (status, text) = page(start, &[]);
     assert_eq!(status, Some(1), "{text}");
-    assert!(
-        text.contains("; the acceptance (5 µm of every term) is not reached"),
-        "{text}"
-    );
+    assert!(text.contains("; the acceptance (5 µm of every term) is not reached"), "{text}");
     assert!(text.lines().count() <= 45, "{text}");
     let (status, json) = page(start, &["--format", "json"]);
     assert_eq!(status, Some(1));
     let document: serde_json::Value = serde_json::from_str(&json).unwrap();
     let visits = document["visits"].as_array().unwrap();
     for term in ErrorTerm::ALL.map(|term| term.to_string()) {
-        let row = text
-            .lines()
-            .find(|line| line.starts_with(&format!("{term}/µm")))
-            .unwrap();
+        let row = text.lines().find(|line| line.starts_with(&format!("{term}/µm"))).unwrap();
         let shown = row.split_whitespace().skip(1);
         let um = visits.iter().map(|visit| &visit["expanded_um"][&term]);
         let um = um.map(|um| um.as_f64().map_or("-".to_string(), |um| format!("{um:.3}")));
         assert_eq!(shown.collect::<Vec<_>>(), um.collect::<Vec<_>>(), "{text}");
     }
     let cheapest = document["best"].as_str().unwrap();
-    let cheapest = visits
-        .iter()
-        .find(|visit| visit["name"] == cheapest)
-        .unwrap();
+    let cheapest = visits.iter().find(|visit| visit["name"] == cheapest).unwrap();
     assert_eq!(cheapest["runs"], 3, "{json}");
     let quicker =
         |visit: &&serde_json::Value| visit["minutes"].as_f64() < cheapest["minutes"].as_f64();
-    assert!(
-        visits
-            .iter()
-            .filter(quicker)
-            .all(|visit| visit["reached"] == false)
-    );
-    let (status, _) = page(
-        &start.replace("max_deviation_um = 5.0", "max_deviation_um = 9.0"),
-        &["-q"],
-    );
+    assert!(visits.iter().filter(quicker).all(|visit| visit["reached"] == false));
+    let (status, _) =
+        page(&start.replace("max_deviation_um = 5.0", "max_deviation_um = 9.0"), &["-q"]);
     assert_eq!(status, Some(0));
 }
 

@@ -26,18 +26,10 @@ fn all() -> Vec<Profile> {
 fn every_built_in_profile_loads_under_its_own_id() {
     let ids: Vec<String> = all().into_iter().map(|profile| profile.id).collect();
     assert_eq!(ids, builtin::ids());
-    assert!(
-        all()
-            .iter()
-            .all(|profile| profile.origin == ProfileSource::BuiltIn)
-    );
+    assert!(all().iter().all(|profile| profile.origin == ProfileSource::BuiltIn));
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("controllers");
     let pages = glob::glob(&format!("{}/*.toml", folder.display())).unwrap();
-    assert_eq!(
-        pages.count(),
-        ids.len(),
-        "a page in controllers/ is not built in"
-    );
+    assert_eq!(pages.count(), ids.len(), "a page in controllers/ is not built in");
 }
 
 #[test]
@@ -77,9 +69,7 @@ fn what_claims_to_have_been_executed_names_the_control_that_ran_it() {
     for profile in all() {
         let statements = profile.statements.iter();
         let executed = statements.filter(|s| s.evidence == Evidence::Executed);
-        let without = executed
-            .clone()
-            .find(|s| !s.source.starts_with("LinuxCNC 2.9.0~pre1"));
+        let without = executed.clone().find(|s| !s.source.starts_with("LinuxCNC 2.9.0~pre1"));
         assert!(without.is_none(), "{}: {without:?}", profile.id);
         let runs_here = profile.id.starts_with("linuxcnc");
         assert_eq!(executed.count() > 0, runs_here, "{}", profile.id);
@@ -107,10 +97,7 @@ fn every_template_renders() {
                     continue; // for people: any character, line ends of every computer
                 }
                 assert!(text.is_ascii(), "{name} holds more than ASCII");
-                assert!(
-                    !text.contains("{{") && !text.contains("{%"),
-                    "{name}: {text}"
-                );
+                assert!(!text.contains("{{") && !text.contains("{%"), "{name}: {text}");
                 let end = profile.line_end.value.text();
                 assert!(text.ends_with(end), "{name} does not end with a line end");
                 let others = text.replace(end, "");
@@ -124,11 +111,7 @@ fn every_template_renders() {
             .filter(|file| !rendered.iter().any(|path| file.is_called(path)))
             .map(|file| file.path.clone())
             .collect();
-        assert!(
-            missing.is_empty(),
-            "{}: {missing:?} were not rendered",
-            profile.id
-        );
+        assert!(missing.is_empty(), "{}: {missing:?} were not rendered", profile.id);
     }
 }
 
@@ -189,10 +172,7 @@ fn a_page_is_laid_over_the_one_it_builds_on() {
     };
     assert_eq!(names(&own), names(&base));
     let sign = fact(&own, "cec_sign");
-    assert_eq!(
-        (sign.value.as_str(), sign.consequence),
-        ("as_correction", None)
-    );
+    assert_eq!((sign.value.as_str(), sign.consequence), ("as_correction", None));
     assert_eq!(sign.mechanism, fact(&base, "cec_sign").mechanism);
     assert_eq!(fact(&own, "cec_tables"), fact(&base, "cec_tables"));
 }

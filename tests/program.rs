@@ -90,8 +90,7 @@ impl Case {
     }
 
     fn kit(&self) -> ProgramKit {
-        self.made()
-            .unwrap_or_else(|p| panic!("{}\n{}", p.render(), self.job()))
+        self.made().unwrap_or_else(|p| panic!("{}\n{}", p.render(), self.job()))
     }
 
     /// What the walk says of other files.
@@ -103,10 +102,7 @@ impl Case {
 
 fn text(kit: &ProgramKit, path: &str) -> String {
     let file = kit.files.iter().find(|file| file.path == path);
-    let bytes = file
-        .unwrap_or_else(|| panic!("there is no {path}"))
-        .bytes
-        .clone();
+    let bytes = file.unwrap_or_else(|| panic!("there is no {path}")).bytes.clone();
     String::from_utf8(bytes).unwrap().replace('\r', "")
 }
 
@@ -166,10 +162,7 @@ fn what_is_not_stated_has_its_default() {
     assert_eq!((steps.feed_mm_per_min, steps.dwell_s), (1000.0, 3.0));
     assert_eq!((steps.overrun.mm(), steps.preload.mm()), (2.0, 2.0));
     assert_eq!((steps.runs, steps.bidirectional), (1, true));
-    assert_eq!(
-        (steps.volume.steps, steps.size_path),
-        (2, "measurement.step_diagonal.size_mm")
-    );
+    assert_eq!((steps.volume.steps, steps.size_path), (2, "measurement.step_diagonal.size_mm"));
     assert_eq!(asked("what = \"single-axis\"").runs, 5);
     let forward = asked("what = \"step-diagonal\"\nreturn = \"diagonal\"\nsteps = 3");
     assert!(!forward.bidirectional);
@@ -197,11 +190,7 @@ fn the_mirror_of_the_paper() {
     // The triangle 22.5, 20.4, 20.4 is acute, so its circle is a·b·c / 2A.
     let height = (second.powi(2) - (first / 2.0).powi(2)).sqrt();
     let circle = first * second * second / (first * height);
-    assert!(
-        (mirror.circle_mm - circle).abs() < 0.01,
-        "{} {circle}",
-        mirror.circle_mm
-    );
+    assert!((mirror.circle_mm - circle).abs() < 0.01, "{} {circle}", mirror.circle_mm);
 }
 
 #[test]
@@ -224,13 +213,8 @@ fn offset_targets_sample_every_phase_of_a_screw() {
     // Equal targets 30 mm apart meet a screw of 10 mm at one phase; these meet each tenth of it.
     for tenth in 0..10 {
         let phase = f64::from(tenth)..f64::from(tenth + 1);
-        let met = targets
-            .iter()
-            .any(|target| phase.contains(&target.rem_euclid(10.0)));
-        assert!(
-            met,
-            "no target meets {phase:?} mm of the screw: {targets:?}"
-        );
+        let met = targets.iter().any(|target| phase.contains(&target.rem_euclid(10.0)));
+        assert!(met, "no target meets {phase:?} mm of the screw: {targets:?}");
     }
 }
 
@@ -268,17 +252,9 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
             "SUPA G90 G0 Z-57.000\nSUPA G90 G0 X97.000 Y-77.000",
             "before X and Y are there, or with them",
         ),
-        (
-            "SUPA G90 G0 Z-57.000\n",
-            "",
-            "before all three axes are at machine coordinates",
-        ),
+        ("SUPA G90 G0 Z-57.000\n", "", "before all three axes are at machine coordinates"),
         ("SUPA G91 G1 Z55.000", "SUPA G91 G1 Z54.000", "is read at Z"),
-        (
-            "SUPA G91 G1 X2.000 Y-2.000 Z-2.000",
-            "SUPA G91 G1 X2.000 Y-2.000",
-            "is read at Z",
-        ),
+        ("SUPA G91 G1 X2.000 Y-2.000 Z-2.000", "SUPA G91 G1 X2.000 Y-2.000", "is read at Z"),
         (
             "SUPA G91 G1 X-2.000 Y2.000 Z2.000 F1000.0\nSUPA G91 G1 X2.000 Y-2.000 Z-2.000 F1000.0\n",
             "",
@@ -319,13 +295,8 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
 fn two_moves_for_one_step_are_found() {
     let case = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
     let halves = "SUPA G91 G1 Z27.500 F1000.0\nSUPA G91 G1 Z27.500 F1000.0";
-    let said = spoilt(&case, |text| {
-        text.replace("SUPA G91 G1 Z55.000 F1000.0", halves)
-    });
-    assert!(
-        said.contains("not reached by one move of its own"),
-        "{said}"
-    );
+    let said = spoilt(&case, |text| text.replace("SUPA G91 G1 Z55.000 F1000.0", halves));
+    assert!(said.contains("not reached by one move of its own"), "{said}");
 }
 
 #[test]
@@ -336,9 +307,7 @@ fn positions_of_another_job_are_found() {
     let (positions, form) = (of_role(FileRole::Positions), of_role(FileRole::Readings));
     let text = String::from_utf8(files[form].bytes.clone()).unwrap();
     let mut other = files.clone();
-    other[form].bytes = text
-        .replacen("1,forward,2,x,", "1,forward,2,y,", 1)
-        .into_bytes();
+    other[form].bytes = text.replacen("1,forward,2,x,", "1,forward,2,y,", 1).into_bytes();
     let said = case.judged(&other).unwrap_err().render();
     assert!(said.contains("has other rows than positions.csv"), "{said}");
     let text = String::from_utf8(files[positions].bytes.clone()).unwrap();
@@ -352,10 +321,7 @@ fn a_turn_without_overrun_is_walked() {
     let keys = "what = \"step-diagonal\"\noverrun_mm = 0";
     let kit = Case::small("siemens-840d-sl", keys).kit();
     let text = text(&kit, "NONIUS_PPP.MPF");
-    assert!(
-        text.contains("N7 G4 F3.0\n; PPP RUN 1 REVERSE\nN8 G4 F3.0\n"),
-        "{text}"
-    );
+    assert!(text.contains("N7 G4 F3.0\n; PPP RUN 1 REVERSE\nN8 G4 F3.0\n"), "{text}");
 }
 
 /// A file of readings with its last column filled in, by line.
@@ -372,17 +338,12 @@ fn filled<'a>(form: &ProgramFile, cell: impl Fn(usize) -> &'a str) -> String {
 fn a_reading_that_is_not_filled_in_is_refused_as_missing() {
     let case = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
     let job = case.read();
-    let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
-        panic!()
-    };
+    let MeasuredData::Diagonals(measurement) = &job.measurement.data else { panic!() };
     let form = text(&case.kit(), "readings.csv");
     assert!(form.starts_with("diagonal,run,direction,node,moved,displacement_mm\nPPP,1,forward,0,,\nPPP,1,forward,1,z,\n"), "{form}");
     let source = Source::from_bytes("readings.csv", form.as_bytes()).unwrap();
     let said = Readings::read(source, measurement).unwrap_err().render();
-    assert!(
-        said.contains("a missing reading is never filled in"),
-        "{said}"
-    );
+    assert!(said.contains("a missing reading is never filled in"), "{said}");
     let case = Case::small("fanuc-30i", "what = \"single-axis\"\nruns = 1");
     let form = text(&case.kit(), "readings-y.csv");
     assert!(
@@ -393,20 +354,14 @@ fn a_reading_that_is_not_filled_in_is_refused_as_missing() {
     );
     let source = Source::from_bytes("readings-y.csv", form.as_bytes()).unwrap();
     let said = Runs::read(&source, Stated::default()).unwrap_err().render();
-    assert!(
-        said.contains("`deviation_um` is empty, expected a number"),
-        "{said}"
-    );
+    assert!(said.contains("`deviation_um` is empty, expected a number"), "{said}");
 }
 
 /// A wrong reversal would follow from the readings: the section and the run turn differently.
 #[test]
 fn the_job_must_not_describe_another_turn_than_the_run() {
     let turn = |overrun: &str, keys: &str| {
-        let case = Case::small(
-            "siemens-840d-sl",
-            &format!("what = \"step-diagonal\"\n{keys}"),
-        );
+        let case = Case::small("siemens-840d-sl", &format!("what = \"step-diagonal\"\n{keys}"));
         let stated = format!("order = \"ZXY\"\noverrun = {overrun}");
         let text = case.job().replace("order = \"ZXY\"", &stated);
         let job = Job::read(Source::from_bytes("job.toml", text.as_bytes()).unwrap());
@@ -419,28 +374,14 @@ fn the_job_must_not_describe_another_turn_than_the_run() {
         "{said}"
     );
     let said = turn("true", "overrun_mm = 0").unwrap_err().render();
-    assert!(
-        said.contains("`overrun` is true, but this run turns at the last node"),
-        "{said}"
-    );
+    assert!(said.contains("`overrun` is true, but this run turns at the last node"), "{said}");
     assert_eq!(turn("true", "").unwrap().manifest["overrun"], true);
-    assert_eq!(
-        turn("false", "overrun_mm = 0").unwrap().manifest["overrun"],
-        false
-    );
+    assert_eq!(turn("false", "overrun_mm = 0").unwrap().manifest["overrun"], false);
     assert!(turn("false", "bidirectional = false").unwrap().manifest["overrun"].is_null());
     // Another box is another measurement: a note, no refusal.
     let other = turn("false", "steps = 5").unwrap();
-    let differs = RunFinding::OtherBox {
-        turns_otherwise: true,
-    };
-    assert!(
-        other
-            .run
-            .notes
-            .iter()
-            .any(|note| note.kind() == Some(&differs))
-    );
+    let differs = RunFinding::OtherBox { turns_otherwise: true };
+    assert!(other.run.notes.iter().any(|note| note.kind() == Some(&differs)));
 }
 
 #[test]
@@ -452,10 +393,7 @@ fn a_dwell_is_read_by_the_address_of_the_profile() {
     let case = Case::small("fanuc-30i", "what = \"step-diagonal\"");
     let kit = make(&case.read(), &profile, &[]).unwrap_or_else(|p| panic!("{}", p.render()));
     let program = text(&kit, "O1001.NC");
-    assert!(
-        program.contains("N1 G04 X3.0\n") && program.contains("G91 G01 W55.000"),
-        "{program}"
-    );
+    assert!(program.contains("N1 G04 X3.0\n") && program.contains("G91 G01 W55.000"), "{program}");
     assert!(program.ends_with("\nG90 G64\nM30\n%\n"), "{program}");
 }
 
@@ -464,9 +402,7 @@ fn numbers_that_may_be_protected_are_noted() {
     let note = |number: &str| {
         let keys = format!("what = \"step-diagonal\"\nnumber = {number}");
         let notes = Case::small("fanuc-30i", &keys).kit().run.notes;
-        notes
-            .iter()
-            .any(|note| matches!(note.kind(), Some(RunFinding::ProtectedNumber { .. })))
+        notes.iter().any(|note| matches!(note.kind(), Some(RunFinding::ProtectedNumber { .. })))
     };
     assert!(note("7997") && note("9001") && !note("7996"));
 }
@@ -499,14 +435,8 @@ fn cases() -> impl Strategy<Value = Case> {
         Just("bidirectional = false"),
         Just("alignment_pass = false"),
     ];
-    let orders = prop_oneof![
-        Just("XYZ"),
-        Just("XZY"),
-        Just("YXZ"),
-        Just("YZX"),
-        Just("ZXY"),
-        Just("ZYX"),
-    ];
+    let orders =
+        prop_oneof![Just("XYZ"), Just("XZY"), Just("YXZ"), Just("YZX"), Just("ZXY"), Just("ZYX"),];
     let edge = (-2_000_000_i32..2_000_000, 500_i32..100_000, 0_i32..5_000);
     (
         (controls, any::<bool>(), kinds, ways, orders),
@@ -608,9 +538,7 @@ fn a_run_says_what_it_leaves_open() {
         let job = Job::read(Source::from_bytes("job.toml", page.as_bytes()).unwrap())
             .unwrap_or_else(|p| panic!("{}", p.render()));
         let open = left_open(&job, job.program.as_ref().unwrap());
-        let kinds = open
-            .iter()
-            .map(|found| found.kind::<Open>().unwrap().clone());
+        let kinds = open.iter().map(|found| found.kind::<Open>().unwrap().clone());
         kinds.collect::<Vec<Open>>()
     };
     let step = "what = \"step-diagonal\"";

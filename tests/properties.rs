@@ -50,11 +50,7 @@ enum Unit {
 }
 
 fn csv(rails: &[Rail; 3], unit: Unit) -> String {
-    let (mm, um) = if unit == Unit::Inch {
-        (25.4, 25_400.0)
-    } else {
-        (1.0, 1.0)
-    };
+    let (mm, um) = if unit == Unit::Inch { (25.4, 25_400.0) } else { (1.0, 1.0) };
     let header = match unit {
         Unit::Metric => "axis,position_mm,ex_um,ey_um,ez_um\n",
         Unit::Inch => "axis,position_in,ex_in,ey_in,ez_in\n",
@@ -107,10 +103,7 @@ fn spacing(rail: &Rail) -> String {
 
 /// The generic table of a machine, from the bytes.
 fn rows(rails: &[Rail; 3], keys: &str, squareness: &str) -> Vec<GenericRow> {
-    rows_of(
-        &job(rails, "generic", keys, spacing, squareness),
-        &csv(rails, Unit::Metric),
-    )
+    rows_of(&job(rails, "generic", keys, spacing, squareness), &csv(rails, Unit::Metric))
 }
 
 fn rows_of(job: &str, errors: &str) -> Vec<GenericRow> {
@@ -126,10 +119,7 @@ fn thousandths(low: f64, high: f64) -> impl Strategy<Value = f64> {
 }
 
 fn rail() -> impl Strategy<Value = Rail> {
-    let point = (
-        thousandths(10.0, 80.0),
-        [-20.0..20.0_f64, -20.0..20.0_f64, -20.0..20.0_f64],
-    );
+    let point = (thousandths(10.0, 80.0), [-20.0..20.0_f64, -20.0..20.0_f64, -20.0..20.0_f64]);
     (
         thousandths(-500.0, 500.0),
         proptest::collection::vec(point, 3..9),
@@ -174,11 +164,7 @@ fn all_ways() -> impl Strategy<Value = String> {
 /// Two machines that differ by rounding of their positions have the same table within this. The
 /// least largest residual is found by iteration, and several tables can have the same.
 fn same_value_um(ways: &str) -> f64 {
-    if ways.contains("minimax") {
-        1e-6
-    } else {
-        DUST_UM
-    }
+    if ways.contains("minimax") { 1e-6 } else { DUST_UM }
 }
 
 fn fixed_seed(cases: u32) -> ProptestConfig {
@@ -473,10 +459,7 @@ fn squareness_leaves_the_reference_zero_where_it_was_not_measured() {
         active_while_measuring = \"none\"\n[measurement.squareness_um_per_m]\nxy = 100.0\n\
         [compensation]\ncontroller = \"generic\"\n[compensation.axes.y]\nspacing_mm = 100.0\n";
     let errors = "axis,position_mm,ex_um\ny,100,0\ny,300,0\n";
-    let corrections: Vec<f64> = rows_of(job, errors)
-        .iter()
-        .map(|r| r.correction_um)
-        .collect();
+    let corrections: Vec<f64> = rows_of(job, errors).iter().map(|r| r.correction_um).collect();
     let expected = [0.0, 0.0, -10.0, -20.0];
     for (got, expected) in corrections.iter().zip(expected) {
         assert!((got - expected).abs() <= DUST_UM, "{corrections:?}");

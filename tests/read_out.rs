@@ -33,11 +33,7 @@ impl Visit {
     fn new(control: &str, policy: &str, axes: &str) -> Visit {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path();
-        let acted = if policy == "mean" {
-            ""
-        } else {
-            "active_backlash_um = { x = 0.0 }"
-        };
+        let acted = if policy == "mean" { "" } else { "active_backlash_um = { x = 0.0 }" };
         let measurement = format!("active_while_measuring = \"none\"\n{acted}");
         let job = format!(
             "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n{measurement}\n[compensation]\ncontroller = \"{control}\"\nbacklash = \"{policy}\"\n[machine.axes.x]\ntravel_mm = [0, 100]\nreference_mm = 0\n[machine.axes.y]\ntravel_mm = [0, 100]\nreference_mm = 0\n{axes}[acceptance]\nmax_deviation_um = 100\n"
@@ -55,11 +51,7 @@ impl Visit {
         let read_out = path.join("out");
         fs::create_dir(&read_out).unwrap();
         let is_fanuc = control.starts_with("fanuc");
-        Visit {
-            directory,
-            read_out,
-            is_fanuc,
-        }
+        Visit { directory, read_out, is_fanuc }
     }
 
     fn of(is_fanuc: bool, policy: &str) -> Visit {
@@ -145,11 +137,7 @@ fn the_backlash_parameter_is_judged_as_it_is_now() {
             visit.expect(&parameter(is_fanuc, asked), "pass", "job and tables agree");
             let wrong = format!("the control holds 9 µm, the job asks for {asked} µm");
             visit.expect(&parameter(is_fanuc, 9.0), "fail", &wrong);
-            let name = if is_fanuc {
-                "1851) of axis 1"
-            } else {
-                "MD32450) of axis AX1"
-            };
+            let name = if is_fanuc { "1851) of axis 1" } else { "MD32450) of axis AX1" };
             let absent = format!("{name}: taken as the job asks, {asked} µm");
             visit.expect("", "pass", &absent);
         }
@@ -180,11 +168,7 @@ fn what_stands_around_siemens_tables_is_judged() {
     let inch = "$MA_CEC_SCALING_SYSTEM_METRIC[AX2]=0\n";
     visit.expect(inch, "undecided", "it counts where MD10260 = 1");
     let with = |converts: u8| format!("{inch}$MN_CONVERT_SCALING_SYSTEM={converts}");
-    visit.expect(
-        &with(1),
-        "fail",
-        "MD32711 of AX2 is 0, the job has its CEC tables in mm",
-    );
+    visit.expect(&with(1), "fail", "MD32711 of AX2 is 0, the job has its CEC tables in mm");
     visit.expect(&with(0), "pass", agree);
 }
 
@@ -204,21 +188,15 @@ fn a_table_that_follows_a_foreign_axis_decides_nothing() {
     assert_eq!(verdict, "pass", "{page}");
     let visit = Visit::of(true, "mean");
     let set = "N05712Q1P4\nN05722Q1P2";
-    visit.expect(
-        set,
-        "undecided",
-        "straightness set 2 (axis 2 while axis 4 moves) follows axis 4",
-    );
+    visit.expect(set, "undecided", "straightness set 2 (axis 2 while axis 4 moves) follows axis 4");
 }
 
 #[test]
 fn switches_are_named_by_what_they_do_now() {
     let visit = Visit::of(false, "mean");
     let off = "$MA_ENC_COMP_ENABLE[0,AX1]=0\n";
-    let (verdict, page) = visit.judge_bytes(&[
-        ("a.txt", &visit.archive("")),
-        ("b.txt", &(off.to_string() + "M30\n")),
-    ]);
+    let (verdict, page) = visit
+        .judge_bytes(&[("a.txt", &visit.archive("")), ("b.txt", &(off.to_string() + "M30\n"))]);
     assert_eq!(verdict, "fail", "{page}");
     assert!(
         page.contains("$AA_ENC_COMP[0,AX1] is switched off (MD32700 = 0), so it does nothing"),
@@ -254,24 +232,12 @@ fn what_stands_around_fanuc_points_is_judged() {
     visit.expect("N01240Q1A1I0.0A2P0.0", "refused", "has the letter `I`");
     let visit = Visit::of(true, "two-tables");
     visit.expect("N03605Q1A1P00000001", "pass", agree);
-    visit.expect(
-        "N03605Q1A1P00000000",
-        "fail",
-        "3605#0 of axis 1 is 0, the job is for 1",
-    );
+    visit.expect("N03605Q1A1P00000000", "fail", "3605#0 of axis 1 is 0, the job is for 1");
     let visit = Visit::of(true, "curve-and-parameter");
     let held = |rapid: &str| format!("N01851Q1A1P4\n{rapid}");
     visit.expect(&held("N01852Q1A1P4"), "pass", agree);
-    visit.expect(
-        &held("N01852Q1A1P0"),
-        "undecided",
-        "1852 of axis 1 is 0, 1851 is 4",
-    );
-    visit.expect(
-        "N01852Q1A1P4",
-        "undecided",
-        "1852 of axis 1 is 4, 1851 is in no file",
-    );
+    visit.expect(&held("N01852Q1A1P0"), "undecided", "1852 of axis 1 is 0, 1851 is 4");
+    visit.expect("N01852Q1A1P4", "undecided", "1852 of axis 1 is 4, 1851 is in no file");
 }
 
 /// A control writes every parameter it has; what does nothing must not stop the reading.
@@ -296,11 +262,7 @@ fn functions_that_are_not_used_do_nothing() {
     }
     visit.expect(&idle, "pass", "job and tables agree");
     let used = idle.replace("N10800Q1P0", "N10800Q1P5");
-    visit.expect(
-        &used,
-        "fail",
-        "three-dimensional error compensation is not emulated",
-    );
+    visit.expect(&used, "fail", "three-dimensional error compensation is not emulated");
 }
 
 #[test]
@@ -308,22 +270,14 @@ fn each_axis_of_a_gantry_is_judged_by_its_own_parameter() {
     let gantry = SIEMENS.replace("id = \"AX1\"", "ids = [\"AX1\", \"AX4\"]");
     let visit = Visit::new("siemens-840d-sl", "curve-and-parameter", &gantry);
     let one = "$MA_BACKLASH[0,AX1]=0.004\n";
-    visit.expect(
-        one,
-        "pass",
-        "MD32450) of axis AX4: taken as the job asks, 4 µm",
-    );
+    visit.expect(one, "pass", "MD32450) of axis AX4: taken as the job asks, 4 µm");
     let both = |um: &str| format!("{one}$MA_BACKLASH[0,AX4]={um}");
     visit.expect(&both("0.004"), "pass", "job and tables agree");
     let wrong = "axis AX4: the control holds 0 µm, the job asks for 4 µm";
     visit.expect(&both("0"), "fail", wrong);
     // Two screws may have two lost motions, and nothing changes them.
     let visit = Visit::new("siemens-840d-sl", "mean", &gantry);
-    visit.expect(
-        &both("0.005"),
-        "pass",
-        "of axis AX4 is 5 µm; the job does not set it",
-    );
+    visit.expect(&both("0.005"), "pass", "of axis AX4 is 5 µm; the job does not set it");
 }
 
 /// What the profile calls Z is an axis of others where the machine of the job has none.
@@ -340,11 +294,7 @@ fn an_axis_of_a_usual_name_that_the_job_does_not_have_belongs_to_others() {
     visit.expect(set, "undecided", "follows axis 3");
     let visit = Visit::of(false, "mean");
     let lec = "$AA_ENC_COMP[0,0,AX3]=0\n$AA_ENC_COMP[0,1,AX3]=0.01\n$AA_ENC_COMP_STEP[0,AX3]=100\n$AA_ENC_COMP_MIN[0,AX3]=0\n$AA_ENC_COMP_MAX[0,AX3]=100";
-    visit.expect(
-        lec,
-        "pass",
-        "$AA_ENC_COMP[0,AX3] belongs to an axis that the job does not have",
-    );
+    visit.expect(lec, "pass", "$AA_ENC_COMP[0,AX3] belongs to an axis that the job does not have");
     visit.expect(&cec("AX3", "AX2", ""), "undecided", "follows axis AX3");
     visit.expect(&cec("AX2", "AX3", ""), "pass", "ignored");
 }
@@ -378,11 +328,7 @@ fn what_a_control_writes_around_its_tables_does_not_stop_the_reading() {
     let visit = Visit::of(false, "mean");
     let agree = "job and tables agree";
     visit.expect("\nMETRIC\n\nCHANDATA(1)", "pass", agree);
-    visit.expect(
-        "INCH",
-        "fail",
-        "is written in inch (`INCH`), the job counts in mm",
-    );
+    visit.expect("INCH", "fail", "is written in inch (`INCH`), the job counts in mm");
     let reserved = "$AA_ENC_COMP[0,3,AX1]=0\n$AA_ENC_COMP[0,4,AX1]=0.5\n$AN_CEC[0,3]=0\n$AN_CEC_INPUT_NCU[0]=1\n$AN_CEC_OUTPUT_NCU[0]=1\n$AN_CEC_TYPE[0]=0";
     visit.expect(reserved, "pass", agree);
     let zeros = |axis: &str| {
@@ -393,11 +339,7 @@ fn what_a_control_writes_around_its_tables_does_not_stop_the_reading() {
     };
     visit.expect(&zeros("AX7"), "pass", "ignored");
     let unused = zeros("AX7").replace("MAX[9]=85", "MAX[9]=-5");
-    visit.expect(
-        &unused,
-        "pass",
-        "AN_CEC[9]: zeros without a usable grid, ignored",
-    );
+    visit.expect(&unused, "pass", "AN_CEC[9]: zeros without a usable grid, ignored");
     let open = cec("AX1", "AX2", "").replace("MAX[9]=10", "MAX[9]=15");
     let (verdict, page) = visit.judge(&format!("{open}$AN_CEC[9,2]=0.4\n"));
     assert_eq!(verdict, "fail", "{page}");
@@ -429,11 +371,7 @@ fn a_commissioning_archive_is_read_as_it_is() {
             "\\_NC_ACT.DIR\\",
             "METRIC\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n".to_string(),
         ),
-        (
-            "_N_AX_EEC_INI".to_string(),
-            "\\_NC_ACT.DIR\\",
-            visit.archive("METRIC"),
-        ),
+        ("_N_AX_EEC_INI".to_string(), "\\_NC_ACT.DIR\\", visit.archive("METRIC")),
         ("_N_MACCESS_DEF".to_string(), "\\DEF.DIR\\", definitions),
         ("@@_N_IBN_SS".to_string(), "\\_NC_ACT.DIR\\", String::new()),
     ];
@@ -451,10 +389,7 @@ fn a_commissioning_archive_is_read_as_it_is() {
     fs::write(visit.read_out.join("test.arc"), &bytes[..3000]).unwrap();
     let (verdict, page) = visit.verify("out");
     assert_eq!(verdict, "refused", "{page}");
-    assert!(
-        page.contains("the archive `test.arc` is damaged or cut off"),
-        "{page}"
-    );
+    assert!(page.contains("the archive `test.arc` is damaged or cut off"), "{page}");
 }
 
 /// Cs axes have point numbers by spindle, also in the space of the compensation.
@@ -502,16 +437,10 @@ fn tables_of_others_that_reach_into_the_own_ones_are_told() {
     let visit = Visit::of(false, "mean");
     let factor = cec("AX2", "AX7", "$AN_CEC_MULT_BY_TABLE[9]=1");
     visit.expect(&factor, "undecided", "multiplies by $AN_CEC[0] of the job");
-    let zeros = cec("AX7", "AX2", "")
-        .replace("=0.1", "=0")
-        .replace("=0.2", "=0");
+    let zeros = cec("AX7", "AX2", "").replace("=0.1", "=0").replace("=0.2", "=0");
     visit.expect(&zeros, "pass", "ignored");
     let weight = |table: u32| format!("$SN_CEC_TABLE_WEIGHT[{table}]=0.5");
-    visit.expect(
-        &weight(0),
-        "fail",
-        "SD41310 $SN_CEC_TABLE_WEIGHT[0] is 0.5, expected 1",
-    );
+    visit.expect(&weight(0), "fail", "SD41310 $SN_CEC_TABLE_WEIGHT[0] is 0.5, expected 1");
     visit.expect(&weight(6), "pass", "job and tables agree");
     let visit = Visit::of(true, "mean");
     let shared = "N03620Q1A4P1\nN03621Q1A4P0\nN03622Q1A4P2\nN03623Q1A4P1\nN03624Q1A4P50.0";
@@ -529,21 +458,11 @@ fn tables_of_others_that_reach_into_the_own_ones_are_told() {
         let value = block.unwrap().split(['P', 'A']).nth(2).unwrap().to_string();
         format!("N{parameter}Q1A4P{value}\n")
     };
-    let slave = ["03620", "03621", "03622", "03623", "03624"]
-        .map(of_axis_1)
-        .concat();
-    visit.expect(
-        &slave,
-        "pass",
-        "takes the points of axis 1, as the slave of a gantry does",
-    );
+    let slave = ["03620", "03621", "03622", "03623", "03624"].map(of_axis_1).concat();
+    visit.expect(&slave, "pass", "takes the points of axis 1, as the slave of a gantry does");
     let own = "N03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN03626Q1A4P1\n";
     visit.expect(own, "undecided", "takes points of axis 1");
-    visit.expect(
-        &format!("{own}N03605Q1A4P00000000"),
-        "pass",
-        "points 500 to 510",
-    );
+    visit.expect(&format!("{own}N03605Q1A4P00000000"), "pass", "points 500 to 510");
     let huge = "N05712Q1P4\nN05722Q1P4\nN13392Q1P4294967295\nN03621Q1A4P0\nN03622Q1A4P10";
     visit.expect(huge, "pass", "belongs to axes that the job does not have");
     let idle = "N05712Q1P4\nN05722Q1P2\nN13382Q1P0";
@@ -555,19 +474,14 @@ fn tables_of_others_that_reach_into_the_own_ones_are_told() {
 fn part_programs_in_an_archive_are_no_state() {
     let visit = Visit::of(false, "mean");
     let program = format!("%_N_NEW_EEC_MPF\n;$PATH=/_N_MPF_DIR\n{}", visit.archive(""));
-    let active = program
-        .replace("NEW_EEC_MPF", "AX_EEC_INI")
-        .replace("_MPF_", "_NC_ACT_");
+    let active = program.replace("NEW_EEC_MPF", "AX_EEC_INI").replace("_MPF_", "_NC_ACT_");
     let old = active.replace("=0.016", "=0.055");
     assert_ne!(old, active);
     let judge = |text: &str| visit.judge_bytes(&[("all.arc", text)]);
     for text in [format!("{old}{program}"), format!("{program}{old}")] {
         let (verdict, page) = judge(&text);
         assert_eq!(verdict, "fail", "{page}");
-        assert!(
-            page.contains("part programs were ignored (NEW_EEC_MPF)"),
-            "{page}"
-        );
+        assert!(page.contains("part programs were ignored (NEW_EEC_MPF)"), "{page}");
     }
     let off = "%_N_COMPLETE_TEA_INI\n$MA_ENC_COMP_ENABLE[0,AX1]=0\nM17\n";
     let on = "%_N_ON_MPF\n$MA_ENC_COMP_ENABLE[0,AX1]=1\nM30\n";
@@ -581,10 +495,7 @@ fn part_programs_in_an_archive_are_no_state() {
     for name in ["P.MPF", "P"] {
         let (verdict, page) = visit.judge_bytes(&[("TEA.INI", data), (name, &program)]);
         assert_eq!(verdict, "fail", "{page}");
-        assert!(
-            page.contains("missing: the tables hold nothing for it"),
-            "{page}"
-        );
+        assert!(page.contains("missing: the tables hold nothing for it"), "{page}");
         let (verdict, page) = visit.judge_bytes(&[("ALL.ARC", &active), (name, &program)]);
         assert_eq!(verdict, "pass", "{page}");
     }
@@ -606,32 +517,16 @@ fn two_values_in_one_file_are_a_cause() {
         ("$AA_ENC_COMP[0,1,AX1]", "9.0", "0.006"),
     ] {
         let says = format!("{variable} has several values in the files");
-        visit.expect(
-            &format!("{variable}={one}\n{variable}={other}"),
-            "fail",
-            &says,
-        );
+        visit.expect(&format!("{variable}={one}\n{variable}={other}"), "fail", &says);
     }
     let others = "$MA_BACKLASH[0,AX7]=1\n$MA_BACKLASH[0,AX7]=2\n$MA_BACKLASH[1,AX1]=1\n$MA_BACKLASH[1,AX1]=2";
-    visit.expect(
-        others,
-        "pass",
-        "$MA_BACKLASH[0,AX7], of others, has several values",
-    );
+    visit.expect(others, "pass", "$MA_BACKLASH[0,AX7], of others, has several values");
     let steps = cec("AX1", "AX2", "$AN_CEC_STEP[9]=0").replace("STEP[9]=10", "STEP[9]=50");
     let steps = steps.replace("MAX[9]=10", "MAX[9]=50");
-    visit.expect(
-        &steps,
-        "fail",
-        "$AN_CEC_STEP[9] has several values in the files",
-    );
+    visit.expect(&steps, "fail", "$AN_CEC_STEP[9] has several values in the files");
     let fanuc = Visit::of(true, "curve-and-parameter");
     let twice = "N01851Q1A1P8\nN01851Q1A1P4";
-    fanuc.expect(
-        twice,
-        "refused",
-        "parameter 1851 of axis 1 has another value here",
-    );
+    fanuc.expect(twice, "refused", "parameter 1851 of axis 1 has another value here");
     let paths = "N03602Q1L1P00000000L2P00000001\nN01851Q1A1P4";
     fanuc.expect(paths, "pass", "job and tables agree");
     let hidden = "IF R1==1 $MA_ENC_COMP_ENABLE[0,AX1]=0";
@@ -643,10 +538,7 @@ fn two_values_in_one_file_are_a_cause() {
 fn latin_1_and_a_byte_order_mark_do_not_stop_the_reading() {
     let visit = Visit::of(false, "mean");
     let text = visit.archive("CHANDATA(1) ;~berwachung");
-    let bytes: Vec<u8> = text
-        .bytes()
-        .map(|b| if b == b'~' { 0xDC } else { b })
-        .collect();
+    let bytes: Vec<u8> = text.bytes().map(|b| if b == b'~' { 0xDC } else { b }).collect();
     fs::write(visit.read_out.join("all.arc"), bytes).unwrap();
     let (verdict, page) = visit.verify("out");
     assert_eq!(verdict, "pass", "{page}");
@@ -660,18 +552,10 @@ fn latin_1_and_a_byte_order_mark_do_not_stop_the_reading() {
 fn the_measuring_system_that_the_job_does_not_name_is_told() {
     let other = "$AA_ENC_COMP[1,0,AX1]=0\n$AA_ENC_COMP[1,1,AX1]=0.066\n$AA_ENC_COMP_STEP[1,AX1]=100\n$AA_ENC_COMP_MIN[1,AX1]=0\n$AA_ENC_COMP_MAX[1,AX1]=100\n";
     let visit = Visit::of(false, "mean");
-    visit.expect(
-        other,
-        "undecided",
-        "which of the two is active: state `measuring_system`",
-    );
+    visit.expect(other, "undecided", "which of the two is active: state `measuring_system`");
     let off = format!("{other}$MA_ENC_COMP_ENABLE[1,AX1]=0");
     let visit = Visit::of(false, "two-tables"); // in CEC alone
-    visit.expect(
-        &off,
-        "pass",
-        "for the other measuring system and switched off: ignored",
-    );
+    visit.expect(&off, "pass", "for the other measuring system and switched off: ignored");
 }
 
 #[test]
@@ -682,11 +566,7 @@ fn the_reference_point_is_judged_within_half_a_digit() {
     visit.expect(&set("0"), "pass", "job and tables agree");
     let absolute = format!("{}\nN34200 $MA_ENC_REFP_MODE[0,AX1]=0", set("-25.0"));
     visit.expect(&absolute, "pass", "job and tables agree");
-    visit.expect(
-        &set("-25.0"),
-        "undecided",
-        "MD34100 $MA_REFP_SET_POS[0,AX1] is -25 mm",
-    );
+    visit.expect(&set("-25.0"), "undecided", "MD34100 $MA_REFP_SET_POS[0,AX1] is -25 mm");
     let visit = Visit::of(true, "mean");
     visit.expect("N01240Q1A1P12000A2P0", "fail", "1240 of axis 1 is 12 mm");
     visit.expect("N01240Q1A1P0.0004A2P0", "pass", "job and tables agree");
@@ -755,8 +635,5 @@ fn a_missing_checklist_is_a_note() {
     fs::remove_file(kit.join("checklist.md")).unwrap();
     let (verdict, page) = visit.verify("kit");
     assert_eq!(verdict, "pass", "{page}");
-    assert!(
-        page.contains("note: `checklist.md` is listed in manifest.json but missing"),
-        "{page}"
-    );
+    assert!(page.contains("note: `checklist.md` is listed in manifest.json but missing"), "{page}");
 }

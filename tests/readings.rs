@@ -28,10 +28,7 @@ fn golden(case: &str) -> (DiagonalMeasurement, Readings) {
         panic!("{case} has no readings");
     };
     let readings = Readings::read(source(&measurement.readings), &measurement);
-    (
-        measurement.clone(),
-        readings.expect("the readings are complete"),
-    )
+    (measurement.clone(), readings.expect("the readings are complete"))
 }
 
 fn find(readings: &Readings, diagonal: Diagonal, number: u32, pass: Pass) -> &Run {
@@ -52,12 +49,7 @@ fn the_golden_readings_are_read_completely() {
         assert_eq!(measurement.volume.steps, steps, "{case}");
         assert_eq!(readings.runs.len(), runs, "{case}");
         for run in &readings.runs {
-            assert_eq!(
-                run.deviations.len(),
-                3 * steps + 1,
-                "{case} {}",
-                run.diagonal
-            );
+            assert_eq!(run.deviations.len(), 3 * steps + 1, "{case} {}", run.diagonal);
             assert_eq!(run.temperatures_c, PerAxis::default());
             assert!(readings.offset_known(run));
         }
@@ -113,10 +105,7 @@ fn walk(name: &str, direction: &str, moved: [&str; 7]) -> Vec<String> {
 
 /// All forward runs of single-axis steps.
 fn step_rows() -> Vec<String> {
-    ["PPP", "NPP", "PNP", "PPN"]
-        .iter()
-        .flat_map(|name| walk(name, "forward", MOVED))
-        .collect()
+    ["PPP", "NPP", "PNP", "PPN"].iter().flat_map(|name| walk(name, "forward", MOVED)).collect()
 }
 
 fn file(header: &str, rows: &[String]) -> String {
@@ -132,9 +121,7 @@ fn read(text: &str, measurement: &DiagonalMeasurement) -> Result<Readings, Strin
 fn with_column(name: &str, value: impl Fn(usize) -> String) -> String {
     let rows = step_rows();
     let wider = rows.iter().enumerate();
-    let wider: Vec<String> = wider
-        .map(|(at, row)| format!("{row},{}", value(at)))
-        .collect();
+    let wider: Vec<String> = wider.map(|(at, row)| format!("{row},{}", value(at))).collect();
     file(&format!("{HEADER},{name}"), &wider)
 }
 
@@ -143,9 +130,7 @@ fn displacements(measurement: &DiagonalMeasurement, of: impl Fn(f64) -> f64) -> 
     let mut rows = Vec::new();
     for diagonal in Diagonal::ALL {
         for (node, moved) in MOVED.iter().enumerate() {
-            let nominal = measurement
-                .volume
-                .nominal_mm(diagonal, measurement.kind, node);
+            let nominal = measurement.volume.nominal_mm(diagonal, measurement.kind, node);
             rows.push(format!("{diagonal},{node},{moved},{:.6}", of(nominal)));
         }
     }
@@ -161,12 +146,7 @@ fn columns_in_any_order_with_semicolons_and_decimal_commas_are_the_same_readings
         let cells: Vec<&str> = row.split(',').collect();
         let um: f64 = cells[5].parse().expect("a number");
         let mm = format!("{}", um / 1000.0).replace('.', ",");
-        text += &format!(
-            "{mm};{};{};{}\r\n",
-            cells[4].to_uppercase(),
-            cells[3],
-            cells[0]
-        );
+        text += &format!("{mm};{};{};{}\r\n", cells[4].to_uppercase(), cells[3], cells[0]);
     }
     let other = read(&text, &measurement).expect("it is complete");
     for (a, b) in plain.runs.iter().zip(&other.runs) {
@@ -187,10 +167,7 @@ fn the_nominal_displacement_is_subtracted_and_the_sign_of_the_laser_turned() {
         for run in &readings.runs {
             let end = run.deviations[6].um();
             let expected = measurement.volume.diagonal_mm() * 0.05;
-            assert!(
-                (end - expected).abs() < 1e-3,
-                "{end} µm, expected {expected} µm"
-            );
+            assert!((end - expected).abs() < 1e-3, "{end} µm, expected {expected} µm");
         }
     }
     measurement.laser_sign = Direction::Minus;
@@ -231,30 +208,18 @@ fn a_displacement_under_the_reverse_name_gives_the_deviation_of_its_own_travel()
     let whole = volume.diagonal_mm() * 0.1;
     for run in &readings.runs {
         let change = run.deviations[2].um() - run.deviations[0].um();
-        assert!(
-            (change - whole).abs() < 1e-6,
-            "{} {}",
-            run.diagonal,
-            run.pass.word()
-        );
+        assert!((change - whole).abs() < 1e-6, "{} {}", run.diagonal, run.pass.word());
     }
 }
 
 #[test]
 fn temperatures_go_with_their_nodes() {
     let mut measurement = measurement(PathKind::Step);
-    let scale = AxisMaterial {
-        alpha_per_k: 11.5e-6,
-        temperature_c: None,
-    };
+    let scale = AxisMaterial { alpha_per_k: 11.5e-6, temperature_c: None };
     measurement.material = Some(Material {
         material_corrected: false,
         air_corrected: true,
-        axes: PerAxis {
-            x: None,
-            y: Some(scale),
-            z: None,
-        },
+        axes: PerAxis { x: None, y: Some(scale), z: None },
     });
     let text = with_column("t_y_c", |row| format!("{}", 20.0 + 0.1 * (row % 7) as f64));
     let readings = read(&text, &measurement).expect("it is complete");
@@ -273,10 +238,7 @@ fn refused(name: &str, text: &str, measurement: &DiagonalMeasurement, problem: &
     };
     assert!(said.contains(problem), "{name}:\n{said}");
     assert!(said.contains(help), "{name}:\n{said}");
-    assert!(
-        text.is_empty() || said.contains("--> readings.csv:"),
-        "{name}:\n{said}"
-    );
+    assert!(text.is_empty() || said.contains("--> readings.csv:"), "{name}:\n{said}");
 }
 
 fn changed(from: &str, to: &str) -> String {
@@ -343,21 +305,12 @@ fn displacements_of_steps_in_another_order_are_refused_with_that_order() {
 #[test]
 fn temperatures_that_the_job_does_not_explain_are_refused() {
     let mut measurement = measurement(PathKind::Step);
-    let scale = |temperature_c| {
-        Some(AxisMaterial {
-            alpha_per_k: 11.5e-6,
-            temperature_c,
-        })
-    };
+    let scale = |temperature_c| Some(AxisMaterial { alpha_per_k: 11.5e-6, temperature_c });
     let material = |x| {
         Some(Material {
             material_corrected: false,
             air_corrected: false,
-            axes: PerAxis {
-                x,
-                y: None,
-                z: None,
-            },
+            axes: PerAxis { x, y: None, z: None },
         })
     };
     let text = with_column("t_x_c", |_| "21".into());

@@ -15,10 +15,7 @@ fn readme() -> String {
 
 /// The fenced block behind a line that holds `marker`.
 fn block_behind(text: &str, marker: &str) -> String {
-    let rest = text
-        .split(marker)
-        .nth(1)
-        .expect("the marker stands in the README");
+    let rest = text.split(marker).nth(1).expect("the marker stands in the README");
     let block = rest.split("```").nth(1).expect("a fenced block follows");
     block.trim_start_matches("text").trim().to_string()
 }
@@ -35,11 +32,7 @@ fn the_readme_shows_what_the_main_job_prints() {
         .arg(&drawn)
         .output()
         .expect("the program runs");
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let printed = String::from_utf8_lossy(&output.stdout).into_owned();
     let shown = block_behind(&readme(), "checked by tests/readme.rs");
     assert!(
@@ -52,10 +45,7 @@ fn the_readme_shows_what_the_main_job_prints() {
         std::fs::write(&kept, &drawn).expect("the picture can be kept");
     }
     let kept = std::fs::read_to_string(kept).expect("the picture of the README");
-    assert_eq!(
-        drawn, kept,
-        "the picture of the README is what the program draws: NONIUS_UPDATE=1"
-    );
+    assert_eq!(drawn, kept, "the picture of the README is what the program draws: NONIUS_UPDATE=1");
 }
 
 /// Every command of the example in docs/rehearsal.md, as it is written there.
@@ -93,13 +83,7 @@ fn the_table_of_evidence_is_that_of_the_profiles() {
     let controllers = std::fs::read_to_string(controllers).expect("a page");
     for id in builtin::ids() {
         let profile = builtin::profile(id).expect("a built-in profile");
-        let count = |evidence| {
-            profile
-                .statements
-                .iter()
-                .filter(|s| s.evidence == evidence)
-                .count()
-        };
+        let count = |evidence| profile.statements.iter().filter(|s| s.evidence == evidence).count();
         let figures = format!(
             "{} / {} / {} |",
             count(Evidence::Manual),
@@ -128,10 +112,7 @@ fn the_jobs_to_start_from_work_for_every_control() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let interface = std::fs::read_to_string(root.join("docs/interface.md")).expect("a page");
     for start in ["fixtures/start/errors", "fixtures/start/readings"] {
-        assert!(
-            interface.contains(start),
-            "interface.md does not name {start}"
-        );
+        assert!(interface.contains(start), "interface.md does not name {start}");
         let from = Path::new(env!("CARGO_MANIFEST_DIR")).join(start);
         let job = std::fs::read_to_string(from.join("job.toml")).expect("the job is there");
         for id in builtin::ids() {
@@ -174,21 +155,14 @@ fn unnoticed(off_um: f64, noise_um: Option<f64>) -> (usize, usize) {
     };
     let stated = noise_um.map(|um| format!("[measurement]\nuncertainty = {{ noise_um = {um} }}\n"));
     let stated = stated.unwrap_or("[measurement]\n".to_string());
-    write(
-        "job.toml",
-        read("job.toml").replace("[measurement]\n", &stated),
-    );
+    write("job.toml", read("job.toml").replace("[measurement]\n", &stated));
     let text = read("readings.csv");
     let lines: Vec<&str> = text.lines().collect();
     let is_reading =
         |line: &&str| line.contains(",x,") || line.contains(",y,") || line.contains(",z,");
     let readings = lines.iter().filter(|line| is_reading(line)).count();
     let mut count = 0;
-    for (index, line) in lines
-        .iter()
-        .enumerate()
-        .filter(|(_, line)| is_reading(line))
-    {
+    for (index, line) in lines.iter().enumerate().filter(|(_, line)| is_reading(line)) {
         let (head, um) = line.rsplit_once(',').expect("a reading has cells");
         let off = um.parse::<f64>().expect("a reading is a number") + off_um;
         let disturbed = format!("{head},{off:.3}");
@@ -207,13 +181,7 @@ fn unnoticed(off_um: f64, noise_um: Option<f64>) -> (usize, usize) {
 
 #[test]
 fn as_many_readings_can_be_off_unnoticed_as_is_told() {
-    let cases = [
-        (5.0, None),
-        (15.0, None),
-        (1000.0, None),
-        (5.0, Some(0.3)),
-        (3.0, Some(0.3)),
-    ];
+    let cases = [(5.0, None), (15.0, None), (1000.0, None), (5.0, Some(0.3)), (3.0, Some(0.3))];
     let told = cases.map(|(um, noise)| unnoticed(um, noise));
     assert_eq!(told, [(22, 48), (0, 48), (0, 48), (0, 48), (22, 48)]);
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");

@@ -26,9 +26,7 @@ type Files<'a> = (&'a str, &'a [&'a str]);
 
 /// Names and bytes; `None` where the files do not lie beside the repository.
 fn real((folder, names): Files<'_>) -> Option<Vec<(String, Vec<u8>)>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/data/real")
-        .join(folder);
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/real").join(folder);
     let read = |name: &&str| Some((name.to_string(), std::fs::read(folder.join(name)).ok()?));
     names.iter().map(read).collect()
 }
@@ -59,10 +57,7 @@ fn job(
 fn siemens(active: &str) -> Inputs {
     let travel = [[0.0, 950.0], [-850.0, 0.0], [-650.0, 0.0]];
     job("siemens-840d-sl", active, travel, |index| {
-        format!(
-            "spacing_mm = 50\nid = \"AX{}\"\nmeasuring_system = 2",
-            index + 1
-        )
+        format!("spacing_mm = 50\nid = \"AX{}\"\nmeasuring_system = 2", index + 1)
     })
 }
 
@@ -70,10 +65,7 @@ fn fanuc(active: &str) -> Inputs {
     let travel = [[-1600.0, 0.0], [-1100.0, 0.0], [-1100.0, 0.0]];
     job("fanuc-0i-f", active, travel, |index| {
         let spacing = [40.0, 27.5, 27.5][index];
-        format!(
-            "spacing_mm = {spacing}\nid = \"{}\"\ndetection_unit_um = 0.1",
-            index + 1
-        )
+        format!("spacing_mm = {spacing}\nid = \"{}\"\ndetection_unit_um = 0.1", index + 1)
     })
 }
 
@@ -96,23 +88,11 @@ fn understood(job: fn(&str) -> Inputs, files: Vec<(String, Vec<u8>)>) -> String 
     for assumption in &active.assumptions {
         writeln!(said, "assumed: {} = {}", assumption.fact, assumption.value).unwrap();
     }
-    let made = kit::generate(
-        &with
-            .with_active(active)
-            .unwrap_or_else(|p| panic!("{}", p.render())),
-    );
+    let made =
+        kit::generate(&with.with_active(active).unwrap_or_else(|p| panic!("{}", p.render())));
     let made = made.unwrap_or_else(|p| panic!("{}", p.render()));
-    let back = made
-        .files
-        .iter()
-        .filter(|f| f.role == nonius::control::controller::Role::Rollback);
-    writeln!(
-        said,
-        "kit: {} with {} rollback files",
-        made.verdict.word(),
-        back.count()
-    )
-    .unwrap();
+    let back = made.files.iter().filter(|f| f.role == nonius::control::controller::Role::Rollback);
+    writeln!(said, "kit: {} with {} rollback files", made.verdict.word(), back.count()).unwrap();
     let judging = job("none");
     let found = read(&judging, files, ReadOutFor::Judging).unwrap_or_else(|p| panic!("{p}"));
     let judged =
@@ -173,12 +153,7 @@ fn told(active: &ActiveControl) -> String {
             writeln!(
                 said,
                 "points of others: {:?}",
-                active
-                    .others
-                    .points
-                    .iter()
-                    .map(|p| (p.first, p.last))
-                    .collect::<Vec<_>>()
+                active.others.points.iter().map(|p| (p.first, p.last)).collect::<Vec<_>>()
             )
             .unwrap();
         }
@@ -205,13 +180,7 @@ fn corrections(control: &dyn Emulator, job: &Inputs) -> String {
             writeln!(said, "{base} -> {output}: corrects up to {um:.1} um").unwrap();
         }
     }
-    let own = job
-        .job
-        .compensation
-        .axes
-        .iter()
-        .filter(|(_, axis)| axis.is_some())
-        .count();
+    let own = job.job.compensation.axes.iter().filter(|(_, axis)| axis.is_some()).count();
     writeln!(said, "{own} axes of the job").unwrap();
     said
 }
@@ -227,10 +196,7 @@ fn a_five_axis_840d_sl_is_understood_from_its_archive_or_its_files() {
     let said = understood(siemens, archive);
     insta::assert_snapshot!("real-siemens", said);
     let with_other_notes = |text: &str| text.split_once(" notes").map(|(_, rest)| rest.to_string());
-    assert_eq!(
-        with_other_notes(&understood(siemens, files)),
-        with_other_notes(&said)
-    );
+    assert_eq!(with_other_notes(&understood(siemens, files)), with_other_notes(&said));
 }
 
 #[test]
@@ -241,19 +207,10 @@ fn each_file_of_tables_is_accepted_as_it_is() {
         };
         let job = siemens("files");
         let active = read(&job, files, ReadOutFor::OldTables).unwrap_or_else(|p| panic!("{p}"));
-        let other = if name == "AX_EEC.INI" {
-            "CEC"
-        } else {
-            "ENC_COMP"
-        };
+        let other = if name == "AX_EEC.INI" { "CEC" } else { "ENC_COMP" };
         let is_other = |fact: &str| fact.starts_with(other);
-        assert!(
-            active.assumptions.iter().any(|a| is_other(&a.fact)),
-            "{name}"
-        );
-        let with = job
-            .with_active(active)
-            .unwrap_or_else(|p| panic!("{name}\n{}", p.render()));
+        assert!(active.assumptions.iter().any(|a| is_other(&a.fact)), "{name}");
+        let with = job.with_active(active).unwrap_or_else(|p| panic!("{name}\n{}", p.render()));
         kit::generate(&with).unwrap_or_else(|p| panic!("{name}\n{}", p.render()));
     }
 }
@@ -291,10 +248,7 @@ fn a_complete_fanuc_backup_is_understood() {
     assert!(refused.contains("point 1 is missing"), "{refused}");
     let points = real((backup.0, &backup.1[1..])).unwrap();
     let refused = read(&fanuc("files"), points, ReadOutFor::OldTables).unwrap_err();
-    assert!(
-        refused.contains("1536 points and no parameter 3620 to 3624"),
-        "{refused}"
-    );
+    assert!(refused.contains("1536 points and no parameter 3620 to 3624"), "{refused}");
     let short = real(("fanuc", &["Jir8taiwan_CNC-PARA.TXT"])).unwrap();
     read(&fanuc("files"), short, ReadOutFor::Judging).unwrap();
 }

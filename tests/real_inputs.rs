@@ -66,12 +66,8 @@ fn stated(name: &str) -> Stated {
 
 fn imported(path: &Path, stated: &Stated) -> Result<Imported, Problems> {
     let bytes = fs::read(path).unwrap();
-    let file = Measurement {
-        path: "file.pos",
-        name: "file.pos",
-        sha256: &sha256(&bytes),
-        bytes: &bytes,
-    };
+    let file =
+        Measurement { path: "file.pos", name: "file.pos", sha256: &sha256(&bytes), bytes: &bytes };
     import(file, None, None, stated)
 }
 
@@ -82,12 +78,7 @@ fn understood(imported: &Imported) -> String {
         let (first, last) = (series.positions_mm[0], *series.positions_mm.last().unwrap());
         let way = series.direction.map_or("both", Direction::symbol);
         let count = series.positions_mm.len();
-        writeln!(
-            words,
-            "{} {way}: {count} points, {first} … {last} mm",
-            series.axis
-        )
-        .unwrap();
+        writeln!(words, "{} {way}: {count} points, {first} … {last} mm", series.axis).unwrap();
     }
     let told = ["unit", "values:", "rows:", "runs:", "not measured"];
     let facts = of_severity(&imported.findings, Severity::Label);
@@ -123,10 +114,7 @@ fn of_a_laser_export_nothing_is_guessed() {
         for option in ["--term", "--sign", "--material-corrected"] {
             assert!(nothing.contains(option), "{name}: {nothing}");
         }
-        let turned = Stated {
-            sign: Some(TableSign::AsCorrection),
-            ..stated(name)
-        };
+        let turned = Stated { sign: Some(TableSign::AsCorrection), ..stated(name) };
         let contradicts = imported(path, &turned).is_err();
         assert_eq!(contradicts, turned.rows != Some(Rows::Averages), "{name}");
     }
@@ -168,10 +156,7 @@ fn kind(said: &str) -> &'static str {
         ("has no value", "variable that is not set"),
         ("write G90.1 before", "absolute centres"),
         ("the end of the arc lies", "arc misses its circle"),
-        (
-            "the language of another control",
-            "language of another control",
-        ),
+        ("the language of another control", "language of another control"),
         ("text belongs into", "language of another control"),
         ("`L` belongs to no word", "Siemens language"),
     ];
@@ -205,9 +190,8 @@ fn part_programs_of_others_run_or_are_refused_for_their_reason() {
     let directory = tempfile::tempdir().unwrap();
     fs::write(directory.path().join("job.toml"), job()).unwrap();
     fs::write(directory.path().join("errors.csv"), ERRORS).unwrap();
-    let outcomes = files
-        .iter()
-        .map(|(name, path)| format!("{name}: {}", outcome(directory.path(), path)));
+    let outcomes =
+        files.iter().map(|(name, path)| format!("{name}: {}", outcome(directory.path(), path)));
     let list: Vec<String> = outcomes.collect();
     insta::assert_snapshot!(list.join("\n"));
 }

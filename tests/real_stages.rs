@@ -51,10 +51,7 @@ impl Stage {
                 .map(|row| (row[first..first + 5].iter().sum::<f64>() / 5.0 - row[1]) * 1000.0)
                 .collect(),
         };
-        Some(Stage {
-            up: mean(2),
-            down: mean(7),
-        })
+        Some(Stage { up: mean(2), down: mean(7) })
     }
 
     fn spacing(&self) -> f64 {
@@ -73,10 +70,7 @@ impl Stage {
             let um = mm.iter().map(|x| lines.at(*x)).collect();
             Lines { mm, um }
         };
-        Stage {
-            up: halve(&self.up),
-            down: halve(&self.down),
-        }
+        Stage { up: halve(&self.up), down: halve(&self.down) }
     }
 
     /// Deviation relative to that moving up at 0, at every target: up, down.
@@ -112,11 +106,7 @@ fn errors_csv(stages: &[(Axis, Stage)]) -> String {
         for (sign, lines) in [("+", &stage.up), ("-", &stage.down)] {
             for (x, um) in lines.mm.iter().zip(&lines.um) {
                 let cell = |of: Axis| {
-                    if of == *axis {
-                        format!("{um:?}")
-                    } else {
-                        String::new()
-                    }
+                    if of == *axis { format!("{um:?}") } else { String::new() }
                 };
                 let cells = Axis::ALL.map(cell).join(",");
                 writeln!(csv, "{},{sign},{x:?},{cells}", axis.key()).unwrap();
@@ -129,11 +119,7 @@ fn errors_csv(stages: &[(Axis, Stage)]) -> String {
 /// Points of the tables: on the targets. A Fanuc control adds at most 7 × 100 × 0.1 µm from one
 /// point to the next, less than the steepest stage asks for, so it has one more between any two.
 fn job(stages: &[(Axis, Stage)], controller: &str, policy: &str) -> String {
-    let parts = if controller.starts_with("fanuc") {
-        2.0
-    } else {
-        1.0
-    };
+    let parts = if controller.starts_with("fanuc") { 2.0 } else { 1.0 };
     job_with(stages, controller, policy, parts)
 }
 
@@ -185,11 +171,8 @@ fn left_by_steps(stage: &Stage, count: f64, tables: [(&[f64], f64); 2]) -> f64 {
             .iter()
             .enumerate()
             .map(|(node, um)| {
-                let total = if node == reference {
-                    0.0
-                } else {
-                    ((-um - constant) / count).round()
-                };
+                let total =
+                    if node == reference { 0.0 } else { ((-um - constant) / count).round() };
                 total * count + constant
             })
             .collect();
@@ -225,13 +208,7 @@ fn check_stages(policy: &str) {
             let forecasts = kit.forecast.terms.iter();
             let term = forecasts
                 .clone()
-                .find(|t| {
-                    t.term
-                        == ErrorTerm {
-                            of: *axis,
-                            along: *axis,
-                        }
-                })
+                .find(|t| t.term == ErrorTerm { of: *axis, along: *axis })
                 .unwrap();
             let name = format!("{id} {} {policy}", term.term);
             let deviation = stage.relative();
@@ -256,11 +233,7 @@ fn check_stages(policy: &str) {
             };
             let (after, near) = match (&profile.dialect, &tables) {
                 (Dialect::Generic(_), _) => {
-                    let half = if support::needs_unit(id) {
-                        UNIT_UM / 2.0
-                    } else {
-                        0.0
-                    };
+                    let half = if support::needs_unit(id) { UNIT_UM / 2.0 } else { 0.0 };
                     (ideal, half + FIGURE_UM)
                 }
                 (Dialect::Declared(facts), _) => {
@@ -346,10 +319,9 @@ fn the_emulated_stages_stand_where_they_should() {
         let control = support::control(&profile, &kit);
         for ((_, stage), name) in stages.iter().zip(&profile.axis_names.value) {
             let zero = stage.up.at(0.0);
-            for (direction, lines) in [
-                (Direction::Plus, &stage.up),
-                (Direction::Minus, &stage.down),
-            ] {
+            for (direction, lines) in
+                [(Direction::Plus, &stage.up), (Direction::Minus, &stage.down)]
+            {
                 let response = support::response(control.as_ref(), name, name, direction);
                 for part in 0..=500 {
                     let (low, high) = (lines.mm[0], lines.mm[lines.mm.len() - 1]);
@@ -369,18 +341,11 @@ fn the_emulated_stages_stand_where_they_should() {
 // The nine errors of the 900 mm machine
 
 /// Range of every body diagonal as measured, µm, from an independent simulation.
-const DIAGONALS_UM: [(&str, f64); 4] = [
-    ("PPP", 18.543452999),
-    ("NPP", 12.715510628),
-    ("PNP", 13.843169661),
-    ("PPN", 21.457424184),
-];
+const DIAGONALS_UM: [(&str, f64); 4] =
+    [("PPP", 18.543452999), ("NPP", 12.715510628), ("PNP", 13.843169661), ("PPN", 21.457424184)];
 /// φ of every pair of axes, µm/m, from the same simulation.
-const SQUARENESS_UM_PER_M: [(Axis, Axis, f64); 3] = [
-    (Axis::X, Axis::Y, 19.166666667),
-    (Axis::X, Axis::Z, -13.055555556),
-    (Axis::Y, Axis::Z, 12.5),
-];
+const SQUARENESS_UM_PER_M: [(Axis, Axis, f64); 3] =
+    [(Axis::X, Axis::Y, 19.166666667), (Axis::X, Axis::Z, -13.055555556), (Axis::Y, Axis::Z, 12.5)];
 
 const GOLDEN: &str = include_str!("../fixtures/nine_errors_900/generic.toml");
 const GOLDEN_FANUC: &str = include_str!("../fixtures/nine_errors_900/fanuc-30i.toml");
@@ -398,10 +363,7 @@ fn nine_errors_of_the_900_mm_machine_on_every_control() {
         assert_eq!(kit.manifest.controller, id);
         for (first, second, expected) in SQUARENESS_UM_PER_M {
             let phi = inputs.model.squareness_um_per_m(first, second).unwrap();
-            assert!(
-                (phi - expected).abs() <= FIGURE_UM,
-                "{id} φ{first}{second}: {phi}"
-            );
+            assert!((phi - expected).abs() <= FIGURE_UM, "{id} φ{first}{second}: {phi}");
         }
         assert_eq!(kit.forecast.diagonals.len(), 4);
         for (diagonal, (name, before)) in kit.forecast.diagonals.iter().zip(DIAGONALS_UM) {

@@ -12,9 +12,7 @@ use std::process::{Command, Output};
 
 fn nonius(arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
-    let command = command
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(arguments);
+    let command = command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments);
     command.output().expect("the program runs")
 }
 
@@ -26,12 +24,7 @@ fn document(arguments: &[&str]) -> Value {
 
 fn page(arguments: &[&str]) -> String {
     let output = nonius(&[&["report"], arguments, &["-o", "-"]].concat());
-    assert_ne!(
-        output.status.code(),
-        Some(2),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert_ne!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).expect("the page is text")
 }
 
@@ -43,12 +36,7 @@ fn figures(page: &str) -> Vec<(f64, String, String, String)> {
         let (shown, _) = rest.split_once("</span>").expect("what is shown");
         let (command, at) = of.split_once(' ').expect("command and place");
         let number = number.parse().expect("a number");
-        (
-            number,
-            command.to_string(),
-            at.to_string(),
-            shown.to_string(),
-        )
+        (number, command.to_string(), at.to_string(), shown.to_string())
     });
     figures.collect()
 }
@@ -56,12 +44,7 @@ fn figures(page: &str) -> Vec<(f64, String, String, String)> {
 fn kit(folder: &Path, job: &str) -> PathBuf {
     let kit = folder.join("kit");
     let output = nonius(&["generate", job, "-q", "-o", kit.to_str().expect("a name")]);
-    assert_ne!(
-        output.status.code(),
-        Some(2),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
+    assert_ne!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
     kit
 }
 
@@ -73,14 +56,8 @@ fn check_figures(page: &str, job: &str, kit: &Path, after: Option<&str>) {
     let manifest = std::fs::read(kit.join("manifest.json")).expect("a manifest");
     let documents = [
         ("verify", document(&verify)),
-        (
-            "assess",
-            document(&["assess", job, "--tables", tables, "--grid", "11,11,11"]),
-        ),
-        (
-            "kit",
-            serde_json::from_slice(&manifest).expect("a manifest is JSON"),
-        ),
+        ("assess", document(&["assess", job, "--tables", tables, "--grid", "11,11,11"])),
+        ("kit", serde_json::from_slice(&manifest).expect("a manifest is JSON")),
     ];
     check_documents(page, &documents, 30);
 }
@@ -99,18 +76,13 @@ fn check_documents(page: &str, documents: &[(&str, Value)], least: usize) {
         let read: f64 = shown.parse().expect("a figure is a number");
         let digits = u32::try_from(decimals).expect("few decimals");
         let half = 0.5 / nonius::quantity::units::power_of_ten(digits);
-        assert!(
-            (read - number).abs() <= half * 1.001,
-            "{command} {at}: {shown} for {number}"
-        );
+        assert!((read - number).abs() <= half * 1.001, "{command} {at}: {shown} for {number}");
     }
 }
 
 /// The sentences of a part.
 fn items(page: &str, part: &str) -> Vec<String> {
-    let (_, rest) = page
-        .split_once(&format!("<section id=\"{part}\""))
-        .expect("the part");
+    let (_, rest) = page.split_once(&format!("<section id=\"{part}\"")).expect("the part");
     let (part, _) = rest.split_once("</section>").expect("the end of the part");
     let items = part.split("<li>").skip(1);
     let items = items.map(|item| item.split("</li>").next().expect("an item").to_string());
@@ -147,19 +119,10 @@ fn without_tables_it_shows_the_machine_as_found() {
     for (term, axis, column) in [("EXX", "x", 2), ("EYY", "y", 3), ("EZZ", "z", 4)] {
         let found = &assess["terms"][term]["before_um"];
         let um = found.as_f64().expect("a figure");
-        assert!(
-            (um - largest(&table, axis, column)).abs() < 1e-6,
-            "{term} {um}"
-        );
+        assert!((um - largest(&table, axis, column)).abs() < 1e-6, "{term} {um}");
     }
     assert!(english.contains("AS FOUND") && english.contains("no tables are given"));
-    for word in [
-        "Forecast",
-        "As left",
-        "PASS",
-        "Tables of the control",
-        "Rollback",
-    ] {
+    for word in ["Forecast", "As left", "PASS", "Tables of the control", "Rollback"] {
         assert!(!english.contains(word), "{word}");
     }
     assert!(english.contains("/definitions/diagonals_um/PNP") && english.contains("EYX"));
@@ -168,10 +131,7 @@ fn without_tables_it_shows_the_machine_as_found() {
     let place = place.to_str().expect("a name");
     let output = nonius(&["report", job, "-o", place, "--format", "json"]);
     let said: Value = serde_json::from_slice(&output.stdout).expect("a document");
-    assert_eq!(
-        (&said["verdict"], output.status.code()),
-        (&"as-found".into(), Some(0))
-    );
+    assert_eq!((&said["verdict"], output.status.code()), (&"as-found".into(), Some(0)));
 }
 
 /// Of an error table alone nobody knows the machine; U is that of a value known to 1 µm: 1.96 µm (95 %).
@@ -188,19 +148,9 @@ fn an_error_table_alone_will_do() {
     assert_eq!(terms["before_um"].as_f64(), Some(50.0));
     let expanded = terms["expanded_um"].as_f64().expect("U");
     assert!((expanded - 1.95996).abs() < 0.0001, "{expanded}");
-    assert!(
-        found.contains("errors.csv") && found.contains("<code>"),
-        "its hash"
-    );
-    assert!(
-        !found.contains("/definitions/diagonals_um"),
-        "one error makes no diagonal"
-    );
-    assert!(
-        items(&found, "missing_found")
-            .iter()
-            .any(|item| item.starts_with("EYY"))
-    );
+    assert!(found.contains("errors.csv") && found.contains("<code>"), "its hash");
+    assert!(!found.contains("/definitions/diagonals_um"), "one error makes no diagonal");
+    assert!(items(&found, "missing_found").iter().any(|item| item.starts_with("EYY")));
 }
 
 /// Readings without tables: figures of the diagonals, squareness from the totals with its U, the doubt first.
@@ -208,11 +158,8 @@ fn an_error_table_alone_will_do() {
 fn readings_without_tables_keep_their_doubts() {
     let folder = tempfile::tempdir().expect("a place to write to");
     let case_d = Path::new("fixtures/diagonals/case_d_bidirectional");
-    std::fs::copy(
-        case_d.join("readings.csv"),
-        folder.path().join("readings.csv"),
-    )
-    .expect("readings");
+    std::fs::copy(case_d.join("readings.csv"), folder.path().join("readings.csv"))
+        .expect("readings");
     let job = case_d.join("job.toml");
     let job = without_tables(folder.path(), job.to_str().expect("a name"));
     let found = page(&[&job]);
@@ -220,32 +167,16 @@ fn readings_without_tables_keep_their_doubts() {
     let assess = document(&["assess", &job, "--grid", "11,11,11"]);
     for plane in ["xy", "xz", "yz"] {
         let squareness = &assess["squareness"][plane];
-        assert_eq!(
-            squareness["before_um_per_m"],
-            separate["squareness_um_per_m"][plane]
-        );
-        let u = separate["u_squareness_um_per_m"][plane]
-            .as_f64()
-            .expect("u");
+        assert_eq!(squareness["before_um_per_m"], separate["squareness_um_per_m"][plane]);
+        let u = separate["u_squareness_um_per_m"][plane].as_f64().expect("u");
         let expanded = squareness["expanded_um_per_m"].as_f64().expect("U");
-        assert!(
-            (1.9..2.1).contains(&(expanded / u)),
-            "{plane}: {expanded}, u {u}"
-        );
+        assert!((1.9..2.1).contains(&(expanded / u)), "{plane}: {expanded}, u {u}");
     }
     let standards = document(&["standards", &job]);
     check_documents(&found, &[("assess", assess), ("standards", standards)], 30);
-    let (verdict, _) = found
-        .split_once("Largest deviation")
-        .expect("the first page");
-    assert!(
-        verdict.contains("reversal"),
-        "the reversal that no curve holds is a doubt"
-    );
-    assert!(
-        !verdict.contains('\u{2264}'),
-        "a limit that nothing was judged by"
-    );
+    let (verdict, _) = found.split_once("Largest deviation").expect("the first page");
+    assert!(verdict.contains("reversal"), "the reversal that no curve holds is a doubt");
+    assert!(!verdict.contains('\u{2264}'), "a limit that nothing was judged by");
 }
 
 #[test]
@@ -261,14 +192,8 @@ fn runs_of_an_axis_are_shown_by_standard() {
     check_documents(&found, &documents, 40);
     assert!(found.contains("standards:2 /iso_230_2/A_um"));
     assert!(found.contains("the travel is not stated") && !found.contains("--travel-mm"));
-    let output = nonius(&[
-        "report",
-        job,
-        "--linear",
-        "fixtures/formats/sample_synthetic.rtl",
-        "-o",
-        "-",
-    ]);
+    let output =
+        nonius(&["report", job, "--linear", "fixtures/formats/sample_synthetic.rtl", "-o", "-"]);
     let words = String::from_utf8_lossy(&output.stderr);
     assert!(
         output.status.code() == Some(2) && words.contains("expected runs of one axis (CSV)"),
@@ -305,9 +230,7 @@ fn a_finding_stands_once() {
     let from = Path::new("fixtures/nine_errors_900");
     std::fs::copy(from.join("errors.csv"), folder.path().join("errors.csv")).expect("a copy");
     let job = std::fs::read_to_string(from.join("siemens-840d-sl.toml")).expect("a job");
-    let job = job
-        .lines()
-        .filter(|line| !line.starts_with("active_while_measuring"));
+    let job = job.lines().filter(|line| !line.starts_with("active_while_measuring"));
     let job = job.collect::<Vec<_>>().join("\n");
     let place = folder.path().join("job.toml");
     let unused = "[measurement.uncertainty]\ntemperature_k = 0.3\n";
@@ -321,9 +244,7 @@ fn a_finding_stands_once() {
     let both = notes.filter(|note| is_unused(note.as_str().unwrap_or_default()));
     assert_eq!(both.count(), 2, "one of each measurement");
     let left = page(&[job, "--tables", tables, "--after", job]);
-    let once = items(&left, "findings")
-        .into_iter()
-        .filter(|item| is_unused(item));
+    let once = items(&left, "findings").into_iter().filter(|item| is_unused(item));
     assert_eq!(once.count(), 1);
 }
 
@@ -334,21 +255,12 @@ fn every_figure_is_that_of_its_command() {
     let kit = kit(folder.path(), job);
     let tables = kit.to_str().expect("a name");
     check_figures(&page(&[job, "--tables", tables]), job, &kit, None);
-    check_figures(
-        &page(&[job, "--tables", tables, "--language", "de"]),
-        job,
-        &kit,
-        None,
-    );
+    check_figures(&page(&[job, "--tables", tables, "--language", "de"]), job, &kit, None);
     // As left: the same machine measured with the tables, which the simulation predicts.
     let after = folder.path().join("after.csv");
     let after = after.to_str().expect("a name");
     let made = nonius(&["simulate", job, "--tables", tables, "--errors", "-o", after]);
-    assert!(
-        made.status.success(),
-        "{}",
-        String::from_utf8_lossy(&made.stderr)
-    );
+    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
     let left = page(&[job, "--tables", tables, "--after", after]);
     assert!(left.contains("/terms/EXX/after_um") && left.contains("As left"));
     assert!(left.contains("REHEARSAL") && left.contains("the values afterwards were simulated"));
@@ -364,11 +276,9 @@ fn every_figure_is_that_of_its_command() {
     std::fs::write(&second, text).expect("a job");
     let second = second.to_str().expect("a name");
     let left = page(&[job, "--tables", tables, "--after", second]);
-    for said in [
-        "As found: 2026-11-20; As left: 2026-11-23",
-        "As left: A. Person",
-        "As left: granite",
-    ] {
+    for said in
+        ["As found: 2026-11-20; As left: 2026-11-23", "As left: A. Person", "As left: granite"]
+    {
         assert!(left.contains(said), "{said}");
     }
 }
@@ -377,13 +287,7 @@ fn every_figure_is_that_of_its_command() {
 #[test]
 fn it_works_for_every_control() {
     let folder = tempfile::tempdir().expect("a place to write to");
-    for id in [
-        "siemens-828d",
-        "fanuc-30i",
-        "fanuc-0i-f",
-        "fanuc-16i",
-        "generic",
-    ] {
+    for id in ["siemens-828d", "fanuc-30i", "fanuc-0i-f", "fanuc-16i", "generic"] {
         let job = format!("fixtures/nine_errors_900/{id}.toml");
         let kit = kit(&folder.path().join(id), &job);
         let after = "fixtures/nine_errors_900/errors.csv";
@@ -406,18 +310,12 @@ fn nothing_is_called_complete_that_is_not_known() {
     let page = page(&[job, "--tables", tables]);
     assert!(!page.contains(complete) && !page.contains("No file of this kit disables"));
     assert!(page.contains("has no manifest.json"));
-    assert!(
-        page.contains("U is not stated and counted as 0"),
-        "what the verdict rests on"
-    );
+    assert!(page.contains("U is not stated and counted as 0"), "what the verdict rests on");
 }
 
 #[test]
 fn it_works_from_errors_or_readings_alone_in_every_language() {
-    for job in [
-        "fixtures/start/errors/job.toml",
-        "fixtures/start/readings/job.toml",
-    ] {
+    for job in ["fixtures/start/errors/job.toml", "fixtures/start/readings/job.toml"] {
         for language in ["en", "de", "zh"] {
             let page = page(&[job, "--language", language]);
             assert!(page.contains(&format!("<html lang=\"{language}\">")));
@@ -439,10 +337,7 @@ fn inches_are_shown_and_the_document_stays_in_micrometres() {
         .find(|(number, _, at, _)| at.ends_with("before_um") && *number > 1.0)
         .expect("an error");
     let read: f64 = shown.parse().expect("a figure");
-    assert!(
-        (read - number / 0.0254).abs() < 0.0501,
-        "{shown} for {number} µm"
-    );
+    assert!((read - number / 0.0254).abs() < 0.0501, "{shown} for {number} µm");
     assert!(page.contains("µin"));
 }
 
@@ -480,9 +375,7 @@ fn pages_with_pictures(folder: &Path, options: &[&str]) -> String {
 
 /// Words of four letters or more, as they are written.
 fn words(texts: &[String]) -> BTreeSet<&str> {
-    let words = texts
-        .iter()
-        .flat_map(|text| text.split(|c: char| !c.is_alphabetic()));
+    let words = texts.iter().flat_map(|text| text.split(|c: char| !c.is_alphabetic()));
     words.filter(|word| word.chars().count() > 3).collect()
 }
 
@@ -552,31 +445,16 @@ fn the_first_page_speaks_the_readers_language() {
         let (_, body) = page.split_once("<body>").expect("a body");
         let (first, behind) = body.split_once("</section>").expect("the first page");
         let lists = behind.split("<ul lang=\"en\">");
-        let said: Vec<bool> = lists
-            .map(|before| before.trim_end().ends_with("</p>"))
-            .collect();
+        let said: Vec<bool> = lists.map(|before| before.trim_end().ends_with("</p>")).collect();
         let (_, said) = said.split_last().expect("a list of findings");
         let is_english = language == "en";
-        assert!(
-            !said.is_empty() && said.iter().all(|is| *is != is_english),
-            "{language}"
-        );
+        assert!(!said.is_empty() && said.iter().all(|is| *is != is_english), "{language}");
         text_of(first)
     };
     let english = vec![first("en")];
     let english = words(&english);
-    assert!(
-        english.contains("temperature_k") || english.contains("temperature"),
-        "{english:?}"
-    );
-    let names = [
-        "golden",
-        "SINUMERIK",
-        "Siemens",
-        "temperature",
-        "Position",
-        "Name",
-    ];
+    assert!(english.contains("temperature_k") || english.contains("temperature"), "{english:?}");
+    let names = ["golden", "SINUMERIK", "Siemens", "temperature", "Position", "Name"];
     for language in ["de", "zh"] {
         let own = vec![first(language)];
         let own = words(&own);
@@ -594,21 +472,11 @@ fn nothing_that_decides_is_lost() {
     let job = undecided(folder.path());
     let kit = kit(folder.path(), &job);
     let tables = kit.to_str().expect("a name");
-    let whole = page(&[
-        &job,
-        "--tables",
-        tables,
-        "--language",
-        "de",
-        "--unit",
-        "inch",
-    ]);
+    let whole = page(&[&job, "--tables", tables, "--language", "de", "--unit", "inch"]);
     let verify = document(&["verify", &job, "--tables", tables]);
     let causes = verify["causes"].as_array().expect("causes").iter();
     let causes = causes.map(|cause| cause.as_str().expect("a sentence"));
-    let misses = causes
-        .filter(|cause| cause.contains("the limit is"))
-        .count();
+    let misses = causes.filter(|cause| cause.contains("the limit is")).count();
     assert_eq!(misses, 13, "nine errors and four diagonals");
     let reasons = items(&whole, "reasons");
     assert_eq!(reasons.len(), misses);
@@ -617,28 +485,16 @@ fn nothing_that_decides_is_lost() {
     let shown: Vec<&str> = verdict.split("<li>").skip(1).collect();
     let more = format!("{} weitere", misses - 3);
     assert!(shown.len() == 5 && shown[3].starts_with(&more), "{shown:?}");
-    assert!(
-        shown[4].starts_with("Zweifel an der Messung (1)"),
-        "{shown:?}"
-    );
+    assert!(shown[4].starts_with("Zweifel an der Messung (1)"), "{shown:?}");
     for (line, reason) in shown.iter().zip(&reasons[..3]) {
         assert!(line.starts_with(reason.as_str()), "{line} / {reason}");
     }
-    let u = verify["diagonals"]["PPP"]["expanded_um"]
-        .as_f64()
-        .expect("U");
+    let u = verify["diagonals"]["PPP"]["expanded_um"].as_f64().expect("U");
     let u = format!("{:.2}", u / 0.0254).replace('.', ",");
     assert!(text_of(&reasons[0]).contains(&u), "{reasons:?}: {u}");
-    assert!(
-        reasons[0].contains("236,2 µin") && !reasons[0].contains("µm "),
-        "{reasons:?}"
-    );
+    assert!(reasons[0].contains("236,2 µin") && !reasons[0].contains("µm "), "{reasons:?}");
     let findings = items(&whole, "findings");
-    assert!(
-        findings
-            .iter()
-            .any(|words| words.contains("active_while_measuring"))
-    );
+    assert!(findings.iter().any(|words| words.contains("active_while_measuring")));
     assert!(!findings.iter().any(|words| words.contains("the limit is")));
 }
 
@@ -696,10 +552,7 @@ fn text_of_others_is_shown_and_not_obeyed() {
     let words = String::from_utf8_lossy(&output.stderr);
     assert!(page.contains("&lt;img src=x onerror="), "{words}");
     assert!(!page.contains("<img src=x") && !page.contains("a<b>"));
-    assert!(
-        page.contains("\\3c img src\\3d x"),
-        "in the style of the print"
-    );
+    assert!(page.contains("\\3c img src\\3d x"), "in the style of the print");
 }
 
 #[test]
@@ -721,19 +574,12 @@ fn a_template_and_texts_of_ones_own() {
     assert!(own.contains("VYHOVUJE") && own.contains("<html lang=\"cs\">"));
     for (name, text, says) in [
         ("short.toml", "title = \"x\"\n", "lacks"),
-        (
-            "long.toml",
-            &format!("{english}\nother = \"x\"\n"),
-            "unknown keys: other",
-        ),
+        ("long.toml", &format!("{english}\nother = \"x\"\n"), "unknown keys: other"),
     ] {
         let texts = put(name, text);
         let output = nonius(&["report", job, "--language", &texts, "-o", "-"]);
         let words = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(
-            output.status.code() == Some(2) && words.contains(says),
-            "{words}"
-        );
+        assert!(output.status.code() == Some(2) && words.contains(says), "{words}");
     }
 }
 
@@ -744,18 +590,12 @@ fn the_purpose_of_a_file_is_no_word_of_the_manifest() {
     let job = "fixtures/nine_errors_900/siemens-840d-sl.toml";
     let kit = kit(folder.path(), job);
     let tables = kit.to_str().expect("a name");
-    for (language, proof) in [
-        ("en", "sign proof"),
-        ("de", "Vorzeichenprobe"),
-        ("zh", "符号验证"),
-    ] {
+    for (language, proof) in [("en", "sign proof"), ("de", "Vorzeichenprobe"), ("zh", "符号验证")]
+    {
         let page = page(&[job, "--tables", tables, "--language", language]);
         let (_, files) = page.split_once("NONIUS_EEC.MPF</td>").expect("the files");
         let files = files.split("</table>").next().expect("a table");
         assert!(files.contains(&format!(">{proof}<")), "{language}: {files}");
-        assert!(
-            !files.contains(">sign-proof<") && !files.contains(">table<"),
-            "{files}"
-        );
+        assert!(!files.contains(">sign-proof<") && !files.contains(">table<"), "{files}");
     }
 }

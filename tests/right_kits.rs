@@ -122,11 +122,7 @@ fn machine(random: &mut Random, points: u32, size: f64) -> Vec<Row> {
 /// An error table; `noise` is added to every value, and stated where `u_um` is given.
 fn table(rows: &[Row], mut noise: impl FnMut() -> f64, u_um: Option<f64>) -> String {
     let mut csv = String::from("axis,position_mm,ex_um,ey_um,ez_um");
-    csv.push_str(if u_um.is_some() {
-        ",u_ex_um,u_ey_um,u_ez_um\n"
-    } else {
-        "\n"
-    });
+    csv.push_str(if u_um.is_some() { ",u_ex_um,u_ey_um,u_ez_um\n" } else { "\n" });
     for row in rows {
         write!(csv, "{},{}", AXES[row.axis].0, row.mm).unwrap();
         for um in row.um {
@@ -147,10 +143,7 @@ fn read_table(csv: &str) -> Vec<Row> {
         let cells: Vec<&str> = line.split(',').collect();
         let number = |index: usize| cells[index].parse::<f64>().unwrap();
         Row {
-            axis: AXES
-                .iter()
-                .position(|(name, ..)| *name == cells[0])
-                .unwrap(),
+            axis: AXES.iter().position(|(name, ..)| *name == cells[0]).unwrap(),
             mm: number(1),
             um: [number(2), number(3), number(4)],
         }
@@ -169,11 +162,8 @@ fn job(measurement: &str, control: &str, limit_um: f64, points: u32) -> String {
         )
         .unwrap();
     }
-    writeln!(
-        text,
-        "[measurement]\n{measurement}\n[compensation]\ncontroller = \"{control}\""
-    )
-    .unwrap();
+    writeln!(text, "[measurement]\n{measurement}\n[compensation]\ncontroller = \"{control}\"")
+        .unwrap();
     for (axis, low, high) in AXES {
         let spacing = (high - low) / f64::from(points - 1);
         writeln!(
@@ -215,8 +205,7 @@ struct Outcome {
 
 fn said(document: &Value, key: &str, words: &str) -> bool {
     let all = document[key].as_array().unwrap();
-    all.iter()
-        .any(|said| said.as_str().unwrap().contains(words))
+    all.iter().any(|said| said.as_str().unwrap().contains(words))
 }
 
 fn largest(rows: &[Row], axis: usize, of: usize) -> f64 {
@@ -243,9 +232,7 @@ fn outcome(at: &Path, left: &[Row]) -> Outcome {
             most = most.max(um);
         }
     }
-    let u = forecast["max_residual_expanded_um"]
-        .as_f64()
-        .unwrap_or(f64::INFINITY);
+    let u = forecast["max_residual_expanded_um"].as_f64().unwrap_or(f64::INFINITY);
     Outcome {
         forecast: forecast["verdict"].as_str().unwrap().to_string(),
         after: after["verdict"].as_str().unwrap().to_string(),
@@ -264,35 +251,17 @@ fn by_diagonals(seed: u64, runs: u32, u_of_lines: bool) -> Outcome {
     let at = directory.path();
     let control = CONTROLS[(seed % 3) as usize];
     let put = |name: &str, text: &str| fs::write(at.join(name), text).unwrap();
-    put(
-        "errors.csv",
-        &table(&machine(&mut random, 31, 8.0), || 0.0, None),
-    );
+    put("errors.csv", &table(&machine(&mut random, 31, 8.0), || 0.0, None));
     let program = format!("[program]\nwhat = \"step-diagonal\"\nbidirectional = false\n{BOX}");
-    let own = job(
-        "errors = \"errors.csv\"\nactive_while_measuring = \"none\"",
-        control,
-        5.0,
-        31,
-    );
+    let own = job("errors = \"errors.csv\"\nactive_while_measuring = \"none\"", control, 5.0, 31);
     put("machine.toml", &format!("{own}{program}"));
     put(
         "job.toml",
-        &job(
-            &diagonals("readings.csv", "linear.csv", "none", lines),
-            control,
-            5.0,
-            31,
-        ),
+        &job(&diagonals("readings.csv", "linear.csv", "none", lines), control, 5.0, 31),
     );
     put(
         "after.toml",
-        &job(
-            &diagonals("after.csv", "linear-after.csv", "kit", lines),
-            control,
-            5.0,
-            31,
-        ),
+        &job(&diagonals("after.csv", "linear-after.csv", "kit", lines), control, 5.0, 31),
     );
     let simulate = |how: &str, seed: u64, out: &str| {
         let noise = format!("--noise-um 0.3 --seed {seed} --runs {runs}");
@@ -310,10 +279,7 @@ fn by_diagonals(seed: u64, runs: u32, u_of_lines: bool) -> Outcome {
     nonius(at, "generate job.toml -o kit");
     simulate("--tables kit", 4 * seed + 2, "after.csv");
     linear("--tables kit --errors", 4 * seed + 3, "linear-after.csv");
-    nonius(
-        at,
-        "simulate machine.toml --tables kit --errors -o left.csv",
-    );
+    nonius(at, "simulate machine.toml --tables kit --errors -o left.csv");
     let left = read_table(&fs::read_to_string(at.join("left.csv")).unwrap());
     outcome(at, &left)
 }
@@ -354,10 +320,7 @@ fn by_tables(seed: u64, stated: Stated) -> Outcome {
     };
     let truth = machine(&mut random, points, size);
     put("truth.csv", &table(&truth, || 0.0, None));
-    put(
-        "errors.csv",
-        &table(&truth, || first * gauss(&mut random), u_first),
-    );
+    put("errors.csv", &table(&truth, || first * gauss(&mut random), u_first));
     let of = |errors: &str, active: &str| {
         let measurement = format!("errors = \"{errors}\"\nactive_while_measuring = \"{active}\"");
         job(&measurement, control, 5.0, points)
@@ -366,15 +329,9 @@ fn by_tables(seed: u64, stated: Stated) -> Outcome {
     put("job.toml", &of("errors.csv", "none"));
     put("after.toml", &of("after.csv", "kit"));
     nonius(at, "generate job.toml -o kit");
-    nonius(
-        at,
-        "simulate machine.toml --tables kit --errors -o left.csv",
-    );
+    nonius(at, "simulate machine.toml --tables kit --errors -o left.csv");
     let left = read_table(&fs::read_to_string(at.join("left.csv")).unwrap());
-    put(
-        "after.csv",
-        &table(&left, || second * gauss(&mut random), u_second),
-    );
+    put("after.csv", &table(&left, || second * gauss(&mut random), u_second));
     outcome(at, &left)
 }
 
@@ -427,9 +384,8 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
         (3, false, "three runs, no U of the linear axes"),
         (3, true, "step diagonals, three runs"),
     ] {
-        let all = trials(diagonals, |i| {
-            by_diagonals(10_000 * u64::from(runs) + i, runs, u_of_lines)
-        });
+        let all =
+            trials(diagonals, |i| by_diagonals(10_000 * u64::from(runs) + i, runs, u_of_lines));
         text += &row(name, &all, u_of_lines);
         accused.push(share_accused(&all));
         if u_of_lines {
@@ -439,9 +395,7 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
             all.iter().filter(|o| o.after == "pass").count() as f64 / all.len() as f64;
     }
     for (stated, name) in STATED {
-        let all = trials(tables, |i| {
-            by_tables(100_000 * (stated as u64 + 1) + i, stated)
-        });
+        let all = trials(tables, |i| by_tables(100_000 * (stated as u64 + 1) + i, stated));
         let known = matches!(stated, Stated::Both | Stated::First);
         text += &row(&format!("error tables, {name}"), &all, known);
         accused.push(share_accused(&all));
@@ -449,16 +403,9 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
             held.push(all.iter().filter(|o| o.largest_held).count() as f64 / all.len() as f64);
         }
     }
-    let (least, most) = if is_whole() {
-        (0.93, 0.01)
-    } else {
-        (0.80, 0.10)
-    };
+    let (least, most) = if is_whole() { (0.93, 0.01) } else { (0.80, 0.10) };
     assert!(held.iter().all(|share| *share >= least), "{held:?}\n{text}");
-    assert!(
-        accused.iter().all(|share| *share <= most),
-        "{accused:?}\n{text}"
-    );
+    assert!(accused.iter().all(|share| *share <= most), "{accused:?}\n{text}");
     assert!(passed_of_three >= 0.9 || !is_whole(), "{passed_of_three}");
     if is_whole() {
         published("right kits", "right_kits", &text);

@@ -48,16 +48,13 @@ struct Bench {
 
 impl Bench {
     fn new() -> Bench {
-        let bench = Bench {
-            directory: tempfile::tempdir().unwrap(),
-        };
+        let bench = Bench { directory: tempfile::tempdir().unwrap() };
         let rows = ["x", "y", "z"]
             .map(|axis| format!("{axis},-{TRAVEL_MM},0,0,0\n{axis},{TRAVEL_MM},0,0,0\n"));
         let errors = format!("axis,position_mm,ex_um,ey_um,ez_um\n{}", rows.concat());
         bench.write("errors.csv", &errors);
-        let tools: String = (1..=9)
-            .map(|n| format!("T{n} P{n} Z{:.6}\n", tool_mm(n) / MM_PER_INCH))
-            .collect();
+        let tools: String =
+            (1..=9).map(|n| format!("T{n} P{n} Z{:.6}\n", tool_mm(n) / MM_PER_INCH)).collect();
         bench.write("tool.tbl", &tools);
         bench
     }
@@ -91,10 +88,7 @@ impl Bench {
         let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         let length_mm = found["length_mm"].as_f64().unwrap();
         let rows = self.run(nonius, &["path", "job.toml", "part.nc", "-o", "-"]);
-        Ok(Walked {
-            length_mm,
-            reach_mm: box_of(&String::from_utf8(rows.stdout).unwrap()),
-        })
+        Ok(Walked { length_mm, reach_mm: box_of(&String::from_utf8(rows.stdout).unwrap()) })
     }
 
     /// What LinuxCNC makes of it, or what it says.
@@ -105,15 +99,7 @@ impl Bench {
         self.write("theirs.ngc", &between_percents(program, inch));
         self.write("theirs.var", &parameters());
         let _ = fs::remove_file(self.path().join("out.txt"));
-        let arguments = [
-            "-g",
-            "-v",
-            "theirs.var",
-            "-t",
-            "tool.tbl",
-            "theirs.ngc",
-            "out.txt",
-        ];
+        let arguments = ["-g", "-v", "theirs.var", "-t", "tool.tbl", "theirs.ngc", "out.txt"];
         let output = self.run("rs274", &arguments);
         let calls = fs::read_to_string(self.path().join("out.txt")).unwrap_or_default();
         if output.status.success() && calls.contains("PROGRAM_END") {
@@ -143,15 +129,8 @@ fn job(keys: &str) -> String {
     }
     for number in 1..=9 {
         let length = tool_mm(number);
-        let name = if number == 2 {
-            "name = \"DRILL\"\n"
-        } else {
-            ""
-        };
-        let _ = write!(
-            text,
-            "[[path.tool]]\nnumber = {number}\n{name}length_mm = {length:?}\n"
-        );
+        let name = if number == 2 { "name = \"DRILL\"\n" } else { "" };
+        let _ = write!(text, "[[path.tool]]\nnumber = {number}\n{name}length_mm = {length:?}\n");
     }
     text
 }
@@ -159,10 +138,7 @@ fn job(keys: &str) -> String {
 /// LinuxCNC's parameters, in inches: the zeros, and the reference points at the machine's zero.
 fn parameters() -> String {
     let mut text = String::new();
-    let mut keys: Vec<u32> = (5161..=5169)
-        .chain(5181..=5189)
-        .chain(5210..=5220)
-        .collect();
+    let mut keys: Vec<u32> = (5161..=5169).chain(5181..=5189).chain(5210..=5220).collect();
     keys.extend((0..9).flat_map(|system| 5221 + 20 * system..=5230 + 20 * system));
     for key in keys {
         let (system, axis) = ((key.max(5220) - 5220) / 20, (key.max(5220) - 5220) % 20);
@@ -253,9 +229,7 @@ fn outcome(
         Unit::Siemens => ("mm", "siemens"),
     };
     let keys = format!("program_unit = \"{inch}\"\nlanguage = \"{language}\"\n{keys}");
-    let ours = bench
-        .ours(ours, &keys)
-        .map_err(|said| format!("refused: {said}"))?;
+    let ours = bench.ours(ours, &keys).map_err(|said| format!("refused: {said}"))?;
     let theirs = bench.theirs(theirs, unit == Unit::Inch);
     compare(&ours, &theirs.map_err(|said| format!("LinuxCNC: {said}"))?)
 }
@@ -285,11 +259,7 @@ fn real_programs_go_where_linuxcnc_goes() {
         }
     }
     let files = fs::read_dir(&directory).unwrap().count();
-    assert_eq!(
-        real::PROGRAMS.len() + 1,
-        files,
-        "one line for each file beside PROVENANCE.tsv"
-    );
+    assert_eq!(real::PROGRAMS.len() + 1, files, "one line for each file beside PROVENANCE.tsv");
     assert!(unexpected.is_empty(), "{}", unexpected.join("\n"));
 }
 

@@ -30,9 +30,7 @@ mod contradictions;
 mod angles;
 
 fn fixture(case: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures/diagonals")
-        .join(case)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/diagonals").join(case)
 }
 
 /// A copy of a golden case, with its job changed.
@@ -92,11 +90,7 @@ fn the_separated_table_and_the_job_with_readings_make_the_same_control_files() {
     let (before, after) = job.split_once("[measurement.step_diagonal]").unwrap();
     let (_, after) = after.split_once("[compensation]").unwrap();
     let job = before.replace("readings = \"readings.csv\"", "errors = \"errors.csv\"");
-    fs::write(
-        directory.path().join("nine.toml"),
-        format!("{job}[compensation]{after}"),
-    )
-    .unwrap();
+    fs::write(directory.path().join("nine.toml"), format!("{job}[compensation]{after}")).unwrap();
     stdout(&nonius(directory.path(), "generate nine.toml -o two"));
     for name in ["NONIUS_EEC.MPF", "NONIUS_CEC.MPF"] {
         let read = |kit: &str| fs::read(directory.path().join(kit).join(name)).unwrap();
@@ -104,24 +98,15 @@ fn the_separated_table_and_the_job_with_readings_make_the_same_control_files() {
     }
     let manifest = fs::read_to_string(directory.path().join("two/manifest.json")).unwrap();
     let sources = |manifest: &str| manifest.matches("readings.csv").count();
-    assert_eq!(
-        sources(&manifest),
-        1,
-        "the source of the table is traced: {manifest}"
-    );
+    assert_eq!(sources(&manifest), 1, "the source of the table is traced: {manifest}");
     stdout(&nonius(directory.path(), "verify job.toml --tables one"));
 }
 
 #[test]
 fn without_linear_axes_the_scales_are_named_and_left_out() {
     let directory = copy("case_b_setup", |job| {
-        let (before, after) = job
-            .split_once("[[measurement.step_diagonal.linear]]")
-            .unwrap();
-        format!(
-            "{before}[compensation]{}",
-            after.split_once("[compensation]").unwrap().1
-        )
+        let (before, after) = job.split_once("[[measurement.step_diagonal.linear]]").unwrap();
+        format!("{before}[compensation]{}", after.split_once("[compensation]").unwrap().1)
     });
     let page = serde_json::from_str::<Value>(&answered_no(&nonius(
         directory.path(),
@@ -135,24 +120,15 @@ fn without_linear_axes_the_scales_are_named_and_left_out() {
         words,
         "scale of X, Y and Z can be traded against each other; measure two axes along their length"
     );
-    assert!(
-        page["errors"].get("EXX").is_none(),
-        "not determined, so absent"
-    );
-    assert!(
-        page["errors"].get("EYX").is_some(),
-        "determined whatever the set-up"
-    );
+    assert!(page["errors"].get("EXX").is_none(), "not determined, so absent");
+    assert!(page["errors"].get("EYX").is_some(), "determined whatever the set-up");
     assert!(page.get("setup_arcsec").is_none());
     let xy = page["squareness_um_per_m"]["xy"].as_f64().unwrap();
     // What is not known of the scales (some 20 um/m) times the tilts (0.5 mrad) stays in it.
     assert!((xy - 19.1667).abs() < 0.05, "{xy}");
     let text = answered_no(&nonius(directory.path(), "separate job.toml -v"));
     assert!(text.contains("NOT DETERMINED by these readings"), "{text}");
-    assert!(
-        text.contains("U(95 %)") && !text.contains("-0.000"),
-        "{text}"
-    );
+    assert!(text.contains("U(95 %)") && !text.contains("-0.000"), "{text}");
 }
 
 #[test]
@@ -160,10 +136,7 @@ fn one_linear_axis_leaves_the_trade_of_the_other_two() {
     let directory = copy("case_b_setup", |job| {
         let parts: Vec<&str> = job.split("[[measurement.step_diagonal.linear]]").collect();
         let tail = parts[3].split_once("[compensation]").unwrap().1;
-        format!(
-            "{}[[measurement.step_diagonal.linear]]{}[compensation]{tail}",
-            parts[0], parts[1]
-        )
+        format!("{}[[measurement.step_diagonal.linear]]{}[compensation]{tail}", parts[0], parts[1])
     });
     let page = serde_json::from_str::<Value>(&answered_no(&nonius(
         directory.path(),
@@ -206,44 +179,27 @@ fn a_measured_linear_axis_serves_as_well_as_its_stated_slope() {
 #[test]
 fn the_same_seed_gives_the_same_bytes() {
     let directory = fixture("case_d_bidirectional");
-    let one = stdout(&nonius(
-        &directory,
-        "separate job.toml --format json --trials 300",
-    ));
-    let two = stdout(&nonius(
-        &directory,
-        "separate job.toml --format json --trials 300",
-    ));
+    let one = stdout(&nonius(&directory, "separate job.toml --format json --trials 300"));
+    let two = stdout(&nonius(&directory, "separate job.toml --format json --trials 300"));
     assert_eq!(one, two);
-    let other = stdout(&nonius(
-        &directory,
-        "separate job.toml --format json --trials 300 --seed 2",
-    ));
+    let other =
+        stdout(&nonius(&directory, "separate job.toml --format json --trials 300 --seed 2"));
     assert_ne!(one, other);
 }
 
 #[test]
 fn diagonals_of_case_d_have_the_figures_of_the_reference() {
-    let page = json(
-        &fixture("case_d_bidirectional"),
-        "separate job.toml --format json",
-    );
+    let page = json(&fixture("case_d_bidirectional"), "separate job.toml --format json");
     assert!((page["diagonals"]["e_d_um"].as_f64().unwrap() - 28.9797).abs() < 1e-6);
     assert!((page["diagonals"]["b_d_um"].as_f64().unwrap() - 9.146_333).abs() < 1e-6);
-    assert_eq!(
-        page["diagonals"]["label"],
-        "from step-diagonal cell ends, not ISO 230-6"
-    );
+    assert_eq!(page["diagonals"]["label"], "from step-diagonal cell ends, not ISO 230-6");
     assert!(page["errors"].get("EXX+").is_some() && page["errors"].get("EXX-").is_some());
 }
 
 #[test]
 fn two_tables_are_refused_where_the_reversal_is_not_determined() {
     let directory = copy("case_d_bidirectional", |job| {
-        job.replace(
-            "[compensation]\n",
-            "[compensation]\nbacklash = \"two-tables\"\n",
-        )
+        job.replace("[compensation]\n", "[compensation]\nbacklash = \"two-tables\"\n")
     });
     let output = nonius(directory.path(), "generate job.toml -o kit");
     refused(&output, "which these readings do not determine");
@@ -295,22 +251,14 @@ fn cell_ends() -> Vec<Forward> {
 /// Runs back over the same nodes, 5 µm lower everywhere: in rows `reverse`, or under the names of
 /// the ways back, numbered, signed and zeroed along their own travel.
 fn runs_back(own_names: bool) -> String {
-    let back = [
-        ("PPP", "NNN"),
-        ("NPP", "PNN"),
-        ("PNP", "NPN"),
-        ("PPN", "NNP"),
-    ];
+    let back = [("PPP", "NNN"), ("NPP", "PNN"), ("PNP", "NPN"), ("PPN", "NNP")];
     let mut text = String::new();
     for (diagonal, values) in cell_ends() {
         let last = values.len() - 1;
         let (_, name) = back.iter().find(|(name, _)| *name == diagonal).unwrap();
         for (node, value) in values.iter().enumerate() {
             text += &if own_names {
-                format!(
-                    "{name},1,forward,{node},{}\n",
-                    values[last] - values[last - node]
-                )
+                format!("{name},1,forward,{node},{}\n", values[last] - values[last - node])
             } else {
                 format!("{diagonal},1,reverse,{node},{}\n", value - 5.0)
             };
@@ -324,33 +272,21 @@ fn straight_runs_with_a_zero_of_their_own_give_no_reversal() {
     let figures = |own_names: bool| {
         let directory = straight_with("", |rows| rows + &runs_back(own_names));
         let text = stdout(&nonius(directory.path(), "separate job.toml -v"));
-        (
-            json(directory.path(), "separate job.toml --format json"),
-            text,
-        )
+        (json(directory.path(), "separate job.toml --format json"), text)
     };
     let (known, _) = figures(false);
     let (own, text) = figures(true);
     let close = |value: &Value, wanted: f64| (value.as_f64().unwrap() - wanted).abs() < 1e-6;
     assert!(close(&known["diagonals"]["b_d_um"], 5.0), "{known}");
-    assert!(
-        close(&known["diagonals"]["PPP"]["range_um"], 23.543_453),
-        "{known}"
-    );
+    assert!(close(&known["diagonals"]["PPP"]["range_um"], 23.543_453), "{known}");
     assert_eq!(own["diagonals"]["e_d_um"], Value::Null);
     assert_eq!(own["diagonals"]["b_d_um"], Value::Null);
-    assert!(
-        close(&own["diagonals"]["PPP"]["range_um"], 18.543_453),
-        "{own}"
-    );
+    assert!(close(&own["diagonals"]["PPP"]["range_um"], 18.543_453), "{own}");
     for plane in ["xy", "xz", "yz"] {
         let wanted = known["squareness_um_per_m"][plane].as_f64().unwrap();
         assert!(close(&own["squareness_um_per_m"][plane], wanted));
     }
-    assert!(
-        own["labels"].to_string().contains("their own start"),
-        "{own}"
-    );
+    assert!(own["labels"].to_string().contains("their own start"), "{own}");
     assert!(text.contains("no E and B"), "{text}");
 }
 
@@ -385,10 +321,7 @@ fn straight_runs_with_two_linear_axes_know_all_scales_with_their_uncertainty() {
     assert!((u - wanted).abs() < 1e-6, "{u} {wanted}");
     let u = page["u_squareness_um_per_m"]["xy"].as_f64().unwrap();
     // R/(2XY)·u(e_end), e_end of one run: √2·0.1 µm.
-    assert!(
-        (u - 1_358.969 / (2.0 * 0.648e6) * 1000.0 * ends).abs() < 1e-4,
-        "{u}"
-    );
+    assert!((u - 1_358.969 / (2.0 * 0.648e6) * 1000.0 * ends).abs() < 1e-4, "{u}");
     let labels = page["labels"].to_string();
     assert!(labels.contains("laser_ppm is not stated"), "{labels}");
     assert!(labels.contains("the middle of the box"), "{labels}");
@@ -400,9 +333,8 @@ fn the_closure_test_has_a_verdict() {
     let agrees = straight_with(uncertainty, |rows| rows);
     let page = json(agrees.path(), "separate job.toml --format json");
     assert_eq!(page["closure_test"]["agrees"], true);
-    let differs = straight_with(uncertainty, |rows| {
-        rows.replace("NPP,1,forward,17,", "NPP,1,forward,17,1")
-    });
+    let differs =
+        straight_with(uncertainty, |rows| rows.replace("NPP,1,forward,17,", "NPP,1,forward,17,1"));
     let page = json(differs.path(), "separate job.toml --format json");
     assert_eq!(page["closure_test"]["agrees"], false, "{page}");
     let text = stdout(&nonius(differs.path(), "separate job.toml -v"));
@@ -418,17 +350,10 @@ fn an_assumed_set_up_has_an_uncertainty_only_with_a_stated_tilt() {
         let directory = copy("case_d_bidirectional", |job| {
             job.replacen("[compensation]", &format!("{keys}\n[compensation]"), 1)
         });
-        json(
-            directory.path(),
-            "separate job.toml --format json --trials 0",
-        )
+        json(directory.path(), "separate job.toml --format json --trials 0")
     };
     let page = stated("");
-    assert!(
-        page["errors"]["EXX"].get("u_um").is_none(),
-        "{}",
-        page["errors"]["EXX"]
-    );
+    assert!(page["errors"]["EXX"].get("u_um").is_none(), "{}", page["errors"]["EXX"]);
     assert!(page["labels"].to_string().contains("state `tilt_arcsec`"));
     let page = stated("[measurement.uncertainty]\ntilt_arcsec = 10.0\n");
     let u = page["errors"]["EXX"]["u_um"][10].as_f64().unwrap();
@@ -462,17 +387,12 @@ fn a_hidden_set_up_error_is_said_in_words() {
         answer(&nonius(directory.path(), "separate job.toml -v"))
     };
     let naive = put(&copy("case_a_ideal", |job| job), stdout);
-    for words in [
-        "WARNING: `setup = \"assume-perfect\"`",
-        "54.359",
-        "-67.949",
-        "proves nothing about",
-    ] {
+    for words in
+        ["WARNING: `setup = \"assume-perfect\"`", "54.359", "-67.949", "proves nothing about"]
+    {
         assert!(naive.contains(words), "{words}: {naive}");
     }
-    let solved = copy("case_a_ideal", |job| {
-        job.replace("setup = \"assume-perfect\"", "")
-    });
+    let solved = copy("case_a_ideal", |job| job.replace("setup = \"assume-perfect\"", ""));
     let solved = put(&solved, answered_no);
     for words in [
         "Determined: 6 of 9 errors",
@@ -510,10 +430,7 @@ fn straight_runs_make_no_table() {
     let output = nonius(directory.path(), "separate job.toml -o errors.csv");
     refused(&output, "straight runs hold no nine errors");
     let output = nonius(directory.path(), "generate job.toml -o kit");
-    refused(
-        &output,
-        "straight runs of the diagonals hold no nine errors",
-    );
+    refused(&output, "straight runs of the diagonals hold no nine errors");
 }
 
 #[test]
@@ -522,10 +439,7 @@ fn an_existing_table_is_kept_and_a_job_of_errors_is_not_separated() {
     fs::write(directory.path().join("errors.csv"), "mine").unwrap();
     let output = nonius(directory.path(), "separate job.toml -o errors.csv");
     refused(&output, "exists, so it is not overwritten");
-    assert_eq!(
-        fs::read_to_string(directory.path().join("errors.csv")).unwrap(),
-        "mine"
-    );
+    assert_eq!(fs::read_to_string(directory.path().join("errors.csv")).unwrap(), "mine");
     let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
     let output = nonius(&fixture, "separate generic.toml");
     refused(&output, "separated already");
@@ -547,10 +461,7 @@ fn the_uncertainty_of_a_linear_table_is_that_of_its_column() {
     });
     let table = "axis,position_mm,ex_um,u_ex_um\nx,0,0,0\nx,450,9,2.5\nx,900,18,5\n";
     fs::write(directory.path().join("x.csv"), table).unwrap();
-    let page = json(
-        directory.path(),
-        "separate job.toml --trials 0 --format json",
-    );
+    let page = json(directory.path(), "separate job.toml --trials 0 --format json");
     let end = |term: &str| page["errors"][term]["u_um"][30].as_f64().unwrap();
     assert!((end("EXX") - 5.0).abs() < 1e-3, "{}", end("EXX"));
     let labels = page["labels"].to_string();
@@ -564,15 +475,9 @@ fn the_uncertainty_of_a_linear_table_is_that_of_its_column() {
             .replace(",18,5", ",18"),
     )
     .unwrap();
-    let page = json(
-        directory.path(),
-        "separate job.toml --trials 100 --format json",
-    );
+    let page = json(directory.path(), "separate job.toml --trials 100 --format json");
     assert!(page["errors"]["EXX"].get("u_um").is_none());
     assert!(page["labels"].to_string().contains("states no uncertainty"));
     let figures = page["monte_carlo"]["figures"].to_string();
-    assert!(
-        !figures.contains("range EXX") && figures.contains("range EYY"),
-        "{figures}"
-    );
+    assert!(!figures.contains("range EXX") && figures.contains("range EYY"), "{figures}");
 }

@@ -20,9 +20,7 @@ use std::path::{Path, PathBuf};
 const FILE_DIGITS_UM: f64 = 1e-7;
 
 fn folder(case: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures/diagonals")
-        .join(case)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/diagonals").join(case)
 }
 
 fn source(path: &Path) -> Source {
@@ -84,9 +82,7 @@ fn curve(separation: &Separation, term: ErrorTerm) -> &[f64] {
 fn case_a_gives_the_machine_back() {
     let (separation, expected) = (separated("case_a_ideal"), expected("case_a_ideal"));
     for plane in Plane::ALL {
-        let wanted = expected["squareness_um_per_m"][plane.key()]
-            .as_f64()
-            .unwrap();
+        let wanted = expected["squareness_um_per_m"][plane.key()].as_f64().unwrap();
         let found = separation.squareness_um_per_m.of(plane).unwrap();
         close(found, wanted, 1e-6, plane.key());
     }
@@ -99,23 +95,11 @@ fn case_a_gives_the_machine_back() {
         }
     }
     for diagonal in Diagonal::ALL {
-        let wanted = expected["end_reading_um"][diagonal.name()]
-            .as_f64()
-            .unwrap();
-        close(
-            separation.diagonals[diagonal].end_um,
-            wanted,
-            1e-8,
-            diagonal.name(),
-        );
+        let wanted = expected["end_reading_um"][diagonal.name()].as_f64().unwrap();
+        close(separation.diagonals[diagonal].end_um, wanted, 1e-8, diagonal.name());
     }
     close(separation.scale_sum_um_mm, 14760.0, 1e-4, "S");
-    close(
-        separation.range_over_all_um,
-        30.825_471_466,
-        1e-8,
-        "range over all",
-    );
+    close(separation.range_over_all_um, 30.825_471_466, 1e-8, "range over all");
 }
 
 #[test]
@@ -157,18 +141,8 @@ fn cases_c_and_c2_show_what_angular_errors_do() {
         let (separation, expected) = (separated(case), expected(case));
         for (name, wanted) in expected["naive_um"].as_object().unwrap() {
             let found = curve(&separation, ErrorTerm::from_name(name).unwrap());
-            close(
-                found[15],
-                wanted["node15"].as_f64().unwrap(),
-                FILE_DIGITS_UM,
-                name,
-            );
-            close(
-                found[30],
-                wanted["node30"].as_f64().unwrap(),
-                FILE_DIGITS_UM,
-                name,
-            );
+            close(found[15], wanted["node15"].as_f64().unwrap(), FILE_DIGITS_UM, name);
+            close(found[30], wanted["node30"].as_f64().unwrap(), FILE_DIGITS_UM, name);
         }
         for axis in Axis::ALL {
             let wanted = expected["max_closure_um"][axis.key()].as_f64().unwrap();
@@ -181,10 +155,8 @@ fn cases_c_and_c2_show_what_angular_errors_do() {
 
 #[test]
 fn case_d_is_resolved_by_the_true_direction_of_motion() {
-    let (separation, expected) = (
-        separated("case_d_bidirectional"),
-        expected("case_d_bidirectional"),
-    );
+    let (separation, expected) =
+        (separated("case_d_bidirectional"), expected("case_d_bidirectional"));
     for (name, wanted) in expected["direction_resolved_end_um"].as_object().unwrap() {
         let (term, sign) = name.split_at(3);
         let term = ErrorTerm::from_name(term).unwrap();

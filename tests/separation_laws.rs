@@ -42,11 +42,7 @@ fn close(found: f64, wanted: f64, tolerance: f64, what: impl std::fmt::Display) 
 
 fn curves_close(separation: &Separation, wanted: &PerTerm<Vec<f64>>, tolerance: f64) {
     for term in ErrorTerm::ALL {
-        for (index, (a, b)) in curve(separation, term)
-            .iter()
-            .zip(&wanted[term])
-            .enumerate()
-        {
+        for (index, (a, b)) in curve(separation, term).iter().zip(&wanted[term]).enumerate() {
             close(*a, *b, tolerance, format!("{term} {index}"));
         }
     }
@@ -67,18 +63,14 @@ fn any_volume() -> impl Strategy<Value = Volume> {
         [2, 0, 1],
         [2, 1, 0],
     ]);
-    (
-        (edge(), edge(), edge()),
-        (corner(), corner(), corner()),
-        orders,
-        2usize..24,
-    )
-        .prop_map(|(size, start, order, steps)| Volume {
+    ((edge(), edge(), edge()), (corner(), corner(), corner()), orders, 2usize..24).prop_map(
+        |(size, start, order, steps)| Volume {
             start: mm(start.0, start.1, start.2),
             size: mm(size.0, size.1, size.2),
             steps,
             order: order.map(|index: usize| Axis::ALL[index]),
-        })
+        },
+    )
 }
 
 fn any_machine() -> impl Strategy<Value = (Machine, u64)> {
@@ -299,11 +291,7 @@ fn rank_and_words_follow_the_linear_axes() {
         let found = solved(&machine.volume, machine.lines(axes, Some(0.5)), &runs);
         assert_eq!(found.metric.rank, rank);
         match wanted {
-            "" => assert!(
-                found.undetermined.is_empty(),
-                "{:?}",
-                words(&found.undetermined)
-            ),
+            "" => assert!(found.undetermined.is_empty(), "{:?}", words(&found.undetermined)),
             _ => assert!(
                 words(&found.undetermined)[0].starts_with(wanted),
                 "{:?}",
@@ -313,10 +301,7 @@ fn rank_and_words_follow_the_linear_axes() {
         assert_eq!(found.tilts.is_some(), rank == 6);
         for axis in Axis::ALL {
             let known = rank == 6 || axes.contains(&axis);
-            let term = ErrorTerm {
-                of: axis,
-                along: axis,
-            };
+            let term = ErrorTerm { of: axis, along: axis };
             assert_eq!(found.errors.mean[term].is_some(), known, "{term}");
         }
         for plane in Plane::ALL {
@@ -368,11 +353,8 @@ fn scales_that_cancel_are_named_as_undetermined() {
 fn a_hidden_set_up_error_is_solved_away_with_linear_axes() {
     let mut machine = Machine::perfect(&volume([900.0, 720.0, 720.0], 30));
     for d in Diagonal::ALL {
-        machine.lean[d] = PerAxis {
-            x: d.sign(Axis::X) * 40e-6,
-            y: d.sign(Axis::Y) * -50e-6,
-            z: 0.0,
-        };
+        machine.lean[d] =
+            PerAxis { x: d.sign(Axis::X) * 40e-6, y: d.sign(Axis::Y) * -50e-6, z: 0.0 };
     }
     let runs = forward(&machine);
     let naive = naive(&machine.volume, &runs);
@@ -389,11 +371,7 @@ fn a_hidden_set_up_error_is_solved_away_with_linear_axes() {
     }
     let blind = solved(&machine.volume, Vec::new(), &runs);
     assert!(words(&blind.undetermined)[0].starts_with("scale of X, Y and Z"));
-    assert!(
-        words(&blind.labels)
-            .iter()
-            .all(|label| !label.contains("assumed perfect"))
-    );
+    assert!(words(&blind.labels).iter().all(|label| !label.contains("assumed perfect")));
     for axes in [&[Axis::X, Axis::Y][..], &Axis::ALL] {
         let found = solved(&machine.volume, machine.lines(axes, None), &runs);
         curves_close(&found, &machine.curves, 1e-5);
@@ -412,11 +390,7 @@ fn the_geometries_of_paper_004_come_back() {
         let runs = forward(&machine);
         curves_close(&naive(&machine.volume, &runs), &machine.curves, DUST_UM);
         let lines = machine.lines(&[Axis::X, Axis::Z], None);
-        curves_close(
-            &solved(&machine.volume, lines, &runs),
-            &machine.curves,
-            0.003,
-        );
+        curves_close(&solved(&machine.volume, lines, &runs), &machine.curves, 0.003);
     }
 }
 
@@ -493,12 +467,8 @@ fn measured_angles_give_the_true_errors_back() {
             nonius::inputs::readings::Readings::read(golden(case, "readings.csv"), &measured)
                 .unwrap();
         let chain = nonius::quantity::chain::Chain::ALL_AXES_MOVE_THE_TOOL;
-        let model = AngleModel::new(
-            &table,
-            chain,
-            (&Levers::default(), PerAxis::default()),
-            reflector,
-        );
+        let model =
+            AngleModel::new(&table, chain, (&Levers::default(), PerAxis::default()), reflector);
         let mut campaign = simulated::campaign(&measured, Vec::new());
         campaign.angles = Some(angle_effects(&model, &measured.volume, PathKind::Step));
         let found = separate(&campaign, &readings.runs);
@@ -524,23 +494,15 @@ fn false_bows(
     mirror: Reflector,
 ) -> PerTerm<Curve> {
     let size = volume.size[rotation.along].mm();
-    let (axis, angle) = (
-        rotation.along.key(),
-        ["ea", "eb", "ec"][index(rotation.about)],
-    );
+    let (axis, angle) = (rotation.along.key(), ["ea", "eb", "ec"][index(rotation.about)]);
     let text = format!("axis,position_mm,{angle}_urad\n{axis},0,-0.5\n{axis},{size},0.5\n");
     let source = Source::from_bytes("angles.csv", text.as_bytes()).unwrap();
     let table = ErrorTable::read(source).unwrap();
-    let (levers, middle) = (
-        Levers::default(),
-        PerAxis::from_fn(|axis| volume.size[axis].mm() / 2.0),
-    );
+    let (levers, middle) =
+        (Levers::default(), PerAxis::from_fn(|axis| volume.size[axis].mm() / 2.0));
     let model = AngleModel::new(&table, chain, (&levers, middle), mirror);
     let of = |d| model.effect_um(volume, PathKind::Step, d, Pass::Forward);
-    let means = Means {
-        forward: PerDiagonal::from_fn(of),
-        reverse: None,
-    };
+    let means = Means { forward: PerDiagonal::from_fn(of), reverse: None };
     curves(volume, &means.increments(volume, Group::ForwardOnly))
 }
 
@@ -555,15 +517,9 @@ fn largest_bow(volume: &Volume, term: ErrorTerm, curve: &[f64]) -> f64 {
 #[test]
 fn an_angle_that_grows_evenly_makes_the_bow_of_the_formula() {
     let volume = volume([900.0, 720.0, 720.0], 30);
-    let yaw = Rotation {
-        about: Axis::Z,
-        along: Axis::X,
-    };
+    let yaw = Rotation { about: Axis::Z, along: Axis::X };
     let straightness = ErrorTerm::from_name("EYX").unwrap();
-    for (mirror, wanted) in [
-        (Reflector::Retroreflector, 0.1125),
-        (Reflector::FlatMirror, 0.225),
-    ] {
+    for (mirror, wanted) in [(Reflector::Retroreflector, 0.1125), (Reflector::FlatMirror, 0.225)] {
         let chain = Chain::parse("wXYZt").unwrap();
         let bows = false_bows(&volume, chain, yaw, mirror);
         let bow = largest_bow(&volume, straightness, &bows[straightness]);

@@ -4,10 +4,7 @@
     clippy::expect_used,
     reason = "a test may stop at what it did not expect"
 )]
-#![allow(
-    dead_code,
-    reason = "the support of all tests is more than this one needs"
-)]
+#![allow(dead_code, reason = "the support of all tests is more than this one needs")]
 
 mod support;
 
@@ -60,12 +57,7 @@ fn errors_measured_moving_back_count_in_the_selection() {
     table += "x,-,0,0,0,0\nx,-,100,3,80,80\n";
     table += "y,-,0,0,0,0\ny,-,100,3,3,3\nz,-,0,0,0,0\nz,-,100,3,3,3\n";
     let (_, kit) = support::generate(&job("fanuc-0i-f", "", 0.0, 50.0), &table);
-    let omitted: Vec<String> = kit
-        .plan
-        .omitted
-        .iter()
-        .map(|o| o.term.to_string())
-        .collect();
+    let omitted: Vec<String> = kit.plan.omitted.iter().map(|o| o.term.to_string()).collect();
     assert_eq!(omitted.len(), 3, "{omitted:?}");
     assert!(!omitted.contains(&"EYX".to_string()), "{omitted:?}");
     assert!(!omitted.contains(&"EZX".to_string()), "{omitted:?}");
@@ -82,14 +74,8 @@ fn both_ways() -> String {
                     size * (x * (1.5 + of as f64)).sin() + reversal * (1.0 + 0.1 * of as f64)
                 };
                 let position = 100.0 * x;
-                writeln!(
-                    table,
-                    "{axis},{direction},{position},{},{},{}",
-                    um(0),
-                    um(1),
-                    um(2)
-                )
-                .unwrap();
+                writeln!(table, "{axis},{direction},{position},{},{},{}", um(0), um(1), um(2))
+                    .unwrap();
             }
         }
     }
@@ -101,18 +87,11 @@ fn the_828d_takes_the_mean_before_it_leaves_a_term_out() {
     let two = "backlash = \"two-tables\"";
     let (_, kit) = support::generate(&job("siemens-828d", two, 0.0, 10.0), &both_ways());
     let has_table = |term: ErrorTerm| kit.plan.tables.iter().any(|t| t.term == term);
-    assert!(
-        ErrorTerm::ALL.into_iter().all(has_table),
-        "{:?}",
-        kit.plan.omitted
-    );
+    assert!(ErrorTerm::ALL.into_iter().all(has_table), "{:?}", kit.plan.omitted);
     let cec = |t: &&nonius::write::plan::PlannedTable| t.term.is_cross() || t.direction.is_some();
     assert_eq!(kit.plan.tables.iter().filter(cec).count(), 8);
-    let means = kit
-        .plan
-        .notes
-        .iter()
-        .filter(|n| matches!(n.kind(), Some(TableFinding::MeanOnly { .. })));
+    let means =
+        kit.plan.notes.iter().filter(|n| matches!(n.kind(), Some(TableFinding::MeanOnly { .. })));
     assert_eq!(means.count(), 7, "{:?}", kit.plan.notes);
 }
 
@@ -127,16 +106,8 @@ fn without_a_free_cec_table_positioning_gets_the_mean() {
         let said = "8 CEC tables, of which 8 are in use (`first_table`), for 18";
         assert!(omission.reason.contains(said), "{}", omission.reason);
     }
-    let backlash = kit
-        .compiled
-        .preconditions
-        .iter()
-        .filter(|p| p.what.contains("BACKLASH"));
-    assert!(
-        backlash
-            .into_iter()
-            .all(|p| p.value == "as during the measurement")
-    );
+    let backlash = kit.compiled.preconditions.iter().filter(|p| p.what.contains("BACKLASH"));
+    assert!(backlash.into_iter().all(|p| p.value == "as during the measurement"));
 }
 
 /// X and Y are the same in both directions, Z is not; only X and Z shall have two tables.
@@ -168,10 +139,7 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
         let of_backlash = |p: &&Precondition| p.why.contains("no reversal is left");
         let stated = kit.compiled.preconditions.iter().find(of_backlash);
         let stated = stated.unwrap_or_else(|| panic!("{id}: {:#?}", kit.compiled.preconditions));
-        assert!(
-            stated.when == SeenTo::Entered && stated.value.starts_with('0'),
-            "{stated:?}"
-        );
+        assert!(stated.when == SeenTo::Entered && stated.value.starts_with('0'), "{stated:?}");
         if id.starts_with("siemens") {
             // The pair of an earlier kit would add to ENC_COMP.
             let of_pair = |p: &&Precondition| p.what.contains("from an axis to itself, ");
@@ -189,9 +157,6 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
         assert!(kit.plan.notes.iter().any(said), "{id}");
         let mean = policies.replace("z = \"two-tables\"", "z = \"mean\"");
         let (_, kit) = support::generate(&job(id, &mean, 0.0, 50.0), table);
-        assert!(
-            kit.plan.tables.iter().all(|t| t.direction.is_none()),
-            "{id}"
-        );
+        assert!(kit.plan.tables.iter().all(|t| t.direction.is_none()), "{id}");
     }
 }

@@ -33,15 +33,7 @@ fn the_search_finds_them() {
     for text in ["-0", "a -0.000 b", "[-0.0]", "x,−0.00", "(-0, 1)", "-0.\n"] {
         assert_eq!(signed_zeros(text).len(), 1, "{text}");
     }
-    for text in [
-        "2026-01-01",
-        "fanuc-0i",
-        "-0.001",
-        "+0.000",
-        "-01",
-        "1e-0",
-        "- 0",
-    ] {
+    for text in ["2026-01-01", "fanuc-0i", "-0.001", "+0.000", "-01", "1e-0", "- 0"] {
         assert!(signed_zeros(text).is_empty(), "{text}");
     }
 }
@@ -84,23 +76,16 @@ fn inputs(directory: &Path) {
     }
     write("errors.csv", &errors);
     for control in ["generic", "siemens-840d-sl", "fanuc-30i"] {
-        write(
-            &format!("{control}.toml"),
-            &read(&format!("nine_errors_900/{control}.toml")),
-        );
+        write(&format!("{control}.toml"), &read(&format!("nine_errors_900/{control}.toml")));
     }
-    write(
-        "part.nc",
-        "G21 G90 G54\nG0 X0 Y0 Z0\nG1 X100 Y50 Z-10 F1000\nX0 Y0 Z0\nM30\n",
-    );
+    write("part.nc", "G21 G90 G54\nG0 X0 Y0 Z0\nG1 X100 Y50 Z-10 F1000\nX0 Y0 Z0\nM30\n");
     let path = "\n[[path.offset]]\nsystem = \"G54\"\nx_mm = -0.0\ny_mm = 0.0\nz_mm = 0.0\n";
     write("path.toml", &(read("nine_errors_900/generic.toml") + path));
     write("readings.csv", &read("start/readings/readings.csv"));
     write("readings.toml", &read("start/readings/job.toml"));
     let mut runs = "target_mm,run,direction,deviation_um\n".to_string();
-    for (target, run) in [0, 100, 200, 300, 400]
-        .iter()
-        .flat_map(|t| (1..6).map(move |run| (t, run)))
+    for (target, run) in
+        [0, 100, 200, 300, 400].iter().flat_map(|t| (1..6).map(move |run| (t, run)))
     {
         for direction in ["+", "-"] {
             let um = -1e-7 * f64::from(run);
@@ -117,19 +102,14 @@ fn no_command_prints_or_writes_one() {
     let mut commands: Vec<String> = Vec::new();
     for control in ["generic", "siemens-840d-sl", "fanuc-30i"] {
         commands.push(format!("generate {control}.toml -o kit-{control}"));
-        commands.push(format!(
-            "generate {control}.toml -o kit-{control} --force --format json"
-        ));
+        commands.push(format!("generate {control}.toml -o kit-{control} --force --format json"));
         for format in ["text", "json"] {
-            commands.push(format!(
-                "verify {control}.toml --tables kit-{control} --format {format}"
-            ));
+            commands
+                .push(format!("verify {control}.toml --tables kit-{control} --format {format}"));
             commands.push(format!(
                 "verify {control}.toml --tables kit-{control} --after errors.csv --format {format}"
             ));
-            commands.push(format!(
-                "assess {control}.toml --with-tables --format {format}"
-            ));
+            commands.push(format!("assess {control}.toml --with-tables --format {format}"));
         }
     }
     for format in ["text", "json"] {
@@ -152,15 +132,11 @@ fn no_command_prints_or_writes_one() {
         let found = signed_zeros(&told);
         assert!(found.is_empty(), "{command}: {found:#?}");
     }
-    let written = format!(
-        "{}/**/*",
-        directory.path().display().to_string().replace('\\', "/")
-    );
+    let written = format!("{}/**/*", directory.path().display().to_string().replace('\\', "/"));
     for entry in glob::glob(&written).expect("the pattern is valid") {
         let path = entry.expect("it can be read");
-        let is_input = path
-            .file_name()
-            .is_some_and(|name| name == "path.toml" || name == "errors.csv");
+        let is_input =
+            path.file_name().is_some_and(|name| name == "path.toml" || name == "errors.csv");
         if path.is_file() && !is_input {
             let text = fs::read_to_string(&path).expect("it is text");
             let found = signed_zeros(&text);

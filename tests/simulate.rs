@@ -61,12 +61,7 @@ fn job(volume: &Volume, directed: bool, both_directions: bool, overrun: bool) ->
     }
     for axis in Axis::ALL {
         let points = volume.steps + 1;
-        writeln!(
-            text,
-            "[compensation.axes.{}]\npoints = {points}",
-            axis.key()
-        )
-        .unwrap();
+        writeln!(text, "[compensation.axes.{}]\npoints = {points}", axis.key()).unwrap();
     }
     let [start, size] = [volume.start, volume.size].map(|places| {
         let place = |axis: Axis| format!("{} = {:?}", axis.key(), places[axis].mm());
@@ -190,10 +185,7 @@ fn one_machine() -> Machine {
 }
 
 fn plain_inputs(machine: &Machine) -> Inputs {
-    inputs(
-        &job(&machine.volume, false, false, true),
-        &table(machine, false),
-    )
+    inputs(&job(&machine.volume, false, false, true), &table(machine, false))
 }
 
 fn noisy(runs: u32, seed: u64, both_directions: bool) -> Wishes {
@@ -231,12 +223,8 @@ fn noise_has_the_stated_size_and_the_first_reading_is_zero() {
             assert!(run.deviations[0].um().abs() < FILE_DIGITS_UM);
         }
         // Differences of neighbours know nothing of the zero: twice the variance.
-        let off: Vec<f64> = run
-            .deviations
-            .iter()
-            .zip(clean)
-            .map(|(a, b)| a.um() - b.um())
-            .collect();
+        let off: Vec<f64> =
+            run.deviations.iter().zip(clean).map(|(a, b)| a.um() - b.um()).collect();
         for pair in off.windows(2) {
             sum += (pair[1] - pair[0]).powi(2) / 2.0;
             count += 1.0;
@@ -269,10 +257,7 @@ fn the_file_reads_back_to_the_same_runs_and_says_what_it_is() {
 fn straight_runs_are_the_cell_ends_of_step_runs() {
     let inputs = plain_inputs(&one_machine());
     let step = simulate(&inputs, None, Wishes::default());
-    let wishes = Wishes {
-        straight: true,
-        ..Wishes::default()
-    };
+    let wishes = Wishes { straight: true, ..Wishes::default() };
     let straight = simulate(&inputs, None, wishes);
     let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
     assert_eq!(rehearsal.kind, PathKind::Straight);

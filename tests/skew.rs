@@ -62,11 +62,7 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
         let reference = [0; 3].map(|_| random.of(&[0.0, 100.0, 200.0]));
         let (job, errors) = texts(lean, 8.0, reference);
         let (_, kit) = support::generate(&job, &errors);
-        let file = kit
-            .files
-            .iter()
-            .find(|file| file.path == "nonius-skew.cfg")
-            .unwrap();
+        let file = kit.files.iter().find(|file| file.path == "nonius-skew.cfg").unwrap();
         let text = std::str::from_utf8(&file.bytes).unwrap();
         let factor = |name: &str| -> f64 {
             let line = text.lines().find(|line| line.starts_with(name)).unwrap();
@@ -76,10 +72,7 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
         for (factor, lean) in factors.iter().zip(lean) {
             assert!((factor - lean * 1e-5).abs() <= 0.51e-9, "{factor} {lean}");
         }
-        let (right, wrong) = (
-            support::control(&profile, &kit),
-            support::control(&turned, &kit),
-        );
+        let (right, wrong) = (support::control(&profile, &kit), support::control(&turned, &kit));
         for (base, output, index) in [("y", "x", 1), ("z", "x", 2), ("z", "y", 2)] {
             let of = usize::from(output == "y");
             for mm in [0.0, 37.0, 200.0] {
@@ -89,10 +82,7 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
                 for direction in Direction::BOTH {
                     let response = support::response(right.as_ref(), base, output, direction);
                     let um = um_at(&response, mm);
-                    assert!(
-                        (um - expected * 1000.0).abs() < 1e-9,
-                        "{base} {output}: {um}"
-                    );
+                    assert!((um - expected * 1000.0).abs() < 1e-9, "{base} {output}: {um}");
                     let response = support::response(wrong.as_ref(), base, output, direction);
                     assert!((um + um_at(&response, mm)).abs() < 1e-9);
                 }
@@ -108,11 +98,7 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
         let far = (200.0 - reference[2]).max(reference[2]);
         let product = far * 1000.0 * (lean[0] * lean[2]).abs() * 1e-10;
         assert!(left("EXY").1 < 0.001 && left("EYZ").1 < 0.001);
-        assert!(
-            (left("EXZ").1 - product).abs() < 0.001,
-            "{:?} {product}",
-            left("EXZ")
-        );
+        assert!((left("EXZ").1 - product).abs() < 0.001, "{:?} {product}", left("EXZ"));
         for name in ["EXX", "EZY"] {
             let (before, after) = left(name);
             assert!((before - after).abs() < 1e-12 && before > 1.0, "{name}");
@@ -143,10 +129,7 @@ fn a_correction_that_is_not_zero_at_the_reference_is_named() {
     assert!(notes.contains("adds -4.0 µm to X"), "{notes}");
     let proof = &kit["sign_proofs"][0];
     // From 200 to 0 mm, where the file pretends +20 um.
-    assert_eq!(
-        (&proof["from_mm"], &proof["peak_mm"]),
-        (&200.0.into(), &0.0.into())
-    );
+    assert_eq!((&proof["from_mm"], &proof["peak_mm"]), (&200.0.into(), &0.0.into()));
     assert!((proof["shows_um"].as_f64().unwrap() + 20.0).abs() < 0.001);
     let sign = fs::read_to_string(directory.path().join("kit/nonius-sign-skew.cfg")).unwrap();
     assert!(sign.contains("xz_skew = -0.000100000"), "{sign}");
@@ -167,12 +150,7 @@ fn files_are_judged_and_old_factors_are_added() {
     for (from, to, expected, words) in [
         ("0.000100000", "0.000100000", 0, "agree"),
         ("0.000100000", "-0.000100000", 1, "EXY"),
-        (
-            "[skew_correction nonius]",
-            "[skew_correction other]",
-            0,
-            "agree",
-        ),
+        ("[skew_correction nonius]", "[skew_correction other]", 0, "agree"),
     ] {
         fs::write(at.join("out/printer.cfg"), saved.replace(from, to)).unwrap();
         let (status, said, more) = ended(at, "verify job.toml --tables out --explain");

@@ -29,17 +29,12 @@ fn visible(bytes: &[u8]) -> String {
     let text = match bytes.contains(&0) {
         false => String::from_utf8(bytes.to_vec()).unwrap(),
         true => {
-            let units = bytes
-                .chunks(2)
-                .map(|two| u16::from_le_bytes([two[0], two[1]]));
+            let units = bytes.chunks(2).map(|two| u16::from_le_bytes([two[0], two[1]]));
             let text: String = char::decode_utf16(units).map(Result::unwrap).collect();
             format!("UTF-16LE\n{text}")
         }
     };
-    text.replace("\n\r\r", "␊␍␍¶")
-        .replace("\r\n", "␍␊¶")
-        .replace('\r', "␍")
-        .replace('¶', "\n")
+    text.replace("\n\r\r", "␊␍␍¶").replace("\r\n", "␍␊¶").replace('\r', "␍").replace('¶', "\n")
 }
 
 /// How a person checks the file with the error table beside it.
@@ -267,10 +262,8 @@ fn manifest() {
 
 #[test]
 fn list_of_controllers() {
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(["controllers", "list"])
-        .output()
-        .unwrap();
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_nonius")).args(["controllers", "list"]).output().unwrap();
     assert!(output.status.success());
     settings("facts = manual + assumed + executed in every row")
         .bind(|| insta::assert_snapshot!("controllers-list", visible(&output.stdout)));

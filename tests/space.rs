@@ -59,10 +59,7 @@ fn brute_in(map: &GridMap, low: Node, size: Node) -> (f64, [Node; 2]) {
 }
 
 fn close(found: f64, expected: f64, tolerance: f64) {
-    assert!(
-        (found - expected).abs() <= tolerance,
-        "{found} instead of {expected}"
-    );
+    assert!((found - expected).abs() <= tolerance, "{found} instead of {expected}");
 }
 
 /// Diameter of grid and cloud equal all pairs, to the last digit and to the same pair.
@@ -71,17 +68,9 @@ fn agrees(map: &GridMap, what: &str) -> Diameter {
     let (square, pair) = brute(&vectors);
     let found = diameter(map);
     assert_eq!(found.um, square.sqrt(), "{what}: length");
-    assert_eq!(
-        found.nodes.map(|node| map.number(node)),
-        pair,
-        "{what}: pair"
-    );
+    assert_eq!(found.nodes.map(|node| map.number(node)), pair, "{what}: pair");
     let cloud = cloud::longest(&vectors).unwrap();
-    assert_eq!(
-        (cloud.square_um2, cloud.pair),
-        (square, pair),
-        "{what}: cloud"
-    );
+    assert_eq!((cloud.square_um2, cloud.pair), (square, pair), "{what}: cloud");
     found
 }
 
@@ -89,10 +78,7 @@ fn agrees(map: &GridMap, what: &str) -> Diameter {
 fn machine_h_is_the_tabulated_one() {
     let text = include_str!("../fixtures/machine_h/errors.csv");
     let mut rows = 0;
-    for line in text
-        .lines()
-        .filter(|line| line.starts_with(['x', 'y', 'z']))
-    {
+    for line in text.lines().filter(|line| line.starts_with(['x', 'y', 'z'])) {
         let cells: Vec<&str> = line.split(',').collect();
         let value = |n: usize| -> f64 { cells[n].parse().unwrap() };
         let at = value(1) / 1000.0;
@@ -113,13 +99,7 @@ fn machine_h_is_the_tabulated_one() {
 
 #[test]
 fn volumetric_accuracy_of_machine_h() {
-    let sizes = [
-        [13, 9, 7],
-        [21, 21, 21],
-        [25, 17, 13],
-        [41, 41, 41],
-        [101, 101, 101],
-    ];
+    let sizes = [[13, 9, 7], [21, 21, 21], [25, 17, 13], [41, 41, 41], [101, 101, 101]];
     for size in sizes {
         let map = machine_h(size);
         let found = diameter(&map);
@@ -144,20 +124,8 @@ fn error_vector_of_machine_h_at_figure_2() {
 fn windows_of_machine_h() {
     // reference/volumetric.md §7.4: windows of 6 × 2 × 1 m
     let golden = [
-        (
-            [13, 9, 7],
-            [7, 5, 4],
-            501.126690,
-            641.359923,
-            Some([6, 4, 3]),
-        ),
-        (
-            [21, 21, 21],
-            [11, 11, 11],
-            498.970269,
-            641.391107,
-            Some([10, 9, 10]),
-        ),
+        ([13, 9, 7], [7, 5, 4], 501.126690, 641.359923, Some([6, 4, 3])),
+        ([21, 21, 21], [11, 11, 11], 498.970269, 641.391107, Some([10, 9, 10])),
         ([25, 17, 13], [13, 9, 7], 500.169527, 641.359923, None),
     ];
     for (grid, size, best, worst, place) in golden {
@@ -215,10 +183,7 @@ fn a_constant_error_fools_the_grouping_and_nothing_else() {
     }
     let exact = cloud::longest(&vectors).unwrap();
     close(exact.um(), 1149.980851990, 1e-9);
-    let tolerance = Tolerance {
-        angular: 0.2,
-        magnitude: 0.9,
-    };
+    let tolerance = Tolerance { angular: 0.2, magnitude: 0.9 };
     let grouped = grouping(&vectors, tolerance).longest.unwrap();
     assert!(grouped.um() <= exact.um());
 }
@@ -239,10 +204,7 @@ fn random_machines_against_all_pairs() {
         let box_um = ranges.iter().map(|r| r * r).sum::<f64>().sqrt();
         assert!(ranges.iter().all(|r| *r <= found.um * room));
         assert!(found.um <= box_um * room);
-        let tolerance = Tolerance {
-            angular: 0.1,
-            magnitude: 0.9,
-        };
+        let tolerance = Tolerance { angular: 0.1, magnitude: 0.9 };
         let grouped = grouping(&vectors, tolerance).longest;
         assert!(grouped.is_none_or(|grouped| grouped.um() <= found.um));
     }
@@ -274,11 +236,7 @@ fn windows_of_random_machines_against_all_pairs() {
         let all = diameter(&map);
         for (n, figure) in windows.figures.iter().enumerate() {
             let low = windows.low(n);
-            assert_eq!(
-                (figure.um, figure.nodes),
-                brute_in(&map, low, size),
-                "{number} {low:?}"
-            );
+            assert_eq!((figure.um, figure.nodes), brute_in(&map, low, size), "{number} {low:?}");
             assert!(figure.um <= all.um);
         }
         let full = WindowMap::of(&map, whole).unwrap();
@@ -309,18 +267,10 @@ fn degenerate_maps() {
     let constant = |count| axis(count, |_| ([0.1, 0.7, -2000.3], [0.0; 3]));
     let turn = std::f64::consts::TAU;
     let circle = |count, r: f64| {
-        axis(count, move |t| {
-            ([r * (turn * t).cos(), r * (turn * t).sin(), 0.0], [0.0; 3])
-        })
+        axis(count, move |t| ([r * (turn * t).cos(), r * (turn * t).sin(), 0.0], [0.0; 3]))
     };
-    let upright = |count| {
-        axis(count, |t| {
-            (
-                [0.0, 9.0 * (turn * t).sin(), 9.0 * (turn * t).cos()],
-                [0.0; 3],
-            )
-        })
-    };
+    let upright =
+        |count| axis(count, |t| ([0.0, 9.0 * (turn * t).sin(), 9.0 * (turn * t).cos()], [0.0; 3]));
     let line = |count, c: usize| {
         axis(count, move |t| {
             let mut shift = [0.0; 3];
@@ -328,14 +278,8 @@ fn degenerate_maps() {
             (shift, [0.0; 3])
         })
     };
-    let jump = |count| {
-        axis(count, |t| {
-            (
-                [if t > 0.4 && t < 0.6 { 5.0 } else { 0.0 }, 0.0, 0.0],
-                [0.0; 3],
-            )
-        })
-    };
+    let jump =
+        |count| axis(count, |t| ([if t > 0.4 && t < 0.6 { 5.0 } else { 0.0 }, 0.0, 0.0], [0.0; 3]));
     let tiny = |count| axis(count, |t| ([2000.0 + 1e-13 * t, 0.1, 0.3], [1e-15 * t; 3]));
     let maps = [
         ("one node", [none(1), none(1), none(1)]),
@@ -362,25 +306,12 @@ fn degenerate_maps() {
 fn large_degenerate_maps_end() {
     let none = |count| axis(count, |_| ([0.0; 3], [0.0; 3]));
     let constant = |count| axis(count, |_| ([0.1, 0.7, -2000.3], [0.0; 3]));
-    let step = |count| {
-        axis(count, |t| {
-            ([if t > 0.5 { 5.0 } else { 0.0 }, 0.0, 0.0], [0.0; 3])
-        })
-    };
+    let step = |count| axis(count, |t| ([if t > 0.5 { 5.0 } else { 0.0 }, 0.0, 0.0], [0.0; 3]));
     let turn = std::f64::consts::TAU;
-    let circle = |count| {
-        axis(count, move |t| {
-            ([(turn * t).cos(), (turn * t).sin(), 0.0], [0.0; 3])
-        })
-    };
+    let circle =
+        |count| axis(count, move |t| ([(turn * t).cos(), (turn * t).sin(), 0.0], [0.0; 3]));
     let map = GridMap::new(XYZ, [constant(401), constant(401), constant(401)]).unwrap();
-    assert_eq!(
-        diameter(&map),
-        Diameter {
-            um: 0.0,
-            nodes: [[0; 3]; 2]
-        }
-    );
+    assert_eq!(diameter(&map), Diameter { um: 0.0, nodes: [[0; 3]; 2] });
     let map = GridMap::new(XYZ, [step(401), step(401), step(401)]).unwrap();
     let nodes = [[0, 0, 0], [201, 201, 201]];
     assert_eq!(diameter(&map), Diameter { um: 15.0, nodes });
@@ -404,10 +335,7 @@ fn a_constant_shift_and_a_scale_change_nothing_else() {
         close(shifted.um, plain.um, 1e-9);
         let mut doubled = axes;
         for axis in &mut doubled {
-            let vectors = axis
-                .translation_um
-                .iter_mut()
-                .chain(&mut axis.rotation_urad);
+            let vectors = axis.translation_um.iter_mut().chain(&mut axis.rotation_urad);
             vectors.flatten().for_each(|value| *value *= 2.0);
         }
         let doubled = diameter(&GridMap::new(chain, doubled).unwrap());
@@ -447,11 +375,7 @@ fn names_of_the_axes_do_not_matter() {
 #[test]
 fn the_map_is_the_sum_of_its_cross_products() {
     let cross = |a: Vector, b: Vector| {
-        [
-            a[1] * b[2] - a[2] * b[1],
-            a[2] * b[0] - a[0] * b[2],
-            a[0] * b[1] - a[1] * b[0],
-        ]
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
     };
     let along = |axis: Axis, arm: f64| match axis {
         Axis::X => [arm, 0.0, 0.0],
@@ -535,10 +459,7 @@ fn estimated_histogram_is_within_its_standard_errors() {
     let exact = exact(&map.vectors(), 10.0, 1).unwrap();
     let found = estimate(&map, 10.0, 400_000, 1502).unwrap();
     assert_eq!(found, estimate(&map, 10.0, 400_000, 1502).unwrap());
-    assert_ne!(
-        found.counts,
-        estimate(&map, 10.0, 400_000, 1503).unwrap().counts
-    );
+    assert_ne!(found.counts, estimate(&map, 10.0, 400_000, 1503).unwrap().counts);
     let seen: f64 = found.counts.iter().flatten().sum();
     close(seen, 42_878_430.0, 2.0);
     assert!(
@@ -546,29 +467,15 @@ fn estimated_histogram_is_within_its_standard_errors() {
         "the last bin holds the largest difference"
     );
     for (n, (count, error)) in found.counts.iter().zip(&found.standard_errors).enumerate() {
-        assert!(
-            *count != Some(0.0) && *error != Some(0.0),
-            "bin {n}: a zero that nobody counted"
-        );
+        assert!(*count != Some(0.0) && *error != Some(0.0), "bin {n}: a zero that nobody counted");
     }
     let (mut within, mut judged, mut chi) = (0, 0, 0.0);
-    for (n, exact) in exact
-        .iter()
-        .enumerate()
-        .filter(|(_, exact)| **exact > 10_000)
-    {
+    for (n, exact) in exact.iter().enumerate().filter(|(_, exact)| **exact > 10_000) {
         let off = (found.counts[n].unwrap() - *exact as f64) / found.standard_errors[n].unwrap();
         assert!(off.abs() < 4.5, "bin {n}: {off} standard errors");
-        (within, judged, chi) = (
-            within + i32::from(off.abs() < 2.0),
-            judged + 1,
-            chi + off * off,
-        );
+        (within, judged, chi) = (within + i32::from(off.abs() < 2.0), judged + 1, chi + off * off);
     }
-    assert!(
-        judged > 60 && within * 100 > judged * 88,
-        "{within} of {judged}"
-    );
+    assert!(judged > 60 && within * 100 > judged * 88, "{within} of {judged}");
     let mean = chi / f64::from(judged);
     assert!((0.6..1.5).contains(&mean), "mean square {mean}");
 }

@@ -77,10 +77,7 @@ fn measured_stages_give_the_figures_of_an_independent_computation() {
     for line in expected.lines().skip(2) {
         let cells: Vec<&str> = line.split(',').collect();
         let text = reference(&format!("iso230-2/iso230_2_{}.csv", cells[0])).unwrap();
-        let stated = Stated {
-            unit: Some(LengthUnit::Mm),
-            values: None,
-        };
+        let stated = Stated { unit: Some(LengthUnit::Mm), values: None };
         let source = Source::from_bytes(cells[0], text.as_bytes()).unwrap();
         let runs = Runs::read(&source, stated).unwrap();
         let um = by_name(&iso_230_2::figures(&runs).axis, cells[1]).unwrap();
@@ -113,9 +110,8 @@ fn cell_ends(readings: &str, length_mm: f64, steps: usize) -> Vec<(String, Runs)
         let um: Vec<Vec<f64>> = (0..=steps).map(|cell| at(3 * cell)).collect();
         (!um[0].is_empty()).then_some(um)
     };
-    let targets: Vec<f64> = (0..=steps)
-        .map(|cell| length_mm * cell as f64 / steps as f64)
-        .collect();
+    let targets: Vec<f64> =
+        (0..=steps).map(|cell| length_mm * cell as f64 / steps as f64).collect();
     ["PPP", "NPP", "PNP", "PPN"]
         .into_iter()
         .map(|name| {
@@ -127,10 +123,8 @@ fn cell_ends(readings: &str, length_mm: f64, steps: usize) -> Vec<(String, Runs)
 }
 
 fn step_diagonals(diagonals: &[(String, Runs)]) -> Diagonals {
-    let named: Vec<(&str, &Runs)> = diagonals
-        .iter()
-        .map(|(name, runs)| (name.as_str(), runs))
-        .collect();
+    let named: Vec<(&str, &Runs)> =
+        diagonals.iter().map(|(name, runs)| (name.as_str(), runs)).collect();
     diagonal(&named, DiagonalMotion::StepDiagonalCellEnds)
 }
 
@@ -163,10 +157,7 @@ fn diagonals_of_the_golden_machine_in_both_directions() {
             }
         };
         let difference = um.unwrap() - value.as_f64().unwrap();
-        assert!(
-            difference.abs() <= SIMULATION_UM,
-            "{key}: {um:?}, expected {value}"
-        );
+        assert!(difference.abs() <= SIMULATION_UM, "{key}: {um:?}, expected {value}");
     }
     assert_eq!(expected.len(), 34);
 }
@@ -178,18 +169,12 @@ fn ranges_of_the_golden_machine_in_one_direction() {
     };
     let found = step_diagonals(&cell_ends(&readings, length_mm(), 30));
     let close = |um: Option<f64>, expected: f64| {
-        assert!(
-            (um.unwrap() - expected).abs() <= 1e-6,
-            "{um:?}, expected {expected}"
-        );
+        assert!((um.unwrap() - expected).abs() <= 1e-6, "{um:?}, expected {expected}");
     };
     close(found.largest_range_um, 21.457424184);
     close(found.range_over_all_um, 30.825471466);
     for (of, expected) in
-        found
-            .diagonals
-            .iter()
-            .zip([18.543452999, 12.715510628, 13.843169661, 21.457424184])
+        found.diagonals.iter().zip([18.543452999, 12.715510628, 13.843169661, 21.457424184])
     {
         close(of.range_um, expected);
     }
@@ -210,10 +195,7 @@ const DUST: f64 = 1e-9;
 
 fn near(found: Option<f64>, expected: f64) {
     let found = found.expect("a figure");
-    assert!(
-        (found - expected).abs() < DUST,
-        "{found}, expected {expected}"
-    );
+    assert!((found - expected).abs() < DUST, "{found}, expected {expected}");
 }
 
 #[test]
@@ -300,10 +282,7 @@ fn one_run_has_no_scatter_and_says_so() {
     let vdi = vdi_3441::figures(&runs).unwrap();
     assert_eq!((vdi.p_um, vdi.p_s_um), (None, None));
     let remarks = iso_230_2::remarks(&runs, span(&runs));
-    assert!(matches!(
-        remarks[0].kind(),
-        Some(StandardFinding::OneRun { .. })
-    ));
+    assert!(matches!(remarks[0].kind(), Some(StandardFinding::OneRun { .. })));
 }
 
 fn flat(targets_mm: Vec<f64>, count: usize) -> Runs {
@@ -333,23 +312,12 @@ fn conditions_are_judged_by_length() {
     let even = (0..5).map(|i| 100.0 * f64::from(i)).collect();
     assert_eq!(missed(&flat(even, 5)), 1, "equal distances");
     let metre_and_a_half = vec![0.0, 301.0, 602.0, 901.0, 1202.0, 1500.0];
-    assert_eq!(
-        missed(&flat(metre_and_a_half, 5)),
-        1,
-        "six targets on 1.5 m"
-    );
+    assert_eq!(missed(&flat(metre_and_a_half, 5)), 1, "six targets on 1.5 m");
     let long: Vec<f64> = (0..13).map(|i| 250.0 * f64::from(i)).collect();
     assert_eq!(missed(&flat(long.clone(), 1)), 0, "one run above 2 m");
-    assert_eq!(
-        missed(&flat(long.into_iter().step_by(2).collect(), 1)),
-        1,
-        "every 500 mm"
-    );
+    assert_eq!(missed(&flat(long.into_iter().step_by(2).collect(), 1)), 1, "every 500 mm");
     let label = iso_230_2::label(&conditions(&flat(uneven, 3)));
-    assert!(
-        label.starts_with("NOT according to ISO 230-2: 3 runs up, 3 down"),
-        "{label}"
-    );
+    assert!(label.starts_with("NOT according to ISO 230-2: 3 runs up, 3 down"), "{label}");
 }
 
 /// 24.4 to 1024.4 mm is 1000.0000000000001 mm in binary, and 48.3 to 2048.3 mm is more than 2 m.
@@ -371,10 +339,7 @@ fn lengths_are_judged_without_the_dust_of_binary_fractions() {
 fn one_direction_is_labelled_as_such() {
     let um = vec![vec![0.0; 5]; 5];
     let targets = vec![0.0, 101.0, 199.0, 305.0, 400.0];
-    for (up, down, word) in [
-        (Some(um.clone()), None, "down"),
-        (None, Some(um.clone()), "up"),
-    ] {
+    for (up, down, word) in [(Some(um.clone()), None, "down"), (None, Some(um.clone()), "up")] {
         let runs = Runs::new(targets.clone(), up, down).unwrap();
         let expected = format!(
             "NOT according to ISO 230-2: unidirectional figures only: moving {word} was not \
@@ -390,11 +355,7 @@ fn targets_in_a_heap_are_found() {
     let words = Condition::missed(&conditions(&heap));
     assert_eq!(words, ["largest gap 987.0 mm, mean distance 247.5 mm"]);
     let long: Vec<f64> = (0..11).map(f64::from).chain([2400.0]).collect();
-    assert_eq!(
-        missed(&flat(long, 1)),
-        1,
-        "above 2 m, every 218 mm on average"
-    );
+    assert_eq!(missed(&flat(long, 1)), 1, "above 2 m, every 218 mm on average");
     // r of half a distance to either side: the widest that P_i = (i - 1)p + r can give.
     let widest = flat(vec![0.0, 50.0, 250.0, 300.0, 400.0], 5);
     assert_eq!(missed(&widest), 0);

@@ -11,9 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn fixture(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(path)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(path)
 }
 
 fn standards(file: &Path, options: &[&str]) -> Output {
@@ -47,12 +45,7 @@ fn golden(document: &Value) {
     assert_eq!(part["label"], "from step-diagonal cell ends, not ISO 230-6");
     near(&part["E_d_um"], 28.9797);
     near(&part["B_d_um"], 9.1463);
-    for (name, e_um) in [
-        ("PPP", 26.0335),
-        ("NPP", 20.5642),
-        ("PNP", 21.6609),
-        ("PPN", 28.9797),
-    ] {
+    for (name, e_um) in [("PPP", 26.0335), ("NPP", 20.5642), ("PNP", 21.6609), ("PPN", 28.9797)] {
         let of = &part["diagonals"][name];
         near(&of["E_um"], e_um);
         near(&of["range_um"], e_um);
@@ -110,12 +103,7 @@ fn with_own_reverse_runs(readings: &str) -> String {
     let mut add = |name: &str, node: usize, moved: &str, um: f64| {
         text += &format!("{name},{node},{moved},{um:.9}\n");
     };
-    for (name, back) in [
-        ("PPP", "NNN"),
-        ("NPP", "PNN"),
-        ("PNP", "NPN"),
-        ("PPN", "NNP"),
-    ] {
+    for (name, back) in [("PPP", "NNN"), ("NPP", "PNN"), ("PNP", "NPN"), ("PPN", "NNP")] {
         let walk: Vec<&Vec<&str>> = rows.iter().filter(|row| row[0] == name).collect();
         let um = |node: usize| walk[node][5].parse::<f64>().unwrap();
         let last = walk.len() - 1;
@@ -123,11 +111,7 @@ fn with_own_reverse_runs(readings: &str) -> String {
             add(name, node, row[4], um(node));
         }
         for node in 0..=last {
-            let moved = if node == 0 {
-                ""
-            } else {
-                walk[last + 1 - node][4]
-            };
+            let moved = if node == 0 { "" } else { walk[last + 1 - node][4] };
             add(back, node, moved, um(last) - um(last - node));
         }
     }
@@ -178,20 +162,14 @@ fn the_way_of_the_targets_turns_directions_and_deviations() {
     let of = |way| of_rtl("as-error", way);
     let (plus, minus) = (of("+"), of("-"));
     let (plus, minus) = (&plus["iso_230_2"], &minus["iso_230_2"]);
-    for (here, there) in [
-        ("E_um", "E_um"),
-        ("R_um", "R_um"),
-        ("A_um", "A_um"),
-        ("E_up_um", "E_down_um"),
-    ] {
+    for (here, there) in
+        [("E_um", "E_um"), ("R_um", "R_um"), ("A_um", "A_um"), ("E_up_um", "E_down_um")]
+    {
         near(&minus[there], plus[here].as_f64().unwrap());
     }
     let (first, last) = (&minus["targets"][0], &plus["targets"][8]);
     near(&first["target_mm"], -last["target_mm"].as_f64().unwrap());
-    near(
-        &first["mean_down_um"],
-        -last["mean_up_um"].as_f64().unwrap(),
-    );
+    near(&first["mean_down_um"], -last["mean_up_um"].as_f64().unwrap());
     near(&first["B_um"], last["B_um"].as_f64().unwrap());
     let turned = of_rtl("as-correction", "+");
     near(&turned["iso_230_2"]["B_mean_um"], -1.55);
@@ -203,10 +181,7 @@ fn a_stated_travel_is_in_the_document() {
     let stated = document(&file, &["--travel-mm", "1000"]);
     assert_eq!(stated["travel_mm"], 1000.0);
     assert_eq!(stated["iso_230_2"]["condition_missed"], false);
-    assert_eq!(
-        stated["iso_230_2"]["editions"],
-        serde_json::json!([1997, 2006, 2014])
-    );
+    assert_eq!(stated["iso_230_2"]["editions"], serde_json::json!([1997, 2006, 2014]));
     assert_eq!(document(&file, &[])["travel_mm"], Value::Null);
 }
 
@@ -220,8 +195,5 @@ fn figures_beside_the_standard_are_marked() {
     assert_eq!(long["iso_230_2"]["condition_missed"], true);
     let text = standards(&file, &["--travel-mm", "2500"]).stdout;
     let text = String::from_utf8(text).unwrap();
-    assert!(
-        text.contains("repeatability, not in the standard above 2 m"),
-        "{text}"
-    );
+    assert!(text.contains("repeatability, not in the standard above 2 m"), "{text}");
 }

@@ -48,17 +48,12 @@ fn put(directory: &Path, name: &str, bytes: &[u8]) {
 }
 
 fn nonius(directory: &Path, command: &str) -> Output {
-    program(directory, command)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts")
+    program(directory, command).stdin(Stdio::null()).output().expect("the program starts")
 }
 
 fn program(directory: &Path, command: &str) -> Command {
     let mut program = Command::new(env!("CARGO_BIN_EXE_nonius"));
-    program
-        .args(command.split_whitespace())
-        .current_dir(directory);
+    program.args(command.split_whitespace()).current_dir(directory);
     program
 }
 
@@ -145,11 +140,7 @@ fn force_keeps_every_old_kit() {
     assert!(!kept(&output), "there was none");
     let first = files(&at("kit"));
 
-    put(
-        directory.path(),
-        "errors.csv",
-        b"axis,position_mm,ex_um\nx,0,0\nx,50.8,1\nx,101.6,3\n",
-    );
+    put(directory.path(), "errors.csv", b"axis,position_mm,ex_um\nx,0,0\nx,50.8,1\nx,101.6,3\n");
     let output = force();
     expect_status(&output, 0);
     assert!(kept(&output));
@@ -162,13 +153,7 @@ fn force_keeps_every_old_kit() {
     assert_eq!(files(&at("kit.previous-2")), second);
     assert_eq!(
         names(directory.path()),
-        [
-            "errors.csv",
-            "job.toml",
-            "kit",
-            "kit.previous",
-            "kit.previous-2"
-        ]
+        ["errors.csv", "job.toml", "kit", "kit.previous", "kit.previous-2"]
     );
 }
 
@@ -189,10 +174,7 @@ fn a_place_that_cannot_be_written_leaves_nothing() {
     put(directory.path(), "blocked", b"a file in the way\n");
     let output = nonius(directory.path(), "generate job.toml -o blocked/kit");
     expect_status(&output, 2);
-    assert_eq!(
-        names(directory.path()),
-        ["blocked", "errors.csv", "job.toml"]
-    );
+    assert_eq!(names(directory.path()), ["blocked", "errors.csv", "job.toml"]);
     assert!(String::from_utf8_lossy(&output.stderr).starts_with("problem: "));
 }
 
@@ -202,10 +184,7 @@ fn json_on_standard_output_is_the_manifest() {
     let output = nonius(directory.path(), "generate job.toml -o kit --format json");
     expect_status(&output, 0);
     let manifest = fs::read(directory.path().join("kit/manifest.json")).expect("it is there");
-    assert_eq!(
-        String::from_utf8_lossy(&output.stdout),
-        String::from_utf8_lossy(&manifest)
-    );
+    assert_eq!(String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&manifest));
 }
 
 #[test]
@@ -245,33 +224,21 @@ fn a_job_on_standard_input() {
 
 #[test]
 fn a_table_as_a_spreadsheet_of_another_country_writes_it() {
-    let semicolons = TABLE
-        .replace(',', ";")
-        .replace('.', ",")
-        .replace('\n', "\r\n");
+    let semicolons = TABLE.replace(',', ";").replace('.', ",").replace('\n', "\r\n");
     let with_mark = format!("\u{feff}{semicolons}");
-    assert_eq!(
-        kit_of(JOB, with_mark.as_bytes()),
-        kit_of(JOB, TABLE.as_bytes())
-    );
+    assert_eq!(kit_of(JOB, with_mark.as_bytes()), kit_of(JOB, TABLE.as_bytes()));
 }
 
 #[test]
 fn a_job_with_windows_line_ends() {
     let job = JOB.replace('\n', "\r\n");
-    assert_eq!(
-        kit_of(&job, TABLE.as_bytes()),
-        kit_of(JOB, TABLE.as_bytes())
-    );
+    assert_eq!(kit_of(&job, TABLE.as_bytes()), kit_of(JOB, TABLE.as_bytes()));
 }
 
 #[test]
 fn inches_are_converted_at_the_edge() {
     let inches = "axis,position_in,ex_uin\nx,0,0\nx,2,100\nx,4,-50\n";
-    let (inch, metric) = (
-        kit_of(JOB, inches.as_bytes()),
-        kit_of(JOB, TABLE.as_bytes()),
-    );
+    let (inch, metric) = (kit_of(JOB, inches.as_bytes()), kit_of(JOB, TABLE.as_bytes()));
     assert_eq!(inch["NONIUS_EEC.MPF"], metric["NONIUS_EEC.MPF"]);
 }
 

@@ -64,11 +64,7 @@ fn an_unlisted_file_is_passed_over_unless_the_control_would_read_it() {
     let (directory, kit) = kit();
     write(kit.join("offer.pdf"), b"%PDF-1.7\n\xff\xfe");
     write(kit.join("notes.txt"), b"called the customer on Monday\n");
-    expect(
-        directory.path(),
-        0,
-        "`notes.txt` was ignored: manifest.json does not list it",
-    );
+    expect(directory.path(), 0, "`notes.txt` was ignored: manifest.json does not list it");
     write(kit.join("OLD.MPF"), b"$AN_CEC[7,0]=0.01\n$AN_CEC[7,1]=0.02\n$AN_CEC_INPUT_AXIS[7]=(AX1)\n$AN_CEC_OUTPUT_AXIS[7]=(AX2)\n$AN_CEC_STEP[7]=100\n$AN_CEC_MIN[7]=0\n$AN_CEC_MAX[7]=100\nM30\n");
     expect(
         directory.path(),
@@ -86,15 +82,9 @@ fn a_kit_of_another_control_is_named_as_such() {
     let job = fs::read_to_string(&path).expect("it is there");
     let fanuc = job.replace("# detection_unit_um", "detection_unit_um");
     let words = "the kit was made for another control: manifest.json names `siemens-840d-sl`";
-    write(
-        path.clone(),
-        fanuc.replace("siemens-840d-sl", "fanuc-30i").as_bytes(),
-    );
+    write(path.clone(), fanuc.replace("siemens-840d-sl", "fanuc-30i").as_bytes());
     expect(directory.path(), 2, words);
-    write(
-        path,
-        job.replace("siemens-840d-sl", "siemens-828d").as_bytes(),
-    );
+    write(path, job.replace("siemens-840d-sl", "siemens-828d").as_bytes());
     expect(directory.path(), 1, words);
 }
 

@@ -35,10 +35,7 @@ fn nonius(directory: &Path, arguments: &[&str]) -> Output {
 fn kit(control: &str) -> (TempDir, PathBuf) {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
     let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
-    for (from, to) in [
-        ("errors.csv", "errors.csv"),
-        (&format!("{control}.toml"), "job.toml"),
-    ] {
+    for (from, to) in [("errors.csv", "errors.csv"), (&format!("{control}.toml"), "job.toml")] {
         fs::copy(fixture.join(from), directory.path().join(to)).expect("the fixture is there");
     }
     let output = nonius(directory.path(), &["generate", "job.toml", "-o", "kit"]);
@@ -335,11 +332,7 @@ fn fanuc() {
                 what: "axes 1 and 2 exchanged",
                 file: parameters,
                 line: |line| {
-                    replaced(
-                        &line.replace("A1P", "A#P").replace("A2P", "A1P"),
-                        "A#P",
-                        "A2P",
-                    )
+                    replaced(&line.replace("A1P", "A#P").replace("A2P", "A1P"), "A#P", "A2P")
                 },
                 says: "EXX (1 while 1 moves): foreign axis: these are the corrections of EYY",
                 status: 1,
@@ -377,42 +370,22 @@ fn generic() {
     };
     type Row<'a> = &'a dyn Fn(&mut Vec<String>) -> bool;
     let changes: [(&str, Row<'_>, i32, &str); 7] = [
-        (
-            "every sign turned",
-            &columns(6, |v| 0.0 - v),
-            1,
-            "wrong sign",
-        ),
+        ("every sign turned", &columns(6, |v| 0.0 - v), 1, "wrong sign"),
         (
             "scaled",
             &columns(6, |v| v * 1000.0),
             1,
             "wrong scale: the corrections are 1000 times too large",
         ),
-        (
-            "shifted",
-            &columns(5, |v| v + 12.0),
-            1,
-            "shifted reference: the table stands 12.0000 mm",
-        ),
+        ("shifted", &columns(5, |v| v + 12.0), 1, "shifted reference: the table stands 12.0000 mm"),
         (
             "last point deleted",
             &|c| !(c[0] == "EXX" && c[4] == "30"),
             1,
             "EXX (x while x moves): missing points",
         ),
-        (
-            "a point deleted",
-            &|c| !(c[0] == "EXX" && c[4] == "7"),
-            2,
-            "`index` is 8, expected 7",
-        ),
-        (
-            "a term deleted",
-            &|c| c[0] != "EYX",
-            1,
-            "EYX (y while x moves): missing",
-        ),
+        ("a point deleted", &|c| !(c[0] == "EXX" && c[4] == "7"), 2, "`index` is 8, expected 7"),
+        ("a term deleted", &|c| c[0] != "EYX", 1, "EYX (y while x moves): missing"),
         (
             "an axis renamed",
             &|c| {
@@ -480,22 +453,14 @@ fn a_file_with_other_bytes_and_the_same_values_is_told_as_such() {
     fs::write(&path, good.replace("=0.018", "=0.019")).expect("the file can be written");
     let output = nonius(directory.path(), &["verify", "job.toml", "--tables", "kit"]);
     let page = String::from_utf8_lossy(&output.stdout);
-    assert!(
-        page.contains("another value") && !page.contains(only_bytes),
-        "{page}"
-    );
+    assert!(page.contains("another value") && !page.contains(only_bytes), "{page}");
 }
 
 #[test]
 fn tables_without_files_that_switch_are_judged_with_a_note() {
     let (directory, kit) = kit("siemens-840d-sl");
     let remove = |name: &str| fs::remove_file(kit.join(name)).expect("the file can be removed");
-    for name in [
-        "manifest.json",
-        "NONIUS_ENABLE.MPF",
-        "NONIUS_DISABLE.MPF",
-        "NONIUS_MEMORY.TXT",
-    ] {
+    for name in ["manifest.json", "NONIUS_ENABLE.MPF", "NONIUS_DISABLE.MPF", "NONIUS_MEMORY.TXT"] {
         remove(name);
     }
     for says in [
@@ -525,13 +490,7 @@ fn an_assignment_that_a_kit_lacks_is_found_without_its_manifest() {
     for (control, files) in [
         (
             "siemens-840d-sl",
-            &[
-                EEC,
-                CEC,
-                "NONIUS_ENABLE.MPF",
-                "NONIUS_DISABLE.MPF",
-                "NONIUS_MEMORY.TXT",
-            ][..],
+            &[EEC, CEC, "NONIUS_ENABLE.MPF", "NONIUS_DISABLE.MPF", "NONIUS_MEMORY.TXT"][..],
         ),
         ("fanuc-30i", &["CNC-PARA.TXT", "PITCH.TXT"]),
     ] {
@@ -550,9 +509,8 @@ fn each_kind_of_line_is_missed(directory: &Path, path: &Path) {
     let mut kinds = Vec::new();
     for (index, line) in lines.iter().enumerate() {
         let code = line.trim();
-        let number = code
-            .strip_prefix('N')
-            .filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+        let number =
+            code.strip_prefix('N').filter(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
         let kind = match code.starts_with('$') {
             true => code.split('[').next(),
             false => number.and_then(|rest| rest.split(['Q', ' ']).next()),
@@ -576,9 +534,8 @@ fn each_kind_of_line_is_missed(directory: &Path, path: &Path) {
             "without `{code}` of {}\n{page}{said}",
             path.display()
         );
-        let tells = ["IS_MODULO", "MULT_BY_TABLE", "DIRECTION"]
-            .iter()
-            .find(|field| kind.ends_with(*field));
+        let tells =
+            ["IS_MODULO", "MULT_BY_TABLE", "DIRECTION"].iter().find(|field| kind.ends_with(*field));
         if let Some(field) = tells {
             let words = format!("no file writes {field} of ");
             assert!(page.contains(&words), "`{words}` is not in\n{page}");

@@ -25,18 +25,12 @@ fn told(controller: &str, profile: Option<&str>) -> (TempDir, String, String) {
         .replace("siemens-840d-sl", controller)
         .replace("# detection_unit_um", "detection_unit_um");
     fs::write(directory.path().join("job.toml"), job).expect("the job can be written");
-    fs::copy(
-        start.join("errors.csv"),
-        directory.path().join("errors.csv"),
-    )
-    .expect("the table can be copied");
+    fs::copy(start.join("errors.csv"), directory.path().join("errors.csv"))
+        .expect("the table can be copied");
     if let Some(page) = profile {
         fs::write(directory.path().join(controller), page).expect("the profile can be written");
     }
-    let output = nonius(
-        directory.path(),
-        &["generate", "job.toml", "-o", "kit", "--explain"],
-    );
+    let output = nonius(directory.path(), &["generate", "job.toml", "-o", "kit", "--explain"]);
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("it is text");
     let (data, talk) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success(), "{talk}");
@@ -57,14 +51,8 @@ fn names_in_other_letters_and_paths_with_blanks_are_taken() {
     let output = nonius(directory.path(), &["generate", "job.toml", "-o", "my kit"]);
     let said = [output.stdout, output.stderr].concat();
     let said = String::from_utf8(said).expect("it is text");
-    assert!(
-        said.contains("`Fräse Süd, groß` stands as `Fraese Sued, gross`"),
-        "{said}"
-    );
-    assert!(
-        said.contains("nonius verify job.toml --tables \"my kit\""),
-        "{said}"
-    );
+    assert!(said.contains("`Fräse Süd, groß` stands as `Fraese Sued, gross`"), "{said}");
+    assert!(said.contains("nonius verify job.toml --tables \"my kit\""), "{said}");
 }
 
 #[test]
@@ -76,32 +64,18 @@ fn the_verdict_stands_in_the_first_line() {
 #[test]
 fn assumptions_without_effect_stand_apart_with_the_reason() {
     let (_directory, data, _talk) = told("fanuc-30i", None);
-    let (used, idle) = data
-        .split_once("assumed too, without effect on this kit:")
-        .expect("both groups are there");
+    let (used, idle) =
+        data.split_once("assumed too, without effect on this kit:").expect("both groups are there");
     assert!(used.contains("pitch_sign = as_correction\n      if wrong: "));
-    assert!(
-        used.contains("straightness_magnification_parameter"),
-        "a 30i kit uses it"
-    );
+    assert!(used.contains("straightness_magnification_parameter"), "a 30i kit uses it");
     let line = "  straightness_amount_max = 32767: this kit holds no four-point straightness\n";
     assert!(idle.contains(line), "{idle}");
-    assert!(
-        idle.contains("interval_decimals_inch = 4: this kit is in mm"),
-        "{idle}"
-    );
+    assert!(idle.contains("interval_decimals_inch = 4: this kit is in mm"), "{idle}");
     let (_directory, data, _talk) = told("fanuc-0i-f", None);
-    let (used, idle) = data
-        .split_once("assumed too, without effect on this kit:")
-        .expect("both groups are there");
-    assert!(
-        used.contains("straightness_amount_max"),
-        "a 0i-F kit uses it"
-    );
-    assert!(
-        idle.contains("straightness_magnification_parameter"),
-        "{idle}"
-    );
+    let (used, idle) =
+        data.split_once("assumed too, without effect on this kit:").expect("both groups are there");
+    assert!(used.contains("straightness_amount_max"), "a 0i-F kit uses it");
+    assert!(idle.contains("straightness_magnification_parameter"), "{idle}");
 }
 
 #[test]
@@ -111,10 +85,7 @@ fn what_is_to_be_decided_is_on_the_screen_and_has_its_box_in_the_steps() {
         "first_set = 1; if wrong: straightness sets already in use",
         "reserved_points = none; if wrong: points already used",
     ];
-    let controls = [
-        ("siemens-840d-sl", &of_siemens[..]),
-        ("fanuc-30i", &of_fanuc),
-    ];
+    let controls = [("siemens-840d-sl", &of_siemens[..]), ("fanuc-30i", &of_fanuc)];
     for (id, open) in controls {
         let (directory, data, talk) = told(id, None);
         let text = |name: &str| {
@@ -130,10 +101,7 @@ fn what_is_to_be_decided_is_on_the_screen_and_has_its_box_in_the_steps() {
             assert!(data.contains(&said) || talk.contains(&said), "{data}{talk}");
             let item = format!("\n   - [ ] **DECIDE,** assumed: {line}");
             assert!(work.contains(&item), "{id}: {item}\n{work}");
-            let item = format!(
-                "{boxed} assumed: {}",
-                line.split_once(';').expect("two parts").0
-            );
+            let item = format!("{boxed} assumed: {}", line.split_once(';').expect("two parts").0);
             assert!(page.contains(&item), "{id}: {item}\n{page}");
             assert!(!annex.contains(line), "{id}: {line}\n{annex}");
         }
@@ -143,16 +111,10 @@ fn what_is_to_be_decided_is_on_the_screen_and_has_its_box_in_the_steps() {
 #[test]
 fn preconditions_are_sentences_and_axes_share_one() {
     let (_directory, data, talk) = told("fanuc-30i", None);
-    assert!(
-        data.contains("\n  1240 of axis 1, 2, 3 must be 0 mm:\n"),
-        "{data}"
-    );
+    assert!(data.contains("\n  1240 of axis 1, 2, 3 must be 0 mm:\n"), "{data}");
     let power = "the power of the control must be switched off and on after loading 3620 to 3627:";
     assert!(data.contains(power), "{data}");
-    assert!(
-        talk.contains("checklist.html, why: docs/fanuc.md §4.2"),
-        "{talk}"
-    );
+    assert!(talk.contains("checklist.html, why: docs/fanuc.md §4.2"), "{talk}");
 }
 
 #[test]
@@ -182,29 +144,20 @@ template = "siemens-cec.mpf.tera"
     }
     let output = nonius(directory.path(), &["verify", "job.toml", "--tables", "kit"]);
     let verified = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(
-        verified.contains("note: no file switches the tables on"),
-        "{verified}"
-    );
+    assert!(verified.contains("note: no file switches the tables on"), "{verified}");
 }
 
 #[test]
 fn a_reversal_within_its_uncertainty_is_told_as_noise() {
     let (directory, _, _) = told("siemens-840d-sl", None);
     let job = fs::read_to_string(directory.path().join("job.toml")).expect("the job is there");
-    let job = job.replace(
-        "[compensation]\n",
-        "[compensation]\nbacklash = \"two-tables\"\n",
-    );
+    let job = job.replace("[compensation]\n", "[compensation]\nbacklash = \"two-tables\"\n");
     fs::write(directory.path().join("job.toml"), job).expect("the job can be written");
     // EXX: 3 µm between the directions; EYX: 1 µm, with u = 0.5 µm (U of a difference 1.4 µm).
     let table = "axis,direction,position_mm,ex_um,ey_um,u_ex_um,u_ey_um\n\
         x,+,0,0,0,0.5,0.5\nx,+,400,3,1,0.5,0.5\nx,-,0,-3,0,0.5,0.5\nx,-,400,0,2,0.5,0.5\n";
     fs::write(directory.path().join("errors.csv"), table).expect("the table can be written");
-    let output = nonius(
-        directory.path(),
-        &["generate", "job.toml", "-o", "noisy", "--force"],
-    );
+    let output = nonius(directory.path(), &["generate", "job.toml", "-o", "noisy", "--force"]);
     let said = String::from_utf8(output.stdout).expect("it is text")
         + &String::from_utf8(output.stderr).expect("it is text");
     assert!(
@@ -230,14 +183,7 @@ fn the_errors_without_a_reversal_are_named() {
     let names = "EXY, EYY, EZY, EXZ, EYZ, EZZ";
     let words = format!("reversal of {names} not measured");
     assert!(said.contains(&words), "{said}");
-    let german = run(&[
-        "report",
-        "siemens-840d-sl.toml",
-        "--language",
-        "de",
-        "-o",
-        "-",
-    ]);
+    let german = run(&["report", "siemens-840d-sl.toml", "--language", "de", "-o", "-"]);
     let words = format!("Umkehrspanne von {names} nicht gemessen");
     assert!(german.contains(&words), "{german}");
 }

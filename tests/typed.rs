@@ -20,10 +20,9 @@ fn visit(value: &str, unit: &str, spacing: &str) -> TempDir {
     let at = |name: &str| place.path().join(name);
     fs::copy(folder.join("errors.csv"), at("errors.csv")).unwrap();
     let job = fs::read_to_string(folder.join("generic.toml")).unwrap();
-    let job = job.replace("\"generic\"", "\"own.toml\"").replace(
-        "spacing_mm = 100.0",
-        &format!("{spacing}\ndetection_unit_um = 1.0"),
-    );
+    let job = job
+        .replace("\"generic\"", "\"own.toml\"")
+        .replace("spacing_mm = 100.0", &format!("{spacing}\ndetection_unit_um = 1.0"));
     fs::write(at("job.toml"), job).unwrap();
     let fact = |name: &str, value: &str| {
         format!("[facts.{name}]\nvalue = \"{value}\"\nevidence = \"manual\"\nsource = \"test\"\n")
@@ -99,23 +98,14 @@ fn the_sheet_shows_what_the_list_holds_and_obeys_nothing() {
             "sum" => format!("Sum of page {page}</td><td>{value}</td>"),
             _ => format!("<tr><td>{point}</td><td>{position}</td><td>{value}</td><td></td>"),
         };
-        let (_, after) = rest
-            .split_once(&shown)
-            .unwrap_or_else(|| panic!("{row}\n{sheet}"));
+        let (_, after) = rest.split_once(&shown).unwrap_or_else(|| panic!("{row}\n{sheet}"));
         rest = after;
         points += usize::from(point != "sum");
         pages += usize::from(point == "sum");
     }
     // X has tables for both directions of EXX and EYX
-    assert_eq!(
-        (points, pages),
-        (11 * 41, 11 * 2),
-        "41 points are two pages"
-    );
-    assert!(
-        !sheet.contains("<b>") && sheet.contains("&lt;b&gt;Own"),
-        "{sheet}"
-    );
+    assert_eq!((points, pages), (11 * 41, 11 * 2), "41 points are two pages");
+    assert!(!sheet.contains("<b>") && sheet.contains("&lt;b&gt;Own"), "{sheet}");
 }
 
 #[test]
@@ -156,39 +146,23 @@ fn a_list_that_is_not_whole_is_refused_at_its_place() {
     let cut: String = list.lines().take(4).map(|row| format!("{row}\n")).collect();
     for (changed, words) in [
         (
-            seen.replace(
-                &format!("{first}{}", first.split(',').nth(8).unwrap()),
-                first,
-            ),
+            seen.replace(&format!("{first}{}", first.split(',').nth(8).unwrap()), first),
             "`seen` is empty in 1 of",
         ),
         (cut, "page `1` has no sum"),
-        (
-            list.replace("increment_um", "increment"),
-            "column `increment` is unknown",
-        ),
-        (
-            list.replace(",increment_um", ",increment_um,correction_um"),
-            "expected one",
-        ),
-        (
-            list.replace("EXX,x,x,,0,", "EXX,x,x,,50,"),
-            "no point of this table lies at `zero_mm`",
-        ),
+        (list.replace("increment_um", "increment"), "column `increment` is unknown"),
+        (list.replace(",increment_um", ",increment_um,correction_um"), "expected one"),
+        (list.replace("EXX,x,x,,0,", "EXX,x,x,,50,"), "no point of this table lies at `zero_mm`"),
         (list.replace(",1,sum,", ",1,total,"), "`point` is `total`"),
         (
-            list.replacen("0,1,0,0,0,", "0,1,0,0,5,", 1)
-                .replacen("sum,,-8,", "sum,,-3,", 1),
+            list.replacen("0,1,0,0,0,", "0,1,0,0,5,", 1).replacen("sum,,-8,", "sum,,-3,", 1),
             "has an increment, expected 0",
         ),
     ] {
         assert_ne!(changed, list, "{words}");
         let (status, told) = judged(&visit, &changed);
         assert_eq!(status, Some(2), "{words}\n{told}");
-        assert!(
-            told.contains(words) && told.contains("screen.csv:"),
-            "{words}\n{told}"
-        );
+        assert!(told.contains(words) && told.contains("screen.csv:"), "{words}\n{told}");
     }
 }
 

@@ -77,10 +77,7 @@ fn verify(directory: &TempDir) -> (i32, String) {
 fn a_file_that_no_reader_takes_gets_no_pass() {
     let (directory, kit, (status, told)) = kit("");
     assert_eq!(status, 1, "{told}");
-    assert!(
-        told.contains("verdict: undecided") && told.contains(UNREAD),
-        "{told}"
-    );
+    assert!(told.contains("verdict: undecided") && told.contains(UNREAD), "{told}");
     let manifest = fs::read_to_string(kit.join("manifest.json")).expect("it was written");
     assert!(manifest.contains(UNREAD), "the manifest says so too");
     let checklist = fs::read_to_string(kit.join("checklist.md")).expect("it was written");
@@ -88,10 +85,7 @@ fn a_file_that_no_reader_takes_gets_no_pass() {
     let (status, told) = verify(&directory);
     assert_eq!(status, 1, "{told}");
     assert!(told.contains("job and tables agree"), "{told}");
-    assert!(
-        told.contains("verdict: undecided") && told.contains(UNREAD),
-        "{told}"
-    );
+    assert!(told.contains("verdict: undecided") && told.contains(UNREAD), "{told}");
 }
 
 #[test]
@@ -100,10 +94,7 @@ fn without_its_manifest_such_a_kit_gets_no_pass_either() {
     fs::remove_file(kit.join("manifest.json")).expect("it was written");
     let (status, told) = verify(&directory);
     assert_eq!(status, 1, "{told}");
-    assert!(
-        told.contains("verdict: undecided") && told.contains(UNREAD),
-        "{told}"
-    );
+    assert!(told.contains("verdict: undecided") && told.contains(UNREAD), "{told}");
 }
 
 #[test]
@@ -112,10 +103,7 @@ fn a_sheet_that_no_control_loads_is_stated_as_such() {
     assert_eq!(status, 0, "{told}");
     let (status, told) = verify(&directory);
     assert_eq!(status, 0, "{told}");
-    assert!(
-        told.contains("verdict: pass") && !told.contains(UNREAD),
-        "{told}"
-    );
+    assert!(told.contains("verdict: pass") && !told.contains(UNREAD), "{told}");
 }
 
 /// Every change of a kit that no reader would find, and what `verify` says of it.
@@ -128,25 +116,13 @@ fn a_file_that_no_reader_takes_fails_turned_deleted_or_unlisted() {
         let expect = |what: &str, says: &str| {
             let (status, told) = verify(&directory);
             assert_eq!(status, 1, "{what}\n{told}");
-            assert!(
-                told.contains("verdict: fail") && told.contains(says),
-                "{what}\n{told}"
-            );
-            assert!(
-                !told.contains("what differs is something else"),
-                "{what}\n{told}"
-            );
+            assert!(told.contains("verdict: fail") && told.contains(says), "{what}\n{told}");
+            assert!(!told.contains("what differs is something else"), "{what}\n{told}");
         };
         fs::write(&path, good.replace(";-", ";")).expect("it can be written");
-        expect(
-            "its signs turned",
-            "`loaded.csv` was changed after it was made",
-        );
+        expect("its signs turned", "`loaded.csv` was changed after it was made");
         fs::remove_file(&path).expect("it can be removed");
-        expect(
-            "deleted",
-            "`loaded.csv` is listed in manifest.json but missing",
-        );
+        expect("deleted", "`loaded.csv` is listed in manifest.json but missing");
         fs::write(&path, good).expect("it can be written");
         let manifest = kit.join("manifest.json");
         let text = fs::read_to_string(&manifest).expect("it was written");
@@ -165,10 +141,7 @@ fn notes_in_the_checklist_stay_a_note() {
     fs::write(&path, page + "done, A.B.\n").expect("it can be written");
     let (status, told) = verify(&directory);
     assert_eq!(status, 0, "{told}");
-    assert!(
-        told.contains("`checklist.md` was changed after it was made"),
-        "{told}"
-    );
+    assert!(told.contains("`checklist.md` was changed after it was made"), "{told}");
 }
 
 #[test]
@@ -177,21 +150,13 @@ fn a_kit_with_a_changed_file_is_no_predecessor_whatever_its_role() {
     fs::write(kit.join("loaded.csv"), "place;value\n").expect("it can be written");
     let (status, told) = nonius(directory.path(), &["history", "kit"]);
     assert_eq!(status, 1, "{told}");
-    assert!(
-        told.contains("`loaded.csv` was changed after it was made"),
-        "{told}"
-    );
+    assert!(told.contains("`loaded.csv` was changed after it was made"), "{told}");
     let job = directory.path().join("job.toml");
     let text = fs::read_to_string(&job).expect("it was written");
-    let after = text.replace(
-        "active_while_measuring = \"none\"",
-        "active_while_measuring = \"kit\"",
-    );
+    let after =
+        text.replace("active_while_measuring = \"none\"", "active_while_measuring = \"kit\"");
     fs::write(&job, after).expect("it can be written");
     let (status, told) = nonius(directory.path(), &["generate", "job.toml", "-o", "new"]);
     assert_eq!(status, 2, "{told}");
-    assert!(
-        told.contains("`loaded.csv` of the kit `kit` was changed after it was made"),
-        "{told}"
-    );
+    assert!(told.contains("`loaded.csv` of the kit `kit` was changed after it was made"), "{told}");
 }

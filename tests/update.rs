@@ -60,47 +60,22 @@ fn read_out(job: &str, errors: &str, file: &str) -> Result<Inputs, String> {
 
 #[test]
 fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
-    let job = |more: &str| {
-        small(
-            "siemens-840d-sl",
-            &format!("{ACTIVE}\n{more}"),
-            "",
-            SIEMENS_AXES,
-        )
-    };
+    let job = |more: &str| small("siemens-840d-sl", &format!("{ACTIVE}\n{more}"), "", SIEMENS_AXES);
     let (before, old) = generate(
-        &small(
-            "siemens-840d-sl",
-            "active_while_measuring = \"none\"",
-            "",
-            SIEMENS_AXES,
-        ),
+        &small("siemens-840d-sl", "active_while_measuring = \"none\"", "", SIEMENS_AXES),
         FULL,
     );
-    let files = || {
-        old.files
-            .iter()
-            .map(|f| (f.path.clone(), f.bytes.clone()))
-            .collect()
-    };
+    let files = || old.files.iter().map(|f| (f.path.clone(), f.bytes.clone())).collect();
     let with = |more: &str| {
         let found = inputs(&job(more), EXX_ONLY);
-        let active = from_kit(
-            &found.job,
-            &found.profile,
-            "old",
-            &old.manifest_bytes().unwrap(),
-            files(),
-        )
-        .unwrap();
+        let active =
+            from_kit(&found.job, &found.profile, "old", &old.manifest_bytes().unwrap(), files())
+                .unwrap();
         found.with_active(active)
     };
     let refused = with("").unwrap_err().render();
     for term in ["EYX", "EXY", "EYY"] {
-        assert!(
-            refused.contains(&format!("correct {term}, which was not measured")),
-            "{refused}"
-        );
+        assert!(refused.contains(&format!("correct {term}, which was not measured")), "{refused}");
     }
     let kept = with("active_terms_not_measured = \"keep\"").unwrap();
     let new = kit::generate(&kept).unwrap();
@@ -111,19 +86,11 @@ fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
             let of = |c: &dyn nonius::read::emulate::Emulator| {
                 um_at(&response(c, base, output, Direction::Plus), x)
             };
-            assert!(
-                (of(was.as_ref()) - of(is.as_ref())).abs() < 1e-9,
-                "{base}→{output} at {x}"
-            );
+            assert!((of(was.as_ref()) - of(is.as_ref())).abs() < 1e-9, "{base}→{output} at {x}");
         }
     }
     let dropped = kit::generate(&with("active_terms_not_measured = \"drop\"").unwrap()).unwrap();
-    let what: Vec<&str> = dropped
-        .compiled
-        .preconditions
-        .iter()
-        .map(|p| p.what.as_str())
-        .collect();
+    let what: Vec<&str> = dropped.compiled.preconditions.iter().map(|p| p.what.as_str()).collect();
     for stale in [
         "SD41300 $SN_CEC_TABLE_ENABLE[0]",
         "SD41300 $SN_CEC_TABLE_ENABLE[1]",
@@ -137,31 +104,14 @@ fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
 fn steps_are_taken_off_where_the_laser_stood_and_lines_between() {
     let job = small("fanuc-30i", ACTIVE, "", FANUC_AXES);
     let errors = "axis,position_mm,ex_um\nx,0,0\nx,50,4\nx,100,8\n";
-    let (_, old) = generate(
-        &small(
-            "fanuc-30i",
-            "active_while_measuring = \"none\"",
-            "",
-            FANUC_AXES,
-        ),
-        errors,
-    );
+    let (_, old) =
+        generate(&small("fanuc-30i", "active_while_measuring = \"none\"", "", FANUC_AXES), errors);
     // The machine errs by 0.08 µm/mm; at 20 mm the step of the first section has not come, at 40 mm it has.
     let residual = "axis,position_mm,ex_um\nx,0,0\nx,20,1.6\nx,40,-0.8\nx,50,0\nx,100,0\n";
     let found = inputs(&job, residual);
-    let files = old
-        .files
-        .iter()
-        .map(|f| (f.path.clone(), f.bytes.clone()))
-        .collect();
-    let active = from_kit(
-        &found.job,
-        &found.profile,
-        "old",
-        &old.manifest_bytes().unwrap(),
-        files,
-    )
-    .unwrap();
+    let files = old.files.iter().map(|f| (f.path.clone(), f.bytes.clone())).collect();
+    let active =
+        from_kit(&found.job, &found.profile, "old", &old.manifest_bytes().unwrap(), files).unwrap();
     let found = found.with_active(active).unwrap();
     let exx = nonius::quantity::axis::ErrorTerm::from_name("EXX").unwrap();
     let measured = found.model.terms[exx].as_ref().unwrap();
@@ -185,12 +135,7 @@ const WAYS: [(&str, &str); 5] = [
 
 fn old_and_new(controller: &str, axes: &str, (old, new): (&str, &str)) -> (Kit, String, String) {
     let job = |active: &str, policy: &str| {
-        small(
-            controller,
-            active,
-            &format!("backlash = \"{policy}\""),
-            axes,
-        )
+        small(controller, active, &format!("backlash = \"{policy}\""), axes)
     };
     let none = "active_while_measuring = \"none\"";
     let (_, before) = generate(&job(none, old), BOTH_WAYS);
@@ -200,13 +145,7 @@ fn old_and_new(controller: &str, axes: &str, (old, new): (&str, &str)) -> (Kit, 
 
 fn files_of(kit: &Kit, role: nonius::control::controller::Role) -> Vec<nonius::read::KitFile<'_>> {
     let files = kit.files.iter().filter(|file| file.role == role);
-    files
-        .map(|file| nonius::read::KitFile {
-            path: &file.path,
-            role,
-            bytes: &file.bytes,
-        })
-        .collect()
+    files.map(|file| nonius::read::KitFile { path: &file.path, role, bytes: &file.bytes }).collect()
 }
 
 /// What the axes get, at places on and between the points, in both directions.
@@ -252,43 +191,21 @@ fn a_kit_of_another_machine_is_refused() {
         let found = inputs(&job(job_of), FULL);
         let files = old.files.iter().map(|f| (f.path.clone(), f.bytes.clone()));
         let manifest = old.manifest_bytes().unwrap();
-        from_kit(
-            &found.job,
-            &found.profile,
-            "old",
-            &manifest,
-            files.collect(),
-        )
-        .map(|active| notes_of(&active))
-        .map_err(|problems| problems.render())
+        from_kit(&found.job, &found.profile, "old", &manifest, files.collect())
+            .map(|active| notes_of(&active))
+            .map_err(|problems| problems.render())
     };
     let one = "name = \"M\"\nserial = \"1\"\nchain = \"wXYZt\"";
     assert_eq!(read(one, one).unwrap(), "");
     let other = read(&one.replace("\"1\"", "\"999\""), one).unwrap_err();
-    assert!(
-        other.contains("its serial number is `999`, that of the job `1`"),
-        "{other}"
-    );
+    assert!(other.contains("its serial number is `999`, that of the job `1`"), "{other}");
     let renamed = read(&one.replace("\"M\"", "\"other mill\""), one).unwrap();
-    assert!(
-        renamed.contains("the machine name `other mill`, the job `M`"),
-        "{renamed}"
-    );
+    assert!(renamed.contains("the machine name `other mill`, the job `M`"), "{renamed}");
     let unsure = read("name = \"other mill\"", one).unwrap_err();
-    assert!(
-        unsure.contains("its name is `other mill`, that of the job `M`"),
-        "{unsure}"
-    );
+    assert!(unsure.contains("its name is `other mill`, that of the job `M`"), "{unsure}");
     let chain = read("name = \"M\"\nchain = \"XwYZt\"", one).unwrap_err();
-    assert!(
-        chain.contains("its chain is `XwYZt`, that of the job `wXYZt`"),
-        "{chain}"
-    );
-    assert_eq!(
-        read("name = \"M\"", one).unwrap(),
-        "",
-        "what is not stated does not contradict"
-    );
+    assert!(chain.contains("its chain is `XwYZt`, that of the job `wXYZt`"), "{chain}");
+    assert_eq!(read("name = \"M\"", one).unwrap(), "", "what is not stated does not contradict");
 }
 
 #[test]
@@ -315,10 +232,8 @@ fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
         nonius::control::table::Tables::Siemens(tables) => tables.cec[1].values[0].unwrap(),
         _ => panic!("it is a Siemens control"),
     };
-    let (zero, four) = (
-        with("two-tables", ""),
-        with("two-tables", "active_backlash_um = { x = 4.0 }"),
-    );
+    let (zero, four) =
+        (with("two-tables", ""), with("two-tables", "active_backlash_um = { x = 4.0 }"));
     // The laser saw 1 µm of lost motion; 4 µm more were taken up by the parameter that is now 0.
     assert_eq!(minus_at_reference(&zero), 0.001);
     assert_eq!(minus_at_reference(&four), 0.005);
@@ -328,29 +243,19 @@ fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
     assert!((parameter("") - 1.0).abs() < 1e-9);
     assert!((parameter("active_backlash_um = { x = 4.0 }") - 5.0).abs() < 1e-9);
     let says = |kit: &Kit| {
-        let assumed = kit
-            .manifest
-            .assumptions
-            .iter()
-            .any(|a| a.fact == "backlash_while_measuring_x");
+        let assumed =
+            kit.manifest.assumptions.iter().any(|a| a.fact == "backlash_while_measuring_x");
         let noted = kit
             .manifest
             .notes
             .iter()
             .any(|n| matches!(n.kind(), Some(TableFinding::ParameterReplaced { .. })));
-        let demanded = kit
-            .manifest
-            .preconditions
-            .iter()
-            .any(|p| p.why.contains("as 0 while measuring"));
+        let demanded =
+            kit.manifest.preconditions.iter().any(|p| p.why.contains("as 0 while measuring"));
         [assumed, noted, demanded]
     };
     assert_eq!(says(&zero), [true; 3]);
     assert_eq!(says(&with("curve-and-parameter", "")), [true; 3]);
     assert_eq!(says(&four), [false; 3]);
-    assert_eq!(
-        says(&with("mean", "")),
-        [false; 3],
-        "the parameter stays as it was"
-    );
+    assert_eq!(says(&with("mean", "")), [false; 3], "the parameter stays as it was");
 }

@@ -23,20 +23,14 @@ fn put(at: &Path, name: &str, text: &str) {
 
 fn json(at: &Path, arguments: &str) -> Value {
     let (status, out, err) = ended(at, &format!("{arguments} --format json"));
-    assert!(
-        status.is_some_and(|status| status < 2),
-        "{arguments}\n{err}"
-    );
+    assert!(status.is_some_and(|status| status < 2), "{arguments}\n{err}");
     serde_json::from_str(&out).unwrap()
 }
 
 /// The first part of what a command prints: its verdict.
 fn verdict(at: &Path, arguments: &str) -> String {
     let (status, out, err) = ended(at, arguments);
-    assert!(
-        status.is_some_and(|status| status < 2),
-        "{arguments}\n{err}"
-    );
+    assert!(status.is_some_and(|status| status < 2), "{arguments}\n{err}");
     let page = out.split_once("verdict:").unwrap().1;
     page.split("\n\n").next().unwrap().to_string()
 }
@@ -78,11 +72,8 @@ fn the_noise_at_the_reference_is_in_every_u() {
     put(at, "after.csv", &wave(900, 0.4));
     let after = json(at, "verify job.toml --tables kit --after after.csv");
     let u = 0.5 * std::f64::consts::SQRT_2;
-    for found in [
-        &kit["forecast"]["terms"]["EXX"],
-        &verify["terms"]["EXX"],
-        &after["terms"]["EXX"],
-    ] {
+    for found in [&kit["forecast"]["terms"]["EXX"], &verify["terms"]["EXX"], &after["terms"]["EXX"]]
+    {
         let stated = found["u_um"].as_f64().unwrap();
         assert!((stated - u).abs() < 1e-6, "{found}");
     }
@@ -109,12 +100,7 @@ fn as_left_passes_on_each_value_and_fails_on_joint_evidence() {
     let at = directory.path();
     ended(at, "generate job.toml -o kit");
     // u = 0.707: passes up to 5 − 1.645 u = 3.84, fails from 5 + 3.14 u = 7.22
-    for (size, expected) in [
-        (3.8, "pass"),
-        (4.2, "undecided"),
-        (6.9, "undecided"),
-        (7.5, "fail"),
-    ] {
+    for (size, expected) in [(3.8, "pass"), (4.2, "undecided"), (6.9, "undecided"), (7.5, "fail")] {
         put(at, "after.csv", &wave(900, size));
         let page = json(at, "verify job.toml --tables kit --after after.csv");
         assert_eq!(page["verdict"], expected, "{size}: {}", page["terms"]);
@@ -128,11 +114,7 @@ fn few_degrees_of_freedom_widen_u() {
     for x in (0..=900).step_by(450) {
         errors += &format!("x,{x},{x}e-3,0.5\n");
     }
-    let known = errors
-        .lines()
-        .skip(1)
-        .map(|line| format!("{line}\n"))
-        .collect::<String>();
+    let known = errors.lines().skip(1).map(|line| format!("{line}\n")).collect::<String>();
     let job = one_axis("", "max_deviation_um = 3").replace("spacing_mm = 30", "spacing_mm = 450");
     let expanded = |errors: &str| {
         let directory = folder(&job, errors);
@@ -151,20 +133,13 @@ fn a_part_of_the_travel_decides_nothing_unless_it_is_what_is_asked_for() {
     let at = directory.path();
     let said = verdict(at, "generate job.toml -o kit");
     assert!(said.starts_with(" undecided"), "{said}");
-    assert!(
-        said.contains("EXX within 5 µm") && said.contains("33 % of the travel of X"),
-        "{said}"
-    );
+    assert!(said.contains("EXX within 5 µm") && said.contains("33 % of the travel of X"), "{said}");
     assert!(!said.contains("every term"), "{said}");
     put(at, "after.csv", &wave(300, 0.4));
     let said = verdict(at, "verify job.toml --tables kit --after after.csv");
     assert!(said.starts_with(" undecided"), "{said}");
 
-    put(
-        at,
-        "job.toml",
-        &one_axis("", &format!("{limit}\nrange_mm = {{ x = [0, 300] }}")),
-    );
+    put(at, "job.toml", &one_axis("", &format!("{limit}\nrange_mm = {{ x = [0, 300] }}")));
     let said = verdict(at, "verify job.toml --tables kit");
     assert!(said.starts_with(" pass"), "{said}");
     assert!(said.contains("X from 0 to 300 mm"), "{said}");
@@ -183,10 +158,8 @@ fn a_stated_range_is_all_that_is_judged() {
         .map(|l| format!("{l}\n"))
         .collect::<String>();
     let job = |range: &str| {
-        one_axis("", &format!("max_deviation_um = 5{range}")).replace(
-            "spacing_mm = 30",
-            "spacing_mm = 30\nend_mm = 870\noutside = \"hold\"",
-        )
+        one_axis("", &format!("max_deviation_um = 5{range}"))
+            .replace("spacing_mm = 30", "spacing_mm = 30\nend_mm = 870\noutside = \"hold\"")
     };
     let directory = folder(&job(""), &errors);
     ended(directory.path(), "generate job.toml -o kit");
@@ -218,45 +191,27 @@ fn what_nobody_measured_afterwards_is_no_second_measurement() {
     let after = "verify job.toml --tables kit --after after.csv";
     put(at, "after.csv", &wave(900, 0.0));
     let said = verdict(at, after);
-    assert!(
-        said.starts_with(" undecided") && said.contains("an empty column"),
-        "{said}"
-    );
+    assert!(said.starts_with(" undecided") && said.contains("an empty column"), "{said}");
     put(at, "after.csv", &wave(900, 8.0));
     let said = verdict(at, after);
     assert!(
         said.starts_with(" undecided") && said.contains("those of the first measurement"),
         "{said}"
     );
-    ended(
-        at,
-        "simulate job.toml --errors --noise-um 0.2 --seed 1 -o after.csv --force",
-    );
+    ended(at, "simulate job.toml --errors --noise-um 0.2 --seed 1 -o after.csv --force");
     let said = verdict(at, after);
-    assert!(
-        said.starts_with(" undecided") && said.contains("simulated"),
-        "{said}"
-    );
+    assert!(said.starts_with(" undecided") && said.contains("simulated"), "{said}");
     // Both simulated: a rehearsal, judged and called so.
-    ended(
-        at,
-        "simulate job.toml --without-tables --errors --noise-um 0.2 --seed 2 -o errors2.csv",
-    );
+    ended(at, "simulate job.toml --without-tables --errors --noise-um 0.2 --seed 2 -o errors2.csv");
     put(
         at,
         "second.toml",
         &one_axis("", "max_deviation_um = 20").replace("errors.csv", "errors2.csv"),
     );
     ended(at, "generate second.toml -o kit2");
-    ended(
-        at,
-        "simulate second.toml --errors --noise-um 0.2 --seed 3 -o after2.csv",
-    );
+    ended(at, "simulate second.toml --errors --noise-um 0.2 --seed 3 -o after2.csv");
     let (_, out, _) = ended(at, "verify second.toml --tables kit2 --after after2.csv");
-    assert!(
-        out.contains("REHEARSAL") && out.contains("verdict: pass"),
-        "{out}"
-    );
+    assert!(out.contains("REHEARSAL") && out.contains("verdict: pass"), "{out}");
 }
 
 /// The nine terms of a cube of 1 m about its reference, wavy, without any stated u.
@@ -284,9 +239,8 @@ fn cube_job(uncertainty: &str, lines: &str) -> String {
     job + &format!("[acceptance]\n{lines}\n")
 }
 
-const TENTHS: [f64; 11] = [
-    0.0, 100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0,
-];
+const TENTHS: [f64; 11] =
+    [0.0, 100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0];
 
 /// One scale for all positions and axes: 5 µm/m over the 1.732 m of a diagonal, wherever the reference is.
 #[test]
@@ -302,42 +256,27 @@ fn the_scale_of_the_laser_counts_once_along_a_diagonal() {
     }
     assert_eq!(page["verdict"], "undecided");
     let said = verdict(at, "verify job.toml --tables kit");
-    assert!(
-        said.contains("U of EYX, EZX, EXY, EZY, EXZ, EYZ is not stated"),
-        "{said}"
-    );
+    assert!(said.contains("U of EYX, EZX, EXY, EZY, EXZ, EYZ is not stated"), "{said}");
 }
 
 /// Ends and nothing between; a cluster and a far end: nothing is known of the rest.
 #[test]
 fn what_lies_between_places_far_apart_was_not_measured() {
-    let job = cube_job(
-        "noise_um = 0.1",
-        "max_deviation_um = 5\nmax_diagonal_um = 9",
-    );
+    let job = cube_job("noise_um = 0.1", "max_deviation_um = 5\nmax_diagonal_um = 9");
     for places in [vec![0.0, 1000.0], vec![0.0, 10.0, 20.0, 1000.0]] {
         let directory = folder(&job, &cube(&places, 1.0));
         let said = verdict(directory.path(), "generate job.toml -o kit");
-        assert!(
-            said.starts_with(" undecided") && said.contains("of the travel of X"),
-            "{said}"
-        );
+        assert!(said.starts_with(" undecided") && said.contains("of the travel of X"), "{said}");
     }
 }
 
 #[test]
 fn the_verdict_names_what_no_figure_holds() {
     let stated = "noise_um = 0.1\ntemperature_k = 1";
-    let directory = folder(
-        &cube_job(stated, "max_deviation_um = 5"),
-        &cube(&TENTHS, 1.0),
-    );
+    let directory = folder(&cube_job(stated, "max_deviation_um = 5"), &cube(&TENTHS, 1.0));
     let said = verdict(directory.path(), "generate job.toml -o kit");
     assert!(said.contains("reversal not measured"), "{said}");
-    assert!(
-        said.contains("stated and not counted: temperature_k"),
-        "{said}"
-    );
+    assert!(said.contains("stated and not counted: temperature_k"), "{said}");
     let plus = wave(900, 8.0).replace("axis,position_mm", "axis,direction,position_mm");
     let plus = plus.replace("\nx,", "\nx,+,");
     let directory = folder(&one_axis("", "max_deviation_um = 5"), &plus);
@@ -359,10 +298,7 @@ fn a_column_that_no_laser_read_decides_nothing() {
     });
     put(at, "after.csv", &after.collect::<String>());
     let said = verdict(at, "verify job.toml --tables kit --after after.csv");
-    assert!(
-        said.starts_with(" undecided") && said.contains("EZX, EZY, EZZ"),
-        "{said}"
-    );
+    assert!(said.starts_with(" undecided") && said.contains("EZX, EZY, EZZ"), "{said}");
 }
 
 /// The cases beside the repository in which the program once said too much.
@@ -373,22 +309,15 @@ fn cases_that_once_passed() {
         return skipped::skipped();
     }
     let directory = tempfile::tempdir().unwrap();
-    for (case, verdict) in [
-        ("forecast_u", "undecided"),
-        ("student", "undecided"),
-        ("range3pct", "undecided"),
-    ] {
+    for (case, verdict) in
+        [("forecast_u", "undecided"), ("student", "undecided"), ("range3pct", "undecided")]
+    {
         let job: PathBuf = shared.join(case).join("job.toml");
         let kit = directory.path().join(case);
-        let (status, out, err) = ended(
-            directory.path(),
-            &format!("generate {} -o {}", job.display(), kit.display()),
-        );
+        let (status, out, err) =
+            ended(directory.path(), &format!("generate {} -o {}", job.display(), kit.display()));
         assert_eq!(status, Some(1), "{case}: {out}{err}");
-        assert!(
-            out.contains(&format!("verdict: {verdict}")),
-            "{case}: {out}"
-        );
+        assert!(out.contains(&format!("verdict: {verdict}")), "{case}: {out}");
     }
 }
 
@@ -404,10 +333,8 @@ fn offered(said: &str) -> Vec<Offered> {
     // Long lines go on in the next one, indented.
     let said = said.replace("\n    ", " ");
     let offer = |line: &str| {
-        let (policy, rest) = line
-            .trim()
-            .strip_prefix("`backlash = ")?
-            .split_once("` would leave ")?;
+        let (policy, rest) =
+            line.trim().strip_prefix("`backlash = ")?.split_once("` would leave ")?;
         let (left, rest) = rest.split_once(" with ")?;
         let (tables, verdict) = rest.split_once(": ")?;
         Some(Offered {
@@ -424,20 +351,11 @@ fn offered(said: &str) -> Vec<Offered> {
 fn left_on(page: &Value, job: &str) -> String {
     let largest = |rows: &Value| {
         let rows = rows.as_object().unwrap().values();
-        rows.map(|row| row["forecast_um"].as_f64().unwrap())
-            .fold(0.0, f64::max)
+        rows.map(|row| row["forecast_um"].as_f64().unwrap()).fold(0.0, f64::max)
     };
     let terms = format!("at most {:.3} µm", largest(&page["terms"]));
-    let diagonals = || {
-        format!(
-            "at most {:.3} µm on the diagonals",
-            largest(&page["diagonals"])
-        )
-    };
-    match (
-        job.contains("max_deviation_um"),
-        job.contains("max_diagonal_um"),
-    ) {
+    let diagonals = || format!("at most {:.3} µm on the diagonals", largest(&page["diagonals"]));
+    match (job.contains("max_deviation_um"), job.contains("max_diagonal_um")) {
         (true, true) => format!("{terms} and {}", diagonals()),
         (false, true) => diagonals(),
         _ => terms,
@@ -470,10 +388,7 @@ const BOTH_WAYS: &str = "axis,direction,position_mm,ex_um\nx,+,0,0\nx,+,450,2\nx
 /// X alone in both directions, 3 µm of reversal.
 fn lost_motion_job(policy: &str) -> String {
     let job = one_axis("", "max_deviation_um = 1.2").replace("= 30\n", "= 450\n");
-    job.replace(
-        "\"generic\"\n",
-        &format!("\"generic\"\nbacklash = {policy}\n"),
-    )
+    job.replace("\"generic\"\n", &format!("\"generic\"\nbacklash = {policy}\n"))
 }
 
 #[test]
@@ -495,10 +410,8 @@ fn it_is_offered_beside_active_tables_too() {
     let at = directory.path();
     ended(at, "generate job.toml -o old");
     let job = lost_motion_job("\"mean\"");
-    let job = job.replace(
-        "active_while_measuring = \"none\"\n",
-        "active_while_measuring = \"old\"\n",
-    );
+    let job =
+        job.replace("active_while_measuring = \"none\"\n", "active_while_measuring = \"old\"\n");
     // Without the old parameter, what replaces it is refused, so it is not offered.
     assert!(second_run_gives_what_was_offered(at, &job, "\"mean\"", 0).is_empty());
     let known = job.replace("\"old\"\n", "\"old\"\nactive_backlash_um = { x = 1.5 }\n");
@@ -510,11 +423,8 @@ fn it_is_offered_beside_active_tables_too() {
 /// Three axes in both directions, each with a reversal of its own.
 fn cube_both_ways() -> String {
     let mut csv = String::from("axis,direction,position_mm,ex_um,ey_um,ez_um\n");
-    for (axis, reversal) in [
-        ("x", [4.0, 0.0, 0.0]),
-        ("y", [0.0, 3.0, 0.0]),
-        ("z", [0.0, 0.0, 0.2]),
-    ] {
+    for (axis, reversal) in [("x", [4.0, 0.0, 0.0]), ("y", [0.0, 3.0, 0.0]), ("z", [0.0, 0.0, 0.2])]
+    {
         for (way, share) in [("+", 0.0), ("-", 1.0)] {
             for x in TENTHS {
                 let wave = 3.0 * (x / 150.0).sin();
@@ -528,18 +438,12 @@ fn cube_both_ways() -> String {
 
 fn cube_both_ways_job(policy: &str, lines: &str) -> String {
     let job = cube_job("", lines);
-    job.replace(
-        "\"generic\"\n",
-        &format!("\"generic\"\nbacklash = {policy}\n"),
-    )
+    job.replace("\"generic\"\n", &format!("\"generic\"\nbacklash = {policy}\n"))
 }
 
 #[test]
 fn it_is_offered_for_the_diagonals_where_only_they_are_limited() {
-    for lines in [
-        "max_diagonal_um = 2",
-        "max_deviation_um = 1.2\nmax_diagonal_um = 2",
-    ] {
+    for lines in ["max_diagonal_um = 2", "max_deviation_um = 1.2\nmax_diagonal_um = 2"] {
         let directory = folder("", &cube_both_ways());
         let job = cube_both_ways_job("\"mean\"", lines);
         let offered = second_run_gives_what_was_offered(directory.path(), &job, "\"mean\"", 1);
@@ -555,12 +459,7 @@ fn of_policies_for_each_axis_one_is_changed() {
     let offered = second_run_gives_what_was_offered(directory.path(), &job, own, 2);
     let best = "{ x = \"two-tables\", y = \"two-tables\", z = \"mean\" }";
     assert!(offered.contains(&best.to_string()), "{offered:?}");
-    assert!(
-        offered
-            .iter()
-            .all(|policy| policy.contains("y = \"two-tables\"")),
-        "{offered:?}"
-    );
+    assert!(offered.iter().all(|policy| policy.contains("y = \"two-tables\"")), "{offered:?}");
 }
 
 #[test]
@@ -572,11 +471,7 @@ fn it_is_offered_for_readings_too() {
     let job = job.replace("steps = 10\n", "steps = 10\noverrun = false\n");
     let job = job.replace("max_deviation_um = 10.0", "max_deviation_um = 0.3");
     let directory = folder("", "");
-    fs::copy(
-        fixture.join("readings.csv"),
-        directory.path().join("readings.csv"),
-    )
-    .unwrap();
+    fs::copy(fixture.join("readings.csv"), directory.path().join("readings.csv")).unwrap();
     second_run_gives_what_was_offered(directory.path(), &job, "\"mean\"", 1);
 }
 
@@ -593,21 +488,11 @@ fn compared_policies_leave_what_their_kits_leave() {
     assert_eq!(status, Some(1), "{err}");
     let page_lines = page.lines().filter(|line| line.starts_with('"')).count();
     assert_eq!(page_lines, 12, "{page}");
-    assert!(
-        page.lines().all(|line| line.chars().count() <= 100),
-        "{page}"
-    );
+    assert!(page.lines().all(|line| line.chars().count() <= 100), "{page}");
     let found = json(at, "generate job.toml --compare");
-    assert_eq!(
-        fs::read_dir(at).unwrap().count(),
-        before,
-        "nothing is written"
-    );
+    assert_eq!(fs::read_dir(at).unwrap().count(), before, "nothing is written");
     let lines = found["compared"].as_array().unwrap();
-    assert_eq!(
-        (lines.len(), &lines[0]["backlash"]["x"]),
-        (21, &Value::from("mean"))
-    );
+    assert_eq!((lines.len(), &lines[0]["backlash"]["x"]), (21, &Value::from("mean")));
     for (index, line) in lines.iter().enumerate() {
         let own = |axis: &str| format!("{axis} = {}", line["backlash"][axis]);
         let policy = format!("{{ {} }}", ["x", "y", "z"].map(own).join(", "));
@@ -623,10 +508,7 @@ fn compared_policies_leave_what_their_kits_leave() {
         let made = json(at, &format!("verify other.toml --tables {kit}"));
         assert_eq!(line["verdict"], made["verdict"], "{line}");
         let term = line["term"]["name"].as_str().unwrap();
-        assert_eq!(
-            line["term"]["after_um"], made["terms"][term]["forecast_um"],
-            "{line}"
-        );
+        assert_eq!(line["term"]["after_um"], made["terms"][term]["forecast_um"], "{line}");
         let diagonal = line["diagonal"]["name"].as_str().unwrap();
         let of_kit = &made["diagonals"][diagonal]["forecast_um"];
         assert_eq!(&line["diagonal"]["after_um"], of_kit, "{line}");
@@ -658,8 +540,5 @@ fn a_second_visit_within_the_limit_of_the_diagonals_says_so() {
     put(at, "second.toml", &second);
     put(at, "errors.csv", &cube(&TENTHS, 1.0));
     let said = verdict(at, "generate second.toml -o again").replace("\n    ", " ");
-    assert!(
-        said.contains("µm on the diagonals): the control can be left as it is"),
-        "{said}"
-    );
+    assert!(said.contains("µm on the diagonals): the control can be left as it is"), "{said}");
 }

@@ -10,9 +10,7 @@ use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
 
 fn fixtures(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(name)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name)
 }
 
 fn put(directory: &Path, name: &str, text: &str) {
@@ -76,18 +74,13 @@ struct Campaign {
 
 /// The jobs of a visit: the machine itself, the measurement before, the one after.
 fn jobs(golden: &str, campaign: &Campaign) -> [String; 3] {
-    let golden = golden.replace(
-        "[compensation]\n",
-        &format!("[compensation]\n{}", campaign.policy),
-    );
-    let machine = format!(
-        "{golden}\n[program]\nwhat = \"step-diagonal\"\n{}{BOX}",
-        campaign.program
-    );
+    let golden =
+        golden.replace("[compensation]\n", &format!("[compensation]\n{}", campaign.policy));
+    let machine =
+        format!("{golden}\n[program]\nwhat = \"step-diagonal\"\n{}{BOX}", campaign.program);
     let measured = |readings: &str, linear: &str| {
-        let (head, rest) = golden
-            .split_once("errors = \"errors.csv\"\n")
-            .expect("the job names its errors");
+        let (head, rest) =
+            golden.split_once("errors = \"errors.csv\"\n").expect("the job names its errors");
         let (measurement, rest) = rest.split_once("[compensation]").expect("a section");
         let mut how = format!("[measurement.step_diagonal]\n{}{BOX}", campaign.how);
         for axis in ["x", "y", "z"] {
@@ -101,11 +94,7 @@ fn jobs(golden: &str, campaign: &Campaign) -> [String; 3] {
         };
         format!("{head}readings = \"{readings}\"\n{measurement}\n{how}\n[compensation]{rest}")
     };
-    [
-        machine,
-        measured("readings.csv", "linear.csv"),
-        measured("after.csv", "linear-after.csv"),
-    ]
+    [machine, measured("readings.csv", "linear.csv"), measured("after.csv", "linear-after.csv")]
 }
 
 /// A folder with the jobs and the true curves, measured as found, and with the kit made from that.
@@ -127,17 +116,10 @@ fn prepared(golden: &str, truth: &str, campaign: &Campaign) -> TempDir {
 fn measured_again(at: &Path, tables: &str) {
     let simulate = "simulate machine.toml --force --noise-um 0.2 --runs 3";
     yes(at, &format!("{simulate} {tables} --seed 3 -o after.csv"));
-    yes(
-        at,
-        &format!("{simulate} {tables} --errors --seed 4 -o linear-after.csv"),
-    );
+    yes(at, &format!("{simulate} {tables} --errors --seed 4 -o linear-after.csv"));
 }
 
-const FORWARD: Campaign = Campaign {
-    program: "bidirectional = false",
-    how: "",
-    policy: "",
-};
+const FORWARD: Campaign = Campaign { program: "bidirectional = false", how: "", policy: "" };
 
 fn golden(profile: &str) -> (String, String) {
     let folder = fixtures("nine_errors_900");
@@ -295,10 +277,7 @@ fn steps_in_another_order_are_told_from_exchanged_names_after_the_second_measure
         let after = judged_with(at, &recorded);
         assert_eq!(kinds(&after), ["wrong order"], "{order}: {after:#}");
         let letters: Vec<String> = order.chars().map(String::from).collect();
-        let went = format!(
-            "the steps of the first measurement went {}",
-            letters.join(", ")
-        );
+        let went = format!("the steps of the first measurement went {}", letters.join(", "));
         let words = words_of(&after, "wrong order");
         assert!(words.contains(&went), "{words}");
     }
@@ -358,25 +337,14 @@ fn straight_runs_of_a_rehearsal_say_what_they_are() {
         let machine = fs::read_to_string(at.join("machine.toml")).expect("a job");
         let machine = machine.replace("{ x = 900.0, y = 720.0, z = 720.0 }", size);
         put(at, "again.toml", &machine);
-        yes(
-            at,
-            "simulate again.toml --tables kit --straight --force -o straight.csv",
-        );
-        let (head, rest) = machine
-            .split_once("errors = \"errors.csv\"")
-            .expect("errors");
+        yes(at, "simulate again.toml --tables kit --straight --force -o straight.csv");
+        let (head, rest) = machine.split_once("errors = \"errors.csv\"").expect("errors");
         let (rest, _) = rest.split_once("[program]").expect("a program");
         let section =
             format!("[measurement.step_diagonal]\nkind = \"straight\"\n{BOX}\n[compensation]\n");
         let section = section.replace("{ x = 900.0, y = 720.0, z = 720.0 }", size);
-        let rest = rest
-            .replace("\"none\"", "\"kit\"")
-            .replace("[compensation]\n", &section);
-        put(
-            at,
-            "straight.toml",
-            &format!("{head}readings = \"straight.csv\"{rest}"),
-        );
+        let rest = rest.replace("\"none\"", "\"kit\"").replace("[compensation]\n", &section);
+        put(at, "straight.toml", &format!("{head}readings = \"straight.csv\"{rest}"));
         let limit = machine.replace("max_deviation_um", "max_diagonal_um");
         put(at, "machine.toml", &limit);
         let judged = json(at, "verify machine.toml --tables kit --after straight.toml");
@@ -384,38 +352,18 @@ fn straight_runs_of_a_rehearsal_say_what_they_are() {
         judged
     };
     let whole = judged("{ x = 900.0, y = 720.0, z = 720.0 }");
-    assert!(
-        whole["notes"]
-            .to_string()
-            .contains("SIMULATED, not measured")
-    );
-    assert_eq!(
-        whole["after"].as_array().map(Vec::len),
-        Some(2),
-        "{whole:#}"
-    );
-    assert!(
-        !whole["causes"].to_string().contains("was measured from"),
-        "{whole:#}"
-    );
+    assert!(whole["notes"].to_string().contains("SIMULATED, not measured"));
+    assert_eq!(whole["after"].as_array().map(Vec::len), Some(2), "{whole:#}");
+    assert!(!whole["causes"].to_string().contains("was measured from"), "{whole:#}");
     let part = judged("{ x = 90.0, y = 720.0, z = 720.0 }");
     assert_eq!(part["verdict"], "undecided");
-    assert!(
-        part["causes"]
-            .to_string()
-            .contains("X was measured from 0 to 90 mm"),
-        "{part:#}"
-    );
+    assert!(part["causes"].to_string().contains("X was measured from 0 to 90 mm"), "{part:#}");
 }
 
 /// The golden machine with lost motion: moving − it stands 6, 4 and 3 µm further in +.
 fn with_lost_motion(truth: &str) -> String {
     let mut text = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
-    let rows = || {
-        truth
-            .lines()
-            .filter(|line| line.starts_with(['x', 'y', 'z']))
-    };
+    let rows = || truth.lines().filter(|line| line.starts_with(['x', 'y', 'z']));
     for axis in ["x", "y", "z"] {
         for direction in ["+", "-"] {
             for row in rows().filter(|row| row.starts_with(axis)) {
@@ -465,40 +413,21 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         ("bidirectional = false", ""),
         ("bidirectional = true\noverrun_mm = 2.0", "overrun = true"),
     ] {
-        let job = job.replace(
-            "travel_mm = [0.0000, 900.0000]",
-            "travel_mm = [-2.0, 902.0]",
-        );
-        let job = job.replace(
-            "travel_mm = [0.0000, 720.0000]",
-            "travel_mm = [-2.0, 722.0]",
-        );
-        let job = job.replace(
-            "travel_mm = [-720.0000, 0.0000]",
-            "travel_mm = [-722.0, 2.0]",
-        );
-        let campaign = |policy| Campaign {
-            program,
-            how,
-            policy,
-        };
+        let job = job.replace("travel_mm = [0.0000, 900.0000]", "travel_mm = [-2.0, 902.0]");
+        let job = job.replace("travel_mm = [0.0000, 720.0000]", "travel_mm = [-2.0, 722.0]");
+        let job = job.replace("travel_mm = [-720.0000, 0.0000]", "travel_mm = [-722.0, 2.0]");
+        let campaign = |policy| Campaign { program, how, policy };
         let visit = prepared(&job, &with_lost_motion(&truth), &campaign(""));
         let at = visit.path();
         let found = json(at, "separate job.toml --trials 0");
         let labels = found["labels"].to_string();
-        assert!(
-            labels.contains("reversal of single axes from their linear"),
-            "{labels}"
-        );
+        assert!(labels.contains("reversal of single axes from their linear"), "{labels}");
         for (axis, lost) in [("X", 6.0), ("Y", 4.0), ("Z", 3.0)] {
             let curve = |sign: &str| &found["errors"][format!("E{axis}{axis}{sign}")];
             let b = number(&curve("-")["deviation_um"][0]) - number(&curve("+")["deviation_um"][0]);
             assert!((b - lost).abs() < 0.6, "{axis}: {b}");
         }
-        assert!(
-            !found["undetermined"].to_string().contains("reversal"),
-            "{found:#}"
-        );
+        assert!(!found["undetermined"].to_string().contains("reversal"), "{found:#}");
         // Without a word on it nothing is made: a mean would leave half of the lost motion.
         let (status, said) = told(at, "generate job.toml -o kit");
         assert_eq!(status, 2, "{said}");
@@ -519,10 +448,7 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         put(at, "job.toml", &mean);
         let forecast = json(at, "generate job.toml -o mean");
         let left = number(&forecast["forecast"]["terms"]["EXX"]["after_um"]);
-        assert!(
-            left > 2.5,
-            "the lost motion stays, and the forecast says so: {left}"
-        );
+        assert!(left > 2.5, "the lost motion stays, and the forecast says so: {left}");
     }
 }
 
@@ -545,10 +471,7 @@ fn predicted_readings_of_a_job_are_those_that_the_job_takes_apart() {
         },
     );
     let job = job
-        .replace(
-            "name = \"VMC 400\"",
-            "name = \"VMC 400\"\nchain = \"wXYZt\"",
-        )
+        .replace("name = \"VMC 400\"", "name = \"VMC 400\"\nchain = \"wXYZt\"")
         .replace("order = \"XYZ\"", "laser_sign = \"-\"\norder = \"XYZ\"")
         .replace(
             "readings = \"readings.csv\"",
@@ -562,11 +485,7 @@ fn predicted_readings_of_a_job_are_those_that_the_job_takes_apart() {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
     let at = directory.path();
     put(at, "job.toml", &job);
-    put(
-        at,
-        "again.toml",
-        &job.replace("\"readings.csv\"", "\"again.csv\""),
-    );
+    put(at, "again.toml", &job.replace("\"readings.csv\"", "\"again.csv\""));
     put(at, "readings.csv", &readings.join("\n"));
     put(
         at,
@@ -586,11 +505,7 @@ fn predicted_readings_of_a_job_are_those_that_the_job_takes_apart() {
         }
     }
     let tilt = |document: &Value| number(&document["setup_arcsec"]["NPP"]);
-    assert!(
-        tilt(&again) < 0.01,
-        "the rehearsed mirror is straight: {}",
-        tilt(&again)
-    );
+    assert!(tilt(&again) < 0.01, "the rehearsed mirror is straight: {}", tilt(&again));
 }
 
 /// A rehearsed machine of paper 004.
@@ -601,25 +516,14 @@ struct Paper {
 }
 
 const PAPER_004: [Paper; 2] = [
-    Paper {
-        folder: "siemens_840",
-        as_found_um: 60.0,
-        after_um: 6.8,
-    },
-    Paper {
-        folder: "jobs_link",
-        as_found_um: 58.0,
-        after_um: 8.7,
-    },
+    Paper { folder: "siemens_840", as_found_um: 60.0, after_um: 6.8 },
+    Paper { folder: "jobs_link", as_found_um: 58.0, after_um: 8.7 },
 ];
 
 /// Largest max − min along one diagonal, from a key of every diagonal.
 fn largest(document: &Value, key: &str) -> f64 {
     let diagonals = document["diagonals"].as_object().expect("diagonals");
-    diagonals
-        .values()
-        .map(|d| number(&d[key]))
-        .fold(0.0, f64::max)
+    diagonals.values().map(|d| number(&d[key])).fold(0.0, f64::max)
 }
 
 /// Figures of the table in docs/accuracy.md, from the top.
@@ -654,10 +558,7 @@ fn rehearsed(paper: &Paper) -> Vec<f64> {
         figures.push(largest(&read("--tables kit", "0", 1, 0.0), "range_um"));
         for kelvin in [0.0, 0.5, 1.0] {
             let scale = 11.5 * kelvin;
-            figures.push(largest(
-                &read("--tables kit", noise, 13, scale),
-                "read_range_um",
-            ));
+            figures.push(largest(&read("--tables kit", noise, 13, scale), "read_range_um"));
         }
     }
     figures.push(paper.after_um);
@@ -670,25 +571,13 @@ fn the_figures_of_paper_004_are_those_of_the_page() {
     let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md"))
         .expect("the page is there");
     let section = page.split("paper 004 rehearsed").nth(1).expect("a section");
-    let rows = section
-        .lines()
-        .filter(|line| line.starts_with("| "))
-        .skip(2);
+    let rows = section.lines().filter(|line| line.starts_with("| ")).skip(2);
     let printed: Vec<Vec<String>> = rows
         .take(columns[0].len())
-        .map(|row| {
-            row.split('|')
-                .skip(2)
-                .take(2)
-                .map(|c| c.trim().to_string())
-                .collect()
-        })
+        .map(|row| row.split('|').skip(2).take(2).map(|c| c.trim().to_string()).collect())
         .collect();
     let found: Vec<Vec<String>> = (0..columns[0].len())
         .map(|row| columns.iter().map(|c| format!("{:.1}", c[row])).collect())
         .collect();
-    assert_eq!(
-        printed, found,
-        "the table in docs/accuracy.md; found: {found:#?}"
-    );
+    assert_eq!(printed, found, "the table in docs/accuracy.md; found: {found:#?}");
 }

@@ -1,10 +1,6 @@
 //! The model of 21 errors: against matrices, against paper 002, and against itself.
 
-#![allow(
-    clippy::expect_used,
-    clippy::unwrap_used,
-    reason = "a test that cannot go on has to stop"
-)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a test that cannot go on has to stop")]
 
 use nalgebra::{Matrix4, Vector4};
 use nonius::inputs::error_table::ErrorTable;
@@ -22,10 +18,8 @@ struct Numbers(u64);
 
 impl Numbers {
     fn next(&mut self) -> f64 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         f64::from(u32::try_from(self.0 >> 33).unwrap()) / f64::from(1_u32 << 30) - 1.0
     }
 }
@@ -49,28 +43,18 @@ impl Machine {
                 Axis::Y => 450.0,
                 Axis::Z => 310.0,
             };
-            (0..nodes)
-                .map(|k| step * f64::from(u32::try_from(k).unwrap()))
-                .collect()
+            (0..nodes).map(|k| step * f64::from(u32::try_from(k).unwrap())).collect()
         });
         let values = PerAxis::from_fn(|_| {
             let row = |_| std::array::from_fn(|_| size * numbers.next());
             (0..nodes).map(row).collect()
         });
-        Machine {
-            chain,
-            positions,
-            values,
-            measurement: String::new(),
-        }
+        Machine { chain, positions, values, measurement: String::new() }
     }
 
     fn model(&self) -> VolumeModel {
         let mut table = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\n".to_string();
-        let mut page = format!(
-            "schema = 1\n[machine]\nname = \"M\"\nchain = \"{}\"\n",
-            self.chain
-        );
+        let mut page = format!("schema = 1\n[machine]\nname = \"M\"\nchain = \"{}\"\n", self.chain);
         for axis in Axis::ALL {
             let (positions, values) = (&self.positions[axis], &self.values[axis]);
             for (position, v) in positions.iter().zip(values) {
@@ -102,13 +86,11 @@ impl Machine {
     /// The row of an axis at a node, deviations relative to the first.
     fn row(&self, axis: Axis, node: usize) -> [f64; 6] {
         let values = &self.values[axis];
-        std::array::from_fn(|k| {
-            if k < 3 {
-                values[node][k] - values[0][k]
-            } else {
-                values[node][k]
-            }
-        })
+        std::array::from_fn(
+            |k| {
+                if k < 3 { values[node][k] - values[0][k] } else { values[node][k] }
+            },
+        )
     }
 }
 
@@ -146,11 +128,7 @@ fn by_matrices(machine: &Machine, node: [usize; 3]) -> PerAxis<f64> {
         let arm = machine.positions[axis][node[index]] - OFFSETS[index];
         let travel = translation(axis_vector(axis, arm));
         let error = error_matrix(machine.row(axis, node[index]));
-        chain *= if machine.chain.moves_workpiece(axis) {
-            error * travel
-        } else {
-            travel * error
-        };
+        chain *= if machine.chain.moves_workpiece(axis) { error * travel } else { travel * error };
         nominal[index] += arm;
     }
     let actual = chain * Vector4::new(TOOL[0], TOOL[1], TOOL[2], 1.0);
@@ -198,12 +176,8 @@ fn every_chain_agrees_with_matrices_to_second_order() {
             .map(|(axis, place)| format!("{} = {place}", axis.key()))
             .collect();
         if !optics.is_empty() {
-            writeln!(
-                machine.measurement,
-                "\nstraightness_optic_mm = {{ {} }}",
-                optics.join(", ")
-            )
-            .unwrap();
+            writeln!(machine.measurement, "\nstraightness_optic_mm = {{ {} }}", optics.join(", "))
+                .unwrap();
         }
         let mut tenth = machine.clone();
         for axis in Axis::ALL {
@@ -212,26 +186,17 @@ fn every_chain_agrees_with_matrices_to_second_order() {
             }
         }
         let (whole, tenth) = (largest_gap(&machine), largest_gap(&tenth));
-        assert!(
-            whole > 1e-3,
-            "{chain}: the test must see second order, {whole}"
-        );
+        assert!(whole > 1e-3, "{chain}: the test must see second order, {whole}");
         assert!(whole < 0.2, "{chain}: {whole} µm");
         let ratio = whole / tenth;
-        assert!(
-            (80.0..125.0).contains(&ratio),
-            "{chain}: {whole} / {tenth} = {ratio}"
-        );
+        assert!((80.0..125.0).contains(&ratio), "{chain}: {whole} / {tenth} = {ratio}");
     }
 }
 
 /// Paper 002, figure 2, as printed (µm), with the arms 3 m and 0.35 m that make every angle a
 /// short decimal: 1lin, 2in1, 3in1 · 2lin, 1in2, 3in2 · 3lin, 1in3, 2in3.
-const FIGURE_2: [[f64; 3]; 3] = [
-    [331.98, -32.193, 1.303],
-    [-38.554, 9.2, -18.188],
-    [-39.759, 21.126, 9.2],
-];
+const FIGURE_2: [[f64; 3]; 3] =
+    [[331.98, -32.193, 1.303], [-38.554, 9.2, -18.188], [-39.759, 21.126, 9.2]];
 /// Its totals; the middle one is printed as -40.4255.
 const FIGURE_2_TOTALS: [f64; 3] = [204.915, -40.42545, 11.567];
 
@@ -242,10 +207,7 @@ fn figure_2_comes_out_in_every_chain() {
     for chain in Chain::all() {
         let order = chain.order();
         let angle = |of: usize, about: usize, um: f64, arm_m: f64| {
-            let rotation = Rotation {
-                about: order[about],
-                along: order[of],
-            };
+            let rotation = Rotation { about: order[about], along: order[of] };
             let sign = chain.paper_sign(rotation).expect("a symbol of the paper");
             (rotation, sign * um / arm_m)
         };
@@ -267,13 +229,8 @@ fn figure_2_comes_out_in_every_chain() {
             let role = order.iter().position(|a| *a == along).unwrap();
             let mut last = [0.0; 6];
             for (direction, row) in FIGURE_2.iter().enumerate() {
-                let index = Axis::ALL
-                    .iter()
-                    .position(|a| *a == order[direction])
-                    .unwrap();
-                let lines = squareness
-                    .iter()
-                    .filter(|s| s.0 == direction && s.1 == role);
+                let index = Axis::ALL.iter().position(|a| *a == order[direction]).unwrap();
+                let lines = squareness.iter().filter(|s| s.0 == direction && s.1 == role);
                 last[index] = row[role] + lines.map(|s| s.2).sum::<f64>();
             }
             for (rotation, urad) in angles.iter().filter(|(r, _)| r.along == along) {
@@ -291,15 +248,10 @@ fn figure_2_comes_out_in_every_chain() {
             positions: positions.clone(),
             values,
         };
-        let e = machine
-            .model()
-            .error_at(PerAxis::from_fn(|axis| positions[axis][1]));
+        let e = machine.model().error_at(PerAxis::from_fn(|axis| positions[axis][1]));
         for (role, total) in FIGURE_2_TOTALS.into_iter().enumerate() {
             let got = e[order[role]];
-            assert!(
-                (got - total).abs() < 1e-9,
-                "{chain}, row {role}: {got} {total}"
-            );
+            assert!((got - total).abs() < 1e-9, "{chain}, row {role}: {got} {total}");
         }
         assert!((e.length() - 209.184_535_09).abs() < 1e-8, "{chain}");
     }
@@ -319,11 +271,7 @@ fn machine_h_goes_through_figure_2() {
     let volume = VolumeModel::build(&job, &model).expect("a volume");
     // Z 1350 lies between two nodes of the table, where the curve is a straight line: the terms
     // of Z are off their closed form there, all others are the paper's.
-    let place = PerAxis {
-        x: 9000.0,
-        y: 3500.0,
-        z: 1350.0,
-    };
+    let place = PerAxis { x: 9000.0, y: 3500.0, z: 1350.0 };
     // The arms of the paper count from the offsets, squareness of ours from the reference: what it
     // prints is the difference from the place of the offsets.
     let part = |name: &str, axis: Axis| {
@@ -349,10 +297,7 @@ fn machine_h_goes_through_figure_2() {
         ("EZY", Axis::Z, 21.126),
     ] {
         let got = part(name, axis);
-        assert!(
-            (got - um).abs() < 1e-6,
-            "{name} in {axis}: {got}, printed {um}"
-        );
+        assert!((got - um).abs() < 1e-6, "{name} in {axis}: {got}, printed {um}");
     }
 }
 
@@ -389,10 +334,7 @@ fn other_names_of_the_axes_are_the_same_machine() {
                 other.values[renamed(axis)] = turned.collect();
             }
             let again = figures(&other.model(), &other.model().own_nodes());
-            assert!(
-                (again.va.um - named.va.um).abs() < 1e-9,
-                "{chain} {permutation:?}"
-            );
+            assert!((again.va.um - named.va.um).abs() < 1e-9, "{chain} {permutation:?}");
             for axis in Axis::ALL {
                 let (new, old) = (again.ranges_um[renamed(axis)], named.ranges_um[axis]);
                 assert!((new - old).abs() < 1e-9, "{chain} {permutation:?} {axis}");
@@ -409,22 +351,14 @@ fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
     for chain in Chain::all() {
         let mut machine = Machine::random(chain, &mut numbers, 4, 30.0);
         machine.measurement = "offsets_mm = { x = 100.0, y = 200.0, z = 300.0 }".to_string();
-        let shift = PerAxis {
-            x: 250.0,
-            y: -70.0,
-            z: 410.0,
-        };
+        let shift = PerAxis { x: 250.0, y: -70.0, z: 410.0 };
         let mut moved = machine.clone();
         moved.measurement = "offsets_mm = { x = 350.0, y = 130.0, z = 710.0 }".to_string();
         for axis in Axis::ALL {
             let carried = chain.carried_by(axis);
             let lever = PerAxis::from_fn(|a| if carried.contains(&a) { shift[a] } else { 0.0 });
             for row in &mut moved.values[axis] {
-                let r = PerAxis {
-                    x: row[3],
-                    y: row[4],
-                    z: row[5],
-                };
+                let r = PerAxis { x: row[3], y: row[4], z: row[5] };
                 let more = r.cross(lever).times(1e-3);
                 row[0] += more.x;
                 row[1] += more.y;
@@ -433,9 +367,7 @@ fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
         }
         let (model, other) = (machine.model(), moved.model());
         let nodes = model.own_nodes();
-        let first = other
-            .error_at(PerAxis::default())
-            .minus(model.error_at(PerAxis::default()));
+        let first = other.error_at(PerAxis::default()).minus(model.error_at(PerAxis::default()));
         for (place, e) in model.map(&nodes).expect("a map").points() {
             let constant = other.error_at(place).minus(e);
             assert!(constant.minus(first).length() < 1e-9, "{chain}");
@@ -464,10 +396,7 @@ fn the_figures_keep_their_order_and_the_parts_their_sum() {
         assert!(widest <= d.va.um + room, "{chain}");
         assert!(d.va.um <= d.box_um + room, "{chain}");
         assert!(d.length.um <= d.va.um + room, "{chain}");
-        assert!(
-            d.from_origin_um <= d.va.um + room,
-            "{chain}: the origin is a node"
-        );
+        assert!(d.from_origin_um <= d.va.um + room, "{chain}: the origin is a node");
         assert!(d.va.um <= 2.0 * d.from_origin_um + room, "{chain}");
         for (diagonal, um) in d.diagonals_um.iter() {
             assert!(*um <= d.va.um + room, "{chain} {diagonal}");
@@ -476,10 +405,7 @@ fn the_figures_keep_their_order_and_the_parts_their_sum() {
         let [p, q] = d.va.places_mm;
         let parts = model.components().into_iter().map(|component| {
             let only = |other: Component| other == component;
-            model
-                .part_at(p, only)
-                .minus(model.part_at(q, only))
-                .dot(along)
+            model.part_at(p, only).minus(model.part_at(q, only)).dot(along)
         });
         let sum: f64 = parts.sum();
         assert!((sum - d.va.um).abs() < 1e-9, "{chain}: {sum} {}", d.va.um);
@@ -502,11 +428,7 @@ fn four_angles_need_a_tool_offset() {
                     let (_, a): (PerAxis<f64>, PerAxis<f64>) = a;
                     a.minus(b.1).length()
                 };
-                whole
-                    .points()
-                    .zip(map.points())
-                    .map(gap)
-                    .all(|um| um < 1e-12)
+                whole.points().zip(map.points()).map(gap).all(|um| um < 1e-12)
             };
             let idle = Rotation::all().filter(|r| chain.effects(*r).is_empty());
             idle.filter(|r| same(*r)).count()
@@ -531,29 +453,12 @@ fn a_machine_without_angles_says_what_it_leaves_out() {
     let missing = volume.missing();
     let names: Vec<String> = missing.iter().map(|m| m.component.to_string()).collect();
     assert_eq!(names, ["EAX", "EBX", "ECX", "EAY", "EBY"]);
-    assert_eq!(
-        missing[1].consequence,
-        "up to 0.400 µm in X for each µrad (lever 400 mm in Z)"
-    );
+    assert_eq!(missing[1].consequence, "up to 0.400 µm in X for each µrad (lever 400 mm in Z)");
     assert!(
-        volume
-            .labels
-            .iter()
-            .any(|l| l.to_string().contains("X is judged from 0 to 800 mm")),
+        volume.labels.iter().any(|l| l.to_string().contains("X is judged from 0 to 800 mm")),
         "{:?}",
         volume.labels
     );
-    let deviation = volume
-        .deviation(ErrorTerm {
-            of: Axis::X,
-            along: Axis::Z,
-        })
-        .expect("measured");
-    assert!(
-        deviation
-            .at(nonius::quantity::units::Millimetres::new(100.0))
-            .um()
-            .abs()
-            < 1e-12
-    );
+    let deviation = volume.deviation(ErrorTerm { of: Axis::X, along: Axis::Z }).expect("measured");
+    assert!(deviation.at(nonius::quantity::units::Millimetres::new(100.0)).um().abs() < 1e-12);
 }

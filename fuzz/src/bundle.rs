@@ -49,10 +49,7 @@ impl Bundle {
 
     /// The first file of a name.
     pub fn file(&self, name: &str) -> Option<&[u8]> {
-        self.0
-            .iter()
-            .find(|(own, _)| own == name)
-            .map(|(_, bytes)| bytes.as_slice())
+        self.0.iter().find(|(own, _)| own == name).map(|(_, bytes)| bytes.as_slice())
     }
 
     /// Adds what lies in a directory, also in its folders, in order of the names.
@@ -61,10 +58,8 @@ impl Bundle {
         let mut paths: Vec<_> = entries.map(|entry| entry.path()).collect();
         paths.sort();
         for path in paths {
-            let name = format!(
-                "{prefix}{}",
-                path.file_name().unwrap_or_default().to_string_lossy()
-            );
+            let name =
+                format!("{prefix}{}", path.file_name().unwrap_or_default().to_string_lossy());
             match std::fs::read(&path) {
                 Ok(bytes) => self.0.push((name, bytes)),
                 Err(_) => self.add_directory(&path, &format!("{name}/")),

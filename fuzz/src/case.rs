@@ -27,10 +27,8 @@ static PANIC: Mutex<Option<String>> = Mutex::new(None);
 /// A panic is noted with its place and not printed.
 pub fn note_panics() {
     set_hook(Box::new(|panic: &PanicHookInfo<'_>| {
-        let place = panic
-            .location()
-            .map(|at| format!("{}:{}", at.file(), at.line()))
-            .unwrap_or_default();
+        let place =
+            panic.location().map(|at| format!("{}:{}", at.file(), at.line())).unwrap_or_default();
         let words = panic.payload().downcast_ref::<String>().map(String::as_str);
         let words = words.or(panic.payload().downcast_ref::<&str>().copied());
         let words = words.unwrap_or("(no words)");
@@ -50,20 +48,12 @@ pub fn read(reader: fn(&[u8]) -> Answer, input: &[u8]) -> Ran {
     let trace = coverage::trace(coverage::counters());
     let Ok(answer) = answer else {
         let wrong = PANIC.lock().unwrap_or_else(PoisonError::into_inner).take();
-        return Ran {
-            wrong,
-            trace,
-            answer: String::new(),
-        };
+        return Ran { wrong, trace, answer: String::new() };
     };
     let limit = memory_limit(input.len() + answer.len());
     let wrong = match oracles::judge(&answer, input) {
         Ok(()) if peak > limit => Some(format!("memory: {} MiB at its peak", peak >> 20)),
         judged => judged.err(),
     };
-    Ran {
-        wrong,
-        trace,
-        answer,
-    }
+    Ran { wrong, trace, answer }
 }

@@ -45,9 +45,8 @@ struct Run {
 /// Runs a bundle's command, and judges it; after `generate` also `verify` and `history`.
 pub fn run(place: &Path, input: &[u8]) -> Ran {
     let bundle = Bundle::read(input);
-    let command = bundle
-        .file("command")
-        .map_or("generate job.toml -o kit".into(), String::from_utf8_lossy);
+    let command =
+        bundle.file("command").map_or("generate job.toml -o kit".into(), String::from_utf8_lossy);
     let words: Vec<&str> = command.split_whitespace().collect();
     if !words.iter().all(|word| stays_inside(word)) {
         return Ran::default();
@@ -65,11 +64,7 @@ pub fn run(place: &Path, input: &[u8]) -> Ran {
     for (name, bytes) in &first.after {
         answer += &format!("\n=== {name}\n{}", String::from_utf8_lossy(bytes));
     }
-    Ran {
-        wrong,
-        trace,
-        answer,
-    }
+    Ran { wrong, trace, answer }
 }
 
 /// A word that names nothing outside the directory of the case.
@@ -98,17 +93,9 @@ fn start(place: &Path, directory: &Path, words: &[&str]) -> Run {
     let before = files(directory, "");
     let own = std::env::current_exe().unwrap_or_else(|_| PathBuf::from("engine"));
     let mut command = Command::new(own);
-    command
-        .arg("program")
-        .arg(&report)
-        .args(words)
-        .current_dir(directory)
-        .stdin(Stdio::null());
+    command.arg("program").arg(&report).args(words).current_dir(directory).stdin(Stdio::null());
     let (status, told) = match command.output() {
-        Ok(output) => (
-            output.status.code(),
-            [output.stderr, output.stdout].concat(),
-        ),
+        Ok(output) => (output.status.code(), [output.stderr, output.stdout].concat()),
         Err(error) => (None, error.to_string().into_bytes()),
     };
     let report = fs::read(&report).unwrap_or_default();
@@ -151,17 +138,11 @@ fn judge(run: &Run, input: &[u8]) -> Result<(), String> {
         return Err(format!("left behind: {name}"));
     }
     let is_forced = String::from_utf8_lossy(input).contains("--force");
-    let changed = run
-        .before
-        .iter()
-        .find(|(name, bytes)| run.after.get(*name) != Some(bytes));
+    let changed = run.before.iter().find(|(name, bytes)| run.after.get(*name) != Some(bytes));
     if let Some((name, _)) = changed.filter(|_| !is_forced) {
         return Err(format!("an input was changed: {name}"));
     }
-    let made = run
-        .after
-        .iter()
-        .filter(|(name, bytes)| run.before.get(*name) != Some(bytes));
+    let made = run.after.iter().filter(|(name, bytes)| run.before.get(*name) != Some(bytes));
     let mut size = input.len() + run.told.len();
     oracles::judge(&run.told, input)?;
     for (name, bytes) in made {
@@ -187,20 +168,13 @@ fn follow_up(
     made: &Run,
     trace: &mut Vec<Edge>,
 ) -> Result<(), String> {
-    let kit = words
-        .windows(2)
-        .find(|pair| pair[0] == "-o")
-        .map(|pair| pair[1]);
+    let kit = words.windows(2).find(|pair| pair[0] == "-o").map(|pair| pair[1]);
     let (Some(kit), Some(job)) = (kit, words.get(1)) else {
         return Ok(());
     };
     let verified = start(place, directory, &["verify", job, "--tables", kit]);
     let history = start(place, directory, &["history", kit]);
-    *trace = coverage::trace(&merged(&[
-        &made.counters,
-        &verified.counters,
-        &history.counters,
-    ]));
+    *trace = coverage::trace(&merged(&[&made.counters, &verified.counters, &history.counters]));
     if verified.status != made.status {
         return Err(format!(
             "generate ends with {:?}, verify with {:?}: {}",
@@ -210,10 +184,7 @@ fn follow_up(
     if !matches!(history.status, Some(0))
         && !made.before.keys().any(|name| name.contains("manifest"))
     {
-        return Err(format!(
-            "history ends with {:?}: {}",
-            history.status, history.told
-        ));
+        return Err(format!("history ends with {:?}: {}", history.status, history.told));
     }
     Ok(())
 }

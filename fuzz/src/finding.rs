@@ -24,18 +24,9 @@ impl Finding<'_> {
     /// The same for all cases that go wrong in the same way: the words without figures and quoted parts.
     fn name(&self) -> String {
         let words: Vec<&str> = self.wrong.split(['"', '`']).step_by(2).collect();
-        let letters: String = words
-            .concat()
-            .chars()
-            .filter(|c| !c.is_ascii_digit())
-            .take(120)
-            .collect();
-        let place: String = self
-            .wrong
-            .split(": ")
-            .next()
-            .unwrap_or_default()
-            .to_string();
+        let letters: String =
+            words.concat().chars().filter(|c| !c.is_ascii_digit()).take(120).collect();
+        let place: String = self.wrong.split(": ").next().unwrap_or_default().to_string();
         let is_panic = self.wrong.starts_with("panic at") && !place.contains("/kits.rs");
         let key = match self.wrong.contains("control character") {
             true => "control character".to_string(),
@@ -48,9 +39,7 @@ impl Finding<'_> {
     /// Whether it is new, or smaller than what is known.
     pub fn is_wanted(&self, input: &[u8]) -> bool {
         let known = fs::metadata(folder().join(format!("{}.case", self.name())));
-        known
-            .is_ok_and(|known| known.len() <= input.len() as u64)
-            .eq(&false)
+        known.is_ok_and(|known| known.len() <= input.len() as u64).eq(&false)
     }
 
     /// The input without parts that do not matter: halves, quarters, … that can be left out.
@@ -69,12 +58,7 @@ impl Finding<'_> {
                 shorter.drain(at..(at + part).min(small.len()));
                 tries += 1;
                 let same = again(&shorter).is_some_and(|wrong| {
-                    Finding {
-                        target: self.target,
-                        wrong,
-                    }
-                    .name()
-                        == self.name()
+                    Finding { target: self.target, wrong }.name() == self.name()
                 });
                 match same {
                     true => small = shorter,

@@ -65,11 +65,7 @@ fn siemens(text: &str) -> Wrong {
         ended |= is_end;
         set.extend(variable);
     }
-    if ended {
-        Ok(())
-    } else {
-        Err("no M30 or M17 at the end".to_string())
-    }
+    if ended { Ok(()) } else { Err("no M30 or M17 at the end".to_string()) }
 }
 
 /// Words and numbers of any layout, and no number that is none.
@@ -115,10 +111,7 @@ fn list(text: &str) -> Wrong {
 /// Comments, two sections and three factors, each once.
 fn skew(text: &str) -> Wrong {
     let mut seen = Vec::new();
-    for line in text
-        .lines()
-        .filter(|line| !line.starts_with('#') && !line.is_empty())
-    {
+    for line in text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()) {
         let is_right = match line.split_once(" = ") {
             Some(("xy_skew" | "xz_skew" | "yz_skew", value)) => is_number(value),
             _ => line.starts_with("[skew_correction"),
@@ -220,16 +213,12 @@ fn hal(text: &str) -> Wrong {
 
 /// The variable of `[N12345 ]$NAME[index,…]=value[ ; value]`.
 fn assignment(line: &str) -> Option<&str> {
-    let numbered = line
-        .strip_prefix('N')
-        .map(|rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
+    let numbered =
+        line.strip_prefix('N').map(|rest| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
     let line = numbered.map_or(line, str::trim_start);
     let (variable, value) = line.split_once('=')?;
     let (value, comment) = value.split_once(" ; ").unwrap_or((value, "0"));
-    let (name, indices) = variable
-        .strip_prefix('$')?
-        .strip_suffix(']')?
-        .split_once('[')?;
+    let (name, indices) = variable.strip_prefix('$')?.strip_suffix(']')?.split_once('[')?;
     let indices: Vec<&str> = indices.split(',').collect();
     let shape: Vec<bool> = indices.iter().map(|index| is_whole(index)).collect();
     let shape_fits = match name {
@@ -254,24 +243,16 @@ fn assignment(line: &str) -> Option<&str> {
         | "MN_MM_CEC_MAX_POINTS" => shape == [true],
         _ => false,
     };
-    let names_fit = indices
-        .iter()
-        .all(|index| is_whole(index) || is_name(index));
+    let names_fit = indices.iter().all(|index| is_whole(index) || is_name(index));
     let value_fits = match name.ends_with("PUT_AXIS") {
-        true => value
-            .strip_prefix('(')
-            .and_then(|v| v.strip_suffix(')'))
-            .is_some_and(is_name),
+        true => value.strip_prefix('(').and_then(|v| v.strip_suffix(')')).is_some_and(is_name),
         false => is_number(value),
     };
     (shape_fits && names_fit && value_fits && is_number(comment)).then_some(variable)
 }
 
 fn fanuc(text: &str) -> Wrong {
-    let lines: Vec<&str> = text
-        .split('\n')
-        .map(|line| line.trim_matches('\r'))
-        .collect();
+    let lines: Vec<&str> = text.split('\n').map(|line| line.trim_matches('\r')).collect();
     let Some((["%", inside @ ..], ["%", ""])) =
         lines.len().checked_sub(2).map(|at| lines.split_at(at))
     else {
@@ -293,20 +274,14 @@ fn record(line: &str) -> Option<Vec<(&str, &str)>> {
     let rest = line.strip_prefix('N')?;
     let (number, values) = rest.split_at(rest.find(|c: char| !c.is_ascii_digit())?);
     // The 16i knows no Q.
-    let values = values
-        .strip_prefix("Q0")
-        .or(values.strip_prefix("Q1"))
-        .unwrap_or(values);
+    let values = values.strip_prefix("Q0").or(values.strip_prefix("Q1")).unwrap_or(values);
     if !(4..=5).contains(&number.len()) {
         return None;
     }
     if let Some(value) = values.strip_prefix('P') {
         return is_number(value).then(|| vec![(number, "")]);
     }
-    let axes = values
-        .strip_prefix('A')?
-        .split('A')
-        .map(|axis| axis.split_once('P'));
+    let axes = values.strip_prefix('A')?.split('A').map(|axis| axis.split_once('P'));
     axes.map(|pair| {
         pair.filter(|(axis, value)| is_whole(axis) && is_number(value))
             .map(|(axis, _)| (number, axis))
@@ -322,32 +297,19 @@ fn csv(text: &str) -> Wrong {
     }
     let is_row = |line: &&str| {
         let cells: Vec<&str> = line.split(',').collect();
-        let [
-            term,
-            base,
-            output,
-            direction,
-            index,
-            position,
-            deviation,
-            correction,
-            increment,
-        ] = cells[..]
+        let [term, base, output, direction, index, position, deviation, correction, increment] =
+            cells[..]
         else {
             return false;
         };
-        let numbers = [position, deviation, correction]
-            .iter()
-            .all(|cell| is_number(cell));
+        let numbers = [position, deviation, correction].iter().all(|cell| is_number(cell));
         let words = is_name(term)
             && is_name(base)
             && is_name(output)
             && ["", "+", "-"].contains(&direction);
         numbers && words && is_whole(index) && (increment.is_empty() || is_number(increment))
     };
-    lines
-        .find(|line| !is_row(line))
-        .map_or(Ok(()), |line| Err(line.to_string()))
+    lines.find(|line| !is_row(line)).map_or(Ok(()), |line| Err(line.to_string()))
 }
 
 /// Points of tables on pages, each page with its sum; the values in one unit of length, the column `seen` empty.
@@ -362,18 +324,7 @@ fn typed(text: &str) -> Wrong {
     }
     let is_row = |line: &&str| {
         let cells: Vec<&str> = line.split(',').collect();
-        let [
-            term,
-            base,
-            output,
-            direction,
-            zero,
-            page,
-            point,
-            position,
-            value,
-            "",
-        ] = cells[..]
+        let [term, base, output, direction, zero, page, point, position, value, ""] = cells[..]
         else {
             return false;
         };
@@ -400,9 +351,7 @@ fn json(text: &str) -> Wrong {
             return false;
         };
         let quoted = |text: &str| {
-            text.strip_prefix('"')
-                .and_then(|text| text.strip_suffix('"'))
-                .map(str::to_string)
+            text.strip_prefix('"').and_then(|text| text.strip_suffix('"')).map(str::to_string)
         };
         let word =
             quoted(value).is_some_and(|word| is_name(&word) || ["+", "-"].contains(&word.as_str()));
@@ -410,15 +359,11 @@ fn json(text: &str) -> Wrong {
             && (word || value == "null" || is_number(value))
     };
     let is_row = |row: &&str| {
-        let inside = row
-            .trim_end_matches(',')
-            .strip_prefix('{')
-            .and_then(|row| row.strip_suffix('}'));
+        let inside =
+            row.trim_end_matches(',').strip_prefix('{').and_then(|row| row.strip_suffix('}'));
         inside.is_some_and(|row| row.split(',').count() == 9 && row.split(',').all(is_pair))
     };
-    rows.lines()
-        .find(|row| !is_row(row))
-        .map_or(Ok(()), |row| Err(row.to_string()))
+    rows.lines().find(|row| !is_row(row)).map_or(Ok(()), |row| Err(row.to_string()))
 }
 
 fn is_whole(text: &str) -> bool {
@@ -451,11 +396,7 @@ mod tests {
                 "a.MPF",
                 "; A\n$AN_CEC[0,1]=0.002000 ; 100.000000\n$AN_CEC_INPUT_AXIS[0]=(AX1)\nM30\n",
             ),
-            (
-                Family::Fanuc,
-                "a.TXT",
-                "%\nN03620Q1A1P0A2P12\nN10001Q0P-2\n%\n",
-            ),
+            (Family::Fanuc, "a.TXT", "%\nN03620Q1A1P0A2P12\nN10001Q0P-2\n%\n"),
             (
                 Family::Generic,
                 "a.json",
@@ -471,21 +412,9 @@ mod tests {
                 "a.comp",
                 "0.000000 0.000000 0.000000\n100.000000 -0.002000 0.001000\n",
             ),
-            (
-                Family::Linuxcnc,
-                "a.ini",
-                "# A\n[JOINT_0]\nCOMP_FILE = a.comp\nCOMP_FILE_TYPE = 1\n",
-            ),
-            (
-                Family::Isg,
-                "a.lis",
-                "# A\nX 1\nchain XYZ\nfile[0] volcomp.csv\n",
-            ),
-            (
-                Family::Isg,
-                "a.csv",
-                "// A\nX EXX EAX\n0.000000 0.000000 0.000000000\n#\n",
-            ),
+            (Family::Linuxcnc, "a.ini", "# A\n[JOINT_0]\nCOMP_FILE = a.comp\nCOMP_FILE_TYPE = 1\n"),
+            (Family::Isg, "a.lis", "# A\nX 1\nchain XYZ\nfile[0] volcomp.csv\n"),
+            (Family::Isg, "a.csv", "// A\nX EXX EAX\n0.000000 0.000000 0.000000000\n#\n"),
             (
                 Family::Linuxcnc,
                 "a.hal",
@@ -494,14 +423,9 @@ mod tests {
         ];
         for (family, name, text) in files {
             assert_eq!(judge(family, name, text.as_bytes()), Ok(()));
-            for foreign in [
-                "G0 X0\n",
-                "$AN_CEC[0,1]=1\n",
-                "N10001Q0P3\n",
-                "M30\n",
-                "ä\n",
-                "$AN_CEC[0,2]=-0\n",
-            ] {
+            for foreign in
+                ["G0 X0\n", "$AN_CEC[0,1]=1\n", "N10001Q0P3\n", "M30\n", "ä\n", "$AN_CEC[0,2]=-0\n"]
+            {
                 let place = text.find('\n').map_or(0, |end| end + 1);
                 let mut other = text.to_string();
                 other.insert_str(place, foreign);

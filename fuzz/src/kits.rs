@@ -17,9 +17,7 @@ use nonius::text::document::Source;
 use nonius::text::problem::{Problem, Problems};
 
 fn source(bundle: &Bundle, name: &str) -> Result<Source, Problems> {
-    let bytes = bundle
-        .file(name)
-        .ok_or_else(|| Problem::new("no such file"))?;
+    let bytes = bundle.file(name).ok_or_else(|| Problem::new("no such file"))?;
     Source::from_bytes(name, bytes)
 }
 
@@ -38,19 +36,13 @@ pub fn inputs_of(bundle: &Bundle) -> Result<Inputs, Problems> {
     let (job, profile) = job_of(bundle)?;
     let table = match &job.measurement.data {
         MeasuredData::Errors(paths) => {
-            let tables = paths
-                .iter()
-                .map(|path| ErrorTable::read(source(bundle, path)?));
+            let tables = paths.iter().map(|path| ErrorTable::read(source(bundle, path)?));
             let tables = tables.collect::<Result<Vec<ErrorTable>, Problems>>()?;
             ErrorTable::merged(tables)?.ok_or_else(|| Problem::new("no table"))?
         }
         MeasuredData::Diagonals(measurement) => separated(bundle, &job, measurement)?,
     };
-    let hashes = bundle
-        .0
-        .iter()
-        .map(|(name, bytes)| hashed(name, bytes))
-        .collect();
+    let hashes = bundle.0.iter().map(|(name, bytes)| hashed(name, bytes)).collect();
     let angles = job.measurement.angles.clone();
     let mut inputs = Inputs::new(job, profile, &table, hashes)?;
     if let Some(path) = angles {
@@ -65,10 +57,7 @@ pub fn inputs_of(bundle: &Bundle) -> Result<Inputs, Problems> {
 /// The tables that were active: a file, or the files of a folder.
 fn with_active(bundle: &Bundle, inputs: Inputs, path: &str) -> Result<Inputs, Problems> {
     let folder = format!("{path}/");
-    let own = bundle
-        .0
-        .iter()
-        .filter(|(name, _)| name == path || name.starts_with(&folder));
+    let own = bundle.0.iter().filter(|(name, _)| name == path || name.starts_with(&folder));
     let mut files: Vec<(String, Vec<u8>)> = own.cloned().collect();
     for (name, _) in &mut files {
         *name = name.trim_start_matches(&folder).to_string();
@@ -76,13 +65,7 @@ fn with_active(bundle: &Bundle, inputs: Inputs, path: &str) -> Result<Inputs, Pr
     let manifest = files.iter().position(|(name, _)| name == "manifest.json");
     let active = match manifest.map(|at| files.remove(at).1) {
         Some(manifest) => from_kit(&inputs.job, &inputs.profile, path, &manifest, files)?,
-        None => from_read_out(
-            &inputs.job,
-            &inputs.profile,
-            path,
-            files,
-            ReadOutFor::OldTables,
-        )?,
+        None => from_read_out(&inputs.job, &inputs.profile, path, files, ReadOutFor::OldTables)?,
     };
     inputs.with_active(active)
 }
@@ -111,10 +94,7 @@ fn separated(
     }
     let separation = separate(&campaign, &readings.runs);
     let draft: Draft = table::draft(&separation, &job.compensation.backlash, Vec::new());
-    ErrorTable::read(Source::from_bytes(
-        "separated",
-        error_table::write(&draft).as_bytes(),
-    )?)
+    ErrorTable::read(Source::from_bytes("separated", error_table::write(&draft).as_bytes())?)
 }
 
 /// Readings with their job: the table that they are separated into is one that is read.
@@ -138,11 +118,7 @@ pub fn generate(input: &[u8]) -> Answer {
         Ok(found) => found,
         Err(problems) => panic!("verify refuses what generate made: {}", problems.render()),
     };
-    assert!(
-        found.agrees(),
-        "verify differs from generate: {:?}",
-        found.disagreements()
-    );
+    assert!(found.agrees(), "verify differs from generate: {:?}", found.disagreements());
     assert!(
         found.verdict == kit.verdict,
         "verify says {:?}, generate {:?}",
@@ -177,32 +153,17 @@ fn family(profile: &Profile) -> Family {
 pub fn verify(input: &[u8]) -> Answer {
     let bundle = Bundle::read(input);
     let inputs = inputs_of(&bundle)?;
-    let files = bundle
-        .0
-        .iter()
-        .filter(|(name, _)| !name.ends_with(".toml") && !name.starts_with("errors"));
+    let files =
+        bundle.0.iter().filter(|(name, _)| !name.ends_with(".toml") && !name.starts_with("errors"));
     let files: Vec<KitFile<'_>> = files
-        .map(|(path, bytes)| KitFile {
-            path,
-            role: role(&inputs.profile, path),
-            bytes,
-        })
+        .map(|(path, bytes)| KitFile { path, role: role(&inputs.profile, path), bytes })
         .collect();
     let state = bundle
         .file("manifest.json")
         .and_then(|bytes| serde_json::from_slice::<serde_json::Value>(bytes).ok());
-    let found = judge(
-        &inputs,
-        &files,
-        state.as_ref().map(|manifest| &manifest["state"]),
-        Vec::new(),
-    )?;
-    Ok(format!(
-        "{:?} {:?} {:?}",
-        found.verdict,
-        found.disagreements(),
-        found.notes()
-    ))
+    let found =
+        judge(&inputs, &files, state.as_ref().map(|manifest| &manifest["state"]), Vec::new())?;
+    Ok(format!("{:?} {:?} {:?}", found.verdict, found.disagreements(), found.notes()))
 }
 
 fn role(profile: &Profile, name: &str) -> Role {
@@ -214,9 +175,6 @@ fn role(profile: &Profile, name: &str) -> Role {
 pub fn program(input: &[u8]) -> Answer {
     let (job, profile) = job_of(&Bundle::read(input))?;
     let kit = nonius::kit::program_kit::make(&job, &profile, &[])?;
-    let texts = kit
-        .files
-        .iter()
-        .map(|file| String::from_utf8_lossy(&file.bytes).into_owned());
+    let texts = kit.files.iter().map(|file| String::from_utf8_lossy(&file.bytes).into_owned());
     Ok(texts.collect())
 }

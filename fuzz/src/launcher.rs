@@ -39,9 +39,8 @@ fn compile(arguments: &[OsString]) -> ExitCode {
     };
     let mut command = Command::new(compiler);
     command.args(arguments);
-    let is_nonius = arguments
-        .windows(2)
-        .any(|pair| pair[0] == "--crate-name" && pair[1] == "nonius");
+    let is_nonius =
+        arguments.windows(2).any(|pair| pair[0] == "--crate-name" && pair[1] == "nonius");
     if is_nonius {
         command.args(COUNTERS);
     }
@@ -61,10 +60,7 @@ fn cargo(verb: &str, arguments: &[OsString], with_counters: bool) -> bool {
         "--bin",
         "engine",
     ]);
-    command.args([
-        "--manifest-path",
-        concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml"),
-    ]);
+    command.args(["--manifest-path", concat!(env!("CARGO_MANIFEST_DIR"), "/Cargo.toml")]);
     if verb == "run" {
         command.arg("--").args(arguments);
     }
@@ -75,9 +71,5 @@ fn cargo(verb: &str, arguments: &[OsString], with_counters: bool) -> bool {
 }
 
 fn status(is_good: bool) -> ExitCode {
-    if is_good {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    }
+    if is_good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -96,20 +96,12 @@ fn plan(words: &[&str]) -> Option<(Plan, usize, bool)> {
 }
 
 fn fuzz(plan: &Plan, jobs: usize, kept: bool) -> ExitCode {
-    println!(
-        "{} edges counted in nonius, seed {}",
-        coverage::edges(),
-        plan.seed
-    );
+    println!("{} edges counted in nonius, seed {}", coverage::edges(), plan.seed);
     let is_clean = supervisor::supervise(plan, jobs);
     if !kept {
         let _ = std::fs::remove_dir_all(&plan.place);
     }
-    if is_clean {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    }
+    if is_clean { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 fn as_worker(place: &str, numbers: [&str; 3], only: Option<&str>) -> ExitCode {
@@ -136,11 +128,7 @@ fn replay(path: &Path) -> ExitCode {
         path.contains(&format!("/{}-", target.name)) || path.contains(&format!("/{}/", target.name))
     };
     let targets = targets::all();
-    let Some(target) = targets
-        .iter()
-        .filter(is_of)
-        .max_by_key(|target| target.name.len())
-    else {
+    let Some(target) = targets.iter().filter(is_of).max_by_key(|target| target.name.len()) else {
         eprintln!("the file's name tells no target");
         return ExitCode::from(2);
     };
@@ -154,9 +142,5 @@ fn replay(path: &Path) -> ExitCode {
         target.name,
         ran.wrong.as_deref().unwrap_or("nothing is wrong")
     );
-    if ran.wrong.is_none() {
-        ExitCode::SUCCESS
-    } else {
-        ExitCode::FAILURE
-    }
+    if ran.wrong.is_none() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

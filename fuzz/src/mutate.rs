@@ -130,13 +130,8 @@ fn spans(text: &[u8], is: fn(u8) -> bool) -> impl Iterator<Item = (usize, usize)
 /// One of the runs, drawn.
 fn one(random: &mut Random, text: &[u8], is: fn(u8) -> bool) -> Option<(usize, usize)> {
     let near = random.below(text.len());
-    let from = text[..near]
-        .iter()
-        .rposition(|byte| !is(*byte))
-        .map_or(0, |at| at + 1);
-    spans(&text[from..], is)
-        .next()
-        .map(|(start, end)| (from + start, from + end))
+    let from = text[..near].iter().rposition(|byte| !is(*byte)).map_or(0, |at| at + 1);
+    spans(&text[from..], is).next().map(|(start, end)| (from + start, from + end))
 }
 
 /// A new input from one, with parts of another; several changes at once, few more often than many.
@@ -155,16 +150,10 @@ fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &Diction
         0 => change_byte(random, text),
         1 => replace_span(random, text, |random, _| vec![(random.bits() & 0xff) as u8]),
         2 => replace_span(random, text, |_, _| Vec::new()),
-        3 => replace_span(random, text, |random, part| {
-            part.repeat(1 + random.below(3))
-        }),
+        3 => replace_span(random, text, |random, part| part.repeat(1 + random.below(3))),
         4 => repeat(random, text),
-        5 | 6 => replace(random, text, is_word, |random, _| {
-            random.pick(&words.0).clone()
-        }),
-        7 => replace(random, text, is_number, |random, _| {
-            random.pick(NASTY).as_bytes().to_vec()
-        }),
+        5 | 6 => replace(random, text, is_word, |random, _| random.pick(&words.0).clone()),
+        7 => replace(random, text, is_number, |random, _| random.pick(NASTY).as_bytes().to_vec()),
         8 => replace(random, text, is_number, nearby),
         9 => insert(random, text, words),
         10 => lines(random, text),

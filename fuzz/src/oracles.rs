@@ -3,10 +3,7 @@
 /// What is wrong with a text; `input` = what it was made from, whose own words may stand in it.
 pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
     if let Some(found) = text.chars().find(|c| is_control(*c)) {
-        return Err(format!(
-            "control character in the output: {:?}",
-            around(text, found)
-        ));
+        return Err(format!("control character in the output: {:?}", around(text, found)));
     }
     let own = String::from_utf8_lossy(input).to_ascii_lowercase();
     // "expected `inf`" is a sentence about the language of jobs, no figure.

@@ -19,9 +19,7 @@ impl Queue {
         if self.edges.len() < highest {
             self.edges.resize(highest, (0, 0));
         }
-        let is_new = trace
-            .iter()
-            .any(|(edge, class)| self.edges[*edge].0 & class == 0);
+        let is_new = trace.iter().any(|(edge, class)| self.edges[*edge].0 & class == 0);
         if is_new {
             self.keep(input, trace);
         }

@@ -45,19 +45,11 @@ pub fn profile(input: &[u8]) -> Answer {
 pub fn profile_of(bundle: &Bundle, name: Option<&str>) -> Result<Profile, Problems> {
     let first = bundle.0.first().map_or("", |(name, _)| name.as_str());
     let name = name.unwrap_or(first);
-    let bytes = bundle
-        .file(name)
-        .ok_or_else(|| Problem::new("no such profile"))?;
-    let own = |name: &str| {
-        bundle
-            .file(name)
-            .and_then(|bytes| String::from_utf8(bytes.to_vec()).ok())
-    };
-    let template = |name: &str, is_own: bool| {
-        own(name)
-            .filter(|_| is_own)
-            .or_else(|| builtin::template(name))
-    };
+    let bytes = bundle.file(name).ok_or_else(|| Problem::new("no such profile"))?;
+    let own =
+        |name: &str| bundle.file(name).and_then(|bytes| String::from_utf8(bytes.to_vec()).ok());
+    let template =
+        |name: &str, is_own: bool| own(name).filter(|_| is_own).or_else(|| builtin::template(name));
     load::profile(
         Source::from_bytes(name, bytes)?,
         ProfileSource::File(name.to_string()),
@@ -92,10 +84,7 @@ pub fn target_runs(input: &[u8]) -> Answer {
 
 fn figures(runs: &Runs) -> Answer {
     let travel = iso_230_2::Travel::of(runs, None)?;
-    let (figures, conditions) = (
-        iso_230_2::figures(runs),
-        iso_230_2::conditions(runs, travel),
-    );
+    let (figures, conditions) = (iso_230_2::figures(runs), iso_230_2::conditions(runs, travel));
     let (remarks, others) = (iso_230_2::remarks(runs, travel), vdi_3441::figures(runs));
     Ok(format!("{figures:?} {conditions:?} {remarks:?} {others:?}"))
 }
@@ -105,12 +94,7 @@ pub fn import(input: &[u8]) -> Answer {
     let bundle = Bundle::read(input);
     let options = String::from_utf8_lossy(bundle.file("options").unwrap_or_default()).into_owned();
     let bytes = bundle.0.last().map_or(&[][..], |(_, bytes)| bytes);
-    let file = Measurement {
-        path: "x",
-        name: "x",
-        sha256: "0",
-        bytes,
-    };
+    let file = Measurement { path: "x", name: "x", sha256: "0", bytes };
     let mut stated = Stated::default();
     let (mut from, mut encoding) = (None, None);
     let words: Vec<&str> = options.split_whitespace().collect();
@@ -121,10 +105,7 @@ pub fn import(input: &[u8]) -> Answer {
             option => state(&mut stated, option, pair[1]),
         }
     }
-    let single = Stated {
-        columns: None,
-        ..stated.clone()
-    };
+    let single = Stated { columns: None, ..stated.clone() };
     let runs = measured_runs(file, encoding, &single).is_ok();
     let imported = import_file(file, from, encoding, &stated)?;
     // Findings are made fit for a terminal where they are printed; the target `commands` looks at that.
@@ -281,17 +262,11 @@ pub fn measuring_program(input: &[u8]) -> Answer {
 /// A part program of a user, up to some thousand moves.
 pub fn nc(input: &[u8]) -> Answer {
     let setup = Setup {
-        language: if input.len() % 7 == 6 {
-            Language::Siemens
-        } else {
-            Language::Iso
-        },
+        language: if input.len() % 7 == 6 { Language::Siemens } else { Language::Iso },
         start: [100.0, 100.0, 0.0],
         reference: [0.0; 3],
         second_reference: Some([0.0; 3]),
-        systems: [(1, [100.0, 100.0, -50.0]), (2, [0.0; 3]), (148, [1.0; 3])]
-            .into_iter()
-            .collect(),
+        systems: [(1, [100.0, 100.0, -50.0]), (2, [0.0; 3]), (148, [1.0; 3])].into_iter().collect(),
         tools: [(1, 100.0), (2, 50.0)].into_iter().collect(),
         tool_names: [("A".to_string(), 1)].into_iter().collect(),
         inch: input.len() % 5 == 4,
@@ -309,18 +284,11 @@ pub fn nc(input: &[u8]) -> Answer {
         skip_deletable: input.len().is_multiple_of(7),
     };
     let (mut length, mut moves) = (0.0, 0);
-    let mut lines = Lines {
-        bytes: input,
-        at: Mark::default(),
-        left: 20_000,
-    };
+    let mut lines = Lines { bytes: input, at: Mark::default(), left: 20_000 };
     let ran = run(&mut lines, "x.nc", &setup, |step| {
         moves += 1;
         length += step.length_mm() + step.at(0.5)[0].abs();
-        let enough = || Refused {
-            message: "enough moves".to_string(),
-            help: "stop".to_string(),
-        };
+        let enough = || Refused { message: "enough moves".to_string(), help: "stop".to_string() };
         if moves > 5000 { Err(enough()) } else { Ok(()) }
     })?;
     Ok(format!("{length} {ran:?}"))
@@ -350,10 +318,7 @@ impl Text for Lines<'_> {
         self.at.bytes += end.map_or(rest.len(), |end| end + 1) as u64;
         self.at.lines += 1;
         self.left -= 1;
-        Ok(Some(Line {
-            number: self.at.lines,
-            bytes: line.strip_suffix(b"\r").unwrap_or(line),
-        }))
+        Ok(Some(Line { number: self.at.lines, bytes: line.strip_suffix(b"\r").unwrap_or(line) }))
     }
 
     fn mark(&self) -> Mark {

@@ -28,11 +28,7 @@ pub fn supervise(plan: &Plan, jobs: usize) -> bool {
         ..plan.clone()
     };
     let mut workers: Vec<Worker> = (0..jobs)
-        .map(|index| Worker {
-            plan: part(index),
-            end: started + plan.time,
-            child: None,
-        })
+        .map(|index| Worker { plan: part(index), end: started + plan.time, child: None })
         .collect();
     workers.iter_mut().for_each(Worker::start);
     let mut printed = started;
@@ -50,22 +46,13 @@ impl Worker {
     fn start(&mut self) {
         let _ = fs::create_dir_all(&self.plan.place);
         let left = self.end.saturating_duration_since(Instant::now());
-        let done: u64 = counts(&self.plan.place)
-            .iter()
-            .map(|(_, count)| count.cases)
-            .sum();
-        let numbers = [
-            self.plan.seed,
-            left.as_millis() as u64,
-            self.plan.cases.saturating_sub(done),
-        ];
+        let done: u64 = counts(&self.plan.place).iter().map(|(_, count)| count.cases).sum();
+        let numbers =
+            [self.plan.seed, left.as_millis() as u64, self.plan.cases.saturating_sub(done)];
         let said = File::create(self.plan.place.join("said"));
         let own = std::env::current_exe().unwrap_or_else(|_| PathBuf::from("engine"));
         let mut command = Command::new(own);
-        command
-            .arg("worker")
-            .arg(&self.plan.place)
-            .args(numbers.map(|number| number.to_string()));
+        command.arg("worker").arg(&self.plan.place).args(numbers.map(|number| number.to_string()));
         command.args(&self.plan.only);
         if let Ok(file) = said {
             command.stderr(file);
@@ -96,10 +83,7 @@ impl Worker {
             return;
         };
         let said = fs::read_to_string(self.plan.place.join("said")).unwrap_or_default();
-        let last: Vec<&str> = said
-            .lines()
-            .filter(|line| !line.starts_with("found: "))
-            .collect();
+        let last: Vec<&str> = said.lines().filter(|line| !line.starts_with("found: ")).collect();
         let finding = Finding {
             target: &target,
             wrong: format!("killed, {status}: {}", last.last().unwrap_or(&"")),
@@ -128,10 +112,7 @@ fn print(workers: &[Worker]) -> bool {
     );
     let mut total = Count::default();
     for (name, count) in &all {
-        let own = findings
-            .iter()
-            .filter(|note| note.split(' ').next() == Some(name))
-            .count();
+        let own = findings.iter().filter(|note| note.split(' ').next() == Some(name)).count();
         row(name, count, own);
         total.cases += count.cases;
         total.new += count.new;
@@ -143,10 +124,7 @@ fn print(workers: &[Worker]) -> bool {
         let name = note.split(' ').next_back().unwrap_or_default();
         let path = crate::finding::folder().join(name);
         let words = fs::read_to_string(path.with_extension("txt")).unwrap_or_default();
-        println!(
-            "found: fuzz/found/{name}.case: {}",
-            words.lines().next().unwrap_or_default()
-        );
+        println!("found: fuzz/found/{name}.case: {}", words.lines().next().unwrap_or_default());
     }
     if !findings.is_empty() {
         println!(
@@ -167,10 +145,6 @@ fn row(name: &str, count: &Count, findings: usize) {
 /// A directory for files that come and go: in memory, where the system has such a place.
 pub fn place() -> PathBuf {
     let memory = Path::new("/dev/shm");
-    let base = if memory.is_dir() {
-        memory.to_path_buf()
-    } else {
-        std::env::temp_dir()
-    };
+    let base = if memory.is_dir() { memory.to_path_buf() } else { std::env::temp_dir() };
     base.join(format!("nonius-fuzz-{}", std::process::id()))
 }

@@ -55,20 +55,10 @@ pub fn all() -> Vec<Target> {
     let target = |name: &'static str, kind: Kind, share: u32, seeds: Vec<Vec<u8>>| {
         let mut corpus = Bundle::default();
         corpus.add_directory(&root.join("corpus").join(name), "");
-        let seeds: Vec<Vec<u8>> = corpus
-            .0
-            .into_iter()
-            .map(|(_, bytes)| bytes)
-            .chain(seeds)
-            .collect();
+        let seeds: Vec<Vec<u8>> =
+            corpus.0.into_iter().map(|(_, bytes)| bytes).chain(seeds).collect();
         let words = Dictionary::of(seeds.iter().map(Vec::as_slice));
-        Target {
-            name,
-            kind,
-            share,
-            seeds,
-            words,
-        }
+        Target { name, kind, share, seeds, words }
     };
     let read =
         |name, reader: fn(&[u8]) -> Answer, seeds| target(name, Kind::Reader(reader), 1, seeds);
@@ -83,11 +73,7 @@ pub fn all() -> Vec<Target> {
         read("job", readers::job, jobs),
         read("profile", readers::profile, profiles(f)),
         read("errors", readers::errors, tables),
-        read(
-            "readings",
-            kits::readings,
-            f.bundles(|name| name.contains("readings")),
-        ),
+        read("readings", kits::readings, f.bundles(|name| name.contains("readings"))),
         read(
             "target-runs",
             readers::target_runs,
@@ -96,80 +82,40 @@ pub fn all() -> Vec<Target> {
         read("import-rtl", readers::import, f.imports("rtl", ".rtl")),
         read("import-ren", readers::import, f.imports("ren", ".ren")),
         read("import-pos", readers::import, f.imports("pos", ".pos")),
-        read(
-            "import-etalon",
-            readers::import,
-            f.imports("etalon", ".txt"),
-        ),
+        read("import-etalon", readers::import, f.imports("etalon", ".txt")),
         read("import-isg", readers::import, f.imports("isg", ".csv")),
-        read(
-            "import-columns",
-            readers::import,
-            f.imports("columns", ".csv"),
-        ),
+        read("import-columns", readers::import, f.imports("columns", ".csv")),
         read(
             "siemens",
             readers::siemens,
             f.files(|name| name.ends_with(".MPF") || name.ends_with(".INI")),
         ),
         read("archive", readers::archive, archives(f)),
-        read(
-            "fanuc",
-            readers::fanuc,
-            f.files(|name| name.ends_with(".TXT")),
-        ),
-        read(
-            "declared",
-            readers::declared,
-            f.files(|name| name.ends_with(".dat")),
-        ),
+        read("fanuc", readers::fanuc, f.files(|name| name.ends_with(".TXT"))),
+        read("declared", readers::declared, f.files(|name| name.ends_with(".dat"))),
         read("linuxcnc", readers::linuxcnc, f.kits_with(".comp")),
-        read(
-            "klipper",
-            readers::klipper,
-            f.files(|name| name.ends_with("skew.cfg")),
-        ),
+        read("klipper", readers::klipper, f.files(|name| name.ends_with("skew.cfg"))),
         read("isg", readers::isg, f.kits_with(".lis")),
         read(
             "generic-csv",
             readers::generic_table,
             f.files(|name| name.starts_with("compensation.csv")),
         ),
-        read(
-            "generic-json",
-            readers::generic_table,
-            f.files(|name| name == "compensation.json"),
-        ),
+        read("generic-json", readers::generic_table, f.files(|name| name == "compensation.json")),
         read("nc", readers::nc, programs(f)),
-        read(
-            "measuring-program",
-            readers::measuring_program,
-            f.measuring_programs(),
-        ),
-        read(
-            "program",
-            kits::program,
-            f.bundles(|name| name == "job.toml"),
-        ),
+        read("measuring-program", readers::measuring_program, f.measuring_programs()),
+        read("program", kits::program, f.bundles(|name| name == "job.toml")),
         read(
             "kit",
             kits::generate,
             f.bundles(|name| name.starts_with("errors") || name.starts_with("readings")),
         ),
-        read(
-            "verify",
-            kits::verify,
-            f.kits.iter().map(Bundle::bytes).collect(),
-        ),
+        read("verify", kits::verify, f.kits.iter().map(Bundle::bytes).collect()),
         target(
             "commands",
             Kind::Commands,
             3,
-            f.cases
-                .iter()
-                .map(Bundle::bytes)
-                .chain(f.with_kits())
-                .collect(),
+            f.cases.iter().map(Bundle::bytes).chain(f.with_kits()).collect(),
         ),
         target("generate", Kind::Commands, 3, f.generates()),
     ]
@@ -179,14 +125,8 @@ impl Fixtures {
     fn read(folder: &Path) -> Fixtures {
         let mut cases = Vec::new();
         cases.extend(refusals::all(folder).into_iter().map(refusal));
-        for story in [
-            "diagonals",
-            "start",
-            "standards",
-            "paper_004",
-            "machines",
-            "nine_errors_900",
-        ] {
+        for story in ["diagonals", "start", "standards", "paper_004", "machines", "nine_errors_900"]
+        {
             add_cases(&folder.join(story), &mut cases, COMMANDS);
         }
         for story in ["machine_h", "standards", "nine_errors_900", "formats"] {
@@ -197,16 +137,10 @@ impl Fixtures {
     }
 
     fn files(&self, is: impl Fn(&str) -> bool) -> Vec<Vec<u8>> {
-        let all = self
-            .cases
-            .iter()
-            .chain(&self.kits)
-            .flat_map(|bundle| &bundle.0);
+        let all = self.cases.iter().chain(&self.kits).flat_map(|bundle| &bundle.0);
         let name = |path: &String| path.rsplit('/').next().unwrap_or_default().to_string();
-        let mut files: Vec<Vec<u8>> = all
-            .filter(|(path, _)| is(&name(path)))
-            .map(|(_, bytes)| bytes.clone())
-            .collect();
+        let mut files: Vec<Vec<u8>> =
+            all.filter(|(path, _)| is(&name(path))).map(|(_, bytes)| bytes.clone()).collect();
         files.sort();
         files.dedup();
         files
@@ -216,9 +150,7 @@ impl Fixtures {
     fn kits_with(&self, ending: &str) -> Vec<Vec<u8>> {
         let has = |bundle: &&Bundle| bundle.0.iter().any(|(name, _)| name.ends_with(ending));
         let of_control = |(name, _): &&(String, Vec<u8>)| {
-            [ending, ".ini", "volcomp.csv"]
-                .iter()
-                .any(|end| name.ends_with(end))
+            [ending, ".ini", "volcomp.csv"].iter().any(|end| name.ends_with(end))
         };
         let alone = |bundle: &Bundle| {
             let files = bundle.0.iter().filter(of_control).cloned();
@@ -231,12 +163,7 @@ impl Fixtures {
         let with = |bundle: &&Bundle| {
             bundle.file("job.toml").is_some() && bundle.0.iter().any(|(name, _)| is(name))
         };
-        let mut all: Vec<Vec<u8>> = self
-            .cases
-            .iter()
-            .filter(with)
-            .map(without_command)
-            .collect();
+        let mut all: Vec<Vec<u8>> = self.cases.iter().filter(with).map(without_command).collect();
         all.sort();
         all.dedup();
         all
@@ -283,18 +210,14 @@ impl Fixtures {
         });
         let files = made.flat_map(|kit| kit.files.into_iter().map(|file| file.bytes));
         let own = [SIEMENS_PROGRAM, FANUC_PROGRAM, POSITIONS].map(|text| text.as_bytes().to_vec());
-        own.into_iter()
-            .chain(files)
-            .filter(|bytes| bytes.len() < 16 << 10)
-            .collect()
+        own.into_iter().chain(files).filter(|bytes| bytes.len() < 16 << 10).collect()
     }
 
     /// A job with its kit in a directory.
     fn with_kits(&self) -> Vec<Vec<u8>> {
         let mut seeds = Vec::new();
-        for (command, kit) in ON_KITS
-            .iter()
-            .flat_map(|command| self.kits.iter().map(move |kit| (*command, kit)))
+        for (command, kit) in
+            ON_KITS.iter().flat_map(|command| self.kits.iter().map(move |kit| (*command, kit)))
         {
             let mut case = Bundle(vec![("command".to_string(), command.as_bytes().to_vec())]);
             case.0.extend(kit.0.iter().map(|(name, bytes)| {
@@ -317,10 +240,7 @@ impl Fixtures {
 }
 
 fn without_command(bundle: &Bundle) -> Vec<u8> {
-    let files = bundle
-        .0
-        .iter()
-        .filter(|(name, _)| name != "command" && name != "expected.txt");
+    let files = bundle.0.iter().filter(|(name, _)| name != "command" && name != "expected.txt");
     Bundle(files.cloned().collect()).bytes()
 }
 
@@ -361,10 +281,8 @@ const OPTIONS: [&str; 4] = [
 
 fn add_cases(folder: &Path, cases: &mut Vec<Bundle>, commands: &[&str]) {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut paths: Vec<_> = entries
-        .map(|entry| entry.path())
-        .filter(|path| path.is_dir())
-        .collect();
+    let mut paths: Vec<_> =
+        entries.map(|entry| entry.path()).filter(|path| path.is_dir()).collect();
     paths.sort();
     for path in paths {
         add_case(&path, cases, commands);
@@ -392,10 +310,8 @@ fn add_case(directory: &Path, cases: &mut Vec<Bundle>, commands: &[&str]) {
     for command in commands {
         for job in jobs.iter().map(Some).chain(jobs.is_empty().then_some(None)) {
             let mut case = files.clone();
-            case.0
-                .extend(job.map(|(_, bytes)| ("job.toml".to_string(), bytes.clone())));
-            case.0
-                .insert(0, ("command".to_string(), command.as_bytes().to_vec()));
+            case.0.extend(job.map(|(_, bytes)| ("job.toml".to_string(), bytes.clone())));
+            case.0.insert(0, ("command".to_string(), command.as_bytes().to_vec()));
             cases.push(case);
         }
     }
@@ -411,22 +327,11 @@ fn kits_of(folder: &Path) -> Vec<Bundle> {
         let Ok(kit) = inputs.and_then(|inputs| nonius::kit::generate(&inputs)) else {
             continue;
         };
-        let mut bundle = Bundle(
-            case.0
-                .into_iter()
-                .filter(|(name, _)| name != "command")
-                .collect(),
-        );
-        bundle.0.extend(
-            kit.files
-                .iter()
-                .map(|file| (file.path.clone(), file.bytes.clone())),
-        );
-        bundle.0.extend(
-            kit.manifest_bytes()
-                .ok()
-                .map(|bytes| ("manifest.json".to_string(), bytes)),
-        );
+        let mut bundle = Bundle(case.0.into_iter().filter(|(name, _)| name != "command").collect());
+        bundle.0.extend(kit.files.iter().map(|file| (file.path.clone(), file.bytes.clone())));
+        bundle
+            .0
+            .extend(kit.manifest_bytes().ok().map(|bytes| ("manifest.json".to_string(), bytes)));
         kits.push(bundle);
     }
     kits
@@ -455,16 +360,12 @@ fn profiles(fixtures: &Fixtures) -> Vec<Vec<u8>> {
 /// Read out of controls: the cases' own, files of kits, and some of these in one archive.
 fn archives(fixtures: &Fixtures) -> Vec<Vec<u8>> {
     let mut seeds = fixtures.files(|name| name.ends_with(".arc") || name.ends_with(".MPF"));
-    let parts: Vec<Vec<u8>> = fixtures
-        .files(|name| name.ends_with(".MPF"))
-        .into_iter()
-        .take(4)
-        .collect();
+    let parts: Vec<Vec<u8>> =
+        fixtures.files(|name| name.ends_with(".MPF")).into_iter().take(4).collect();
     let list = b"_N_CEC_INI _N_AX_EEC_INI".to_vec();
     let mut archive = block("@@MMCIBN.002", &list);
-    for (name, part) in ["_N_CEC_INI", "_N_AX_EEC_INI", "_N_A_MPF", "_N_B_SPF"]
-        .into_iter()
-        .zip(&parts)
+    for (name, part) in
+        ["_N_CEC_INI", "_N_AX_EEC_INI", "_N_A_MPF", "_N_B_SPF"].into_iter().zip(&parts)
     {
         archive.extend(block(name, part));
     }
@@ -491,9 +392,7 @@ fn block(name: &str, content: &[u8]) -> Vec<u8> {
 
 fn programs(fixtures: &Fixtures) -> Vec<Vec<u8>> {
     let own = fixtures.files(|name| name.ends_with(".nc"));
-    own.into_iter()
-        .chain(PROGRAMS.iter().map(|text| text.as_bytes().to_vec()))
-        .collect()
+    own.into_iter().chain(PROGRAMS.iter().map(|text| text.as_bytes().to_vec())).collect()
 }
 
 const PROGRAMS: &[&str] = &[

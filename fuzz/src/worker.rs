@@ -93,9 +93,7 @@ impl Fuzzed {
         let mut found = crate::bundle::Bundle::default();
         found.add_directory(&plan.place.join("queue").join(target.name), "");
         pending.extend(found.0.into_iter().map(|(_, bytes)| bytes));
-        let count = counts(&plan.place)
-            .into_iter()
-            .find(|(name, _)| name == target.name);
+        let count = counts(&plan.place).into_iter().find(|(name, _)| name == target.name);
         Fuzzed {
             target,
             queue: Queue::default(),
@@ -113,10 +111,7 @@ impl Fuzzed {
             None => {
                 let other = self.queue.next(&mut self.random).to_vec();
                 let input = self.queue.next(&mut self.random).to_vec();
-                (
-                    mutate::mutated(&mut self.random, &input, &other, &self.target.words),
-                    false,
-                )
+                (mutate::mutated(&mut self.random, &input, &other, &self.target.words), false)
             }
         };
         let ran = watched(&self.target, plan, &input);
@@ -141,10 +136,7 @@ impl Fuzzed {
     }
 
     fn report(&self, plan: &Plan, input: &[u8], wrong: String) {
-        let finding = Finding {
-            target: self.target.name,
-            wrong,
-        };
+        let finding = Finding { target: self.target.name, wrong };
         if !finding.is_wanted(input) {
             return;
         }
@@ -186,20 +178,9 @@ pub fn counts(place: &Path) -> Vec<(String, Count)> {
     let line = |line: &str| {
         let mut words = line.split(' ');
         let name = words.next()?.to_string();
-        let (cases, new, edges) = (
-            words.next()?.parse().ok()?,
-            words.next()?.parse().ok()?,
-            words.next()?.parse().ok()?,
-        );
-        Some((
-            name,
-            Count {
-                cases,
-                new,
-                edges,
-                seconds: words.next()?.parse().ok()?,
-            },
-        ))
+        let (cases, new, edges) =
+            (words.next()?.parse().ok()?, words.next()?.parse().ok()?, words.next()?.parse().ok()?);
+        Some((name, Count { cases, new, edges, seconds: words.next()?.parse().ok()? }))
     };
     text.lines().filter_map(line).collect()
 }

@@ -98,9 +98,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let page = page(options)?;
     let (screen, document) = (|| text::screen(&page), || document(&page));
     let outcome = options.print.outcome(screen, document)?;
-    options
-        .plot
-        .beside(outcome, |locale| Ok(page.picture(locale)))
+    options.plot.beside(outcome, |locale| Ok(page.picture(locale)))
 }
 
 fn page(options: &Options) -> Result<Page, Problems> {
@@ -134,13 +132,7 @@ pub(super) fn for_report(inputs: &Inputs, control: Option<NamedControl>) -> Resu
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let request = request_of_report(&volume)?;
     let corrected = control.map(|control| Corrected::of(inputs, &volume, control));
-    page_of_job(
-        grid_of_report(),
-        corrected.transpose()?,
-        &request,
-        inputs,
-        volume,
-    )
+    page_of_job(grid_of_report(), corrected.transpose()?, &request, inputs, volume)
 }
 
 /// The page of a report of an error table alone, with its least job and its errors.
@@ -159,10 +151,7 @@ pub(super) fn of_table_for_report(
 /// With bins that suit the differences.
 fn request_of_report(volume: &VolumeModel) -> Result<Request, Problem> {
     let nodes = Grid::of(grid_of_report(), volume, &[])?;
-    Ok(Request {
-        histogram_um: Some(bin_um(va_um(volume, &nodes)?)),
-        ..Request::default()
-    })
+    Ok(Request { histogram_um: Some(bin_um(va_um(volume, &nodes)?)), ..Request::default() })
 }
 
 fn page_of_job(
@@ -174,11 +163,8 @@ fn page_of_job(
 ) -> Result<Page, Problems> {
     let bare = inputs.under_tables.as_ref();
     let bare = bare.map(|_| volume.with_errors_of(&inputs.model));
-    let others: Vec<&VolumeModel> = corrected
-        .iter()
-        .map(|corrected| &corrected.volume)
-        .chain(&bare)
-        .collect();
+    let others: Vec<&VolumeModel> =
+        corrected.iter().map(|corrected| &corrected.volume).chain(&bare).collect();
     let nodes = Grid::of(grid, &volume, &others)?;
     let after = |corrected: Corrected| {
         Ok::<After, Problem>(After {
@@ -189,11 +175,7 @@ fn page_of_job(
         })
     };
     let mut basis = Basis::of_job(inputs, &volume);
-    basis.labels.extend(
-        corrected
-            .iter()
-            .flat_map(|corrected| corrected.notes.clone()),
-    );
+    basis.labels.extend(corrected.iter().flat_map(|corrected| corrected.notes.clone()));
     basis.without_tables_um = bare.map(|bare| va_um(&bare, &nodes)).transpose()?;
     Ok(Page {
         name: inputs.job.machine.name.clone(),

@@ -58,10 +58,7 @@ impl CampaignFiles {
             table.transpose()
         };
         tables.angles = table(&job.measurement.angles, "measurement.angles")?;
-        let closure_errors = table(
-            &measurement.closure_errors,
-            &format!("{KEY}.closure_errors"),
-        )?;
+        let closure_errors = table(&measurement.closure_errors, &format!("{KEY}.closure_errors"))?;
         Ok(CampaignFiles {
             job: job.clone(),
             measurement: measurement.clone(),
@@ -85,12 +82,7 @@ impl CampaignFiles {
     pub(super) fn campaign(&self) -> Result<Campaign<'_>, Problems> {
         let known = |run| self.readings.offset_known(run);
         let reverse_zero_known = self.readings.runs.iter().all(known);
-        campaign::campaign(
-            &self.job,
-            &self.measurement,
-            &self.tables,
-            reverse_zero_known,
-        )
+        campaign::campaign(&self.job, &self.measurement, &self.tables, reverse_zero_known)
     }
 
     /// The nine errors.
@@ -133,11 +125,8 @@ impl CampaignFiles {
 
     /// What straight runs say.
     pub(super) fn straight(&self) -> Result<StraightResult, Problems> {
-        let mut result = straight(
-            &self.campaign()?,
-            &self.readings.runs,
-            self.closure_errors.as_ref(),
-        )?;
+        let mut result =
+            straight(&self.campaign()?, &self.readings.runs, self.closure_errors.as_ref())?;
         result.labels.splice(0..0, self.readings.notes());
         Ok(result)
     }
@@ -149,10 +138,8 @@ impl CampaignFiles {
         let means = means(&result.runs);
         let mut walks = Vec::new();
         for diagonal in Diagonal::ALL {
-            let passes = [
-                (Pass::Forward, Some(&means.forward)),
-                (Pass::Reverse, means.reverse.as_ref()),
-            ];
+            let passes =
+                [(Pass::Forward, Some(&means.forward)), (Pass::Reverse, means.reverse.as_ref())];
             for (pass, readings) in passes {
                 walks.extend(readings.map(|of| Walk {
                     diagonal,
@@ -162,9 +149,7 @@ impl CampaignFiles {
             }
         }
         let fewest = counts.iter().flat_map(|(_, both)| both).copied();
-        let fewest = fewest
-            .filter(|count| *count > 0.0)
-            .fold(f64::INFINITY, f64::min);
+        let fewest = fewest.filter(|count| *count > 0.0).fold(f64::INFINITY, f64::min);
         let stated = self.job.measurement.uncertainty.noise_um;
         let repeated = repeats(&result.runs).noise;
         let sigma_um = repeated.map(|noise| noise.sigma_um).or(stated);
@@ -176,11 +161,7 @@ impl CampaignFiles {
             degrees_of_freedom: repeated.and_then(Noise::freedom_f64),
             scale_um_per_m: self.job.measurement.uncertainty.laser_ppm.unwrap_or(0.0),
             labels: result.labels,
-            one_zero: self
-                .readings
-                .runs
-                .iter()
-                .all(|run| self.readings.offset_known(run)),
+            one_zero: self.readings.runs.iter().all(|run| self.readings.offset_known(run)),
         })
     }
 
@@ -193,10 +174,7 @@ impl CampaignFiles {
     fn comments(&self) -> Vec<String> {
         vec![
             format!("nine errors separated from step diagonals by {TOOL}"),
-            format!(
-                "source: {} sha256 {}",
-                self.measurement.readings, self.readings_sha256
-            ),
+            format!("source: {} sha256 {}", self.measurement.readings, self.readings_sha256),
         ]
     }
 }

@@ -69,10 +69,7 @@ pub(super) fn run(command: Option<&Command>) -> Result<Outcome, Problems> {
 }
 
 fn page(text: String) -> Screen {
-    Screen {
-        verdict: text,
-        ..Screen::default()
-    }
+    Screen { verdict: text, ..Screen::default() }
 }
 
 fn list(print: Print) -> Result<Outcome, Problems> {
@@ -87,10 +84,7 @@ fn list(print: Print) -> Result<Outcome, Problems> {
     });
     let heading = "id\tcontrol\t>facts\t>manual\t>assumed\t>executed";
     let list = || profiles.iter().map(summary_json).collect::<Vec<Value>>();
-    print.outcome(
-        || page(table(heading, rows)),
-        || json!({ "schema": 1, "controllers": list() }),
-    )
+    print.outcome(|| page(table(heading, rows)), || json!({ "schema": 1, "controllers": list() }))
 }
 
 fn count(profile: &Profile, evidence: Evidence) -> usize {
@@ -142,10 +136,8 @@ fn profile_json(profile: &Profile) -> Value {
 }
 
 fn profile_text(profile: &Profile) -> String {
-    let mut parts = vec![format!(
-        "{} - {} ({} dialect)",
-        profile.id, profile.name, profile.family.word
-    )];
+    let mut parts =
+        vec![format!("{} - {} ({} dialect)", profile.id, profile.name, profile.family.word)];
     if let ProfileSource::File(path) = &profile.origin {
         parts[0] += &format!("\nyour own profile `{path}`");
     }
@@ -168,37 +160,18 @@ fn profile_text(profile: &Profile) -> String {
 
 fn job_key_text(key: &JobKey) -> String {
     let name = format!("[{}] {}", key.section.word(), key.key);
-    about(
-        &name,
-        &key.text,
-        key.evidence,
-        &key.source,
-        key.consequence.as_deref(),
-    )
+    about(&name, &key.text, key.evidence, &key.source, key.consequence.as_deref())
 }
 
 fn files_text(profile: &Profile) -> String {
     let files = profile.files.iter();
-    let rows = files.map(|file| {
-        format!(
-            "{}\t{}\t{}",
-            file.path,
-            file.role.word(),
-            file.template_name
-        )
-    });
+    let rows =
+        files.map(|file| format!("{}\t{}\t{}", file.path, file.role.word(), file.template_name));
     table("file\trole\ttemplate", rows)
 }
 
 fn statement_text(statement: &Statement) -> String {
-    let Statement {
-        fact,
-        value,
-        evidence,
-        source,
-        consequence,
-        ..
-    } = statement;
+    let Statement { fact, value, evidence, source, consequence, .. } = statement;
     about(fact, value, *evidence, source, consequence.as_deref())
 }
 
@@ -222,11 +195,7 @@ fn about(
 fn check(file: &Path, print: Print) -> Result<Outcome, Problems> {
     let path = file.display().to_string();
     // A bare name is still a path here, so it gets a folder in front.
-    let reference = if path.contains(['/', '\\']) {
-        path.clone()
-    } else {
-        format!("./{path}")
-    };
+    let reference = if path.contains(['/', '\\']) { path.clone() } else { format!("./{path}") };
     let (profile, _) = profile(&reference, Path::new(""))?;
     let sample = |name: &str, text: &str| Source::from_bytes(name, text.as_bytes());
     let job = Job::read(sample("sample job", SAMPLE_JOB)?)?;

@@ -69,10 +69,7 @@ impl StandardFigures {
 
     /// Means and bands along each diagonal, with words for its length.
     pub(super) fn picture(&self, locale: Locale<'_>, heading: &str, across: &str) -> Picture {
-        let each = self
-            .runs
-            .iter()
-            .map(|(name, runs)| (name.to_string(), figures(runs)));
+        let each = self.runs.iter().map(|(name, runs)| (name.to_string(), figures(runs)));
         let each: Vec<_> = each.collect();
         let named: Vec<_> = each.iter().map(|(name, of)| (name.clone(), of)).collect();
         targets(locale, heading, across, &named)
@@ -92,19 +89,10 @@ impl StandardFigures {
             all.any(|of| figure(&of.figures, name).is_some())
         };
         let there: Vec<&str> = FIGURES.iter().filter(is_there).copied().collect();
-        let headings = there
-            .iter()
-            .map(|name| format!("\t>{}", name.replace('_', " ")));
+        let headings = there.iter().map(|name| format!("\t>{}", name.replace('_', " ")));
         let rows = diagonals.iter().map(|of| {
-            let figures = there
-                .iter()
-                .map(|name| um(figure(&of.figures, name)) + "\t");
-            format!(
-                "{}\t{}{}",
-                of.name,
-                figures.collect::<String>(),
-                um(of.range_um)
-            )
+            let figures = there.iter().map(|name| um(figure(&of.figures, name)) + "\t");
+            format!("{}\t{}{}", of.name, figures.collect::<String>(), um(of.range_um))
         });
         let heading = format!("diagonal, µm{}\t>max - min", headings.collect::<String>());
         table(&heading, rows)
@@ -134,9 +122,8 @@ impl StandardFigures {
 }
 
 /// Figures of a diagonal in the order of the table.
-const FIGURES: [&str; 12] = [
-    "E", "E_up", "E_down", "M", "B", "B_mean", "R", "R_up", "R_down", "A", "A_up", "A_down",
-];
+const FIGURES: [&str; 12] =
+    ["E", "E_up", "E_down", "M", "B", "B_mean", "R", "R_up", "R_down", "A", "A_up", "A_down"];
 
 fn figure(of: &AxisFigures, wanted: &str) -> Option<f64> {
     let named = of.named_um().into_iter().find(|(name, _)| *name == wanted);

@@ -31,9 +31,7 @@ fn remember(name: &str, place: Option<&Path>, metadata: &Metadata) {
         is_directory: metadata.is_dir(),
         identity: identity(metadata),
     };
-    READ.lock()
-        .unwrap_or_else(PoisonError::into_inner)
-        .push(input);
+    READ.lock().unwrap_or_else(PoisonError::into_inner).push(input);
 }
 
 /// What was read in this run and is, contains or lies in what is at `output` (that need not exist).
@@ -74,10 +72,7 @@ fn identity(_: &Metadata) -> Option<Identity> {
 }
 
 pub(super) fn file_name(path: &Path) -> String {
-    path.file_name().map_or_else(
-        || "-".to_string(),
-        |name| name.to_string_lossy().into_owned(),
-    )
+    path.file_name().map_or_else(|| "-".to_string(), |name| name.to_string_lossy().into_owned())
 }
 
 /// A file argument: `-` is standard input.
@@ -120,10 +115,8 @@ pub(super) fn read_file(path: &Path) -> Result<Vec<u8>, Problem> {
     let (file, metadata) = open(path)?;
     let bytes = bounded(&format!("`{name}`"), metadata.len(), file)?;
     if bytes.is_empty() && !metadata.is_file() {
-        return Err(Problem::new(format!(
-            "`{name}` is a pipe, and nothing was written into it"
-        ))
-        .help("name a file"));
+        return Err(Problem::new(format!("`{name}` is a pipe, and nothing was written into it"))
+            .help("name a file"));
     }
     Ok(bytes)
 }
@@ -141,19 +134,13 @@ pub(super) fn open(path: &Path) -> Result<(File, Metadata), Problem> {
     };
     let metadata = std::fs::metadata(path).map_err(refuse)?;
     if metadata.is_dir() {
-        return Err(
-            Problem::new(format!("`{name}` is a directory, expected a file"))
-                .help("name a file in it"),
-        );
+        return Err(Problem::new(format!("`{name}` is a directory, expected a file"))
+            .help("name a file in it"));
     }
     if !metadata.is_file() && !is_pipe(&metadata) {
         return Err(Problem::new(format!("`{name}` is no regular file")).help("name a file"));
     }
-    let file = if metadata.is_file() {
-        File::open(path)
-    } else {
-        open_pipe(path)
-    };
+    let file = if metadata.is_file() { File::open(path) } else { open_pipe(path) };
     let file = file.map_err(refuse)?;
     remember(&name, Some(path), &metadata);
     Ok((file, metadata))
@@ -244,10 +231,7 @@ pub(super) fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 
 /// The next step for a file that a job names.
 pub(super) fn beside_job(problem: Problem) -> Problem {
-    or_help(
-        problem,
-        "relative paths in a job are relative to the job file",
-    )
+    or_help(problem, "relative paths in a job are relative to the job file")
 }
 
 fn or_help(problem: Problem, help: &str) -> Problem {

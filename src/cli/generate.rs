@@ -78,18 +78,9 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
         "machine {} - {}, measured {}",
         job.machine.name,
         inputs.profile.name,
-        job.measurement
-            .date
-            .as_deref()
-            .unwrap_or("at a date not stated")
+        job.measurement.date.as_deref().unwrap_or("at a date not stated")
     );
-    let verdict = show::verdict(
-        kit.verdict,
-        job,
-        Some(&kit.forecast),
-        false,
-        &kit.manifest.doubts,
-    );
+    let verdict = show::verdict(kit.verdict, job, Some(&kit.forecast), false, &kit.manifest.doubts);
     let ways = kit.ways.iter().map(|way| format!("\n  {way}"));
     let verdict: String = std::iter::once(verdict).chain(ways).collect();
     let proofs = kit.files.iter().filter(|f| f.role == Role::SignProof);
@@ -107,10 +98,7 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
         more: vec![
             More::new(
                 compiled.placements.len(),
-                [
-                    "table with its points and counts",
-                    "tables with their points and counts",
-                ],
+                ["table with its points and counts", "tables with their points and counts"],
                 [show::placements(&compiled.placements), show::slopes(model)].join("\n"),
             ),
             show::assumptions(&compiled.assumptions),
@@ -123,17 +111,10 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
 fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> String {
     let names = kit.files.iter().map(|file| file.path.as_str());
     let names: Vec<&str> = names.chain([MANIFEST]).collect();
-    let mut lines = vec![format!(
-        "wrote {}: {}",
-        directory.display(),
-        names.join(", ")
-    )];
+    let mut lines = vec![format!("wrote {}: {}", directory.display(), names.join(", "))];
     lines.extend(checklist(kit).map(|name| {
         let path = directory.join(name);
-        format!(
-            "print first: {}, step by step what to do at the machine",
-            path.display()
-        )
+        format!("print first: {}, step by step what to do at the machine", path.display())
     }));
     lines.push(before_loading(inputs, kit));
     lines.push(format!(
@@ -158,10 +139,7 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
     let family = inputs.profile.family;
     let off = match disable {
         Some(file) => format!("{} switches off what the files replace", file.path),
-        None => format!(
-            "no file of this kit switches off what is there{}",
-            family.off_by_hand
-        ),
+        None => format!("no file of this kit switches off what is there{}", family.off_by_hand),
     };
     let order = match (checklist(kit), family.page) {
         (Some(file), Some(page)) => {

@@ -79,13 +79,8 @@ impl Chain {
 fn follow(directory: &Path) -> Result<Chain, Problems> {
     let help = "name the directory of a kit, as `nonius generate` wrote it";
     let first = read_link(directory).map_err(|problem| problem.help(help))?;
-    let mut chain = Chain {
-        schema: 1,
-        kits: vec![first],
-        end: "first",
-        broken: None,
-        read_out: None,
-    };
+    let mut chain =
+        Chain { schema: 1, kits: vec![first], end: "first", broken: None, read_out: None };
     loop {
         let link = &chain.kits[chain.kits.len() - 1];
         let predecessor = &link.predecessor;
@@ -164,10 +159,9 @@ fn find(kit: &Path, path: &str, hash: &str) -> Result<Link, String> {
             "`{}` is another kit than the predecessor: the hash of its manifest differs",
             shown(&place)
         )),
-        (None, None) => Err(format!(
-            "the predecessor `{}` is not found beside the kit",
-            shown(path)
-        )),
+        (None, None) => {
+            Err(format!("the predecessor `{}` is not found beside the kit", shown(path)))
+        }
     }
 }
 
@@ -208,8 +202,5 @@ fn screen(chain: &Chain) -> Screen {
             "the chain begins here: no tables of a predecessor are contained".to_string()
         }
     });
-    Screen {
-        verdict: lines.join("\n"),
-        ..Screen::default()
-    }
+    Screen { verdict: lines.join("\n"), ..Screen::default() }
 }

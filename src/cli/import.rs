@@ -48,12 +48,8 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     options.output.ensure_new("the error table")?;
     let file = options.file.as_deref().unwrap_or(Path::new("-"));
     let (path, bytes) = read_argument(file)?;
-    let file = Measurement {
-        path: &path,
-        name: &file_name(file),
-        sha256: &sha256(&bytes),
-        bytes: &bytes,
-    };
+    let file =
+        Measurement { path: &path, name: &file_name(file), sha256: &sha256(&bytes), bytes: &bytes };
     let stated = &options.stated;
     let imported = import::import(file, options.from, options.encoding, stated)?;
     let place = options.output.place().unwrap_or(Path::new("-"));
@@ -102,10 +98,7 @@ fn series_table(imported: &Imported) -> String {
         let has_u = series.uncertainties_um.iter().any(|(_, u)| u.is_some());
         let u = if has_u { "yes" } else { "not stated" };
         let (points, terms) = (positions.len(), terms(series).join(" "));
-        format!(
-            "{}\t{travel}\t{points}\t{from}\t{to}\t{terms}\t{u}",
-            series.axis
-        )
+        format!("{}\t{travel}\t{points}\t{from}\t{to}\t{terms}\t{u}", series.axis)
     });
     table("axis\ttravel\t>points\t>from/mm\t>to/mm\tmeasured\tu", rows)
 }

@@ -159,13 +159,8 @@ pub(super) fn active(
         Some(manifest) => from_kit(job, profile, path, manifest, found)?,
         None => from_read_out(job, profile, path, found, ReadOutFor::OldTables)?,
     };
-    let manifest = manifest
-        .iter()
-        .map(|bytes| hashed(&inside(MANIFEST), bytes));
-    let own = active
-        .files
-        .iter()
-        .map(|(name, bytes)| hashed(&inside(name), bytes));
+    let manifest = manifest.iter().map(|bytes| hashed(&inside(MANIFEST), bytes));
+    let own = active.files.iter().map(|(name, bytes)| hashed(&inside(name), bytes));
     files.hashes.extend(manifest.chain(own));
     Ok(Some(active))
 }

@@ -23,11 +23,7 @@ pub(super) struct JobFiles<'a> {
 impl<'a> JobFiles<'a> {
     /// Of a job that was read from `path`.
     pub(super) fn new(job: &'a Job, path: &'a Path) -> JobFiles<'a> {
-        JobFiles {
-            job,
-            folder: folder_of(path),
-            hashes: Vec::new(),
-        }
+        JobFiles { job, folder: folder_of(path), hashes: Vec::new() }
     }
 
     /// A problem of what stands at `key`.

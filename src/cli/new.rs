@@ -61,10 +61,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let directory = options.output.free_directory()?;
     let [x, y, z] = <[(f64, f64); 3]>::try_from(options.travel.clone()).map_err(|travel| {
         let (count, help) = (travel.len(), "for instance `--travel 800,500,400`");
-        Problem::new(format!(
-            "`--travel` names {count} axes, expected X, Y and Z"
-        ))
-        .help(help)
+        Problem::new(format!("`--travel` names {count} axes, expected X, Y and Z")).help(help)
     })?;
     let (profile, _) = profile(&options.controller, Path::new(""))?;
     let visit = Visit {
@@ -96,12 +93,8 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let talk = format!("wrote {place}: {names}\nthen:\n{}", stages.join("\n"));
     let outcome = options.output.print.outcome(|| screen, || document)?;
     let tables = tables.iter();
-    let tables: Vec<_> = tables
-        .map(|(name, text)| (*name, text.as_bytes()))
-        .collect();
-    options
-        .output
-        .deliver_files(outcome, &tables, (JOB, job.as_bytes()), talk)
+    let tables: Vec<_> = tables.map(|(name, text)| (*name, text.as_bytes())).collect();
+    options.output.deliver_files(outcome, &tables, (JOB, job.as_bytes()), talk)
 }
 
 /// What a length was taken for: where an axis counts from elsewhere, every position would be another one.
@@ -155,10 +148,7 @@ fn stages(visit: &Visit<'_>, directory: &Path) -> Vec<Stage> {
             separate.into_iter().chain([generate]).collect(),
         ),
         stage(
-            format!(
-                "before loading, which {} leads through",
-                place("kit/checklist.html")
-            ),
+            format!("before loading, which {} leads through", place("kit/checklist.html")),
             vec![format!("nonius verify {tables}")],
         ),
         stage(
@@ -183,9 +173,7 @@ fn from_inside(controller: &str, directory: &Path) -> String {
     }
     match directory.components().all(is_down) {
         true => "../".repeat(directory.components().count()) + controller,
-        false => std::path::absolute(path).map_or_else(
-            |_| controller.to_string(),
-            |path| path.display().to_string(),
-        ),
+        false => std::path::absolute(path)
+            .map_or_else(|_| controller.to_string(), |path| path.display().to_string()),
     }
 }

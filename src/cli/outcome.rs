@@ -64,9 +64,7 @@ pub(super) struct Output {
 impl Output {
     /// Where it goes; standard output has no place.
     pub(super) fn place(&self) -> Option<&Path> {
-        self.output
-            .as_deref()
-            .filter(|path| *path != Path::new("-"))
+        self.output.as_deref().filter(|path| *path != Path::new("-"))
     }
 
     /// Whether something is to be written at all.
@@ -81,8 +79,7 @@ impl Output {
             let help = "name a file with `-o`, or leave `--format json` out";
             return Err(Problem::new(words).help(help).into());
         }
-        self.place()
-            .map_or(Ok(()), |place| write::ensure_new(place, self.force))
+        self.place().map_or(Ok(()), |place| write::ensure_new(place, self.force))
     }
 
     /// A long file beside its place and a handle to write with; of standard output there is no place.
@@ -203,12 +200,7 @@ enum Data {
 
 impl Outcome {
     fn of(data: Data) -> Outcome {
-        Outcome {
-            yes: true,
-            data,
-            ready: Vec::new(),
-            talk: String::new(),
-        }
+        Outcome { yes: true, data, ready: Vec::new(), talk: String::new() }
     }
 
     /// A page for people.
@@ -294,14 +286,9 @@ fn round_figures(document: &mut Value, is_figure: bool) {
         Value::Number(number) if is_figure && number.is_f64() => {
             *document = json!(number.as_f64().map(picometres));
         }
-        Value::Array(items) => items
-            .iter_mut()
-            .for_each(|item| round_figures(item, is_figure)),
+        Value::Array(items) => items.iter_mut().for_each(|item| round_figures(item, is_figure)),
         Value::Object(fields) => fields.iter_mut().for_each(|(key, value)| {
-            let has_unit = key
-                .rsplit('_')
-                .next()
-                .is_some_and(|word| UNITS.contains(&word));
+            let has_unit = key.rsplit('_').next().is_some_and(|word| UNITS.contains(&word));
             round_figures(value, is_figure || has_unit);
         }),
         _ => {}

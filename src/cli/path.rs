@@ -41,20 +41,16 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     options.output.ensure_new("the samples")?;
     if options.job == Path::new("-") && options.program == Path::new("-") {
-        return Err(
-            Problem::new("the job and the program cannot both come from standard input")
-                .help("name a file for one of them")
-                .into(),
-        );
+        return Err(Problem::new("the job and the program cannot both come from standard input")
+            .help("name a file for one of them")
+            .into());
     }
     let (page, points) = page(options)?;
     let content = points.map(Points::content).transpose()?;
     let next = format!(" ({} samples)", page.before.summary.samples);
     let output = &options.output;
     let outcome = output.deliver(content, || page.screen(), || page.document(), &next)?;
-    options
-        .plot
-        .beside(outcome, output.force, |_| Ok(page.picture()))
+    options.plot.beside(outcome, output.force, |_| Ok(page.picture()))
 }
 
 /// The page, and the samples where a file of them is asked for.
@@ -100,16 +96,7 @@ fn page(options: &Options) -> Result<(Page, Option<Points>), Problems> {
     let after = after.map(|profile| Followed::of(profile, &program));
     let after = after.transpose()?.zip(tables);
     let after = after.map(|(followed, tables)| After { tables, followed });
-    let page = Page {
-        program,
-        inputs,
-        volume,
-        ran,
-        before,
-        after,
-        holes,
-        traces,
-    };
+    let page = Page { program, inputs, volume, ran, before, after, holes, traces };
     Ok((page, points))
 }
 

@@ -48,14 +48,8 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let angles = angles.map(|path| files.table(path, "measurement.angles"));
     let design = Design::of(&job, angles.transpose()?, times)?;
     let found = plan(&design)?;
-    let page = Page {
-        machine: &job.machine.name,
-        design: &design,
-        found: &found,
-    };
-    let outcome = options
-        .print
-        .outcome(|| page.screen(), || document(&page))?;
+    let page = Page { machine: &job.machine.name, design: &design, found: &found };
+    let outcome = options.print.outcome(|| page.screen(), || document(&page))?;
     Ok(outcome.answering(found.visits[0].reaches(job.acceptance)))
 }
 

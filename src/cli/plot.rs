@@ -38,10 +38,7 @@ impl Plot {
         };
         write::ensure_new(place, force)?;
         let texts = Texts::english()?;
-        let locale = Locale {
-            texts: &texts,
-            shown: Shown::Metric,
-        };
+        let locale = Locale { texts: &texts, shown: Shown::Metric };
         let bytes = picture(locale)?.svg(locale).into_bytes();
         Ok(outcome.writing(write::write_file(place, &bytes, force)?))
     }

@@ -75,11 +75,7 @@ impl Table {
 }
 
 fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
-    let heading = format!(
-        "{} - {control}: {}",
-        job.machine.name,
-        kit.request.what.word()
-    );
+    let heading = format!("{} - {control}: {}", job.machine.name, kit.request.what.word());
     Screen {
         verdict: heading,
         figures: paragraphs(&[
@@ -90,10 +86,7 @@ fn screen(job: &Job, control: &str, kit: &ProgramKit) -> Screen {
             mirror(kit),
         ]),
         findings: show::notes(&kit.run.notes),
-        more: vec![
-            show::assumptions(&kit.assumptions),
-            show::preconditions(&kit.preconditions),
-        ],
+        more: vec![show::assumptions(&kit.assumptions), show::preconditions(&kit.preconditions)],
         ..Screen::default()
     }
 }
@@ -139,10 +132,7 @@ fn not_determined(job: &Job, kit: &ProgramKit) -> String {
     let open = left_open(job, &kit.request);
     let lines = open.iter().map(|open| wrapped(&format!("  {open}")));
     let head = "this run alone does not determine".to_string();
-    std::iter::once(head)
-        .chain(lines)
-        .collect::<Vec<_>>()
-        .join("\n")
+    std::iter::once(head).chain(lines).collect::<Vec<_>>().join("\n")
 }
 
 fn files(kit: &ProgramKit) -> String {
@@ -162,10 +152,7 @@ fn reach(job: &Job, kit: &ProgramKit) -> String {
         let [from, to] = [travel.low, travel.high].map(|at| Figure(at.mm()));
         Some(format!("{axis}\t{low:.3}\t{high:.3}\t{from:.3}\t{to:.3}"))
     };
-    table(
-        "axis\t>from/mm\t>to/mm\t>travel/mm\t>to/mm",
-        Axis::ALL.into_iter().filter_map(row),
-    )
+    table("axis\t>from/mm\t>to/mm\t>travel/mm\t>to/mm", Axis::ALL.into_iter().filter_map(row))
 }
 
 fn mirror(kit: &ProgramKit) -> String {
@@ -193,20 +180,15 @@ fn next_steps(directory: &Path, kit: &ProgramKit, table: Option<Table>) -> Strin
             FileRole::Positions => "where each reading is taken",
             FileRole::Readings => "to be filled in: its last column is empty",
         };
-        lines.push(format!(
-            "wrote {} ({purpose})",
-            directory.join(&file.path).display()
-        ));
+        lines.push(format!("wrote {} ({purpose})", directory.join(&file.path).display()));
     }
     lines.push(format!("wrote {}", directory.join(MANIFEST).display()));
-    lines.extend(
-        table.map(|table| match (table.place.display(), table.is_ready) {
-            (place, true) => format!("the readings go into {place}, which the job names"),
-            (place, false) => {
-                format!("copy the file to be filled in to {place}, which the job names")
-            }
-        }),
-    );
+    lines.extend(table.map(|table| match (table.place.display(), table.is_ready) {
+        (place, true) => format!("the readings go into {place}, which the job names"),
+        (place, false) => {
+            format!("copy the file to be filled in to {place}, which the job names")
+        }
+    }));
     lines.push("before cycle start: read the header, single block and low rapid override until node 0 (docs/program.md)".to_string());
     lines.join("\n")
 }

@@ -99,9 +99,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     }
     };
     let document = || json!({ "schema": 1, "verdict": word });
-    let outcome = options
-        .output
-        .deliver(Some(content), screen, document, "")?;
+    let outcome = options.output.deliver(Some(content), screen, document, "")?;
     Ok(outcome.answering(is_found || visit.verdict == Some(Verdict::Pass)))
 }
 
@@ -172,9 +170,7 @@ fn with_tables(options: &Options, locale: Locale<'_>, inputs: &Inputs) -> Result
     visit.is_measured = options.after.is_some();
     visit.grounds = page.grounds();
     visit.inputs.clone_from(&inputs.hashes);
-    visit
-        .documents
-        .push(("verify".to_string(), json_of(&page.document())?));
+    visit.documents.push(("verify".to_string(), json_of(&page.document())?));
     visit.pictures.push(("curves", page.picture(locale)?));
     match control.and_then(|control| assess::for_report(inputs, Some(control))) {
         Ok(page) => add_volume(&mut visit, locale, &page)?,
@@ -289,12 +285,7 @@ fn add_volume(visit: &mut Visit, locale: Locale<'_>, page: &assess::Page) -> Res
 }
 
 fn add_readings(visit: &mut Visit, locale: Locale<'_>, inputs: &Inputs) -> Result<(), Problems> {
-    let ErrorSource::Separated {
-        separation,
-        readings,
-        ..
-    } = &inputs.errors
-    else {
+    let ErrorSource::Separated { separation, readings, .. } = &inputs.errors else {
         return Ok(());
     };
     let (document, picture) = standards::of_separation(locale, readings, separation)?;
@@ -311,13 +302,9 @@ fn texts(language: &str) -> Result<Texts, Problems> {
     let path = Path::new(language);
     if !path.is_file() {
         let shipped: Vec<&str> = Texts::languages().collect();
-        let help = format!(
-            "expected one of {}, or a file of texts (docs/report.md)",
-            shipped.join(", ")
-        );
-        return Err(Problem::new(format!("there are no texts `{language}`"))
-            .help(help)
-            .into());
+        let help =
+            format!("expected one of {}, or a file of texts (docs/report.md)", shipped.join(", "));
+        return Err(Problem::new(format!("there are no texts `{language}`")).help(help).into());
     }
     let (name, bytes) = read_argument(path)?;
     let stem = Path::new(language).file_stem();
@@ -334,19 +321,12 @@ fn own_template(path: &Path) -> Result<(String, String), Problems> {
 /// A picture as text of the page.
 fn logo(path: &Path) -> Result<String, Problems> {
     let (name, bytes) = read_argument(path)?;
-    let kinds: [(&[u8], &str); 3] = [
-        (b"\x89PNG", "image/png"),
-        (b"\xff\xd8\xff", "image/jpeg"),
-        (b"<", "image/svg+xml"),
-    ];
-    let kind = kinds
-        .into_iter()
-        .find(|(start, _)| bytes.starts_with(start));
+    let kinds: [(&[u8], &str); 3] =
+        [(b"\x89PNG", "image/png"), (b"\xff\xd8\xff", "image/jpeg"), (b"<", "image/svg+xml")];
+    let kind = kinds.into_iter().find(|(start, _)| bytes.starts_with(start));
     let Some((_, kind)) = kind else {
         let words = format!("`{name}` is no picture that a page can hold");
-        return Err(Problem::new(words)
-            .help("give a PNG, a JPEG or an SVG")
-            .into());
+        return Err(Problem::new(words).help("give a PNG, a JPEG or an SVG").into());
     };
     Ok(format!("data:{kind};base64,{}", base64(&bytes)))
 }
@@ -360,11 +340,7 @@ fn base64(bytes: &[u8]) -> String {
         let bits = at(0) << 16 | at(1) << 8 | at(2);
         for n in 0..4 {
             let letter = LETTERS[((bits >> (18 - 6 * n)) & 63) as usize];
-            text.push(if n as usize <= three.len() {
-                char::from(letter)
-            } else {
-                '='
-            });
+            text.push(if n as usize <= three.len() { char::from(letter) } else { '=' });
         }
     }
     text
@@ -376,13 +352,9 @@ mod tests {
 
     #[test]
     fn the_examples_of_rfc_4648() {
-        for (bytes, text) in [
-            ("", ""),
-            ("f", "Zg=="),
-            ("fo", "Zm8="),
-            ("foo", "Zm9v"),
-            ("foob", "Zm9vYg=="),
-        ] {
+        for (bytes, text) in
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg==")]
+        {
             assert_eq!(base64(bytes.as_bytes()), text);
         }
     }

@@ -72,10 +72,7 @@ impl Screen {
         let verdict = wrapped(&self.verdict);
         if detail.quiet {
             let always = self.always.iter().map(|words| wrapped(words));
-            return std::iter::once(verdict)
-                .chain(always)
-                .collect::<Vec<_>>()
-                .join("\n");
+            return std::iter::once(verdict).chain(always).collect::<Vec<_>>().join("\n");
         }
         let mut parts = vec![verdict, self.figures.clone()];
         let shown = match detail.explain {
@@ -122,24 +119,16 @@ pub(super) fn say(text: &str) {
 
 /// Paragraphs with a blank line between; empty ones are left out.
 pub(super) fn paragraphs(parts: &[String]) -> String {
-    let parts: Vec<&str> = parts
-        .iter()
-        .map(String::as_str)
-        .filter(|part| !part.is_empty())
-        .collect();
+    let parts: Vec<&str> =
+        parts.iter().map(String::as_str).filter(|part| !part.is_empty()).collect();
     parts.join("\n\n")
 }
 
 /// A table without lines. Heading and rows have a tab between their cells; a column whose heading
 /// begins with `>` stands right.
 pub(super) fn table(heading: &str, rows: impl IntoIterator<Item = String>) -> String {
-    let is_right: Vec<bool> = heading
-        .split('\t')
-        .map(|name| name.starts_with('>'))
-        .collect();
-    let lines: Vec<String> = std::iter::once(heading.replace('>', ""))
-        .chain(rows)
-        .collect();
+    let is_right: Vec<bool> = heading.split('\t').map(|name| name.starts_with('>')).collect();
+    let lines: Vec<String> = std::iter::once(heading.replace('>', "")).chain(rows).collect();
     let width = |column| {
         let cells = lines.iter().filter_map(|line| line.split('\t').nth(column));
         cells.map(|cell| cell.chars().count()).max().unwrap_or(0)
@@ -160,9 +149,7 @@ pub(super) fn table(heading: &str, rows: impl IntoIterator<Item = String>) -> St
 pub(super) fn list(heading: &str, lines: &[impl std::fmt::Display]) -> String {
     match lines {
         [] => String::new(),
-        lines => lines.iter().fold(heading.to_string(), |text, line| {
-            format!("{text}\n  - {line}")
-        }),
+        lines => lines.iter().fold(heading.to_string(), |text, line| format!("{text}\n  - {line}")),
     }
 }
 
@@ -243,11 +230,7 @@ mod tests {
         let line = format!("  verdict: {}", "word ".repeat(60).trim_end());
         let page = broken_lines(&line);
         assert!(page.lines().all(|line| line.chars().count() <= 100));
-        assert!(
-            page.lines()
-                .skip(1)
-                .all(|line| line.starts_with("    word"))
-        );
+        assert!(page.lines().skip(1).all(|line| line.starts_with("    word")));
         let words = |text: &str| text.split_whitespace().count();
         assert_eq!(words(&page), words(&line));
         assert_eq!(broken_lines("a  b\nc"), "a  b\nc");
@@ -260,11 +243,7 @@ mod tests {
             figures: "table".to_string(),
             findings: (1..=7).map(|number| format!("finding {number}")).collect(),
             always: vec!["sign assumed".to_string()],
-            more: vec![More::new(
-                3,
-                ["assumption", "assumptions"],
-                "all of them".to_string(),
-            )],
+            more: vec![More::new(3, ["assumption", "assumptions"], "all of them".to_string())],
         };
         let detail = |explain, quiet| Detail { explain, quiet };
         let page = screen.page(detail(false, false));
@@ -272,10 +251,7 @@ mod tests {
         assert!(page.ends_with("not shown: 2 more findings, 3 assumptions (--explain)"));
         let all = screen.page(detail(true, false));
         assert!(all.contains("finding 7\nsign assumed") && all.ends_with("all of them"));
-        assert_eq!(
-            screen.page(detail(false, true)),
-            "verdict: pass\nsign assumed"
-        );
+        assert_eq!(screen.page(detail(false, true)), "verdict: pass\nsign assumed");
     }
 
     #[test]

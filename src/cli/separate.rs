@@ -46,9 +46,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 
 fn trials(text: &str) -> Result<usize, String> {
     match text.parse() {
-        Ok(1) | Err(_) => Err(format!(
-            "expected 0 or a whole number from 2 to {MOST_TRIALS}"
-        )),
+        Ok(1) | Err(_) => Err(format!("expected 0 or a whole number from 2 to {MOST_TRIALS}")),
         Ok(many) if many > MOST_TRIALS => Err(format!("at most {MOST_TRIALS}")),
         Ok(trials) => Ok(trials),
     }

@@ -105,17 +105,14 @@ fn places(placements: &[Placement], term: ErrorTerm, compensated: bool) -> Strin
 /// What U is, and the largest of all terms with the U of all of them together, where each is stated.
 pub(super) fn together(forecast: &Forecast) -> String {
     let is_stated = forecast.terms.iter().all(|term| term.change.u_um.is_some());
-    forecast
-        .max_expanded_um()
-        .map_or_else(String::new, |expanded| {
-            let words =
-                "\n  U: with 95 % the largest value of the line exceeds its figure by no more";
-            let largest = forecast.max_residual_um();
-            match is_stated {
-                true => format!("{words}; of all terms {largest:.3} µm, U = {expanded:.3} µm"),
-                false => words.to_string(),
-            }
-        })
+    forecast.max_expanded_um().map_or_else(String::new, |expanded| {
+        let words = "\n  U: with 95 % the largest value of the line exceeds its figure by no more";
+        let largest = forecast.max_residual_um();
+        match is_stated {
+            true => format!("{words}; of all terms {largest:.3} µm, U = {expanded:.3} µm"),
+            false => words.to_string(),
+        }
+    })
 }
 
 pub(super) fn expanded(expanded_um: Option<f64>) -> String {
@@ -147,10 +144,7 @@ pub(super) fn squareness_and_reversals(model: &ErrorModel) -> String {
         Some(format!("{term} {:+.3}", Figure(measured.reversal()?.um())))
     });
     let reversals: Vec<String> = reversals.collect();
-    let reversals = named(
-        "reversal B (mean moving + minus mean moving -), µm",
-        &reversals,
-    );
+    let reversals = named("reversal B (mean moving + minus mean moving -), µm", &reversals);
     [squareness, reversals].join("\n").trim().to_string()
 }
 
@@ -212,11 +206,7 @@ pub(super) fn assumptions(assumptions: &[Assumption]) -> More {
         let why = a.without_effect.unwrap_or_default();
         lines.push(format!("  {} = {}: {why}", a.fact, a.value));
     }
-    More::new(
-        matter.len(),
-        ["assumption", "assumptions"],
-        lines.join("\n"),
-    )
+    More::new(matter.len(), ["assumption", "assumptions"], lines.join("\n"))
 }
 
 /// What a person has to see to, one sentence each; axes of which the same is asked share one.
@@ -229,27 +219,19 @@ pub(super) fn preconditions(preconditions: &[Precondition]) -> More {
         lines.push(format!("  {what} must be {}:", p.value));
         lines.push(format!("      {} [{}]", p.why, p.source));
     }
-    More::new(
-        preconditions.len(),
-        ["precondition", "preconditions"],
-        lines.join("\n"),
-    )
+    More::new(preconditions.len(), ["precondition", "preconditions"], lines.join("\n"))
 }
 
 /// The signs that are only assumed, in one line, with what proves them.
 pub(super) fn assumed_signs(assumptions: &[Assumption], proofs: &[&str]) -> Vec<String> {
-    let signs = assumptions
-        .iter()
-        .filter(|a| a.fact.ends_with("_sign") && a.without_effect.is_none());
+    let signs =
+        assumptions.iter().filter(|a| a.fact.ends_with("_sign") && a.without_effect.is_none());
     let signs: Vec<String> = signs.map(|a| format!("{} = {}", a.fact, a.value)).collect();
     let proof = match proofs {
         [] => "prove it with one small bump before use".to_string(),
         files => format!("prove it first: {} (checklist)", files.join(", ")),
     };
-    let line = format!(
-        "SIGN ASSUMED, not seen on a control: {}; {proof}",
-        signs.join(", ")
-    );
+    let line = format!("SIGN ASSUMED, not seen on a control: {}; {proof}", signs.join(", "));
     (!signs.is_empty()).then_some(line).into_iter().collect()
 }
 

@@ -78,11 +78,7 @@ struct Simulated {
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     options.output.ensure_new("the readings")?;
-    let Simulated {
-        bytes,
-        screen,
-        document,
-    } = simulated(options)?;
+    let Simulated { bytes, screen, document } = simulated(options)?;
     let next = format!(" ({SIMULATED})");
     let bytes = Some(Content::Bytes(bytes));
     options.output.deliver(bytes, || screen, || document, &next)
@@ -96,10 +92,7 @@ fn simulated(options: &Options) -> Result<Simulated, Problems> {
     // The angles of an error table are no part of a measurement of diagonals.
     let is_of_diagonals = matches!(inputs.job.measurement.data, MeasuredData::Diagonals(_));
     let angles = angles.filter(|_| is_of_diagonals);
-    let noise = Noise {
-        um: options.noise_um,
-        seed: options.seed,
-    };
+    let noise = Noise { um: options.noise_um, seed: options.seed };
     let wishes = Wishes {
         straight: options.straight,
         both_directions: options.both_directions,
@@ -121,12 +114,7 @@ fn simulated(options: &Options) -> Result<Simulated, Problems> {
     let comments = origin.comments(&inputs, noise);
     Ok(Simulated {
         bytes: crate::kit::simulate::write(&simulation, &rehearsal, &comments).into_bytes(),
-        screen: screen(
-            &inputs,
-            &origin,
-            &walked(&rehearsal, &origin),
-            figures(&simulation),
-        ),
+        screen: screen(&inputs, &origin, &walked(&rehearsal, &origin), figures(&simulation)),
         document: document(&rehearsal, &simulation, &origin),
     })
 }
@@ -204,10 +192,7 @@ fn screen(inputs: &Inputs, origin: &SimulationSource, what: &str, figures: Strin
     let doubts = taken_for_granted(inputs);
     let others = origin.notes.iter().filter(|note| !doubts.contains(note));
     Screen {
-        verdict: format!(
-            "{SIMULATED}: {machine} - {control}, {}\n{what}",
-            origin.tables
-        ),
+        verdict: format!("{SIMULATED}: {machine} - {control}, {}\n{what}", origin.tables),
         figures,
         findings: show::notes(doubts.iter().chain(others)),
         always: vec![not_in_it.to_string()],
@@ -256,10 +241,7 @@ fn figures(simulation: &Simulation) -> String {
         let [range, range_read] = [predicted.range_um, read.range_um].map(Figure);
         format!("{d}\t{end:.3}\t{end_read:.3}\t{range:.3}\t{range_read:.3}")
     });
-    let all = [
-        simulation.predicted_over_all_um,
-        simulation.read_over_all_um,
-    ];
+    let all = [simulation.predicted_over_all_um, simulation.read_over_all_um];
     let [all, all_read] = all.map(Figure);
     let all = format!("all\t\t\t{all:.3}\t{all_read:.3}");
     let heading = "diagonal\t>end/µm\t>end read/µm\t>max - min/µm\t>max - min read/µm";

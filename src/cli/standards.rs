@@ -76,10 +76,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
             diagonals::of_readings(source, options.print, &options.plot)
         }
         FileKind::Table => {
-            let stated = Stated {
-                unit: options.unit,
-                values: options.values,
-            };
+            let stated = Stated { unit: options.unit, values: options.values };
             let runs = Runs::read(&Source::from_bytes(&name, &bytes)?, stated)?;
             options.axis(&name, &runs, Vec::new())
         }
@@ -105,18 +102,12 @@ pub(super) fn of_axis(
 ) -> Result<(Value, Picture), Problems> {
     let kind = FileKind::of(name, bytes);
     if kind != FileKind::Table {
-        let words = format!(
-            "`{name}` is {}, expected runs of one axis (CSV)",
-            kind.words()
-        );
+        let words = format!("`{name}` is {}, expected runs of one axis (CSV)", kind.words());
         return Err(Problem::new(words)
             .help("a table of targets and runs as in docs/interface.md §2.4")
             .into());
     }
-    let stated = Stated {
-        unit: None,
-        values: None,
-    };
+    let stated = Stated { unit: None, values: None };
     let runs = Runs::read(&Source::from_bytes(name, bytes)?, stated)?;
     let name = file_name(Path::new(name));
     let page = Page::of(&name, &runs, None, Vec::new())?;
@@ -146,11 +137,7 @@ impl Options {
             ("--targets-run", &[Rtl], self.targets_run.is_some()),
             ("--runs", &[Rtl], self.runs.is_some()),
             ("--axis", &[Rtl], self.axis.is_some()),
-            (
-                "--material-corrected",
-                &[Rtl],
-                self.material_corrected.is_some(),
-            ),
+            ("--material-corrected", &[Rtl], self.material_corrected.is_some()),
             ("--encoding", &[Rtl], self.encoding.is_some()),
         ];
         let mut problems = Problems::none();

@@ -97,12 +97,7 @@ impl Corrected {
         let found = loaded.findings.into_iter();
         let (disagreements, notes) =
             found.partition(|found| found.severity() == Severity::Disagreement);
-        Ok(Corrected {
-            from,
-            volume,
-            disagreements,
-            notes,
-        })
+        Ok(Corrected { from, volume, disagreements, notes })
     }
 }
 

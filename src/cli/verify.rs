@@ -35,16 +35,9 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let inputs = inputs::read(&options.job)?;
-    let judged = Judged::read(
-        &inputs,
-        &options.job,
-        &options.tables,
-        options.after.as_deref(),
-    )?;
+    let judged = Judged::read(&inputs, &options.job, &options.tables, options.after.as_deref())?;
     let page = judged.page(&inputs)?;
-    let outcome = options
-        .print
-        .outcome(|| page.screen(), || page.document())?;
+    let outcome = options.print.outcome(|| page.screen(), || page.document())?;
     let outcome = outcome.answering(page.verdict() == Verdict::Pass);
     options.plot.beside(outcome, |locale| page.picture(locale))
 }
@@ -68,31 +61,18 @@ impl<'a> Judged<'a> {
         let second = after.map(|path| Second::read(inputs, path, directory));
         let second = second.transpose()?;
         let verification = read_directory(inputs, directory)?.verify(inputs)?;
-        Ok(Judged {
-            job,
-            directory,
-            verification,
-            second,
-        })
+        Ok(Judged { job, directory, verification, second })
     }
 
     /// Tables that were made and lie nowhere yet.
     pub(super) fn made(job: &'a Path, verification: Verification) -> Judged<'a> {
         let directory = Path::new("");
-        Judged {
-            job,
-            directory,
-            verification,
-            second: None,
-        }
+        Judged { job, directory, verification, second: None }
     }
 
     /// `date` and protocol of the second measurement, as its job states them.
     pub(super) fn protocol_after(&self) -> Vec<(String, String)> {
-        self.second
-            .as_ref()
-            .map(|second| second.protocol.clone())
-            .unwrap_or_default()
+        self.second.as_ref().map(|second| second.protocol.clone()).unwrap_or_default()
     }
 
     /// What is told of them.

@@ -46,10 +46,7 @@ pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems>
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
             Ok(entries) if entries == 0 || force => return Ok(()),
             Err(error) => (
-                format!(
-                    "`{name}` cannot be used as the kit's directory: {}",
-                    plain_words(&error)
-                ),
+                format!("`{name}` cannot be used as the kit's directory: {}", plain_words(&error)),
                 "choose another directory".to_string(),
             ),
             Ok(_) => (
@@ -151,9 +148,7 @@ pub(super) fn write_kit(
     let place = trimmed(directory);
     if place.file_name().is_none() {
         let message = format!("`{}` is no name for a new directory", place.display());
-        return Err(Problem::new(message)
-            .help("name a directory below it, e.g. `kit`")
-            .into());
+        return Err(Problem::new(message).help("name a directory below it, e.g. `kit`").into());
     }
     refuse_input(&place)?;
     let parent = parent_of(&place);
@@ -166,13 +161,7 @@ pub(super) fn write_kit(
         write_new(&path, bytes).map_err(|e| not_written("cannot write", &path, &e))?;
     }
     sync_directory(partial.path());
-    Ok(Ready {
-        partial,
-        _parents: parents,
-        file: None,
-        place,
-        force,
-    })
+    Ok(Ready { partial, _parents: parents, file: None, place, force })
 }
 
 /// Refuses an output that this run reads, that contains something that it reads, or that would lie in
@@ -193,18 +182,16 @@ pub(super) fn ensure_new(file: &Path, force: bool) -> Result<(), Problems> {
     let name = file.display();
     let (message, help) = match fs::symlink_metadata(file) {
         Err(_) => return Ok(()),
-        Ok(found) if found.is_dir() => (
-            format!("`{name}` is a directory, expected the name of a file"),
-            "name a file in it",
-        ),
+        Ok(found) if found.is_dir() => {
+            (format!("`{name}` is a directory, expected the name of a file"), "name a file in it")
+        }
         Ok(found) if found.is_symlink() => (
             format!("`{name}` is a link, which would be replaced by a file"),
             "name the file itself",
         ),
-        Ok(found) if !found.is_file() => (
-            format!("`{name}` is no regular file"),
-            "name a file; `-` is standard output",
-        ),
+        Ok(found) if !found.is_file() => {
+            (format!("`{name}` is no regular file"), "name a file; `-` is standard output")
+        }
         Ok(_) if force => return Ok(()),
         Ok(_) => (
             format!("`{name}` exists, so it is not overwritten"),
@@ -267,15 +254,11 @@ fn sync_directory(directory: &Path) {
 fn take_place(partial: &Partial, place: &Path, force: bool) -> Result<(), Problems> {
     let failed = |error: std::io::Error| not_written("cannot put into place", place, &error);
     if is_free(place) {
-        return partial
-            .placed(place, |new| fs::rename(new, place))
-            .map_err(failed);
+        return partial.placed(place, |new| fs::rename(new, place)).map_err(failed);
     }
     ensure_free(place, force)?;
     let kept = free_name(place);
-    partial
-        .placed(place, |new| exchange(new, place, &kept))
-        .map_err(failed)?;
+    partial.placed(place, |new| exchange(new, place, &kept)).map_err(failed)?;
     say(&format!("moved {} to {}", place.display(), kept.display()));
     Ok(())
 }

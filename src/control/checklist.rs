@@ -77,14 +77,8 @@ pub enum Subject {
 }
 
 /// Roles whose file names a text may ask for, `{enable}`, and a condition may ask about.
-pub const ROLES: [Role; 6] = [
-    Role::Table,
-    Role::Parameters,
-    Role::Enable,
-    Role::Disable,
-    Role::Rollback,
-    Role::SignProof,
-];
+pub const ROLES: [Role; 6] =
+    [Role::Table, Role::Parameters, Role::Enable, Role::Disable, Role::Rollback, Role::SignProof];
 
 /// What else a text may ask for: the reference points in machine coordinates.
 pub const REFERENCE: &str = "reference";
@@ -128,10 +122,7 @@ pub struct Listed {
 
 impl<T: ToString> From<Vec<T>> for Listed {
     fn from(items: Vec<T>) -> Self {
-        Listed {
-            items: items.iter().map(T::to_string).collect(),
-            notes: Vec::new(),
-        }
+        Listed { items: items.iter().map(T::to_string).collect(), notes: Vec::new() }
     }
 }
 
@@ -187,10 +178,7 @@ pub fn parts(steps: &[Step], kit: &KitFacts<'_>) -> Vec<Part> {
         };
         match parts.last_mut() {
             Some(part) if part.title == step.part => part.steps.push(filled),
-            _ => parts.push(Part {
-                title: step.part.clone(),
-                steps: vec![filled],
-            }),
+            _ => parts.push(Part { title: step.part.clone(), steps: vec![filled] }),
         }
     }
     parts

@@ -49,10 +49,7 @@ impl Assumption {
 
     /// The same, to be decided before anything is loaded.
     pub(crate) fn undecided(self) -> Self {
-        Assumption {
-            to_decide: true,
-            ..self
-        }
+        Assumption { to_decide: true, ..self }
     }
 }
 
@@ -105,18 +102,12 @@ impl Precondition {
 
     /// The same, where data are overwritten or an axis moves unless it holds.
     pub(crate) fn dangerous(self) -> Self {
-        Precondition {
-            when: SeenTo::Danger,
-            ..self
-        }
+        Precondition { when: SeenTo::Danger, ..self }
     }
 
     /// The same, seen to after loading.
     pub(crate) fn after_loading(self) -> Self {
-        Precondition {
-            when: SeenTo::After,
-            ..self
-        }
+        Precondition { when: SeenTo::After, ..self }
     }
 }
 

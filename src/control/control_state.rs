@@ -59,8 +59,6 @@ pub struct ControlState {
 impl ControlState {
     /// The axis of a name, regardless of case.
     pub fn axis(&self, name: &str) -> Option<&AxisState> {
-        self.axes
-            .iter()
-            .find(|axis| axis.name.eq_ignore_ascii_case(name))
+        self.axes.iter().find(|axis| axis.name.eq_ignore_ascii_case(name))
     }
 }

@@ -91,11 +91,8 @@ pub enum LineEnd {
 }
 
 impl Word for LineEnd {
-    const WORDS: &'static [(&'static str, LineEnd)] = &[
-        ("LF", LineEnd::Lf),
-        ("CR LF", LineEnd::CrLf),
-        ("LF CR CR", LineEnd::LfCrCr),
-    ];
+    const WORDS: &'static [(&'static str, LineEnd)] =
+        &[("LF", LineEnd::Lf), ("CR LF", LineEnd::CrLf), ("LF CR CR", LineEnd::LfCrCr)];
 }
 
 impl LineEnd {

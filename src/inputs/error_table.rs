@@ -40,9 +40,7 @@ impl ErrorTable {
     pub fn read(source: Source) -> Result<ErrorTable, Problems> {
         let columns = Columns::read(&source)?;
         let mut problems = Problems::none();
-        let records = columns
-            .table
-            .readable_rows(&mut problems, |row| columns.record(row));
+        let records = columns.table.readable_rows(&mut problems, |row| columns.record(row));
         let all_rows_read = problems.is_empty();
         let series = PerAxis::from_fn(|axis| columns.series_of(axis, &records, &mut problems));
         for (axis, series) in series.iter().filter(|_| all_rows_read) {
@@ -83,10 +81,7 @@ impl ErrorTable {
         let line = *series.lines.get(row)?;
         let source = self.source_of(series)?;
         let text = source.text.lines().nth(line - 1)?;
-        Some(Place {
-            line,
-            ..Place::in_text(&source.name, text, 0, text.len())
-        })
+        Some(Place { line, ..Place::in_text(&source.name, text, 0, text.len()) })
     }
 
     /// The file in which a series stands.
@@ -147,10 +142,8 @@ impl ErrorTable {
         self.remarks.extend(other.remarks);
         for axis in Axis::ALL {
             let series = other.series[axis].iter().cloned();
-            self.series[axis].extend(series.map(|series| Series {
-                table: before + series.table,
-                ..series
-            }));
+            self.series[axis]
+                .extend(series.map(|series| Series { table: before + series.table, ..series }));
         }
     }
 
@@ -209,8 +202,7 @@ impl ErrorTable {
                 && ends.into_iter().any(|(a, b)| (a - b).abs() > AT_PLACE_MM)
         };
         let known = &self.series[axis];
-        new.iter()
-            .any(|new| known.iter().any(|old| differ(old, new)))
+        new.iter().any(|new| known.iter().any(|old| differ(old, new)))
     }
 }
 
@@ -273,23 +265,15 @@ mod tests {
             .map(|place| (place.file, place.line))
             .collect();
         let expected = [("x.csv", 3), ("y.csv", 4), ("xs.csv", 3)];
-        assert_eq!(
-            places,
-            expected.map(|(file, line)| (file.to_string(), line))
-        );
+        assert_eq!(places, expected.map(|(file, line)| (file.to_string(), line)));
     }
 
     #[test]
     fn what_does_not_fit_together_is_refused() {
         let x = || table("x.csv", "axis,position_mm,ex_um\nx,0,0\nx,9,1\n");
-        let again = table(
-            "a.csv",
-            "axis,direction,position_mm,ex_um,ey_um\nx,+,0,0,0\nx,+,9,1,0\n",
-        );
-        let directed = table(
-            "d.csv",
-            "axis,direction,position_mm,ey_um\nx,+,0,0\nx,+,9,1\n",
-        );
+        let again =
+            table("a.csv", "axis,direction,position_mm,ex_um,ey_um\nx,+,0,0,0\nx,+,9,1,0\n");
+        let directed = table("d.csv", "axis,direction,position_mm,ey_um\nx,+,0,0\nx,+,9,1\n");
         let shorter = table("s.csv", "axis,position_mm,ey_um\nx,0,0\nx,8,1\n");
         assert!(said(vec![x(), again]).contains("EXX stands in two tables, `x.csv` and `a.csv`"));
         assert!(said(vec![x(), directed]).contains("with directions in one table"));

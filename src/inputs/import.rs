@@ -81,19 +81,11 @@ pub fn import(
     reading.find(unlikely_reversals(&reading.series));
     let encoding = ImportFinding::Encoding { name: encoding };
     reading.findings.insert(0, encoding.into());
-    let draft = Draft {
-        comments: comments(file, format, stated, &reading),
-        series: reading.series,
-    };
+    let draft =
+        Draft { comments: comments(file, format, stated, &reading), series: reading.series };
     let text = error_table::write(&draft);
     read_back(file, &text)?;
-    Ok(Imported {
-        format,
-        draft,
-        text,
-        findings: reading.findings,
-        squareness: reading.squareness,
-    })
+    Ok(Imported { format, draft, text, findings: reading.findings, squareness: reading.squareness })
 }
 
 fn read(format: Format, source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
@@ -130,16 +122,10 @@ fn recognised(source: &Source, stated: &Stated) -> Result<Format, Problem> {
     let name = source.name.to_ascii_lowercase();
     let signs = [
         (Format::Rtl, first.eq_ignore_ascii_case("HEADER::")),
-        (
-            Format::Ren,
-            has_key("Compensation start") || has_key("Compensation type"),
-        ),
+        (Format::Ren, has_key("Compensation start") || has_key("Compensation type")),
         (Format::Etalon, first.starts_with('[')),
         (Format::Isg, is_isg_header(first)),
-        (
-            Format::Pos,
-            pos::is_first_line(first) || name.ends_with(".pos"),
-        ),
+        (Format::Pos, pos::is_first_line(first) || name.ends_with(".pos")),
         (Format::Rtl, name.ends_with(".rtl")),
         (Format::Ren, name.ends_with(".ren")),
     ];
@@ -184,14 +170,11 @@ pub(crate) fn squareness_lines(squareness: &[Squareness]) -> Vec<String> {
         "squareness does not stand in this table; put into the job, unless the slopes above contain it:".to_string(),
         "  [measurement.squareness_um_per_m]".to_string(),
     ];
-    lines.extend(squareness.iter().map(|s| {
-        format!(
-            "  {} = {}    # from {}",
-            s.pair,
-            toml_number(s.um_per_m),
-            s.name
-        )
-    }));
+    lines.extend(
+        squareness
+            .iter()
+            .map(|s| format!("  {} = {}    # from {}", s.pair, toml_number(s.um_per_m), s.name)),
+    );
     lines.push(
         "  positive = the angle between the two positive axis directions is less than 90°"
             .to_string(),
@@ -206,11 +189,9 @@ fn toml_number(number: f64) -> String {
 /// The file that an error table was imported from, by its comment line: name and SHA-256.
 pub fn source_of(table: &str) -> Option<(String, String)> {
     let comments = table.lines().take_while(|line| line.starts_with('#'));
-    comments
-        .map(|line| line.trim_start_matches('#').trim())
-        .find_map(|comment| {
-            let (name, hash) = comment.strip_prefix(SOURCE)?.rsplit_once(SHA256)?;
-            let is_hash = hash.len() == 64 && hash.bytes().all(|b| b.is_ascii_hexdigit());
-            is_hash.then(|| (name.to_string(), hash.to_string()))
-        })
+    comments.map(|line| line.trim_start_matches('#').trim()).find_map(|comment| {
+        let (name, hash) = comment.strip_prefix(SOURCE)?.rsplit_once(SHA256)?;
+        let is_hash = hash.len() == 64 && hash.bytes().all(|b| b.is_ascii_hexdigit());
+        is_hash.then(|| (name.to_string(), hash.to_string()))
+    })
 }

@@ -75,9 +75,8 @@ impl Job {
             false => &[&first.source.text],
         };
         let own = source.clone();
-        let (job, source) = read_page_over(source, below, second::lay_over, |root| {
-            job(root, UseOf::Tables, own)
-        })?;
+        let (job, source) =
+            read_page_over(source, below, second::lay_over, |root| job(root, UseOf::Tables, own))?;
         Ok(Job { source, ..job })
     }
 
@@ -177,9 +176,7 @@ pub fn ahead(
                 let (errors, readings) = measurement::tables(&measurement);
                 let errors = errors.iter().map(|path| look_at(path, false));
                 let readings = readings.iter().map(|path| look_at(path, true));
-                errors
-                    .chain(readings)
-                    .for_each(|looked| _ = tables.take(looked));
+                errors.chain(readings).for_each(|looked| _ = tables.take(looked));
             }
             if let Some(compensation) = root.section("compensation") {
                 ask_for_all(&compensation, find);
@@ -193,16 +190,8 @@ pub fn ahead(
 }
 
 /// The keys of a job, in the order in which it is read: an unknown one is told once.
-const ROOT: [&str; 8] = [
-    "schema",
-    "machine",
-    "measurement",
-    "compensation",
-    "limits",
-    "acceptance",
-    "program",
-    "path",
-];
+const ROOT: [&str; 8] =
+    ["schema", "machine", "measurement", "compensation", "limits", "acceptance", "program", "path"];
 
 fn ask_for_all(section: &Section<'_>, find: impl Fn(&str) -> Result<Profile, Problems>) {
     let profile = section.text("controller").and_then(|word| {

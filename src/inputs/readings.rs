@@ -37,11 +37,7 @@ impl Readings {
     /// the file are given at once.
     pub fn read(source: Source, measurement: &DiagonalMeasurement) -> Result<Readings, Problems> {
         let (runs, own_zero) = runs_of(&source, measurement)?;
-        Ok(Readings {
-            source,
-            runs,
-            own_zero,
-        })
+        Ok(Readings { source, runs, own_zero })
     }
 
     /// Whether every cell of a file can be read, whatever was measured.
@@ -100,10 +96,8 @@ fn runs_of(source: &Source, measurement: &DiagonalMeasurement) -> Result<Found, 
     }
     values::check_temperatures(&walks, &table, measurement, &mut problems);
     problems.or_ok(())?;
-    let mut runs: Vec<Run> = walks
-        .iter()
-        .map(|(walk, rows)| values::run(*walk, rows, quantity, measurement))
-        .collect();
+    let mut runs: Vec<Run> =
+        walks.iter().map(|(walk, rows)| values::run(*walk, rows, quantity, measurement)).collect();
     runs.sort_by_key(|run| (run.diagonal, run.number, run.pass));
     let own = walks.keys().filter(|walk| walk.is_own());
     let own_zero = own.map(|walk| (walk.diagonal, walk.run)).collect();

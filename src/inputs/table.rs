@@ -28,13 +28,7 @@ impl<'a, C: Copy> Table<'a, C> {
             return Err(Problem::new(message).help(first_line).into());
         };
         let (kinds, names) = columns_of(&header, &expected(&header)?)?;
-        Ok(Table {
-            header,
-            kinds,
-            names,
-            lines,
-            first_line,
-        })
+        Ok(Table { header, kinds, names, lines, first_line })
     }
 
     /// Where the first column of a kind stands.
@@ -89,12 +83,7 @@ impl<'a, C: Copy> Table<'a, C> {
             let Some(cells) = line.cells_under(self.kinds.len(), problems) else {
                 continue;
             };
-            rows.extend(read(&mut Row {
-                line: *line,
-                names: &self.names,
-                cells,
-                problems,
-            }));
+            rows.extend(read(&mut Row { line: *line, names: &self.names, cells, problems }));
         }
         rows
     }
@@ -121,12 +110,8 @@ impl<'a> Row<'_, 'a> {
 
     /// A cell under the name of its column, and where its problems go.
     pub(super) fn named(&mut self, index: usize) -> (Cell<'a, '_>, &mut Problems) {
-        let cell = Cell {
-            line: &self.line,
-            index,
-            text: &self.cells[index],
-            name: &self.names[index],
-        };
+        let cell =
+            Cell { line: &self.line, index, text: &self.cells[index], name: &self.names[index] };
         (cell, self.problems)
     }
 

@@ -97,11 +97,7 @@ impl Runs {
                 targets_mm.len()
             )));
         }
-        Ok(Runs {
-            targets_mm,
-            up_um,
-            down_um,
-        })
+        Ok(Runs { targets_mm, up_um, down_um })
     }
 
     /// The targets, ascending, mm.
@@ -119,9 +115,7 @@ impl Runs {
 
     /// Number of runs in a direction; 0 = not measured.
     pub fn count(&self, direction: Direction) -> usize {
-        self.deviations_um(direction)
-            .and_then(<[Vec<f64>]>::first)
-            .map_or(0, Vec::len)
+        self.deviations_um(direction).and_then(<[Vec<f64>]>::first).map_or(0, Vec::len)
     }
 
     /// From the first to the last target, mm.

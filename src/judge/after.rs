@@ -96,10 +96,7 @@ impl Emulator for Bare {
 /// The figures of a measurement by itself, as if no table were loaded.
 pub(crate) fn alone(model: &ErrorModel, job: &Job) -> Result<Forecast, Problems> {
     let letter = |axis: Axis| vec![axis.to_string()];
-    let no_tables = Plan {
-        names: PerAxis::from_fn(letter),
-        ..Plan::default()
-    };
+    let no_tables = Plan { names: PerAxis::from_fn(letter), ..Plan::default() };
     bare(model, &no_tables, job)
 }
 
@@ -125,18 +122,11 @@ pub fn compare(
         AfterMeasurement::Errors(model) => bare(model, plan, job)?,
         AfterMeasurement::Diagonals(runs) => figures(runs, job),
     };
-    let as_left = Forecast {
-        basis: Basis::Measured,
-        ..as_left
-    };
+    let as_left = Forecast { basis: Basis::Measured, ..as_left };
     let seen = observations(before, after);
     let line = |name: &str| {
         let difference_um = off_forecast_um(name, control, &seen);
-        line(
-            name,
-            [Some(&found), expected, Some(&as_left)],
-            difference_um,
-        )
+        line(name, [Some(&found), expected, Some(&as_left)], difference_um)
     };
     let terms = ErrorTerm::ALL.iter();
     let terms: Vec<ComparedLine> = terms.filter_map(|term| line(&term.to_string())).collect();
@@ -152,13 +142,7 @@ pub fn compare(
     let missing = missing.filter(is_missing).collect();
     let mut findings = doubts::findings(machine.as_measured, before, after);
     findings.extend(off_forecast(before, &as_left, &terms).map(Finding::from));
-    Ok(Comparison {
-        terms,
-        diagonals,
-        as_left,
-        findings,
-        missing,
-    })
+    Ok(Comparison { terms, diagonals, as_left, findings, missing })
 }
 
 /// Largest |as left − forecast| of a term over the positions measured afterwards, µm.
@@ -249,9 +233,7 @@ fn along_run(
     seen: &[Observation],
 ) {
     let span = |of: &dyn Fn(&Part) -> Option<f64>| {
-        let along = seen
-            .iter()
-            .filter(|o| o.diagonal.is_some_and(|d| d.name() == line.name));
+        let along = seen.iter().filter(|o| o.diagonal.is_some_and(|d| d.name() == line.name));
         let values: Vec<f64> = along.map(|o| o.predicted(of)).collect::<Option<_>>()?;
         let low = values.iter().copied().reduce(f64::min)?;
         Some(values.into_iter().reduce(f64::max)? - low)

@@ -26,22 +26,12 @@ impl<'a> Before<'a> {
         let Origin::ReadOut(held) = &active.origin else {
             return None;
         };
-        Some(Before {
-            task,
-            plan,
-            compiled,
-            active,
-            held,
-        })
+        Some(Before { task, plan, compiled, active, held })
     }
 
     /// The tables of the kit, those that the control holds and those that act.
     pub(super) const fn tables(&self) -> [&Tables; 3] {
-        [
-            &self.compiled.tables,
-            &self.held.tables,
-            &self.active.tables,
-        ]
+        [&self.compiled.tables, &self.held.tables, &self.active.tables]
     }
 }
 
@@ -82,10 +72,7 @@ pub(crate) type Lacking = (String, String, ChangedBy);
 pub(crate) fn unknown(lacking: impl IntoIterator<Item = Lacking>) -> Vec<Unknown> {
     let mut groups: Vec<(String, ChangedBy, Vec<String>)> = Vec::new();
     for (name, index, by) in lacking {
-        match groups
-            .iter_mut()
-            .find(|group| group.0 == name && group.1 == by)
-        {
+        match groups.iter_mut().find(|group| group.0 == name && group.1 == by) {
             Some(group) => group.2.push(index),
             None => groups.push((name, by, vec![index])),
         }

@@ -144,10 +144,8 @@ fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault], fits: Vec<Fit>) -> Vec
     let best = scores.iter().copied().fold(f64::INFINITY, f64::min);
     let limit = best + quantile(1.0 - RISK, 1.0);
     let near = possible.into_iter().zip(scores);
-    let mut near: Vec<(f64, (&Fault, Fit))> = near
-        .filter(|(_, score)| *score <= limit)
-        .map(|(found, score)| (score, found))
-        .collect();
+    let mut near: Vec<(f64, (&Fault, Fit))> =
+        near.filter(|(_, score)| *score <= limit).map(|(found, score)| (score, found)).collect();
     near.sort_by(|(one, (a, _)), (other, (b, _))| {
         a.rank().cmp(&b.rank()).then(one.total_cmp(other))
     });
@@ -280,9 +278,8 @@ fn fits_in_mm(data: &Data<'_>, faults: &[Fault]) -> Option<&'static str> {
         return None;
     }
     let stands = |(fault, fit): &(&Fault, Fit)| multiplied.stands(fit) && fault.is_plausible(fit);
-    let mut found: Vec<&Fault> = (faults.iter().zip(fits).filter(stands))
-        .map(|(fault, _)| fault)
-        .collect();
+    let mut found: Vec<&Fault> =
+        (faults.iter().zip(fits).filter(stands)).map(|(fault, _)| fault).collect();
     found.sort_by_key(|fault| fault.rank());
     found.first().map(|fault| fault.kind)
 }

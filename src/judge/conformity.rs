@@ -76,9 +76,7 @@ pub struct Sigma {
 impl Sigma {
     /// σ that was estimated with so many degrees of freedom; `None` = it is known.
     pub(crate) fn with_freedom(freedom: Option<f64>) -> Sigma {
-        Sigma {
-            freedom: freedom.filter(|freedom| *freedom < MANY),
-        }
+        Sigma { freedom: freedom.filter(|freedom| *freedom < MANY) }
     }
 
     /// Degrees of freedom; `None` = σ is as good as known.
@@ -173,21 +171,14 @@ pub(crate) fn judge_forecast(figures: &[Magnitude], sigma: Sigma, limit_um: f64)
         return Verdict::Fail;
     }
     let all = chance_within(figures, &sigma.estimates(), limit_um);
-    if all >= CONFIDENCE {
-        Verdict::Pass
-    } else {
-        Verdict::Undecided
-    }
+    if all >= CONFIDENCE { Verdict::Pass } else { Verdict::Undecided }
 }
 
 /// A measurement of its own: pass if each figure keeps the limit one-sidedly with 95 %, fail if one
 /// exceeds it with 95 % over all of them.
 pub(crate) fn judge_measured(figures: &[Magnitude], sigma: Sigma, limit_um: f64) -> Verdict {
     let (one_sided, joint) = (sigma.one_sided(), sigma.joint(figures.len()));
-    if figures
-        .iter()
-        .all(|f| f.um + one_sided * f.u_um <= limit_um)
-    {
+    if figures.iter().all(|f| f.um + one_sided * f.u_um <= limit_um) {
         Verdict::Pass
     } else if figures.iter().any(|f| f.um - joint * f.u_um > limit_um) {
         Verdict::Fail
@@ -212,10 +203,7 @@ fn chance_within(figures: &[Magnitude], estimates: &[(f64, f64)], limit_um: f64)
         .map(|f| (limit_um - f.um) / f.u_um / std::f64::consts::SQRT_2)
         .collect();
     let all = |(sigma, weight): &(f64, f64)| {
-        let near = rooms
-            .iter()
-            .map(|room| room * sigma)
-            .filter(|room| *room < SURE);
+        let near = rooms.iter().map(|room| room * sigma).filter(|room| *room < SURE);
         let outside = near.map(erfc);
         weight * outside.map(|p| (-p).ln_1p()).sum::<f64>().exp()
     };
@@ -267,31 +255,18 @@ mod tests {
 
     #[test]
     fn a_forecast_is_judged_by_the_very_u_that_is_printed() {
-        let figures: Vec<Magnitude> = (0..30)
-            .map(|i| Magnitude {
-                um: f64::from(i) / 30.0,
-                u_um: 0.4,
-            })
-            .collect();
+        let figures: Vec<Magnitude> =
+            (0..30).map(|i| Magnitude { um: f64::from(i) / 30.0, u_um: 0.4 }).collect();
         let bound = largest_um(&figures) + expanded_um(&figures, KNOWN);
-        assert_eq!(
-            judge_forecast(&figures, KNOWN, bound * 1.0001),
-            Verdict::Pass
-        );
-        assert_eq!(
-            judge_forecast(&figures, KNOWN, bound * 0.9999),
-            Verdict::Undecided
-        );
+        assert_eq!(judge_forecast(&figures, KNOWN, bound * 1.0001), Verdict::Pass);
+        assert_eq!(judge_forecast(&figures, KNOWN, bound * 0.9999), Verdict::Undecided);
     }
 
     #[test]
     fn a_measurement_passes_on_each_figure_and_fails_on_all_together() {
         let figures = |um| vec![Magnitude { um, u_um: 1.0 }; 100];
         assert_eq!(judge_measured(&figures(8.3), KNOWN, 10.0), Verdict::Pass);
-        assert_eq!(
-            judge_measured(&figures(12.0), KNOWN, 10.0),
-            Verdict::Undecided
-        );
+        assert_eq!(judge_measured(&figures(12.0), KNOWN, 10.0), Verdict::Undecided);
         assert_eq!(judge_measured(&figures(13.6), KNOWN, 10.0), Verdict::Fail);
     }
 }

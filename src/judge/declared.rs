@@ -16,10 +16,7 @@ impl Family for DeclaredFacts {
         let mut found = read(reading.texts, self)?;
         let held = Tables::Declared(found.clone());
         tell_others(reading, &mut found);
-        Ok(Found {
-            tables: Tables::Declared(found),
-            ..Found::all(held)
-        })
+        Ok(Found { tables: Tables::Declared(found), ..Found::all(held) })
     }
 
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
@@ -28,10 +25,7 @@ impl Family for DeclaredFacts {
             let mut new = new.iter();
             !new.any(|new| new.is_for(&table.base, &table.output))
         };
-        old.iter()
-            .filter(stays)
-            .map(|table| format!("the old {}", table.name()))
-            .collect()
+        old.iter().filter(stays).map(|table| format!("the old {}", table.name())).collect()
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {

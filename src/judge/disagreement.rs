@@ -58,10 +58,7 @@ pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Di
         diagnosis.tell(foreign, &moving, &corrected);
     }
     for (what, how) in angles(plan, expected, found) {
-        let values = Difference::OtherValues {
-            table: what,
-            values: vec![how],
-        };
+        let values = Difference::OtherValues { table: what, values: vec![how] };
         diagnosis.tell(values, "", "");
     }
     diagnosis
@@ -130,43 +127,29 @@ const UNIT_SLIPS: [(f64, &str); 4] = [
 
 /// What was done to every correction, if it is a rule by itself.
 const RULES: [(f64, &str); 3] = [
-    (
-        -1.0,
-        "wrong sign: every correction is turned round, the error would double",
-    ),
-    (
-        2.0,
-        "wrong scale: every correction is double (applied twice, or twice the magnification?)",
-    ),
+    (-1.0, "wrong sign: every correction is turned round, the error would double"),
+    (2.0, "wrong scale: every correction is double (applied twice, or twice the magnification?)"),
     (0.0, "all corrections are zero"),
 ];
 
 impl<'a> Pair<'a> {
     fn of(wanted: &'a Response, got: &'a Response) -> Pair<'a> {
         let tables = wanted.tables().iter().chain(got.tables());
-        let mut places: Vec<Millimetres> = tables
-            .flat_map(|table| table.nodes().map(|(at, _)| at))
-            .collect();
+        let mut places: Vec<Millimetres> =
+            tables.flat_map(|table| table.nodes().map(|(at, _)| at)).collect();
         places.push(Millimetres::new(0.0));
         places.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
         places.dedup_by(|a, b| (a.mm() - b.mm()).abs() <= AT_PLACE_MM);
         let at = |at: &Millimetres| (wanted.correction(*at).um(), got.correction(*at).um());
-        Pair {
-            um: places.iter().map(at).collect(),
-            wanted,
-            got,
-            places,
-        }
+        Pair { um: places.iter().map(at).collect(), wanted, got, places }
     }
 
     /// What is wrong with it, if anything.
     fn difference(&self, foreign: impl Fn(&Pair<'_>) -> Option<String>) -> Option<String> {
         let close = |a: f64, b: f64| (a - b).abs() <= EQUAL_UM.max(1e-9 * b.abs());
         let all = |factor: f64| self.um.iter().all(|(w, g)| close(*g, factor * w));
-        let (none_wanted, none_got) = (
-            self.wanted.tables().is_empty(),
-            self.got.tables().is_empty(),
-        );
+        let (none_wanted, none_got) =
+            (self.wanted.tables().is_empty(), self.got.tables().is_empty());
         if all(1.0) {
             return None;
         }
@@ -191,11 +174,7 @@ impl<'a> Pair<'a> {
             for (sign, turned) in [(1.0, ""), (-1.0, ", and the sign is turned")] {
                 // A scaled table was rounded once more, so a hundredth of its size is allowed.
                 let off = |(a, b): &(f64, f64)| (b - sign * factor * a).abs();
-                if self
-                    .um
-                    .iter()
-                    .all(|pair| off(pair) <= 0.01 * factor * w.abs())
-                {
+                if self.um.iter().all(|pair| off(pair) <= 0.01 * factor * w.abs()) {
                     return Some(format!("wrong scale: the corrections are {words}{turned}"));
                 }
             }
@@ -249,10 +228,7 @@ impl<'a> Pair<'a> {
         let ([w], [g]) = (self.wanted.tables(), self.got.tables()) else {
             return lifted();
         };
-        moved(w, g)
-            .or_else(lifted)
-            .or_else(|| points(w, g))
-            .or_else(|| stepped(w, g))
+        moved(w, g).or_else(lifted).or_else(|| points(w, g)).or_else(|| stepped(w, g))
     }
 
     fn largest(&self) -> Option<String> {
@@ -336,11 +312,7 @@ fn stepped(w: &NodeTable, g: &NodeTable) -> Option<String> {
     let below = off[step].abs() <= EQUAL_UM;
     let above = off[step + 1].abs() <= EQUAL_UM;
     let (side, by, places) = match (below, above) {
-        (true, false) => (
-            format!("from {upper:.4} mm on"),
-            off[step + 1],
-            off.len() - step - 1,
-        ),
+        (true, false) => (format!("from {upper:.4} mm on"), off[step + 1], off.len() - step - 1),
         (false, true) => (format!("up to {lower:.4} mm"), off[step], step + 1),
         _ => return None,
     };

@@ -80,9 +80,7 @@ impl Family for FanucFacts {
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {
-        let Side {
-            tables, diagnosis, ..
-        } = side;
+        let Side { tables, diagnosis, .. } = side;
         let own = own(tables);
         let explained = |key: &ParameterKey| {
             let axis = key.axis.map(|axis| axis.to_string());
@@ -126,10 +124,8 @@ impl Family for FanucFacts {
 
 /// The parameters and points of a memory; a memory of another family holds none.
 fn own(tables: &Tables) -> &FanucMemory {
-    const NONE: &FanucMemory = &FanucMemory {
-        parameters: BTreeMap::new(),
-        points: BTreeMap::new(),
-    };
+    const NONE: &FanucMemory =
+        &FanucMemory { parameters: BTreeMap::new(), points: BTreeMap::new() };
     tables.own().unwrap_or(NONE)
 }
 
@@ -141,10 +137,7 @@ fn interpolated(memory: &FanucMemory, names: &[String]) -> Option<bool> {
         _ => None,
     };
     let first = bits(names.first()?)?;
-    names
-        .iter()
-        .all(|name| bits(name) == Some(first))
-        .then_some(first)
+    names.iter().all(|name| bits(name) == Some(first)).then_some(first)
 }
 
 fn integer(memory: &FanucMemory, parameter: u32, axis: Option<u32>) -> i64 {

@@ -182,9 +182,6 @@ findings! {
 impl AsLeft {
     /// Whether nobody measured the values.
     pub(super) const fn is_no_measurement(&self) -> bool {
-        matches!(
-            self,
-            Self::Simulated | Self::Flat { .. } | Self::Copy | Self::SameSlopes { .. }
-        )
+        matches!(self, Self::Simulated | Self::Flat { .. } | Self::Copy | Self::SameSlopes { .. })
     }
 }

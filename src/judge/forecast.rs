@@ -139,10 +139,7 @@ fn residuals(
             }
         }
     }
-    let figure = |(_, cell, um): (_, Cell, f64)| Magnitude {
-        um,
-        u_um: cell.u_um,
-    };
+    let figure = |(_, cell, um): (_, Cell, f64)| Magnitude { um, u_um: cell.u_um };
     Ok(figures.into_iter().map(figure).collect())
 }
 
@@ -175,18 +172,10 @@ fn cells(
     let mut cells = Vec::with_capacity(points.len());
     for (index, point) in points.iter().enumerate() {
         let low = if index == 0 { from } else { middle(index - 1) };
-        let high = if index + 1 == points.len() {
-            to
-        } else {
-            middle(index)
-        };
+        let high = if index + 1 == points.len() { to } else { middle(index) };
         let (low, high) = within((low, high), Some((from, to)));
         if low < high {
-            let cell = Cell {
-                from: low,
-                to: high,
-                u_um: point.u_um,
-            };
+            let cell = Cell { from: low, to: high, u_um: point.u_um };
             cells.push((point.direction, cell));
         }
     }

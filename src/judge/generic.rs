@@ -23,10 +23,7 @@ impl Family for GenericFacts {
         if reading.judges() {
             tell_others(reading, &mut table);
         }
-        Ok(Found {
-            tables: Tables::Generic(table),
-            ..Found::all(held)
-        })
+        Ok(Found { tables: Tables::Generic(table), ..Found::all(held) })
     }
 
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
@@ -36,8 +33,7 @@ impl Family for GenericFacts {
         };
         let gone = |row: &&GenericRow| row.index == 0 && !new.rows.iter().any(|n| same(row, n));
         let gone = old.rows.iter().filter(gone);
-        gone.map(|row| format!("the old table {} of {}", row.term, row.output_axis))
-            .collect()
+        gone.map(|row| format!("the old table {} of {}", row.term, row.output_axis)).collect()
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {
@@ -45,16 +41,11 @@ impl Family for GenericFacts {
         let entry = |row: &GenericRow| {
             let (base, output) = (&row.base_axis, &row.output_axis);
             let told = side.tells(base, output);
-            let way = row
-                .direction
-                .map_or(String::new(), |way| format!(" in {way}"));
+            let way = row.direction.map_or(String::new(), |way| format!(" in {way}"));
             let block = format!("{} ({output} while {base} moves{way})", row.term);
             let numbers = [row.position_mm, row.deviation_um, row.correction_um].map(Some);
             let value = Value::Numbers([&numbers[..], &[row.increment_um]].concat());
-            (
-                (block, Item::Point(row.index)),
-                Entry::of(value, told, told),
-            )
+            ((block, Item::Point(row.index)), Entry::of(value, told, told))
         };
         own.rows.iter().map(entry).collect()
     }
@@ -77,10 +68,7 @@ fn tell_others(reading: &mut ReadOutReader<'_>, table: &mut GenericTable) {
     for row in others.iter().filter(|row| row.index == 0) {
         let (moving, output, term) = (row.base_axis.clone(), &row.output_axis, row.term);
         reading.tell(match reading.has(output) {
-            true => InControl::Follows {
-                what: format!("{term} of `{output}`"),
-                moving,
-            },
+            true => InControl::Follows { what: format!("{term} of `{output}`"), moving },
             false => InControl::OfOthers {
                 what: format!("{term} ({output} while {moving} moves)"),
                 axes: "axes",

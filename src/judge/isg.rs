@@ -53,16 +53,12 @@ impl Family for IsgFacts {
                 (item, Entry::of(Value::Numbers(numbers), told, told))
             })
         };
-        stated
-            .chain(tables.curves.iter().flat_map(of_curve))
-            .collect()
+        stated.chain(tables.curves.iter().flat_map(of_curve)).collect()
     }
 
     /// The files that were kept are the rollback.
     fn old(&self, _before: &Before<'_>) -> Result<Old, Vec<String>> {
-        Err(vec![
-            "the list and the parameter files of the control".to_string(),
-        ])
+        Err(vec!["the list and the parameter files of the control".to_string()])
     }
 }
 

@@ -47,11 +47,7 @@ impl Family for LinuxcncFacts {
             let columns = Value::Text(table.columns.number().to_string());
             let mut entries = vec![entry(Item::Name("COMP_FILE_TYPE".to_string()), columns)];
             entries.extend((0_u32..).zip(&table.rows).map(|(index, row)| {
-                let Row {
-                    nominal,
-                    forward,
-                    reverse,
-                } = *row;
+                let Row { nominal, forward, reverse } = *row;
                 let numbers = [nominal, forward, reverse].map(Some).to_vec();
                 entry(Item::Point(index), Value::Numbers(numbers))
             }));
@@ -65,18 +61,13 @@ impl Family for LinuxcncFacts {
             let entry = move |(index, point): (u32, &Point)| {
                 let numbers = [point.position, point.value].map(Some).to_vec();
                 let value = Value::Numbers(numbers);
-                (
-                    (name.clone(), Item::Point(index)),
-                    Entry::of(value, told, told),
-                )
+                ((name.clone(), Item::Point(index)), Entry::of(value, told, told))
             };
             points.map(entry).collect::<Vec<_>>()
         };
         let tables = own(side.tables);
         let joints = tables.joints.iter().flat_map(of_table);
-        joints
-            .chain(tables.cross.iter().flat_map(of_cross))
-            .collect()
+        joints.chain(tables.cross.iter().flat_map(of_cross)).collect()
     }
 
     /// A kit overwrites no file of the machine: the ini file that was kept is the rollback.
@@ -87,10 +78,7 @@ impl Family for LinuxcncFacts {
 
 /// The tables of a memory; a memory of another family holds none.
 fn own(tables: &Tables) -> &LinuxcncTables {
-    const NONE: &LinuxcncTables = &LinuxcncTables {
-        joints: Vec::new(),
-        cross: Vec::new(),
-    };
+    const NONE: &LinuxcncTables = &LinuxcncTables { joints: Vec::new(), cross: Vec::new() };
     tables.own().unwrap_or(NONE)
 }
 
@@ -128,12 +116,7 @@ fn check_homes(reading: &mut ReadOutReader<'_>, found: &Contents) {
             && (position * unit.in_mm() - own_mm).abs() > SAME_MM
         {
             let (joint, unit) = (*joint, unit.word());
-            reading.tell(InControl::HomeOffset {
-                joint,
-                position,
-                unit,
-                own_mm,
-            });
+            reading.tell(InControl::HomeOffset { joint, position, unit, own_mm });
         }
         let latch = settings.home_latch.filter(|speed| speed.abs() > 0.0);
         let is_up = machine.homing() == Direction::Plus;
@@ -141,11 +124,7 @@ fn check_homes(reading: &mut ReadOutReader<'_>, found: &Contents) {
             && (speed > 0.0) != is_up
         {
             let own = machine.homing();
-            reading.tell(InControl::HomeDirection {
-                joint: *joint,
-                speed,
-                own,
-            });
+            reading.tell(InControl::HomeDirection { joint: *joint, speed, own });
         }
     }
 }

@@ -109,10 +109,7 @@ impl Family for SiemensFacts {
 
 /// The tables of a memory; a memory of another family holds none.
 fn own(tables: &Tables) -> &SiemensTables {
-    const NONE: &SiemensTables = &SiemensTables {
-        lec: Vec::new(),
-        cec: Vec::new(),
-    };
+    const NONE: &SiemensTables = &SiemensTables { lec: Vec::new(), cec: Vec::new() };
     tables.own().unwrap_or(NONE)
 }
 
@@ -122,8 +119,7 @@ fn switches(tables: &SiemensTables) -> Vec<String> {
     let lec = tables.lec.iter();
     let lec = lec.map(|t| switch(LEC_ON, format!("{},{}", t.encoder, t.axis)));
     let cec = tables.cec.iter();
-    lec.chain(cec.map(|t| switch(TABLE_ON, t.number.to_string())))
-        .collect()
+    lec.chain(cec.map(|t| switch(TABLE_ON, t.number.to_string()))).collect()
 }
 
 fn grid_fields(grid: SiemensGrid, modulo: bool) -> Vec<(&'static str, String)> {

@@ -23,11 +23,7 @@ type NamedFile = (String, Role, Vec<u8>);
 
 /// The file as a reader takes it.
 fn kit_file((path, role, bytes): &NamedFile) -> KitFile<'_> {
-    KitFile {
-        path,
-        role: *role,
-        bytes,
-    }
+    KitFile { path, role: *role, bytes }
 }
 
 /// The files of a directory, and what its manifest says against them.
@@ -82,9 +78,7 @@ impl Directory {
         found.state = Some(document["state"].clone());
         if let Some(name) = found.whole_file(profile) {
             let file = shown(name);
-            found
-                .findings
-                .push(InDirectory::WholeControl { file }.into());
+            found.findings.push(InDirectory::WholeControl { file }.into());
         }
         Ok(found)
     }
@@ -111,8 +105,7 @@ impl Directory {
     /// A file that was left out, and why.
     pub fn ignored(&mut self, name: &str, why: &'static str) {
         let file = shown(name);
-        self.findings
-            .push(InDirectory::Ignored { file, why }.into());
+        self.findings.push(InDirectory::Ignored { file, why }.into());
     }
 
     /// The files as the readers take them.
@@ -205,9 +198,7 @@ impl Directory {
         )?;
         if let Some(name) = whole.filter(|_| is_called_as_a_kit) {
             let file = shown(name);
-            control
-                .findings
-                .insert(0, InControl::FarMore { file }.into());
+            control.findings.insert(0, InControl::FarMore { file }.into());
         }
         Ok(Some(control))
     }
@@ -246,9 +237,7 @@ impl Directory {
             if listed.contains(file.0.as_str()) {
                 self.files.push(file);
             } else if is_of_a_kit(profile, &file.0) || may_be_meant_for(profile, &kit_file(&file)) {
-                let found = InDirectory::NotListed {
-                    file: shown(&file.0),
-                };
+                let found = InDirectory::NotListed { file: shown(&file.0) };
                 self.findings.push(found.into());
                 self.files.push(file);
             } else {
@@ -281,10 +270,7 @@ impl Directory {
     fn compare_origin(&mut self, document: &Value, inputs: &Inputs) {
         let id = &inputs.profile.id;
         if let Some(other) = document["controller"].as_str().filter(|other| other != id) {
-            let found = InDirectory::OtherControl {
-                made_for: shown(other),
-                own: id.clone(),
-            };
+            let found = InDirectory::OtherControl { made_for: shown(other), own: id.clone() };
             let help = "name the job that this kit was made from, or the kit of this job";
             self.other_control = Some(Problem::new(found.words()).help(help));
             self.findings.push(found.into());

@@ -62,12 +62,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         }
     };
     let facts = KitFacts {
-        files: made
-            .files
-            .iter()
-            .chain(&files)
-            .map(|file| (file.role, file.path.clone()))
-            .collect(),
+        files: made.files.iter().chain(&files).map(|file| (file.role, file.path.clone())).collect(),
         reference: task.reference_text(),
         uses: &|mechanism| uses(task, &made.plan, &compiled.tables, mechanism),
         list: &lists,
@@ -81,11 +76,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         &made.context,
         json!({ "head": lists::head(made, &misses), "parts": parts, "about": lists::about(made, &misses) }),
     )?);
-    Ok(FieldKit {
-        files,
-        sign_proofs,
-        notes,
-    })
+    Ok(FieldKit { files, sign_proofs, notes })
 }
 
 /// How the files of a directory that stand apart differ from those of the job.

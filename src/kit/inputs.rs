@@ -140,10 +140,7 @@ impl Inputs {
 
     /// The machine as measured and without compensation.
     pub fn machine(&self) -> Machine<'_> {
-        Machine {
-            as_measured: self.as_measured(),
-            uncompensated: &self.model,
-        }
+        Machine { as_measured: self.as_measured(), uncompensated: &self.model }
     }
 
     /// The plan in the control's numbers, beside the tables that were active.
@@ -160,11 +157,7 @@ impl Inputs {
     }
 
     pub(super) fn task(&self) -> Task<'_> {
-        Task {
-            job: &self.job,
-            profile: &self.profile,
-            model: &self.model,
-        }
+        Task { job: &self.job, profile: &self.profile, model: &self.model }
     }
 }
 
@@ -179,11 +172,7 @@ impl Asked<'_> {
     /// The plan of a job, and what it compiles to.
     pub(super) fn of(inputs: &Inputs) -> Result<Asked<'_>, Problems> {
         let plan = plan(inputs.task())?;
-        Ok(Asked {
-            inputs,
-            compiled: inputs.compile(&plan)?,
-            plan,
-        })
+        Ok(Asked { inputs, compiled: inputs.compile(&plan)?, plan })
     }
 }
 
@@ -201,12 +190,7 @@ pub fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Forecast>) ->
     let worsened = forecast.map(Forecast::worsened).unwrap_or_default();
     let worsened = worsened.iter().map(|words| format!("WARNING: {words}"));
     let notes = compiled.notes.iter().map(|note| format!("note: {note}"));
-    without_table(plan)
-        .into_iter()
-        .chain(unmeasured)
-        .chain(worsened)
-        .chain(notes)
-        .collect()
+    without_table(plan).into_iter().chain(unmeasured).chain(worsened).chain(notes).collect()
 }
 
 /// One line for each reason, with all terms that it holds for.
@@ -233,11 +217,8 @@ fn not_measured(forecast: &Forecast) -> Vec<String> {
             shown(to)
         )
     };
-    let of_axis = |axis: Axis| {
-        forecast.unmeasured[axis]
-            .iter()
-            .map(move |part| sentence(axis, part))
-    };
+    let of_axis =
+        |axis: Axis| forecast.unmeasured[axis].iter().map(move |part| sentence(axis, part));
     Axis::ALL.into_iter().flat_map(of_axis).collect()
 }
 

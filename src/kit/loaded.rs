@@ -60,11 +60,7 @@ impl Loaded {
 
     /// What was read out of a control, judged by what it does to the job's axes.
     pub(super) fn read_out(asked: &Asked<'_>, active: &ActiveControl) -> Result<Loaded, Problems> {
-        let Asked {
-            inputs,
-            plan,
-            compiled,
-        } = asked;
+        let Asked { inputs, plan, compiled } = asked;
         let (state, of_state) = read_out_state(asked, active);
         let with = |tables, state| emulator(&inputs.profile, tables, state);
         let wanted =
@@ -149,10 +145,8 @@ pub(super) fn loaded_state(asked: &Asked<'_>, named: Option<&Value>) -> Outside 
         match entry.and_then(|entry| entry.get("backlash_um")) {
             Some(parameter) => take(axis, "the kit was made for", parameter.as_f64(), wanted),
             // No kit, or one from before manifests held it.
-            None => wanted.map(|um| InControl::NoManifest {
-                axis: axis.name.clone(),
-                um: micrometres(um),
-            }),
+            None => wanted
+                .map(|um| InControl::NoManifest { axis: axis.name.clone(), um: micrometres(um) }),
         }
     })
 }
@@ -167,11 +161,7 @@ fn read_out_state(asked: &Asked<'_>, control: &ActiveControl) -> Outside {
         let found = held.find(|(name, _)| *name == axis).and_then(|(_, um)| *um);
         match (found, wanted.map(micrometres)) {
             (None, None) => None,
-            (None, Some(um)) => Some(InControl::NoParameter {
-                parameter,
-                axis,
-                um,
-            }),
+            (None, Some(um)) => Some(InControl::NoParameter { parameter, axis, um }),
             (Some(um), None) => (um.abs() > 0.0).then(|| InControl::Unchanged {
                 parameter,
                 axis,

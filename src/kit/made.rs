@@ -83,11 +83,7 @@ impl Made<'_> {
 
 /// What files that were read back leave.
 fn left(asked: &Asked<'_>, read: &ReadBack) -> Result<Forecast, Problems> {
-    let Asked {
-        inputs,
-        plan,
-        compiled,
-    } = asked;
+    let Asked { inputs, plan, compiled } = asked;
     let ranges = judged_ranges(&inputs.job, inputs.as_measured());
     emulator(&inputs.profile, &read.tables, &compiled.state)
         .and_then(|control| forecast(inputs.machine(), plan, control.as_ref(), &ranges))
@@ -147,11 +143,7 @@ pub(super) fn differences(
     asked: &Asked<'_>,
     read: &ReadBack,
 ) -> (Vec<Finding>, Emulated<Box<dyn Emulator>>) {
-    let Asked {
-        inputs,
-        plan,
-        compiled,
-    } = asked;
+    let Asked { inputs, plan, compiled } = asked;
     let profile = &inputs.profile;
     let found = emulator(profile, &read.tables, &compiled.state);
     let contents = |diagnosis| disagreement::contents(profile, &compiled.tables, read, diagnosis);
@@ -178,9 +170,5 @@ pub(super) fn differences(
 
 /// A file as the readers take it.
 pub(crate) fn as_kit_file(file: &RenderedFile) -> KitFile<'_> {
-    KitFile {
-        path: &file.path,
-        role: file.role,
-        bytes: &file.bytes,
-    }
+    KitFile { path: &file.path, role: file.role, bytes: &file.bytes }
 }

@@ -75,12 +75,7 @@ pub struct HashedFile {
 
 /// Hash of an input.
 pub fn hashed(path: &str, bytes: &[u8]) -> HashedFile {
-    HashedFile {
-        path: path.to_string(),
-        role: None,
-        sha256: sha256(bytes),
-        through: None,
-    }
+    HashedFile { path: path.to_string(), role: None, sha256: sha256(bytes), through: None }
 }
 
 /// The tables that a kit follows: a link of the chain that `nonius history` prints.

@@ -25,9 +25,7 @@ pub(super) fn switching(made: &Made<'_>) -> Emulated<Vec<String>> {
         }
         let swing = |at: Option<PerAxis<f64>>| {
             let names = made.plan.names[axis].iter();
-            names
-                .map(|name| control.swing(name, at).abs())
-                .fold(0.0, f64::max)
+            names.map(|name| control.swing(name, at).abs()).fold(0.0, f64::max)
         };
         anywhere += swing(None);
         at_reference += swing(Some(references(made)));

@@ -93,17 +93,13 @@ pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Pr
     };
     let digit_mm = task.resolution().digit_mm();
     let mut wrong = position_differences(&rows, task.request, digit_mm);
-    let forms: Vec<&[u8]> = of_role(FileRole::Readings)
-        .map(|f| f.bytes.as_slice())
-        .collect();
+    let forms: Vec<&[u8]> = of_role(FileRole::Readings).map(|f| f.bytes.as_slice()).collect();
     wrong.extend(form_differences(&rows, &forms));
     let programs: Vec<&ProgramFile> = of_role(FileRole::Program).collect();
     let set_ups = by_set_up(&rows);
     if programs.len() != set_ups.len() {
         let (programs, set_ups) = (programs.len(), set_ups.len());
-        wrong.push(format!(
-            "{programs} programs for {set_ups} set-ups of the laser"
-        ));
+        wrong.push(format!("{programs} programs for {set_ups} set-ups of the laser"));
     }
     for words in wrong {
         problems.push(Problem::new(words).help("nothing was written"));
@@ -122,10 +118,7 @@ fn walk_file(
     rows: &[Position],
     bounds: &Bounds,
 ) -> Result<Walked, Problems> {
-    let words = OwnWords {
-        letters: &facts.axis_letters.value,
-        seconds: facts.dwell_address(),
-    };
+    let words = OwnWords { letters: &facts.axis_letters.value, seconds: facts.dwell_address() };
     let steps = read(facts.language, &words, &file.path, &file.bytes)?;
     let text = String::from_utf8_lossy(&file.bytes);
     walk((&file.path, &text), &steps, rows, bounds)
@@ -152,9 +145,7 @@ fn by_set_up(rows: &[Position]) -> Vec<&[Position]> {
 fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
     let RunTask { facts, request, .. } = task;
     let unit = task.resolution().unit;
-    let assumed = facts
-        .statements_of(unit)
-        .filter(|s| s.evidence == Evidence::Assumed);
+    let assumed = facts.statements_of(unit).filter(|s| s.evidence == Evidence::Assumed);
     let mut list: Vec<Assumption> = assumed
         .map(|s| {
             Assumption::of_job(
@@ -286,10 +277,7 @@ fn position_differences(rows: &[Position], request: &ProgramRequest, digit_mm: f
                 pass.word()
             ));
         } else if !is_at_node(row, request, digit_mm) {
-            words.push(format!(
-                "node {} of run {} is not where the job has it",
-                row.node, row.run
-            ));
+            words.push(format!("node {} of run {} is not where the job has it", row.node, row.run));
         }
         if words.len() > 20 {
             break;
@@ -307,10 +295,9 @@ fn order(request: &ProgramRequest) -> Vec<Key> {
             Diagonal::ALL.into_iter().map(Named::Diagonal).collect(),
             request.volume.last_node(kind),
         ),
-        None => (
-            request.axes.iter().map(|axis| Named::Axis(*axis)).collect(),
-            request.volume.steps,
-        ),
+        None => {
+            (request.axes.iter().map(|axis| Named::Axis(*axis)).collect(), request.volume.steps)
+        }
     };
     let mut keys = Vec::new();
     for of in set_ups {
@@ -334,9 +321,7 @@ fn is_at_node(row: &Position, request: &ProgramRequest, digit_mm: f64) -> bool {
                 (kind == PathKind::Step && row.node > 0).then(|| request.volume.moved(row.node));
             moved == row.moved
                 && close(row.nominal_mm, nominal, 1e-6)
-                && place
-                    .iter()
-                    .all(|(axis, mm)| close(row.place[axis], mm.mm(), digit_mm / 100.0))
+                && place.iter().all(|(axis, mm)| close(row.place[axis], mm.mm(), digit_mm / 100.0))
         }
         (Named::Axis(axis), None) => {
             let equal = request.volume.start[axis].mm() + request.volume.along_mm(axis, row.node);

@@ -38,10 +38,7 @@ pub(super) struct Rollback {
 
 impl Rollback {
     fn none(why: InRollback) -> Rollback {
-        Rollback {
-            not_written: vec![why.into()],
-            ..Rollback::default()
-        }
+        Rollback { not_written: vec![why.into()], ..Rollback::default() }
     }
 
     /// That the files do not restore everything, for text and manifest.
@@ -61,14 +58,10 @@ pub(super) fn make(made: &Made<'_>) -> Result<Rollback, Problems> {
     let (task, active) = (inputs.task(), inputs.active.as_ref());
     let before = active.and_then(|active| Before::of(task, &made.plan, &made.compiled, active));
     let Some(before) = before else {
-        return Ok(Rollback::none(
-            match active.map(|active| (active, &active.origin)) {
-                Some((active, Origin::Kit { .. })) => InRollback::OfAKit {
-                    path: active.path.clone(),
-                },
-                _ => InRollback::NothingReadOut,
-            },
-        ));
+        return Ok(Rollback::none(match active.map(|active| (active, &active.origin)) {
+            Some((active, Origin::Kit { .. })) => InRollback::OfAKit { path: active.path.clone() },
+            _ => InRollback::NothingReadOut,
+        }));
     };
     let old = match family(&inputs.profile.dialect).old(&before) {
         Ok(old) => old,
@@ -135,11 +128,7 @@ pub(super) fn differences(
     asked: &Asked<'_>,
     files: &[KitFile<'_>],
 ) -> Result<Option<FieldFault>, Problems> {
-    let Asked {
-        inputs,
-        plan,
-        compiled,
-    } = asked;
+    let Asked { inputs, plan, compiled } = asked;
     if !files.iter().any(|file| file.role == Role::Rollback) {
         return Ok(None);
     }

@@ -53,10 +53,7 @@ pub(crate) fn second_look(
         let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
             let seen = observations(&inputs.model, measured);
             let question = question(inputs, verification, control, &seen);
-            diagnose(&Question {
-                corrected,
-                ..question
-            })
+            diagnose(&Question { corrected, ..question })
         };
         let mut found = diagnosed(measured, &[])?;
         if !found.as_forecast {

@@ -66,26 +66,22 @@ impl<'a> SimulatedMachine<'a> {
     ) -> Option<f64> {
         let measured = self.model.terms[term].as_ref()?;
         let deviation = measured.measured.curve(direction)?.at(position);
-        let correction = self.control.map_or(Correction::ZERO, |control| {
-            control.correction(term, direction, position)
-        });
+        let correction = self
+            .control
+            .map_or(Correction::ZERO, |control| control.correction(term, direction, position));
         Some((deviation + correction).um() + self.grown_um(term, position))
     }
 
     /// What the change of scale adds to a positioning error.
     fn grown_um(&self, term: ErrorTerm, position: Millimetres) -> f64 {
         let reference = self.references[term.along].filter(|_| term.is_positioning());
-        reference.map_or(0.0, |reference| {
-            self.scale_um_per_m * (position - reference).mm() / 1000.0
-        })
+        reference
+            .map_or(0.0, |reference| self.scale_um_per_m * (position - reference).mm() / 1000.0)
     }
 
     /// Whether the two directions of an axis differ: measured apart, or corrected apart.
     fn is_directed(&self, along: Axis) -> bool {
-        let apart = |term| {
-            self.control
-                .is_some_and(|control| !control.is_undirected(term))
-        };
+        let apart = |term| self.control.is_some_and(|control| !control.is_undirected(term));
         let mut of_axis = self.model.measured().filter(|(t, _)| t.along == along);
         of_axis.any(|(term, measured)| measured.measured.has_both_ways() || apart(term))
     }

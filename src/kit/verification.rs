@@ -67,18 +67,12 @@ pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verif
 impl Verification {
     /// The forecast of a control with the files, and the verdict.
     fn of(asked: Asked<'_>, loaded: Loaded) -> Verification {
-        let Asked {
-            inputs,
-            plan,
-            compiled,
-        } = asked;
+        let Asked { inputs, plan, compiled } = asked;
         let mut findings = loaded.findings;
         let ranges = judged_ranges(&inputs.job, inputs.as_measured());
         let forecast = loaded.control.ok().and_then(|control| {
             let forecast = forecast(inputs.machine(), &plan, control.as_ref(), &ranges);
-            forecast
-                .map_err(|reason| findings.push(not_emulated(reason)))
-                .ok()
+            forecast.map_err(|reason| findings.push(not_emulated(reason))).ok()
         });
         findings.dedup();
         let beside = of_severity(&findings, Severity::Doubt);

@@ -103,10 +103,8 @@ impl Visit<'_> {
     /// The job.
     pub fn job(&self) -> Result<String, Problems> {
         if self.profile.job_keys.is_empty() {
-            let words = format!(
-                "the profile `{}` does not say which keys its job needs",
-                self.profile.id
-            );
+            let words =
+                format!("the profile `{}` does not say which keys its job needs", self.profile.id);
             let help = "add them as `[[job]]` (docs/controllers.md section 3), or build it on a built-in one with `based_on`";
             return Err(Problem::new(words).help(help).into());
         }
@@ -143,13 +141,7 @@ impl Visit<'_> {
         keys.map(|key| self.line(key, axis)).collect()
     }
 
-    fn line(
-        &self,
-        JobKey {
-            key, example, text, ..
-        }: &JobKey,
-        axis: Option<Axis>,
-    ) -> String {
+    fn line(&self, JobKey { key, example, text, .. }: &JobKey, axis: Option<Axis>) -> String {
         let value = match (example, axis) {
             (Some(example), _) => format!("# {key} = {example}"),
             (None, Some(axis)) if key == "travel_mm" => {

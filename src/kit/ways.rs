@@ -112,13 +112,7 @@ fn of_terms(made: &Made<'_>) -> Vec<Way> {
     }
     let largest_um = grid.iter().map(|term| grid_um(*term)).fold(0.0, larger);
     let ways = [
-        (
-            grid.is_empty(),
-            Way::Grid {
-                terms: grid,
-                largest_um,
-            },
-        ),
+        (grid.is_empty(), Way::Grid { terms: grid, largest_um }),
         (none.is_empty(), Way::NoTable { terms: none }),
         (uncertain.is_empty(), Way::Uncertain { terms: uncertain }),
     ];

@@ -107,10 +107,9 @@ impl MeasuredTerm {
             Measured::Undirected(curve) | Measured::OneWay(_, curve) => {
                 curve.end_point_slope_um_per_m()
             }
-            Measured::BothWays { plus, minus } => f64::midpoint(
-                plus.end_point_slope_um_per_m(),
-                minus.end_point_slope_um_per_m(),
-            ),
+            Measured::BothWays { plus, minus } => {
+                f64::midpoint(plus.end_point_slope_um_per_m(), minus.end_point_slope_um_per_m())
+            }
         }
     }
 }
@@ -185,9 +184,8 @@ impl ErrorModel {
     pub(crate) fn doubts(&self, asked: impl Fn(ErrorTerm) -> bool) -> Vec<Finding> {
         let missing = self.remarks.not_determined.iter();
         let missing = missing.map(|(term, _)| *term);
-        let terms: Vec<ErrorTerm> = missing
-            .filter(|term| asked(*term) && self.terms[*term].is_none())
-            .collect();
+        let terms: Vec<ErrorTerm> =
+            missing.filter(|term| asked(*term) && self.terms[*term].is_none()).collect();
         let missing = (!terms.is_empty()).then_some(ModelFinding::NotDetermined { terms });
         let reversal = self.remarks.hidden_reversal_um;
         let reversal = reversal.map(|um| ModelFinding::HiddenReversal { um });
@@ -204,18 +202,14 @@ impl ErrorModel {
         let largest = self.measured().map(|(_, measured)| measured.largest_um());
         let largest = largest.fold(0.0, f64::max);
         let is_believed = noise_um.is_some_and(|noise| noise < largest);
-        let found = ModelFinding::UnlikelySmall {
-            largest_um: largest,
-            least_um: UNLIKELY_SMALL_UM,
-        };
+        let found =
+            ModelFinding::UnlikelySmall { largest_um: largest, least_um: UNLIKELY_SMALL_UM };
         (largest > 0.0 && largest < UNLIKELY_SMALL_UM && !is_believed).then(|| found.into())
     }
 
     /// The measured terms in the contract's order.
     pub fn measured(&self) -> impl Iterator<Item = (ErrorTerm, &MeasuredTerm)> {
-        self.terms
-            .iter()
-            .filter_map(|(term, measured)| Some((term, measured.as_ref()?)))
+        self.terms.iter().filter_map(|(term, measured)| Some((term, measured.as_ref()?)))
     }
 
     /// Adds the angular errors of a table of their own. What both tables hold is a problem: nobody
@@ -233,11 +227,7 @@ impl ErrorModel {
     /// (contract §1).
     pub fn squareness_um_per_m(&self, first: Axis, second: Axis) -> Option<f64> {
         let slope = |of, along| {
-            Some(
-                self.terms[ErrorTerm { of, along }]
-                    .as_ref()?
-                    .end_point_slope_um_per_m(),
-            )
+            Some(self.terms[ErrorTerm { of, along }].as_ref()?.end_point_slope_um_per_m())
         };
         Some(slope(first, second)? + slope(second, first)?)
     }
@@ -257,14 +247,9 @@ fn measured_term(
     };
     let curves: Vec<(Option<Direction>, ErrorCurve)> = series.iter().filter_map(curve).collect();
     let zero = value_at_reference(&curves, machine)?;
-    let zeroed = curves
-        .into_iter()
-        .map(|(direction, curve)| (direction, curve.less(zero)));
+    let zeroed = curves.into_iter().map(|(direction, curve)| (direction, curve.less(zero)));
     let measured = Measured::of(zeroed)?;
-    Some(MeasuredTerm {
-        measured,
-        uncertainty: points(job, series, term, machine),
-    })
+    Some(MeasuredTerm { measured, uncertainty: points(job, series, term, machine) })
 }
 
 fn value_at_reference(
@@ -272,10 +257,7 @@ fn value_at_reference(
     machine: MachineAxis,
 ) -> Option<Deviation> {
     let homing = Some(machine.homing());
-    let (_, curve) = curves
-        .iter()
-        .find(|(direction, _)| *direction == homing)
-        .or(curves.first())?;
+    let (_, curve) = curves.iter().find(|(direction, _)| *direction == homing).or(curves.first())?;
     Some(curve.at(machine.reference))
 }
 
@@ -288,11 +270,7 @@ fn add_squareness(
 ) {
     let machine = job.machine.axes[term.along];
     let (Some(measured), Some(machine)) = (terms[term].as_mut(), machine) else {
-        let key = format!(
-            "measurement.squareness_um_per_m.{}{}",
-            term.of.key(),
-            term.along.key()
-        );
+        let key = format!("measurement.squareness_um_per_m.{}{}", term.of.key(), term.along.key());
         problems.push(
             job.problem_at(
                 &key,
@@ -316,10 +294,9 @@ fn add_squareness(
     measured.measured = match &measured.measured {
         Measured::Undirected(curve) => Measured::Undirected(tilt(curve)),
         Measured::OneWay(direction, curve) => Measured::OneWay(*direction, tilt(curve)),
-        Measured::BothWays { plus, minus } => Measured::BothWays {
-            plus: tilt(plus),
-            minus: tilt(minus),
-        },
+        Measured::BothWays { plus, minus } => {
+            Measured::BothWays { plus: tilt(plus), minus: tilt(minus) }
+        }
     };
 }
 
@@ -368,17 +345,8 @@ pub(super) fn points(
             let value_um = own.hypot(noise_um);
             let reach_um = laser * from_zero / 1000.0;
             let is_zero = from_zero <= AT_PLACE_MM && zeroed.is_some_and(|z| std::ptr::eq(z, s));
-            let u_um = if is_zero {
-                0.0
-            } else {
-                value_um.hypot(at_zero).hypot(reach_um)
-            };
-            points.push(PointUncertainty {
-                direction: s.direction,
-                at: *at,
-                value_um,
-                u_um,
-            });
+            let u_um = if is_zero { 0.0 } else { value_um.hypot(at_zero).hypot(reach_um) };
+            points.push(PointUncertainty { direction: s.direction, at: *at, value_um, u_um });
         }
     }
     points
@@ -399,11 +367,7 @@ fn nearest_um(series: &Series, term: ErrorTerm, reference: Millimetres) -> Optio
     let last = series.positions.len().checked_sub(1)?;
     let above = series.positions.iter().position(behind).unwrap_or(last);
     let is_there = (series.positions[above] - reference).mm() <= AT_PLACE_MM;
-    let below = if is_there {
-        above
-    } else {
-        above.saturating_sub(1)
-    };
+    let below = if is_there { above } else { above.saturating_sub(1) };
     let of = |row: usize| column.get(row).copied();
     let (above, below) = (of(above)?, of(below)?);
     Some(larger(above, below))

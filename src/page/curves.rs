@@ -46,10 +46,7 @@ pub fn terms(locale: Locale<'_>, heading: &str, curves: &Curves<'_>) -> Emulated
     let um = locale.around(numbers.flat_map(Mark::heights));
     let panels = panels.into_iter().map(|known| {
         let (term, mut marks) = known?;
-        let limits = curves
-            .limit_um
-            .into_iter()
-            .flat_map(|limit| [limit, -limit]);
+        let limits = curves.limit_um.into_iter().flat_map(|limit| [limit, -limit]);
         let within = limits.filter(|at| (um.0..=um.1).contains(at));
         marks.extend(within.map(|at| Mark::Level(Ink::Limit, at)));
         Some(panel(locale, term, marks, um, curves.range(term)))
@@ -79,10 +76,7 @@ pub fn separated(locale: Locale<'_>, heading: &str, separation: &Separation) -> 
         let mm: Vec<f64> = positions.iter().map(|at| at.mm()).collect();
         let ways = match separation.errors.minus.is_some() && separation.is_directed(term.along) {
             false => vec![(Ink::AsFound, None)],
-            true => vec![
-                (Ink::Up, Some(Direction::Plus)),
-                (Ink::Down, Some(Direction::Minus)),
-            ],
+            true => vec![(Ink::Up, Some(Direction::Plus)), (Ink::Down, Some(Direction::Minus))],
         };
         let found = ways.into_iter().filter_map(|(ink, way)| {
             let evidence = separation.of_table(term, way)?;
@@ -90,9 +84,7 @@ pub fn separated(locale: Locale<'_>, heading: &str, separation: &Separation) -> 
             let u = |n: &usize| evidence.expanded_um(*n, separation.noise);
             let all: Vec<usize> = (0..evidence.deviation_um.len().min(mm.len())).collect();
             let points: Vec<(f64, f64)> = all.iter().map(|n| (mm[*n], um(n))).collect();
-            let band = all
-                .iter()
-                .map(|n| Some((mm[*n], um(n) - u(n)?, um(n) + u(n)?)));
+            let band = all.iter().map(|n| Some((mm[*n], um(n) - u(n)?, um(n) + u(n)?)));
             let band: Option<Vec<_>> = band.collect();
             let band = band.map(|places| Mark::Band(ink, places));
             let line = [Mark::Line(ink, points.clone()), Mark::Dots(ink, points)];
@@ -101,11 +93,8 @@ pub fn separated(locale: Locale<'_>, heading: &str, separation: &Separation) -> 
         let marks: Vec<Mark> = found.flatten().collect();
         (term, mm, marks)
     });
-    let um = locale.around(
-        marks
-            .iter()
-            .flat_map(|(.., marks)| marks.iter().flat_map(Mark::heights)),
-    );
+    let um =
+        locale.around(marks.iter().flat_map(|(.., marks)| marks.iter().flat_map(Mark::heights)));
     let panels = marks.into_iter().map(|(term, mm, marks)| {
         let ends = (mm.first().copied()?, mm.last().copied()?);
         (!marks.is_empty()).then(|| panel(locale, term, marks, um, ends))
@@ -153,9 +142,7 @@ impl Curves<'_> {
     /// The places that any of the curves covers, mm.
     fn range(&self, term: ErrorTerm) -> (f64, f64) {
         let measured = self.found(term).into_iter().chain(self.left(term));
-        let ranges = measured
-            .flat_map(MeasuredTerm::curves)
-            .map(ErrorCurve::measured_range);
+        let ranges = measured.flat_map(MeasuredTerm::curves).map(ErrorCurve::measured_range);
         let all = ranges.reduce(|(low, high), (from, to)| {
             let low = if from < low { from } else { low };
             (low, if to > high { to } else { high })
@@ -228,10 +215,7 @@ struct CurveLine {
 fn lines(known: &MeasuredTerm) -> Vec<CurveLine> {
     let mut lines: Vec<CurveLine> = Vec::new();
     for direction in Direction::BOTH {
-        let points = known
-            .measured
-            .curve(direction)
-            .map(|curve| sampled(curve, None));
+        let points = known.measured.curve(direction).map(|curve| sampled(curve, None));
         if let Some(points) = points.filter(|new| lines.iter().all(|line| line.points != *new)) {
             lines.push(CurveLine { direction, points });
         }
@@ -271,11 +255,7 @@ fn knots(curve: &ErrorCurve) -> Vec<(f64, f64)> {
 fn band(ink: Ink, known: &MeasuredTerm, line: &CurveLine) -> Option<Mark> {
     let mut u: Vec<(f64, f64)> = Vec::new();
     let is_own = |way: Option<Direction>| way.is_none_or(|way| way == line.direction);
-    for point in known
-        .uncertainty
-        .iter()
-        .filter(|point| is_own(point.direction))
-    {
+    for point in known.uncertainty.iter().filter(|point| is_own(point.direction)) {
         u.push((point.at.mm(), K * point.u_um));
     }
     u.sort_by(|(a, _), (b, _)| a.total_cmp(b));
@@ -293,8 +273,5 @@ fn band(ink: Ink, known: &MeasuredTerm, line: &CurveLine) -> Option<Mark> {
         Some((*mm, um - u, um + u))
     });
     let places: Vec<(f64, f64, f64)> = places.collect::<Option<_>>()?;
-    places
-        .iter()
-        .any(|(_, low, high)| low < high)
-        .then_some(Mark::Band(ink, places))
+    places.iter().any(|(_, low, high)| low < high).then_some(Mark::Band(ink, places))
 }

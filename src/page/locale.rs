@@ -85,11 +85,7 @@ impl Locale<'_> {
             Shown::Inch => 4,
         };
         let number = rounded(mm * self.mm().each, decimals).to_string();
-        format!(
-            "{} {}",
-            self.decimal(&number).replace('-', "\u{2212}"),
-            self.mm().sign
-        )
+        format!("{} {}", self.decimal(&number).replace('-', "\u{2212}"), self.mm().sign)
     }
 
     /// Ends of a scale for several panels, µm: round numbers in the unit that is shown.

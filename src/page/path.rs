@@ -22,11 +22,7 @@ pub struct Trace {
 impl Trace {
     /// Nothing yet.
     pub fn new(ink: Ink) -> Trace {
-        Trace {
-            ink,
-            stretch_mm: 0.01,
-            stretches: Vec::new(),
-        }
+        Trace { ink, stretch_mm: 0.01, stretches: Vec::new() }
     }
 
     /// Whose errors they are.
@@ -89,18 +85,13 @@ pub fn path(heading: &str, traces: &[Trace], holes: &[HoleErrors]) -> Picture {
     let marks = Axis::ALL.map(|of| -> Vec<Mark> {
         let bands = traces.iter().map(|trace| (trace.ink, trace.band(of)));
         let marks = bands.flat_map(|(ink, band)| {
-            let middle = band
-                .iter()
-                .map(|(s, low, high)| (*s, f64::midpoint(*low, *high)));
+            let middle = band.iter().map(|(s, low, high)| (*s, f64::midpoint(*low, *high)));
             [Mark::Line(ink, middle.collect()), Mark::Band(ink, band)]
         });
         marks.collect()
     });
     let um = around(marks.iter().flatten().flat_map(Mark::heights));
-    let length = traces
-        .iter()
-        .map(|t| t.stretch_mm * count(t.stretches.len()))
-        .fold(0.0, larger);
+    let length = traces.iter().map(|t| t.stretch_mm * count(t.stretches.len())).fold(0.0, larger);
     let panels = Axis::ALL.into_iter().zip(marks).map(|(of, marks)| {
         Some(Panel {
             title: format!("error in {of}"),
@@ -115,9 +106,7 @@ pub fn path(heading: &str, traces: &[Trace], holes: &[HoleErrors]) -> Picture {
         description: "The error of the machine along the path, all directions at one scale."
             .to_string(),
         columns: 1,
-        panels: panels
-            .chain([from_above(holes)].into_iter().filter(Option::is_some))
-            .collect(),
+        panels: panels.chain([from_above(holes)].into_iter().filter(Option::is_some)).collect(),
         note: "bands: smallest and largest error on each stretch of the path".to_string(),
     }
 }
@@ -152,10 +141,7 @@ fn from_above(holes: &[HoleErrors]) -> Option<Panel> {
     let room = 0.2 * size;
     let unit = below(longest);
     let (left, low) = (x.0 - room, y.0 - room);
-    marks.push(Mark::Edge(vec![
-        (left, low),
-        (left + unit * mm_per_um, low),
-    ]));
+    marks.push(Mark::Edge(vec![(left, low), (left + unit * mm_per_um, low)]));
     marks.push(Mark::Words(
         (left + unit * mm_per_um / 2.0, low + 0.03 * size),
         format!("{unit} µm"),
@@ -182,11 +168,7 @@ mod tests {
         }
         let x = trace.band(Axis::X);
         assert!(x.len() <= MOST && x.len() > MOST / 4);
-        let (at, ..) = x
-            .iter()
-            .find(|(.., high)| *high > 24.0)
-            .copied()
-            .unwrap_or_default();
+        let (at, ..) = x.iter().find(|(.., high)| *high > 24.0).copied().unwrap_or_default();
         assert!((at - 70_001.0).abs() < 200.0, "{at}");
     }
 }

@@ -21,14 +21,8 @@ pub enum Ink {
 
 impl Ink {
     /// All, in the order of a legend.
-    pub const ALL: [Ink; 6] = [
-        Ink::AsFound,
-        Ink::Forecast,
-        Ink::AsLeft,
-        Ink::Up,
-        Ink::Down,
-        Ink::Limit,
-    ];
+    pub const ALL: [Ink; 6] =
+        [Ink::AsFound, Ink::Forecast, Ink::AsLeft, Ink::Up, Ink::Down, Ink::Limit];
 
     /// The class of a mark in the drawing; `legend_` and it are the key of its words.
     pub(crate) fn class(self) -> &'static str {
@@ -109,22 +103,13 @@ impl Scale {
     /// An axis with numbers.
     pub fn new(label: &str, from: f64, to: f64) -> Scale {
         let (label, names) = (label.to_string(), Vec::new());
-        Scale {
-            label,
-            from,
-            to,
-            names,
-            shown_times: 1.0,
-        }
+        Scale { label, from, to, names, shown_times: 1.0 }
     }
 
     /// The same axis with its numbers in another unit, which its label names.
     pub(super) fn shown_in(self, unit: Unit) -> Scale {
         let shown_times = unit.each;
-        Scale {
-            shown_times,
-            ..self
-        }
+        Scale { shown_times, ..self }
     }
 }
 

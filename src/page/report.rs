@@ -120,10 +120,8 @@ pub fn linear_document(number: usize) -> String {
 /// In place of a figure that there is not.
 const NONE: &str = "\u{2013}";
 
-const TEMPLATE: (&str, &str) = (
-    "report.html.tera",
-    include_str!("../../templates/report/report.html.tera"),
-);
+const TEMPLATE: (&str, &str) =
+    ("report.html.tera", include_str!("../../templates/report/report.html.tera"));
 
 /// Text in a string of a style sheet: every mark as its number, so that none ends string or sheet.
 fn style_text(text: &str) -> String {
@@ -158,10 +156,7 @@ impl Report<'_> {
             "squareness": self.squareness(),
             "parts": self.parts(),
         });
-        let own = self
-            .template
-            .as_ref()
-            .map(|(name, text)| (name.as_str(), text.as_str()));
+        let own = self.template.as_ref().map(|(name, text)| (name.as_str(), text.as_str()));
         let (name, template) = own.unwrap_or(TEMPLATE);
         Ok(Templates::default().page(name, template, &context)?)
     }
@@ -262,25 +257,16 @@ impl Report<'_> {
             line(self.t("machine"), machine.name.clone()),
             line(self.t("serial"), machine.serial.clone().unwrap_or_default()),
             line(self.t("control"), self.visit.control.clone()),
-            line(
-                self.t("date"),
-                self.both("date", self.visit.job.measurement.date.as_deref()),
-            ),
+            line(self.t("date"), self.both("date", self.visit.job.measurement.date.as_deref())),
         ];
         lines.extend(ALWAYS.map(|key| line(self.t(key), stated(key))));
         let after = self.visit.protocol_after.iter();
         let own = |key: &&String| protocol.iter().any(|(own, _)| own == *key);
-        let added = after
-            .map(|(key, _)| key)
-            .filter(|key| !own(key) && *key != "date");
+        let added = after.map(|(key, _)| key).filter(|key| !own(key) && *key != "date");
         let others = protocol.iter().map(|(key, _)| key).chain(added);
         let others = others.filter(|key| !ALWAYS.contains(&key.as_str()));
         lines.extend(others.map(|key| {
-            let label = if self.locale.texts.has(key) {
-                self.t(key)
-            } else {
-                escaped(key)
-            };
+            let label = if self.locale.texts.has(key) { self.t(key) } else { escaped(key) };
             line(label, stated(key))
         }));
         lines
@@ -317,11 +303,7 @@ impl Report<'_> {
     }
 
     fn list(&self, document: &str, at: &str) -> impl Iterator<Item = &Value> {
-        self.document(document)
-            .pointer(at)
-            .and_then(Value::as_array)
-            .into_iter()
-            .flatten()
+        self.document(document).pointer(at).and_then(Value::as_array).into_iter().flatten()
     }
 
     fn sentences(&self, document: &str, at: &str, most: usize) -> Vec<String> {
@@ -330,10 +312,7 @@ impl Report<'_> {
     }
 
     fn keys(&self, document: &str, at: &str) -> Vec<String> {
-        let found = self
-            .document(document)
-            .pointer(at)
-            .and_then(Value::as_object);
+        let found = self.document(document).pointer(at).and_then(Value::as_object);
         found.map_or_else(Vec::new, |found| found.keys().cloned().collect())
     }
 
@@ -385,9 +364,6 @@ impl Report<'_> {
                 "expanded": at("expanded_um_per_m"),
             })
         };
-        self.keys(main, "/squareness")
-            .into_iter()
-            .map(line)
-            .collect()
+        self.keys(main, "/squareness").into_iter().map(line).collect()
     }
 }

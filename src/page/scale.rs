@@ -60,9 +60,8 @@ fn fits(span: f64, step: f64, most: usize) -> bool {
 
 /// Round numbers below and above all numbers and zero, for one scale of several panels.
 pub(super) fn around(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
-    let (low, high) = numbers.fold((0.0, 0.0), |(low, high), number| {
-        (smaller(low, number), larger(high, number))
-    });
+    let (low, high) = numbers
+        .fold((0.0, 0.0), |(low, high), number| (smaller(low, number), larger(high, number)));
     let span = larger(high - low, 1e-3);
     let (step, _) = step(span, 6);
     let whole = |number: f64| step * (number / step - SLACK).ceil() + 0.0;
@@ -79,13 +78,9 @@ pub fn bin_um(largest_um: f64) -> f64 {
 
 /// The largest round number (1, 2 or 5 times a power of ten) that is not above half of a number.
 pub(super) fn below(number: f64) -> f64 {
-    let exponents = (0..=6_u32)
-        .map(|n| 1.0 / power_of_ten(n))
-        .chain((1..=6).map(power_of_ten));
+    let exponents = (0..=6_u32).map(|n| 1.0 / power_of_ten(n)).chain((1..=6).map(power_of_ten));
     let round = exponents.flat_map(|unit| [unit, 2.0 * unit, 5.0 * unit]);
-    round
-        .filter(|round| *round <= number / 2.0)
-        .fold(0.0, larger)
+    round.filter(|round| *round <= number / 2.0).fold(0.0, larger)
 }
 
 #[cfg(test)]

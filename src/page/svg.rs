@@ -60,10 +60,7 @@ fn drawn(picture: &Picture, locale: Locale<'_>, names: &str, style: &str) -> Str
         h = size.height,
     ));
     out.put(format_args!("<title>{}</title>", escaped(&picture.title)));
-    out.put(format_args!(
-        "<desc>{}</desc>",
-        escaped(&picture.description)
-    ));
+    out.put(format_args!("<desc>{}</desc>", escaped(&picture.description)));
     out.0.push_str(style);
     out.put(format_args!(
         "<rect class=\"paper\" width=\"{}\" height=\"{}\"/>",
@@ -98,11 +95,7 @@ impl Size {
             many => (ROW / count(many), 176.0),
         };
         let rows = picture.panels.len().div_ceil(columns);
-        Size {
-            width: ROW,
-            height: HEAD + count(rows) * panel.1 + NOTE,
-            panel,
-        }
+        Size { width: ROW, height: HEAD + count(rows) * panel.1 + NOTE, panel }
     }
 
     /// The plot of a panel.
@@ -170,25 +163,12 @@ impl Map<'_> {
 
 fn part(scale: &Scale, number: f64) -> f64 {
     let span = scale.to - scale.from;
-    if span > 0.0 {
-        (number - scale.from) / span
-    } else {
-        0.5
-    }
+    if span > 0.0 { (number - scale.from) / span } else { 0.5 }
 }
 
 fn draw(out: &mut Drawing, locale: Locale<'_>, panel: &Panel, place: Plot) {
-    let plot = if panel.is_view {
-        even(panel, place)
-    } else {
-        place
-    };
-    let map = Map {
-        locale,
-        plot,
-        across: &panel.across,
-        up: &panel.up,
-    };
+    let plot = if panel.is_view { even(panel, place) } else { place };
+    let map = Map { locale, plot, across: &panel.across, up: &panel.up };
     // A long title stays inside the picture.
     let most = place.left + place.width + RIGHT - LARGER * width(&panel.title);
     out.text("t", smaller(plot.left, most), plot.top - 6.0, &panel.title);
@@ -212,10 +192,7 @@ fn draw(out: &mut Drawing, locale: Locale<'_>, panel: &Panel, place: Plot) {
 
 /// The same number of points for a unit both ways, in the middle of the place.
 fn even(panel: &Panel, plot: Plot) -> Plot {
-    let (wide, high) = (
-        panel.across.to - panel.across.from,
-        panel.up.to - panel.up.from,
-    );
+    let (wide, high) = (panel.across.to - panel.across.from, panel.up.to - panel.up.from);
     let (whole, foot) = (plot.width + LEFT - 10.0, plot.height + FOOT - 10.0);
     let unit = (whole / wide).min(foot / high);
     Plot {
@@ -256,9 +233,7 @@ fn axes(out: &mut Drawing, map: &Map<'_>) {
 fn labels(map: &Map<'_>) -> Vec<(f64, String)> {
     if !map.across.names.is_empty() {
         let names = map.across.names.iter().enumerate();
-        return names
-            .map(|(n, name)| (count(n) + 0.5, name.clone()))
-            .collect();
+        return names.map(|(n, name)| (count(n) + 0.5, name.clone())).collect();
     }
     map.ticks(map.across, most_labels(map))
 }
@@ -293,10 +268,7 @@ fn draw_mark(out: &mut Drawing, map: &Map<'_>, mark: &Mark) {
             let lower = places.iter().rev().map(|(x, low, _)| (*x, *low));
             let outline = upper.chain(lower).map(|(x, y)| (map.x(x), map.y(y)));
             let outline = path(outline);
-            out.put(format_args!(
-                "<path class=\"{} band\" d=\"{outline}Z\"/>",
-                ink.class()
-            ));
+            out.put(format_args!("<path class=\"{} band\" d=\"{outline}Z\"/>", ink.class()));
         }
         Mark::Bars(ink, bars) => {
             for (from, to, height) in bars {
@@ -362,10 +334,7 @@ impl Drawing {
                 class => format!(" class=\"{class}\""),
             };
             let (x, y) = (short(x), short(y));
-            self.put(format_args!(
-                "<text{class} x=\"{x}\" y=\"{y}\">{}</text>",
-                escaped(words)
-            ));
+            self.put(format_args!("<text{class} x=\"{x}\" y=\"{y}\">{}</text>", escaped(words)));
         }
     }
 
@@ -376,10 +345,7 @@ impl Drawing {
 
     fn line(&mut self, ink: Ink, points: impl Iterator<Item = (f64, f64)>) {
         let d = path(points);
-        self.put(format_args!(
-            "<path class=\"{} line\" d=\"{d}\"/>",
-            ink.class()
-        ));
+        self.put(format_args!("<path class=\"{} line\" d=\"{d}\"/>", ink.class()));
     }
 
     /// A stroke with a head of two barbs; a short one has a short head.
@@ -390,10 +356,7 @@ impl Drawing {
         let (bx, by) = (dx * barb, dy * barb);
         let end = |side: f64| (to.0 - bx - side * 0.5 * by, to.1 - by + side * 0.5 * bx);
         let d = path([from, to].into_iter()) + &path([end(1.0), to, end(-1.0)].into_iter());
-        self.put(format_args!(
-            "<path class=\"{} arrow\" d=\"{d}\"/>",
-            ink.class()
-        ));
+        self.put(format_args!("<path class=\"{} arrow\" d=\"{d}\"/>", ink.class()));
     }
 
     fn dot(&mut self, ink: Ink, x: f64, y: f64) {

@@ -12,13 +12,9 @@ pub fn targets(
     across: &str,
     of: &[(String, &Figures)],
 ) -> Picture {
-    let drawn: Vec<(&str, &Figures, Vec<Mark>)> = of
-        .iter()
-        .map(|(name, figures)| (name.as_str(), *figures, marks(figures)))
-        .collect();
-    let heights = drawn
-        .iter()
-        .flat_map(|(.., marks)| marks.iter().flat_map(Mark::heights));
+    let drawn: Vec<(&str, &Figures, Vec<Mark>)> =
+        of.iter().map(|(name, figures)| (name.as_str(), *figures, marks(figures))).collect();
+    let heights = drawn.iter().flat_map(|(.., marks)| marks.iter().flat_map(Mark::heights));
     let um = locale.around(heights);
     let unit = locale.um();
     let panel = |(name, figures, marks): (&str, &Figures, Vec<Mark>)| {
@@ -52,10 +48,8 @@ fn marks(figures: &Figures) -> Vec<Mark> {
         if known.is_empty() {
             continue;
         }
-        let places: Option<Vec<_>> = known
-            .iter()
-            .map(|(mm, um, s)| s.map(|s| (*mm, um - K * s, um + K * s)))
-            .collect();
+        let places: Option<Vec<_>> =
+            known.iter().map(|(mm, um, s)| s.map(|s| (*mm, um - K * s, um + K * s))).collect();
         bands.extend(places.map(|places| Mark::Band(ink, places)));
         let means: Vec<(f64, f64)> = known.iter().map(|(mm, um, _)| (*mm, *um)).collect();
         lines.push(Mark::Line(ink, means.clone()));

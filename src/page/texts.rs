@@ -45,16 +45,10 @@ impl Texts {
         let words = table(source)?;
         let [(_, english), ..] = LANGUAGES;
         let english = table(&Source::from_bytes("en", english.as_bytes())?)?;
-        let missing: Vec<&str> = english
-            .keys()
-            .filter(|key| !words.contains_key(*key))
-            .map(String::as_str)
-            .collect();
-        let unknown: Vec<&str> = words
-            .keys()
-            .filter(|key| !english.contains_key(*key))
-            .map(String::as_str)
-            .collect();
+        let missing: Vec<&str> =
+            english.keys().filter(|key| !words.contains_key(*key)).map(String::as_str).collect();
+        let unknown: Vec<&str> =
+            words.keys().filter(|key| !english.contains_key(*key)).map(String::as_str).collect();
         let mut problems = Problems::none();
         for (what, keys) in [("lacks", missing), ("holds the unknown keys", unknown)] {
             if !keys.is_empty() {
@@ -80,9 +74,7 @@ impl Texts {
     /// All of them as text of a page.
     pub(super) fn escaped(&self) -> BTreeMap<&str, String> {
         let words = self.words.iter();
-        words
-            .map(|(key, words)| (key.as_str(), escaped(words)))
-            .collect()
+        words.map(|(key, words)| (key.as_str(), escaped(words))).collect()
     }
 }
 

@@ -29,15 +29,9 @@ const LONGEST: f64 = 0.22;
 /// Error vectors (the same scale for all sides), distribution of the differences of all pairs of nodes,
 /// contributions to the volumetric accuracy.
 pub fn volume(locale: Locale<'_>, heading: &str, sides: &[Side<'_>]) -> Picture {
-    let longest = sides
-        .iter()
-        .map(|side| longest_of(side.model))
-        .fold(0.0, larger);
+    let longest = sides.iter().map(|side| longest_of(side.model)).fold(0.0, larger);
     let views = sides.iter().map(|side| Some(view(locale, side, longest)));
-    let below = [
-        distribution(locale, sides),
-        Some(contributions(locale, sides)),
-    ];
+    let below = [distribution(locale, sides), Some(contributions(locale, sides))];
     let panels = views.chain(below).filter(Option::is_some);
     Picture {
         title: heading.to_string(),
@@ -69,11 +63,7 @@ fn places(model: &VolumeModel) -> Vec<PerAxis<f64>> {
     for (x, y, z) in
         (0..PLACES.pow(3)).map(|n| (n % PLACES, n / PLACES % PLACES, n / PLACES.pow(2)))
     {
-        places.push(PerAxis {
-            x: at(Axis::X, x),
-            y: at(Axis::Y, y),
-            z: at(Axis::Z, z),
-        });
+        places.push(PerAxis { x: at(Axis::X, x), y: at(Axis::Y, y), z: at(Axis::Z, z) });
     }
     places
 }
@@ -87,28 +77,16 @@ fn longest_of(model: &VolumeModel) -> f64 {
 }
 
 fn view(locale: Locale<'_>, side: &Side<'_>, longest_um: f64) -> Panel {
-    let seen = Volume {
-        ends: ends(side.model),
-    };
+    let seen = Volume { ends: ends(side.model) };
     let travel = seen.travel();
-    let mm_per_um = if longest_um > 0.0 {
-        LONGEST * travel / longest_um
-    } else {
-        0.0
-    };
+    let mm_per_um = if longest_um > 0.0 { LONGEST * travel / longest_um } else { 0.0 };
     let arrows = places(side.model).into_iter().map(|place| {
         let error = side.model.error_at(place);
         [projected(place), projected(error.times(mm_per_um))]
     });
     let room = LONGEST * travel / 2.0;
-    let (left, low) = (
-        seen.corner([0, 0, 0]).0 - room,
-        seen.corner([1, 0, 0]).1 - room,
-    );
-    let (right, high) = (
-        seen.corner([1, 1, 1]).0 + room,
-        seen.corner([0, 1, 1]).1 + room,
-    );
+    let (left, low) = (seen.corner([0, 0, 0]).0 - room, seen.corner([1, 0, 0]).1 - room);
+    let (right, high) = (seen.corner([1, 1, 1]).0 + room, seen.corner([0, 1, 1]).1 + room);
     let mut marks = seen.marks();
     marks.push(Mark::Arrows(side.ink, arrows.collect()));
     let (um, shown) = locale.below(longest_um);
@@ -156,11 +134,7 @@ impl Volume {
     fn marks(&self) -> Vec<Mark> {
         let mut marks = Vec::new();
         for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            for edge in [
-                [[0, a, b], [1, a, b]],
-                [[a, 0, b], [a, 1, b]],
-                [[a, b, 0], [a, b, 1]],
-            ] {
+            for edge in [[[0, a, b], [1, a, b]], [[a, 0, b], [a, 1, b]], [[a, b, 0], [a, b, 1]]] {
                 marks.push(Mark::Edge(edge.map(|corner| self.corner(corner)).to_vec()));
             }
         }
@@ -209,9 +183,7 @@ fn distribution(locale: Locale<'_>, sides: &[Side<'_>]) -> Option<Panel> {
 }
 
 fn contributions(locale: Locale<'_>, sides: &[Side<'_>]) -> Panel {
-    let first = sides
-        .first()
-        .map(|side| side.assessment.contributions.as_slice());
+    let first = sides.first().map(|side| side.assessment.contributions.as_slice());
     let named = first.unwrap_or_default().iter().take(MOST_NAMED);
     let components: Vec<_> = named.map(|part| part.component).collect();
     let mut marks = Vec::new();
@@ -222,9 +194,7 @@ fn contributions(locale: Locale<'_>, sides: &[Side<'_>]) -> Panel {
         let mut bars = Vec::new();
         for component in &components {
             let own = side.assessment.contributions.iter();
-            let part = own
-                .filter(|part| part.component == *component)
-                .map(|part| part.um);
+            let part = own.filter(|part| part.component == *component).map(|part| part.um);
             bars.extend(part.map(|um| (at, at + width, um)));
             at += 1.0;
         }
@@ -233,19 +203,12 @@ fn contributions(locale: Locale<'_>, sides: &[Side<'_>]) -> Panel {
     }
     let um = locale.around(marks.iter().flat_map(Mark::heights));
     let unit = locale.um();
-    let names: Vec<String> = components
-        .iter()
-        .map(|component| component.iso_name())
-        .collect();
+    let names: Vec<String> = components.iter().map(|component| component.iso_name()).collect();
     Panel {
         title: locale.words("contributions"),
         across: Scale {
             names,
-            ..Scale::new(
-                "",
-                0.0,
-                f64::from(u32::try_from(components.len()).unwrap_or(1)),
-            )
+            ..Scale::new("", 0.0, f64::from(u32::try_from(components.len()).unwrap_or(1)))
         },
         up: Scale::new(unit.sign, um.0, um.1).shown_in(unit),
         marks,

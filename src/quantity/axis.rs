@@ -57,9 +57,7 @@ impl Axis {
 
     /// The axis of a letter of either case.
     pub fn from_letter(text: &str) -> Option<Axis> {
-        Axis::ALL
-            .into_iter()
-            .find(|axis| axis.key().eq_ignore_ascii_case(text))
+        Axis::ALL.into_iter().find(|axis| axis.key().eq_ignore_ascii_case(text))
     }
 
     #[inline]
@@ -101,9 +99,7 @@ impl Direction {
 
     /// The direction of a symbol.
     pub fn from_symbol(text: &str) -> Option<Direction> {
-        Direction::BOTH
-            .into_iter()
-            .find(|direction| direction.symbol() == text)
+        Direction::BOTH.into_iter().find(|direction| direction.symbol() == text)
     }
 
     /// The other direction.
@@ -133,16 +129,10 @@ pub struct ErrorTerm {
 impl ErrorTerm {
     /// The nine terms in the contract's order: EXX EYX EZX · EXY EYY EZY · EXZ EYZ EZZ.
     pub const ALL: [ErrorTerm; 9] = {
-        let mut terms = [ErrorTerm {
-            of: Axis::X,
-            along: Axis::X,
-        }; 9];
+        let mut terms = [ErrorTerm { of: Axis::X, along: Axis::X }; 9];
         let mut index = 0;
         while index < 9 {
-            terms[index] = ErrorTerm {
-                of: Axis::ALL[index % 3],
-                along: Axis::ALL[index / 3],
-            };
+            terms[index] = ErrorTerm { of: Axis::ALL[index % 3], along: Axis::ALL[index / 3] };
             index += 1;
         }
         terms
@@ -150,18 +140,12 @@ impl ErrorTerm {
 
     /// The positioning error of an axis.
     pub(crate) const fn positioning(axis: Axis) -> ErrorTerm {
-        ErrorTerm {
-            of: axis,
-            along: axis,
-        }
+        ErrorTerm { of: axis, along: axis }
     }
 
     /// The other cross term of the same two axes.
     pub(crate) const fn twin(self) -> ErrorTerm {
-        ErrorTerm {
-            of: self.along,
-            along: self.of,
-        }
+        ErrorTerm { of: self.along, along: self.of }
     }
 
     /// Positioning (`EXX`, `EYY`, `EZZ`): an axis corrects itself.
@@ -176,16 +160,10 @@ impl ErrorTerm {
 
     /// The term of a name such as `EYX`.
     pub fn from_name(name: &str) -> Option<ErrorTerm> {
-        let axis = |letter: u8| {
-            Axis::ALL
-                .into_iter()
-                .find(|axis| axis.letter() == char::from(letter))
-        };
+        let axis =
+            |letter: u8| Axis::ALL.into_iter().find(|axis| axis.letter() == char::from(letter));
         match name.as_bytes() {
-            [b'E', of, along] => Some(ErrorTerm {
-                of: axis(*of)?,
-                along: axis(*along)?,
-            }),
+            [b'E', of, along] => Some(ErrorTerm { of: axis(*of)?, along: axis(*along)? }),
             _ => None,
         }
     }
@@ -211,10 +189,7 @@ pub struct Rotation {
 impl Rotation {
     /// The nine of them: EAX EBX ECX · EAY EBY ECY · EAZ EBZ ECZ.
     pub fn all() -> impl Iterator<Item = Rotation> {
-        ErrorTerm::ALL.into_iter().map(|term| Rotation {
-            about: term.of,
-            along: term.along,
-        })
+        ErrorTerm::ALL.into_iter().map(|term| Rotation { about: term.of, along: term.along })
     }
 
     /// Roll turns about the axis that moves; the others are pitch and yaw.
@@ -249,11 +224,7 @@ impl<T> PerAxis<T> {
     /// The value of each axis from a function of the axis.
     #[inline]
     pub fn from_fn(mut of: impl FnMut(Axis) -> T) -> Self {
-        PerAxis {
-            x: of(Axis::X),
-            y: of(Axis::Y),
-            z: of(Axis::Z),
-        }
+        PerAxis { x: of(Axis::X), y: of(Axis::Y), z: of(Axis::Z) }
     }
 
     /// Axis and value, in the order X, Y, Z.
@@ -353,14 +324,10 @@ pub struct PerTerm<T>([[T; 3]; 3]);
 impl<T> PerTerm<T> {
     /// The value of each term from a function of the term.
     pub fn from_fn(mut of: impl FnMut(ErrorTerm) -> T) -> Self {
-        PerTerm(Axis::ALL.map(|along| {
-            Axis::ALL.map(|direction| {
-                of(ErrorTerm {
-                    of: direction,
-                    along,
-                })
-            })
-        }))
+        PerTerm(
+            Axis::ALL
+                .map(|along| Axis::ALL.map(|direction| of(ErrorTerm { of: direction, along }))),
+        )
     }
 
     /// Term and value, in the order of [`ErrorTerm::ALL`].

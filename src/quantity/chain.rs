@@ -35,10 +35,7 @@ pub struct LeverEffect {
 
 impl Chain {
     /// All axes move the tool, X carries Y carries Z.
-    pub const ALL_AXES_MOVE_THE_TOOL: Chain = Chain {
-        letters: Axis::ALL,
-        carrying_workpiece: 0,
-    };
+    pub const ALL_AXES_MOVE_THE_TOOL: Chain = Chain { letters: Axis::ALL, carrying_workpiece: 0 };
 
     /// Reads a chain: each of X, Y, Z once, `w` at any place, `t` at the end.
     ///
@@ -56,19 +53,13 @@ impl Chain {
         let letters: Option<Vec<Axis>> = before.chars().chain(after.chars()).map(axis).collect();
         let letters: [Axis; 3] = letters?.try_into().ok()?;
         let each_once = Axis::ALL.iter().all(|axis| letters.contains(axis));
-        each_once.then_some(Chain {
-            letters,
-            carrying_workpiece: before.chars().count(),
-        })
+        each_once.then_some(Chain { letters, carrying_workpiece: before.chars().count() })
     }
 
     /// Every chain: six orders, four places of `w`.
     pub fn all() -> impl Iterator<Item = Chain> {
         (0..4).flat_map(|carrying_workpiece| {
-            Axis::ORDERS.map(|letters| Chain {
-                letters,
-                carrying_workpiece,
-            })
+            Axis::ORDERS.map(|letters| Chain { letters, carrying_workpiece })
         })
     }
 
@@ -140,15 +131,9 @@ pub fn unit(axis: Axis) -> PerAxis<f64> {
 /// e_about × e_arm, for two different axes.
 fn lever_effect(about: Axis, arm: Axis) -> LeverEffect {
     let product = unit(about).cross(unit(arm));
-    let direction = Axis::ALL
-        .into_iter()
-        .find(|axis| *axis != about && *axis != arm)
-        .unwrap_or(about);
-    LeverEffect {
-        direction,
-        arm,
-        sign: product[direction],
-    }
+    let direction =
+        Axis::ALL.into_iter().find(|axis| *axis != about && *axis != arm).unwrap_or(about);
+    LeverEffect { direction, arm, sign: product[direction] }
 }
 
 #[cfg(test)]
@@ -164,9 +149,7 @@ mod tests {
         for chain in chains {
             assert_eq!(Chain::parse(&chain.to_string()), Some(chain), "{chain}");
         }
-        for wrong in [
-            "", "XYZ", "wXYZ", "wXXZt", "wXYZtt", "twXYZ", "wxyzt", "wXYZwt", "wXYZAt",
-        ] {
+        for wrong in ["", "XYZ", "wXYZ", "wXXZt", "wXYZtt", "twXYZ", "wxyzt", "wXYZwt", "wXYZAt"] {
             assert_eq!(Chain::parse(wrong), None, "{wrong}");
         }
     }
@@ -188,17 +171,9 @@ mod tests {
         for chain in Chain::all() {
             let effects = Rotation::all().map(|rotation| chain.effects(rotation).len());
             let effects: Vec<usize> = effects.collect();
-            assert_eq!(
-                effects.iter().filter(|count| **count > 0).count(),
-                5,
-                "{chain}"
-            );
+            assert_eq!(effects.iter().filter(|count| **count > 0).count(), 5, "{chain}");
             assert_eq!(effects.iter().sum::<usize>(), 6, "{chain}");
-            assert_eq!(
-                effects.iter().filter(|count| **count == 2).count(),
-                1,
-                "{chain}"
-            );
+            assert_eq!(effects.iter().filter(|count| **count == 2).count(), 1, "{chain}");
         }
     }
 
@@ -218,13 +193,7 @@ mod tests {
             rows.sort();
             rows.join(", ")
         };
-        assert_eq!(
-            rows("wXYZt"),
-            "X:+EBX Z, X:+EBY Z, X:-ECX Y, Y:-EAX Z, Y:-EAY Z, Z:+EAX Y"
-        );
-        assert_eq!(
-            rows("wZXYt"),
-            "X:-ECX Y, X:-ECZ Y, Y:+ECZ X, Z:+EAX Y, Z:+EAZ Y, Z:-EBZ X"
-        );
+        assert_eq!(rows("wXYZt"), "X:+EBX Z, X:+EBY Z, X:-ECX Y, Y:-EAX Z, Y:-EAY Z, Z:+EAX Y");
+        assert_eq!(rows("wZXYt"), "X:-ECX Y, X:-ECZ Y, Y:+ECZ X, Z:+EAX Y, Z:+EAZ Y, Z:-EBZ X");
     }
 }

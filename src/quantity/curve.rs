@@ -64,11 +64,7 @@ impl ErrorCurve {
     ) -> ErrorCurve {
         debug_assert!(!positions.is_empty() && positions.len() == deviations.len());
         debug_assert!(positions.windows(2).all(|pair| pair[0] < pair[1]));
-        debug_assert!(
-            deviations
-                .iter()
-                .all(|deviation| deviation.um().is_finite())
-        );
+        debug_assert!(deviations.iter().all(|deviation| deviation.um().is_finite()));
         let values: Vec<f64> = deviations.iter().map(|deviation| deviation.um()).collect();
         ErrorCurve {
             knots: positions.to_vec(),
@@ -328,9 +324,8 @@ impl ErrorCurve {
 
     fn union_of_knots(&self, other: &ErrorCurve, from: f64, to: f64) -> Vec<Millimetres> {
         let both = self.knots.iter().chain(&other.knots).copied();
-        let mut knots: Vec<Millimetres> = both
-            .filter(|knot| knot.mm() >= from && knot.mm() <= to)
-            .collect();
+        let mut knots: Vec<Millimetres> =
+            both.filter(|knot| knot.mm() >= from && knot.mm() <= to).collect();
         knots.sort_by(|one, two| one.mm().total_cmp(&two.mm()));
         knots.dedup_by(|next, kept| next <= kept);
         knots

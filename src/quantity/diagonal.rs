@@ -130,10 +130,7 @@ impl<T> PerDiagonal<T> {
 /// By the names of the diagonals.
 impl<T: Serialize> Serialize for PerDiagonal<T> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.collect_map(
-            self.iter()
-                .map(|(diagonal, value)| (diagonal.name(), value)),
-        )
+        to.collect_map(self.iter().map(|(diagonal, value)| (diagonal.name(), value)))
     }
 }
 
@@ -363,14 +360,8 @@ mod tests {
 
     #[test]
     fn names_and_reverse_names_are_told_apart() {
-        assert_eq!(
-            Diagonal::from_name("NPP"),
-            Some((Diagonal::Npp, Pass::Forward))
-        );
-        assert_eq!(
-            Diagonal::from_name("PNN"),
-            Some((Diagonal::Npp, Pass::Reverse))
-        );
+        assert_eq!(Diagonal::from_name("NPP"), Some((Diagonal::Npp, Pass::Forward)));
+        assert_eq!(Diagonal::from_name("PNN"), Some((Diagonal::Npp, Pass::Reverse)));
         assert_eq!(Diagonal::from_name("XYZ"), None);
     }
 

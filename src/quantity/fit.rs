@@ -96,11 +96,7 @@ pub fn residual(
         largest = largest.max(high.abs()).max(low.abs());
     };
     if from < low_end || last == 0 {
-        let to = if last == 0 || to < low_end {
-            to
-        } else {
-            low_end
-        };
+        let to = if last == 0 || to < low_end { to } else { low_end };
         look(from, to, [values[0].um(); 2]);
     }
     for node in 0..last {
@@ -135,9 +131,7 @@ fn least_squares(curve: &ErrorCurve, nodes: &Nodes) -> Vec<f64> {
     let last = nodes.count - 1;
     let side = |range: std::ops::Range<usize>| {
         let at_end = |node| node == 0 || node == last;
-        let diagonal = range
-            .clone()
-            .map(|node| if at_end(node) { 2.0 } else { 4.0 });
+        let diagonal = range.clone().map(|node| if at_end(node) { 2.0 } else { 4.0 });
         let beside = vec![1.0; range.len()];
         solve_tridiagonal(diagonal.collect(), &beside, loads[range].to_vec())
     };
@@ -152,10 +146,7 @@ fn hat_loads(curve: &ErrorCurve, nodes: &Nodes) -> Vec<f64> {
     let mut loads = vec![0.0; nodes.count];
     for node in 1..nodes.count {
         let (left, right) = (nodes.position(node - 1).mm(), nodes.position(node).mm());
-        let inside = curve
-            .knots_between(left, right)
-            .iter()
-            .map(|knot| knot.mm());
+        let inside = curve.knots_between(left, right).iter().map(|knot| knot.mm());
         let mut from = left;
         for to in inside.chain([right]) {
             for (x, weight) in gauss_points(from, to) {

@@ -269,13 +269,7 @@ mod tests {
 
     #[test]
     fn a_bound_is_never_rounded_up() {
-        let said = [
-            (0.0, "0"),
-            (0.0129, "0.012"),
-            (0.379, "0.37"),
-            (4.59, "4.5"),
-            (12.9, "12"),
-        ];
+        let said = [(0.0, "0"), (0.0129, "0.012"), (0.379, "0.37"), (4.59, "4.5"), (12.9, "12")];
         for (bound, said) in said {
             assert_eq!(rounded_down(bound), said);
         }
@@ -291,23 +285,14 @@ mod tests {
             (-Deviation::ZERO).um(),
             (-Correction::ZERO).um(),
         ];
-        assert!(
-            all.iter().all(|number| number.is_sign_positive()),
-            "{all:?}"
-        );
+        assert!(all.iter().all(|number| number.is_sign_positive()), "{all:?}");
     }
 
     #[test]
     fn powers_of_ten_are_those_of_their_decimal_text() {
         for exponent in 0..=308 {
-            let text: f64 = format!("1{}", "0".repeat(exponent as usize))
-                .parse()
-                .unwrap();
-            assert_eq!(
-                power_of_ten(exponent).to_bits(),
-                text.to_bits(),
-                "1e{exponent}"
-            );
+            let text: f64 = format!("1{}", "0".repeat(exponent as usize)).parse().unwrap();
+            assert_eq!(power_of_ten(exponent).to_bits(), text.to_bits(), "1e{exponent}");
         }
     }
 

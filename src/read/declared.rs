@@ -136,12 +136,7 @@ impl Axes {
     fn set(&mut self, field: Field, name: &str) {
         let name = Some(name.to_string());
         match field {
-            Field::Axis => {
-                *self = Axes {
-                    axis: name,
-                    ..Axes::default()
-                }
-            }
+            Field::Axis => *self = Axes { axis: name, ..Axes::default() },
             Field::Base => self.base = name,
             Field::Output => self.output = name,
             _ => {}
@@ -202,8 +197,7 @@ impl Reading<'_> {
             let part = span.start + part.start..span.start + part.end;
             match field {
                 Field::Axis | Field::Base | Field::Output => {
-                    self.axes
-                        .set(field, text.get(part).unwrap_or_default().trim());
+                    self.axes.set(field, text.get(part).unwrap_or_default().trim());
                 }
                 Field::Unit => self.check_unit(text, part),
                 _ => fields.push((field, part)),

@@ -98,12 +98,10 @@ impl NodeTable {
 
     /// Nodes as position and correction.
     pub fn nodes(&self) -> impl Iterator<Item = (Millimetres, Correction)> {
-        self.values_um.iter().enumerate().map(|(index, um)| {
-            (
-                Millimetres::new(self.node_mm(index)),
-                Correction::from_um(*um),
-            )
-        })
+        self.values_um
+            .iter()
+            .enumerate()
+            .map(|(index, um)| (Millimetres::new(self.node_mm(index)), Correction::from_um(*um)))
     }
 
     /// The correction at a position.
@@ -208,10 +206,7 @@ pub struct Response {
 impl Response {
     /// The sum of these tables and a constant correction (a backlash parameter, for instance).
     pub fn new(tables: Vec<NodeTable>, constant: Correction) -> Response {
-        Response {
-            tables,
-            constant_um: constant.um(),
-        }
+        Response { tables, constant_um: constant.um() }
     }
 
     /// Straight lines between places, the ends held. Places at equal distances are one table of nodes; others
@@ -266,10 +261,7 @@ impl Response {
     /// The same nodes with straight lines between them, where a control steps.
     #[must_use]
     pub fn straightened(&self) -> Response {
-        let straight = |table: &NodeTable| NodeTable {
-            between: Between::Linear,
-            ..table.clone()
-        };
+        let straight = |table: &NodeTable| NodeTable { between: Between::Linear, ..table.clone() };
         Response {
             tables: self.tables.iter().map(straight).collect(),
             constant_um: self.constant_um,
@@ -279,10 +271,7 @@ impl Response {
     /// The correction over `from..to` as straight stretches; jumps lie between two stretches.
     /// Exact: no position is skipped, so extremes found on the stretches are the extremes.
     pub(crate) fn stretches(&self, from: Millimetres, to: Millimetres) -> Vec<Stretch> {
-        self.breaks(from, to)
-            .windows(2)
-            .map(|pair| self.stretch(pair[0], pair[1]))
-            .collect()
+        self.breaks(from, to).windows(2).map(|pair| self.stretch(pair[0], pair[1])).collect()
     }
 
     /// `from`, `to` and every place between them where the correction bends or jumps, mm,

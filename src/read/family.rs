@@ -114,12 +114,7 @@ pub struct ReadBack {
 
 impl From<Tables> for ReadBack {
     fn from(tables: Tables) -> ReadBack {
-        ReadBack {
-            tables,
-            notes: Vec::new(),
-            unwritten: Vec::new(),
-            machine_data: Vec::new(),
-        }
+        ReadBack { tables, notes: Vec::new(), unwritten: Vec::new(), machine_data: Vec::new() }
     }
 }
 
@@ -168,11 +163,7 @@ fn read_role(
     }
     let texts: Vec<KitText<'_>> = texts
         .iter()
-        .map(|(KitFile { path, role, .. }, text)| KitText {
-            path,
-            role: *role,
-            text,
-        })
+        .map(|(KitFile { path, role, .. }, text)| KitText { path, role: *role, text })
         .collect();
     match problems.take(family(&profile.dialect).read_kit(&texts)) {
         Some(read) => problems.or_ok(read),
@@ -186,10 +177,8 @@ pub(crate) fn each<T>(
     read: impl Fn(&str, &str) -> Result<T, Problems>,
 ) -> Result<Vec<T>, Problems> {
     let mut problems = Problems::none();
-    let contents = files
-        .iter()
-        .filter_map(|file| problems.take(read(file.path, file.text)))
-        .collect();
+    let contents =
+        files.iter().filter_map(|file| problems.take(read(file.path, file.text))).collect();
     problems.or_ok(contents)
 }
 
@@ -201,10 +190,8 @@ pub(crate) fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<Finding
         known.any(|file| file.is_called(name))
     };
     let names = files.iter().map(|file| file.path);
-    let files: Vec<String> = names
-        .filter(|name| is_unread(name))
-        .map(|name| format!("`{}`", shown(name)))
-        .collect();
+    let files: Vec<String> =
+        names.filter(|name| is_unread(name)).map(|name| format!("`{}`", shown(name))).collect();
     (!files.is_empty()).then(|| ReadFinding::Unread { files }.into())
 }
 
@@ -255,9 +242,7 @@ fn utf16(bytes: &[u8]) -> Option<String> {
     let (pairs, rest) = bytes.as_chunks::<2>();
     let units = pairs.iter().map(|pair| u16::from_le_bytes(*pair));
     let text = char::decode_utf16(units).collect::<Result<String, _>>();
-    let text = text
-        .ok()
-        .filter(|_| rest.is_empty() && bytes.contains(&0))?;
+    let text = text.ok().filter(|_| rest.is_empty() && bytes.contains(&0))?;
     Some(text.strip_prefix(MARK).unwrap_or(&text).to_string())
 }
 

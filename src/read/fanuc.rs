@@ -169,12 +169,7 @@ fn read_from(
     refuse_long_lines(file_name, &text)?;
     let mut complaints = Vec::new();
     let record = record(&text, writer == Writer::Kit, &mut complaints);
-    let mut reader = Reader {
-        text: &text,
-        facts,
-        writer,
-        found: ReadOut::default(),
-    };
+    let mut reader = Reader { text: &text, facts, writer, found: ReadOut::default() };
     // Between a G code and `G11`; named once, not once for each of its blocks.
     let mut in_program = false;
     for span in blocks(&text, record) {
@@ -210,20 +205,12 @@ pub fn merge(memories: Vec<FanucMemory>) -> Result<FanucMemory, Problems> {
     let mut problems = Problems::none();
     for memory in memories {
         for (key, value) in memory.parameters {
-            if all
-                .parameters
-                .insert(key, value)
-                .is_some_and(|old| old != value)
-            {
+            if all.parameters.insert(key, value).is_some_and(|old| old != value) {
                 problems.push(two_files(&key.to_string()));
             }
         }
         for (point, value) in memory.points {
-            if all
-                .points
-                .insert(point, value)
-                .is_some_and(|old| old != value)
-            {
+            if all.points.insert(point, value).is_some_and(|old| old != value) {
                 problems.push(two_files(&format!("point {point}")));
             }
         }
@@ -245,9 +232,7 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn values(&self) -> usize {
-        let ReadOut {
-            memory, spindles, ..
-        } = &self.found;
+        let ReadOut { memory, spindles, .. } = &self.found;
         memory.parameters.len() + memory.points.len() + spindles.len()
     }
 
@@ -270,11 +255,7 @@ impl Reader<'_> {
                 return Ok(());
             }
         }
-        if self.is_point(&block)? {
-            self.store_point(&block)
-        } else {
-            self.store_parameter(&block)
-        }
+        if self.is_point(&block)? { self.store_point(&block) } else { self.store_parameter(&block) }
     }
 
     /// Of a control's file what is of no concern; what no line feed ends may hold other blocks.
@@ -299,11 +280,7 @@ impl Reader<'_> {
     fn refuse_others(&self, block: &Block) -> Result<(), Complaint> {
         if let Some(span) = block.segments.iter().find_map(|s| s.spindle.clone()) {
             let help = "compensation parameters belong to an axis (`A<n>`) or to none";
-            return Err(Complaint::new(
-                span,
-                "a spindle parameter is not ours",
-                help,
-            ));
+            return Err(Complaint::new(span, "a spindle parameter is not ours", help));
         }
         match block.segments.iter().find_map(|s| s.other_path.clone()) {
             None => Ok(()),
@@ -357,13 +334,9 @@ impl Reader<'_> {
 
     fn point_blocks(&self) -> impl Iterator<Item = NumberRange> {
         let facts = self.facts;
-        [
-            &facts.pitch_points,
-            &facts.minus_points,
-            &facts.straightness_points,
-        ]
-        .into_iter()
-        .flat_map(|fact| fact.value.iter().copied())
+        [&facts.pitch_points, &facts.minus_points, &facts.straightness_points]
+            .into_iter()
+            .flat_map(|fact| fact.value.iter().copied())
     }
 
     fn store_point(&mut self, block: &Block) -> Result<(), Complaint> {
@@ -439,20 +412,13 @@ impl Reader<'_> {
         let is_length = LENGTH_PARAMETERS.contains(&number) || self.writer == Writer::Kit;
         if is_length && !self.writer.may_write(segment.letter) {
             return refuse(
-                format!(
-                    "parameter {number} has the letter `{}`, expected `P`",
-                    segment.letter
-                ),
+                format!("parameter {number} has the letter `{}`, expected `P`", segment.letter),
                 "state the value in the unit of the machine, with `P`",
             );
         }
         // Bit parameters that compensation files hold (B-63950EN: 1006, 360x, 5700; 8135 on 0i).
         let is_bits = matches!(number, 1006 | 3601..=3605 | 5700 | 8135);
-        let value = if is_bits {
-            bits(text)
-        } else {
-            whole_or_real(text)
-        };
+        let value = if is_bits { bits(text) } else { whole_or_real(text) };
         match value {
             Some(value) => Ok(value),
             None if is_bits => refuse(

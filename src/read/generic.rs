@@ -109,9 +109,8 @@ fn first_difference(one: &GenericTable, other: &GenericTable) -> Option<String> 
     if let Some((index, (a, b))) = pairs.find(|(_, (a, b))| a != b) {
         let cells = texts(a).into_iter().zip(texts(b)).zip(COLUMNS);
         let differ = cells.filter(|((a, b), _)| a != b);
-        let what: Vec<String> = differ
-            .map(|((a, b), column)| format!("`{column}` (`{a}` and `{b}`)"))
-            .collect();
+        let what: Vec<String> =
+            differ.map(|((a, b), column)| format!("`{column}` (`{a}` and `{b}`)")).collect();
         let (row, what) = (index + 1, what.join(", "));
         return Some(format!("row {row} ({}) differs in {what}", name_of(a)));
     }
@@ -124,13 +123,7 @@ fn first_difference(one: &GenericTable, other: &GenericTable) -> Option<String> 
 
 fn name_of(row: &GenericRow) -> String {
     let direction = row.direction.map_or("", |direction| direction.symbol());
-    let GenericRow {
-        term,
-        base_axis,
-        output_axis,
-        index,
-        ..
-    } = row;
+    let GenericRow { term, base_axis, output_axis, index, .. } = row;
     format!("{term}{direction} from `{base_axis}` to `{output_axis}`, index {index}")
 }
 

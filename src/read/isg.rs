@@ -28,10 +28,7 @@ impl Family for IsgFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
         let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
         let (tables, notes) = read(&texts)?;
-        Ok(ReadBack {
-            notes,
-            ..Tables::Isg(tables).into()
-        })
+        Ok(ReadBack { notes, ..Tables::Isg(tables).into() })
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
@@ -131,10 +128,8 @@ fn not_there(list: &str, path: &str) -> Problem {
 
 fn twice(file: &str, parameter: Parameter) -> Problem {
     let file = shown(file);
-    Problem::new(format!(
-        "{parameter} stands in `{file}` and in a file before it"
-    ))
-    .help("give each parameter once")
+    Problem::new(format!("{parameter} stands in `{file}` and in a file before it"))
+        .help("give each parameter once")
 }
 
 /// Most points of a parameter: ten times and more what a control takes.

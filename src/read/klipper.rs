@@ -47,10 +47,8 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<KlipperTables, Problems> {
         let names = found.iter().map(|skew| format!("`{}`", shown(&skew.name)));
         let names = names.collect::<Vec<_>>().join(", ");
         problems.push(
-            Problem::new(format!(
-                "several skew profiles, of which one is loaded: {names}"
-            ))
-            .help("name a file that holds the one that SKEW_PROFILE loads"),
+            Problem::new(format!("several skew profiles, of which one is loaded: {names}"))
+                .help("name a file that holds the one that SKEW_PROFILE loads"),
         );
     }
     let skew = found.pop();
@@ -73,9 +71,7 @@ fn profiles(file: &str, text: &str) -> Result<Vec<Skew>, Problems> {
         let line = text[span.clone()].trim_start();
         let line = line.strip_prefix(SAVED).unwrap_or(line);
         let line = line.split(['#', ';']).next().unwrap_or("").trim();
-        let section = line
-            .strip_prefix('[')
-            .and_then(|line| line.strip_suffix(']'));
+        let section = line.strip_prefix('[').and_then(|line| line.strip_suffix(']'));
         if let Some(section) = section {
             let name = section.trim().strip_prefix("skew_correction ");
             within = name.is_some();
@@ -131,10 +127,7 @@ impl Reading {
             true => Ok(Skew::none(&self.name).with(self.factors.map(Option::unwrap_or_default))),
             false => Err(Complaint::new(
                 self.span,
-                format!(
-                    "the profile has no {}: Klipper does not start",
-                    missing.join(", ")
-                ),
+                format!("the profile has no {}: Klipper does not start", missing.join(", ")),
                 "state all three factors, 0 where nothing is to be corrected",
             )),
         }
@@ -143,11 +136,7 @@ impl Reading {
 
 fn wrong(line: &str, span: Range<usize>, expected: &str) -> Complaint {
     let message = format!("`{}`, expected {expected}", shown(line));
-    Complaint::new(
-        span,
-        message,
-        "a profile holds xy_skew, xz_skew and yz_skew",
-    )
+    Complaint::new(span, message, "a profile holds xy_skew, xz_skew and yz_skew")
 }
 
 #[cfg(test)]

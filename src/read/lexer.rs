@@ -22,11 +22,7 @@ impl Complaint {
         message: impl Into<String>,
         help: impl Into<String>,
     ) -> Self {
-        Complaint {
-            span,
-            message: message.into(),
-            help: help.into(),
-        }
+        Complaint { span, message: message.into(), help: help.into() }
     }
 }
 
@@ -71,12 +67,7 @@ pub(super) struct Cursor<'a> {
 impl<'a> Cursor<'a> {
     /// The beginning of `span`, where `blanks` separate words and mean nothing else.
     pub(super) fn new(source: &'a str, span: Range<usize>, blanks: &'static [char]) -> Self {
-        Cursor {
-            source,
-            at: span.start,
-            end: span.end,
-            blanks,
-        }
+        Cursor { source, at: span.start, end: span.end, blanks }
     }
 
     /// The text of some bytes.

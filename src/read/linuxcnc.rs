@@ -33,10 +33,7 @@ impl Family for LinuxcncFacts {
         let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
         let read = read(&texts, self)?;
         let notes = read.not_named();
-        Ok(ReadBack {
-            notes,
-            ..Tables::Linuxcnc(read.tables).into()
-        })
+        Ok(ReadBack { notes, ..Tables::Linuxcnc(read.tables).into() })
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
@@ -88,9 +85,7 @@ impl Contents {
     /// What is to be told of files that do nothing.
     pub(crate) fn not_named(&self) -> Vec<Finding> {
         let files = self.unnamed.iter().map(|file| shown(file));
-        files
-            .map(|file| ReadFinding::NotNamed { file }.into())
-            .collect()
+        files.map(|file| ReadFinding::NotNamed { file }.into()).collect()
     }
 }
 
@@ -121,20 +116,13 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
         let Some(path) = joint.comp_file.as_deref() else {
             continue;
         };
-        match others
-            .iter()
-            .find(|(name, _)| file_name(name) == file_name(path))
-        {
+        match others.iter().find(|(name, _)| file_name(name) == file_name(path)) {
             None => problems.push(not_there(*number, path)),
             Some((name, text)) => {
                 named.push(name);
                 let rows = problems.take(comp::rows(name, text, facts));
                 let columns = joint.columns.unwrap_or(Columns::Reached);
-                tables.joints.extend(rows.map(|rows| CompTable {
-                    joint: *number,
-                    columns,
-                    rows,
-                }));
+                tables.joints.extend(rows.map(|rows| CompTable { joint: *number, columns, rows }));
             }
         }
     }
@@ -192,21 +180,14 @@ fn the_ini<'a>(inis: &[&(&'a str, &'a str)]) -> Result<(&'a str, &'a str), Probl
 
 /// Two COMP_FILE of different folders with one name: which of them is meant is not seen here.
 fn ambiguous(ini: &Ini) -> Option<Problem> {
-    let paths: Vec<&str> = ini
-        .joints
-        .values()
-        .flat_map(|joint| joint.comp_file.as_deref())
-        .collect();
+    let paths: Vec<&str> =
+        ini.joints.values().flat_map(|joint| joint.comp_file.as_deref()).collect();
     let twin = |path: &&&str| {
-        paths
-            .iter()
-            .any(|other| other != *path && file_name(other) == file_name(path))
+        paths.iter().any(|other| other != *path && file_name(other) == file_name(path))
     };
     let path = paths.iter().find(twin)?;
-    let message = format!(
-        "two COMP_FILE have the name `{}` in different folders",
-        shown(file_name(path))
-    );
+    let message =
+        format!("two COMP_FILE have the name `{}` in different folders", shown(file_name(path)));
     Some(
         Problem::new(message).help("give the tables different names in the ini file and beside it"),
     )
@@ -218,10 +199,7 @@ fn file_name(path: &str) -> &str {
 }
 
 fn no_ini(texts: &[(&str, &str)]) -> Problem {
-    let names: Vec<String> = texts
-        .iter()
-        .map(|(name, _)| format!("`{}`", shown(name)))
-        .collect();
+    let names: Vec<String> = texts.iter().map(|(name, _)| format!("`{}`", shown(name))).collect();
     Problem::new(format!(
         "no ini file stands beside {}: a table says neither its joint nor its type nor its unit",
         names.join(", ")

@@ -46,11 +46,7 @@ impl PairControl {
         for name in pairs.iter().flat_map(|pair| [&pair.base, &pair.output]) {
             known_axis(state, name)?;
         }
-        Ok(PairControl {
-            pairs,
-            replaces_backlash,
-            state: state.clone(),
-        })
+        Ok(PairControl { pairs, replaces_backlash, state: state.clone() })
     }
 }
 

@@ -46,20 +46,13 @@ impl Family for SiemensFacts {
     /// A rollback holds a control's own tables, with their grids as they were.
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
         let is_rollback = files.iter().all(|file| file.role == Role::Rollback);
-        let writer = if is_rollback {
-            Writer::Rollback
-        } else {
-            Writer::Kit
-        };
+        let writer = if is_rollback { Writer::Rollback } else { Writer::Kit };
         let contents = each(files, |file, text| Reader::new(writer, file, text).strict())?;
-        let data = files
-            .iter()
-            .zip(&contents)
-            .map(|(file, contents)| FileData {
-                path: file.path.to_string(),
-                role: file.role,
-                data: contents.machine_data.clone(),
-            });
+        let data = files.iter().zip(&contents).map(|(file, contents)| FileData {
+            path: file.path.to_string(),
+            role: file.role,
+            data: contents.machine_data.clone(),
+        });
         let machine_data = data.collect();
         let merged = merge(contents)?;
         Ok(ReadBack {
@@ -292,8 +285,7 @@ impl<'a> Reader<'a> {
     fn finish(mut self) -> Result<SiemensContents, Problems> {
         if let Some(variable) = self.memory.waiting() {
             let file = self.file.to_string();
-            self.notes
-                .push(ReadFinding::ActsLater { file, variable }.into());
+            self.notes.push(ReadFinding::ActsLater { file, variable }.into());
         }
         let mut contents = self.memory.finish(&mut self.complaints);
         contents.notes = self.notes;

@@ -25,12 +25,8 @@ pub enum LengthUnit {
 
 impl LengthUnit {
     /// All of them.
-    pub const ALL: [LengthUnit; 4] = [
-        LengthUnit::Um,
-        LengthUnit::Mm,
-        LengthUnit::In,
-        LengthUnit::Uin,
-    ];
+    pub const ALL: [LengthUnit; 4] =
+        [LengthUnit::Um, LengthUnit::Mm, LengthUnit::In, LengthUnit::Uin];
 
     /// Its word in the names of columns and on the command line.
     pub const fn word(self) -> &'static str {
@@ -87,11 +83,7 @@ impl<'a> Line<'a> {
     /// The line with other separators between its columns; a comma is read as a decimal comma where
     /// `decimal_comma` says so.
     pub(crate) const fn separated_by(&self, delimiter: u8, decimal_comma: bool) -> Line<'a> {
-        Line {
-            delimiter,
-            decimal_comma,
-            ..*self
-        }
+        Line { delimiter, decimal_comma, ..*self }
     }
 
     /// What separates its columns.
@@ -144,10 +136,7 @@ impl<'a> Line<'a> {
 
     fn place(&self, span: Range<usize>) -> Place {
         let inside = Place::in_text(self.file, self.text, span.start, span.end);
-        Place {
-            line: self.number,
-            ..inside
-        }
+        Place { line: self.number, ..inside }
     }
 
     /// The place of the whole line.
@@ -159,9 +148,7 @@ impl<'a> Line<'a> {
     pub(crate) fn cell_place(&self, index: usize) -> Place {
         let starts = starts_of(self.text, self.delimiter);
         let start = starts.get(index).copied().unwrap_or(self.text.len());
-        let end = starts
-            .get(index + 1)
-            .map_or(self.text.len(), |next| next - 1);
+        let end = starts.get(index + 1).map_or(self.text.len(), |next| next - 1);
         let cell = &self.text[start.min(end)..end];
         let indent = cell.len() - cell.trim_start().len();
         self.place(start + indent..start + indent + cell.trim().len().max(1))
@@ -214,16 +201,12 @@ pub(crate) struct Cell<'a, 'b> {
 impl Cell<'_, '_> {
     /// A problem that stands here.
     pub(crate) fn problem(&self, message: impl Into<String>, help: &str) -> Problem {
-        Problem::new(message)
-            .at(self.line.cell_place(self.index))
-            .in_column(self.index)
-            .help(help)
+        Problem::new(message).at(self.line.cell_place(self.index)).in_column(self.index).help(help)
     }
 
     /// The finite number of the cell; `expected` is the next step where it is none.
     pub(crate) fn number(&self, expected: &str, problems: &mut Problems) -> Option<f64> {
-        self.line
-            .number_in(self.index, self.text, self.name, expected, problems)
+        self.line.number_in(self.index, self.text, self.name, expected, problems)
     }
 
     /// A number that is not below 0.
@@ -242,18 +225,13 @@ const DECIMAL_COMMA: &str =
     "a decimal comma needs semicolons between the columns; or write a decimal point";
 
 fn number_of(cell: &str, decimal_comma: bool) -> Option<f64> {
-    if decimal_comma {
-        plain_number(&cell.replace(',', "."))
-    } else {
-        plain_number(cell)
-    }
+    if decimal_comma { plain_number(&cell.replace(',', ".")) } else { plain_number(cell) }
 }
 
 /// A finite number of digits, signs, a decimal point and an exponent; no words such as `inf` and `NaN`.
 pub(crate) fn plain_number(text: &str) -> Option<f64> {
-    let plain = text
-        .bytes()
-        .all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
+    let plain =
+        text.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'+' | b'-' | b'.' | b'e' | b'E'));
     let number = text.parse::<f64>().ok();
     let number = number.filter(|number| plain && number.is_finite())?;
     Some(number + 0.0) // −0 becomes 0
@@ -266,11 +244,9 @@ fn wrong_length(row: &Line<'_>, found: usize, expected: usize) -> Problem {
         "every row has as many cells as the header: a cell that may be empty keeps its separator"
     };
     let plural = if found == 1 { "" } else { "s" };
-    Problem::new(format!(
-        "the row has {found} cell{plural}, expected {expected} as in the header"
-    ))
-    .at(row.whole())
-    .help(help)
+    Problem::new(format!("the row has {found} cell{plural}, expected {expected} as in the header"))
+        .at(row.whole())
+        .help(help)
 }
 
 /// Every line of a text; what separates its columns is taken from the line itself: the first of
@@ -279,9 +255,7 @@ pub fn lines(source: &Source) -> impl Iterator<Item = Line<'_>> {
     let numbered = source.text.split('\n').zip(1..);
     numbered.map(|(text, number)| {
         let separators = [b';', b'\t', b','];
-        let found = separators
-            .into_iter()
-            .find(|d| text.contains(char::from(*d)));
+        let found = separators.into_iter().find(|d| text.contains(char::from(*d)));
         let delimiter = found.unwrap_or(b',');
         Line {
             file: &source.name,
@@ -397,11 +371,7 @@ fn refuse_other_first_line(header: &Line<'_>, help: &str) -> Result<(), Problem>
     }
     let message = if header.text.contains('\t') {
         "the columns are separated by tabs, expected commas or semicolons"
-    } else if header
-        .cells()
-        .iter()
-        .any(|cell| cell.parse::<f64>().is_ok())
-    {
+    } else if header.cells().iter().any(|cell| cell.parse::<f64>().is_ok()) {
         "the first line holds numbers, expected the names of the columns"
     } else {
         return Ok(());

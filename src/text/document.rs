@@ -63,8 +63,7 @@ impl Source {
 
     /// The place of bytes of the text.
     pub fn place(&self, span: &Range<usize>) -> Place {
-        self.lines
-            .place(&self.name, &self.text, span.start, span.end)
+        self.lines.place(&self.name, &self.text, span.start, span.end)
     }
 
     /// The place of a key's value, by its dotted path, e.g. `compensation.axes.x.spacing_mm`.
@@ -134,9 +133,7 @@ pub(crate) fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem>
 pub(crate) fn json_page(bytes: &[u8]) -> Result<Value, String> {
     if bytes.len() > LARGEST_PAGE {
         let most = LARGEST_PAGE >> 10;
-        return Err(format!(
-            "it holds more than {most} KiB, too much for a manifest"
-        ));
+        return Err(format!("it holds more than {most} KiB, too much for a manifest"));
     }
     serde_json::from_slice(bytes).map_err(|error| error.to_string())
 }

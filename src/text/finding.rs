@@ -49,11 +49,7 @@ impl Finding {
 
 impl<K: Kind> From<K> for Finding {
     fn from(kind: K) -> Finding {
-        Finding {
-            severity: kind.severity(),
-            words: kind.words(),
-            kind: Arc::new(kind),
-        }
+        Finding { severity: kind.severity(), words: kind.words(), kind: Arc::new(kind) }
     }
 }
 
@@ -166,17 +162,12 @@ mod tests {
 
     #[test]
     fn a_finding_keeps_its_kind_and_says_its_words() {
-        let facts = Found::NoGrid {
-            table: "EXX".to_string(),
-            points: 3,
-        };
+        let facts = Found::NoGrid { table: "EXX".to_string(), points: 3 };
         let finding = Finding::from(facts.clone());
         assert_eq!(finding.to_string(), "table EXX has no grid");
         assert_eq!(finding.severity(), Severity::Doubt);
         assert_eq!(finding.kind(), Some(&facts));
-        let idle = Found::Idle {
-            names: vec!["a".to_string(), "b".to_string()],
-        };
+        let idle = Found::Idle { names: vec!["a".to_string(), "b".to_string()] };
         assert_eq!(Finding::from(idle).to_string(), "a, b are not used");
         assert!(Finding::from(Found::Quiet).severity() < Severity::Doubt);
     }

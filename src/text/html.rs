@@ -88,24 +88,15 @@ mod tests {
 
     #[test]
     fn text_of_others_is_shown_and_not_obeyed() {
-        assert_eq!(
-            escaped("<b a=\"1\">&\u{1b}['"),
-            "&lt;b a=&quot;1&quot;&gt;&amp;�[&#39;"
-        );
+        assert_eq!(escaped("<b a=\"1\">&\u{1b}['"), "&lt;b a=&quot;1&quot;&gt;&amp;�[&#39;");
     }
 
     #[test]
     fn marks_are_elements_and_the_rest_is_text() {
         for (text, html) in [
-            (
-                "run `A<1>.MPF` **now**",
-                "run <code>A&lt;1&gt;.MPF</code> <strong>now</strong>",
-            ),
+            ("run `A<1>.MPF` **now**", "run <code>A&lt;1&gt;.MPF</code> <strong>now</strong>"),
             ("*(of `MD_1`)*: 3", "<em>(of <code>MD_1</code>)</em>: 3"),
-            (
-                "found: ________ µm",
-                "found: <span class=\"blank\">&#160;</span> µm",
-            ),
+            ("found: ________ µm", "found: <span class=\"blank\">&#160;</span> µm"),
             ("[ ] a[0,X]", "<span class=\"box\">&#160;</span> a[0,X]"),
             ("2 * 3 ` **4", "2 * 3 ` **4"),
             ("`<**`*</i>*", "<code>&lt;**</code><em>&lt;/i&gt;</em>"),

@@ -58,18 +58,10 @@ fn window(line: &str, column: usize) -> (String, usize) {
     if line.chars().nth(LONGEST_LINE).is_none() {
         return (line.to_string(), 0);
     }
-    let skipped = if column <= LONGEST_LINE / 2 {
-        0
-    } else {
-        column - LONGEST_LINE / 4
-    };
+    let skipped = if column <= LONGEST_LINE / 2 { 0 } else { column - LONGEST_LINE / 4 };
     let start = byte_of_column(line, skipped + 1);
     let part = cut(&line[start..], LONGEST_LINE);
-    if skipped == 0 {
-        (part, 0)
-    } else {
-        (format!("…{part}"), skipped - 1)
-    }
+    if skipped == 0 { (part, 0) } else { (format!("…{part}"), skipped - 1) }
 }
 
 /// Where the lines of one text begin, for places in it: how many end in each block of bytes before
@@ -260,17 +252,11 @@ impl Problem {
 }
 
 fn bounded(sentence: String) -> String {
-    if sentence.len() <= LONGEST_SENTENCE {
-        sentence
-    } else {
-        cut(&sentence, LONGEST_SENTENCE)
-    }
+    if sentence.len() <= LONGEST_SENTENCE { sentence } else { cut(&sentence, LONGEST_SENTENCE) }
 }
 
 fn byte_of_column(text: &str, column: usize) -> usize {
-    text.char_indices()
-        .nth(column - 1)
-        .map_or(text.len(), |(at, _)| at)
+    text.char_indices().nth(column - 1).map_or(text.len(), |(at, _)| at)
 }
 
 /// One problem, and where else the same one stands.
@@ -314,11 +300,7 @@ impl Kept {
             return;
         };
         let own = self.problem.place.as_ref().map(|place| place.line);
-        if own
-            .into_iter()
-            .chain(self.lines.last().copied())
-            .any(|line| line == place.line)
-        {
+        if own.into_iter().chain(self.lines.last().copied()).any(|line| line == place.line) {
             return;
         }
         self.is_shifted |= self.problem.message != other.problem.message;
@@ -337,10 +319,9 @@ impl Kept {
             0 => None,
             1 => Some(format!("the same in line {}", lines.join(", "))),
             more if more == lines.len() => Some(format!("the same in lines {}", lines.join(", "))),
-            more => Some(format!(
-                "the same in {more} more lines, the next are {}",
-                lines.join(", ")
-            )),
+            more => {
+                Some(format!("the same in {more} more lines, the next are {}", lines.join(", ")))
+            }
         };
         let look = "; compare the cells of these rows with the header";
         let look = if self.is_shifted { look } else { "" };
@@ -435,11 +416,7 @@ impl Problems {
 
     /// `Ok` with the value if there is no problem.
     pub(crate) fn or_ok<T>(self, value: T) -> Result<T, Problems> {
-        if self.is_empty() {
-            Ok(value)
-        } else {
-            Err(self)
-        }
+        if self.is_empty() { Ok(value) } else { Err(self) }
     }
 
     /// All problems as a person reads them, a blank line between.
@@ -514,10 +491,7 @@ mod tests {
         all.extend(problems);
         let shown = all.render();
         assert_eq!(shown.matches("`um` is empty").count(), 1, "{shown}");
-        assert!(
-            shown.contains("the same in 800 more lines, the next are 2, 3, 4"),
-            "{shown}"
-        );
+        assert!(shown.contains("the same in 800 more lines, the next are 2, 3, 4"), "{shown}");
     }
 
     #[test]
@@ -538,10 +512,7 @@ mod tests {
 
     #[test]
     fn a_long_text_is_cut_in_a_sentence() {
-        assert_eq!(
-            shown(&"x".repeat(3_000_000)).chars().count(),
-            LONGEST_QUOTE + 1
-        );
+        assert_eq!(shown(&"x".repeat(3_000_000)).chars().count(), LONGEST_QUOTE + 1);
         assert_eq!(shown("short"), "short");
         let message = Problem::new("x".repeat(3_000_000)).message;
         assert_eq!(message.chars().count(), LONGEST_SENTENCE + 1);
@@ -551,14 +522,7 @@ mod tests {
     fn line_ends_are_counted_once_for_all_places_of_a_text() {
         let text = "ä,1\r\n".repeat(3 * INDEX_BLOCK);
         let index = LineIndex::default();
-        for line in [
-            0,
-            1,
-            2,
-            INDEX_BLOCK,
-            2 * INDEX_BLOCK + 1,
-            3 * INDEX_BLOCK - 1,
-        ] {
+        for line in [0, 1, 2, INDEX_BLOCK, 2 * INDEX_BLOCK + 1, 3 * INDEX_BLOCK - 1] {
             let start = line * "ä,1\r\n".len() + "ä,".len();
             let place = index.place("a.csv", &text, start, start + 1);
             assert_eq!((place.line, place.column, place.width), (line + 1, 3, 1));

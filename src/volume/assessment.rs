@@ -81,9 +81,7 @@ pub fn assess(model: &VolumeModel, grid: &Grid, request: &Request) -> Result<Ass
     let nodes = grid.nodes();
     let map = model.map(nodes).ok_or_else(no_map)?;
     let definitions = definitions(model, &map);
-    let windows = request
-        .window_mm
-        .map(|size| grid::windows(model, grid, size));
+    let windows = request.window_mm.map(|size| grid::windows(model, grid, size));
     let histogram = request.histogram_um.map(|bin| histogram(&map, bin));
     let grouping = request.grouping.map(|angular| Baseline::of(&map, angular));
     Ok(Assessment {
@@ -126,25 +124,15 @@ const SEED: u64 = 1;
 fn histogram(map: &ErrorMap, bin_um: f64) -> Result<Histogram, Problem> {
     let pairs = histogram::pairs(map.count());
     let too_fine = || {
-        Problem::new(format!(
-            "bins of {bin_um} µm are too narrow for this volume"
-        ))
-        .help("choose wider ones: at most 4095 are counted")
+        Problem::new(format!("bins of {bin_um} µm are too narrow for this volume"))
+            .help("choose wider ones: at most 4095 are counted")
     };
     let vectors = map.vectors();
     if pairs <= histogram::EXACT_PAIRS {
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let counts = histogram::exact(&vectors.vectors(), bin_um, threads);
-        let counts = counts
-            .ok_or_else(too_fine)?
-            .into_iter()
-            .map(|n| Some(n as f64));
-        return Ok(Histogram {
-            bin_um,
-            counts: counts.collect(),
-            pairs,
-            sampled: None,
-        });
+        let counts = counts.ok_or_else(too_fine)?.into_iter().map(|n| Some(n as f64));
+        return Ok(Histogram { bin_um, counts: counts.collect(), pairs, sampled: None });
     }
     let estimate = estimate(vectors, bin_um, DRAWN, SEED).ok_or_else(too_fine)?;
     Ok(Histogram {
@@ -190,10 +178,7 @@ impl Baseline {
             ))
             .help("use fewer nodes with `--grid`, or leave `--grouping` out"));
         }
-        let tolerance = Tolerance {
-            angular,
-            magnitude: MAGNITUDE,
-        };
+        let tolerance = Tolerance { angular, magnitude: MAGNITUDE };
         let vectors = map.vectors();
         let found = grouping(&vectors.vectors(), tolerance);
         let place = |number: usize| map.place(vectors.node(number));

@@ -55,9 +55,7 @@ impl ByComponent {
             elv: root_of_squares(Axis::ALL.map(|axis| own(axis).map(range))),
             elsv: by_direction(range),
             existing: nine(high).zip(nine(low)).map(|(a, b)| a + b),
-            proposed: by_direction(high)
-                .zip(by_direction(low))
-                .map(|(a, b)| a + b),
+            proposed: by_direction(high).zip(by_direction(low)).map(|(a, b)| a + b),
         }
     }
 }
@@ -110,10 +108,8 @@ pub struct Definitions {
 pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
     let origin_mm = model.lever_origin();
     let at_origin = model.error_at(origin_mm);
-    let (mut low, mut high) = (
-        PerAxis::from_fn(|_| f64::INFINITY),
-        PerAxis::from_fn(|_| f64::NEG_INFINITY),
-    );
+    let (mut low, mut high) =
+        (PerAxis::from_fn(|_| f64::INFINITY), PerAxis::from_fn(|_| f64::NEG_INFINITY));
     let mut from_origin_um = 0.0_f64;
     for (_, error) in map.points() {
         low = PerAxis::from_fn(|axis| low[axis].min(error[axis]));
@@ -217,11 +213,7 @@ fn along(model: &VolumeModel, diagonal: Diagonal, t: f64) -> f64 {
     }
     let way = PerAxis::from_fn(|axis| diagonal.sign(axis) * size[axis]);
     let place = PerAxis::from_fn(|axis| {
-        let travelled = if diagonal.sign(axis) > 0.0 {
-            t
-        } else {
-            1.0 - t
-        };
+        let travelled = if diagonal.sign(axis) > 0.0 { t } else { 1.0 - t };
         model.range(axis).0 + travelled * size[axis]
     });
     model.error_at(place).dot(way) / length
@@ -252,13 +244,7 @@ pub struct LengthError {
 pub(crate) fn length_error(map: &ErrorMap) -> LengthError {
     let exact = map.count() <= MOST_NODES;
     let counts = map.counts();
-    let kept = PerAxis::from_fn(|axis| {
-        if exact {
-            counts[axis]
-        } else {
-            counts[axis].min(KEPT)
-        }
-    });
+    let kept = PerAxis::from_fn(|axis| if exact { counts[axis] } else { counts[axis].min(KEPT) });
     let number = |index: usize, kept: usize, count: usize| match kept {
         0 | 1 => 0,
         _ => index * (count - 1) / (kept - 1),

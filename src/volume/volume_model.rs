@@ -95,10 +95,8 @@ impl VolumeModel {
     /// The model of a job's measured errors. Angles need the chain.
     pub fn build(job: &Job, model: &ErrorModel) -> Result<VolumeModel, Problems> {
         let has_angles = model.rotations.iter().any(|(_, angle)| angle.is_some());
-        let Some(chain) = job
-            .machine
-            .chain
-            .or((!has_angles).then_some(Chain::ALL_AXES_MOVE_THE_TOOL))
+        let Some(chain) =
+            job.machine.chain.or((!has_angles).then_some(Chain::ALL_AXES_MOVE_THE_TOOL))
         else {
             return Err(job
                 .problem_at("machine", "angles act through levers, which need the order of the axes: `machine.chain` is missing")
@@ -136,10 +134,7 @@ impl VolumeModel {
     /// while measuring); judged over the range that was measured.
     #[must_use]
     pub(crate) fn with_errors_of(&self, model: &ErrorModel) -> VolumeModel {
-        VolumeModel {
-            deviations: self.deviations(model),
-            ..self.clone()
-        }
+        VolumeModel { deviations: self.deviations(model), ..self.clone() }
     }
 
     /// The curves of a model without stated squareness, with the levers of optics. The mean of two
@@ -214,18 +209,12 @@ impl VolumeModel {
             let stated = self.squareness.iter();
             let lines = stated.filter(|s| s.term == term && keep(Component::Squareness(term)));
             let lines = lines.map(|s| &s.line);
-            kept.into_iter()
-                .chain(lines)
-                .map(|curve| curve.at(at).um())
-                .sum()
+            kept.into_iter().chain(lines).map(|curve| curve.at(at).um()).sum()
         });
         AxisState {
             position_mm,
-            deviation_um: deviation.plus(
-                rotation_of(&self.rotations)
-                    .cross(tool)
-                    .times(1.0 / MM_PER_M),
-            ),
+            deviation_um: deviation
+                .plus(rotation_of(&self.rotations).cross(tool).times(1.0 / MM_PER_M)),
             rotation_urad: rotation_of(&self.swings),
             arm_mm: unit(axis).times(position_mm - self.origin[axis]),
         }
@@ -317,8 +306,7 @@ pub(crate) fn error_of(first: &AxisState, second: &AxisState, third: &AxisState)
     let sum = first.deviation_um.plus(second.deviation_um);
     let swung = first.rotation_urad.cross(second.arm_mm.plus(third.arm_mm));
     let swung = swung.plus(second.rotation_urad.cross(third.arm_mm));
-    sum.plus(third.deviation_um)
-        .plus(swung.times(1.0 / MM_PER_M))
+    sum.plus(third.deviation_um).plus(swung.times(1.0 / MM_PER_M))
 }
 
 /// The lines of stated squareness, each over the range in which its term was measured.

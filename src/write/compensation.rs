@@ -81,8 +81,7 @@ fn active_note(active: &ActiveTables) -> Option<TableFinding> {
 /// Axes of which the tables replace a backlash parameter that counts as 0 while measuring.
 fn counted_as_zero(job: &Job, plan: &Plan) -> Vec<Axis> {
     let axes = Axis::ALL.into_iter();
-    axes.filter(|axis| plan.sets_backlash(*axis) && counts_as_zero(job, *axis))
-        .collect()
+    axes.filter(|axis| plan.sets_backlash(*axis) && counts_as_zero(job, *axis)).collect()
 }
 
 /// What `"none"` says of the backlash parameters that the tables replace.

@@ -102,10 +102,7 @@ pub(crate) fn stated_control(
             rest: Millimetres::new(rest[axis]),
         }));
     }
-    ControlState {
-        unit: job.compensation.control_unit,
-        axes,
-    }
+    ControlState { unit: job.compensation.control_unit, axes }
 }
 
 /// The deviations that a column for one direction cancels: the table for its direction, and for an axis whose
@@ -124,15 +121,9 @@ pub(crate) fn column(
         ..axis.clone()
     });
     let by_parameter = parameter.map_or(Deviation::ZERO, |axis| -axis.backlash(direction));
-    let values = plan
-        .tables
-        .iter()
-        .find(acts)
-        .map(|table| table.values.iter());
+    let values = plan.tables.iter().find(acts).map(|table| table.values.iter());
     let values = values.into_iter().flatten();
-    values
-        .map(|value| Deviation::from_um(value.um() + by_parameter.um()))
-        .collect()
+    values.map(|value| Deviation::from_um(value.um() + by_parameter.um())).collect()
 }
 
 /// What the backlash parameter of an axis has to be: −B as `named`, 0 beside two tables, or as it was.
@@ -158,10 +149,7 @@ pub(crate) fn backlash_parameter(
             SeenTo::Before,
         ),
     };
-    Precondition {
-        when,
-        ..Precondition::new(what, value, why, source)
-    }
+    Precondition { when, ..Precondition::new(what, value, why, source) }
 }
 
 /// A backlash parameter in micrometres as it is named: to a tenth of one.

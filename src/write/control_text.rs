@@ -67,15 +67,8 @@ pub(crate) fn ascii(text: &str) -> Cow<'_, str> {
 }
 
 fn without_umlauts(text: &str) -> String {
-    const PAIRS: [(char, &str); 7] = [
-        ('ä', "ae"),
-        ('ö', "oe"),
-        ('ü', "ue"),
-        ('ß', "ss"),
-        ('Ä', "Ae"),
-        ('Ö', "Oe"),
-        ('Ü', "Ue"),
-    ];
+    const PAIRS: [(char, &str); 7] =
+        [('ä', "ae"), ('ö', "oe"), ('ü', "ue"), ('ß', "ss"), ('Ä', "Ae"), ('Ö', "Oe"), ('Ü', "Ue")];
     const TWO_CHARACTERS: [(&str, &str); 6] = [
         ("a\u{308}", "ä"),
         ("o\u{308}", "ö"),

@@ -37,14 +37,8 @@ impl Family for DeclaredFacts {
     /// Positions are in the unit of the profile, whatever the control is in.
     fn length_digit(&self, _unit: ControlUnit) -> LengthDigit {
         match self.millimetre_decimals() {
-            Some(decimals) => LengthDigit {
-                unit: ControlUnit::Millimetre,
-                decimals,
-            },
-            None => LengthDigit {
-                unit: ControlUnit::Inch,
-                decimals: self.position_decimals.value,
-            },
+            Some(decimals) => LengthDigit { unit: ControlUnit::Millimetre, decimals },
+            None => LengthDigit { unit: ControlUnit::Inch, decimals: self.position_decimals.value },
         }
     }
 
@@ -77,9 +71,7 @@ impl Family for DeclaredFacts {
         let all = |_: &PlannedTable| true;
         let cancels = |planned: &PlannedTable, way| {
             let replaced = self.replaces_backlash() && planned.term.is_positioning();
-            let axis = plan.names[planned.term.of]
-                .first()
-                .and_then(|own| state.axis(own));
+            let axis = plan.names[planned.term.of].first().and_then(|own| state.axis(own));
             column(plan, planned.term, axis.filter(|_| replaced), way)
         };
         let tables = self.tables(plan, all, cancels);
@@ -247,13 +239,9 @@ impl DeclaredFacts {
         let mut problems = Problems::none();
         let most = self.largest_value.value;
         for table in tables {
-            let numbers = table
-                .points
-                .iter()
-                .flat_map(|point| [Some(point.forward), point.reverse]);
-            let largest = numbers
-                .flatten()
-                .fold(0.0_f64, |most, number| most.max(number.abs()));
+            let numbers =
+                table.points.iter().flat_map(|point| [Some(point.forward), point.reverse]);
+            let largest = numbers.flatten().fold(0.0_f64, |most, number| most.max(number.abs()));
             if largest > most {
                 let largest = fixed(largest, self.decimals());
                 let message = format!(
@@ -360,8 +348,7 @@ impl DeclaredFacts {
     fn seen(&self, task: Task<'_>, tables: &[DeclaredTable]) -> Value {
         let listed = |is_own: bool| {
             let own = tables.iter().filter(|table| table.is_own() == is_own);
-            own.map(|table| self.seen_table(table))
-                .collect::<Vec<Value>>()
+            own.map(|table| self.seen_table(table)).collect::<Vec<Value>>()
         };
         let mut axes: Vec<&str> = Vec::new();
         for table in tables {
@@ -371,11 +358,8 @@ impl DeclaredFacts {
         }
         let axis = |name: &&str| {
             let of_axis = |is_own: bool| {
-                let own = tables
-                    .iter()
-                    .filter(|own| own.output == *name && own.is_own() == is_own);
-                own.map(|table| self.seen_table(table))
-                    .collect::<Vec<Value>>()
+                let own = tables.iter().filter(|own| own.output == *name && own.is_own() == is_own);
+                own.map(|table| self.seen_table(table)).collect::<Vec<Value>>()
             };
             json!({ "name": name, "own": of_axis(true), "cross": of_axis(false) })
         };
@@ -409,10 +393,7 @@ impl DeclaredFacts {
             })
         };
         let places: Vec<f64> = table.points.iter().map(|point| point.position).collect();
-        let spacing = places
-            .get(1)
-            .zip(places.first())
-            .map_or(0.0, |(b, a)| b - a);
+        let spacing = places.get(1).zip(places.first()).map_or(0.0, |(b, a)| b - a);
         let end = |place: Option<&f64>| place.map_or(String::new(), |place| position(*place));
         json!({
             "base": table.base,

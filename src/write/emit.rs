@@ -71,21 +71,17 @@ fn items<'a>(context: &'a Value, file: &EmittedFile) -> Vec<(String, &'a Value)>
 fn unknown_lists(context: &Context, file: &EmittedFile) -> impl Iterator<Item = Problem> {
     let asked = [("each", &file.each), ("when", &file.when)].into_iter();
     let asked = asked.filter_map(|(key, list)| Some((key, list.as_deref()?)));
-    asked
-        .filter(|(_, list)| !context.0[list].is_array())
-        .map(|(key, list)| {
-            let message = format!(
-                "`{key} = \"{}\"` of `{}`: this control has no such list",
-                shown(list),
-                shown(&file.path)
-            );
-            let lists = context.0.as_object().into_iter().flatten();
-            let lists: Vec<&str> = lists
-                .filter(|(_, value)| value.is_array())
-                .map(|(name, _)| name.as_str())
-                .collect();
-            Problem::new(message).help(format!("its lists: {}", lists.join(", ")))
-        })
+    asked.filter(|(_, list)| !context.0[list].is_array()).map(|(key, list)| {
+        let message = format!(
+            "`{key} = \"{}\"` of `{}`: this control has no such list",
+            shown(list),
+            shown(&file.path)
+        );
+        let lists = context.0.as_object().into_iter().flatten();
+        let lists: Vec<&str> =
+            lists.filter(|(_, value)| value.is_array()).map(|(name, _)| name.as_str()).collect();
+        Problem::new(message).help(format!("its lists: {}", lists.join(", ")))
+    })
 }
 
 /// The name of the file of an item.
@@ -96,16 +92,8 @@ fn path_of(file: &EmittedFile, item: &Value) -> Option<String> {
 
 /// What the templates of a control see.
 pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems> {
-    let own = Instead {
-        names_terms: true,
-        ..Instead::default()
-    };
-    let context = context_of(&Emitted {
-        task,
-        compiled,
-        tables: &compiled.tables,
-        instead: &own,
-    })?;
+    let own = Instead { names_terms: true, ..Instead::default() };
+    let context = context_of(&Emitted { task, compiled, tables: &compiled.tables, instead: &own })?;
     if task.profile.comments.value.are_allowed() {
         refuse_unsafe_text(task)?;
     }
@@ -203,9 +191,7 @@ fn comment_texts(job: &Job) -> impl Iterator<Item = (&'static str, &str)> {
         ("machine.serial", machine.serial.as_deref()),
         ("measurement.date", job.measurement.date.as_deref()),
     ];
-    texts
-        .into_iter()
-        .filter_map(|(key, text)| Some((key, text?)))
+    texts.into_iter().filter_map(|(key, text)| Some((key, text?)))
 }
 
 /// Names that stand in the control's files in other letters than in the job.
@@ -283,11 +269,8 @@ fn checklist_context(
 }
 
 fn tera_context(context: &impl Serialize) -> Result<tera::Context, Problem> {
-    let refuse = |error| {
-        Problem::new(format!(
-            "the context of the templates cannot be made: {error}"
-        ))
-    };
+    let refuse =
+        |error| Problem::new(format!("the context of the templates cannot be made: {error}"));
     tera::Context::from_serialize(context).map_err(refuse)
 }
 
@@ -354,14 +337,6 @@ fn encoded(text: String, encoding: Encoding) -> Vec<u8> {
 }
 
 fn with_line_ends(text: String, line_end: &str) -> String {
-    let text = if text.contains('\r') {
-        text.replace("\r\n", "\n")
-    } else {
-        text
-    };
-    if line_end == "\n" {
-        text
-    } else {
-        text.replace('\n', line_end)
-    }
+    let text = if text.contains('\r') { text.replace("\r\n", "\n") } else { text };
+    if line_end == "\n" { text } else { text.replace('\n', line_end) }
 }

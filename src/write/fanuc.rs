@@ -26,9 +26,7 @@ impl Family for FanucFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
         let is_number = name.chars().all(|c| c.is_ascii_digit()) && !name.starts_with('0');
         let number: Option<u32> = name.parse().ok().filter(|_| is_number);
-        number
-            .is_none_or(|n| n > 99)
-            .then_some("the number of a controlled axis, e.g. \"1\"")
+        number.is_none_or(|n| n > 99).then_some("the number of a controlled axis, e.g. \"1\"")
     }
 
     fn length_digit(&self, unit: ControlUnit) -> LengthDigit {
@@ -73,13 +71,8 @@ impl Family for FanucFacts {
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         let mut problems = Problems::none();
-        let mut space = Space::reserving(
-            task.job
-                .compensation
-                .reserved_points
-                .as_deref()
-                .unwrap_or_default(),
-        );
+        let mut space =
+            Space::reserving(task.job.compensation.reserved_points.as_deref().unwrap_or_default());
         let runs = numbers::runs(task, plan, self, &mut space, &mut problems);
         let mut out = Writer {
             task,
@@ -191,10 +184,7 @@ fn context(memory: &FanucMemory, facts: &FanucFacts) -> Value {
 }
 
 fn digits(number: u32, facts: &FanucFacts) -> String {
-    format!(
-        "{number:0width$}",
-        width = facts.number_digits.value as usize
-    )
+    format!("{number:0width$}", width = facts.number_digits.value as usize)
 }
 
 fn text(value: ParameterValue) -> String {
@@ -203,11 +193,7 @@ fn text(value: ParameterValue) -> String {
         ParameterValue::Bits(bits) => format!("{bits:08b}"),
         ParameterValue::Real(real) => {
             let text = format!("{}", real + 0.0);
-            if text.contains('.') {
-                text
-            } else {
-                format!("{text}.0")
-            }
+            if text.contains('.') { text } else { format!("{text}.0") }
         }
     }
 }

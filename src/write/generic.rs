@@ -33,10 +33,7 @@ impl Family for GenericFacts {
 
     /// Positions are in mm whatever the control is in.
     fn length_digit(&self, _unit: ControlUnit) -> LengthDigit {
-        LengthDigit {
-            unit: ControlUnit::Millimetre,
-            decimals: POSITION_DECIMALS,
-        }
+        LengthDigit { unit: ControlUnit::Millimetre, decimals: POSITION_DECIMALS }
     }
 
     /// Increments are zero at the reference and do not hold what a second table has there.
@@ -72,9 +69,7 @@ impl Family for GenericFacts {
         Ok(Compiled {
             tables: Tables::Generic(GenericTable { rows }),
             placements,
-            state: control_state(task, plan, |axis| {
-                plan.backlash_um[axis].map_or(0.0, backlash)
-            }),
+            state: control_state(task, plan, |axis| plan.backlash_um[axis].map_or(0.0, backlash)),
             assumptions: Vec::new(),
             preconditions: preconditions(task, plan),
             notes: Vec::new(),
@@ -127,10 +122,9 @@ const DUST_DECIMALS: u32 = 9;
 
 fn rounded(value: Deviation, unit_um: Option<f64>) -> Deviation {
     match unit_um {
-        Some(unit) => Deviation::from_um(units::rounded(
-            (value.um() / unit).round() * unit,
-            DUST_DECIMALS,
-        )),
+        Some(unit) => {
+            Deviation::from_um(units::rounded((value.um() / unit).round() * unit, DUST_DECIMALS))
+        }
         None => value,
     }
 }

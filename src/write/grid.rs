@@ -128,10 +128,7 @@ impl Span {
 
     /// Indices that cover the span with a spacing, but for [`SHORT_MM`].
     fn indices(self, spacing_mm: f64) -> (i64, i64) {
-        (
-            -steps(self.below, spacing_mm),
-            steps(self.above, spacing_mm),
-        )
+        (-steps(self.below, spacing_mm), steps(self.above, spacing_mm))
     }
 
     fn count(self, spacing_mm: f64) -> i64 {
@@ -177,9 +174,8 @@ pub(crate) fn with_spacing(
             .unwrap_or(first);
     }
     if let Some(end) = settings.end_mm {
-        last = problems
-            .take(on_grid(job, &path("end_mm"), machine, spacing_mm, end))
-            .unwrap_or(last);
+        last =
+            problems.take(on_grid(job, &path("end_mm"), machine, spacing_mm, end)).unwrap_or(last);
     }
     if first > 0 || last < 0 {
         let key = if first > 0 { "start_mm" } else { "end_mm" };
@@ -197,13 +193,7 @@ pub(crate) fn with_spacing(
             .help("use a smaller spacing"),
         );
     }
-    problems.or_ok(Grid {
-        reference: machine.reference,
-        spacing_digits,
-        digit,
-        first,
-        last,
-    })
+    problems.or_ok(Grid { reference: machine.reference, spacing_digits, digit, first, last })
 }
 
 /// A spacing in last digits of the control, rounded up: the table then never ends before the
@@ -211,11 +201,7 @@ pub(crate) fn with_spacing(
 fn digits_of(spacing_mm: f64, digit: LengthDigit) -> i64 {
     let digits = spacing_mm / digit.mm();
     let near = digits.round();
-    if (digits - near).abs() <= ON_GRID {
-        whole(near)
-    } else {
-        whole(digits.ceil())
-    }
+    if (digits - near).abs() <= ON_GRID { whole(near) } else { whole(digits.ceil()) }
 }
 
 fn written_mm(spacing_digits: i64, digit: LengthDigit) -> f64 {
@@ -223,10 +209,7 @@ fn written_mm(spacing_digits: i64, digit: LengthDigit) -> f64 {
 }
 
 /// A number that was rounded, far below 2^52; NaN and infinity saturate.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "the number was rounded and is far below 2^52"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "the number was rounded and is far below 2^52")]
 pub(crate) fn whole(rounded: f64) -> i64 {
     rounded as i64
 }
@@ -265,11 +248,7 @@ pub(crate) fn with_points(
     let span = Span::of(machine);
     let wanted = i64::from(points);
     let fits = |step: i64| span.count(spacing_of(step)) <= wanted;
-    let longest = whole(
-        ((span.below + span.above) / SPACING_STEP_MM)
-            .ceil()
-            .max(1.0),
-    );
+    let longest = whole(((span.below + span.above) / SPACING_STEP_MM).ceil().max(1.0));
     if !fits(longest) {
         return Err(Problem::new(format!(
             "{points} points cannot be anchored on the reference {} mm and cover the travel on both sides",
@@ -343,37 +322,25 @@ mod tests {
         }
     }
 
-    const MICRON: LengthDigit = LengthDigit {
-        unit: ControlUnit::Millimetre,
-        decimals: 3,
-    };
+    const MICRON: LengthDigit = LengthDigit { unit: ControlUnit::Millimetre, decimals: 3 };
 
     #[test]
     fn thirty_one_points_on_900_mm_are_30_mm_apart() {
         let grid = with_points(axis(0.0, 900.0, 0.0), MICRON, 31).expect("31 points fit");
-        assert_eq!(
-            (grid.spacing_digits, grid.first, grid.last),
-            (30_000, 0, 30)
-        );
+        assert_eq!((grid.spacing_digits, grid.first, grid.last), (30_000, 0, 30));
     }
 
     #[test]
     fn a_reference_inside_the_travel_is_a_point() {
         let grid = with_points(axis(0.0, 900.0, 100.0), MICRON, 10).expect("10 points fit");
         // 100 mm below: 1 step; 800 mm above: 8 steps of 100 mm.
-        assert_eq!(
-            (grid.spacing_digits, grid.first, grid.last),
-            (100_000, -1, 8)
-        );
+        assert_eq!((grid.spacing_digits, grid.first, grid.last), (100_000, -1, 8));
     }
 
     #[test]
     fn as_many_points_as_asked_for_even_where_fewer_would_do() {
         let grid = with_points(axis(-10.0, 10.0, 0.0), MICRON, 4).expect("4 points fit");
-        assert_eq!(
-            (grid.spacing_digits, grid.first, grid.last),
-            (10_000, -1, 2)
-        );
+        assert_eq!((grid.spacing_digits, grid.first, grid.last), (10_000, -1, 2));
     }
 
     #[test]
@@ -400,9 +367,6 @@ mod tests {
     #[test]
     fn seven_does_not_divide_900() {
         let grid = with_points(axis(0.0, 900.0, 0.0), MICRON, 8).expect("8 points fit");
-        assert_eq!(
-            grid.spacing_digits, 128_572,
-            "900 / 7 = 128.571…, rounded up"
-        );
+        assert_eq!(grid.spacing_digits, 128_572, "900 / 7 = 128.571…, rounded up");
     }
 }

@@ -36,10 +36,7 @@ impl Family for IsgFacts {
 
     /// Positions are in mm whatever the control is in.
     fn length_digit(&self, _unit: ControlUnit) -> LengthDigit {
-        LengthDigit {
-            unit: ControlUnit::Millimetre,
-            decimals: self.position_decimals.value,
-        }
+        LengthDigit { unit: ControlUnit::Millimetre, decimals: self.position_decimals.value }
     }
 
     fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
@@ -58,12 +55,7 @@ impl Family for IsgFacts {
         let notes = self.notes(task, &angles).map(Into::into).collect();
         curves.extend(angles);
         curves.sort_by_key(|curve| curve.parameter);
-        let tables = IsgTables {
-            axes,
-            chain: chain(task).order(),
-            curves,
-            ..IsgTables::NONE
-        };
+        let tables = IsgTables { axes, chain: chain(task).order(), curves, ..IsgTables::NONE };
         let count_um = UM_PER_MM / power_of_ten(self.value_decimals.value);
         let placed = plan.tables.iter();
         let placed = placed.map(|planned| Placement::of(planned, place(planned), count_um));
@@ -112,20 +104,11 @@ impl Family for IsgFacts {
             let has_bump = curve.parameter == Parameter::Deviation(proof.term);
             let deviations = proof.deviations(has_bump, curve.points.len());
             let points = curve.points.iter().zip(deviations);
-            let point = |(point, d): (&Point, Deviation)| Point {
-                value: self.value(d),
-                ..*point
-            };
-            Curve {
-                points: points.map(point).collect(),
-                ..curve.clone()
-            }
+            let point = |(point, d): (&Point, Deviation)| Point { value: self.value(d), ..*point };
+            Curve { points: points.map(point).collect(), ..curve.clone() }
         });
         let curves = of_kit.collect();
-        Some(Tables::Isg(IsgTables {
-            curves,
-            ..kit.clone()
-        }))
+        Some(Tables::Isg(IsgTables { curves, ..kit.clone() }))
     }
 }
 
@@ -143,9 +126,7 @@ impl IsgFacts {
         let arm = self.arm(task, along);
         let of_rotation = |about| {
             let parameter = Parameter::Angle(Rotation { about, along });
-            angles
-                .iter()
-                .find(move |curve| curve.parameter == parameter)
+            angles.iter().find(move |curve| curve.parameter == parameter)
         };
         let curves = PerAxis::from_fn(of_rotation);
         let swung = |index: usize| {
@@ -161,10 +142,7 @@ impl IsgFacts {
             position: grid.written(at),
             value: self.value(Deviation::from_um(value.um() - swung(index))),
         });
-        Curve {
-            parameter: Parameter::Deviation(planned.term),
-            points: points.collect(),
-        }
+        Curve { parameter: Parameter::Deviation(planned.term), points: points.collect() }
     }
 
     /// The lever of the angles of an axis while the others rest, as the control counts it, mm.
@@ -194,9 +172,8 @@ impl IsgFacts {
             let Some((curve, grid)) = measured.zip(plan.grids[along]) else {
                 continue;
             };
-            let places: Vec<Millimetres> = (grid.first..=grid.last)
-                .map(|at| grid.position(at))
-                .collect();
+            let places: Vec<Millimetres> =
+                (grid.first..=grid.last).map(|at| grid.position(at)).collect();
             let urad: Vec<Deviation> = places.iter().map(|at| curve.at(*at)).collect();
             let table = ErrorCurve::through(&places, &urad, Interpolation::Linear);
             let table = match zeros[along] {
@@ -209,10 +186,7 @@ impl IsgFacts {
                 let position = grid.written(at);
                 Point { position, value }
             });
-            angles.push(Curve {
-                parameter: Parameter::Angle(rotation),
-                points: points.collect(),
-            });
+            angles.push(Curve { parameter: Parameter::Angle(rotation), points: points.collect() });
         }
         match angles.is_empty() || task.job.machine.chain.is_some() {
             true => Ok(angles),

@@ -37,10 +37,7 @@ impl Family for KlipperFacts {
     }
 
     fn length_digit(&self, _unit: ControlUnit) -> LengthDigit {
-        LengthDigit {
-            unit: ControlUnit::Millimetre,
-            decimals: 6,
-        }
+        LengthDigit { unit: ControlUnit::Millimetre, decimals: 6 }
     }
 
     fn refuses(&self, term: ErrorTerm) -> Option<&'static str> {
@@ -64,10 +61,7 @@ impl Family for KlipperFacts {
             planned.map_or(0.0, |planned| self.factor(slope(planned)))
         };
         let skew = Skew::none(NAME).with(FACTORS.map(|(term, _)| factor(term)));
-        let placed = plan
-            .tables
-            .iter()
-            .map(|planned| self.placement(task, planned));
+        let placed = plan.tables.iter().map(|planned| self.placement(task, planned));
         Ok(Compiled {
             placements: placed.collect(),
             notes: shifts(task, self, &skew).map(Into::into).collect(),
@@ -130,12 +124,7 @@ impl KlipperFacts {
             let way = place - planned.grid.reference;
             Deviation::from_um(slope(planned).um() * way.mm())
         };
-        let ends = Nodes {
-            first: low,
-            step: high - low,
-            count: 2,
-            reference_node: 0,
-        };
+        let ends = Nodes { first: low, step: high - low, count: 2, reference_node: 0 };
         let count_um = far * UM_PER_MM / power_of_ten(self.value_decimals.value);
         Placement {
             points: ends.count,
@@ -178,9 +167,7 @@ fn shifts<'a>(
     let x = added(skew.xy, Axis::Y) + added(skew.xz - skew.xy * skew.yz, Axis::Z);
     let y = added(skew.yz, Axis::Z);
     let shifts = [(Axis::X, x), (Axis::Y, y)].into_iter();
-    shifts
-        .filter(|(_, um)| um.abs() >= 0.1)
-        .map(|(axis, um)| TableFinding::Shifted { axis, um })
+    shifts.filter(|(_, um)| um.abs() >= 0.1).map(|(axis, um)| TableFinding::Shifted { axis, um })
 }
 
 fn preconditions() -> Vec<Precondition> {

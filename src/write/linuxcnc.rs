@@ -74,10 +74,7 @@ impl Family for LinuxcncFacts {
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         let state = control_state(task, plan, |_| 0.0);
         let mut joints: Vec<CompTable> = Vec::new();
-        let names = plan
-            .tables
-            .iter()
-            .map(|planned| (planned, &plan.names[planned.term.of]));
+        let names = plan.tables.iter().map(|planned| (planned, &plan.names[planned.term.of]));
         let own = names.clone().filter(|(p, _)| p.term.is_positioning());
         for (planned, output) in own.flat_map(|(p, all)| all.iter().map(move |o| (p, o))) {
             let joint = output.parse().unwrap_or(MOST_JOINTS); // `expected_name` let it through
@@ -124,9 +121,7 @@ impl Family for LinuxcncFacts {
             return Vec::new();
         };
         let joints = tables.joints.iter().map(|table| self.shown(table, state));
-        joints
-            .chain(self.corrections(&tables.cross, state))
-            .collect()
+        joints.chain(self.corrections(&tables.cross, state)).collect()
     }
 
     fn has(&self, mechanism: Mechanism) -> bool {
@@ -153,10 +148,7 @@ impl Family for LinuxcncFacts {
             let deviations = proof.deviations(has_bump, table.rows.len());
             let rows = table.rows.iter().zip(deviations);
             let row = |(row, d): (&Row, Deviation)| self.row(proof.task, row.nominal, [d, d]);
-            CompTable {
-                rows: rows.map(row).collect(),
-                ..table.clone()
-            }
+            CompTable { rows: rows.map(row).collect(), ..table.clone() }
         });
         let (joints, cross) = (of_kit.collect(), Vec::new());
         Some(Tables::Linuxcnc(LinuxcncTables { joints, cross }))
@@ -192,11 +184,7 @@ impl LinuxcncFacts {
         };
         let [up, down] = columns;
         let rows = (grid.first..=grid.last).zip(up.into_iter().zip(down));
-        CompTable {
-            joint,
-            columns: self.columns.value,
-            rows: rows.map(row).collect(),
-        }
+        CompTable { joint, columns: self.columns.value, rows: rows.map(row).collect() }
     }
 
     /// A row that cancels a deviation for travel up, and one for travel down; rounded here, once.
@@ -211,11 +199,7 @@ impl LinuxcncFacts {
             }
         };
         let [forward, reverse] = deviations.map(column);
-        Row {
-            nominal,
-            forward,
-            reverse,
-        }
+        Row { nominal, forward, reverse }
     }
 
     /// What templates see of a table.
@@ -249,11 +233,8 @@ impl LinuxcncFacts {
         };
         let by_size = |a: &&Row, b: &&Row| trim(a).abs().total_cmp(&trim(b).abs());
         let largest = table.rows.iter().max_by(by_size);
-        let [value, place] = [
-            largest.map_or(0.0, trim),
-            largest.map_or(0.0, |row| row.nominal),
-        ]
-        .map(|number| trimmed(number, self.column_decimals()));
+        let [value, place] = [largest.map_or(0.0, trim), largest.map_or(0.0, |row| row.nominal)]
+            .map(|number| trimmed(number, self.column_decimals()));
         let (joint, unit) = (table.joint, state.unit.word());
         format!(
             "joint.{joint}.backlash-corr: {value} {unit} at {place} {unit}, having come there moving up; 0 at the reference point, having come there as homing does"
@@ -264,15 +245,10 @@ impl LinuxcncFacts {
 /// `JOINT_0`, or `JOINT_0, JOINT_3 moving up`; of a cross term `HAL: joint 1 by joint 0`.
 fn place(plan: &Plan, planned: &PlannedTable, joints: &[String]) -> String {
     if planned.term.is_cross() {
-        let base = joints
-            .first()
-            .map_or("", |own| plan.base_of(planned.term, own));
+        let base = joints.first().map_or("", |own| plan.base_of(planned.term, own));
         return format!("HAL: joint {} by joint {base}", joints.join(", "));
     }
-    let names: Vec<String> = joints
-        .iter()
-        .map(|joint| format!("JOINT_{joint}"))
-        .collect();
+    let names: Vec<String> = joints.iter().map(|joint| format!("JOINT_{joint}")).collect();
     let column = match planned.direction {
         None => "",
         Some(Direction::Plus) => " moving up",
@@ -300,12 +276,8 @@ fn preconditions(task: Task<'_>, joints: &[CompTable], cross: &[CrossTable]) -> 
             SEEN,
         )
     }));
-    let has_step = |table: &&CompTable| {
-        table
-            .rows
-            .iter()
-            .any(|row| (row.forward - row.reverse).abs() > 0.0)
-    };
+    let has_step =
+        |table: &&CompTable| table.rows.iter().any(|row| (row.forward - row.reverse).abs() > 0.0);
     list.extend(joints.iter().filter(has_step).map(|table| {
         Precondition::new(
             format!("STEPGEN_MAXACCEL of [{}], where there is one", table.name()),

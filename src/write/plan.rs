@@ -45,11 +45,7 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
         return Err(problems);
     }
     notes.splice(0..0, notes_of(&targets).map(Finding::from));
-    omitted.sort_by_key(|omission| {
-        ErrorTerm::ALL
-            .iter()
-            .position(|term| *term == omission.term)
-    });
+    omitted.sort_by_key(|omission| ErrorTerm::ALL.iter().position(|term| *term == omission.term));
     let all: Vec<Target> = targets.iter().flat_map(|t| t.targets.clone()).collect();
     let grids = problems.take(grids(task, &all, &mut notes));
     let Some(grids) = grids else {
@@ -82,10 +78,7 @@ fn notes_of(targets: &[TermTargets]) -> impl Iterator<Item = TableFinding> {
         }
     }
     let said = said.into_iter();
-    said.map(|(note, terms)| TableFinding::OfTarget {
-        terms,
-        note: note.to_string(),
-    })
+    said.map(|(note, terms)| TableFinding::OfTarget { terms, note: note.to_string() })
 }
 
 /// What the selection decided, on targets, omissions and notes.
@@ -107,10 +100,8 @@ fn apply(
 
 /// Nothing is left to put into files.
 fn no_table(task: Task<'_>, omitted: &[Omission]) -> Problem {
-    let reasons: Vec<String> = omitted
-        .iter()
-        .map(|omission| format!("{}: {}", omission.term, omission.reason))
-        .collect();
+    let reasons: Vec<String> =
+        omitted.iter().map(|omission| format!("{}: {}", omission.term, omission.reason)).collect();
     task.job
         .problem_at(
             "compensation.controller",
@@ -150,12 +141,7 @@ fn costs(
 
 /// `first_table` or `first_set` names one that the control does not have.
 fn none_left(task: Task<'_>, budget: TableStock) -> Problem {
-    let TableStock {
-        tables,
-        resource,
-        key,
-        ..
-    } = budget;
+    let TableStock { tables, resource, key, .. } = budget;
     task.job
         .problem_at(
             &format!("compensation.{key}"),
@@ -276,10 +262,8 @@ pub fn axis_names(job: &Job, profile: &Profile) -> Result<PerAxis<Vec<String>>, 
     let defaults = &profile.axis_names.value;
     let mut problems = Problems::none();
     let names = PerAxis::from_fn(|axis| {
-        let stated = job.compensation.axes[axis]
-            .as_ref()
-            .map(|s| s.ids.clone())
-            .unwrap_or_default();
+        let stated =
+            job.compensation.axes[axis].as_ref().map(|s| s.ids.clone()).unwrap_or_default();
         if job.machine.axes[axis].is_none() {
             if !stated.is_empty() {
                 problems.push(
@@ -339,11 +323,8 @@ fn check_names(
 }
 
 fn default_names(task: Task<'_>, names: &PerAxis<Vec<String>>) -> Vec<Axis> {
-    let is_default = |axis: Axis| {
-        task.job.compensation.axes[axis]
-            .as_ref()
-            .is_none_or(|s| s.ids.is_empty())
-    };
+    let is_default =
+        |axis: Axis| task.job.compensation.axes[axis].as_ref().is_none_or(|s| s.ids.is_empty());
     names
         .iter()
         .map(|(axis, _)| axis)

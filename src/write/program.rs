@@ -29,10 +29,7 @@ use crate::inputs::job::ProgramRequest;
 use crate::text::problem::Problems;
 
 /// The last digit of a position on most controls.
-const MICROMETRE: Resolution = Resolution {
-    unit: ControlUnit::Millimetre,
-    decimals: 3,
-};
+const MICROMETRE: Resolution = Resolution { unit: ControlUnit::Millimetre, decimals: 3 };
 
 /// The motion of a run before a control is asked: lengths to the nearest micrometre, whatever the travel.
 pub(crate) fn motion(request: &ProgramRequest) -> MeasuringRun {

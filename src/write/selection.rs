@@ -88,13 +88,7 @@ impl TableStock {
     }
 
     fn words(&self, wanted: u32) -> String {
-        let TableStock {
-            tables,
-            used,
-            resource,
-            key,
-            ..
-        } = self;
+        let TableStock { tables, used, resource, key, .. } = self;
         if *tables == 0 {
             format!("the control has no {resource}")
         } else if *tables == u32::MAX {
@@ -217,11 +211,7 @@ fn explain(
     (budget, wanted): (TableStock, u32),
 ) -> Choice {
     let shortage = budget.words(wanted);
-    let mut choice = Choice {
-        omitted: Vec::new(),
-        reduced: Vec::new(),
-        left_um,
-    };
+    let mut choice = Choice { omitted: Vec::new(), reduced: Vec::new(), left_um };
     for (index, (cost, form)) in costs.iter().zip(forms).enumerate() {
         let mut fuller = forms.to_vec();
         fuller[index] = Form::Whole;
@@ -241,11 +231,7 @@ fn explain(
             choice.omitted.push(Omission { term, reason });
         } else {
             let with_um = with;
-            let why = TableFinding::MeanOnly {
-                term,
-                left,
-                with_um,
-            };
+            let why = TableFinding::MeanOnly { term, left, with_um };
             choice.reduced.push((term, why));
         }
     }
@@ -317,11 +303,7 @@ fn directions_of(model: &ErrorModel, axis: Axis) -> &'static [Direction] {
         .measured()
         .filter(|(term, _)| term.along == axis)
         .all(|(_, measured)| matches!(measured.measured, Measured::Undirected(_)));
-    if undirected {
-        &[Direction::Plus]
-    } else {
-        &Direction::BOTH
-    }
+    if undirected { &[Direction::Plus] } else { &Direction::BOTH }
 }
 
 fn positions_of(model: &ErrorModel, axis: Axis, direction: Direction) -> Vec<Millimetres> {

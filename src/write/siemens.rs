@@ -101,9 +101,7 @@ impl Family for SiemensFacts {
             assumptions: assumptions(task, plan, &tables),
             preconditions: preconditions(task, plan, &tables),
             notes: Vec::new(),
-            state: control_state(task, plan, |axis| {
-                plan.backlash_um[axis].map_or(0.0, backlash)
-            }),
+            state: control_state(task, plan, |axis| plan.backlash_um[axis].map_or(0.0, backlash)),
             tables: Tables::Siemens(tables),
             placements,
         })

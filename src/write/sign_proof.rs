@@ -56,12 +56,7 @@ pub fn sign_proofs(task: Task<'_>, plan: &Plan, compiled: &Compiled) -> SignProo
                 term,
                 bump: &bump,
             })?;
-            Some(SignProof {
-                of,
-                term,
-                bump,
-                tables,
-            })
+            Some(SignProof { of, term, bump, tables })
         });
         match proof {
             Some(proof) => found.proofs.push(proof),
@@ -124,14 +119,7 @@ fn bump(
     let rise = ((most + in_section - 1) / in_section).min(widest);
     let counts = most.min(rise * in_section);
     let peak = nearest_to_the_middle(task, planned.term.along, &grid, &stretches, rise)?;
-    let bump = Bump {
-        grid,
-        peak,
-        rise,
-        counts,
-        count_um,
-        is_slope: false,
-    };
+    let bump = Bump { grid, peak, rise, counts, count_um, is_slope: false };
     (bump.height().um() >= LEAST_BUMP_UM).then_some(bump)
 }
 

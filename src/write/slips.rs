@@ -31,10 +31,9 @@ fn directed(measured: &Measured) -> Vec<(Option<Direction>, &ErrorCurve)> {
     match measured {
         Measured::Undirected(curve) => vec![(None, curve)],
         Measured::OneWay(way, curve) => vec![(Some(*way), curve)],
-        Measured::BothWays { plus, minus } => vec![
-            (Some(Direction::Plus), plus),
-            (Some(Direction::Minus), minus),
-        ],
+        Measured::BothWays { plus, minus } => {
+            vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
+        }
     }
 }
 
@@ -88,10 +87,8 @@ mod tests {
 
     /// Position and size of the value that stands out of values at 0, 30, 60 … mm.
     fn lone(um: &[f64]) -> Option<(f64, f64)> {
-        let places: Vec<Millimetres> = (0u32..)
-            .map(|n| Millimetres::new(f64::from(n) * 30.0))
-            .take(um.len())
-            .collect();
+        let places: Vec<Millimetres> =
+            (0u32..).map(|n| Millimetres::new(f64::from(n) * 30.0)).take(um.len()).collect();
         let values: Vec<Deviation> = um.iter().copied().map(Deviation::from_um).collect();
         let curve = ErrorCurve::through(&places, &values, Interpolation::Linear);
         match lone_value(ErrorTerm::ALL[0], None, &curve)? {
@@ -106,10 +103,7 @@ mod tests {
         assert_eq!(lone(&um), None, "a sound row");
         um[5] = -5.0;
         let (at, off) = lone(&um).unwrap();
-        assert!(
-            (at - 150.0).abs() < 1e-9 && (off + 10.1).abs() < 1e-9,
-            "{at} {off}"
-        );
+        assert!((at - 150.0).abs() < 1e-9 && (off + 10.1).abs() < 1e-9, "{at} {off}");
     }
 
     #[test]

@@ -36,10 +36,7 @@ pub fn targets(
                 targets.push(of_term);
             }
         } else {
-            omitted.push(Omission {
-                term,
-                reason: "not listed in `terms` of the job".to_string(),
-            });
+            omitted.push(Omission { term, reason: "not listed in `terms` of the job".to_string() });
         }
     }
     let missing = model.remarks.not_determined.iter();
@@ -221,16 +218,7 @@ fn term_targets(
 }
 
 fn one_table(term: ErrorTerm, curve: ErrorCurve, note: Option<String>) -> TermTargets {
-    TermTargets {
-        term,
-        targets: vec![Target {
-            term,
-            direction: None,
-            curve,
-        }],
-        mean: None,
-        note,
-    }
+    TermTargets { term, targets: vec![Target { term, direction: None, curve }], mean: None, note }
 }
 
 /// The targets of a term that was measured in both directions, as the policy of its axis asks.
@@ -303,11 +291,7 @@ pub(crate) fn are_equal(measured: &Measured) -> bool {
 }
 
 fn directed(term: ErrorTerm, direction: Direction, curve: &ErrorCurve) -> Target {
-    Target {
-        term,
-        direction: Some(direction),
-        curve: curve.clone(),
-    }
+    Target { term, direction: Some(direction), curve: curve.clone() }
 }
 
 /// Two tables of a term whose reversal could be noise: U of a difference of two values is 2·√2·u.

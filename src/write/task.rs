@@ -24,10 +24,7 @@ pub struct Task<'a> {
 impl Task<'_> {
     /// Settings and machine data of an axis that moves or is corrected.
     pub fn axis(&self, axis: Axis) -> Option<(MachineAxis, &AxisSettings)> {
-        Some((
-            self.job.machine.axes[axis]?,
-            self.job.compensation.axes[axis].as_ref()?,
-        ))
+        Some((self.job.machine.axes[axis]?, self.job.compensation.axes[axis].as_ref()?))
     }
 
     /// Micrometres in the unit of the control.
@@ -87,11 +84,7 @@ impl TermTargets {
     /// One table with the mean of both directions instead of two tables.
     pub(crate) fn take_mean(&mut self) {
         if let Some(curve) = self.mean.take() {
-            self.targets = vec![Target {
-                term: self.term,
-                direction: None,
-                curve,
-            }];
+            self.targets = vec![Target { term: self.term, direction: None, curve }];
         }
     }
 }
@@ -152,8 +145,7 @@ impl Plan {
     /// axis of a gantry; otherwise it is the first physical axis of the moving axis.
     pub(crate) fn base_of<'a>(&'a self, term: ErrorTerm, output: &'a str) -> &'a str {
         let base = self.names[term.along].first();
-        base.filter(|_| term.is_cross())
-            .map_or(output, String::as_str)
+        base.filter(|_| term.is_cross()).map_or(output, String::as_str)
     }
 
     /// Whether an axis corrects itself by a table for each direction.
@@ -178,11 +170,7 @@ pub fn axis_pairs(names: &PerAxis<Vec<String>>, term: ErrorTerm) -> Vec<(&str, &
     names[term.of]
         .iter()
         .filter_map(|output| {
-            let base = if term.is_positioning() {
-                output
-            } else {
-                names[term.along].first()?
-            };
+            let base = if term.is_positioning() { output } else { names[term.along].first()? };
             Some((base.as_str(), output.as_str()))
         })
         .collect()

@@ -89,9 +89,7 @@ pub(crate) fn integer(memory: &FanucMemory, number: u32, axis: Option<u32>) -> f
 }
 
 pub(crate) fn whole(memory: &FanucMemory, number: u32, axis: Option<u32>) -> u32 {
-    format!("{}", integer(memory, number, axis))
-        .parse()
-        .unwrap()
+    format!("{}", integer(memory, number, axis)).parse().unwrap()
 }
 
 /// Index from 0 of the straightness set of a term and an output.

@@ -10,39 +10,22 @@ pub(crate) fn numbers_are_legal(case: &Case<'_>, memory: &FanucMemory) {
         panic!("a memory of another control");
     };
     let mut runs: Vec<(String, NumberRange)> = Vec::new();
-    let axes: Vec<u32> = memory
-        .parameters
-        .keys()
-        .filter(|k| k.number == 3620)
-        .map(|k| k.axis.unwrap())
-        .collect();
+    let axes: Vec<u32> =
+        memory.parameters.keys().filter(|k| k.number == 3620).map(|k| k.axis.unwrap()).collect();
     let count = |axis: u32| whole(memory, 3622, Some(axis)) - whole(memory, 3621, Some(axis)) + 1;
     for axis in &axes {
         let [reference, first, last] = [3620, 3621, 3622].map(|n| whole(memory, n, Some(*axis)));
-        assert!(
-            first <= reference && reference < last,
-            "{first} {reference} {last}"
-        );
+        assert!(first <= reference && reference < last, "{first} {reference} {last}");
         let run = NumberRange { first, last };
         assert!(
-            facts
-                .pitch_points
-                .value
-                .iter()
-                .any(|b| b.contains(first) && b.contains(last)),
+            facts.pitch_points.value.iter().any(|b| b.contains(first) && b.contains(last)),
             "{run:?}"
         );
         runs.push((format!("axis {axis}"), run));
         if memory.parameter(3626, Some(*axis)).is_some() {
             let first = whole(memory, 3626, Some(*axis));
             let last = first + count(*axis) - 1;
-            assert!(
-                facts
-                    .minus_points
-                    .value
-                    .iter()
-                    .any(|b| b.contains(first) && b.contains(last))
-            );
+            assert!(facts.minus_points.value.iter().any(|b| b.contains(first) && b.contains(last)));
             runs.push((format!("axis {axis}, -"), NumberRange { first, last }));
         }
     }
@@ -65,16 +48,10 @@ pub(crate) fn numbers_are_legal(case: &Case<'_>, memory: &FanucMemory) {
     }
     for (index, (name, run)) in runs.iter().enumerate() {
         for (other, run_of_other) in &runs[index + 1..] {
-            assert!(
-                !run.overlaps(*run_of_other),
-                "{name} and {other} share points"
-            );
+            assert!(!run.overlaps(*run_of_other), "{name} and {other} share points");
         }
         for [first, last] in &case.machine.reserved {
-            let reserved = NumberRange {
-                first: *first,
-                last: *last,
-            };
+            let reserved = NumberRange { first: *first, last: *last };
             assert!(!run.overlaps(reserved), "{name} uses reserved points");
         }
     }
@@ -86,9 +63,5 @@ pub(crate) fn numbers_are_legal(case: &Case<'_>, memory: &FanucMemory) {
         );
     }
     let owned: u32 = runs.iter().map(|(_, run)| run.last - run.first + 1).sum();
-    assert_eq!(
-        memory.points.len(),
-        owned as usize,
-        "every point is written"
-    );
+    assert_eq!(memory.points.len(), owned as usize, "every point is written");
 }

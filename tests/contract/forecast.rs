@@ -22,10 +22,7 @@ pub(crate) fn forecast_holds(case: &Case<'_>, term: &Term, forecast: &TermForeca
             let response = support::response(case.control, base, output, direction);
             let held = match response.tables().first() {
                 Some(_) => Held::of(&response),
-                None => Held {
-                    mm: vec![from, to],
-                    um: vec![0.0, 0.0],
-                },
+                None => Held { mm: vec![from, to], um: vec![0.0, 0.0] },
             };
             for x in places(case, term, &held, from, to) {
                 let deviation = term.deviation(direction, x);
@@ -36,32 +33,14 @@ pub(crate) fn forecast_holds(case: &Case<'_>, term: &Term, forecast: &TermForeca
     }
     let name = || term.term.to_string();
     let linear = machine.kind == Interpolation::Linear;
-    for (what, said, seen) in [
-        ("before", forecast.change.before_um, before),
-        ("after", forecast.change.after_um, after),
-    ] {
-        let near = if linear {
-            NEAR_UM
-        } else {
-            0.02 * before + 0.01
-        };
-        assert!(
-            said >= seen - DUST_UM,
-            "{}: {what} {said} µm, but {seen} µm was seen",
-            name()
-        );
-        assert!(
-            said <= seen + near,
-            "{}: {what} {said} µm, but only {seen} µm was seen",
-            name()
-        );
+    for (what, said, seen) in
+        [("before", forecast.change.before_um, before), ("after", forecast.change.after_um, after)]
+    {
+        let near = if linear { NEAR_UM } else { 0.02 * before + 0.01 };
+        assert!(said >= seen - DUST_UM, "{}: {what} {said} µm, but {seen} µm was seen", name());
+        assert!(said <= seen + near, "{}: {what} {said} µm, but only {seen} µm was seen", name());
     }
-    assert_eq!(
-        forecast.compensated,
-        is_compensated(case, term.term),
-        "{}",
-        name()
-    );
+    assert_eq!(forecast.compensated, is_compensated(case, term.term), "{}", name());
 }
 
 /// Body diagonals of the forecast against walks of the test's own.
@@ -74,27 +53,18 @@ pub(crate) fn diagonals_hold(case: &Case<'_>) {
     let corner = |axis: Axis| {
         let terms = machine.terms.iter().filter(|t| t.term.along == axis);
         let ranges = terms.flat_map(|t| {
-            Direction::BOTH
-                .into_iter()
-                .filter_map(|d| t.errors(d).map(Errors::range))
+            Direction::BOTH.into_iter().filter_map(|d| t.errors(d).map(Errors::range))
         });
         ranges.fold((f64::NEG_INFINITY, f64::INFINITY), |(l, h), (low, high)| {
             (l.max(low), h.min(high))
         })
     };
     let ends = Axis::ALL.map(corner);
-    let length = ends
-        .iter()
-        .map(|(l, h)| (h - l) * (h - l))
-        .sum::<f64>()
-        .sqrt();
+    let length = ends.iter().map(|(l, h)| (h - l) * (h - l)).sum::<f64>().sqrt();
     let place = |axis: Axis| Axis::ALL.iter().position(|a| *a == axis).unwrap();
     for diagonal in &case.kit.forecast.diagonals {
-        let signs: Vec<f64> = diagonal
-            .name
-            .chars()
-            .map(|c| if c == 'P' { 1.0 } else { -1.0 })
-            .collect();
+        let signs: Vec<f64> =
+            diagonal.name.chars().map(|c| if c == 'P' { 1.0 } else { -1.0 }).collect();
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for reverse in [false, true] {
             // Of every term: cosine, its place, and the response in the direction of the walk.
@@ -169,11 +139,7 @@ fn steps_of_walk(
         };
         for x in bends.iter().chain(&jumps) {
             let travelled = (x - low) / (high - low);
-            breaks.push(if signs[*along] > 0.0 {
-                travelled
-            } else {
-                1.0 - travelled
-            });
+            breaks.push(if signs[*along] > 0.0 { travelled } else { 1.0 - travelled });
         }
     }
     breaks.retain(|t| (0.0..=1.0).contains(t));

@@ -117,16 +117,8 @@ impl<'a> OneWay<'a> {
     fn float_um(&self) -> f64 {
         let linuxcnc = matches!(self.case.profile.dialect, Dialect::Linuxcnc(_));
         let is_float = linuxcnc && !self.adds_up();
-        let largest = self
-            .held
-            .um
-            .iter()
-            .fold(0.0_f64, |most, um| most.max(um.abs()));
-        if is_float {
-            largest * f64::from(f32::EPSILON)
-        } else {
-            0.0
-        }
+        let largest = self.held.um.iter().fold(0.0_f64, |most, um| most.max(um.abs()));
+        if is_float { largest * f64::from(f32::EPSILON) } else { 0.0 }
     }
 
     /// The table as the fit made it; `sample` is the curve itself, by the test's own figures.
@@ -137,32 +129,18 @@ impl<'a> OneWay<'a> {
             let off = |node: &usize| (first + *node as f64 * step - x).abs();
             let nodes = 0..self.planned.values.len();
             let nearest = nodes.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
-            let carried = self
-                .term
-                .reversal_in_table(self.case.machine, self.direction);
+            let carried = self.term.reversal_in_table(self.case.machine, self.direction);
             self.planned.values[nearest].um() + carried
         };
         let is_sampled = self.case.machine.fit == "sample";
         let places = self.anchored().into_iter();
-        places
-            .map(|x| {
-                if is_sampled {
-                    self.target(x)
-                } else {
-                    planned(x)
-                }
-            })
-            .collect()
+        places.map(|x| if is_sampled { self.target(x) } else { planned(x) }).collect()
     }
 
     fn count_is_as_printed(&self) {
         let count = count_um(self.case, self.term.term, self.output);
         let printed = self.placement.count_um;
-        assert!(
-            (printed - count).abs() < 1e-12,
-            "{}: count {printed} ≠ {count}",
-            self.name()
-        );
+        assert!((printed - count).abs() < 1e-12, "{}: count {printed} ≠ {count}", self.name());
     }
 
     /// Nodes lie on the grid anchored on the reference, and every point of it is a node.
@@ -219,23 +197,14 @@ impl<'a> OneWay<'a> {
     /// Half a count, the grid's own residual, half an increment of a control that adds steps.
     fn places_between_nodes_cancel(&self) {
         let (first, last) = self.range();
-        let table = Lines {
-            mm: self.anchored(),
-            um: self.wanted(),
-        };
+        let table = Lines { mm: self.anchored(), um: self.wanted() };
         let parameter = match self.has_parameter() {
             true => self.constant_um,
             false => 0.0,
         };
         let (half, place_um) = (self.half_um(), self.place_um());
         let mut worst_grid = 0.0_f64;
-        for x in places(
-            self.case,
-            self.term,
-            &self.held,
-            self.axis.low,
-            self.axis.high,
-        ) {
+        for x in places(self.case, self.term, &self.held, self.axis.low, self.axis.high) {
             let target = self.target(x);
             let own = (target - table.at(x.clamp(first, last))).abs();
             worst_grid = worst_grid.max(own);
@@ -273,9 +242,7 @@ impl<'a> OneWay<'a> {
         let at_reference = um_at(&self.response, reference);
         let mut placed = self.case.kit.compiled.placements.iter();
         let has_two = placed.any(|p| p.term == self.term.term && p.direction.is_some());
-        let carried = self
-            .term
-            .reversal_in_table(self.case.machine, self.direction);
+        let carried = self.term.reversal_in_table(self.case.machine, self.direction);
         let has_two = has_two || carried.abs() > 0.0;
         if self.direction == self.term.homing || !(has_two || self.has_parameter()) {
             let node = self.held.um[self.held.node_at(reference)];

@@ -42,10 +42,8 @@ pub(crate) fn turned_sign_doubles(
             .iter()
             .find(|t| t.term == term.term && t.direction.is_none_or(|d| d == direction))
             .unwrap();
-        let (first, last) = (
-            planned.grid.range().0.mm() - 1e-3,
-            planned.grid.range().1.mm() + 1e-3,
-        );
+        let (first, last) =
+            (planned.grid.range().0.mm() - 1e-3, planned.grid.range().1.mm() + 1e-3);
         let (mut deviation, mut left) = (0.0_f64, 0.0_f64);
         for (x, um) in right.mm.iter().zip(&right.um) {
             if *x < first || *x > last {
@@ -58,11 +56,7 @@ pub(crate) fn turned_sign_doubles(
         }
         // The table of a fit may leave the curve, a four-point line does.
         let slack = count.max(placement.fit_residual_um.unwrap_or(0.0))
-            + if case.machine.fit == "sample" {
-                0.0
-            } else {
-                placement.grid_residual_um
-            };
+            + if case.machine.fit == "sample" { 0.0 } else { placement.grid_residual_um };
         if deviation > 12.0 * slack && deviation > 0.1 {
             seen += 1;
             assert!(

@@ -9,11 +9,7 @@ fn nonius(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
         .output()
         .unwrap();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (
-        output.status.code(),
-        text(output.stdout),
-        text(output.stderr),
-    )
+    (output.status.code(), text(output.stdout), text(output.stderr))
 }
 
 const IMPORT: [&str; 14] = [
@@ -76,9 +72,7 @@ fn an_imported_measurement_becomes_a_kit_that_names_it() {
     assert_eq!(inputs[2], measurement);
     assert_eq!(inputs[1].get("through"), None);
     let generic = glob::glob(&format!("{}/kit/*.csv", folder.path().display())).unwrap();
-    let csv: String = generic
-        .map(|path| std::fs::read_to_string(path.unwrap()).unwrap())
-        .collect();
+    let csv: String = generic.map(|path| std::fs::read_to_string(path.unwrap()).unwrap()).collect();
     // Moving + at -200 mm: 0.5 µm, at the reference 3.1 µm.
     assert!(csv.contains("EXX,x,x,+,0,-200,-2.6,2.6,"), "{csv}");
 }
@@ -96,10 +90,8 @@ fn three_files_of_a_laser_become_one_job() {
         );
         std::fs::write(inside(name), text).unwrap();
     }
-    let job = JOB.replace(
-        "errors = \"errors.csv\"",
-        "errors = [\"errors.csv\", \"y.csv\", \"z.csv\"]",
-    );
+    let job =
+        JOB.replace("errors = \"errors.csv\"", "errors = [\"errors.csv\", \"y.csv\", \"z.csv\"]");
     let spaced =
         "[compensation.axes.y]\nspacing_mm = 50.0\n[compensation.axes.z]\nspacing_mm = 50.0\n";
     std::fs::write(inside("job.toml"), format!("{job}{spaced}")).unwrap();
@@ -116,14 +108,7 @@ fn three_files_of_a_laser_become_one_job() {
         .iter()
         .map(|input| input["path"].as_str().unwrap())
         .collect();
-    let tables = [
-        "errors.csv",
-        "x.rtl",
-        "y.csv",
-        "y.csv.dat",
-        "z.csv",
-        "z.csv.dat",
-    ];
+    let tables = ["errors.csv", "x.rtl", "y.csv", "y.csv.dat", "z.csv", "z.csv.dat"];
     assert_eq!(names, [&["job.toml"], &tables[..]].concat());
     let terms = manifest["forecast"]["terms"].as_object().unwrap();
     assert_eq!(terms.keys().collect::<Vec<_>>(), ["EXX", "EYY", "EZZ"]);
@@ -150,10 +135,7 @@ fn an_imported_linear_measurement_beside_readings_is_named_in_the_manifest() {
     let (status, _, said) = nonius(folder.path(), &["generate", "job.toml", "-o", "kit"]);
     assert_ne!(status, Some(2), "{said}");
     let manifest = std::fs::read_to_string(folder.path().join("kit/manifest.json")).unwrap();
-    assert!(
-        manifest.contains("\"through\": \"x-linear.csv\""),
-        "{manifest}"
-    );
+    assert!(manifest.contains("\"through\": \"x-linear.csv\""), "{manifest}");
 }
 
 #[test]

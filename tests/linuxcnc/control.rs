@@ -102,10 +102,8 @@ pub(crate) fn run(setup: &Setup<'_>) -> Run {
         let mut all = programs.clone();
         all.all(|number| !cycles_of(folder, number).is_empty())
     };
-    let (folder, log) = (1..STARTS)
-        .map(|_| started(setup))
-        .find(is_recorded)
-        .unwrap_or_else(|| started(setup));
+    let (folder, log) =
+        (1..STARTS).map(|_| started(setup)).find(is_recorded).unwrap_or_else(|| started(setup));
     let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap_or_default();
     let messages = read("messages.txt");
     let recorded = |number: usize| {
@@ -130,10 +128,7 @@ pub(crate) fn refusal(setup: &Setup<'_>) -> String {
 
 /// The folder in which the control ran, and what it printed.
 fn started(setup: &Setup<'_>) -> (TempDir, String) {
-    let folder = tempfile::Builder::new()
-        .prefix("linuxcnc-")
-        .tempdir()
-        .unwrap();
+    let folder = tempfile::Builder::new().prefix("linuxcnc-").tempdir().unwrap();
     lay_out(setup, folder.path());
     let log = start(folder.path());
     assert_eq!(processes_in(folder.path()), Vec::<String>::new(), "left");
@@ -219,20 +214,9 @@ fn start(folder: &Path) -> String {
     let mut words = vec!["timeout", "--kill-after=10", &seconds];
     if root {
         let whose = format!("{NOBODY}:{NOBODY}");
-        let given = Command::new("chown")
-            .arg("-R")
-            .arg(whose)
-            .arg(folder)
-            .status();
+        let given = Command::new("chown").arg("-R").arg(whose).arg(folder).status();
         assert!(given.unwrap().success());
-        words.extend([
-            "setpriv",
-            "--reuid",
-            NOBODY,
-            "--regid",
-            NOBODY,
-            "--clear-groups",
-        ]);
+        words.extend(["setpriv", "--reuid", NOBODY, "--regid", NOBODY, "--clear-groups"]);
     }
     words.extend(["linuxcnc", "-r", "machine.ini"]);
     let output = Command::new(words[0])
@@ -252,8 +236,7 @@ fn processes_in(folder: &Path) -> Vec<String> {
     let here = all.filter(|process| {
         fs::read_link(process.path().join("cwd")).is_ok_and(|place| place.starts_with(folder))
     });
-    here.map(|process| process.file_name().to_string_lossy().into_owned())
-        .collect()
+    here.map(|process| process.file_name().to_string_lossy().into_owned()).collect()
 }
 
 /// The lines of `halsampler -t`: number of the cycle, then six figures for each joint. Cycles may be missing before the first
@@ -264,11 +247,8 @@ fn cycles(text: &str) -> Vec<Cycle> {
         assert_eq!(figures.len(), 19, "{line}");
         figures
     };
-    let lines: Vec<Vec<f64>> = text
-        .lines()
-        .filter(|line| *line != "overrun")
-        .map(numbered)
-        .collect();
+    let lines: Vec<Vec<f64>> =
+        text.lines().filter(|line| *line != "overrun").map(numbered).collect();
     let lost = |two: &[Vec<f64>]| (two[1][0] - two[0][0] - 1.0).abs() > 0.5;
     let from = lines.windows(2).rposition(lost).map_or(0, |last| last + 1);
     let joint = |of: &[f64]| Joint {

@@ -50,10 +50,7 @@ fn added(joints: [impl Into<String>; 3], tables: [&str; 3]) -> ([[f64; 5]; 3], S
 
 fn close(got: [f64; 5], expected: [f64; 5]) {
     let near = |(a, b): (&f64, &f64)| (a - b).abs() < PRINTED_MM * 1000.0;
-    assert!(
-        got.iter().zip(&expected).all(near),
-        "{got:?}, not {expected:?}"
-    );
+    assert!(got.iter().zip(&expected).all(near), "{got:?}, not {expected:?}");
 }
 
 /// Type 1 is what is added, type 0 the position reached (nominal + error, so its negative is added), no type means 0; the second
@@ -85,11 +82,7 @@ pub(crate) fn backlash_and_blank_lines() {
             "BACKLASH = 0.020\nCOMP_FILE = y.comp\nCOMP_FILE_TYPE = 1",
             "COMP_FILE = z.comp\nCOMP_FILE_TYPE = 1",
         ],
-        [
-            "",
-            "0 0.001 0.002\n100 0.001 0.002\n",
-            "-50 0.005 0.005\n0 0.005 0.005\n\n50 0.9 0.9\n",
-        ],
+        ["", "0 0.001 0.002\n100 0.001 0.002\n", "-50 0.005 0.005\n0 0.005 0.005\n\n50 0.9 0.9\n"],
     );
     close(added[0], [-10.0, 10.0, 10.0, -10.0, -10.0]);
     close(added[1], [2.0, 1.0, 1.0, 2.0, 2.0]);
@@ -176,11 +169,7 @@ pub(crate) fn before_homing_and_the_zero() {
     for joint in &jogged {
         near(motor_um(joint), 25_050.0, rounding);
     }
-    near(
-        motor_um(&zero[0]),
-        30_000.0 - 50_000.0 - 100.0,
-        2.0 * SWITCH_UM,
-    );
+    near(motor_um(&zero[0]), 30_000.0 - 50_000.0 - 100.0, 2.0 * SWITCH_UM);
     for joint in &zero[1..] {
         near(motor_um(joint), 25_050.0 - 50.0, rounding);
     }
@@ -193,10 +182,7 @@ pub(crate) fn curves_of_hal() {
         let list = vec!["16"; numbers].join(",");
         format!("loadrt lincurve count={count} personality={list}\n")
     };
-    let with = |hal: String| Setup {
-        hal,
-        ..bare("G21 G90 F5000\nG1 X1\nM2\n")
-    };
+    let with = |hal: String| Setup { hal, ..bare("G21 G90 F5000\nG1 X1\nM2\n") };
     let last = "setp lincurve.69.y-val-15 1\n";
     run(&with(load(70, 64) + last));
     for (hal, told) in [

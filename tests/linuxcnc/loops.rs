@@ -64,9 +64,8 @@ impl Case {
         let (inputs, kit) = generate(&self.job(), &self.error_table());
         let cycles = self.driven(&kit);
         let control = control(&inputs.profile, &kit);
-        let emulator_um = (0..3)
-            .map(|joint| off_emulator(&cycles, joint, control.as_ref()))
-            .fold(0.0, f64::max);
+        let emulator_um =
+            (0..3).map(|joint| off_emulator(&cycles, joint, control.as_ref())).fold(0.0, f64::max);
         let moving = cycles.iter().flatten().filter(|joint| joint.speed != 0.0);
         let mut seen = Seen {
             cycles: moving.count(),
@@ -78,15 +77,9 @@ impl Case {
         self.against_forecast(&kit, &cycles, &mut seen);
         let limit = |um: f64, figures: f64| um + figures * self.printed_um();
         let name = self.machine.name;
-        assert!(
-            emulator_um <= limit(EMULATOR_UM, 4.0),
-            "{name}: {emulator_um} µm"
-        );
+        assert!(emulator_um <= limit(EMULATOR_UM, 4.0), "{name}: {emulator_um} µm");
         let forecast_um = seen.forecast_um;
-        assert!(
-            forecast_um <= limit(FORECAST_UM, 8.0),
-            "{name}: {forecast_um} µm"
-        );
+        assert!(forecast_um <= limit(FORECAST_UM, 8.0), "{name}: {forecast_um} µm");
         seen
     }
 
@@ -130,15 +123,10 @@ impl Case {
         let tables = kit.files.iter().filter(|file| file.role == Role::Table);
         let seen = run(&Setup {
             unit: self.unit,
-            travel: self
-                .machine
-                .travel
-                .map(|ends| ends.map(|end| end / unit_mm)),
+            travel: self.machine.travel.map(|ends| ends.map(|end| end / unit_mm)),
             acceleration_mm: ACCELERATION_MM,
             joints: sections(lines),
-            files: tables
-                .map(|file| (file.path.clone(), file.bytes.clone()))
-                .collect(),
+            files: tables.map(|file| (file.path.clone(), file.bytes.clone())).collect(),
             hal: String::new(),
             jog: None,
             programs: vec![path(&self.machine, self.stops, unit_mm)],
@@ -178,10 +166,7 @@ impl Seen {
         left: f64,
         forecast: f64,
     ) {
-        println!(
-            "{}: {what} {left:.4} µm, forecast {forecast:.4}",
-            machine.name
-        );
+        println!("{}: {what} {left:.4} µm, forecast {forecast:.4}", machine.name);
         self.forecast_um = self.forecast_um.max((left - forecast).abs());
     }
 }
@@ -197,10 +182,7 @@ pub(crate) fn joints(term: &str) -> [usize; 2] {
 pub(crate) fn sections(fragment: &str) -> [String; 3] {
     let section = |joint: usize| -> String {
         let head = format!("[JOINT_{joint}]");
-        let from = fragment
-            .lines()
-            .skip_while(|line| line.trim() != head)
-            .skip(1);
+        let from = fragment.lines().skip_while(|line| line.trim() != head).skip(1);
         let own = from.take_while(|line| !line.starts_with('['));
         own.map(|line| format!("{line}\n")).collect()
     };
@@ -250,9 +232,8 @@ fn off_emulator(cycles: &[Cycle], joint: usize, control: &dyn Emulator) -> f64 {
     let of = |base: usize, way| response(control, &base.to_string(), &joint.to_string(), way);
     let own = [Direction::Plus, Direction::Minus].map(|way| of(joint, way));
     let others = (0..3).filter(|base| *base != joint);
-    let others: Vec<(usize, Response)> = others
-        .map(|base| (base, of(base, Direction::Plus)))
-        .collect();
+    let others: Vec<(usize, Response)> =
+        others.map(|base| (base, of(base, Direction::Plus))).collect();
     let mut largest = 0.0_f64;
     for cycle in cycles {
         let now = cycle[joint];
@@ -260,10 +241,7 @@ fn off_emulator(cycles: &[Cycle], joint: usize, control: &dyn Emulator) -> f64 {
             let way = &own[usize::from(now.speed < 0.0)];
             largest = largest.max((now.table * 1000.0 - um_at(way, now.command)).abs());
         }
-        let sum: f64 = others
-            .iter()
-            .map(|(base, of)| um_at(of, cycle[*base].command))
-            .sum();
+        let sum: f64 = others.iter().map(|(base, of)| um_at(of, cycle[*base].command)).sum();
         largest = largest.max((now.by_others_um() - sum).abs());
     }
     ramps_are_short(cycles, joint);
@@ -291,9 +269,8 @@ fn left_of_own_term(machine: &Machine, cycles: &[Cycle], joint: usize) -> [f64; 
         [error, error + added * 1000.0]
     };
     let stands = stands(cycles, 80);
-    let standing = stands
-        .iter()
-        .map(|at| error(at.drive[joint], at.upwards[joint], at.added[joint]));
+    let standing =
+        stands.iter().map(|at| error(at.drive[joint], at.upwards[joint], at.added[joint]));
     let own = cycles.iter().map(|cycle| cycle[joint]);
     let moving = own.filter(|now| now.speed != 0.0 && !now.is_ramped());
     let moving = moving.map(|now| error(now.drive, now.speed > 0.0, now.added));
@@ -325,19 +302,13 @@ fn largest(largest: [f64; 2], of: [f64; 2]) -> [f64; 2] {
 fn left_along_diagonal(machine: &Machine, cycles: &[Cycle], name: &str) -> f64 {
     let size = machine.travel.map(|[low, high]| high - low);
     let length = size.iter().map(|side| side * side).sum::<f64>().sqrt();
-    let signs: Vec<f64> = name
-        .chars()
-        .map(|letter| if letter == 'P' { 1.0 } else { -1.0 })
-        .collect();
+    let signs: Vec<f64> =
+        name.chars().map(|letter| if letter == 'P' { 1.0 } else { -1.0 }).collect();
     let is_on = |cycle: &&Cycle| {
         let way = cycle[0].speed.signum() * signs[0];
         let part = |joint: usize| {
             let from_low = (cycle[joint].command - machine.travel[joint][0]) / size[joint];
-            if signs[joint] > 0.0 {
-                from_low
-            } else {
-                1.0 - from_low
-            }
+            if signs[joint] > 0.0 { from_low } else { 1.0 - from_low }
         };
         let moves = |joint: usize| {
             cycle[joint].speed * signs[joint] * way > 0.0 && !cycle[joint].is_ramped()
@@ -345,10 +316,8 @@ fn left_along_diagonal(machine: &Machine, cycles: &[Cycle], name: &str) -> f64 {
         (0..3).all(|joint| moves(joint) && (part(joint) - part(0)).abs() < 1e-6)
     };
     let along = |cycle: &Cycle| -> f64 {
-        let errors = machine.errors_um(
-            cycle.map(|joint| joint.drive),
-            cycle.map(|joint| joint.speed > 0.0),
-        );
+        let errors =
+            machine.errors_um(cycle.map(|joint| joint.drive), cycle.map(|joint| joint.speed > 0.0));
         let axis = |joint: usize| {
             let added = (cycle[joint].drive - cycle[joint].command) * 1000.0;
             signs[joint] * size[joint] / length * (errors[joint] + added)
@@ -356,9 +325,8 @@ fn left_along_diagonal(machine: &Machine, cycles: &[Cycle], name: &str) -> f64 {
         (0..3).map(axis).sum()
     };
     let on_it = cycles.iter().filter(is_on).map(along);
-    let [low, high] = on_it.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], um| {
-        [low.min(um), high.max(um)]
-    });
+    let [low, high] = on_it
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], um| [low.min(um), high.max(um)]);
     high - low
 }
 

@@ -38,27 +38,15 @@ impl Tables<'_> {
             Tables::SignProof(kit, turned) => (kit, "sign-", turned),
         };
         let read = |name: &str| fs::read_to_string(folder.join(kit).join(name)).ok();
-        let names = [
-            "joint-0.comp",
-            "joint-1.comp",
-            "joint-2.comp",
-            "compensation.hal",
-        ];
+        let names = ["joint-0.comp", "joint-1.comp", "joint-2.comp", "compensation.hal"];
         let table = |name: &str| {
             let name = format!("{prefix}{name}");
             let text = read(&name)?;
-            let text = if turned {
-                with_signs_turned(&text)
-            } else {
-                text
-            };
+            let text = if turned { with_signs_turned(&text) } else { text };
             Some((name, text.into_bytes()))
         };
         let lines = read(&format!("{prefix}joints.ini")).unwrap();
-        (
-            sections(&lines),
-            names.into_iter().filter_map(table).collect(),
-        )
+        (sections(&lines), names.into_iter().filter_map(table).collect())
     }
 }
 
@@ -111,11 +99,7 @@ struct Proof<'a> {
 impl Proof<'_> {
     fn of(document: &Value) -> Proof<'_> {
         let [output, base] = joints(document["term"].as_str().unwrap());
-        Proof {
-            document,
-            base,
-            output,
-        }
+        Proof { document, base, output }
     }
 
     fn number(&self, key: &str) -> f64 {
@@ -140,9 +124,7 @@ impl Proof<'_> {
         let places = stands(&seen.cycles[program], 150);
         let at = |mm: f64| {
             let is_there = |command: f64| (command - mm).abs() < 1e-6;
-            let stand = places
-                .iter()
-                .find(|stand| is_there(stand.command[self.base]));
+            let stand = places.iter().find(|stand| is_there(stand.command[self.base]));
             let stand = stand.unwrap();
             let error = machine.errors_um(stand.drive, stand.upwards)[self.output];
             (stand.drive[self.output] - stand.command[self.output]) * 1000.0 + error
@@ -158,21 +140,12 @@ pub(crate) fn signs_are_proved(folder: &Path, machine: &Machine, terms: &[&str])
     let manifest: Value = serde_json::from_str(&manifest).unwrap();
     let documents = manifest["sign_proofs"].as_array().unwrap();
     let proofs: Vec<Proof<'_>> = documents.iter().map(Proof::of).collect();
-    let proved: Vec<&str> = documents
-        .iter()
-        .flat_map(|of| of["term"].as_str())
-        .collect();
+    let proved: Vec<&str> = documents.iter().flat_map(|of| of["term"].as_str()).collect();
     assert_eq!(proved, terms);
     let readings = |tables| -> Vec<f64> {
-        let seen = drive(
-            folder,
-            machine,
-            tables,
-            proofs.iter().map(Proof::program).collect(),
-        );
+        let seen = drive(folder, machine, tables, proofs.iter().map(Proof::program).collect());
         let each = proofs.iter().enumerate();
-        each.map(|(program, proof)| proof.reading(machine, &seen, program))
-            .collect()
+        each.map(|(program, proof)| proof.reading(machine, &seen, program)).collect()
     };
     let off = readings(Tables::None);
     for (turned, key) in [(false, "shows_um"), (true, "other_sign_um")] {

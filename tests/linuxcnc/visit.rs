@@ -26,11 +26,8 @@ impl Laser<'_> {
 
     /// `readings.csv` with its last column filled in, from what the control did in one program for each diagonal.
     pub(crate) fn fill(&self, positions: &str, readings: &str, seen: &Run) -> String {
-        let rows: Vec<Vec<&str>> = positions
-            .lines()
-            .skip(1)
-            .map(|row| row.split(',').collect())
-            .collect();
+        let rows: Vec<Vec<&str>> =
+            positions.lines().skip(1).map(|row| row.split(',').collect()).collect();
         let mut values = Vec::new();
         for (diagonal, cycles) in DIAGONALS.iter().zip(&seen.cycles) {
             let own: Vec<[f64; 3]> = rows
@@ -57,8 +54,7 @@ fn at(readings: &[[f64; 3]], stands: &[Stand]) -> Vec<Stand> {
     let mut left = stands;
     let is_at = |stand: &Stand, place: &[f64; 3]| {
         let axes = stand.command.iter().zip(place);
-        axes.into_iter()
-            .all(|(is, should)| (is - should).abs() < 1e-4)
+        axes.into_iter().all(|(is, should)| (is - should).abs() < 1e-4)
     };
     let mut next = |place: &[f64; 3]| {
         let found = left.iter().position(|stand| is_at(stand, place));
@@ -144,18 +140,10 @@ fn updated_and_rolled_back(folder: &Path, machine: &Machine) {
             };
             [0, 1, 2].map(axis).into_iter().fold(0.0, f64::max)
         };
-        stands(&seen.cycles[0], 80)
-            .iter()
-            .map(of)
-            .fold(0.0, f64::max)
+        stands(&seen.cycles[0], 80).iter().map(of).fold(0.0, f64::max)
     };
-    let [none, kit, update, back] = [
-        Tables::None,
-        Tables::Kit("kit"),
-        Tables::Kit("update"),
-        Tables::Kit("kit"),
-    ]
-    .map(left);
+    let [none, kit, update, back] =
+        [Tables::None, Tables::Kit("kit"), Tables::Kit("update"), Tables::Kit("kit")].map(left);
     println!(
         "largest error in the volume: {none:.3} µm, kit {kit:.3}, update {update:.3}, rolled back to the kit {back:.3}"
     );

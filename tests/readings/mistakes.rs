@@ -53,12 +53,7 @@ fn mistakes_of_steps() -> Vec<Mistake> {
             "unknown column `mooved`",
             "did you mean `moved`?",
         ),
-        (
-            "unknown diagonal",
-            changed("PPP,1", "PPX,1"),
-            "readings.csv:2:1\n",
-            "P and N",
-        ),
+        ("unknown diagonal", changed("PPP,1", "PPX,1"), "readings.csv:2:1\n", "P and N"),
         (
             "run 0",
             changed("PPP,1", "PPP,0"),
@@ -133,9 +128,7 @@ fn mistakes_of_steps() -> Vec<Mistake> {
             "several missing",
             without(|row| {
                 row.starts_with("NPP")
-                    && ["1", "3", "4", "5"]
-                        .iter()
-                        .any(|n| row.contains(&format!("forward,{n},")))
+                    && ["1", "3", "4", "5"].iter().any(|n| row.contains(&format!("forward,{n},")))
             }),
             "NPP run 1 forward: nodes 1 and 3 to 5 are missing",
             "never filled in",
@@ -226,11 +219,8 @@ fn mistakes_of_steps() -> Vec<Mistake> {
         (
             "two ways back",
             with(
-                [
-                    all_reverse(MOVED),
-                    walk("NNN", "forward", ["", "z", "y", "x", "z", "y", "x"]),
-                ]
-                .concat(),
+                [all_reverse(MOVED), walk("NNN", "forward", ["", "z", "y", "x", "z", "y", "x"])]
+                    .concat(),
             ),
             "PPP run 1 reverse stands a second time as NNN run 1 forward",
             "different runs",
@@ -267,10 +257,7 @@ fn mistakes_of_steps() -> Vec<Mistake> {
         ),
         (
             "one temperature missing",
-            with_column(
-                "t_x_c",
-                |row| if row == 4 { String::new() } else { "21".into() },
-            ),
+            with_column("t_x_c", |row| if row == 4 { String::new() } else { "21".into() }),
             "PPP run 1 forward, node 4: `t_x_c` is empty",
             "for the whole run",
         ),
@@ -311,10 +298,7 @@ fn mistakes_in_runs_of_steps_are_refused_with_place_and_next_step() {
 fn mistakes_in_straight_runs_are_refused() {
     let straight = measurement(PathKind::Straight);
     let moved = (0..=2).flat_map(|node| Diagonal::ALL.map(|d| format!("{d},{node},,0")));
-    let moved = file(
-        "diagonal,node,moved,deviation_um",
-        &moved.collect::<Vec<_>>(),
-    );
+    let moved = file("diagonal,node,moved,deviation_um", &moved.collect::<Vec<_>>());
     let step = file(HEADER, &step_rows());
     refused(
         "moved",
@@ -330,17 +314,10 @@ fn mistakes_in_straight_runs_are_refused() {
         "the runs end at node 6, but straight runs with `steps = 2` end at node 2",
         "write `kind = \"step\"`",
     );
-    let rows: Vec<String> = (0..=5)
-        .flat_map(|node| Diagonal::ALL.map(|d| format!("{d},{node},0")))
-        .collect();
+    let rows: Vec<String> =
+        (0..=5).flat_map(|node| Diagonal::ALL.map(|d| format!("{d},{node},0"))).collect();
     let text = file("diagonal,node,deviation_um", &rows);
-    refused(
-        "five steps",
-        &text,
-        &straight,
-        "end at node 5",
-        "the readings look like `steps = 5`",
-    );
+    refused("five steps", &text, &straight, "end at node 5", "the readings look like `steps = 5`");
 }
 
 #[test]
@@ -364,11 +341,5 @@ fn displacements_of_another_sign_or_unit_are_refused() {
     );
     measurement.laser_sign = Direction::Minus;
     let plain = displacements(&measurement, |mm| mm);
-    refused(
-        "plain",
-        &plain,
-        &measurement,
-        "expected about -",
-        "write `laser_sign = \"+\"`",
-    );
+    refused("plain", &plain, &measurement, "expected about -", "write `laser_sign = \"+\"`");
 }

@@ -27,26 +27,15 @@ pub(crate) fn walked(calls: &str) -> Walked {
         plane: [0, 1, 2],
         zeros: [[0.0; 3]; 3],
         at: [0.0; 3],
-        walked: Walked {
-            length_mm: 0.0,
-            reach_mm: [[f64::INFINITY, f64::NEG_INFINITY]; 3],
-        },
+        walked: Walked { length_mm: 0.0, reach_mm: [[f64::INFINITY, f64::NEG_INFINITY]; 3] },
     };
     for line in calls.lines() {
         // `  12 N40    STRAIGHT_FEED(1.0000, …)`
         let call = line.split_once('N').map_or("", |(_, call)| call);
-        let call = call
-            .split_once(' ')
-            .map_or("", |(_, call)| call.trim_start());
+        let call = call.split_once(' ').map_or("", |(_, call)| call.trim_start());
         let (name, rest) = call.split_once('(').unwrap_or((call, ""));
         let words = rest.split([',', ' ', ')']).filter(|word| !word.is_empty());
-        canon.call(
-            name,
-            rest,
-            &words
-                .filter_map(|word| word.parse().ok())
-                .collect::<Vec<f64>>(),
-        );
+        canon.call(name, rest, &words.filter_map(|word| word.parse().ok()).collect::<Vec<f64>>());
     }
     canon.walked
 }

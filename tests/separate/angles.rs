@@ -43,15 +43,10 @@ fn angles_of_a_job_are_taken_off_the_readings() {
     let truth = fs::read_to_string(directory.path().join("truth.csv")).unwrap();
     let mut compared = 0;
     for (axis, name) in [("x", "X"), ("y", "Y"), ("z", "Z")] {
-        let rows = truth
-            .lines()
-            .filter(|line| line.starts_with(&format!("{axis},")));
+        let rows = truth.lines().filter(|line| line.starts_with(&format!("{axis},")));
         for (index, row) in rows.enumerate() {
-            let cells: Vec<f64> = row
-                .split(',')
-                .skip(2)
-                .map_while(|cell| cell.parse().ok())
-                .collect();
+            let cells: Vec<f64> =
+                row.split(',').skip(2).map_while(|cell| cell.parse().ok()).collect();
             for (of, wanted) in ["X", "Y", "Z"].iter().zip(cells) {
                 let found = &page["errors"][format!("E{of}{name}")]["deviation_um"][index];
                 let left = found.as_f64().unwrap() - wanted;
@@ -62,20 +57,15 @@ fn angles_of_a_job_are_taken_off_the_readings() {
     }
     assert_eq!(compared, 9 * 31, "the truth has nine curves of 31 points");
     let labels = page["labels"].to_string();
-    for words in [
-        "without a measurement",
-        "offsets_mm is not stated",
-        "tool_offset_mm is not stated",
-    ] {
+    for words in
+        ["without a measurement", "offsets_mm is not stated", "tool_offset_mm is not stated"]
+    {
         assert!(!labels.contains(words), "{labels}");
     }
     let without = with_angles(&all, "");
     let labels = json(without.path(), "separate job.toml --format json")["labels"].to_string();
     assert!(labels.contains("offsets_mm is not stated"), "{labels}");
-    assert!(
-        labels.contains("up to 1.200 µm"),
-        "12 µrad on 100 mm: {labels}"
-    );
+    assert!(labels.contains("up to 1.200 µm"), "12 µrad on 100 mm: {labels}");
     assert!(labels.contains("tool_offset_mm is not stated"), "{labels}");
 }
 
@@ -83,23 +73,14 @@ fn angles_of_a_job_are_taken_off_the_readings() {
 fn angles_that_are_missing_are_named_with_what_they_do() {
     let directory = with_angles(&["ea_urad", "eb_urad"], "");
     let labels = labels_of_a_doubtful(directory.path());
-    assert!(
-        labels.contains("counted as zero: ECX, ECY, ECZ"),
-        "{labels}"
-    );
+    assert!(labels.contains("counted as zero: ECX, ECY, ECZ"), "{labels}");
     assert!(labels.contains("state `angle_urad`"), "{labels}");
     let directory = with_angles(&["ec_urad"], "");
     let labels = labels_of_a_doubtful(directory.path());
-    assert!(
-        labels.contains("counted as zero: EAX, EBX, EAY, EBY, EAZ, EBZ"),
-        "{labels}"
-    );
+    assert!(labels.contains("counted as zero: EAX, EBX, EAY, EBY, EAZ, EBZ"), "{labels}");
     let labels =
         json(&fixture("case_b_setup"), "separate job.toml --format json")["labels"].to_string();
-    assert!(
-        labels.contains("EAX, EBX, ECX, EAY, EBY, ECY, EAZ, EBZ, ECZ"),
-        "{labels}"
-    );
+    assert!(labels.contains("EAX, EBX, ECX, EAY, EBY, ECY, EAZ, EBZ, ECZ"), "{labels}");
 }
 
 #[test]
@@ -116,16 +97,8 @@ fn a_stated_bound_of_the_angles_widens_curves_and_squareness() {
     let (without, with) = (stated(""), stated("angle_urad = 10.0"));
     assert!(u(&without, 15) < 0.01);
     // A yaw that grows evenly by 10 µrad makes a bow of 2.25 µm: U = 2u holds it.
-    assert!(
-        (2.25 / 2.0..10.0).contains(&u(&with, 15)),
-        "{}",
-        u(&with, 15)
-    );
-    assert!(
-        u(&with, 30) < 0.01,
-        "the frame sets the end: {}",
-        u(&with, 30)
-    );
+    assert!((2.25 / 2.0..10.0).contains(&u(&with, 15)), "{}", u(&with, 15));
+    assert!(u(&with, 30) < 0.01, "the frame sets the end: {}", u(&with, 30));
     // A bow of the yaw moves the squareness by as much, whatever the totals say.
     let squareness = |page: &Value| page["u_squareness_um_per_m"]["xy"].as_f64().unwrap();
     assert!(squareness(&without) < 1.0);
@@ -149,10 +122,7 @@ fn a_bowed_yaw_within_the_stated_bound_is_held() {
     for (plane, truth) in [("xy", -24.046), ("xz", 9.801), ("yz", -14.708)] {
         let of = |key: &str| page[key][plane].as_f64().unwrap();
         let error = of("squareness_um_per_m") - truth;
-        assert!(
-            error.abs() < 2.0 * of("u_squareness_um_per_m"),
-            "{plane}: {error}"
-        );
+        assert!(error.abs() < 2.0 * of("u_squareness_um_per_m"), "{plane}: {error}");
     }
 }
 
@@ -170,21 +140,12 @@ fn what_is_not_counted_is_said_and_stands_in_the_table_until_it_is_stated() {
         (page, Remarks::read(&table))
     };
     let (page, remarks) = made("");
-    assert!(
-        page.contains("angles not counted; U holds below 0."),
-        "{page}"
-    );
-    assert!(
-        page.contains("beam against mirror normal not counted; U holds below 0."),
-        "{page}"
-    );
+    assert!(page.contains("angles not counted; U holds below 0."), "{page}");
+    assert!(page.contains("beam against mirror normal not counted; U holds below 0."), "{page}");
     let exy = ErrorTerm::from_name("EXY").unwrap();
     assert!(remarks.angles_not_counted.unwrap()[exy] > 0.5);
     assert!(remarks.beam_not_counted.unwrap()[exy] > 0.1);
     let (page, remarks) = made("angle_urad = 5\nbeam_mrad = 0.5");
     assert!(!page.contains("not counted"), "{page}");
-    assert_eq!(
-        (remarks.angles_not_counted, remarks.beam_not_counted),
-        (None, None)
-    );
+    assert_eq!((remarks.angles_not_counted, remarks.beam_not_counted), (None, None));
 }

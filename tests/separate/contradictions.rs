@@ -26,10 +26,7 @@ fn disagrees(directory: &Path) {
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(!text.contains("verdict: pass"), "{text}");
-    assert!(
-        text.contains("DOUBTFUL: linear axes and diagonals DISAGREE"),
-        "{text}"
-    );
+    assert!(text.contains("DOUBTFUL: linear axes and diagonals DISAGREE"), "{text}");
     let output = nonius(directory, "verify job.toml --tables kit --format json");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     let page: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -54,9 +51,7 @@ fn slopes_that_contradict_the_diagonals_are_told_and_nothing_passes() {
             |job: String, line: &str| job.replace(line, &format!("{line}\nu_um_per_m = 0.5"));
         ["20.000000000", "-16.666666667", "-13.9"]
             .iter()
-            .fold(job, |job, slope| {
-                with_u(job, &format!("slope_um_per_m = {slope}"))
-            })
+            .fold(job, |job, slope| with_u(job, &format!("slope_um_per_m = {slope}")))
     });
     disagrees(all_known.path());
 }
@@ -66,24 +61,15 @@ fn a_wrong_sign_of_the_laser_or_size_of_the_box_is_told() {
     let sign = changed_case_b(|job| job.replace("steps = 30", "steps = 30\nlaser_sign = \"-\""));
     disagrees(sign.path());
     let size = changed_case_b(|job| {
-        job.replace(
-            "y = 720.0000, z = 720.0000 }",
-            "y = 720.0000, z = 620.0000 }",
-        )
+        job.replace("y = 720.0000, z = 720.0000 }", "y = 720.0000, z = 620.0000 }")
     });
     disagrees(size.path());
 }
 
 #[test]
 fn the_golden_case_agrees() {
-    let page = json(
-        &fixture("case_b_setup"),
-        "separate job.toml --trials 0 --format json",
-    );
-    assert!(
-        page["redundancy"]["probability"].as_f64().unwrap() > 0.05,
-        "{page}"
-    );
+    let page = json(&fixture("case_b_setup"), "separate job.toml --trials 0 --format json");
+    assert!(page["redundancy"]["probability"].as_f64().unwrap() > 0.05, "{page}");
     assert!(page["redundancy"]["contradiction"].is_null());
     assert_eq!(page["redundancy"]["degrees_of_freedom"], 1);
     let text = stdout(&nonius(&fixture("case_b_setup"), "separate job.toml -v"));

@@ -10,32 +10,14 @@ fn read(text: &str, stated: Stated) -> Result<Runs, String> {
 /// The same runs, written in every way that is understood.
 #[test]
 fn layouts_units_and_values_agree() {
-    let unit = |unit| Stated {
-        unit: Some(unit),
-        values: None,
-    };
-    let deviations = Stated {
-        unit: None,
-        values: Some(Values::Deviations),
-    };
+    let unit = |unit| Stated { unit: Some(unit), values: None };
+    let deviations = Stated { unit: None, values: Some(Values::Deviations) };
     let files = [
-        (
-            "target_mm,up1_mm,dn1_mm\n25.4,25.402,25.401\n50.8,50.804,50.8\n",
-            Stated::default(),
-        ),
-        (
-            "i,target,up1,dn1\n1,25.4,25.402,25.401\n2,50.8,50.804,50.8\n",
-            unit(LengthUnit::Mm),
-        ),
-        (
-            "target,up1,down1\n25400,25402,25401\n50800,50804,50800\n",
-            unit(LengthUnit::Um),
-        ),
+        ("target_mm,up1_mm,dn1_mm\n25.4,25.402,25.401\n50.8,50.804,50.8\n", Stated::default()),
+        ("i,target,up1,dn1\n1,25.4,25.402,25.401\n2,50.8,50.804,50.8\n", unit(LengthUnit::Mm)),
+        ("target,up1,down1\n25400,25402,25401\n50800,50804,50800\n", unit(LengthUnit::Um)),
         ("target_in;up1_um;dn1_um\n2;4;0\n1;2;1\n", deviations),
-        (
-            "target_uin,up1_mm,dn1_mm\n1000000,0.002,0.001\n2000000,0.004,0\n",
-            deviations,
-        ),
+        ("target_uin,up1_mm,dn1_mm\n1000000,0.002,0.001\n2000000,0.004,0\n", deviations),
         (
             "target_mm,\"up1_mm\",dn1_mm\n25.4,\"25.402\",25.401\n\"50.8\",50.804,50.8\n",
             Stated::default(),
@@ -44,10 +26,7 @@ fn layouts_units_and_values_agree() {
             "target_mm;up1_mm;dn1_mm\r\n25,4;25,402;25,401\r\n50,8;50,804;50,8\r\n",
             Stated::default(),
         ),
-        (
-            "target_mm,up1_mm,dn1_um\n25.4,0.002,1\n50.8,0.004,0\n",
-            deviations,
-        ),
+        ("target_mm,up1_mm,dn1_um\n25.4,0.002,1\n50.8,0.004,0\n", deviations),
         (
             "run,direction,target_mm,deviation_um\n7,+,25.4,2\n7,+,50.8,4\n8,-,50.8,0\n8,-,25.4,1\n",
             Stated::default(),
@@ -62,10 +41,8 @@ fn layouts_units_and_values_agree() {
         for (mm, expected) in runs.targets_mm().iter().zip([25.4, 50.8]) {
             near(Some(*mm), expected);
         }
-        for (direction, expected) in [
-            (Direction::Plus, [2.0, 4.0]),
-            (Direction::Minus, [1.0, 0.0]),
-        ] {
+        for (direction, expected) in [(Direction::Plus, [2.0, 4.0]), (Direction::Minus, [1.0, 0.0])]
+        {
             let um = runs.deviations_um(direction).unwrap();
             for (um, expected) in um.iter().zip(expected) {
                 near(Some(um[0]), expected);
@@ -79,10 +56,7 @@ fn layouts_units_and_values_agree() {
 fn a_separator_in_quotation_marks_separates_nothing() {
     let text = "target_mm;up1_mm;dn1_mm\n0;\"0,001\";\"0;002\"\n";
     let words = read(text, Stated::default()).unwrap_err();
-    assert!(
-        words.contains("`dn1_mm` is `0;002`, expected a finite number"),
-        "{words}"
-    );
+    assert!(words.contains("`dn1_mm` is `0;002`, expected a finite number"), "{words}");
     assert!(!words.contains("cells"), "{words}");
 }
 
@@ -97,10 +71,7 @@ fn values_that_can_be_both_are_asked_for() {
     let positions = "target_mm,up1_mm,dn1_mm\n-50,-50.003,-50.001\n50,50.003,50.002\n";
     assert!(read(positions, Stated::default()).is_ok());
     for (values, expected) in [(Values::Deviations, -3.0), (Values::Positions, 49997.0)] {
-        let stated = Stated {
-            unit: None,
-            values: Some(values),
-        };
+        let stated = Stated { unit: None, values: Some(values) };
         match read(around_zero, stated) {
             Ok(runs) => near_um(&runs, expected),
             Err(words) => assert!(words.contains("49.9970 mm from its target"), "{words}"),
@@ -116,10 +87,7 @@ fn near_um(runs: &Runs, expected: f64) {
 /// Steps of 20 µm with a deviation of 11 µm: half the way to the next target is nothing unusual.
 #[test]
 fn targets_may_be_closer_than_the_deviations() {
-    let deviations = Stated {
-        unit: None,
-        values: Some(Values::Deviations),
-    };
+    let deviations = Stated { unit: None, values: Some(Values::Deviations) };
     let runs = read("target_mm,up1_um\n0,1\n0.02,2\n0.04,11\n", deviations).unwrap();
     near_um(&runs, 1.0);
     let named = "target_mm,run,direction,deviation_um\n0,1,+,1\n0.02,1,+,2\n0.04,1,+,11\n";
@@ -143,10 +111,7 @@ fn every_cell_that_is_wrong_is_named() {
         "too large for any machine",
         "the row has 2 cells, expected 3",
     ] {
-        assert!(
-            words.contains(expected),
-            "`{expected}` is not said:\n{words}"
-        );
+        assert!(words.contains(expected), "`{expected}` is not said:\n{words}");
     }
 }
 

@@ -27,11 +27,7 @@ pub(crate) struct Machine {
 }
 
 pub(crate) fn mm(x: f64, y: f64, z: f64) -> PerAxis<Millimetres> {
-    PerAxis {
-        x: Millimetres::new(x),
-        y: Millimetres::new(y),
-        z: Millimetres::new(z),
-    }
+    PerAxis { x: Millimetres::new(x), y: Millimetres::new(y), z: Millimetres::new(z) }
 }
 
 pub(crate) fn volume(size: [f64; 3], steps: usize) -> Volume {
@@ -96,10 +92,7 @@ impl Machine {
     pub(crate) fn x_primary(&self) -> Machine {
         let mut turned = self.clone();
         for term in ErrorTerm::ALL {
-            let twin = ErrorTerm {
-                of: term.along,
-                along: term.of,
-            };
+            let twin = ErrorTerm { of: term.along, along: term.of };
             let slope = match term.of.cmp(&term.along) {
                 std::cmp::Ordering::Equal => continue,
                 std::cmp::Ordering::Less => self.slope(twin),
@@ -147,11 +140,7 @@ impl Machine {
         let sign = |axis: Axis| signs(diagonal)[index(axis)];
         let mut error = PerAxis::default();
         for along in Axis::ALL {
-            let from_low = if sign(along) > 0.0 {
-                made[along]
-            } else {
-                n - made[along]
-            };
+            let from_low = if sign(along) > 0.0 { made[along] } else { n - made[along] };
             // Without overrun an axis has not reversed before its first move back.
             let reversed = back.is_some_and(|overrun| overrun || made[along] < n);
             let minus = (sign(along) < 0.0) != reversed;
@@ -188,10 +177,7 @@ impl Machine {
     pub(crate) fn lines(&self, axes: &[Axis], u_um_per_m: Option<f64>) -> Vec<MeasuredLine> {
         let line = |axis: &Axis| MeasuredLine {
             direction: PerAxis::from_fn(|other| f64::from(other == *axis)),
-            slope_um_per_m: self.slope(ErrorTerm {
-                of: *axis,
-                along: *axis,
-            }),
+            slope_um_per_m: self.slope(ErrorTerm { of: *axis, along: *axis }),
             u_um_per_m,
             ends: None,
         };

@@ -34,10 +34,7 @@ impl Errors {
             let curve = ErrorCurve::through(&positions, &values, kind);
             Shape::Cubic(lines, curve)
         };
-        Errors {
-            shape,
-            slope_um_per_m: 0.0,
-        }
+        Errors { shape, slope_um_per_m: 0.0 }
     }
 
     pub(crate) fn points(&self) -> &Lines {
@@ -129,11 +126,8 @@ impl Term {
         x: f64,
     ) -> f64 {
         if !self.both_ways() {
-            let measured = if self.errors(direction).is_some() {
-                direction
-            } else {
-                direction.opposite()
-            };
+            let measured =
+                if self.errors(direction).is_some() { direction } else { direction.opposite() };
             return self.deviation(measured, x);
         }
         let from_reference = |direction: Direction| {
@@ -174,10 +168,7 @@ impl Term {
     /// Every place where a measured curve bends.
     pub(crate) fn knots(&self) -> Vec<f64> {
         let both = [&self.plus, &self.minus];
-        both.into_iter()
-            .flatten()
-            .flat_map(|errors| errors.points().mm.clone())
-            .collect()
+        both.into_iter().flatten().flat_map(|errors| errors.points().mm.clone()).collect()
     }
 }
 
@@ -216,11 +207,7 @@ impl Machine {
         let base = &self.axis(term.along).names[0];
         let outputs = &self.axis(term.of).names;
         let pair = |output| (if term.is_positioning() { output } else { base }, output);
-        outputs
-            .iter()
-            .map(pair)
-            .map(|(b, o)| (b.as_str(), o.as_str()))
-            .collect()
+        outputs.iter().map(pair).map(|(b, o)| (b.as_str(), o.as_str())).collect()
     }
 }
 
@@ -245,9 +232,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let mut features = Vec::new();
     // Cycled, so that every value meets the others; the rest is drawn.
     let directions = seed % 7; // 0, 1: undirected · 2 … 5: both, one policy each · 6: one way
-    let policy = (2..=5)
-        .contains(&directions)
-        .then(|| POLICIES[directions - 2]);
+    let policy = (2..=5).contains(&directions).then(|| POLICIES[directions - 2]);
     let kind = [
         Interpolation::Linear,
         Interpolation::Linear,
@@ -258,11 +243,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let inch = seed % 5 == 3;
     let steep = seed % 6 == 1;
     let nine = !random.once_in(3);
-    features.push(policy.unwrap_or(if directions == 6 {
-        "one way"
-    } else {
-        "undirected"
-    }));
+    features.push(policy.unwrap_or(if directions == 6 { "one way" } else { "undirected" }));
     features.push(fit);
     features.push(match kind {
         Interpolation::Linear => "linear",
@@ -285,11 +266,8 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         .into_iter()
         .filter(|term| nine || !random.once_in(2) || (own_only && *term == ErrorTerm::ALL[0]))
         .collect();
-    let measured = if measured.is_empty() {
-        vec![ErrorTerm::ALL[random.below(9)]]
-    } else {
-        measured
-    };
+    let measured =
+        if measured.is_empty() { vec![ErrorTerm::ALL[random.below(9)]] } else { measured };
 
     let mut axes = Vec::new();
     let mut terms = Vec::new();
@@ -327,11 +305,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         } else {
             "reference inside"
         });
-        let homing = if random.once_in(2) {
-            Direction::Minus
-        } else {
-            Direction::Plus
-        };
+        let homing = if random.once_in(2) { Direction::Minus } else { Direction::Plus };
         let homing_stated = homing == Direction::Minus || random.once_in(2);
         writeln!(
             machine_text,
@@ -357,11 +331,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
             vec![default_name.clone()]
         };
 
-        let along: Vec<ErrorTerm> = measured
-            .iter()
-            .copied()
-            .filter(|t| t.along == axis)
-            .collect();
+        let along: Vec<ErrorTerm> = measured.iter().copied().filter(|t| t.along == axis).collect();
         let step_limit = if along.is_empty() {
             1.0
         } else {
@@ -414,14 +384,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         if siemens && random.once_in(4) {
             writeln!(axes_text, "measuring_system = 2").unwrap();
         }
-        axes.push(MachineAxis {
-            low,
-            high,
-            reference,
-            names,
-            unit_um: stated_unit,
-            interpolated,
-        });
+        axes.push(MachineAxis { low, high, reference, names, unit_um: stated_unit, interpolated });
     }
 
     // Squareness of slopes that the measurement does not contain.
@@ -558,10 +521,7 @@ fn grid_text(
 }
 
 /// Measured terms of one moving axis with their rows; gives a residual that a grid can keep.
-#[allow(
-    clippy::too_many_arguments,
-    reason = "one step of the generator, split for its length"
-)]
+#[allow(clippy::too_many_arguments, reason = "one step of the generator, split for its length")]
 fn add_terms(
     random: &mut Random,
     along: &[ErrorTerm],
@@ -606,10 +566,7 @@ fn add_terms(
             } else {
                 plus.clone()
             };
-            vec![
-                (Some(Direction::Plus), plus),
-                (Some(Direction::Minus), minus),
-            ]
+            vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
         }
     };
     let mut largest = 0.0_f64;
@@ -617,17 +574,10 @@ fn add_terms(
     for term in along {
         let size = random.of(&[0.0, 2.0, 12.0, 12.0, 45.0]);
         let offset = random.between(-3.0, 3.0);
-        let tilt = if steep && random.once_in(2) {
-            if unit_um < 0.5 { 0.08 } else { 0.25 }
-        } else {
-            0.0
-        };
+        let tilt =
+            if steep && random.once_in(2) { if unit_um < 0.5 { 0.08 } else { 0.25 } } else { 0.0 };
         let waves = 1.0 + random.below(3) as f64;
-        let reversal = if size > 0.0 {
-            random.between(-8.0, 4.0)
-        } else {
-            0.0
-        };
+        let reversal = if size > 0.0 { random.between(-8.0, 4.0) } else { 0.0 };
         let mut curves: Vec<Errors> = Vec::new();
         let of = Axis::ALL.iter().position(|a| *a == term.of).unwrap();
         for (index, (direction, mm)) in places.iter().enumerate() {
@@ -637,11 +587,7 @@ fn add_terms(
                     let part = (x - from) / (to - from);
                     let wave = (part * waves * std::f64::consts::TAU).sin() * size / 2.0;
                     let noise = random.between(-0.04, 0.04) * size;
-                    let lost = if *direction == Some(Direction::Minus) {
-                        -reversal
-                    } else {
-                        0.0
-                    };
+                    let lost = if *direction == Some(Direction::Minus) { -reversal } else { 0.0 };
                     if size > 0.0 || tilt > 0.0 {
                         offset + wave + noise + tilt * (x - from) + lost
                     } else {
@@ -673,18 +619,9 @@ fn add_terms(
         for (row, x) in mm.iter().enumerate() {
             let cells: Vec<String> = columns
                 .iter()
-                .map(|c| {
-                    c.as_ref()
-                        .map_or(String::new(), |um| format!("{:?}", um[row]))
-                })
+                .map(|c| c.as_ref().map_or(String::new(), |um| format!("{:?}", um[row])))
                 .collect();
-            writeln!(
-                csv,
-                "{},{sign},{x:?},{}",
-                along[0].along.key(),
-                cells.join(",")
-            )
-            .unwrap();
+            writeln!(csv, "{},{sign},{x:?},{}", along[0].along.key(), cells.join(",")).unwrap();
         }
     }
     (0.12 * largest).max(0.05)

@@ -34,10 +34,8 @@ pub(crate) fn inputs(job: &str, errors: &str) -> Inputs {
     let table =
         ErrorTable::read(source("errors.csv", errors)).unwrap_or_else(|p| panic!("{}", p.render()));
     let profile = builtin::profile(&read_job.compensation.controller).unwrap();
-    let hashes = vec![
-        kit::hashed("job.toml", job.as_bytes()),
-        kit::hashed("errors.csv", errors.as_bytes()),
-    ];
+    let hashes =
+        vec![kit::hashed("job.toml", job.as_bytes()), kit::hashed("errors.csv", errors.as_bytes())];
     Inputs::new(read_job, profile, &table, hashes)
         .unwrap_or_else(|p| panic!("{}\n{job}", p.render()))
 }
@@ -143,15 +141,9 @@ pub(crate) fn loaded(profile: &Profile, kit: &Kit) -> Tables {
     let files: Vec<KitFile<'_>> = kit
         .files
         .iter()
-        .map(|file| KitFile {
-            path: &file.path,
-            role: file.role,
-            bytes: &file.bytes,
-        })
+        .map(|file| KitFile { path: &file.path, role: file.role, bytes: &file.bytes })
         .collect();
-    read(profile, &files)
-        .unwrap_or_else(|p| panic!("{}", p.render()))
-        .tables
+    read(profile, &files).unwrap_or_else(|p| panic!("{}", p.render())).tables
 }
 
 /// The control, loaded with the bytes of the kit, as `profile` describes it.
@@ -167,9 +159,7 @@ pub(crate) fn response(
     output: &str,
     direction: Direction,
 ) -> Response {
-    control
-        .response(base, output, direction)
-        .unwrap_or_else(|reason| panic!("{}", reason.0))
+    control.response(base, output, direction).unwrap_or_else(|reason| panic!("{}", reason.0))
 }
 
 /// The correction of a response at a position, µm.

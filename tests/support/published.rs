@@ -27,9 +27,7 @@ pub(crate) fn published(name: &str, file: &str, table: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
     let page = std::fs::read_to_string(&path).unwrap().replace('\r', "");
     let (head, rest) = page.split_once(&begin).expect("the page holds the marker");
-    let (old, tail) = rest
-        .split_once(&end)
-        .expect("the page holds the end marker");
+    let (old, tail) = rest.split_once(&end).expect("the page holds the end marker");
     let table = table.trim_end();
     if std::env::var_os("NONIUS_UPDATE").is_some() {
         std::fs::write(&path, format!("{head}{begin}{table}{end}{tail}")).unwrap();

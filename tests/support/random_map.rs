@@ -86,22 +86,12 @@ pub(crate) fn axes_of(seed: u64, family: Family, nodes: Range<u32>) -> ([Axis; 3
     };
     let axes = [0, 1, 2].map(|_| {
         let count = nodes.start as usize + numbers.below(nodes.end - nodes.start);
-        let size = if family == Family::Ties {
-            1.0
-        } else {
-            1.0 + 50.0 * numbers.next().abs()
-        };
+        let size = if family == Family::Ties { 1.0 } else { 1.0 + 50.0 * numbers.next().abs() };
         let vectors = |numbers: &mut Numbers, size: f64| {
             let curves = [(); 3].map(|()| curve(numbers, count, family, size));
-            (0..count)
-                .map(|n| [curves[0][n], curves[1][n], curves[2][n]])
-                .collect()
+            (0..count).map(|n| [curves[0][n], curves[1][n], curves[2][n]]).collect()
         };
-        let start = if family == Family::Ties {
-            -1.0
-        } else {
-            numbers.next()
-        };
+        let start = if family == Family::Ties { -1.0 } else { numbers.next() };
         let step = if family == Family::Ties { 1.0 } else { 0.3 };
         AxisNodes {
             translation_um: vectors(&mut numbers, size),

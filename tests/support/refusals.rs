@@ -105,9 +105,7 @@ fn case(fixtures: &Path, part: &str) -> Case {
 /// A file as a whole, a copy of another one, or one of both with other lines in it.
 fn put(fixtures: &Path, head: &str, own: &[&str], case: &mut Case) {
     let (name, source) = head.split_once(" = ").unzip();
-    let (head, crlf) = head
-        .strip_suffix(" CR LF")
-        .map_or((head, false), |head| (head, true));
+    let (head, crlf) = head.strip_suffix(" CR LF").map_or((head, false), |head| (head, true));
     let name = name.unwrap_or(head).to_string();
     let source = source.map(|path| fs::read(fixtures.join(path)).expect("the source is there"));
     let whole = source.is_none() && own.iter().all(|line| line.starts_with('+'));
@@ -143,9 +141,7 @@ fn edited(bytes: Vec<u8>, own: &[&str], case: &str) -> Vec<u8> {
 
 /// The text of the lines that begin with one of the marks.
 fn lines_of(own: &[&str], marks: &str) -> String {
-    let marked = own
-        .iter()
-        .filter(|line| line.starts_with(|mark| marks.contains(mark)));
+    let marked = own.iter().filter(|line| line.starts_with(|mark| marks.contains(mark)));
     let text = marked.map(|line| unescaped(line.get(2..).unwrap_or_default()) + "\n");
     text.collect()
 }

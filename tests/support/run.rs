@@ -23,9 +23,5 @@ pub(crate) fn nonius(directory: &Path, arguments: &str) -> Output {
 pub(crate) fn ended(directory: &Path, arguments: &str) -> (Option<i32>, String, String) {
     let output = nonius(directory, arguments);
     let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace('\r', "");
-    (
-        output.status.code(),
-        text(&output.stdout),
-        text(&output.stderr),
-    )
+    (output.status.code(), text(&output.stdout), text(&output.stderr))
 }

@@ -91,9 +91,7 @@ pub(crate) fn difference(before: &Tree, after: &Tree) -> String {
 /// A fresh directory with the files of a fixture.
 pub(crate) fn copy_of(fixture: &str) -> TempDir {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
-    let from = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("fixtures")
-        .join(fixture);
+    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(fixture);
     lay(&tree(&from), directory.path());
     directory
 }

@@ -46,18 +46,8 @@ fn siemens_files_are_read_as_the_control_reads_them() {
             0,
             "note: `NONIUS_DISABLE.MPF` sets $MA_CEC_ENABLE[AX1] and no NEWCONF follows",
         ),
-        (
-            EEC,
-            |text| format!("CHANDATA(1)\n{text}"),
-            0,
-            "job and tables agree",
-        ),
-        (
-            EEC,
-            |text| format!("CHANDATA(2)\n{text}"),
-            2,
-            "`CHANDATA(2)` names another channel",
-        ),
+        (EEC, |text| format!("CHANDATA(1)\n{text}"), 0, "job and tables agree"),
+        (EEC, |text| format!("CHANDATA(2)\n{text}"), 2, "`CHANDATA(2)` names another channel"),
         (
             CEC,
             |text| text.replace("M30", "chandata( 02 )\nM30"),
@@ -70,24 +60,9 @@ fn siemens_files_are_read_as_the_control_reads_them() {
             2,
             "character U+2028 in the file",
         ),
-        (
-            EEC,
-            |text| format!("; a note \u{202e}\n{text}"),
-            2,
-            "character U+202E in the file",
-        ),
-        (
-            EEC,
-            |text| format!("; Fr\u{e4}se\n{text}"),
-            0,
-            "job and tables agree",
-        ),
-        (
-            EEC,
-            |text| text.replacen('\n', "\r", 1),
-            2,
-            "control character U+000D",
-        ),
+        (EEC, |text| format!("; a note \u{202e}\n{text}"), 2, "character U+202E in the file"),
+        (EEC, |text| format!("; Fr\u{e4}se\n{text}"), 0, "job and tables agree"),
+        (EEC, |text| text.replacen('\n', "\r", 1), 2, "control character U+000D"),
         (
             EEC,
             |text| format!("%_N_AX_EEC_INI\n;$PATH=/_N_WKS_DIR/_N_A_WPD\n{text}"),
@@ -100,52 +75,17 @@ fn siemens_files_are_read_as_the_control_reads_them() {
             0,
             "job and tables agree",
         ),
-        (
-            EEC,
-            |text| format!("\u{feff}{text}"),
-            2,
-            "character U+FEFF in the file",
-        ),
+        (EEC, |text| format!("\u{feff}{text}"), 2, "character U+FEFF in the file"),
     ];
     judged_as_a_control_would("siemens-840d-sl", &cases);
     let no_code: [Read; 7] = [
-        (
-            EEC,
-            |text| format!("GOTOF END\n{text}"),
-            2,
-            "`GOTOF END` does not belong here",
-        ),
-        (
-            EEC,
-            |text| format!("IF R1==0\n{text}"),
-            2,
-            "`IF R1==0` does not belong here",
-        ),
-        (
-            EEC,
-            |text| format!("CALL \"X\"\n{text}"),
-            2,
-            "does not belong here",
-        ),
+        (EEC, |text| format!("GOTOF END\n{text}"), 2, "`GOTOF END` does not belong here"),
+        (EEC, |text| format!("IF R1==0\n{text}"), 2, "`IF R1==0` does not belong here"),
+        (EEC, |text| format!("CALL \"X\"\n{text}"), 2, "does not belong here"),
         (EEC, |text| format!("/{text}"), 2, "does not belong here"),
-        (
-            EEC,
-            |text| format!("M17\n{text}"),
-            2,
-            "a statement follows the end word",
-        ),
-        (
-            EEC,
-            |text| format!("{text}%_N_B_MPF\nM30\n"),
-            2,
-            "first line",
-        ),
-        (
-            EEC,
-            |text| text.replacen("$AA", "\0$AA", 1),
-            2,
-            "control character U+0000",
-        ),
+        (EEC, |text| format!("M17\n{text}"), 2, "a statement follows the end word"),
+        (EEC, |text| format!("{text}%_N_B_MPF\nM30\n"), 2, "first line"),
+        (EEC, |text| text.replacen("$AA", "\0$AA", 1), 2, "control character U+0000"),
     ];
     judged_as_a_control_would("siemens-840d-sl", &no_code);
 }
@@ -155,123 +95,33 @@ fn fanuc_files_are_read_as_the_control_reads_them() {
     const POINTS: &str = "PITCH.TXT";
     const PARAMETERS: &str = "CNC-PARA.TXT";
     let cases: [Read; 14] = [
-        (
-            POINTS,
-            |text| format!("N10003Q0P7\n{text}"),
-            2,
-            "stands before the opening `%`",
-        ),
-        (
-            POINTS,
-            |text| format!("\n{text}"),
-            2,
-            "stands before the opening `%`",
-        ),
-        (
-            POINTS,
-            |text| format!("\u{feff}{text}"),
-            2,
-            "stands before the opening `%`",
-        ),
-        (
-            POINTS,
-            |text| format!("{text}N10003Q0P7\n"),
-            2,
-            "a block stands behind the closing `%`",
-        ),
+        (POINTS, |text| format!("N10003Q0P7\n{text}"), 2, "stands before the opening `%`"),
+        (POINTS, |text| format!("\n{text}"), 2, "stands before the opening `%`"),
+        (POINTS, |text| format!("\u{feff}{text}"), 2, "stands before the opening `%`"),
+        (POINTS, |text| format!("{text}N10003Q0P7\n"), 2, "a block stands behind the closing `%`"),
         (
             POINTS,
             |text| format!("{text}sum 12\nn 10003 Q0P7"),
             2,
             "a block stands behind the closing `%`",
         ),
-        (
-            POINTS,
-            |text| format!("{text}checked by hand\n"),
-            0,
-            "job and tables agree",
-        ),
-        (
-            POINTS,
-            |text| text.replace("\n\r\r", "\r"),
-            2,
-            "carriage return",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("\n\r\rN10002", "\rN10002", 1),
-            2,
-            "carriage return",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("\n\r\rN10000", "\rN10000", 1),
-            2,
-            "carriage return",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("\n\r\rN10002", ";N10002", 1),
-            2,
-            "`;` ends no block",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "n10002", 1),
-            2,
-            "lower case",
-        ),
-        (
-            PARAMETERS,
-            |text| text.replacen("A1P", "A1M", 1),
-            2,
-            "the letter `M`, expected `P`",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "\u{b}N10002", 1),
-            2,
-            "expected",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "\tN10002", 1),
-            0,
-            "job and tables agree",
-        ),
+        (POINTS, |text| format!("{text}checked by hand\n"), 0, "job and tables agree"),
+        (POINTS, |text| text.replace("\n\r\r", "\r"), 2, "carriage return"),
+        (POINTS, |text| text.replacen("\n\r\rN10002", "\rN10002", 1), 2, "carriage return"),
+        (POINTS, |text| text.replacen("\n\r\rN10000", "\rN10000", 1), 2, "carriage return"),
+        (POINTS, |text| text.replacen("\n\r\rN10002", ";N10002", 1), 2, "`;` ends no block"),
+        (POINTS, |text| text.replacen("N10002", "n10002", 1), 2, "lower case"),
+        (PARAMETERS, |text| text.replacen("A1P", "A1M", 1), 2, "the letter `M`, expected `P`"),
+        (POINTS, |text| text.replacen("N10002", "\u{b}N10002", 1), 2, "expected"),
+        (POINTS, |text| text.replacen("N10002", "\tN10002", 1), 0, "job and tables agree"),
     ];
     judged_as_a_control_would("fanuc-30i", &cases);
     let other_kinds: [Read; 7] = [
-        (
-            POINTS,
-            |text| text.replacen("N10002", "/N10002", 1),
-            2,
-            "found `/`",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "(N10002", 1),
-            2,
-            "a comment",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "M30\nN10002", 1),
-            2,
-            "found `M`",
-        ),
-        (
-            POINTS,
-            |text| text.replacen("N10002", "%\nN10002", 1),
-            2,
-            "inside the record",
-        ),
-        (
-            POINTS,
-            |text| format!("{text}{text}"),
-            2,
-            "inside the record",
-        ),
+        (POINTS, |text| text.replacen("N10002", "/N10002", 1), 2, "found `/`"),
+        (POINTS, |text| text.replacen("N10002", "(N10002", 1), 2, "a comment"),
+        (POINTS, |text| text.replacen("N10002", "M30\nN10002", 1), 2, "found `M`"),
+        (POINTS, |text| text.replacen("N10002", "%\nN10002", 1), 2, "inside the record"),
+        (POINTS, |text| format!("{text}{text}"), 2, "inside the record"),
         (
             POINTS,
             |text| text.replacen("N10002", "G10L50\nN10003R5\nG11\nN10002", 1),

@@ -33,9 +33,7 @@ fn dump(memory: &FanucMemory) -> String {
 
 fn set(memory: &mut FanucMemory, number: u32, axis: u32, value: ParameterValue) {
     let axis = Some(axis);
-    memory
-        .parameters
-        .insert(ParameterKey { number, axis }, value);
+    memory.parameters.insert(ParameterKey { number, axis }, value);
 }
 
 #[test]
@@ -50,23 +48,12 @@ fn the_way_back_on_fanuc_brings_back_what_was_read_out() {
         let mut before = memory(support::loaded(&profile, &old));
         let two = way.0 == "two-tables";
         for axis in [1, 2] {
-            set(
-                &mut before,
-                3605,
-                axis,
-                ParameterValue::Bits(0b1000_0000 | u8::from(two)),
-            );
+            set(&mut before, 3605, axis, ParameterValue::Bits(0b1000_0000 | u8::from(two)));
             set(&mut before, 1851, axis, ParameterValue::Integer(3));
             set(&mut before, 1852, axis, ParameterValue::Integer(3));
             for number in [3626, 3627] {
-                let key = ParameterKey {
-                    number,
-                    axis: Some(axis),
-                };
-                before
-                    .parameters
-                    .entry(key)
-                    .or_insert(ParameterValue::Integer(0));
+                let key = ParameterKey { number, axis: Some(axis) };
+                before.parameters.entry(key).or_insert(ParameterValue::Integer(0));
             }
         }
         for point in (0..100).chain(3000..3100) {
@@ -83,11 +70,7 @@ fn the_way_back_on_fanuc_brings_back_what_was_read_out() {
         let mut control = before.clone();
         let kit_files = read(
             &profile,
-            &[
-                files_of(&new, Role::Table),
-                files_of(&new, Role::Parameters),
-            ]
-            .concat(),
+            &[files_of(&new, Role::Table), files_of(&new, Role::Parameters)].concat(),
         );
         load(&mut control, memory(kit_files.unwrap().tables));
         for axis in [1, 2] {
@@ -104,24 +87,13 @@ fn the_way_back_on_fanuc_brings_back_what_was_read_out() {
         }
         assert_ne!(control, before, "{way:?}");
         let files = files_of(&new, Role::Rollback);
-        load(
-            &mut control,
-            memory(read_apart(&profile, &files, Role::Rollback).unwrap().tables),
-        );
+        load(&mut control, memory(read_apart(&profile, &files, Role::Rollback).unwrap().tables));
         assert_eq!(control, before, "{way:?}");
-        let again = read_out(&job, &left, &dump(&control))
-            .unwrap()
-            .active
-            .unwrap();
+        let again = read_out(&job, &left, &dump(&control)).unwrap().active.unwrap();
         let was = found.active.as_ref().unwrap();
         let of = |active: &ActiveControl| {
             let control = kit::emulator(&profile, &active.tables, &active.state);
-            acts(
-                control
-                    .unwrap_or_else(|reason| panic!("{}", reason.0))
-                    .as_ref(),
-                ["1", "2"],
-            )
+            acts(control.unwrap_or_else(|reason| panic!("{}", reason.0)).as_ref(), ["1", "2"])
         };
         assert_eq!(of(&again), of(was), "{way:?}");
     }
@@ -142,21 +114,16 @@ fn sets_out_of_use_are_old_values_and_what_was_not_read_out_is_named() {
     for point in (0..100).chain(3000..3100) {
         before.points.entry(point).or_insert(0);
     }
-    let job = job.replace(
-        ACTIVE,
-        &format!("{ACTIVE}\nactive_backlash_um = {{ x = 0, y = 0 }}"),
-    );
+    let job = job.replace(ACTIVE, &format!("{ACTIVE}\nactive_backlash_um = {{ x = 0, y = 0 }}"));
     let found = read_out(&job, &left, &dump(&before)).unwrap_or_else(|p| panic!("{p}"));
     let new = kit::generate(&found).unwrap();
     let rollback = files_of(&new, Role::Rollback);
     let text = String::from_utf8_lossy(rollback[0].bytes);
     assert!(text.contains("N05711Q1P0"), "{text}");
     let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
-    for lacking in [
-        "1851 of axis 1, 2: not in",
-        "1852 of axis 1, 2: not in",
-        "3605 of axis 1, 2: not in",
-    ] {
+    for lacking in
+        ["1851 of axis 1, 2: not in", "1852 of axis 1, 2: not in", "3605 of axis 1, 2: not in"]
+    {
         assert_eq!(page.matches(lacking).count(), 2, "{lacking}\n{page}");
     }
 }

@@ -39,15 +39,9 @@ fn the_history_of_a_kit_is_followed_and_its_breaks_are_named() {
         std::fs::write(&checklist, format!("{page}\nMD32450 was 0.003\n")).unwrap();
     }
     let (status, text) = nonius(at, "verify 2.toml --tables kit2");
-    assert!(
-        status == 0 && text.contains("job and tables agree"),
-        "{text}"
-    );
+    assert!(status == 0 && text.contains("job and tables agree"), "{text}");
     let (status, text) = nonius(at, "history kit2");
-    assert!(
-        status == 0 && text.contains("1  kit1") && text.contains("begins here"),
-        "{text}"
-    );
+    assert!(status == 0 && text.contains("1  kit1") && text.contains("begins here"), "{text}");
     std::fs::rename(at.join("kit1"), at.join("kit1.previous")).unwrap();
     assert_eq!(nonius(at, "history kit2").0, 0, "`--force` leaves it there");
     std::fs::rename(at.join("kit1.previous"), at.join("elsewhere")).unwrap();
@@ -59,10 +53,7 @@ fn the_history_of_a_kit_is_followed_and_its_breaks_are_named() {
     std::fs::rename(at.join("elsewhere"), at.join("kit1")).unwrap();
     std::fs::write(at.join("kit1/NONIUS_EEC.MPF"), "M30\n").unwrap();
     let (status, text) = nonius(at, "history kit2 --format json");
-    assert!(
-        status == 1 && text.contains("was changed after it was made"),
-        "{text}"
-    );
+    assert!(status == 1 && text.contains("was changed after it was made"), "{text}");
 }
 
 #[test]

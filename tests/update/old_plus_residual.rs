@@ -56,19 +56,11 @@ impl Case {
         }
         for axis in ['x', 'y'] {
             writeln!(job, "[machine.axes.{axis}]\ntravel_mm = [0, {TRAVEL}]\nreference_mm = {REFERENCE}\nreference_direction = \"{}\"", self.homing).unwrap();
-            writeln!(
-                job,
-                "[compensation.axes.{axis}]\nspacing_mm = {spacing}\n{}",
-                self.id(axis)
-            )
-            .unwrap();
-            if self.is_fanuc() {
-                writeln!(
-                    job,
-                    "detection_unit_um = 1.0\ninterpolated = {}",
-                    self.interpolated
-                )
+            writeln!(job, "[compensation.axes.{axis}]\nspacing_mm = {spacing}\n{}", self.id(axis))
                 .unwrap();
+            if self.is_fanuc() {
+                writeln!(job, "detection_unit_um = 1.0\ninterpolated = {}", self.interpolated)
+                    .unwrap();
             }
         }
         job.push_str("[limits]\nmax_slope_um_per_mm = 5.0\n");
@@ -114,11 +106,7 @@ fn targets(step: f64) -> Vec<f64> {
 }
 
 fn rows(case: &Case, waves: &[Wave; 4], reversal: f64, step: f64) -> Rows {
-    let directions: &[&str] = if case.policy.is_some() {
-        &["+", "-"]
-    } else {
-        &[""]
-    };
+    let directions: &[&str] = if case.policy.is_some() { &["+", "-"] } else { &[""] };
     let mut rows = Rows::new();
     for (axis, ex, ey) in [('x', &waves[0], &waves[1]), ('y', &waves[2], &waves[3])] {
         for direction in directions {
@@ -145,25 +133,15 @@ fn rows(case: &Case, waves: &[Wave; 4], reversal: f64, step: f64) -> Rows {
 
 fn active_of(case: &Case, inputs: &Inputs, old: &Kit) -> ActiveControl {
     let files = old.files.iter().map(|f| (f.path.clone(), f.bytes.clone()));
-    from_kit(
-        &inputs.job,
-        &inputs.profile,
-        "old",
-        &old.manifest_bytes().unwrap(),
-        files.collect(),
-    )
-    .unwrap_or_else(|p| panic!("{case:?}\n{}", p.render()))
+    from_kit(&inputs.job, &inputs.profile, "old", &old.manifest_bytes().unwrap(), files.collect())
+        .unwrap_or_else(|p| panic!("{case:?}\n{}", p.render()))
 }
 
 /// What a control gives a term of X or Y: base, output.
 fn pairs(case: &Case) -> Vec<(String, String)> {
     let name = |n| case.name(n);
-    let mut all = vec![
-        (name(1), name(1)),
-        (name(1), name(2)),
-        (name(2), name(2)),
-        (name(2), name(1)),
-    ];
+    let mut all =
+        vec![(name(1), name(1)), (name(1), name(2)), (name(2), name(2)), (name(2), name(1))];
     if case.gantry {
         all.push((name(4), name(4)));
     }
@@ -176,16 +154,11 @@ fn visit(case: &Case, random: &mut Random) -> (Inputs, Kit, Kit) {
     let before: [Wave; 4] = wave(random, 12.0);
     let residual: [Wave; 4] = wave(random, 4.0);
     let old_job = case.job(case.old_spacing, "active_while_measuring = \"none\"");
-    let (_, old) = generate(
-        &old_job,
-        &table(&rows(case, &before, 6.0, case.old_spacing)),
-    );
+    let (_, old) = generate(&old_job, &table(&rows(case, &before, 6.0, case.old_spacing)));
     let new_job = case.job(case.new_spacing, "active_while_measuring = \"old\"");
     let found = inputs(&new_job, &table(&rows(case, &residual, 2.0, 25.0)));
     let active = active_of(case, &found, &old);
-    let found = found
-        .with_active(active)
-        .unwrap_or_else(|p| panic!("{case:?}\n{}", p.render()));
+    let found = found.with_active(active).unwrap_or_else(|p| panic!("{case:?}\n{}", p.render()));
     let new = kit::generate(&found).unwrap_or_else(|p| panic!("{case:?}\n{}", p.render()));
     (found, old, new)
 }
@@ -201,14 +174,9 @@ fn measured(inputs: &Inputs, pair: usize, direction: Direction, x: f64) -> f64 {
 
 fn all_cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    for controller in [
-        "siemens-840d-sl",
-        "fanuc-30i",
-        "fanuc-0i-f",
-        "linuxcnc",
-        "linuxcnc-hal",
-        "generic",
-    ] {
+    for controller in
+        ["siemens-840d-sl", "fanuc-30i", "fanuc-0i-f", "linuxcnc", "linuxcnc-hal", "generic"]
+    {
         for policy in [
             None,
             Some("mean"),
@@ -275,11 +243,8 @@ fn new_is_old_plus_residual_at_every_point_of_the_new_tables() {
                 let of =
                     |c: &dyn nonius::read::emulate::Emulator| response(c, base, output, direction);
                 let (old, new) = (of(before.as_ref()), of(after.as_ref()));
-                for (at, _) in new
-                    .straightened()
-                    .tables()
-                    .iter()
-                    .flat_map(|t| t.nodes().collect::<Vec<_>>())
+                for (at, _) in
+                    new.straightened().tables().iter().flat_map(|t| t.nodes().collect::<Vec<_>>())
                 {
                     let x = at.mm();
                     let steps_known =
@@ -308,12 +273,7 @@ fn before_is_what_was_measured_and_after_is_small() {
         let (found, _, new) = visit(&case, &mut random);
         for term in &new.forecast.terms {
             let measured = found.as_measured().terms[term.term].as_ref().unwrap();
-            assert_eq!(
-                term.change.before_um,
-                measured.largest_um(),
-                "{case:?} {}",
-                term.term
-            );
+            assert_eq!(term.change.before_um, measured.largest_um(), "{case:?} {}", term.term);
         }
         if case.controller != "linuxcnc"
             && case.policy == Some("two-tables")
@@ -328,9 +288,8 @@ fn before_is_what_was_measured_and_after_is_small() {
 
 #[test]
 fn nothing_left_gives_the_same_tables_again() {
-    for case in all_cases()
-        .into_iter()
-        .filter(|c| c.old_spacing == c.new_spacing && c.policy.is_none())
+    for case in
+        all_cases().into_iter().filter(|c| c.old_spacing == c.new_spacing && c.policy.is_none())
     {
         let mut random = Random::new(3);
         let waves: [Wave; 4] = std::array::from_fn(|_| Wave::random(&mut random, 10.0));
@@ -349,10 +308,7 @@ fn nothing_left_gives_the_same_tables_again() {
         assert_eq!(old.compiled.tables, new.compiled.tables, "{case:?}");
         // Nothing becomes larger but by steps between the points, which were there before, too.
         let steps = |found: &Finding| {
-            matches!(
-                found.kind(),
-                Some(InForecast::Worsened { by_steps: true, .. })
-            )
+            matches!(found.kind(), Some(InForecast::Worsened { by_steps: true, .. }))
         };
         let worsened = new.forecast.worsened();
         assert!(worsened.iter().all(steps), "{case:?}: {worsened:?}");
@@ -380,12 +336,8 @@ fn a_read_out_says_the_same_as_the_kit() {
     );
     for axis in ["AX1", "AX2"] {
         let state = old.compiled.state.axis(axis).unwrap();
-        writeln!(
-            archive,
-            "N32450 $MA_BACKLASH[0,{axis}]={:.6}",
-            state.backlash_um / 1000.0
-        )
-        .unwrap();
+        writeln!(archive, "N32450 $MA_BACKLASH[0,{axis}]={:.6}", state.backlash_um / 1000.0)
+            .unwrap();
         writeln!(
             archive,
             "N32700 $MA_ENC_COMP_ENABLE[0,{axis}]=1\nN32710 $MA_CEC_ENABLE[{axis}]=1"
@@ -393,11 +345,7 @@ fn a_read_out_says_the_same_as_the_kit() {
         .unwrap();
     }
     archive.push_str("M17\n");
-    for file in old
-        .files
-        .iter()
-        .filter(|f| f.role == nonius::control::controller::Role::Table)
-    {
+    for file in old.files.iter().filter(|f| f.role == nonius::control::controller::Role::Table) {
         archive.push_str(std::str::from_utf8(&file.bytes).unwrap());
     }
     let plain = inputs(
@@ -420,22 +368,15 @@ fn a_read_out_says_the_same_as_the_kit() {
         .abs()
             < 1e-9
     );
-    assert!(
-        notes_of(&read).contains("2 other machine data"),
-        "{:?}",
-        read.findings
-    );
+    assert!(notes_of(&read).contains("2 other machine data"), "{:?}", read.findings);
     let again = Inputs {
         active: None,
         under_tables: None,
         model: found.as_measured().clone(),
         ..found.clone()
     };
-    let again = kit::generate(
-        &again
-            .with_active(read)
-            .unwrap_or_else(|p| panic!("{}", p.render())),
-    )
-    .unwrap();
+    let again =
+        kit::generate(&again.with_active(read).unwrap_or_else(|p| panic!("{}", p.render())))
+            .unwrap();
     assert_eq!(again.compiled.tables, new.compiled.tables);
 }

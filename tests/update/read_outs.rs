@@ -32,36 +32,12 @@ fn a_read_out_with_switches_and_without_tables_is_refused() {
     let lec = "$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.004\n$AA_ENC_COMP_STEP[0,AX1]=100\n$AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\n";
     let with = |more: &str| format!("{lec}{more}M17\n");
     let cases = [
-        (
-            &job,
-            two_lines.to_string(),
-            "$MA_ENC_COMP_ENABLE[1,AX1] is 1",
-        ),
-        (
-            &second,
-            two_lines.to_string(),
-            "name the commissioning archive",
-        ),
-        (
-            &job,
-            with("$MA_ENC_COMP_ENABLE[0,AX2]=1\n"),
-            "$MA_ENC_COMP_ENABLE[0,AX2] is 1",
-        ),
-        (
-            &job,
-            with("$SN_CEC_TABLE_ENABLE[3]=1\n"),
-            "of CEC table 3 is 1",
-        ),
-        (
-            &job,
-            with("$SN_CEC_TABLE_ENABLE[3]=1\n$MA_CEC_ENABLE[AX2]=1\n"),
-            "of CEC table 3 is 1",
-        ),
-        (
-            &job,
-            with("$MA_CEC_ENABLE[AX2]=1\n"),
-            "MD32710 $MA_CEC_ENABLE of AX2 is 1",
-        ),
+        (&job, two_lines.to_string(), "$MA_ENC_COMP_ENABLE[1,AX1] is 1"),
+        (&second, two_lines.to_string(), "name the commissioning archive"),
+        (&job, with("$MA_ENC_COMP_ENABLE[0,AX2]=1\n"), "$MA_ENC_COMP_ENABLE[0,AX2] is 1"),
+        (&job, with("$SN_CEC_TABLE_ENABLE[3]=1\n"), "of CEC table 3 is 1"),
+        (&job, with("$SN_CEC_TABLE_ENABLE[3]=1\n$MA_CEC_ENABLE[AX2]=1\n"), "of CEC table 3 is 1"),
+        (&job, with("$MA_CEC_ENABLE[AX2]=1\n"), "MD32710 $MA_CEC_ENABLE of AX2 is 1"),
     ];
     for (job, file, says) in cases {
         let refused = read_out(job, FULL, &file).unwrap_err();
@@ -86,19 +62,12 @@ fn tables_of_zeros_are_a_read_out_like_any_other() {
     let found = read_out(&job, FULL, zeros).unwrap();
     let says = "the active tables of AX1 → AX1 hold zeros: old = 0";
     assert!(
-        found
-            .active_notes
-            .iter()
-            .any(|note| note.to_string() == says),
+        found.active_notes.iter().any(|note| note.to_string() == says),
         "{:?}",
         found.active_notes
     );
     let others = zeros.replace("AX1", "AX7");
-    assert!(
-        read_out(&job, FULL, &others)
-            .unwrap_err()
-            .contains("correct nothing")
-    );
+    assert!(read_out(&job, FULL, &others).unwrap_err().contains("correct nothing"));
 }
 
 /// Where nothing tells of a kind of tables, that there was none is an assumption.
@@ -107,18 +76,9 @@ fn tables_that_no_file_speaks_of_are_assumed_to_be_absent() {
     let job = small("siemens-840d-sl", ACTIVE, "", SIEMENS_AXES);
     let lec = "$AA_ENC_COMP[0,0,AX1]=0\n$AA_ENC_COMP[0,1,AX1]=0.004\n$AA_ENC_COMP_STEP[0,AX1]=100\n$AA_ENC_COMP_MIN[0,AX1]=0\n$AA_ENC_COMP_MAX[0,AX1]=100\nM17\n";
     let found = read_out(&job, FULL, lec).unwrap();
-    let facts: Vec<&str> = found
-        .active
-        .as_ref()
-        .unwrap()
-        .assumptions
-        .iter()
-        .map(|a| a.fact.as_str())
-        .collect();
-    assert!(
-        facts.contains(&"ENC_COMP of AX2") && facts.contains(&"CEC"),
-        "{facts:?}"
-    );
+    let facts: Vec<&str> =
+        found.active.as_ref().unwrap().assumptions.iter().map(|a| a.fact.as_str()).collect();
+    assert!(facts.contains(&"ENC_COMP of AX2") && facts.contains(&"CEC"), "{facts:?}");
 }
 
 /// Real tables end between two points: what the control does there is not known.
@@ -133,37 +93,22 @@ fn a_table_that_ends_between_two_points_is_taken_with_an_assumption() {
     let assumed = |file: &str| {
         let found = read_out(&job, FULL, file).unwrap();
         let assumptions = found.active.as_ref().unwrap().assumptions.clone();
-        let open = assumptions
-            .into_iter()
-            .find(|a| a.fact.contains("between two points"));
+        let open = assumptions.into_iter().find(|a| a.fact.contains("between two points"));
         (found, open)
     };
     let (found, open) = assumed(&table("0"));
     let open = open.unwrap();
-    assert_eq!(
-        open.fact,
-        "$AN_CEC[0] behind 60 mm, where MAX lies between two points"
-    );
-    assert!(
-        open.consequence.contains("by up to 2.0 µm"),
-        "{}",
-        open.consequence
-    );
+    assert_eq!(open.fact, "$AN_CEC[0] behind 60 mm, where MAX lies between two points");
+    assert!(open.consequence.contains("by up to 2.0 µm"), "{}", open.consequence);
     let nonius::control::table::Tables::Siemens(tables) = &found.active.as_ref().unwrap().tables
     else {
         panic!("Siemens")
     };
-    assert_eq!(
-        (tables.cec[0].values.len(), tables.cec[0].grid.max),
-        (2, 60.0)
-    );
+    assert_eq!((tables.cec[0].values.len(), tables.cec[0].grid.max), (2, 60.0));
     let (_, same) = assumed(&table("0.004"));
     assert_eq!(same, None, "both readings are the same");
     let inch = read_out(&job, FULL, &table("0").replace("METRIC", "INCH")).unwrap_err();
-    assert!(
-        inch.contains("is written in inch (`INCH`), the job counts in mm"),
-        "{inch}"
-    );
+    assert!(inch.contains("is written in inch (`INCH`), the job counts in mm"), "{inch}");
 }
 
 /// A control that plays lines between its points goes on doing so with the new ones.
@@ -187,10 +132,7 @@ fn interpolation_is_taken_over_from_the_control() {
             .unwrap()
             .value
             .clone();
-        (
-            bit,
-            kit.compiled.state.axes.iter().all(|axis| axis.interpolated),
-        )
+        (bit, kit.compiled.state.axes.iter().all(|axis| axis.interpolated))
     };
     assert_eq!(asked(&job, "00000010"), ("1".to_string(), true));
     assert_eq!(asked(&job, "00000000"), ("0".to_string(), false));

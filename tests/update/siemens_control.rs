@@ -17,9 +17,7 @@ struct Control {
 
 impl Control {
     fn load(&mut self, files: ReadBack) {
-        let Tables::Siemens(tables) = files.tables else {
-            panic!("it is a Siemens control")
-        };
+        let Tables::Siemens(tables) = files.tables else { panic!("it is a Siemens control") };
         for new in tables.lec {
             let same = |t: &LecTable| t.axis == new.axis && t.encoder == new.encoder;
             self.tables.lec.retain(|t| !same(t));
@@ -32,9 +30,7 @@ impl Control {
         self.tables.lec.sort_by_key(|t| t.axis.clone());
         self.tables.cec.sort_by_key(|t| t.number);
         for datum in files.machine_data.into_iter().flat_map(|file| file.data) {
-            let MachineValue::Number(value) = datum.value else {
-                panic!("a number")
-            };
+            let MachineValue::Number(value) = datum.value else { panic!("a number") };
             let key = format!("{}[{}]", datum.name, datum.indices.join(","));
             self.data.insert(key, value);
         }
@@ -81,12 +77,7 @@ impl Control {
             let place = format!("{},{}", t.encoder, t.axis);
             for (index, value) in t.values.iter().enumerate() {
                 let value = value.unwrap();
-                writeln!(
-                    text,
-                    "$AA_ENC_COMP[{},{index},{}]={value}",
-                    t.encoder, t.axis
-                )
-                .unwrap();
+                writeln!(text, "$AA_ENC_COMP[{},{index},{}]={value}", t.encoder, t.axis).unwrap();
             }
             let g = t.grid;
             writeln!(text, "$AA_ENC_COMP_STEP[{place}]={}\n$AA_ENC_COMP_MIN[{place}]={}\n$AA_ENC_COMP_MAX[{place}]={}", g.step, g.min, g.max).unwrap();
@@ -127,13 +118,9 @@ fn before(old: &Kit, policy: &str) -> Control {
             let mut spare = control.tables.cec[0].clone();
             (spare.number, spare.input_axis) = (number, "AX1".to_string());
             control.tables.cec.push(spare);
-            control
-                .data
-                .insert(format!("SN_CEC_TABLE_ENABLE[{number}]"), 0.0);
+            control.data.insert(format!("SN_CEC_TABLE_ENABLE[{number}]"), 0.0);
         } else {
-            control
-                .data
-                .insert(format!("SN_CEC_TABLE_ENABLE[{number}]"), 1.0);
+            control.data.insert(format!("SN_CEC_TABLE_ENABLE[{number}]"), 1.0);
         }
     }
     let mut foreign = control.tables.cec[0].clone();
@@ -145,9 +132,7 @@ fn before(old: &Kit, policy: &str) -> Control {
     control.tables.lec[0].values[1] = Some(0.004_123_456_78); // more digits than a profile writes
     let lec_on = f64::from(u8::from(policy == "mean"));
     for axis in ["AX1", "AX2"] {
-        control
-            .data
-            .insert(format!("MA_ENC_COMP_ENABLE[0,{axis}]"), lec_on);
+        control.data.insert(format!("MA_ENC_COMP_ENABLE[0,{axis}]"), lec_on);
         control.data.insert(format!("MA_CEC_ENABLE[{axis}]"), 1.0);
         control.data.insert(format!("MA_CEC_MAX_SUM[{axis}]"), 0.5);
         control.data.insert(format!("MA_BACKLASH[0,{axis}]"), 0.003);
@@ -155,9 +140,7 @@ fn before(old: &Kit, policy: &str) -> Control {
     control.data.insert("MA_ENC_COMP_ENABLE[0,AX4]".into(), 1.0);
     control.data.insert("MA_CEC_ENABLE[AX5]".into(), 1.0);
     for number in 0..10 {
-        control
-            .data
-            .insert(format!("SN_CEC_TABLE_WEIGHT[{number}]"), 1.0);
+        control.data.insert(format!("SN_CEC_TABLE_WEIGHT[{number}]"), 1.0);
     }
     control.data.insert("SN_CEC_TABLE_ENABLE[9]".into(), 1.0);
     control
@@ -183,10 +166,7 @@ fn do_by_hand(control: &mut Control, new: &Kit) {
 #[test]
 fn the_way_back_on_siemens_brings_back_what_acted() {
     let profile = nonius::control::controller::builtin::profile("siemens-840d-sl").unwrap();
-    for way in WAYS
-        .into_iter()
-        .filter(|way| *way != ("mean", "two-tables"))
-    {
+    for way in WAYS.into_iter().filter(|way| *way != ("mean", "two-tables")) {
         let (old, job, left) = old_and_new("siemens-840d-sl", SIEMENS_AXES, way);
         let before = before(&old, way.0);
         let found =
@@ -194,63 +174,39 @@ fn the_way_back_on_siemens_brings_back_what_acted() {
         let new = kit::generate(&found).unwrap_or_else(|p| panic!("{way:?}\n{}", p.render()));
         let state = &found.active.as_ref().unwrap().state;
         let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
-        assert!(
-            !page.contains("not in the rollback files"),
-            "{way:?}\n{page}"
-        );
+        assert!(!page.contains("not in the rollback files"), "{way:?}\n{page}");
         let mut control = before.clone();
         for role in [Role::Disable, Role::Table, Role::Enable] {
             control.load(read(&profile, &files_of(&new, role)).unwrap());
         }
         do_by_hand(&mut control, &new);
-        assert_ne!(
-            control.acts(&profile, state),
-            before.acts(&profile, state),
-            "{way:?}"
-        );
+        assert_ne!(control.acts(&profile, state), before.acts(&profile, state), "{way:?}");
         control.load(read(&profile, &files_of(&new, Role::Disable)).unwrap());
         let files = files_of(&new, Role::Rollback);
         control.load(read_apart(&profile, &files, Role::Rollback).unwrap());
         assert_eq!(control, before, "{way:?}");
-        assert_eq!(
-            control.acts(&profile, state),
-            before.acts(&profile, state),
-            "{way:?}"
-        );
+        assert_eq!(control.acts(&profile, state), before.acts(&profile, state), "{way:?}");
     }
 }
 
 #[test]
 fn what_no_file_holds_is_left_to_a_person_and_named() {
-    let (old, job, left) = old_and_new(
-        "siemens-840d-sl",
-        SIEMENS_AXES,
-        ("mean", "curve-and-parameter"),
-    );
+    let (old, job, left) =
+        old_and_new("siemens-840d-sl", SIEMENS_AXES, ("mean", "curve-and-parameter"));
     let mut before = before(&old, "mean");
-    let job = job.replace(
-        ACTIVE,
-        &format!("{ACTIVE}\nactive_backlash_um = {{ x = 3.0, y = 3.0 }}"),
-    );
+    let job =
+        job.replace(ACTIVE, &format!("{ACTIVE}\nactive_backlash_um = {{ x = 3.0, y = 3.0 }}"));
     let page = |control: &Control, more: &str| {
         let found = read_out(&job, &left, &control.archive(more)).unwrap_or_else(|p| panic!("{p}"));
         let new = kit::generate(&found).unwrap();
         let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
         page + &words(&new.manifest.notes).join("\n")
     };
-    for gone in [
-        "MA_ENC_COMP_ENABLE[0,AX1]",
-        "SN_CEC_TABLE_ENABLE[1]",
-        "MA_BACKLASH[0,AX2]",
-    ] {
+    for gone in ["MA_ENC_COMP_ENABLE[0,AX1]", "SN_CEC_TABLE_ENABLE[1]", "MA_BACKLASH[0,AX2]"] {
         before.data.remove(gone);
     }
     let words = page(&before, "");
-    assert_eq!(
-        words.matches("not in the rollback files").count(),
-        6,
-        "{words}"
-    );
+    assert_eq!(words.matches("not in the rollback files").count(), 6, "{words}");
     for lacking in [
         "MD32700 $MA_ENC_COMP_ENABLE[0,AX1]: not in the rollback files. The files of this kit switch it",
         "SD41300 $SN_CEC_TABLE_ENABLE[1]: not in the rollback files; switch on what was on",
@@ -258,10 +214,7 @@ fn what_no_file_holds_is_left_to_a_person_and_named() {
     ] {
         assert!(words.contains(lacking), "{lacking}\n{words}");
     }
-    assert!(
-        !words.contains("[0,AX2]: not in the rollback files. The files"),
-        "{words}"
-    );
+    assert!(!words.contains("[0,AX2]: not in the rollback files. The files"), "{words}");
     // A table that the control only reserves: off, it may keep the new values; on, it may not.
     before.tables.lec.retain(|t| t.axis != "AX2");
     let reserved = "$AA_ENC_COMP_STEP[0,AX2]=0\n$AA_ENC_COMP[0,0,AX2]=0\n";

@@ -37,45 +37,17 @@ fn what_acted_is_found_in_a_siemens_archive() {
     };
     assert!((at_end(&on, "EXX").unwrap() - (10.0 - 1.0)).abs() < 1e-9);
     assert!((at_end(&on, "EYX").unwrap() - 5.0).abs() < 1e-9);
-    assert!(
-        on.active
-            .as_ref()
-            .unwrap()
-            .assumptions
-            .iter()
-            .any(|a| a.fact.contains("SD41300"))
-    );
-    let off = read_out(
-        &job,
-        EXX_ONLY,
-        &archive("", "N41300 $SN_CEC_TABLE_ENABLE[3]=0\n"),
-    )
-    .unwrap();
-    assert_eq!(
-        at_end(&off, "EYX"),
-        None,
-        "a table that was off did nothing"
-    );
-    let lec_off = read_out(
-        &job,
-        EXX_ONLY,
-        &archive("", "$MA_ENC_COMP_ENABLE[0,AX1]=0\n"),
-    )
-    .unwrap();
+    assert!(on.active.as_ref().unwrap().assumptions.iter().any(|a| a.fact.contains("SD41300")));
+    let off = read_out(&job, EXX_ONLY, &archive("", "N41300 $SN_CEC_TABLE_ENABLE[3]=0\n")).unwrap();
+    assert_eq!(at_end(&off, "EYX"), None, "a table that was off did nothing");
+    let lec_off = read_out(&job, EXX_ONLY, &archive("", "$MA_ENC_COMP_ENABLE[0,AX1]=0\n")).unwrap();
     assert!((at_end(&lec_off, "EXX").unwrap() + 1.0).abs() < 1e-9);
     // A table of an axis that the job does not have lies where the new one would go.
     let other = read_out(&job, EXX_ONLY, &archive(&table(0, "AX4", "AX5", 9.0), "")).unwrap();
     let words = kit::generate(&other).unwrap_err().render();
-    assert!(
-        words.contains("CEC table 0 is in use in the read-out"),
-        "{words}"
-    );
-    let inch = read_out(
-        &job,
-        EXX_ONLY,
-        &archive("", "$MN_SCALING_SYSTEM_IS_METRIC=0\n"),
-    )
-    .unwrap_err();
+    assert!(words.contains("CEC table 0 is in use in the read-out"), "{words}");
+    let inch =
+        read_out(&job, EXX_ONLY, &archive("", "$MN_SCALING_SYSTEM_IS_METRIC=0\n")).unwrap_err();
     assert!(inch.contains("counts in inch"), "{inch}");
 }
 
@@ -96,31 +68,19 @@ fn a_backlash_parameter_that_is_replaced_has_to_be_known() {
         )
     };
     let unknown = read_out(&job("curve-and-parameter", ""), both, &lec("")).unwrap_err();
-    assert!(
-        unknown.contains("replace the backlash parameter of X"),
-        "{unknown}"
-    );
-    assert!(
-        read_out(&job("mean", ""), both, &lec("")).is_ok(),
-        "mean leaves the parameter alone"
-    );
+    assert!(unknown.contains("replace the backlash parameter of X"), "{unknown}");
+    assert!(read_out(&job("mean", ""), both, &lec("")).is_ok(), "mean leaves the parameter alone");
     let parameter = |found: Inputs| {
         kit::generate(&found).unwrap().plan.backlash_um[nonius::quantity::axis::Axis::X].unwrap()
     };
     // 7 µm acted and 1 µm was left: the new parameter is 8 µm.
-    let file = read_out(
-        &job("curve-and-parameter", ""),
-        both,
-        &lec("N32450 $MA_BACKLASH[0,AX1]=0.007\n"),
-    )
-    .unwrap();
+    let file =
+        read_out(&job("curve-and-parameter", ""), both, &lec("N32450 $MA_BACKLASH[0,AX1]=0.007\n"))
+            .unwrap();
     assert!((parameter(file) - 8.0).abs() < 1e-9);
-    let stated = read_out(
-        &job("curve-and-parameter", "active_backlash_um = { x = 7.0 }"),
-        both,
-        &lec(""),
-    )
-    .unwrap();
+    let stated =
+        read_out(&job("curve-and-parameter", "active_backlash_um = { x = 7.0 }"), both, &lec(""))
+            .unwrap();
     assert!((parameter(stated) - 8.0).abs() < 1e-9);
     let two = read_out(
         &job("curve-and-parameter", "active_backlash_um = { x = 6.0 }"),
@@ -128,10 +88,7 @@ fn a_backlash_parameter_that_is_replaced_has_to_be_known() {
         &lec("$MA_BACKLASH[0,AX1]=0.007\n"),
     )
     .unwrap_err();
-    assert!(
-        two.contains("a backlash parameter of 7 µm for X, the job states 6 µm"),
-        "{two}"
-    );
+    assert!(two.contains("a backlash parameter of 7 µm for X, the job states 6 µm"), "{two}");
 }
 
 #[test]
@@ -142,15 +99,8 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
         "",
         FANUC_AXES,
     );
-    let (_, old) = generate(
-        &small(
-            "fanuc-30i",
-            "active_while_measuring = \"none\"",
-            "",
-            FANUC_AXES,
-        ),
-        FULL,
-    );
+    let (_, old) =
+        generate(&small("fanuc-30i", "active_while_measuring = \"none\"", "", FANUC_AXES), FULL);
     let mut file = String::from(
         "%\nN00010Q1L1P00000001\nN03701Q1S1P00000010\nN01240Q1A1P0.000A2P0.000A4P12.5\nN01851Q1A1P3A2P0A4P9\nN01852Q1A1P3A2P0A4P9\nN03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN10900Q1P0\n",
     );
@@ -166,10 +116,7 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
     file.push_str("%\n");
     let found = read_out(&job, EXX_ONLY, &file).unwrap_or_else(|p| panic!("{p}"));
     let active = found.active.as_ref().unwrap();
-    assert_eq!(
-        active.backlash_um[nonius::quantity::axis::Axis::X],
-        Some(3.0)
-    );
+    assert_eq!(active.backlash_um[nonius::quantity::axis::Axis::X], Some(3.0));
     assert_eq!(active.others.points.len(), 1, "{:?}", active.findings);
     let new = kit::generate(&found).unwrap_or_else(|p| panic!("{}", p.render()));
     let is = control(&found.profile, &new);
@@ -196,24 +143,15 @@ fn tables_in_part_programs_alone_are_no_old_tables() {
     let program = format!("%_N_EEC_MPF\n{lec}M30\n");
     let data = "%_N_TEA_INI\n$MA_BACKLASH[0,AX1]=0.001\nM17\n";
     let refused = read_out(&job, EXX_ONLY, &format!("{data}{program}")).unwrap_err();
-    assert!(
-        refused.contains("holds tables in part programs only (EEC_MPF)"),
-        "{refused}"
-    );
+    assert!(refused.contains("holds tables in part programs only (EEC_MPF)"), "{refused}");
     let active = format!("%_N_AX_EEC_INI\n{lec}M17\n");
     let found = read_out(&job, EXX_ONLY, &format!("{active}{program}")).unwrap();
     let notes = notes_of(found.active.as_ref().unwrap());
-    assert!(
-        notes.contains("part programs were ignored (EEC_MPF)"),
-        "{notes}"
-    );
+    assert!(notes.contains("part programs were ignored (EEC_MPF)"), "{notes}");
     let alone = read_out(&job, EXX_ONLY, &program).unwrap();
     let notes = notes_of(alone.active.as_ref().unwrap());
     assert!(notes.contains("count as run and active"), "{notes}");
     let twice = active.replace("M17", "$AA_ENC_COMP[0,1,AX1]=0.012\nM17");
     let refused = read_out(&job, EXX_ONLY, &twice).unwrap_err();
-    assert!(
-        refused.contains("$AA_ENC_COMP[0,1,AX1] has several values"),
-        "{refused}"
-    );
+    assert!(refused.contains("$AA_ENC_COMP[0,1,AX1] has several values"), "{refused}");
 }

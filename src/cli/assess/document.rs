@@ -133,12 +133,7 @@ fn counts(histogram: &Histogram) -> Value {
         return json!(histogram.counts);
     }
     #[allow(clippy::cast_possible_truncation, reason = "counted numbers of pairs")]
-    let whole: Vec<u64> = histogram
-        .counts
-        .iter()
-        .flatten()
-        .map(|n| *n as u64)
-        .collect();
+    let whole: Vec<u64> = histogram.counts.iter().flatten().map(|n| *n as u64).collect();
     json!(whole)
 }
 

@@ -108,18 +108,10 @@ impl Basis {
             ActiveTables::Path(path) => (Some(path.clone()), None),
         };
         let stated = outside(job).into_iter().chain(open).map(Finding::from);
-        let stated = stated
-            .chain(inputs.active_notes.iter().cloned())
-            .chain(measurement.notes());
+        let stated = stated.chain(inputs.active_notes.iter().cloned()).chain(measurement.notes());
         Basis {
             active,
-            ..Basis::of(
-                job,
-                inputs.as_measured(),
-                &inputs.model.remarks,
-                volume,
-                stated,
-            )
+            ..Basis::of(job, inputs.as_measured(), &inputs.model.remarks, volume, stated)
         }
     }
 
@@ -168,10 +160,8 @@ impl Basis {
 /// What the error table says of itself, beside the doubts that the model tells.
 fn said(remarks: &Remarks) -> impl Iterator<Item = Finding> {
     let missing = remarks.not_determined.iter();
-    let missing = missing.map(|(term, why)| VolumeFinding::NotDetermined {
-        term: *term,
-        why: why.clone(),
-    });
+    let missing =
+        missing.map(|(term, why)| VolumeFinding::NotDetermined { term: *term, why: why.clone() });
     let reversal = remarks.hidden_reversal_um;
     let reversal = reversal.map(|um| ModelFinding::HiddenReversal { um }.into());
     let missing = missing.map(Finding::from);
@@ -199,12 +189,7 @@ fn doubts(job: &Job, model: &ErrorModel) -> impl Iterator<Item = Finding> {
         .chain(angles)
         .chain(squareness)
         .filter(|(_, largest, _, limit)| largest > limit)
-        .map(|(name, largest, unit, limit)| VolumeFinding::Unlikely {
-            name,
-            largest,
-            unit,
-            limit,
-        })
+        .map(|(name, largest, unit, limit)| VolumeFinding::Unlikely { name, largest, unit, limit })
         .chain(small)
         .map(Finding::from)
 }
@@ -247,25 +232,21 @@ pub(super) fn unknown_axes(volume: &VolumeModel) -> Vec<Axis> {
 
 /// Whether anything that was measured shows in a direction.
 pub(super) fn shows(volume: &VolumeModel, levers: &Levers, direction: Axis) -> bool {
-    volume
-        .components()
-        .into_iter()
-        .any(|component| match component {
-            Component::Deviation(term) | Component::Squareness(term) => term.of == direction,
-            Component::Rotation(rotation) => {
-                let mut effects = volume.chain.effects(rotation).into_iter();
-                let unknown = unknown_axes(volume);
-                effects.any(|e| e.direction == direction && !unknown.contains(&e.arm))
-                    || swings(levers, rotation, direction)
-            }
-        })
+    volume.components().into_iter().any(|component| match component {
+        Component::Deviation(term) | Component::Squareness(term) => term.of == direction,
+        Component::Rotation(rotation) => {
+            let mut effects = volume.chain.effects(rotation).into_iter();
+            let unknown = unknown_axes(volume);
+            effects.any(|e| e.direction == direction && !unknown.contains(&e.arm))
+                || swings(levers, rotation, direction)
+        }
+    })
 }
 
 /// Whether a rotation moves the tool point in a direction, by the stated tool offset.
 fn swings(levers: &Levers, rotation: Rotation, direction: Axis) -> bool {
-    let tool = levers.tool.map_or(PerAxis::default(), |tool| {
-        PerAxis::from_fn(|axis| tool[axis].mm())
-    });
+    let tool =
+        levers.tool.map_or(PerAxis::default(), |tool| PerAxis::from_fn(|axis| tool[axis].mm()));
     unit(rotation.about).cross(tool)[direction].abs() > 0.0
 }
 
@@ -307,12 +288,7 @@ pub(super) fn of_table(name: &str, bytes: &[u8], chain: Option<Chain>) -> Result
         .into());
     }
     let volume = VolumeModel::build(&job, &model)?;
-    Ok(Table {
-        basis: Basis::of_table(&job, &model, &volume),
-        job,
-        model,
-        volume,
-    })
+    Ok(Table { basis: Basis::of_table(&job, &model, &volume), job, model, volume })
 }
 
 /// The least job that such a table needs.

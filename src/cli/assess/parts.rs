@@ -15,10 +15,7 @@ const SHOWN_UM: f64 = 0.000_5;
 pub(super) fn contributions(page: &Page) -> String {
     let before = &page.before;
     let after = page.after.as_ref().map(|after| &after.assessment);
-    let with = after.map_or(
-        "",
-        |_| "\t>part with tables/µm\t>VA without it, with tables/µm",
-    );
+    let with = after.map_or("", |_| "\t>part with tables/µm\t>VA without it, with tables/µm");
     let heading = format!("error\t>part of VA/µm\t>%\t>VA without it/µm{with}");
     let va = before.definitions.va.um;
     let row = |part: &Contribution| {
@@ -95,11 +92,7 @@ fn without_effect(page: &Page, idle: &[&Contribution]) -> Vec<String> {
 /// Its name, and that of ISO 230-1 where it is another.
 fn error_name(component: Component) -> String {
     let (name, iso) = (component.to_string(), component.iso_name());
-    if name == iso {
-        name
-    } else {
-        format!("{name} ({iso})")
-    }
+    if name == iso { name } else { format!("{name} ({iso})") }
 }
 
 pub(super) fn windows(page: &Page) -> String {
@@ -201,12 +194,7 @@ pub(super) fn grouping(page: &Page) -> String {
 }
 
 pub(super) fn place(place: PerAxis<f64>) -> String {
-    format!(
-        "({}, {}, {}) mm",
-        short(place.x),
-        short(place.y),
-        short(place.z)
-    )
+    format!("({}, {}, {}) mm", short(place.x), short(place.y), short(place.z))
 }
 
 /// Without the dust of binary fractions.

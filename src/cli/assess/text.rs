@@ -14,21 +14,12 @@ use crate::volume::definitions::Definitions;
 pub(super) fn screen(page: &Page) -> Screen {
     let before = &page.before;
     let after = page.after.as_ref().map(|after| &after.assessment);
-    let differences = page
-        .after
-        .as_ref()
-        .map_or(&[][..], |after| &after.disagreements);
+    let differences = page.after.as_ref().map_or(&[][..], |after| &after.disagreements);
     let missing = page.volume.missing();
-    let missing: Vec<String> = missing
-        .iter()
-        .map(|m| format!("{}: {}", m.component, m.consequence))
-        .collect();
+    let missing: Vec<String> =
+        missing.iter().map(|m| format!("{}: {}", m.component, m.consequence)).collect();
     let left_out = list("not measured, so left out of every figure:", &missing);
-    let verdict = [
-        headline(page),
-        list("job and tables DISAGREE:", differences),
-        heading(page),
-    ];
+    let verdict = [headline(page), list("job and tables DISAGREE:", differences), heading(page)];
     Screen {
         verdict: verdict.join("\n").replace("\n\n", "\n"),
         figures: paragraphs(&[
@@ -62,11 +53,7 @@ fn heading(page: &Page) -> String {
         if unknown.contains(&axis) {
             return format!("{axis} not measured and its travel not stated");
         }
-        let bare = if page.volume.is_measured(axis) {
-            ""
-        } else {
-            " (not measured)"
-        };
+        let bare = if page.volume.is_measured(axis) { "" } else { " (not measured)" };
         format!("{axis} {} … {} mm{bare}", short(low), short(high))
     });
     let chain = match page.volume.chain_is_stated {
@@ -123,10 +110,8 @@ fn headline(page: &Page) -> String {
     } else {
         "no two of these nodes differ by more in their error; other places may"
     };
-    let mut lines = vec![format!(
-        "volumetric accuracy {:.3} µm: {claim}",
-        before.definitions.va.um
-    )];
+    let mut lines =
+        vec![format!("volumetric accuracy {:.3} µm: {claim}", before.definitions.va.um)];
     lines.extend(page.after.as_ref().map(|after| {
         let hedge = match after.assessment.va_exact {
             true => "",

@@ -34,12 +34,7 @@ fn screen(inputs: &Inputs, compared: &[Compared]) -> Screen {
     let own = inputs.job.compensation.backlash;
     let refused = |c: &Compared| {
         let first = c.result.as_ref().err()?.iter().next()?;
-        Some(format!(
-            "{}, {}: {}",
-            policy(c, &own),
-            c.spacing.word(),
-            first.message
-        ))
+        Some(format!("{}, {}: {}", policy(c, &own), c.spacing.word(), first.message))
     };
     Screen {
         verdict: format!(
@@ -61,20 +56,11 @@ type Policies = PerAxis<Option<BacklashPolicy>>;
 /// The policy as a job states it; where one axis has another one than in the job, that of this axis.
 fn policy(compared: &Compared, own: &Policies) -> String {
     let policies = &compared.backlash;
-    let mut others = Axis::ALL
-        .into_iter()
-        .filter(|axis| policies[*axis] != own[*axis]);
-    match (
-        *policies == Policies::default(),
-        others.next(),
-        others.next(),
-    ) {
+    let mut others = Axis::ALL.into_iter().filter(|axis| policies[*axis] != own[*axis]);
+    match (*policies == Policies::default(), others.next(), others.next()) {
         (true, ..) => "not stated".to_string(),
         (_, Some(axis), None) if !one_for_all(policies) => {
-            format!(
-                "{axis}: {}",
-                policies_as_stated(&PerAxis::from_fn(|_| policies[axis]))
-            )
+            format!("{axis}: {}", policies_as_stated(&PerAxis::from_fn(|_| policies[axis])))
         }
         _ => policies_as_stated(policies),
     }
@@ -87,20 +73,13 @@ fn row(compared: &Compared, own: &Policies) -> String {
     };
     let term = made.worst_term().map_or("-\t-\t-\t-".to_string(), |t| {
         let expanded = show::um(t.expanded_um);
-        format!(
-            "{}\t{:.3}\t{:.3}\t{expanded}",
-            t.name, t.before_um, t.after_um
-        )
+        format!("{}\t{:.3}\t{:.3}\t{expanded}", t.name, t.before_um, t.after_um)
     });
     let diagonal = made.worst_diagonal();
-    let diagonal = diagonal.map_or("-\t-".to_string(), |d| {
-        format!("{}\t{:.3}", d.name, d.after_um)
-    });
+    let diagonal =
+        diagonal.map_or("-\t-".to_string(), |d| format!("{}\t{:.3}", d.name, d.after_um));
     let (tables, points) = (made.tables, made.points);
-    format!(
-        "{head}\t{tables}\t{points}\t{term}\t{diagonal}\t{}",
-        made.verdict.word()
-    )
+    format!("{head}\t{tables}\t{points}\t{term}\t{diagonal}\t{}", made.verdict.word())
 }
 
 fn document(inputs: &Inputs, compared: &[Compared]) -> Value {

@@ -43,12 +43,7 @@ fn read((of, file): (Option<Diagonal>, &Option<PathBuf>)) -> Option<Result<Read,
 }
 
 fn as_list((of, path, name, sha256, bytes): &Read) -> List<'_> {
-    let file = Measurement {
-        path,
-        name,
-        sha256,
-        bytes,
-    };
+    let file = Measurement { path, name, sha256, bytes };
     (*of, file)
 }
 
@@ -62,13 +57,8 @@ pub(super) fn run(
     output.ensure_new("the readings")?;
     let (name, bytes) = read_form(form)?;
     let form = Source::from_bytes(&name, &bytes)?;
-    let Lists {
-        ppp, npp, pnp, ppn, ..
-    } = lists;
-    let of_diagonals = Diagonal::ALL
-        .map(Some)
-        .into_iter()
-        .zip([ppp, npp, pnp, ppn]);
+    let Lists { ppp, npp, pnp, ppn, .. } = lists;
+    let of_diagonals = Diagonal::ALL.map(Some).into_iter().zip([ppp, npp, pnp, ppn]);
     let lists = of_diagonals.chain([(None, file)]).filter_map(read);
     let lists: Vec<Read> = lists.collect::<Result<_, _>>()?;
     let named: Vec<List<'_>> = lists.iter().map(as_list).collect();

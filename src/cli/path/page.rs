@@ -35,18 +35,11 @@ impl Page {
             let of = |[x, y, _]: [f64; 3]| (x, y);
             let before = (Ink::AsFound, of(hole.error_um));
             let after = hole.after_um.map(|um| (Ink::Forecast, of(um)));
-            (
-                of(hole.at_mm),
-                std::iter::once(before).chain(after).collect(),
-            )
+            (of(hole.at_mm), std::iter::once(before).chain(after).collect())
         };
         let holes: Vec<_> = self.holes.worst().iter().map(hole).collect();
         let machine = &self.inputs.job.machine.name;
-        path(
-            &format!("{machine}: error along {}", self.program),
-            &self.traces,
-            &holes,
-        )
+        path(&format!("{machine}: error along {}", self.program), &self.traces, &holes)
     }
 }
 
@@ -71,10 +64,7 @@ impl Followed {
             return Err(Problem::new(message)
                 .help("G1, G2, G3 and the feed moves of cycles count; with `moves = \"all\"` in [path] rapid moves too"));
         };
-        Ok(Followed {
-            accuracy_um: found.um(),
-            summary,
-        })
+        Ok(Followed { accuracy_um: found.um(), summary })
     }
 
     fn largest_um(&self) -> f64 {
@@ -148,11 +138,7 @@ impl Page {
             verdict: verdict.join("\n").trim_end().to_string(),
             figures: paragraphs(&figures),
             findings,
-            more: vec![More::new(
-                self.holes.worst().len(),
-                ["hole", "holes"],
-                holes(self),
-            )],
+            more: vec![More::new(self.holes.worst().len(), ["hole", "holes"], holes(self))],
             ..Screen::default()
         }
     }
@@ -200,10 +186,7 @@ fn heading(page: &Page) -> String {
         counts.push(counted(page.ran.holes, "hole"));
     }
     if s.rapids_left_out > 0 {
-        counts.push(format!(
-            "{} left out",
-            counted(s.rapids_left_out, "rapid move")
-        ));
+        counts.push(format!("{} left out", counted(s.rapids_left_out, "rapid move")));
     }
     format!(
         "{} on {}\npath {:.3} mm: {}; places in machine coordinates",
@@ -270,9 +253,7 @@ fn holes(page: &Page) -> String {
 fn hole(hole: &Hole) -> String {
     let [x, y, z] = hole.at_mm.map(Figure);
     let [ex, ey, ez] = hole.error_um.map(Figure);
-    let after = hole
-        .after_e_um
-        .map_or_else(String::new, |e| format!("\t{e:.3}"));
+    let after = hole.after_e_um.map_or_else(String::new, |e| format!("\t{e:.3}"));
     format!(
         "{}\t{}\t{x:.3}, {y:.3}, {z:.3}\t{ex:+.3}\t{ey:+.3}\t{ez:+.3}\t{:.3}{after}",
         hole.number, hole.line, hole.e_um
@@ -330,11 +311,8 @@ fn doubts(page: &Page) -> Vec<String> {
 fn how(page: &Page) -> String {
     let path = &page.inputs.job.path;
     let s = &page.before.summary;
-    let mut parts = vec![format!(
-        "{} at most {} mm apart",
-        counted(s.samples, "sample"),
-        path.sample_mm
-    )];
+    let mut parts =
+        vec![format!("{} at most {} mm apart", counted(s.samples, "sample"), path.sample_mm)];
     if s.arcs > 0 {
         parts.push(format!("arcs on chords within {} mm", path.chord_mm));
     }

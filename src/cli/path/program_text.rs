@@ -26,10 +26,7 @@ impl ProgramText {
     /// Opens a file; `-` = standard input.
     pub(super) fn open(path: &Path) -> Result<ProgramText, Problem> {
         let (name, file) = if path == Path::new("-") {
-            (
-                STANDARD_INPUT.to_string(),
-                spooled(STANDARD_INPUT, standard_input())?,
-            )
+            (STANDARD_INPUT.to_string(), spooled(STANDARD_INPUT, standard_input())?)
         } else {
             (path.display().to_string(), opened(path)?)
         };
@@ -51,11 +48,7 @@ fn opened(path: &Path) -> Result<File, Problem> {
         Some(_) => problem,
         None => problem.help("check the path of the part program"),
     })?;
-    if metadata.is_file() {
-        Ok(file)
-    } else {
-        spooled(&format!("`{}`", path.display()), file)
-    }
+    if metadata.is_file() { Ok(file) } else { spooled(&format!("`{}`", path.display()), file) }
 }
 
 /// What comes through a pipe, as a file without a name.
@@ -84,9 +77,8 @@ impl Text for ProgramText {
     fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem> {
         self.line.clear();
         let mut part = (&mut self.reader).take(LONGEST_LINE);
-        let read = part
-            .read_until(b'\n', &mut self.line)
-            .map_err(|error| failed(&self.name, &error))?;
+        let read =
+            part.read_until(b'\n', &mut self.line).map_err(|error| failed(&self.name, &error))?;
         if read == 0 {
             return Ok(None);
         }
@@ -102,10 +94,7 @@ impl Text for ProgramText {
         self.mark.bytes += read as u64;
         self.mark.lines += 1;
         let end = self.line.len() - usize::from(ended);
-        Ok(Some(Line {
-            number: self.mark.lines,
-            bytes: &self.line[..end],
-        }))
+        Ok(Some(Line { number: self.mark.lines, bytes: &self.line[..end] }))
     }
 
     fn mark(&self) -> Mark {

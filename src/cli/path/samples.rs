@@ -29,11 +29,8 @@ impl Points {
     pub(super) fn create(output: &Output, has_after: bool) -> Result<Points, Problems> {
         let (ready, file) = output.open()?;
         let file = file.map_err(|error| not_written(output.place(), &error))?;
-        let mut points = Points {
-            ready,
-            writer: BufWriter::with_capacity(1 << 18, file),
-            failed: None,
-        };
+        let mut points =
+            Points { ready, writer: BufWriter::with_capacity(1 << 18, file), failed: None };
         let after = if has_after { AFTER } else { "" };
         let head = writeln!(points.writer, "{COLUMNS}{after}");
         points.note(head);
@@ -76,11 +73,7 @@ impl Points {
 
 fn row(out: &mut impl Write, sample: &Sample, after: Option<&PathMap>) -> std::io::Result<()> {
     let [x, y, z] = sample.place.map(Figure);
-    write!(
-        out,
-        "{},{:.4},{x:.4},{y:.4},{z:.4},",
-        sample.line, sample.s_mm
-    )?;
+    write!(out, "{},{:.4},{x:.4},{y:.4},{z:.4},", sample.line, sample.s_mm)?;
     error(out, sample, sample.error_um)?;
     write!(out, ",{},", if sample.is_held { "yes" } else { "no" })?;
     if let Some(hole) = sample.hole {
@@ -99,11 +92,7 @@ fn error(out: &mut impl Write, sample: &Sample, error: [f64; 3]) -> std::io::Res
     let along = |way: [f64; 3]| way[0] * ex + way[1] * ey + way[2] * ez;
     let (size, tangent) = (length(error), along(sample.ahead));
     let [x, y, z] = error.map(Figure);
-    write!(
-        out,
-        "{x:.6},{y:.6},{z:.6},{size:.6},{:.6},",
-        Figure(tangent)
-    )?;
+    write!(out, "{x:.6},{y:.6},{z:.6},{size:.6},{:.6},", Figure(tangent))?;
     match sample.left {
         Some(left) => write!(out, "{:.6}", Figure(along(left))),
         None => Ok(()),

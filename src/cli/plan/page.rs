@@ -58,12 +58,8 @@ impl Page<'_> {
 
     fn limits(&self) -> Option<String> {
         let acceptance = self.design.acceptance();
-        let term = acceptance
-            .max_deviation_um
-            .map(|um| format!("{um} µm of every term"));
-        let diagonal = acceptance
-            .max_diagonal_um
-            .map(|um| format!("{um} µm of every diagonal"));
+        let term = acceptance.max_deviation_um.map(|um| format!("{um} µm of every term"));
+        let diagonal = acceptance.max_diagonal_um.map(|um| format!("{um} µm of every diagonal"));
         let limits: Vec<String> = term.into_iter().chain(diagonal).collect();
         (!limits.is_empty()).then(|| limits.join(", "))
     }
@@ -95,11 +91,7 @@ impl Page<'_> {
         let linear = (!linear.is_empty()).then(|| format!("+ linear {linear}"));
         let pairs = own.into_iter().zip(of_base);
         let others = pairs.filter_map(|(own, base)| (own != base).then_some(own));
-        linear
-            .into_iter()
-            .chain(others)
-            .collect::<Vec<_>>()
-            .join(", ")
+        linear.into_iter().chain(others).collect::<Vec<_>>().join(", ")
     }
 
     fn variants(&self) -> String {
@@ -118,17 +110,12 @@ impl Page<'_> {
             )
         };
         let rows = self.found.visits.iter().enumerate().map(row);
-        table(
-            "\tvisit\t>min\tnot determined\treversal of\t>U of all/µm\treached",
-            rows,
-        )
+        table("\tvisit\t>min\tnot determined\treversal of\t>U of all/µm\treached", rows)
     }
 
     fn uncertainties(&self) -> String {
         let visits = &self.found.visits;
-        let letters: Vec<String> = (0..visits.len())
-            .map(|i| format!(">{}", letter(i)))
-            .collect();
+        let letters: Vec<String> = (0..visits.len()).map(|i| format!(">{}", letter(i))).collect();
         let cells = |of: &dyn Fn(&Visit) -> Option<f64>| {
             let cells = visits.iter().map(|visit| um(of(visit)));
             cells.collect::<Vec<_>>().join("\t")
@@ -141,10 +128,7 @@ impl Page<'_> {
         };
         let rows = ErrorTerm::ALL.into_iter().map(term);
         table(
-            &format!(
-                "largest U (95 %), mean of both directions\t{}",
-                letters.join("\t")
-            ),
+            &format!("largest U (95 %), mean of both directions\t{}", letters.join("\t")),
             rows.chain(Plane::ALL.map(plane)),
         )
     }
@@ -162,11 +146,7 @@ fn parts(variant: &Variant) -> [String; 3] {
         1 => "1 run".to_string(),
         runs => format!("{runs} runs"),
     };
-    [
-        format!("{} steps", run.volume.steps),
-        back.to_string(),
-        runs,
-    ]
+    [format!("{} steps", run.volume.steps), back.to_string(), runs]
 }
 
 fn said(shortcoming: &Finding) -> String {

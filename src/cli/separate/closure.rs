@@ -16,10 +16,7 @@ use crate::quantity::units::Figure;
 
 pub(super) fn closure(separation: &Separation) -> String {
     let closure = &separation.closure;
-    let mut lines = vec![format!(
-        "Closure: mean over each axis (µm) {}",
-        means(separation)
-    )];
+    let mut lines = vec![format!("Closure: mean over each axis (µm) {}", means(separation))];
     lines.push(
         "  a constant is set-up error or, with a flat mirror, roll of an axis that carries others"
             .into(),
@@ -27,12 +24,7 @@ pub(super) fn closure(separation: &Separation) -> String {
     if let Some(noise) = separation.noise {
         lines.push(scatter(closure, noise));
     }
-    lines.extend(
-        closure
-            .ramps
-            .as_ref()
-            .map(|ramps| self::ramps(ramps, separation.noise)),
-    );
+    lines.extend(closure.ramps.as_ref().map(|ramps| self::ramps(ramps, separation.noise)));
     lines.push(test(closure, separation.noise));
     lines.push("a clean closure proves nothing about pitch, yaw and five of eight patterns of set-up error".into());
     lines.join("\n")
@@ -127,9 +119,7 @@ pub(super) fn reversal(separation: &Separation) -> String {
     };
     let k = coverage_factor(separation.noise.and_then(|noise| noise.freedom_f64()));
     let shown = |b: Estimate| {
-        let u = b
-            .u_um
-            .map_or_else(|| "not known".into(), |u| format!("{:.3}", Figure(k * u)));
+        let u = b.u_um.map_or_else(|| "not known".into(), |u| format!("{:.3}", Figure(k * u)));
         format!("{:.3} ± {u}", Figure(b.um))
     };
     paragraphs(&[
@@ -172,11 +162,7 @@ fn reversal_of_cross_terms(turn: &Turn, shown: impl Fn(Estimate) -> String) -> S
     let cross = ErrorTerm::ALL.into_iter().filter(|t| !t.is_positioning());
     let said: Vec<String> = cross
         .map(|term| {
-            let held = if turn.in_curves[term] {
-                " (in the - curve)"
-            } else {
-                ""
-            };
+            let held = if turn.in_curves[term] { " (in the - curve)" } else { "" };
             format!("{term} {}{held}", shown(turn.reversal[term]))
         })
         .collect();
@@ -196,8 +182,5 @@ pub(super) fn repeatability(separation: &Separation) -> String {
     if all.is_empty() {
         return String::new();
     }
-    format!(
-        "Repeatability R = 4 s, the largest over all nodes (ISO 230-2), µm: {}",
-        all.join(", ")
-    )
+    format!("Repeatability R = 4 s, the largest over all nodes (ISO 230-2), µm: {}", all.join(", "))
 }

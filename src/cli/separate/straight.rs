@@ -32,10 +32,7 @@ pub(super) fn screen(result: &StraightResult) -> Result<Screen, Problems> {
             closure.map_or_else(String::new, closure_table),
         ]),
         vec![
-            More::part(
-                "linear axes and beams",
-                words::agreement(result.agreement.as_ref()),
-            ),
+            More::part("linear axes and beams", words::agreement(result.agreement.as_ref())),
             More::part("diagonals", diagonals),
         ],
         &result.labels,
@@ -90,10 +87,7 @@ fn scales(result: &StraightResult) -> String {
     for axis in Axis::ALL {
         if let Some(scale) = result.metric.scale[axis] {
             let u = expanded(result.u_scale[axis].map(|u| u.expanded_um_per_m()));
-            lines.push(format!(
-                "slope of E{axis}{axis}: {:.3} µm/m, U(95 %) {u}",
-                Figure(scale)
-            ));
+            lines.push(format!("slope of E{axis}{axis}: {:.3} µm/m, U(95 %) {u}", Figure(scale)));
         }
     }
     lines.join("\n")
@@ -103,13 +97,8 @@ fn closure_table(closure: &ClosureTests) -> String {
     let rows = closure.tests.iter().map(|test| {
         let (largest, end) = (Figure(test.largest_um), Figure(test.end_um));
         let (pass, u) = (test.pass.word(), expanded(test.u_end_um));
-        let ratio = test
-            .worst_ratio
-            .map_or_else(|| "-".to_string(), |ratio| format!("{ratio:.1}"));
-        format!(
-            "{}\t{pass}\t{largest:.3}\t{end:+.3}\t{u}\t{ratio}",
-            test.diagonal
-        )
+        let ratio = test.worst_ratio.map_or_else(|| "-".to_string(), |ratio| format!("{ratio:.1}"));
+        format!("{}\t{pass}\t{largest:.3}\t{end:+.3}\t{u}\t{ratio}", test.diagonal)
     });
     let heading = "diagonal\truns\t>largest/µm\t>far end/µm\t>U(k=2) there/µm\t>largest by its u";
     format!(

@@ -24,19 +24,13 @@ pub(super) fn screen(
     let outliers = &separation.closure.outliers;
     let more = vec![
         More::part("directions", directions(separation)),
-        More::part(
-            "linear axes and beams",
-            words::agreement(separation.agreement.as_ref()),
-        ),
+        More::part("linear axes and beams", words::agreement(separation.agreement.as_ref())),
         More::part("set-up", setup(separation)),
         More::part("closure", closure(separation)),
         More::part("reversal", reversal(separation)),
         More::part("diagonals", diagonals(separation, &figures)),
         More::part("repeatability", repeatability(separation)),
-        More::part(
-            "Monte Carlo",
-            simulated.map_or_else(String::new, monte_carlo),
-        ),
+        More::part("Monte Carlo", simulated.map_or_else(String::new, monte_carlo)),
     ];
     let mut screen = words::screen(
         &separation.doubts,
@@ -92,10 +86,7 @@ fn terms(separation: &Separation) -> String {
         let slope = ReferenceLine::EndPoints.slope_um_per_m(&positions, curve);
         let [slope, end, range] = [slope, last(curve), range(curve.iter().copied())].map(Figure);
         let largest = largest_u(found, separation);
-        let (u, freedom) = (
-            expanded(largest.map(|(um, _)| um)),
-            freedom(largest.map(|(_, f)| f)),
-        );
+        let (u, freedom) = (expanded(largest.map(|(um, _)| um)), freedom(largest.map(|(_, f)| f)));
         format!("{term}\t{slope:.3}\t{end:.3}\t{range:.3}\t{shape}\t{u}\t{freedom}")
     });
     let heading = "error\t>slope/(µm/m)\t>far end/µm\t>max - min/µm\t>straightness/µm\t>largest U(95 %)/µm\t>freedom";
@@ -132,15 +123,11 @@ fn directions(separation: &Separation) -> String {
         let [size, other_size] = both.map(|curve| Figure(range(curve.iter().copied())));
         let u = |found: &SeparatedError| largest_u(found, separation).map(|(um, _)| um);
         let either = expanded(u(plus).zip(u(minus)).map(|(a, b)| a.max(b)));
-        Some(format!(
-            "{term}\t{end:.3}\t{other_end:.3}\t{size:.3}\t{other_size:.3}\t{either}"
-        ))
+        Some(format!("{term}\t{end:.3}\t{other_end:.3}\t{size:.3}\t{other_size:.3}\t{either}"))
     });
     let apart = "+ is zero at the low end, - stands beside it by the reversal there";
     let open = "each is zero at its own low end: the reversal between them is not determined";
-    let known = Axis::ALL
-        .into_iter()
-        .filter(|axis| separation.is_directed(*axis));
+    let known = Axis::ALL.into_iter().filter(|axis| separation.is_directed(*axis));
     let known: Vec<String> = known.map(|axis| format!("E{axis}{axis}")).collect();
     let zero = if separation.turn.is_some() {
         apart.to_string()
@@ -168,10 +155,7 @@ fn squareness(separation: &Separation) -> String {
             um(separation.squareness_least_squares_um_per_m.of(plane)),
         );
         match naive {
-            true => format!(
-                "{row}\t{:.3}",
-                Figure(separation.naive_squareness_um_per_m(plane))
-            ),
+            true => format!("{row}\t{:.3}", Figure(separation.naive_squareness_um_per_m(plane))),
             false => row,
         }
     });

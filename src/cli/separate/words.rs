@@ -45,29 +45,17 @@ pub(super) fn screen(
     mut more: Vec<More>,
     labels: &[Finding],
 ) -> Screen {
-    let mut open = list(
-        "NOT DETERMINED by these readings, and left out:",
-        undetermined,
-    );
+    let mut open = list("NOT DETERMINED by these readings, and left out:", undetermined);
     for advice in advice.iter().filter(|_| !undetermined.is_empty()) {
         open += &format!("\n      {advice}");
     }
     // What the readings say of themselves never leaves the screen.
-    let (said, labels): (Vec<&Finding>, Vec<&Finding>) = labels
-        .iter()
-        .partition(|label| label.severity() == Severity::Note);
+    let (said, labels): (Vec<&Finding>, Vec<&Finding>) =
+        labels.iter().partition(|label| label.severity() == Severity::Note);
     let heading = "Assumed, and what the uncertainty holds:";
-    more.push(More::new(
-        labels.len(),
-        ["label", "labels"],
-        list(heading, &labels),
-    ));
+    more.push(More::new(labels.len(), ["label", "labels"], list(heading, &labels)));
     Screen {
-        verdict: paragraphs(&[
-            list("DOUBTFUL, so the answer is no:", doubts),
-            determined,
-            open,
-        ]),
+        verdict: paragraphs(&[list("DOUBTFUL, so the answer is no:", doubts), determined, open]),
         figures,
         always: said.iter().map(|note| format!("note: {note}")).collect(),
         more,
@@ -111,11 +99,7 @@ pub(super) fn agreement(agreement: Option<&Agreement>) -> String {
                 [others.found_um_per_m, by, others.u_difference_um_per_m].map(Figure);
             format!("{found:.3}\t{by:+.3}\t{u:.3}")
         });
-        format!(
-            "{}\t{:.3}\t{others}",
-            line.name(),
-            Figure(line.stated_um_per_m)
-        )
+        format!("{}\t{:.3}\t{others}", line.name(), Figure(line.stated_um_per_m))
     });
     let heading = "line\t>stated/(µm/m)\t>by all others/(µm/m)\t>difference/(µm/m)\t>u(k=1)/(µm/m)";
     let verdict = match agreement.probability {

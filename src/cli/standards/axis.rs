@@ -89,10 +89,7 @@ impl Page<'_> {
 
     fn axis_table(&self) -> String {
         let axis = &self.iso.axis;
-        let both = |both_um| ByDirection {
-            both_um,
-            ..ByDirection::default()
-        };
+        let both = |both_um| ByDirection { both_um, ..ByDirection::default() };
         let mark = match self.travel.is_long() {
             true => ", not in the standard above 2 m",
             false => "",
@@ -101,12 +98,7 @@ impl Page<'_> {
             ("A", "positioning error (accuracy)", mark, axis.a),
             ("E", "systematic positioning error", "", axis.e),
             ("R", "repeatability", mark, axis.r),
-            (
-                "M",
-                "range of the mean bidirectional error",
-                "",
-                both(axis.m_um),
-            ),
+            ("M", "range of the mean bidirectional error", "", both(axis.m_um)),
             ("B", "reversal error, largest |B_i|", "", both(axis.b_um)),
             ("B mean", "mean reversal error", "", both(axis.b_mean_um)),
         ];
@@ -161,11 +153,7 @@ impl Page<'_> {
 
 fn vdi_document(figures: &vdi_3441::Figures) -> Value {
     let target = |of: &vdi_3441::TargetFigures| {
-        let figures = [
-            ("mean", Some(of.mean_um)),
-            ("U", Some(of.u_um)),
-            ("s_mean", of.s_um),
-        ];
+        let figures = [("mean", Some(of.mean_um)), ("U", Some(of.u_um)), ("s_mean", of.s_um)];
         at_target(of.target_mm, figures)
     };
     joined([
@@ -226,11 +214,7 @@ pub(super) fn conditions(heading: &str, conditions: &[Condition]) -> More {
         )
     });
     let table = table("outcome\tasked\tfound\teditions", rows);
-    More::new(
-        conditions.len(),
-        ["condition", "conditions"],
-        format!("{heading}\n{table}"),
-    )
+    More::new(conditions.len(), ["condition", "conditions"], format!("{heading}\n{table}"))
 }
 
 pub(super) fn conditions_json(conditions: &[Condition]) -> Value {
@@ -241,11 +225,7 @@ pub(super) fn conditions_json(conditions: &[Condition]) -> Value {
 fn vdi_figures(of: &vdi_3441::Figures) -> [(&'static str, &'static str, Option<f64>); 5] {
     [
         ("P", "positioning uncertainty", of.p_um),
-        (
-            "P_a",
-            "positioning deviation, range of the means",
-            Some(of.p_a_um),
-        ),
+        ("P_a", "positioning deviation, range of the means", Some(of.p_a_um)),
         ("P_s", "positioning scatter, largest 6 s mean", of.p_s_um),
         ("U", "largest reversal", Some(of.u_um)),
         ("U_mean", "mean reversal", Some(of.u_mean_um)),

@@ -89,12 +89,7 @@ pub(super) fn of_readings(
     let (volume, kind) = (&measurement.volume, measurement.kind);
     let figures = StandardFigures::of_unknown_length(volume, kind, &known)?;
     let name = &name;
-    let page = Page {
-        name,
-        across: ALONG_STEPS,
-        notes,
-        figures,
-    };
+    let page = Page { name, across: ALONG_STEPS, notes, figures };
     page.outcome(print, plot)
 }
 
@@ -175,10 +170,6 @@ fn machine_figures(figures: &Diagonals) -> [(&'static str, &'static str, Option<
             "ASME B5.54: largest max - min of one diagonal",
             figures.largest_range_um,
         ),
-        (
-            "range_over_all",
-            "ASME B5.54: max - min over all diagonals",
-            figures.range_over_all_um,
-        ),
+        ("range_over_all", "ASME B5.54: max - min over all diagonals", figures.range_over_all_um),
     ]
 }

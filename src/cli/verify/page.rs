@@ -53,8 +53,7 @@ pub(in crate::cli) struct Document<'a> {
 
 impl Page<'_> {
     pub(in crate::cli) fn verdict(&self) -> Verdict {
-        self.look()
-            .map_or(self.verification.verdict, |look| look.verdict)
+        self.look().map_or(self.verification.verdict, |look| look.verdict)
     }
 
     fn look(&self) -> Option<&SecondLook> {
@@ -68,8 +67,7 @@ impl Page<'_> {
     }
 
     pub(in crate::cli) fn doubts(&self) -> &[Finding] {
-        self.look()
-            .map_or(&self.verification.doubts, |look| &look.doubts)
+        self.look().map_or(&self.verification.doubts, |look| &look.doubts)
     }
 
     /// The verdict, then what the data say of the causes.
@@ -216,9 +214,7 @@ impl Page<'_> {
     pub(in crate::cli) fn document(&self) -> Document<'_> {
         let compiled = &self.verification.compiled;
         let forecast = self.verification.forecast.as_ref();
-        let misses = self
-            .judged()
-            .map(|of| of.misses(self.inputs.job.acceptance));
+        let misses = self.judged().map(|of| of.misses(self.inputs.job.acceptance));
         let stated = self.verification.disagreements();
         let causes = stated.iter().map(ToString::to_string);
         let causes = causes.chain(misses.iter().flatten().map(Miss::to_string));
@@ -276,17 +272,11 @@ fn explanation(look: &SecondLook) -> Vec<String> {
                 "the tables act as forecast, no fault shows ({off}): what is left was left by the plan, or is noise"
             ),
         };
-        return (look.verdict != Verdict::Pass)
-            .then_some(words)
-            .into_iter()
-            .collect();
+        return (look.verdict != Verdict::Pass).then_some(words).into_iter().collect();
     }
     let said = |cause: &Cause| {
         let kind = cause.kind.to_uppercase();
-        format!(
-            "{kind}: {} (leaves {:.3} µm unexplained)",
-            cause.words, cause.left_um
-        )
+        format!("{kind}: {} (leaves {:.3} µm unexplained)", cause.words, cause.left_um)
     };
     let likely = match (found.causes.as_slice(), &look.lost_motion) {
         ([], Some(words)) => format!(
@@ -307,12 +297,7 @@ fn explanation(look: &SecondLook) -> Vec<String> {
     let off = found.by_term.iter().filter(is_off);
     let off = off.filter(|_| look.lost_motion.is_none());
     lines.extend(off.map(|words| format!("  {words}")));
-    lines.extend(
-        found
-            .decides
-            .iter()
-            .map(|words| format!("to decide: {words}")),
-    );
+    lines.extend(found.decides.iter().map(|words| format!("to decide: {words}")));
     lines
 }
 
@@ -368,16 +353,10 @@ fn lines(comparison: &Comparison) -> String {
         };
         let (before, after) = (measured(line.before_um), measured(line.after_um));
         let (forecast, off) = (um(line.forecast_um), um(line.difference_um));
-        format!(
-            "{what}{}\t{before}\t{forecast}\t{after}\t{expanded}\t{off}",
-            line.name
-        )
+        format!("{what}{}\t{before}\t{forecast}\t{after}\t{expanded}\t{off}", line.name)
     };
     let terms = comparison.terms.iter().map(|line| row("", line));
-    let diagonals = comparison
-        .diagonals
-        .iter()
-        .map(|line| row("diagonal ", line));
+    let diagonals = comparison.diagonals.iter().map(|line| row("diagonal ", line));
     let heading = "term\t>as found/µm\t>forecast/µm\t>as left/µm\t>U(95 %)/µm\t>off forecast/µm";
     format!(
         "{}\n  terms: largest deviation, zero at the reference; diagonals: max - min; U of as left;\n  off forecast: largest difference of as left and forecast at a measured position{}",

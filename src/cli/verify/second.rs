@@ -151,9 +151,7 @@ impl Second {
             job.problem_at(ACTIVE, "the measurement afterwards was taken with other tables active than those that are judged; below, `the tables` are the active ones and `the job` stands for the judged ones")
                 .help("name with `--tables` what was active, or with `active_while_measuring` what was loaded"),
         );
-        words
-            .into_iter()
-            .for_each(|words| problems.push(Problem::new(words.to_string())));
+        words.into_iter().for_each(|words| problems.push(Problem::new(words.to_string())));
         Err(problems)
     }
 }
@@ -170,9 +168,7 @@ fn of_table(first: &Inputs, source: Source) -> Result<AfterMeasurement, Problems
         .help("give a job with `errors` and its own `squareness_um_per_m` (none, if the slopes hold it)")
         .into());
     }
-    Ok(AfterMeasurement::Errors(Box::new(ErrorModel::build(
-        &first.job, &table,
-    )?)))
+    Ok(AfterMeasurement::Errors(Box::new(ErrorModel::build(&first.job, &table)?)))
 }
 
 /// Readings by themselves do not say how they were taken.

@@ -20,10 +20,7 @@ struct Made {
     is_placed: bool,
 }
 
-static MADE: Mutex<Made> = Mutex::new(Made {
-    paths: Vec::new(),
-    is_placed: false,
-});
+static MADE: Mutex<Made> = Mutex::new(Made { paths: Vec::new(), is_placed: false });
 
 fn made() -> MutexGuard<'static, Made> {
     MADE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -262,10 +259,7 @@ fn hear_signals() {
             if made.paths.is_empty() || made.is_placed {
                 return; // the run goes to its end
             }
-            made.paths
-                .iter()
-                .rev()
-                .for_each(|path| remove_for_good(path));
+            made.paths.iter().rev().for_each(|path| remove_for_good(path));
             std::process::exit(2);
         });
     });

@@ -76,27 +76,18 @@ const TEMPLATES: &[(&str, &str)] = embed!(
 
 /// Ids of the built-in profiles, in the order of `controllers list`.
 pub fn ids() -> Vec<&'static str> {
-    PROFILES
-        .iter()
-        .map(|(file, _)| file.trim_end_matches(".toml"))
-        .collect()
+    PROFILES.iter().map(|(file, _)| file.trim_end_matches(".toml")).collect()
 }
 
 /// The TOML page of a built-in profile, or of one that others build on.
 pub fn page(id: &str) -> Option<&'static str> {
     let pages = PROFILES.iter().chain(BASES);
-    pages
-        .into_iter()
-        .find(|(file, _)| file.trim_end_matches(".toml") == id)
-        .map(|(_, text)| *text)
+    pages.into_iter().find(|(file, _)| file.trim_end_matches(".toml") == id).map(|(_, text)| *text)
 }
 
 /// The text of a built-in template.
 pub fn template(name: &str) -> Option<String> {
-    TEMPLATES
-        .iter()
-        .find(|(file, _)| *file == name)
-        .map(|(_, text)| (*text).to_string())
+    TEMPLATES.iter().find(|(file, _)| *file == name).map(|(_, text)| (*text).to_string())
 }
 
 /// A built-in profile by its id.
@@ -105,12 +96,7 @@ pub fn profile(id: &str) -> Result<Profile, Problems> {
         return Err(unknown(id).into());
     };
     let source = Source::from_bytes(&format!("controllers/{id}.toml"), text.as_bytes())?;
-    load::profile(
-        source,
-        ProfileSource::BuiltIn,
-        &|name, _| template(name),
-        &page,
-    )
+    load::profile(source, ProfileSource::BuiltIn, &|name, _| template(name), &page)
 }
 
 fn unknown(word: &str) -> Problem {

@@ -71,10 +71,8 @@ pub enum Order {
 }
 
 impl Word for Order {
-    const WORDS: &'static [(&'static str, Order)] = &[
-        ("ascending", Order::Ascending),
-        ("descending", Order::Descending),
-    ];
+    const WORDS: &'static [(&'static str, Order)] =
+        &[("ascending", Order::Ascending), ("descending", Order::Descending)];
 }
 
 /// What the backlash parameter of an axis does beside a table of the axis.
@@ -87,10 +85,8 @@ pub enum BesideTable {
 }
 
 impl Word for BesideTable {
-    const WORDS: &'static [(&'static str, BesideTable)] = &[
-        ("adds", BesideTable::Adds),
-        ("replaced", BesideTable::Replaced),
-    ];
+    const WORDS: &'static [(&'static str, BesideTable)] =
+        &[("adds", BesideTable::Adds), ("replaced", BesideTable::Replaced)];
 }
 
 /// Size of 1 in a file, µm: a unit of length, or counts of any size.
@@ -111,9 +107,7 @@ impl Size {
 
 impl Stated for Size {
     fn read(fact: &Section<'_>) -> Option<Self> {
-        let is_text = fact
-            .as_written("value")
-            .is_some_and(|v| v.starts_with(['"', '\'']));
+        let is_text = fact.as_written("value").is_some_and(|v| v.starts_with(['"', '\'']));
         let um = match is_text {
             true => fact.choice("value", SIZES)?.um(),
             false => fact.positive("value")?,
@@ -122,11 +116,8 @@ impl Stated for Size {
     }
 }
 
-const SIZES: &[(&str, LengthUnit)] = &[
-    ("mm", LengthUnit::Mm),
-    ("um", LengthUnit::Um),
-    ("inch", LengthUnit::In),
-];
+const SIZES: &[(&str, LengthUnit)] =
+    &[("mm", LengthUnit::Mm), ("um", LengthUnit::Um), ("inch", LengthUnit::In)];
 
 facts! {
     /// Facts of a declared control.
@@ -181,11 +172,7 @@ impl DeclaredFacts {
         let own = DeclaredFacts::read(facts)?;
         facts.expect_decimals("value_decimals", &own.value_decimals);
         facts.expect_decimals("position_decimals", &own.position_decimals);
-        facts.expect(
-            "cross_terms",
-            own.cross_terms.value <= OTHER_AXES,
-            "0, 1 or 2",
-        );
+        facts.expect("cross_terms", own.cross_terms.value <= OTHER_AXES, "0, 1 or 2");
         facts.expect("points", own.points.value > 1, "at least 2");
         for (name, is_right, expected) in own.rules() {
             facts.expect(name, is_right, expected);
@@ -297,10 +284,7 @@ impl DeclaredFacts {
         let wanted = [self.value_fields(true), places, cross].concat();
         for field in wanted.iter().filter(|field| !self.has(**field)) {
             let message = format!("no pattern has the field `{}`", field.word_of());
-            let help = format!(
-                "write `(?<{}>…)` where it stands in a line",
-                field.word_of()
-            );
+            let help = format!("write `(?<{}>…)` where it stands in a line", field.word_of());
             facts.section.problem("lines", message, help);
         }
         if !self.has(Field::Axis) && !self.has(Field::Output) {

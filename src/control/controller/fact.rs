@@ -65,10 +65,8 @@ pub enum TableSign {
 }
 
 impl Word for TableSign {
-    const WORDS: &'static [(&'static str, TableSign)] = &[
-        ("as_error", TableSign::AsError),
-        ("as_correction", TableSign::AsCorrection),
-    ];
+    const WORDS: &'static [(&'static str, TableSign)] =
+        &[("as_error", TableSign::AsError), ("as_correction", TableSign::AsCorrection)];
 }
 
 impl TableSign {
@@ -221,11 +219,8 @@ pub enum Outside {
 }
 
 impl Word for Outside {
-    const WORDS: &'static [(&'static str, Outside)] = &[
-        ("hold", Outside::Hold),
-        ("zero", Outside::Zero),
-        ("unknown", Outside::Unknown),
-    ];
+    const WORDS: &'static [(&'static str, Outside)] =
+        &[("hold", Outside::Hold), ("zero", Outside::Zero), ("unknown", Outside::Unknown)];
 }
 
 /// Whether the files of a control may carry comments.
@@ -289,11 +284,7 @@ impl ControlUnit {
 
     /// The unit that machine data such as MD10240 and MD32711 stand for: 1 = metric, 0 = inch.
     pub(crate) fn of_metric(value: f64) -> ControlUnit {
-        if value > 0.0 {
-            ControlUnit::Millimetre
-        } else {
-            ControlUnit::Inch
-        }
+        if value > 0.0 { ControlUnit::Millimetre } else { ControlUnit::Inch }
     }
 
     /// The other way: `1 (metric)` or `0 (inch)`.
@@ -481,11 +472,7 @@ impl Stated for Vec<NumberRange> {
     fn read(fact: &Section<'_>) -> Option<Self> {
         let pairs = fact.whole_pairs("value")?;
         if pairs.iter().any(|[first, last]| first > last) {
-            fact.problem(
-                "value",
-                "a block ends before it begins",
-                "write [first, last]",
-            );
+            fact.problem("value", "a block ends before it begins", "write [first, last]");
         }
         let block = |[first, last]: [u32; 2]| NumberRange { first, last };
         Some(pairs.into_iter().map(block).collect())
@@ -500,10 +487,7 @@ pub(super) struct Facts<'a> {
 
 impl<'a> Facts<'a> {
     pub(super) fn of(section: Section<'a>) -> Facts<'a> {
-        Facts {
-            section,
-            statements: RefCell::default(),
-        }
+        Facts { section, statements: RefCell::default() }
     }
 
     pub(super) fn stated<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
@@ -564,12 +548,7 @@ impl<'a> Facts<'a> {
 impl<T> Fact<T> {
     /// The same origin for another value.
     pub(super) fn with<V>(self, value: V) -> Fact<V> {
-        Fact {
-            value,
-            evidence: self.evidence,
-            source: self.source,
-            consequence: self.consequence,
-        }
+        Fact { value, evidence: self.evidence, source: self.source, consequence: self.consequence }
     }
 }
 
@@ -579,17 +558,10 @@ pub(super) fn origin(section: &Section<'_>) -> Option<Fact<()>> {
         section.missing("evidence", "`manual`, `assumed` or `executed`");
     }
     let evidence = section.choice("evidence", Evidence::WORDS);
-    let source = section.required_text(
-        "source",
-        "manual, edition and chapter, or why it is assumed",
-    );
+    let source =
+        section.required_text("source", "manual, edition and chapter, or why it is assumed");
     let consequence = section.text("consequence");
-    Some(Fact {
-        value: (),
-        evidence: evidence?,
-        source: source?,
-        consequence,
-    })
+    Some(Fact { value: (), evidence: evidence?, source: source?, consequence })
 }
 
 /// The same, with a consequence where it is assumed.
@@ -597,10 +569,7 @@ fn complete_origin(section: &Section<'_>) -> Option<Fact<()>> {
     let origin = origin(section);
     let is_assumed = section.text("evidence").as_deref() == Some(Evidence::Assumed.word());
     if is_assumed && !section.has("consequence") {
-        section.missing(
-            "consequence",
-            "what happens on the machine if the assumption is wrong",
-        );
+        section.missing("consequence", "what happens on the machine if the assumption is wrong");
     }
     origin
 }

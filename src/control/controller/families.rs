@@ -12,27 +12,13 @@ pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 
 /// All of them, in the order in which they are named.
 pub(super) const FAMILIES: [Known; 7] = [
-    (&siemens::FAMILY, |facts| {
-        SiemensFacts::checked(facts).map(Dialect::Siemens)
-    }),
-    (&fanuc::FAMILY, |facts| {
-        FanucFacts::checked(facts).map(Dialect::Fanuc)
-    }),
-    (&generic::FAMILY, |facts| {
-        GenericFacts::read(facts).map(Dialect::Generic)
-    }),
-    (&declared::FAMILY, |facts| {
-        DeclaredFacts::checked(facts).map(Dialect::Declared)
-    }),
-    (&linuxcnc::FAMILY, |facts| {
-        LinuxcncFacts::checked(facts).map(Dialect::Linuxcnc)
-    }),
-    (&klipper::FAMILY, |facts| {
-        KlipperFacts::checked(facts).map(Dialect::Klipper)
-    }),
-    (&isg::FAMILY, |facts| {
-        IsgFacts::checked(facts).map(Dialect::Isg)
-    }),
+    (&siemens::FAMILY, |facts| SiemensFacts::checked(facts).map(Dialect::Siemens)),
+    (&fanuc::FAMILY, |facts| FanucFacts::checked(facts).map(Dialect::Fanuc)),
+    (&generic::FAMILY, |facts| GenericFacts::read(facts).map(Dialect::Generic)),
+    (&declared::FAMILY, |facts| DeclaredFacts::checked(facts).map(Dialect::Declared)),
+    (&linuxcnc::FAMILY, |facts| LinuxcncFacts::checked(facts).map(Dialect::Linuxcnc)),
+    (&klipper::FAMILY, |facts| KlipperFacts::checked(facts).map(Dialect::Klipper)),
+    (&isg::FAMILY, |facts| IsgFacts::checked(facts).map(Dialect::Isg)),
 ];
 
 /// What sign proofs can prove, with the words of profiles.

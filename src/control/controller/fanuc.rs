@@ -11,10 +11,7 @@ pub(super) static FAMILY: Family = Family {
     backlash_parameter: "backlash parameter (1851)",
     between: "step",
     outside: &[Outside::Hold],
-    no_tables: Tables::Fanuc(FanucMemory {
-        parameters: BTreeMap::new(),
-        points: BTreeMap::new(),
-    }),
+    no_tables: Tables::Fanuc(FanucMemory { parameters: BTreeMap::new(), points: BTreeMap::new() }),
     off: "0",
     restarts: true,
     off_by_hand: ": 3623 = 0 stops the pitch points of an axis (assumed)",
@@ -77,10 +74,8 @@ pub enum StraightnessForm {
 }
 
 impl Word for StraightnessForm {
-    const WORDS: &'static [(&'static str, StraightnessForm)] = &[
-        ("four-point", StraightnessForm::FourPoint),
-        ("per-point", StraightnessForm::PerPoint),
-    ];
+    const WORDS: &'static [(&'static str, StraightnessForm)] =
+        &[("four-point", StraightnessForm::FourPoint), ("per-point", StraightnessForm::PerPoint)];
 }
 
 /// How parameter 3624 (interval) is written.
@@ -93,10 +88,8 @@ pub enum IntervalForm {
 }
 
 impl Word for IntervalForm {
-    const WORDS: &'static [(&'static str, IntervalForm)] = &[
-        ("real", IntervalForm::Real),
-        ("integer", IntervalForm::Integer),
-    ];
+    const WORDS: &'static [(&'static str, IntervalForm)] =
+        &[("real", IntervalForm::Real), ("integer", IntervalForm::Integer)];
 }
 
 facts! {
@@ -157,10 +150,8 @@ impl FanucFacts {
         facts.expect_decimals("interval_decimals_inch", &own.interval_decimals_inch);
         let fraction = own.output_fraction.value;
         facts.expect("output_fraction", fraction < 1.0, "between 0 and 1");
-        let at_least_1 = [
-            ("increment_max", &own.increment_max),
-            ("magnification_max", &own.magnification_max),
-        ];
+        let at_least_1 =
+            [("increment_max", &own.increment_max), ("magnification_max", &own.magnification_max)];
         for (name, fact) in at_least_1 {
             facts.expect(name, fact.value > 0, "at least 1");
         }
@@ -169,10 +160,8 @@ impl FanucFacts {
 
     /// Whether a parameter holds the magnification or the first data number of a per-point set.
     pub(crate) fn is_of_per_point_set(&self, number: u32) -> bool {
-        let firsts = [
-            &self.straightness_magnification_parameter,
-            &self.straightness_start_parameter,
-        ];
+        let firsts =
+            [&self.straightness_magnification_parameter, &self.straightness_start_parameter];
         let sets = self.straightness_sets.value;
         let mut firsts = firsts.iter().map(|first| first.value);
         firsts.any(|first| (first..first + sets).contains(&number))

@@ -33,10 +33,8 @@ pub enum FileFormat {
 }
 
 impl Word for FileFormat {
-    const WORDS: &'static [(&'static str, FileFormat)] = &[
-        ("ISG_CSV", FileFormat::IsgCsv),
-        ("ETALON_EXCHANGE", FileFormat::EtalonExchange),
-    ];
+    const WORDS: &'static [(&'static str, FileFormat)] =
+        &[("ISG_CSV", FileFormat::IsgCsv), ("ETALON_EXCHANGE", FileFormat::EtalonExchange)];
 }
 
 impl FileFormat {
@@ -63,10 +61,8 @@ pub enum LeverOrigin {
 }
 
 impl Word for LeverOrigin {
-    const WORDS: &'static [(&'static str, LeverOrigin)] = &[
-        ("machine_zero", LeverOrigin::MachineZero),
-        ("reference", LeverOrigin::Reference),
-    ];
+    const WORDS: &'static [(&'static str, LeverOrigin)] =
+        &[("machine_zero", LeverOrigin::MachineZero), ("reference", LeverOrigin::Reference)];
 }
 
 facts! {

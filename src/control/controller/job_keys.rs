@@ -73,12 +73,7 @@ fn job_key(section: &Section<'_>) -> Option<JobKey> {
     let example = section.text("example");
     let origin = origin_or_rule(section);
     section.refuse_unknown_keys();
-    let Fact {
-        evidence,
-        source,
-        consequence,
-        ..
-    } = origin?;
+    let Fact { evidence, source, consequence, .. } = origin?;
     Some(JobKey {
         section: of_job?,
         key: key?,

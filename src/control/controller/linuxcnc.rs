@@ -10,10 +10,7 @@ pub(super) static FAMILY: Family = Family {
     backlash_parameter: "BACKLASH of the ini file",
     between: "linear",
     outside: &[Outside::Hold],
-    no_tables: Tables::Linuxcnc(LinuxcncTables {
-        joints: Vec::new(),
-        cross: Vec::new(),
-    }),
+    no_tables: Tables::Linuxcnc(LinuxcncTables { joints: Vec::new(), cross: Vec::new() }),
     off: "removed",
     restarts: true,
     off_by_hand: ": take COMP_FILE and COMP_FILE_TYPE out of their sections",
@@ -25,12 +22,7 @@ pub(super) static FAMILY: Family = Family {
             sign_fact: "trim_sign",
             beside: None,
         },
-        Proof {
-            mechanism: Mechanism::Hal,
-            name: "HAL file",
-            sign_fact: "sum_sign",
-            beside: None,
-        },
+        Proof { mechanism: Mechanism::Hal, name: "HAL file", sign_fact: "sum_sign", beside: None },
     ],
 };
 

@@ -26,10 +26,7 @@ pub fn profile(
 ) -> Result<Profile, Problems> {
     let below = pages_below(&source.text, pages);
     let own_end = source.text.len();
-    let templates = Templates {
-        find: templates,
-        own_end,
-    };
+    let templates = Templates { find: templates, own_end };
     let read = |root: &Section<'_>| read_profile(root, origin, &below, templates);
     Ok(read_page_over(source, &below, lay_over, read)?.0)
 }
@@ -63,10 +60,8 @@ fn lay_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
             },
             Some(DeValue::Array(own)) if name == "steps" => {
                 if let DeValue::Array(steps) = value.into_inner() {
-                    *own = steps
-                        .into_iter()
-                        .chain(std::mem::replace(own, DeArray::new()))
-                        .collect();
+                    *own =
+                        steps.into_iter().chain(std::mem::replace(own, DeArray::new())).collect();
                 }
             }
             Some(_) => {}
@@ -160,10 +155,7 @@ fn check_base(root: &Section<'_>, below: &[&str]) -> Option<()> {
     let Some(base) = below.last() else {
         root.problem(
             "based_on",
-            format!(
-                "`based_on` names `{}`, expected the id of a built-in profile",
-                shown(&id)
-            ),
+            format!("`based_on` names `{}`, expected the id of a built-in profile", shown(&id)),
             "`nonius controllers list` shows them",
         );
         return None;
@@ -172,10 +164,7 @@ fn check_base(root: &Section<'_>, below: &[&str]) -> Option<()> {
     if own != base {
         root.problem(
             "dialect",
-            format!(
-                "`dialect` is `{}`, but the profile it builds on speaks `{base}`",
-                shown(&own)
-            ),
+            format!("`dialect` is `{}`, but the profile it builds on speaks `{base}`", shown(&own)),
             "remove `dialect`, or build on another profile",
         );
         return None;
@@ -233,10 +222,7 @@ fn check_axis_names(facts: &Section<'_>, names: &[String]) {
     for name in names.iter().filter(other) {
         fact.problem(
             "value",
-            format!(
-                "`{}` is no axis name, expected letters, digits and `_`",
-                shown(name)
-            ),
+            format!("`{}` is no axis name, expected letters, digits and `_`", shown(name)),
             "write it as the control shows it, e.g. `AX1`",
         );
     }

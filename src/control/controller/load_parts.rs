@@ -62,10 +62,7 @@ pub(super) fn files(
         let of_form = section.choice("form", TableForm::WORDS).map(Word::word_of);
         match file(root, section, templates) {
             Some(file) if of_form.is_none() || of_form == form => {
-                if files
-                    .iter()
-                    .any(|o| o.path.eq_ignore_ascii_case(&file.path))
-                {
+                if files.iter().any(|o| o.path.eq_ignore_ascii_case(&file.path)) {
                     section.problem(
                         "path",
                         format!("two files are called `{}`", shown(&file.path)),
@@ -121,10 +118,7 @@ fn file(root: &Section<'_>, file: &Section<'_>, templates: Templates<'_>) -> Opt
     if !is_plain_file_name(&each_plain(file, &path, each.is_some())) {
         file.problem(
             "path",
-            format!(
-                "`{}` is no file name that every control and laptop takes",
-                shown(&path)
-            ),
+            format!("`{}` is no file name that every control and laptop takes", shown(&path)),
             "use letters, digits, `_`, `-` and `.`; `manifest.json` is taken",
         );
     }
@@ -215,12 +209,7 @@ fn step(section: &Section<'_>) -> Option<Step> {
             "write the word of a role of file, for instance `{enable}`, or `{reference}`",
         );
     }
-    Some(Step {
-        part: part?,
-        list,
-        when: when.flatten(),
-        text: origin?.with(text),
-    })
+    Some(Step { part: part?, list, when: when.flatten(), text: origin?.with(text) })
 }
 
 fn condition(section: &Section<'_>, words: &str) -> Option<When> {
@@ -230,23 +219,16 @@ fn condition(section: &Section<'_>, words: &str) -> Option<When> {
     };
     let role = ROLES.into_iter().find(|role| role.word() == word);
     let mechanism = Mechanism::WORDS.iter().find(|(known, _)| *known == word);
-    let subject = role
-        .map(Subject::File)
-        .or(mechanism.map(|(_, mechanism)| Subject::Uses(*mechanism)));
+    let subject =
+        role.map(Subject::File).or(mechanism.map(|(_, mechanism)| Subject::Uses(*mechanism)));
     if subject.is_none() {
         section.problem(
             "when",
-            format!(
-                "`{}` is neither a role of file nor a mechanism",
-                shown(word)
-            ),
+            format!("`{}` is neither a role of file nor a mechanism", shown(word)),
             "for instance `when = \"cec\"`, `when = \"rollback\"`, `when = \"no rollback\"`",
         );
     }
-    Some(When {
-        subject: subject?,
-        absent,
-    })
+    Some(When { subject: subject?, absent })
 }
 
 const MOST_DECIMALS: u32 = 6;

@@ -95,11 +95,7 @@ impl Pattern {
         let names = regex.capture_names().flatten();
         let fields = names.map(field).collect::<Result<Vec<Field>, String>>()?;
         let text = text.to_string();
-        Ok(Pattern {
-            text,
-            regex,
-            fields,
-        })
+        Ok(Pattern { text, regex, fields })
     }
 
     /// The fields that it can have.
@@ -173,10 +169,7 @@ mod tests {
     #[test]
     fn a_pattern_that_cannot_be_meant_is_refused() {
         for (text, says) in [
-            (
-                r"(?<postion>\S+)",
-                "unknown field `postion`, did you mean `position`?",
-            ),
+            (r"(?<postion>\S+)", "unknown field `postion`, did you mean `position`?"),
             (r"(?<value>\S+", "is no regular expression"),
             (r"(?<value>\S*)", "takes an empty line"),
             (r"a\n(?<value>\S+)", "can take no line"),

@@ -10,10 +10,7 @@ pub(super) static FAMILY: Family = Family {
     backlash_parameter: "backlash parameter (MD32450)",
     between: "linear",
     outside: &[Outside::Hold],
-    no_tables: Tables::Siemens(SiemensTables {
-        lec: Vec::new(),
-        cec: Vec::new(),
-    }),
+    no_tables: Tables::Siemens(SiemensTables { lec: Vec::new(), cec: Vec::new() }),
     off: "0",
     restarts: false,
     off_by_hand: ", see to it by hand",
@@ -59,10 +56,8 @@ pub enum MultiplyMode {
 }
 
 impl Word for MultiplyMode {
-    const WORDS: &'static [(&'static str, MultiplyMode)] = &[
-        ("product", MultiplyMode::Product),
-        ("additive", MultiplyMode::Additive),
-    ];
+    const WORDS: &'static [(&'static str, MultiplyMode)] =
+        &[("product", MultiplyMode::Product), ("additive", MultiplyMode::Additive)];
 }
 
 facts! {

@@ -106,22 +106,10 @@ pub struct IsgTables {
 impl IsgTables {
     /// A control without a compensation.
     pub const NONE: IsgTables = IsgTables {
-        axes: PerAxis {
-            x: None,
-            y: None,
-            z: None,
-        },
+        axes: PerAxis { x: None, y: None, z: None },
         chain: Axis::ALL,
-        negated: PerAxis {
-            x: false,
-            y: false,
-            z: false,
-        },
-        zeroed: PerAxis {
-            x: false,
-            y: false,
-            z: false,
-        },
+        negated: PerAxis { x: false, y: false, z: false },
+        zeroed: PerAxis { x: false, y: false, z: false },
         curves: Vec::new(),
     };
 

@@ -36,12 +36,7 @@ const fn term(of: Axis, along: Axis) -> ErrorTerm {
 impl Skew {
     /// A correction without effect.
     pub(crate) fn none(name: &str) -> Skew {
-        Skew {
-            name: name.to_string(),
-            xy: 0.0,
-            xz: 0.0,
-            yz: 0.0,
-        }
+        Skew { name: name.to_string(), xy: 0.0, xz: 0.0, yz: 0.0 }
     }
 
     /// The factors in the order of [`FACTORS`].

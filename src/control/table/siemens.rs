@@ -91,19 +91,13 @@ pub fn closed(
         return None;
     }
     let point = grid.last_whole_point();
-    let count = usize::try_from(point)
-        .unwrap_or(usize::MAX)
-        .saturating_add(1);
+    let count = usize::try_from(point).unwrap_or(usize::MAX).saturating_add(1);
     let at = |index: usize| values.get(index).copied().flatten();
     let from = grid.position(count - 1);
     let part = (grid.max - from) / grid.step;
     let last = at(count - 1);
     let differs_by = at(count).and_then(|next| Some((next - last?).abs() * part));
-    let end = OpenEnd {
-        point,
-        from,
-        differs_by,
-    };
+    let end = OpenEnd { point, from, differs_by };
     let closed = SiemensGrid { max: from, ..grid };
     Some((closed, values[..count.min(values.len())].to_vec(), end))
 }
@@ -181,12 +175,8 @@ impl SiemensTables {
         let mut of_base: std::collections::BTreeMap<&str, f64> = Default::default();
         for table in self.cec.iter().filter(|t| t.output_axis == output) {
             let largest = of_base.entry(&table.input_axis).or_default();
-            *largest = table
-                .values
-                .iter()
-                .flatten()
-                .map(|value| value.abs())
-                .fold(*largest, f64::max);
+            *largest =
+                table.values.iter().flatten().map(|value| value.abs()).fold(*largest, f64::max);
         }
         of_base.values().sum()
     }

@@ -52,11 +52,8 @@ impl Heading {
 const FIRST_LINE: &str = "first line: axis,position_mm,ex_um,ey_um,ez_um";
 
 /// Units of angles in the names of columns, and how many µrad they have.
-const ANGLES_URAD: [(&str, f64); 3] = [
-    ("urad", 1.0),
-    ("mrad", 1000.0),
-    ("arcsec", std::f64::consts::PI / (180.0 * 3600.0) * 1e6),
-];
+const ANGLES_URAD: [(&str, f64); 3] =
+    [("urad", 1.0), ("mrad", 1000.0), ("arcsec", std::f64::consts::PI / (180.0 * 3600.0) * 1e6)];
 
 /// Every name that a column may have.
 pub(crate) fn known_columns() -> Vec<(String, Column)> {
@@ -71,22 +68,10 @@ pub(crate) fn known_columns() -> Vec<(String, Column)> {
     for (axis, letters) in Axis::ALL.into_iter().zip(["xa", "yb", "zc"]) {
         let (deviation, angle) = letters.split_at(1);
         let in_units = [
-            (
-                format!("e{deviation}"),
-                Quantity::Deviation(axis),
-                &LENGTHS_UM[..],
-            ),
-            (
-                format!("u_e{deviation}"),
-                Quantity::Uncertainty(axis),
-                &LENGTHS_UM,
-            ),
+            (format!("e{deviation}"), Quantity::Deviation(axis), &LENGTHS_UM[..]),
+            (format!("u_e{deviation}"), Quantity::Uncertainty(axis), &LENGTHS_UM),
             (format!("e{angle}"), Quantity::Angle(axis), &ANGLES_URAD),
-            (
-                format!("u_e{angle}"),
-                Quantity::AngleUncertainty(axis),
-                &ANGLES_URAD,
-            ),
+            (format!("u_e{angle}"), Quantity::AngleUncertainty(axis), &ANGLES_URAD),
         ];
         for (name, holds, units) in in_units {
             let columns = units.iter().map(|(unit, factor)| {
@@ -168,19 +153,10 @@ impl<'a> Columns<'a> {
         }
         if row.cell(self.position).is_empty() {
             let message = "the position is empty, expected a number".to_string();
-            row.refuse(
-                self.position,
-                message,
-                "every row needs its machine coordinate",
-            );
+            row.refuse(self.position, message, "every row needs its machine coordinate");
         }
         numbers[self.position].filter(|_| complete)?;
-        Some(Record {
-            line: row.line,
-            axis: axis?,
-            direction,
-            numbers: numbers.into_boxed_slice(),
-        })
+        Some(Record { line: row.line, axis: axis?, direction, numbers: numbers.into_boxed_slice() })
     }
 }
 
@@ -271,9 +247,7 @@ impl Columns<'_> {
             rows.collect::<Vec<&Record<'_>>>()
         });
         let measured = rows.iter().filter(|rows| !rows.is_empty());
-        measured
-            .map(|rows| self.series(axis, rows, problems))
-            .collect()
+        measured.map(|rows| self.series(axis, rows, problems)).collect()
     }
 
     fn series(&self, axis: Axis, rows: &[&Record<'_>], problems: &mut Problems) -> Series {

@@ -81,8 +81,7 @@ impl Remarks {
         if let (Some(first), Some(second)) = (self.frame, other.frame)
             && first != second
         {
-            self.doubts
-                .push(Remark::OtherFrames { first, second }.into());
+            self.doubts.push(Remark::OtherFrames { first, second }.into());
         }
         self.frame = self.frame.or(other.frame);
         let both = [self.hidden_reversal_um, other.hidden_reversal_um];
@@ -130,10 +129,7 @@ impl Remarks {
         let missing = missing.map(|(term, why)| format!("{NOT_DETERMINED} {term}: {why}"));
         let reversal = self.hidden_reversal_um.iter();
         let reversal = reversal.map(|um| format!("{REVERSAL} {um:.3} um along the diagonals"));
-        let silent = [
-            (ANGLES, &self.angles_not_counted),
-            (BEAM, &self.beam_not_counted),
-        ];
+        let silent = [(ANGLES, &self.angles_not_counted), (BEAM, &self.beam_not_counted)];
         let silent = silent.into_iter().filter_map(|(key, found)| {
             let found = found.as_ref()?.iter();
             let moved = found.filter(|(_, um)| **um > 0.0);
@@ -193,10 +189,8 @@ mod tests {
     fn remarks_read_back_and_other_comments_mean_nothing() {
         let remarks = Remarks {
             doubts: vec![
-                Remark::Doubtful {
-                    words: "a reading is disturbed: PPP node 58".to_string(),
-                }
-                .into(),
+                Remark::Doubtful { words: "a reading is disturbed: PPP node 58".to_string() }
+                    .into(),
             ],
             not_determined: ErrorTerm::from_name("EXX")
                 .map(|term| (term, "two scales can be traded".to_string()))
@@ -233,18 +227,13 @@ mod tests {
         same.extend(Remarks::default());
         assert_eq!(same.doubts, []);
         same.extend(of("as-measured"));
-        let [doubt] = same.doubts.as_slice() else {
-            panic!("{:?}", same.doubts)
-        };
+        let [doubt] = same.doubts.as_slice() else { panic!("{:?}", same.doubts) };
         assert!(doubt.to_string().contains("different frames"), "{doubt}");
     }
 
     #[test]
     fn what_names_no_term_is_kept_as_a_note() {
         let remarks = Remarks::read("# not determined: reversal of each axis\n");
-        assert_eq!(
-            remarks.notes,
-            [note("not determined: reversal of each axis".to_string())]
-        );
+        assert_eq!(remarks.notes, [note("not determined: reversal of each axis".to_string())]);
     }
 }

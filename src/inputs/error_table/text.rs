@@ -138,10 +138,7 @@ impl Column {
 /// Deviations, then angles, then uncertainties; only those that some series holds.
 fn measured_columns(draft: &Draft) -> Vec<Column> {
     let kinds: [fn(Axis) -> Column; 3] = [Column::Deviation, Column::Angle, Column::Uncertainty];
-    let mut columns: Vec<Column> = kinds
-        .into_iter()
-        .flat_map(|kind| Axis::ALL.map(kind))
-        .collect();
+    let mut columns: Vec<Column> = kinds.into_iter().flat_map(|kind| Axis::ALL.map(kind)).collect();
     columns.retain(|column| draft.series.iter().any(|s| column.of(s).is_some()));
     columns
 }
@@ -164,10 +161,7 @@ mod tests {
         let mut z = DraftSeries::new(Axis::Z, None, vec![-720.0, 1e-9]);
         z.deviations_um.y = Some(vec![f64::MIN_POSITIVE, 123_456.789]);
         z.angles_urad.z = Some(vec![1.0, -2.25]);
-        Draft {
-            comments: vec!["first\nline ".to_string()],
-            series: vec![z, plus, minus],
-        }
+        Draft { comments: vec!["first\nline ".to_string()], series: vec![z, plus, minus] }
     }
 
     fn read(text: &str) -> ErrorTable {
@@ -179,10 +173,7 @@ mod tests {
     fn only_what_was_measured_has_a_column() {
         let mut x = DraftSeries::new(Axis::X, None, vec![0.0, 30.0]);
         x.deviations_um.y = Some(vec![0.0, -0.25]);
-        let draft = Draft {
-            comments: vec!["made by hand".to_string()],
-            series: vec![x],
-        };
+        let draft = Draft { comments: vec!["made by hand".to_string()], series: vec![x] };
         let expected = "# made by hand\naxis,position_mm,ey_um\nx,0,0\nx,30,-0.25\n";
         assert_eq!(write(&draft), expected);
     }
@@ -192,10 +183,7 @@ mod tests {
         let text = write(&draft());
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[0], "# first�line");
-        assert_eq!(
-            lines[1],
-            "axis,direction,position_mm,ex_um,ey_um,ec_urad,u_ex_um"
-        );
+        assert_eq!(lines[1], "axis,direction,position_mm,ex_um,ey_um,ec_urad,u_ex_um");
         assert_eq!(lines[2], "x,+,-0.1,0.30000000000000004,,,0.0000001");
         assert!(lines[6].starts_with("z,,-720,,"), "{}", lines[6]);
         assert!(!text.contains('\r') && text.ends_with('\n'));
@@ -214,10 +202,7 @@ mod tests {
             for of in Axis::ALL {
                 let um =
                     |d: &Vec<crate::quantity::units::Deviation>| d.iter().map(|d| d.um()).collect();
-                assert_eq!(
-                    found.deviations[of].as_ref().map(um),
-                    wanted.deviations_um[of]
-                );
+                assert_eq!(found.deviations[of].as_ref().map(um), wanted.deviations_um[of]);
                 assert_eq!(found.uncertainties_um[of], wanted.uncertainties_um[of]);
                 assert_eq!(found.angles_urad[of], wanted.angles_urad[of]);
             }

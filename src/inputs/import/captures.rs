@@ -38,11 +38,7 @@ pub fn fill(
         return Err(problems);
     };
     refuse_other_lists(&form, lists, &mut problems);
-    let filling = Filling {
-        form,
-        column,
-        counting,
-    };
+    let filling = Filling { form, column, counting };
     let mut values = Vec::new();
     for (of, file) in lists {
         let taken = text_of(*file, encoding, stated).and_then(|(list, _)| {
@@ -69,9 +65,7 @@ fn refuse_other_lists(form: &Form<'_>, lists: &[List<'_>], problems: &mut Proble
         None => "FILE alone".to_string(),
     };
     let given: Vec<Option<Diagonal>> = lists.iter().map(|(of, _)| *of).collect();
-    let lacking = wanted
-        .iter()
-        .filter(|of| !given.contains(of) && !form.rows_of(**of).is_empty());
+    let lacking = wanted.iter().filter(|of| !given.contains(of) && !form.rows_of(**of).is_empty());
     let foreign = given.iter().filter(|of| !wanted.contains(of));
     let lacking = lacking.map(|of| format!("the form needs a list named as {}", name(*of)));
     let foreign = foreign.map(|of| format!("the form takes no list named as {}", name(*of)));
@@ -112,16 +106,10 @@ impl Filling<'_> {
         }
         let first_um = rows.first().map_or(0.0, |row| row.target_um);
         let way = |row: &Row<'_>| {
-            if self.with_targets() {
-                row.target_um - first_um
-            } else {
-                0.0
-            }
+            if self.with_targets() { row.target_um - first_um } else { 0.0 }
         };
         let rows = rows.iter().zip(um);
-        Ok(rows
-            .map(|(row, um)| (row.line.number(), um - way(row)))
-            .collect())
+        Ok(rows.map(|(row, um)| (row.line.number(), um - way(row))).collect())
     }
 
     /// Whether the values hold the way to the target.
@@ -133,32 +121,18 @@ impl Filling<'_> {
     fn off(&self, of: Option<Diagonal>, rows: &[&Row<'_>], um: &[f64]) -> (Option<usize>, Problem) {
         let (found, expected) = (um.len(), rows.len());
         let walk = self.form.expected(rows, self.with_targets());
-        let name = |place: usize| {
-            rows.get(place)
-                .map_or(String::new(), |row| self.form.name(row))
-        };
+        let name = |place: usize| rows.get(place).map_or(String::new(), |row| self.form.name(row));
         let value = |place: usize| {
-            format!(
-                "value {}, at {}",
-                place + 1,
-                name(place.min(expected.saturating_sub(1)))
-            )
+            format!("value {}, at {}", place + 1, name(place.min(expected.saturating_sub(1))))
         };
         let (what, (at, help)) = match found.abs_diff(expected) {
             1 if found < expected => {
                 let (at, help) = told(walk.missing(um), name);
-                (
-                    "one is missing".to_string(),
-                    (at.map(|at| at.saturating_sub(1)), help),
-                )
+                ("one is missing".to_string(), (at.map(|at| at.saturating_sub(1)), help))
             }
             1 => ("one is too many".to_string(), told(walk.surplus(um), value)),
             many => {
-                let what = if found < expected {
-                    "missing"
-                } else {
-                    "too many"
-                };
+                let what = if found < expected { "missing" } else { "too many" };
                 let help = "only a single one can be located: measure this set-up again, and look at `--captures`";
                 (format!("{many} are {what}"), (None, help.to_string()))
             }
@@ -182,17 +156,11 @@ impl Filling<'_> {
             true => ("deviation", LengthUnit::Um),
             false => (self.column.quantity(), self.column.unit),
         };
-        let kept = form
-            .text
-            .lines()
-            .filter(|line| line.starts_with('#'))
-            .map(str::to_string);
+        let kept = form.text.lines().filter(|line| line.starts_with('#')).map(str::to_string);
         let sources = lists.iter().map(|(_, file)| file.comment());
         let given = stated.given().into_iter();
         let given = given.map(|(option, value)| format!("stated: {option} {value}"));
-        let own = sources
-            .chain(given)
-            .map(|words| format!("# {}", plain::line(&words)));
+        let own = sources.chain(given).map(|words| format!("# {}", plain::line(&words)));
         let with_last = |line: &Line<'_>, last: String| {
             let cells = line.cells();
             let cells = cells.iter().take(cells.len() - 1).map(ToString::to_string);
@@ -221,27 +189,17 @@ const MOST_TOLD: usize = 24;
 fn told(located: Option<Located>, name: impl Fn(usize) -> String) -> (Option<usize>, String) {
     const AGAIN: &str = "nothing is filled in or left out: measure this set-up again";
     let Some(Located { places, odds }) = located else {
-        return (
-            None,
-            format!("the values are too few to tell which; {AGAIN}"),
-        );
+        return (None, format!("the values are too few to tell which; {AGAIN}"));
     };
     let count = places.len();
     let first = places.iter().copied().min().unwrap_or_default();
     let last = places.iter().copied().max().unwrap_or_default();
     if count > MOST_TOLD || last - first > 2 * count {
-        return (
-            None,
-            format!("which cannot be told, {count} places fit about equally; {AGAIN}"),
-        );
+        return (None, format!("which cannot be told, {count} places fit about equally; {AGAIN}"));
     }
     let names = match count > MOST_NAMED {
         true => format!("one of {count} from {} to {}", name(first), name(last)),
-        false => places
-            .iter()
-            .map(|place| name(*place))
-            .collect::<Vec<_>>()
-            .join(" or "),
+        false => places.iter().map(|place| name(*place)).collect::<Vec<_>>().join(" or "),
     };
     let odds = match odds > CERTAIN {
         true => "more than 10⁹".to_string(),

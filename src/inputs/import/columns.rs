@@ -93,11 +93,7 @@ impl<'a, 'm> Table<'a, 'm> {
         };
         lines.drain(..header.number());
         let columns = columns_of(&header, mapping)?;
-        Ok(Table {
-            header,
-            lines,
-            columns,
-        })
+        Ok(Table { header, lines, columns })
     }
 
     /// What `+` of a mapped direction means: where targets, outward run and axis do not all go the
@@ -141,10 +137,7 @@ impl<'a, 'm> Table<'a, 'm> {
         let (mut first_comma, mut first_point, mut only_thousands) = (None, None, true);
         for (row, line) in rows.iter().enumerate() {
             let cells = line.cells();
-            let numbers = self
-                .columns
-                .iter()
-                .filter(|column| column.mapped.unit.is_some());
+            let numbers = self.columns.iter().filter(|column| column.mapped.unit.is_some());
             for index in numbers.map(|column| column.index) {
                 let text = &*cells[index];
                 if text.contains(',') {
@@ -168,20 +161,15 @@ impl<'a, 'm> Table<'a, 'm> {
                 at,
                 "holds a comma in a file whose columns are separated by commas: it may stand between thousands",
             ),
-            (None, Some(comma), Some(point)) => (
-                comma.max(point),
-                "has another decimal separator than the numbers above it",
-            ),
+            (None, Some(comma), Some(point)) => {
+                (comma.max(point), "has another decimal separator than the numbers above it")
+            }
             (None, Some(at), None) if only_thousands => (
                 at,
                 "may be a thousand or a decimal: no number of the file shows what its comma means",
             ),
             (_, comma, _) => {
-                let shows = if comma.is_some() {
-                    Decimal::Comma
-                } else {
-                    Decimal::Point
-                };
+                let shows = if comma.is_some() { Decimal::Comma } else { Decimal::Point };
                 return Ok(stated.unwrap_or(shows));
             }
         };
@@ -234,14 +222,7 @@ impl<'a, 'm> Table<'a, 'm> {
             numbers.push(number);
         }
         let (axis, run, position) = (axis?, run?, position?);
-        complete.then_some(Row {
-            line,
-            axis,
-            direction,
-            run,
-            position,
-            numbers,
-        })
+        complete.then_some(Row { line, axis, direction, run, position, numbers })
     }
 }
 
@@ -250,10 +231,7 @@ fn axis_of(cell: &Cell<'_, '_>, stated: &Stated, problems: &mut Problems) -> Opt
     let message = match (axis, stated.axis) {
         (None, _) => format!("the axis is `{}`, expected X, Y or Z", shown(cell.text)),
         (Some(axis), Some(stated)) if axis != stated => {
-            format!(
-                "the file says axis {axis}, but `--axis {}` was stated",
-                stated.key()
-            )
+            format!("the file says axis {axis}, but `--axis {}` was stated", stated.key())
         }
         _ => return axis,
     };
@@ -269,10 +247,7 @@ fn direction_of(
 ) -> Option<Direction> {
     let direction = Direction::from_symbol(cell.text);
     if direction.is_none() {
-        let message = format!(
-            "the direction is `{}`, expected `+` or `-`",
-            shown(cell.text)
-        );
+        let message = format!("the direction is `{}`, expected `+` or `-`", shown(cell.text));
         let help = "write the direction in which the axis moved, in machine coordinates";
         problems.push_with(|| cell.problem(message, help));
     }
@@ -317,20 +292,14 @@ fn columns_of<'m>(header: &Line<'_>, mapping: &'m Mapping) -> Result<Vec<Column<
                 let message = format!(
                     "`#{number}` of `--columns` is no column of the file, which has {width}"
                 );
-                Err(Problem::new(message)
-                    .at(header.whole())
-                    .help("columns are counted from 1"))
+                Err(Problem::new(message).at(header.whole()).help("columns are counted from 1"))
             }
         };
         let Some(index) = problems.take(index.map_err(Problems::from)) else {
             continue;
         };
         let mut refuse = |message: String, help: &str| {
-            problems.push(
-                Problem::new(message)
-                    .at(header.cell_place(index))
-                    .help(help),
-            );
+            problems.push(Problem::new(message).at(header.cell_place(index)).help(help));
         };
         if columns.iter().any(|other| other.index == index) {
             let message = format!("column {} is mapped twice", index + 1);
@@ -339,20 +308,15 @@ fn columns_of<'m>(header: &Line<'_>, mapping: &'m Mapping) -> Result<Vec<Column<
         let name = cells[index].to_string();
         let unit = mapped.unit.as_deref();
         // The file's own header says which unit its numbers have.
-        if let (Some(found), Some(unit)) = (
-            unit_of_name(&name).filter(|found| Some(*found) != unit),
-            unit,
-        ) {
+        if let (Some(found), Some(unit)) =
+            (unit_of_name(&name).filter(|found| Some(*found) != unit), unit)
+        {
             let name = shown(&name);
             let message =
                 format!("the file gives `{name}` in {found}, but `--columns` maps it as {unit}");
             refuse(message, "map it to a column with the unit of the file");
         }
-        columns.push(Column {
-            index,
-            name,
-            mapped,
-        });
+        columns.push(Column { index, name, mapped });
     }
     problems.or_ok(columns)
 }
@@ -363,15 +327,10 @@ fn only_column(header: &Line<'_>, cells: &[Cow<'_, str>], name: &str) -> Result<
     match found.map(|(index, _)| index).collect::<Vec<usize>>()[..] {
         [first, second, ..] => {
             let (one, other) = (first + 1, second + 1);
-            let message = format!(
-                "columns {one} and {other} are both called `{}`",
-                shown(name)
-            );
+            let message = format!("columns {one} and {other} are both called `{}`", shown(name));
             let help =
                 format!("map the one that is meant by its number: `#{one}=…` or `#{other}=…`");
-            Err(Problem::new(message)
-                .at(header.cell_place(second))
-                .help(help))
+            Err(Problem::new(message).at(header.cell_place(second)).help(help))
         }
         [only] => Ok(only),
         [] => Err(no_column(header, name)),
@@ -386,13 +345,10 @@ fn no_column(line: &Line<'_>, name: &str) -> Problem {
 
 /// The line that comes nearest to the names of the mapping shows what is missing.
 fn no_header(lines: &[Line<'_>], mapping: &Mapping) -> Problems {
-    let names = mapping
-        .columns
-        .iter()
-        .filter_map(|column| match &column.name {
-            Named::Text(name) => Some(name.as_str()),
-            Named::Number(_) => None,
-        });
+    let names = mapping.columns.iter().filter_map(|column| match &column.name {
+        Named::Text(name) => Some(name.as_str()),
+        Named::Number(_) => None,
+    });
     let names: Vec<&str> = names.collect();
     let is_cell = |line: &Line<'_>, name: &str| line.cells().iter().any(|cell| cell == name);
     let found_in = |line: &&Line<'_>| names.iter().filter(|name| is_cell(line, name)).count();

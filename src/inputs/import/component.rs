@@ -27,10 +27,7 @@ impl Component {
     pub fn from_name(name: &str) -> Option<Component> {
         let kinds = [Kind::Deviation as fn(Axis) -> Kind, Kind::Angle];
         let all = kinds.into_iter().flat_map(|kind| {
-            ErrorTerm::ALL.map(|term| Component {
-                kind: kind(term.of),
-                along: term.along,
-            })
+            ErrorTerm::ALL.map(|term| Component { kind: kind(term.of), along: term.along })
         });
         let mut named = all.filter(|component| component.to_string() == name);
         named.next()
@@ -69,7 +66,5 @@ pub(crate) fn terms_of(series: &DraftSeries) -> Vec<Component> {
     let angles = series.angles_urad.iter();
     let angles = angles.map(|(about, urad)| (Kind::Angle(about), urad.is_some()));
     let measured = deviations.chain(angles).filter(|(_, is)| *is);
-    measured
-        .map(|(kind, _)| Component { kind, along })
-        .collect()
+    measured.map(|(kind, _)| Component { kind, along }).collect()
 }

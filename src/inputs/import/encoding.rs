@@ -43,17 +43,10 @@ const ENCODINGS: [(&Encoding, &str); 6] = [
 
 /// The encoding of a word such as `gbk`; `latin-1` is another word for `windows-1252`.
 pub fn encoding_word(text: &str) -> Result<&'static Encoding, String> {
-    let name = if text == "latin-1" {
-        "windows-1252"
-    } else {
-        text
-    };
+    let name = if text == "latin-1" { "windows-1252" } else { text };
     let found = ENCODINGS.iter().find(|(known, _)| word(known) == name);
     let words: Vec<String> = ENCODINGS.iter().map(|(known, _)| word(known)).collect();
-    found.map_or_else(
-        || Err(format!("expected {}", words.join(", "))),
-        |(known, _)| Ok(*known),
-    )
+    found.map_or_else(|| Err(format!("expected {}", words.join(", "))), |(known, _)| Ok(*known))
 }
 
 fn word(encoding: &'static Encoding) -> String {
@@ -76,19 +69,13 @@ pub(super) fn text_of(
         return Ok((Source::from_bytes(file.path, text.as_bytes())?, said));
     }
     if stated.sheet.is_some() {
-        let words = format!(
-            "`--sheet` is stated, but `{}` is not read as a spreadsheet",
-            file.path
-        );
+        let words =
+            format!("`--sheet` is stated, but `{}` is not read as a spreadsheet", file.path);
         let help = "leave it out; spreadsheets are read with a mapping, by a program that was built with `--features excel`";
         return Err(Problem::new(words).help(help).into());
     }
     let head = String::from_utf8_lossy(&file.bytes[..file.bytes.len().min(4096)]);
-    refuse_kind(
-        file,
-        stated_kind(&head).unwrap_or(ending),
-        &REFUSED[..NOT_TEXT],
-    )?;
+    refuse_kind(file, stated_kind(&head).unwrap_or(ending), &REFUSED[..NOT_TEXT])?;
     let (source, encoding) = decode(file, encoding)?;
     let ending = if is_mapped { "" } else { ending };
     refuse_kind(file, stated_kind(&source.text).unwrap_or(ending), &REFUSED)?;
@@ -171,11 +158,7 @@ const REFUSED: [(&[&str], &str, &str); 4] = [
         "is a dynamic recording (`.rtx`), which has no targets",
         "measure at targets and save static data (`.rtl`)",
     ),
-    (
-        SPREADSHEETS,
-        "is a spreadsheet",
-        "save it as CSV, and map its columns with `--columns`",
-    ),
+    (SPREADSHEETS, "is a spreadsheet", "save it as CSV, and map its columns with `--columns`"),
     (
         &["rta", "rtr"],
         "holds angles, and the unit of the values in this format is not known",

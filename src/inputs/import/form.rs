@@ -29,10 +29,8 @@ pub(super) struct Row<'a> {
 /// The column that numbers the steps of a diagonal by the axis that moved.
 const MOVED: &str = "moved";
 const DIAGONAL: &str = "diagonal";
-const TARGETS: [(&str, f64); 2] = [
-    ("target_mm", UM_PER_MM),
-    ("target_in", MM_PER_INCH * UM_PER_MM),
-];
+const TARGETS: [(&str, f64); 2] =
+    [("target_mm", UM_PER_MM), ("target_in", MM_PER_INCH * UM_PER_MM)];
 const HELP: &str = "name `readings.csv` of `nonius new` or `nonius program`, or a `readings-x.csv`, with its last column empty";
 
 impl<'a> Form<'a> {
@@ -41,11 +39,7 @@ impl<'a> Form<'a> {
             let message = format!("`{}` is no form of readings", source.name);
             return Err(Problem::new(message).help(HELP).into());
         };
-        let mut form = Form {
-            names: header.cells(),
-            header,
-            rows: Vec::new(),
-        };
+        let mut form = Form { names: header.cells(), header, rows: Vec::new() };
         let holds_values = |name: &Cow<'_, str>| {
             name.starts_with("displacement_") || name.starts_with("deviation_")
         };
@@ -65,28 +59,16 @@ impl<'a> Form<'a> {
 
     fn row(&self, line: Line<'a>, cells: Vec<Cow<'a, str>>) -> Result<Row<'a>, Problem> {
         if cells.last().is_some_and(|value| !value.is_empty()) {
-            return Err(refused(
-                &line,
-                "the form holds a value already, expected an empty cell",
-            ));
+            return Err(refused(&line, "the form holds a value already, expected an empty cell"));
         }
         let cell = |name: &str| self.column(name).map(|index| &*cells[index]);
-        let of = cell(DIAGONAL)
-            .and_then(Diagonal::from_name)
-            .map(|(of, _)| of);
-        let target = TARGETS
-            .iter()
-            .find_map(|(name, um)| Some(plain_number(cell(name)?)? * um));
+        let of = cell(DIAGONAL).and_then(Diagonal::from_name).map(|(of, _)| of);
+        let target = TARGETS.iter().find_map(|(name, um)| Some(plain_number(cell(name)?)? * um));
         if of.is_none() && target.is_none() {
             return Err(refused(&line, "this row names no capture"));
         }
         let target_um = target.unwrap_or_default();
-        Ok(Row {
-            line,
-            cells,
-            of,
-            target_um,
-        })
+        Ok(Row { line, cells, of, target_um })
     }
 
     fn column(&self, name: &str) -> Option<usize> {
@@ -107,18 +89,15 @@ impl<'a> Form<'a> {
     pub(super) fn name(&self, row: &Row<'_>) -> String {
         let named = self.names.iter().zip(&row.cells);
         let named = named.filter(|(name, cell)| !cell.is_empty() && *name != DIAGONAL);
-        let named: Vec<String> = named
-            .map(|(name, cell)| format!("{name} {}", shown(cell)))
-            .collect();
+        let named: Vec<String> =
+            named.map(|(name, cell)| format!("{name} {}", shown(cell))).collect();
         named.join(", ")
     }
 
     /// What is expected of the values of one list; with targets they hold the way there.
     pub(super) fn expected(&self, rows: &[&Row<'_>], with_targets: bool) -> Expected {
         let cell = |row: &Row<'_>, name: &str| {
-            self.column(name)
-                .map_or("", |index| &row.cells[index])
-                .to_string()
+            self.column(name).map_or("", |index| &row.cells[index]).to_string()
         };
         let place = |row: &Row<'_>| (cell(row, "node"), row.target_um.to_bits());
         let pass = |row: &Row<'_>| (cell(row, "run"), cell(row, "direction"));
@@ -127,11 +106,7 @@ impl<'a> Form<'a> {
         };
         let begins = |at: usize| at == 0 || pass(rows[at]) != pass(rows[at - 1]);
         let turns = |at: usize| at > 0 && begins(at) && place(rows[at]) == place(rows[at - 1]);
-        let twin = |at: usize| {
-            (0..at)
-                .rev()
-                .find(|before| is_twin(rows[*before], rows[at]))
-        };
+        let twin = |at: usize| (0..at).rev().find(|before| is_twin(rows[*before], rows[at]));
         let nominal = |row: &&Row<'_>| if with_targets { row.target_um } else { 0.0 };
         Expected {
             begins: (0..rows.len()).map(begins).collect(),

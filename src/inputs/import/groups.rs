@@ -138,10 +138,7 @@ impl<'a, 'b> Group<'a, 'b> {
             found.extend(components.iter().filter_map(|c| placing.turned(*c)));
         }
         let is_deviation = |c: &Component| matches!(c.kind, Kind::Deviation(_));
-        let u = match (
-            components.iter().any(is_deviation),
-            components.iter().all(is_deviation),
-        ) {
+        let u = match (components.iter().any(is_deviation), components.iter().all(is_deviation)) {
             (true, true) => "u = s/√runs (k = 1)",
             (true, false) => "u = s/√runs (k = 1) of the deviations; none is written for angles",
             _ => "no u is written for angles",

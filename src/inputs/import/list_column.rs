@@ -42,14 +42,8 @@ impl ListColumn {
             None => Named::Text(name.trim().to_string()),
         };
         let is_displacement = quantity == DISPLACEMENT;
-        let unit = LengthUnit::ALL
-            .into_iter()
-            .find(|known| known.word() == unit)?;
-        let column = ListColumn {
-            name,
-            is_displacement,
-            unit,
-        };
+        let unit = LengthUnit::ALL.into_iter().find(|known| known.word() == unit)?;
+        let column = ListColumn { name, is_displacement, unit };
         (column.quantity() == quantity).then_some(column)
     }
 
@@ -69,11 +63,8 @@ impl ListColumn {
     ) -> Result<Vec<Capture<'a>>, Problems> {
         let all = content(source, decimal)?;
         let Some((index, start)) = self.found(&all) else {
-            let message = format!(
-                "`{}` has no column `{}` with numbers",
-                source.name,
-                self.words()
-            );
+            let message =
+                format!("`{}` has no column `{}` with numbers", source.name, self.words());
             return Err(Problem::new(message)
                 .help("name it as the file writes it, or by its number, `#1=…`")
                 .into());
@@ -86,10 +77,7 @@ impl ListColumn {
             let cell = cells.get(index).map_or("", |cell| cell);
             let at = index.min(cells.len() - 1);
             let number = line.number_in(at, cell, &self.words(), expected, &mut problems)?;
-            Some(Capture {
-                line: *line,
-                um: number * self.unit.um(),
-            })
+            Some(Capture { line: *line, um: number * self.unit.um() })
         });
         let captures = captures.collect();
         problems.or_ok(captures)
@@ -104,9 +92,7 @@ impl ListColumn {
             Named::Number(number) => {
                 let is_number = |cell: &str| cell.replace(',', ".").parse::<f64>().is_ok();
                 let has_one = |line: &Line<'_>| {
-                    line.cells()
-                        .get(number - 1)
-                        .is_some_and(|cell| is_number(cell))
+                    line.cells().get(number - 1).is_some_and(|cell| is_number(cell))
                 };
                 Some((number - 1, all.iter().position(has_one)?))
             }
@@ -128,24 +114,13 @@ fn content(source: &Source, decimal: Option<Decimal>) -> Result<Vec<Line<'_>>, P
         .filter(|line| !line.text().trim_start().starts_with('#') && !line.is_empty_row());
     let all: Vec<Line<'_>> = all.collect();
     let is_open = |w: &[u8]| w[0].is_ascii_digit() && w[1] == b',' && w[2].is_ascii_digit();
-    let mut open = all
-        .iter()
-        .filter(|line| line.text().as_bytes().windows(3).any(is_open));
+    let mut open = all.iter().filter(|line| line.text().as_bytes().windows(3).any(is_open));
     if let (None, Some(line)) = (decimal, open.next()) {
-        return Err(DECIMAL
-            .missing_because("a comma stands between digits")
-            .at(line.whole()));
+        return Err(DECIMAL.missing_because("a comma stands between digits").at(line.whole()));
     }
     let has_comma = decimal == Some(Decimal::Comma);
     let separated = |line: &Line<'_>| {
-        if has_comma && line.delimiter() == b',' {
-            b';'
-        } else {
-            line.delimiter()
-        }
+        if has_comma && line.delimiter() == b',' { b';' } else { line.delimiter() }
     };
-    Ok(all
-        .iter()
-        .map(|line| line.separated_by(separated(line), has_comma))
-        .collect())
+    Ok(all.iter().map(|line| line.separated_by(separated(line), has_comma)).collect())
 }

@@ -96,11 +96,7 @@ impl Expected {
         value: impl Fn(usize, usize, f64) -> Option<f64>,
     ) -> Option<Located> {
         let captures = self.begins.len();
-        let back = self
-            .twins
-            .iter()
-            .enumerate()
-            .filter_map(|(at, twin)| Some(at - (*twin)?));
+        let back = self.twins.iter().enumerate().filter_map(|(at, twin)| Some(at - (*twin)?));
         let reach = 2 + back.fold(self.period, usize::max); // captures that one difference takes, beyond its last
         let term = |at: usize, place: usize| self.term(at, |at, unknown| value(at, place, unknown));
         let mut before = vec![Misfit::default()]; // of the captures before each, nothing wrong so far
@@ -132,20 +128,13 @@ impl Expected {
             let same_pass =
                 self.twins[at].is_some() || !self.begins[other + 1..=at].contains(&true);
             let increments = !self.begins[at] && !self.begins[other] && same_pass;
-            increments
-                .then(|| Some(increment(at)? - increment(other)?))
-                .flatten()
+            increments.then(|| Some(increment(at)? - increment(other)?)).flatten()
         };
         let Some((a, whole)) = difference(0.0).zip(difference(1.0)) else {
             return Misfit::default();
         };
         let b = whole - a;
-        Misfit {
-            aa: a.squared(),
-            ab: a * b,
-            bb: b.squared(),
-            count: 1.0,
-        }
+        Misfit { aa: a.squared(), ab: a * b, bb: b.squared(), count: 1.0 }
     }
 }
 
@@ -177,11 +166,7 @@ mod tests {
         let values = (0..captures).map(|k| {
             let scatter = f64::from(k * 7919 % 13) / 20.0;
             let step = [16_000.0, 20_000.0, 16_000.0][k as usize % 3];
-            sum += if k == 0 {
-                0.0
-            } else {
-                step + 0.02 * f64::from(k)
-            };
+            sum += if k == 0 { 0.0 } else { step + 0.02 * f64::from(k) };
             sum + scatter
         });
         values.collect()
@@ -201,19 +186,11 @@ mod tests {
             let mut values = whole.clone();
             values.remove(place);
             let found = expected.missing(&values).expect("there are enough values");
-            assert!(
-                found.places.contains(&place),
-                "missing {place}: {:?}",
-                found.places
-            );
+            assert!(found.places.contains(&place), "missing {place}: {:?}", found.places);
             let mut values = whole.clone();
             values.insert(place, whole[place] + 0.1);
             let found = expected.surplus(&values).expect("there are enough values");
-            assert!(
-                found.places.contains(&place),
-                "twice {place}: {:?}",
-                found.places
-            );
+            assert!(found.places.contains(&place), "twice {place}: {:?}", found.places);
             assert!(found.places.len() <= 2 && found.odds > 1e6, "twice {place}");
         }
     }

@@ -165,21 +165,13 @@ impl Mapping {
             self.has_any(|content| matches!(content, Content::Table(Quantity::Uncertainty(_))));
         let only_positions = positions && !targets;
         let twice = [
-            (
-                stated.travel.is_some() && directions,
-                "--direction",
-                "direction",
-            ),
+            (stated.travel.is_some() && directions, "--direction", "direction"),
             (
                 stated.first_target_at_mm.is_some() && only_positions,
                 "--first-target-at-mm",
                 "position",
             ),
-            (
-                stated.targets_run.is_some() && only_positions,
-                "--targets-run",
-                "position",
-            ),
+            (stated.targets_run.is_some() && only_positions, "--targets-run", "position"),
             (targets && positions, "target", "position"),
             (uncertainties && runs, "an uncertainty", "run"),
         ];
@@ -194,10 +186,7 @@ impl Mapping {
         let positions = self.has(Content::Table(Quantity::Position)) || self.has(Content::Target);
         let directions = self.has(Content::Table(Quantity::Direction));
         let values = self.has_any(|content| {
-            matches!(
-                content,
-                Content::Table(Quantity::Deviation(_) | Quantity::Angle(_))
-            )
+            matches!(content, Content::Table(Quantity::Deviation(_) | Quantity::Angle(_)))
         });
         let without = [
             (
@@ -261,13 +250,7 @@ mod tests {
 
     #[test]
     fn the_unit_of_a_name_is_its_end() {
-        for name in [
-            "Delta [mm]",
-            "Delta (mm)",
-            "delta_mm",
-            "Delta / mm",
-            "Fahrt in mm",
-        ] {
+        for name in ["Delta [mm]", "Delta (mm)", "delta_mm", "Delta / mm", "Fahrt in mm"] {
             assert_eq!(unit_of_name(name), Some("mm"), "{name}");
         }
         assert_eq!(unit_of_name("Pitch [arcsec]"), Some("arcsec"));

@@ -125,11 +125,7 @@ fn take(parameter: &Parameter, sign: TableSign, reading: &mut FileContents) -> R
         Some(Name::Squareness(pair, name, of_phi)) => {
             let rad = single_value(parameter)?;
             let um_per_m = tidy(of_phi * deviation(sign, rad).um() * MICRO);
-            reading.squareness.push(Squareness {
-                pair,
-                um_per_m,
-                name,
-            });
+            reading.squareness.push(Squareness { pair, um_per_m, name });
             return Ok(());
         }
         Some(Name::OtherLocation) if is_zero => "a location that is none of C0Y, B0Z, A0Z",
@@ -249,9 +245,7 @@ impl Blocks {
     fn take(&mut self, line: &Piece<'_>, problems: &mut Problems) {
         let text = line.text.trim();
         let compact: String = text.to_lowercase().split_whitespace().collect();
-        let name = text
-            .strip_prefix('[')
-            .and_then(|text| text.strip_suffix(']'));
+        let name = text.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
         if let Some(name) = name {
             self.close(problems);
             (self.inside, self.begun) = (false, false);
@@ -270,9 +264,7 @@ impl Blocks {
                 let Some(words) = line.row(2, char::is_whitespace, problems) else {
                     return;
                 };
-                block
-                    .positions_mm
-                    .extend(words[0].number("an argument", problems));
+                block.positions_mm.extend(words[0].number("an argument", problems));
                 block.values.extend(words[1].number("a value", problems));
             }
             Some(block) if is_grid || compact.starts_with("value=") => {
@@ -350,10 +342,7 @@ fn read_block(header: &Piece<'_>, rows: &[&Piece<'_>]) -> Result<Vec<Parameter>,
         let help = "each block begins with its arguments and parameters, e.g. `X EXX EYX EZX`";
         return Err(header.problem(message, help).into());
     }
-    let arguments = names
-        .iter()
-        .take_while(|name| is_argument(name.text))
-        .count();
+    let arguments = names.iter().take_while(|name| is_argument(name.text)).count();
     if arguments > 1 {
         let message = format!("the block has {arguments} arguments, expected one or none");
         let help =
@@ -361,15 +350,9 @@ fn read_block(header: &Piece<'_>, rows: &[&Piece<'_>]) -> Result<Vec<Parameter>,
         return Err(header.problem(message, help).into());
     }
     let columns = read_columns(header, rows, (arguments, names.len()))?;
-    let positions_mm = if arguments == 0 {
-        Vec::new()
-    } else {
-        columns[0].clone()
-    };
-    let along = names
-        .first()
-        .filter(|_| arguments == 1)
-        .and_then(|name| Axis::from_letter(name.text));
+    let positions_mm = if arguments == 0 { Vec::new() } else { columns[0].clone() };
+    let along =
+        names.first().filter(|_| arguments == 1).and_then(|name| Axis::from_letter(name.text));
     let (mut problems, mut parameters) = (Problems::none(), Vec::new());
     for (name, values) in names.iter().zip(columns).skip(arguments) {
         let component = Component::from_name(name.text);

@@ -26,15 +26,8 @@ use crate::text::problem::{Problem, Problems, shown};
 /// The version of the format that was available.
 const KNOWN_VERSION: &str = "5";
 /// Fields that are copied into our table.
-const COPIED: [&str; 7] = [
-    "Instrument(S/N)",
-    "TestDate",
-    "MachID",
-    "MachName",
-    "TestType",
-    "ZeroOffset",
-    "TestAxis",
-];
+const COPIED: [&str; 7] =
+    ["Instrument(S/N)", "TestDate", "MachID", "MachName", "TestType", "ZeroOffset", "TestAxis"];
 const CHANGED: &str = "the file was edited: save it again, or take the maker's averages with `--rows averages` if they are what was changed on purpose";
 
 pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
@@ -61,13 +54,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
     let (positions, values) = (unit.word(), error_unit.word());
     said.find([ImportFinding::Units { positions, values }]);
     let taken = if is_measured {
-        header.measured(
-            &measured,
-            averages.as_ref(),
-            stated,
-            &mut said,
-            &mut problems,
-        )
+        header.measured(&measured, averages.as_ref(), stated, &mut said, &mut problems)
     } else {
         of_averages(&measured, averages.as_ref(), &mut said, &mut problems)
     };
@@ -80,11 +67,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
     }
     passes.scale(error_unit.um());
     said.find(measured.surroundings());
-    let of_runs = if is_measured {
-        passes.of_runs(stated)
-    } else {
-        Vec::new()
-    };
+    let of_runs = if is_measured { passes.of_runs(stated) } else { Vec::new() };
     passes.reading((term, sign), said, of_runs, stated, problems)
 }
 
@@ -139,10 +122,8 @@ impl<'a> Header<'a> {
     fn version_warning(&self) -> Option<ImportFinding> {
         let version = self.fields.value("File Version");
         let version = version.map_or("none", |word| word.text);
-        (version != KNOWN_VERSION).then(|| ImportFinding::OtherVersion {
-            version: shown(version),
-            known: KNOWN_VERSION,
-        })
+        (version != KNOWN_VERSION)
+            .then(|| ImportFinding::OtherVersion { version: shown(version), known: KNOWN_VERSION })
     }
 
     /// A field that has to be there.
@@ -224,10 +205,7 @@ impl<'a> Header<'a> {
         let count: Option<usize> = count.and_then(|word| word.text.parse().ok());
         let last = count.and_then(|count| measured.rows.get(count.checked_sub(1)?));
         for (label, row) in [("IniPos", measured.rows.first()), ("EndPos", last)] {
-            let expected = self
-                .fields
-                .value(label)
-                .and_then(|word| plain_number(word.text));
+            let expected = self.fields.value(label).and_then(|word| plain_number(word.text));
             let (Some(expected), Some(row)) = (expected, row) else {
                 continue;
             };
@@ -247,10 +225,8 @@ impl<'a> Header<'a> {
         let runs = self.count("RunNum", problems)?;
         let both = self.is_bidirectional(problems)?;
         let back = if both { runs } else { 0 };
-        let (found, expected) = (
-            measured.rows.len(),
-            positions.saturating_mul(runs.saturating_add(back)),
-        );
+        let (found, expected) =
+            (measured.rows.len(), positions.saturating_mul(runs.saturating_add(back)));
         if found != expected {
             let ways = if both { ", there and back" } else { "" };
             let message = format!(

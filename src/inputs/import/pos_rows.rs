@@ -10,13 +10,7 @@ use crate::text::problem::{Problem, Problems};
 /// Columns that the measurement itself needs: position, reading, error, status.
 const NEEDED: [&str; 4] = ["Position", "LasRead", "LinearError", "Status"];
 /// What the file calls its laser states.
-const STATES: [&str; 5] = [
-    "Laser Normal",
-    "Warm Up",
-    "Path Error",
-    "Over Speed",
-    "Wireless Error",
-];
+const STATES: [&str; 5] = ["Laser Normal", "Warm Up", "Path Error", "Over Speed", "Wireless Error"];
 const NORMAL: f64 = 0.0;
 const WARM_UP: f64 = 1.0;
 /// A sensor that is not connected; the footer says `N/A` then.
@@ -39,9 +33,7 @@ fn rows_below<'a>(lines: &[Piece<'a>], columns: usize) -> Result<Vec<Row<'a>>, P
     for line in lines.iter().take_while(|line| line.begins_with_number()) {
         let words = line.row(columns, char::is_whitespace, &mut problems);
         let words = words.unwrap_or_default();
-        let numbers = words
-            .iter()
-            .filter_map(|word| word.number("a value", &mut problems));
+        let numbers = words.iter().filter_map(|word| word.number("a value", &mut problems));
         rows.push(Row {
             line: *line,
             numbers: numbers.collect(),
@@ -53,9 +45,7 @@ fn rows_below<'a>(lines: &[Piece<'a>], columns: usize) -> Result<Vec<Row<'a>>, P
 
 /// One unit of the last decimal of a number.
 fn last_digit(text: &str) -> f64 {
-    let decimals = text
-        .split_once('.')
-        .map_or(0, |(_, decimals)| decimals.len());
+    let decimals = text.split_once('.').map_or(0, |(_, decimals)| decimals.len());
     (0..decimals).fold(1.0, |digit, _| digit / 10.0)
 }
 
@@ -98,10 +88,7 @@ impl<'a> Measured<'a> {
         );
         let help =
             "save the measurement with its readings, or map the columns of a CSV with `--columns`";
-        Err(Problem::new(message)
-            .at(source.place(&(0..0)))
-            .help(help)
-            .into())
+        Err(Problem::new(message).at(source.place(&(0..0))).help(help).into())
     }
 
     /// The position of a row, and one unit of its last decimal.
@@ -147,11 +134,8 @@ impl<'a> Measured<'a> {
     /// Readings that the laser itself calls bad.
     pub(super) fn refuse_bad_status(&self, problems: &mut Problems) {
         let [.., at] = self.at;
-        let is_bad = |row: &&Row<'_>| {
-            ![NORMAL, WARM_UP]
-                .iter()
-                .any(|good| is(row.numbers[at], *good))
-        };
+        let is_bad =
+            |row: &&Row<'_>| ![NORMAL, WARM_UP].iter().any(|good| is(row.numbers[at], *good));
         let Some(row) = self.rows.iter().find(is_bad) else {
             return;
         };
@@ -203,11 +187,7 @@ impl<'a> Measured<'a> {
         let mut ways = vec![(Way::Forward, forward), (Way::Reverse, reverse)];
         ways.retain(|(_, runs)| !runs.is_empty());
         let place = self.heading.place();
-        Ok(Passes {
-            targets,
-            place,
-            ways,
-        })
+        Ok(Passes { targets, place, ways })
     }
 
     /// Names and columns of air and material, and whether a sensor was connected.
@@ -222,11 +202,7 @@ impl<'a> Measured<'a> {
         let values = || self.rows.iter().map(|row| row.numbers[index]);
         let low = values().fold(f64::INFINITY, f64::min);
         let high = values().fold(f64::NEG_INFINITY, f64::max);
-        let words = if low < high {
-            format!("{low} … {high}")
-        } else {
-            low.to_string()
-        };
+        let words = if low < high { format!("{low} … {high}") } else { low.to_string() };
         values().any(|value| !is(value, NO_SENSOR)).then_some(words)
     }
 
@@ -240,10 +216,8 @@ impl<'a> Measured<'a> {
         let material =
             sensors.find(|(name, values)| name.starts_with("MatTemp") && values.is_some());
         let (name, values) = material?;
-        let noted = format!(
-            "a temperature of the material ({name} {})",
-            values.unwrap_or_default()
-        );
+        let noted =
+            format!("a temperature of the material ({name} {})", values.unwrap_or_default());
         let stake = "the file names no unit of it";
         stated.material_warning(&noted, self.heading.place(), stake, problems)
     }
@@ -283,12 +257,7 @@ impl<'a> Averages<'a> {
 
     /// The averages as one pass.
     pub(super) fn passes(&self) -> Passes {
-        let column = |index: usize| {
-            self.rows
-                .iter()
-                .map(move |row| row.numbers[index])
-                .collect()
-        };
+        let column = |index: usize| self.rows.iter().map(move |row| row.numbers[index]).collect();
         Passes {
             targets: column(0),
             place: self.heading.place(),
@@ -298,17 +267,11 @@ impl<'a> Averages<'a> {
 
     /// The first row that is not the mean of what was measured, in words, and where it stands.
     pub(super) fn difference(&self, measured: &Passes) -> Option<(String, Piece<'a>)> {
-        let runs = measured
-            .ways
-            .iter()
-            .flat_map(|(_, runs)| runs.iter().cloned());
+        let runs = measured.ways.iter().flat_map(|(_, runs)| runs.iter().cloned());
         let means = means(&runs.collect::<Vec<Vec<f64>>>());
         for (index, row) in self.rows.iter().enumerate() {
             let (at, found) = (row.numbers[0], row.numbers[1]);
-            let target = measured
-                .targets
-                .get(index)
-                .filter(|target| is(**target, at));
+            let target = measured.targets.get(index).filter(|target| is(**target, at));
             let Some((_, (mean, _))) = target.zip(means.get(index)) else {
                 let words = format!("none is measured at {at} in row {}", index + 1);
                 return Some((words, row.line));
@@ -325,15 +288,8 @@ impl<'a> Averages<'a> {
 
     /// How many positions stand in no measured row.
     pub(super) fn without_row(&self, measured: &Measured<'_>) -> usize {
-        let is_measured = |at: f64| {
-            measured
-                .rows
-                .iter()
-                .any(|row| is(measured.position(row).0, at))
-        };
-        self.rows
-            .iter()
-            .filter(|row| !is_measured(row.numbers[0]))
-            .count()
+        let is_measured =
+            |at: f64| measured.rows.iter().any(|row| is(measured.position(row).0, at));
+        self.rows.iter().filter(|row| !is_measured(row.numbers[0])).count()
     }
 }

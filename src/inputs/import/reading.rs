@@ -163,11 +163,7 @@ impl Placing {
             let way = target - targets[0];
             tidy(first_mm + if turned { -way } else { way })
         });
-        Some(Placing {
-            positions_mm: positions_mm.collect(),
-            run,
-            turned,
-        })
+        Some(Placing { positions_mm: positions_mm.collect(), run, turned })
     }
 
     /// Of machine coordinates, ascending.

@@ -66,13 +66,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
     let said = FileContents::saying(header.said(&COPIED));
     let directed = stated.targets_run.filter(|_| !is_combined(&passes));
     let way = directed.map(|moves| ImportFinding::ForwardIs { moves });
-    passes.reading(
-        (term, sign),
-        said,
-        way.into_iter().collect(),
-        stated,
-        problems,
-    )
+    passes.reading((term, sign), said, way.into_iter().collect(), stated, problems)
 }
 
 fn is_heading(line: &Piece<'_>) -> bool {
@@ -94,10 +88,7 @@ fn begins<'a, T: Copy>(
     if let Some((_, meaning)) = known.iter().find(is_begin) {
         return Ok(Some((*meaning, line)));
     }
-    let words: Vec<String> = known
-        .iter()
-        .map(|(begin, _)| format!("`{begin}`"))
-        .collect();
+    let words: Vec<String> = known.iter().map(|(begin, _)| format!("`{begin}`")).collect();
     let expected = format!("a text that begins with {}", words.join(" or "));
     let label = format!("`{label}`");
     Err(line.unexpected(&label, &expected, SAVE_SO).into())
@@ -115,9 +106,7 @@ fn resolution_um<'a>(header: &Fields<'a>) -> Result<Option<(f64, Piece<'a>)>, Pr
         Some((number, unit)) => Ok(Some((number * unit.um(), line))),
         None => {
             let expected = "e.g. `1 mm` or `0.001 mm`";
-            Err(line
-                .unexpected(&format!("`{label}`"), expected, SAVE_SO)
-                .into())
+            Err(line.unexpected(&format!("`{label}`"), expected, SAVE_SO).into())
         }
     }
 }
@@ -149,9 +138,7 @@ fn passes(source: &Source, table: &[Piece<'_>]) -> Result<Passes, Problems> {
                 "the columns are `{}`, expected `Combined`, or `Forward` and `Reverse`",
                 shown(behind.trim())
             );
-            return Err(heading
-                .problem(message, "save the table again with these columns")
-                .into());
+            return Err(heading.problem(message, "save the table again with these columns").into());
         }
     };
     let mut problems = Problems::none();
@@ -164,10 +151,8 @@ fn passes(source: &Source, table: &[Piece<'_>]) -> Result<Passes, Problems> {
         };
         let number = words[0].count("the number of a point", &mut problems);
         if number.is_some_and(|number| number != expected) {
-            let message = format!(
-                "point {} stands where point {expected} is expected",
-                words[0].text
-            );
+            let message =
+                format!("point {} stands where point {expected} is expected", words[0].text);
             problems.push_with(|| words[0].problem(message, AGAIN));
         }
         for (column, word) in columns.iter_mut().zip(&words[1..]) {
@@ -178,10 +163,7 @@ fn passes(source: &Source, table: &[Piece<'_>]) -> Result<Passes, Problems> {
     problems.or_ok(Passes {
         targets: columns.next().unwrap_or_default(),
         place: heading.place(),
-        ways: ways
-            .into_iter()
-            .zip(columns.map(|values| vec![values]))
-            .collect(),
+        ways: ways.into_iter().zip(columns.map(|values| vec![values])).collect(),
     })
 }
 
@@ -197,11 +179,7 @@ fn compare(header: &Fields<'_>, passes: &Passes, problems: &mut Problems) {
     if let Some(line) =
         table_type.filter(|line| line.text.to_lowercase().contains("combined") != combined)
     {
-        let columns = if combined {
-            "`Combined`"
-        } else {
-            "`Forward` and `Reverse`"
-        };
+        let columns = if combined { "`Combined`" } else { "`Forward` and `Reverse`" };
         let found = shown(line.text);
         let message = format!("the file says `{found}`, but its columns are {columns}");
         let help = "save the table again: which of the two holds is not known";
@@ -209,18 +187,8 @@ fn compare(header: &Fields<'_>, passes: &Passes, problems: &mut Problems) {
     }
     refuse_backlash(header, passes, problems);
     let targets = &passes.targets;
-    compare_end(
-        header,
-        "Compensation start",
-        (passes, targets.first()),
-        problems,
-    );
-    compare_end(
-        header,
-        "Compensation end",
-        (passes, targets.last()),
-        problems,
-    );
+    compare_end(header, "Compensation start", (passes, targets.first()), problems);
+    compare_end(header, "Compensation end", (passes, targets.last()), problems);
     compare_spacing(header, targets, problems);
 }
 
@@ -239,11 +207,7 @@ fn refuse_backlash(header: &Fields<'_>, passes: &Passes, problems: &mut Problems
         }
         None if is_combined(passes) => {
             let message = "there is no line `Backlash error`, so it is not known whether the combined table leaves out a backlash";
-            problems.push(
-                Problem::new(message)
-                    .at(passes.place.clone())
-                    .help(SEPARATE),
-            );
+            problems.push(Problem::new(message).at(passes.place.clone()).help(SEPARATE));
         }
         None => {}
     }

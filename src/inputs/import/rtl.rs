@@ -47,10 +47,7 @@ pub struct MeasuredRuns {
 }
 
 /// Positioning is measured along the axis itself; which one it is changes no figure.
-const POSITIONING: Component = Component {
-    kind: Kind::Deviation(Axis::X),
-    along: Axis::X,
-};
+const POSITIONING: Component = Component { kind: Kind::Deviation(Axis::X), along: Axis::X };
 
 /// Reads the single runs of a `.rtl` file, as a positioning test needs them (a mean holds no repeatability):
 /// runs 1, 3, 5 … went from the first target to the last, even ones back, as the file's flags or `--runs` say.
@@ -69,10 +66,8 @@ pub fn measured_runs(
     let Some((passes, said, of_runs)) = passes_of(&source, stated, &mut problems) else {
         return Err(problems);
     };
-    let placed = Stated {
-        first_target_at_mm: first_target_mm(&passes.targets, stated),
-        ..stated.clone()
-    };
+    let placed =
+        Stated { first_target_at_mm: first_target_mm(&passes.targets, stated), ..stated.clone() };
     let placing = Placing::of(&passes.targets, &passes.place, &placed, &mut problems);
     let (Some(sign), Some(placing)) = (sign, placing) else {
         return Err(problems);
@@ -89,9 +84,7 @@ pub fn measured_runs(
     let moving = |direction: Direction| {
         let mut ways = passes.ways.iter();
         let (_, runs) = ways.find(|(way, _)| placing.direction(*way) == Some(direction))?;
-        let runs = runs
-            .iter()
-            .map(|run| placing.deviations(run, POSITIONING, sign));
+        let runs = runs.iter().map(|run| placing.deviations(run, POSITIONING, sign));
         let runs: Vec<Vec<f64>> = runs.collect();
         let at = |target: usize| runs.iter().map(|run| run[target]).collect();
         Some((0..passes.targets.len()).map(at).collect())
@@ -130,17 +123,11 @@ fn passes_of(
     let file = problems.take(File::read(&sections))?;
     let environment = sections.lines("ENVIRONMENT");
     let noted = environment.iter().filter(|line| !line.is_blank());
-    said.find(noted.map(|line| ImportFinding::Says {
-        entry: shown(line.text.trim()),
-    }));
+    said.find(noted.map(|line| ImportFinding::Says { entry: shown(line.text.trim()) }));
     let warning = material_warning(&Fields::of(environment), file.length_mm(), stated, problems);
     said.find(warning);
     let (ways, left_out) = file.ways(stated, problems).unwrap_or_default();
-    let passes = Passes {
-        targets: file.targets,
-        place: file.place,
-        ways,
-    };
+    let passes = Passes { targets: file.targets, place: file.place, ways };
     let mut of_runs = passes.of_runs(stated);
     of_runs.extend(left_out);
     Some((passes, said, of_runs))
@@ -164,15 +151,7 @@ fn linear_kind(sections: &Sections<'_>, problems: &mut Problems) -> Option<Impor
 }
 
 /// Keys of USER-TEXT.
-const USER_KEYS: [&str; 7] = [
-    "Machine",
-    "Serial No",
-    "Date",
-    "By",
-    "Axis",
-    "Location",
-    "TITLE",
-];
+const USER_KEYS: [&str; 7] = ["Machine", "Serial No", "Date", "By", "Axis", "Location", "TITLE"];
 
 /// Key and value of USER-TEXT; several may share a line.
 fn user_fields<'a>(lines: &[Piece<'a>]) -> Fields<'a> {
@@ -212,10 +191,7 @@ fn material_warning(
 ) -> Option<ImportFinding> {
     // A sensor that is absent writes zeros.
     let numbers = |begins: &'static str| {
-        let lines = environment
-            .0
-            .iter()
-            .filter(move |(key, _)| key.starts_with(begins));
+        let lines = environment.0.iter().filter(move |(key, _)| key.starts_with(begins));
         let words =
             lines.flat_map(|(_, line)| line.text.split_whitespace().map(move |word| (line, word)));
         let numbers = words.filter_map(|(line, word)| Some((line.place(), plain_number(word)?)));
@@ -229,9 +205,7 @@ fn material_warning(
         let um = alpha * (celsius - REFERENCE_C) * length_mm / 1000.0;
         (um, format!("{alpha} µm/m per K × ({celsius} − 20) K × {length_mm} mm = {um:.1} µm over the measured length"))
     });
-    let words = stake
-        .as_ref()
-        .map_or("and no expansion coefficient", |(_, words)| words);
+    let words = stake.as_ref().map_or("and no expansion coefficient", |(_, words)| words);
     let noted = format!("a material temperature of {celsius} °C");
     let warning = stated.material_warning(&noted, place, words, problems);
     warning.filter(|_| stake.is_none_or(|(um, _)| um.abs() >= NOTABLE_UM))

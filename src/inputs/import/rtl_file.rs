@@ -29,10 +29,7 @@ pub(super) struct Sections<'a> {
 impl<'a> Sections<'a> {
     pub(super) fn of(source: &'a Source) -> Result<Self, Problems> {
         let mut problems = Problems::none();
-        let mut sections = Sections {
-            source,
-            found: Vec::new(),
-        };
+        let mut sections = Sections { source, found: Vec::new() };
         let mut is_over = false;
         for line in lines(source) {
             // Some editors end a text with the control character 26.
@@ -57,10 +54,7 @@ impl<'a> Sections<'a> {
             let message =
                 "there is no section such as `HEADER::`, expected a file of the format `rtl`";
             let help = "take the file as it was saved, or leave `--from` out";
-            return Err(Problem::new(message)
-                .at(source.place(&(0..0)))
-                .help(help)
-                .into());
+            return Err(Problem::new(message).at(source.place(&(0..0))).help(help).into());
         }
         for (section, label) in SINGLE_KEYS {
             if let Some(second) = sections.fields(section).values(label).nth(1) {
@@ -92,9 +86,7 @@ impl<'a> Sections<'a> {
     fn absent(&self, message: &str) -> Problem {
         let end = self.source.text.trim_end().len();
         let start = self.source.text[..end].rfind('\n').map_or(0, |at| at + 1);
-        Problem::new(message)
-            .at(self.source.place(&(start..end)))
-            .help(AGAIN)
+        Problem::new(message).at(self.source.place(&(start..end))).help(AGAIN)
     }
 
     /// A whole number from 1, and where it stands.
@@ -195,9 +187,7 @@ impl<'a> File<'a> {
         stated: &Stated,
         problems: &mut Problems,
     ) -> Option<Runs> {
-        let flag = self
-            .flags
-            .and_then(|flags| flags.text.split_whitespace().nth(1));
+        let flag = self.flags.and_then(|flags| flags.text.split_whitespace().nth(1));
         let flagged = match flag {
             Some("0") => Some(Runs::Bidirectional),
             Some("1") => Some(Runs::Unidirectional),
@@ -279,12 +269,7 @@ fn read_runs(
             continue;
         };
         let run = numbered(&words[0], "run", (runs, "Run-count"), &mut problems);
-        let target = numbered(
-            &words[1],
-            "target",
-            (targets, "Target-count"),
-            &mut problems,
-        );
+        let target = numbered(&words[1], "target", (targets, "Target-count"), &mut problems);
         let deviation = words[2].number("a deviation", &mut problems);
         if let (Some(run), Some(target), Some(um)) = (run, target, deviation)
             && found.insert((run, target), um).is_some()
@@ -307,10 +292,7 @@ fn read_runs(
             count if count == targets => {
                 format!("run {run} is missing, expected {runs} runs as in `Run-count`")
             }
-            _ => format!(
-                "run {run} has no deviation at target {}",
-                shown(&missing.join(", "))
-            ),
+            _ => format!("run {run} has no deviation at target {}", shown(&missing.join(", "))),
         };
         let help =
             "a missing value is never filled in: save the file again, or without the broken run";

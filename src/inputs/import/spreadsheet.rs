@@ -14,15 +14,9 @@ pub(super) fn text(path: &str, bytes: &[u8], sheet: Option<&str>) -> Result<Stri
     };
     let mut book = open_workbook_auto_from_rs(Cursor::new(bytes)).map_err(refuse)?;
     let names = book.sheet_names();
-    let mut wanted = names
-        .iter()
-        .filter(|name| sheet.is_none_or(|sheet| *name == sheet));
+    let mut wanted = names.iter().filter(|name| sheet.is_none_or(|sheet| *name == sheet));
     let Some(name) = wanted.next() else {
-        let words = format!(
-            "`{}` has no sheet `{}`",
-            path,
-            shown(sheet.unwrap_or_default())
-        );
+        let words = format!("`{}` has no sheet `{}`", path, shown(sheet.unwrap_or_default()));
         return Err(Problem::new(words).help(format!("its sheets: {}", names.join(", "))));
     };
     let range = book.worksheet_range(name).map_err(refuse)?;

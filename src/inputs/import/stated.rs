@@ -128,11 +128,7 @@ pub struct Stated {
     #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
     pub targets_run: Option<Direction>,
     /// Direction of travel of rows that do not name one
-    #[arg(
-        long = "direction",
-        value_name = "+|-|both",
-        allow_hyphen_values = true
-    )]
+    #[arg(long = "direction", value_name = "+|-|both", allow_hyphen_values = true)]
     pub travel: Option<Travel>,
     /// Way of the axis, in machine coordinates, in rows whose direction is +: + or -
     #[arg(long, value_name = "+|-", allow_hyphen_values = true, value_parser = direction_word)]
@@ -159,11 +155,7 @@ pub struct Stated {
     #[arg(long, value_name = "NAME")]
     pub sheet: Option<String>,
     /// What the values of lists count from: the first capture, or the one before
-    #[arg(
-        long,
-        value_name = "cumulative|incremental",
-        hide_possible_values = true
-    )]
+    #[arg(long, value_name = "cumulative|incremental", hide_possible_values = true)]
     pub captures: Option<Counting>,
     /// Sign before the decimals of a delimited text, where it does not show
     #[arg(long)]
@@ -282,14 +274,7 @@ pub(super) const PLUS_MOVES: Fact = Fact {
 };
 pub(super) const SIGN: Fact = Fact {
     option: "--sign",
-    formats: &[
-        Format::Rtl,
-        Format::Ren,
-        Format::Pos,
-        Format::Etalon,
-        Format::Isg,
-        Format::Columns,
-    ],
+    formats: &[Format::Rtl, Format::Ren, Format::Pos, Format::Etalon, Format::Isg, Format::Columns],
     value: |stated| stated.sign.map(word),
     why: "the file does not say whether its values are deviations or corrections",
     add: "add `--sign as-error` (measured - target) or `--sign as-correction` (what has to be added)",
@@ -401,9 +386,7 @@ impl Stated {
     /// Every option with its value, in a fixed order.
     pub fn given(&self) -> Vec<(&'static str, String)> {
         let given = FACTS.iter();
-        given
-            .filter_map(|fact| Some((fact.option, (fact.value)(self)?)))
-            .collect()
+        given.filter_map(|fact| Some((fact.option, (fact.value)(self)?))).collect()
     }
 
     /// A statement that has no meaning for the format is a mistake of the user.
@@ -519,11 +502,7 @@ impl Stated {
                 return None;
             }
         };
-        Some(ImportFinding::Material {
-            state,
-            noted: noted.to_string(),
-            stake: stake.to_string(),
-        })
+        Some(ImportFinding::Material { state, noted: noted.to_string(), stake: stake.to_string() })
     }
 }
 
@@ -531,9 +510,8 @@ impl Stated {
 fn only_letter(text: &str) -> Option<char> {
     let text = text.to_uppercase();
     let words = text.split(|c: char| !c.is_alphabetic());
-    let mut names: Vec<&str> = words
-        .filter(|word| word.len() == 1 && "ABCUVWXYZ".contains(word))
-        .collect();
+    let mut names: Vec<&str> =
+        words.filter(|word| word.len() == 1 && "ABCUVWXYZ".contains(word)).collect();
     names.dedup();
     match names[..] {
         [name] => name.chars().next(),

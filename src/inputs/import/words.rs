@@ -25,11 +25,7 @@ pub(super) fn lines(source: &Source) -> Vec<Piece<'_>> {
     let mut lines = Vec::new();
     for line in source.text.split('\n') {
         let text = line.trim_end_matches('\r');
-        lines.push(Piece {
-            source,
-            start,
-            text,
-        });
+        lines.push(Piece { source, start, text });
         start += line.len() + 1;
     }
     lines
@@ -40,20 +36,13 @@ impl<'a> Piece<'a> {
     pub(super) fn part(&self, from: usize, to: usize) -> Piece<'a> {
         let text = &self.text[from..to];
         let indent = text.len() - text.trim_start().len();
-        Piece {
-            start: self.start + from + indent,
-            text: text.trim(),
-            ..*self
-        }
+        Piece { start: self.start + from + indent, text: text.trim(), ..*self }
     }
 
     /// What stands before a comment sign.
     pub(super) fn before(&self, sign: &str) -> Piece<'a> {
         let end = self.text.find(sign).unwrap_or(self.text.len());
-        Piece {
-            text: &self.text[..end],
-            ..*self
-        }
+        Piece { text: &self.text[..end], ..*self }
     }
 
     pub(super) fn is_blank(&self) -> bool {
@@ -96,10 +85,7 @@ impl<'a> Piece<'a> {
     ) -> Option<Vec<Piece<'a>>> {
         let words = self.words(is_separator);
         if words.len() != columns {
-            let message = format!(
-                "expected {columns} words in this row, found {}",
-                words.len()
-            );
+            let message = format!("expected {columns} words in this row, found {}", words.len());
             problems.push_with(|| self.problem(message, MISSING));
             return None;
         }

@@ -226,11 +226,8 @@ const CURVES: [(&str, Interpolation); 3] = [
     ("pchip", Interpolation::Pchip),
     ("natural-spline", Interpolation::NaturalSpline),
 ];
-const FITS: [(&str, Fit); 3] = [
-    ("sample", Fit::Sample),
-    ("least-squares", Fit::LeastSquares),
-    ("minimax", Fit::Minimax),
-];
+const FITS: [(&str, Fit); 3] =
+    [("sample", Fit::Sample), ("least-squares", Fit::LeastSquares), ("minimax", Fit::Minimax)];
 
 pub(super) fn compensation(section: &Section<'_>) -> Compensation {
     let controller = "an id of `nonius controllers list`, or the path of a profile";
@@ -314,10 +311,7 @@ fn unknown_term(section: &Section<'_>, name: &str) {
 
 fn axis_settings(section: &Section<'_>) -> AxisSettings {
     let system = "1 = motor encoder or first system, 2 = direct scale";
-    let words = [
-        ("hold", OutsideMeasured::Hold),
-        ("refuse", OutsideMeasured::Refuse),
-    ];
+    let words = [("hold", OutsideMeasured::Hold), ("refuse", OutsideMeasured::Refuse)];
     let settings = AxisSettings {
         grid: grid_request(section),
         ids: axis_ids(section),
@@ -328,9 +322,7 @@ fn axis_settings(section: &Section<'_>) -> AxisSettings {
         interpolated: section.flag("interpolated"),
         start_mm: section.millimetres("start_mm"),
         end_mm: section.millimetres("end_mm"),
-        outside: section
-            .choice("outside", &words)
-            .unwrap_or(OutsideMeasured::Hold),
+        outside: section.choice("outside", &words).unwrap_or(OutsideMeasured::Hold),
     };
     if let (Some(start), Some(end)) = (settings.start_mm, settings.end_mm) {
         section.ascending("end_mm", [start, end]);
@@ -363,11 +355,7 @@ fn axis_ids(section: &Section<'_>) -> Vec<String> {
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let is_twice = all[..index].contains(id);
         if id.is_empty() || !id.chars().all(is_name) || is_twice {
-            let what = if is_twice {
-                "is given twice"
-            } else {
-                "is no name of an axis"
-            };
+            let what = if is_twice { "is given twice" } else { "is no name of an axis" };
             section.problem(
                 key,
                 format!("`{}` {what}, expected letters, digits and `_`", shown(id)),

@@ -151,18 +151,12 @@ const LARGEST_ALPHA_PER_K: f64 = 1e-4; // four times aluminium
 const COLDEST_C: f64 = -10.0; // nobody measures outside these temperatures; they refuse °F as well
 const WARMEST_C: f64 = 50.0;
 
-const SET_UPS: [(&str, SetUp); 2] = [
-    ("solve", SetUp::Solve),
-    ("assume-perfect", SetUp::AssumePerfect),
-];
-const FRAMES: [(&str, Frame); 2] = [
-    (Frame::XPrimary.word(), Frame::XPrimary),
-    (Frame::AsMeasured.word(), Frame::AsMeasured),
-];
-const REFLECTORS: [(&str, Reflector); 2] = [
-    ("flat-mirror", Reflector::FlatMirror),
-    ("retroreflector", Reflector::Retroreflector),
-];
+const SET_UPS: [(&str, SetUp); 2] =
+    [("solve", SetUp::Solve), ("assume-perfect", SetUp::AssumePerfect)];
+const FRAMES: [(&str, Frame); 2] =
+    [(Frame::XPrimary.word(), Frame::XPrimary), (Frame::AsMeasured.word(), Frame::AsMeasured)];
+const REFLECTORS: [(&str, Reflector); 2] =
+    [("flat-mirror", Reflector::FlatMirror), ("retroreflector", Reflector::Retroreflector)];
 const ORDERS: [(&str, [Axis; 3]); 6] = [
     ("XYZ", Axis::ORDERS[0]),
     ("XZY", Axis::ORDERS[1]),
@@ -221,10 +215,7 @@ pub(super) fn volume(
             "start_mm",
             "the corner with the smallest machine coordinates, e.g. { x = 10.0, y = 10.0, z = -400.0 }",
         ),
-        (
-            "size_mm",
-            "the edges of the measured box, e.g. { x = 900.0, y = 720.0, z = 720.0 }",
-        ),
+        ("size_mm", "the edges of the measured box, e.g. { x = 900.0, y = 720.0, z = 720.0 }"),
         ("steps", "the number of steps of each axis"),
         ("order", order),
     ];
@@ -235,9 +226,7 @@ pub(super) fn volume(
         }
     }
     let start = section.place("start_mm").or(usual.map(|v| v.start));
-    let size = section
-        .sub("size_mm", size)
-        .map_or(usual.map(|v| v.size), |size| size);
+    let size = section.sub("size_mm", size).map_or(usual.map(|v| v.size), |size| size);
     let help = "give the number of steps that each axis makes along a diagonal";
     let steps = section.count("steps", 1..=MOST_STEPS, help);
     let steps = steps.and_then(|steps| usize::try_from(steps).ok());
@@ -281,9 +270,7 @@ fn axis_material(section: &Section<'_>) -> AxisMaterial {
     section.require("alpha_per_k", steel);
     let alpha = -LARGEST_ALPHA_PER_K..=LARGEST_ALPHA_PER_K;
     AxisMaterial {
-        alpha_per_k: section
-            .between("alpha_per_k", alpha, "1/K")
-            .unwrap_or_default(),
+        alpha_per_k: section.between("alpha_per_k", alpha, "1/K").unwrap_or_default(),
         temperature_c: section.between("temperature_c", COLDEST_C..=WARMEST_C, "°C"),
     }
 }
@@ -316,11 +303,7 @@ fn one_linear(section: &Section<'_>) -> Option<Linear> {
     let is_empty = section.as_written("slope_um_per_m") == Some("\"\"");
     let not_yet = is_empty.then_some(LinearSlope::NotYet);
     let u_um_per_m = section.not_negative("u_um_per_m");
-    Some(Linear {
-        axis: axis?,
-        slope: stated.or(errors).or(not_yet)?,
-        u_um_per_m,
-    })
+    Some(Linear { axis: axis?, slope: stated.or(errors).or(not_yet)?, u_um_per_m })
 }
 
 fn slope(section: &Section<'_>) -> Option<f64> {
@@ -345,12 +328,7 @@ fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Opti
         section.problem("to_mm", message, "give the two ends of the measured line");
     }
     refuse_unreachable(section, (from, to), axes, volume);
-    Some(Beam {
-        from,
-        to,
-        slope_um_per_m: slope_um_per_m?,
-        u_um_per_m,
-    })
+    Some(Beam { from, to, slope_um_per_m: slope_um_per_m?, u_um_per_m })
 }
 
 /// Notes ends of a beam outside the travel, or outside the box of the diagonals along an axis that moves:
@@ -375,11 +353,7 @@ fn refuse_unreachable(
 
 #[cfg(test)]
 mod tests {
-    #![allow(
-        clippy::expect_used,
-        clippy::panic,
-        reason = "a test that cannot go on has to stop"
-    )]
+    #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has to stop")]
 
     use super::*;
     use crate::inputs::job::{Job, LinearSlope, MeasuredData, Measurement};
@@ -428,10 +402,7 @@ steps = 4
         assert!(measurement.notes().is_empty());
         let read = diagonals(measurement);
         assert_eq!(read.volume.order, [Axis::Z, Axis::X, Axis::Y]);
-        assert_eq!(
-            (read.kind, read.target),
-            (PathKind::Step, Reflector::FlatMirror)
-        );
+        assert_eq!((read.kind, read.target), (PathKind::Step, Reflector::FlatMirror));
         assert_eq!((read.setup, read.frame), (SetUp::Solve, Frame::XPrimary));
         assert_eq!((read.laser_sign, read.overrun), (Direction::Plus, None));
     }
@@ -460,19 +431,10 @@ air_corrected = true
 y = { alpha_per_k = 8e-6 }
 "#,
         ));
-        assert_eq!(
-            (read.kind, read.target),
-            (PathKind::Straight, Reflector::Retroreflector)
-        );
-        assert_eq!(
-            (read.laser_sign, read.overrun),
-            (Direction::Minus, Some(true))
-        );
+        assert_eq!((read.kind, read.target), (PathKind::Straight, Reflector::Retroreflector));
+        assert_eq!((read.laser_sign, read.overrun), (Direction::Minus, Some(true)));
         assert_eq!(read.closure_errors.as_deref(), Some("errors.csv"));
-        assert_eq!(
-            read.linear[0].slope,
-            LinearSlope::Errors("y-linear.csv".to_string())
-        );
+        assert_eq!(read.linear[0].slope, LinearSlope::Errors("y-linear.csv".to_string()));
         assert_eq!(read.beams[0].to.y, Millimetres::new(-80.0));
         let material = read.material.expect("it is stated");
         assert!(material.air_corrected && !material.material_corrected);

@@ -48,10 +48,7 @@ impl MachineAxis {
     pub(crate) fn reach(&self) -> (Millimetres, Millimetres) {
         let mm = |place: Millimetres| place.mm();
         let (low, high, reference) = (mm(self.low), mm(self.high), mm(self.reference));
-        (
-            Millimetres::new(low.min(reference)),
-            Millimetres::new(high.max(reference)),
-        )
+        (Millimetres::new(low.min(reference)), Millimetres::new(high.max(reference)))
     }
 }
 
@@ -74,11 +71,7 @@ pub const LEAST_BUMP_UM: f64 = 5.0;
 
 impl Default for Limits {
     fn default() -> Self {
-        Limits {
-            max_correction_um: 500.0,
-            max_slope_um_per_mm: 1.0,
-            max_bump_um: LARGEST_BUMP_UM,
-        }
+        Limits { max_correction_um: 500.0, max_slope_um_per_mm: 1.0, max_bump_um: LARGEST_BUMP_UM }
     }
 }
 
@@ -130,10 +123,7 @@ fn chain(section: &Section<'_>) -> Option<Chain> {
 
 fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {
     section.require("travel_mm", "the ends of the travel, e.g. [0.0, 900.0]");
-    section.require(
-        "reference_mm",
-        "the machine coordinate of the reference point",
-    );
+    section.require("reference_mm", "the machine coordinate of the reference point");
     let travel = section.pair_of_millimetres("travel_mm");
     let travel = travel.and_then(|travel| section.ascending("travel_mm", travel));
     let reference = section.millimetres("reference_mm").map(Millimetres::new);
@@ -141,13 +131,7 @@ fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {
     let reference_direction = section.direction("reference_direction");
     let max_feed = section.between("max_feed_mm_per_min", 1e-3..=1e6, "mm/min");
     let ((low, high), reference) = (travel?, reference?);
-    let axis = MachineAxis {
-        low,
-        high,
-        reference,
-        reference_direction,
-        max_feed,
-    };
+    let axis = MachineAxis { low, high, reference, reference_direction, max_feed };
     refuse_far_reference(section, &axis, outside.unwrap_or(REFERENCE_OUTSIDE_MM));
     Some(axis)
 }

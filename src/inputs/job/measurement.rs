@@ -206,9 +206,7 @@ fn active_settings(section: &Section<'_>, active: &ActiveTables) -> ActiveSettin
         rezero: section
             .choice("active_reference", &[("same", false), ("rezero", true)])
             .unwrap_or(false),
-        backlash_um: section
-            .sub("active_backlash_um", backlash)
-            .unwrap_or_default(),
+        backlash_um: section.sub("active_backlash_um", backlash).unwrap_or_default(),
     }
 }
 
@@ -232,9 +230,8 @@ fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<Me
         let either = "the path of an error table (or `readings` of the body diagonals)";
         section.require("errors", either);
     }
-    let measured = section.sub("step_diagonal", |how| {
-        diagonals(how, axes, readings.unwrap_or_default())
-    });
+    let measured =
+        section.sub("step_diagonal", |how| diagonals(how, axes, readings.unwrap_or_default()));
     measured.flatten().map(MeasuredData::Diagonals)
 }
 
@@ -277,11 +274,7 @@ fn squareness(measurement: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
     let key = "squareness_um_per_m";
     let is_table = !measurement.has("readings");
     measurement.only_with(key, is_table, "`errors`"); // readings measure the squareness themselves
-    let pairs = [
-        ("xy", Axis::X, Axis::Y),
-        ("xz", Axis::X, Axis::Z),
-        ("yz", Axis::Y, Axis::Z),
-    ];
+    let pairs = [("xy", Axis::X, Axis::Y), ("xz", Axis::X, Axis::Z), ("yz", Axis::Y, Axis::Z)];
     let read = |section: &Section<'_>| {
         let given = pairs.into_iter();
         let given = given

@@ -51,21 +51,12 @@ const LONGEST_TOOL_MM: f64 = 10_000.0;
 /// Beyond a tenth of a millimetre the arc is not the one that was meant.
 const COARSEST_ARC_MM: f64 = 0.1;
 
-const COORDINATES: PerAxis<&str> = PerAxis {
-    x: "x_mm",
-    y: "y_mm",
-    z: "z_mm",
-};
+const COORDINATES: PerAxis<&str> = PerAxis { x: "x_mm", y: "y_mm", z: "z_mm" };
 const LANGUAGES: [(&str, Language); 2] = [("iso", Language::Iso), ("siemens", Language::Siemens)];
-const WITHOUT_POINT: [(&str, WithoutPoint); 2] = [
-    ("unit", WithoutPoint::Unit),
-    ("increment", WithoutPoint::Increment),
-];
-const WITHOUT_H: [(&str, G43WithoutH); 3] = [
-    ("refuse", G43WithoutH::Refuse),
-    ("last-h", G43WithoutH::LastH),
-    ("tool", G43WithoutH::Tool),
-];
+const WITHOUT_POINT: [(&str, WithoutPoint); 2] =
+    [("unit", WithoutPoint::Unit), ("increment", WithoutPoint::Increment)];
+const WITHOUT_H: [(&str, G43WithoutH); 3] =
+    [("refuse", G43WithoutH::Refuse), ("last-h", G43WithoutH::LastH), ("tool", G43WithoutH::Tool)];
 
 pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
     let usual = PathRequest::usual(axes);

@@ -170,8 +170,7 @@ impl ProgramRequest {
     pub(crate) fn rest_of(&self, axis: Axis) -> Millimetres {
         let volume = &self.volume;
         let middle = volume.start[axis].mm() + volume.size[axis].mm() / 2.0;
-        self.rest
-            .map_or(Millimetres::new(middle), |rest| rest[axis])
+        self.rest.map_or(Millimetres::new(middle), |rest| rest[axis])
     }
 }
 
@@ -188,15 +187,8 @@ pub(super) fn program(
     section: &Section<'_>,
     measurement: Option<&Measurement>,
 ) -> Option<ProgramRequest> {
-    let words = [
-        RunType::StepDiagonal,
-        RunType::StraightDiagonal,
-        RunType::SingleAxis,
-    ];
-    section.require(
-        "what",
-        "`step-diagonal`, `straight-diagonal` or `single-axis`",
-    );
+    let words = [RunType::StepDiagonal, RunType::StraightDiagonal, RunType::SingleAxis];
+    section.require("what", "`step-diagonal`, `straight-diagonal` or `single-axis`");
     let what = section.choice("what", &words.map(|what| (what.word(), what)));
     refuse_other_runs(section, what);
     let (bidirectional, way_back) = directions(section);
@@ -318,18 +310,13 @@ fn run_out(section: &Section<'_>, what: Option<RunType>, bidirectional: bool) ->
     }
     let preload = section.between("preload_mm", LENGTHS_MM, "mm");
     let usual_preload = stated.unwrap_or(DEFAULT_OVERRUN_MM);
-    (
-        overrun.unwrap_or(DEFAULT_OVERRUN_MM),
-        preload.unwrap_or(usual_preload),
-    )
+    (overrun.unwrap_or(DEFAULT_OVERRUN_MM), preload.unwrap_or(usual_preload))
 }
 
 fn targets(section: &Section<'_>) -> TargetGrid {
     let is_offset = section.choice("targets", &[("equal", false), ("offset", true)]);
     let is_offset = is_offset.unwrap_or(false);
-    let shift = section
-        .between("shift_mm", LENGTHS_MM, "mm")
-        .map(Millimetres::new);
+    let shift = section.between("shift_mm", LENGTHS_MM, "mm").map(Millimetres::new);
     section.only_with("shift_mm", is_offset, "`targets = \"offset\"`");
     match is_offset {
         true => TargetGrid::Offset { shift },

@@ -63,16 +63,9 @@ mod tests {
         let first =
             format!("[measurement]\nnoise = 1\n{day}[measurement.step_diagonal]\nsteps = 4\n{run}");
         let below = DeTable::parse(&first).unwrap().into_inner();
-        let mut own = DeTable::parse("[measurement]\nreadings = 'b.csv'")
-            .unwrap()
-            .into_inner();
+        let mut own = DeTable::parse("[measurement]\nreadings = 'b.csv'").unwrap().into_inner();
         lay_over(&mut own, below);
-        let measured = own
-            .get("measurement")
-            .unwrap()
-            .get_ref()
-            .as_table()
-            .unwrap();
+        let measured = own.get("measurement").unwrap().get_ref().as_table().unwrap();
         let mut keys: Vec<&str> = measured.keys().map(|key| key.get_ref().as_ref()).collect();
         keys.sort_unstable();
         assert_eq!(keys, ["noise", "readings", "step_diagonal"]);

@@ -185,11 +185,7 @@ impl Block {
             ));
             return;
         }
-        let codes = if word.letter == b'G' {
-            &mut self.g
-        } else {
-            &mut self.m
-        };
+        let codes = if word.letter == b'G' { &mut self.g } else { &mut self.m };
         if codes.len() == MOST_CODES {
             self.wrong.push(Wrong::new(
                 span,
@@ -198,10 +194,7 @@ impl Block {
             ));
             return;
         }
-        codes.push(CodeWord {
-            tenths: whole as u16,
-            span,
-        });
+        codes.push(CodeWord { tenths: whole as u16, span });
     }
 
     /// A word with a name (`TRANS`), which stands as a G word.
@@ -234,8 +227,7 @@ impl Block {
     /// The number of a letter, which then counts as used.
     pub(super) fn value(&mut self, letter: u8) -> Option<f64> {
         self.used |= bit(letter);
-        self.has(letter)
-            .then(|| self.values[usize::from(letter - b'A')])
+        self.has(letter).then(|| self.values[usize::from(letter - b'A')])
     }
 
     /// Whether the number of a letter has a decimal point.
@@ -269,11 +261,7 @@ impl Block {
 
     /// The same of a letter that an M98 of the block does not need for itself.
     pub(super) fn whole_if_free(&mut self, letter: u8) -> Result<Option<u32>, Wrong> {
-        if self.m_word(CALL).is_some() {
-            Ok(None)
-        } else {
-            self.whole(letter)
-        }
+        if self.m_word(CALL).is_some() { Ok(None) } else { self.whole(letter) }
     }
 
     /// Whether a letter stands in the block that nobody asked for; it then counts as used.

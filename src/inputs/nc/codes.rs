@@ -225,12 +225,7 @@ pub(super) struct Cycle {
 
 impl Cycle {
     pub(super) fn new(initial: f64, zero: Option<f64>) -> Cycle {
-        Cycle {
-            initial,
-            zero,
-            retract: None,
-            bottom: None,
-        }
+        Cycle { initial, zero, retract: None, bottom: None }
     }
 }
 

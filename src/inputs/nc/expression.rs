@@ -30,15 +30,7 @@ impl<'a> Reader<'a> {
         grammar: &'static Grammar,
         variables: &'a Variables,
     ) -> Reader<'a> {
-        Reader {
-            line,
-            at,
-            grammar,
-            variables,
-            depth: 0,
-            in_word: false,
-            set: Vec::new(),
-        }
+        Reader { line, at, grammar, variables, depth: 0, in_word: false, set: Vec::new() }
     }
 
     /// The number of a word: a variable, or an expression in brackets.
@@ -67,9 +59,7 @@ impl<'a> Reader<'a> {
         self.peek();
         let rest = self.line[self.at..].iter();
         let letters = rest.take_while(|byte| byte.is_ascii_alphabetic());
-        letters
-            .map(|byte| char::from(byte.to_ascii_uppercase()))
-            .collect()
+        letters.map(|byte| char::from(byte.to_ascii_uppercase())).collect()
     }
 
     /// Passes over a word.
@@ -175,9 +165,7 @@ impl<'a> Reader<'a> {
     fn number(&mut self) -> Value {
         let start = self.at;
         let rest = self.line[start..].iter();
-        let length = rest
-            .take_while(|byte| byte.is_ascii_digit() || **byte == b'.')
-            .count();
+        let length = rest.take_while(|byte| byte.is_ascii_digit() || **byte == b'.').count();
         self.at += length;
         let written = String::from_utf8_lossy(&self.line[start..self.at]);
         written.parse().map_err(|_| {
@@ -201,11 +189,7 @@ impl<'a> Reader<'a> {
             let name = written.replace([' ', '\t'], "").to_ascii_lowercase();
             self.at += length;
             if !self.takes(b'>') || name.is_empty() {
-                return Err(Wrong::new(
-                    (start, self.at),
-                    "the name is not closed with `>`",
-                    HELP,
-                ));
+                return Err(Wrong::new((start, self.at), "the name is not closed with `>`", HELP));
             }
             return Ok(Name::Named(name));
         }
@@ -247,21 +231,13 @@ impl<'a> Reader<'a> {
         };
         if self.in_word && *function == Function::Round {
             let message = "`ROUND` in a word: some controls round to their least increment there";
-            return Err(Wrong::new(
-                place,
-                message,
-                "set a variable to it in a line before",
-            ));
+            return Err(Wrong::new(place, message, "set a variable to it in a line before"));
         }
         self.at = place.1;
         let mut value = self.brackets()?;
         if *function == Function::Atan {
             if !self.takes(b'/') {
-                return Err(Wrong::new(
-                    place,
-                    "`ATAN` needs two numbers",
-                    "write `ATAN[y]/[x]`",
-                ));
+                return Err(Wrong::new(place, "`ATAN` needs two numbers", "write `ATAN[y]/[x]`"));
             }
             value = value.atan2(self.brackets()?).to_degrees();
         }
@@ -282,9 +258,5 @@ pub(super) fn whole(value: f64, place: (usize, usize)) -> Result<u32, Wrong> {
         return Ok(value.round() as u32);
     }
     let message = format!("{value} is no whole number from 0");
-    Err(Wrong::new(
-        place,
-        message,
-        "expected the number of a variable, a block or a loop",
-    ))
+    Err(Wrong::new(place, message, "expected the number of a variable, a block or a loop"))
 }

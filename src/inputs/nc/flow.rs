@@ -76,9 +76,7 @@ pub(super) fn behind_number(line: &[u8]) -> usize {
     let blank = |at: &usize| matches!(line.get(*at), Some(b' ' | b'\t'));
     let digit = |at: &usize| line.get(*at).is_some_and(u8::is_ascii_digit);
     let behind = |from: usize, is_in: &dyn Fn(&usize) -> bool| {
-        (from..line.len())
-            .find(|at| !is_in(at))
-            .unwrap_or(line.len())
+        (from..line.len()).find(|at| !is_in(at)).unwrap_or(line.len())
     };
     let mut at = behind(0, &blank);
     if line.get(at) == Some(&b'/') {
@@ -103,9 +101,7 @@ fn word_of(line: &[u8], at: usize) -> Option<(String, usize)> {
     let name = String::from_utf8_lossy(&rest[..length]);
     let name = name.replace([' ', '\t'], "").to_ascii_lowercase();
     let behind = at + 1 + length;
-    let blanks = line[behind..]
-        .iter()
-        .take_while(|byte| matches!(byte, b' ' | b'\t'));
+    let blanks = line[behind..].iter().take_while(|byte| matches!(byte, b' ' | b'\t'));
     let keyword = behind + blanks.count();
     let is_keyword = |at| line.get(at).is_some_and(u8::is_ascii_alphabetic);
     (length > 0 && is_keyword(keyword) && is_keyword(keyword + 1)).then_some((name, keyword))
@@ -140,11 +136,7 @@ pub(super) fn label(line: &[u8]) -> Option<Label> {
         return keyword_of(&reader.letters()).map(|keyword| Label::Word(name, keyword));
     }
     if reader.takes_word("END") {
-        return reader
-            .primary()
-            .ok()
-            .and_then(|n| whole(n, (0, 1)).ok())
-            .map(Label::End);
+        return reader.primary().ok().and_then(|n| whole(n, (0, 1)).ok()).map(Label::End);
     }
     // The condition of a loop may name variables; its number stands behind the last `DO`.
     let text = line.to_ascii_uppercase();
@@ -184,19 +176,11 @@ pub(super) fn statement(
             return match behind {
                 Some(b'#') if holds => set(line, start(line, at), &ISO, variables),
                 Some(b'#') => Ok(Statement::Done),
-                _ => Err(Wrong::new(
-                    (at - 4, at),
-                    "only a variable is set behind `THEN`",
-                    FLOW,
-                )),
+                _ => Err(Wrong::new((at - 4, at), "only a variable is set behind `THEN`", FLOW)),
             };
         }
         let to = go_to(&mut reader)?;
-        if holds {
-            Statement::GoTo(to)
-        } else {
-            Statement::Done
-        }
+        if holds { Statement::GoTo(to) } else { Statement::Done }
     } else if reader.takes_word("WHILE") {
         let holds = condition(&mut reader)?;
         Statement::Do(numbered(&mut reader, "DO")?, holds)
@@ -214,9 +198,7 @@ pub(super) fn statement(
 const FLOW: &str = "docs/path.md lists the conditions and loops that are executed";
 
 fn start(line: &[u8], at: usize) -> usize {
-    let blanks = line[at..]
-        .iter()
-        .take_while(|byte| matches!(byte, b' ' | b'\t'));
+    let blanks = line[at..].iter().take_while(|byte| matches!(byte, b' ' | b'\t'));
     at + blanks.count()
 }
 

@@ -223,10 +223,7 @@ fn finite(value: f64) -> Evaluated {
     if value.is_finite() {
         return Ok(value);
     }
-    Err((
-        "the expression has no finite value".to_string(),
-        "check its numbers",
-    ))
+    Err(("the expression has no finite value".to_string(), "check its numbers"))
 }
 
 pub(super) fn evaluated(function: Function, word: &str, a: f64) -> Evaluated {

@@ -166,11 +166,7 @@ impl<'s> Interpreter<'s> {
     pub(super) fn block(&mut self, block: &mut Block, line: usize) -> Flow {
         self.line = line;
         self.span = first_span(block);
-        let asked = if block.g.is_empty() {
-            Asked::default()
-        } else {
-            self.modes(block)
-        };
+        let asked = if block.g.is_empty() { Asked::default() } else { self.modes(block) };
         self.change_tool(block);
         if asked.blend || block.adis.is_some() {
             self.blend(block);
@@ -235,9 +231,7 @@ impl<'s> Interpreter<'s> {
             };
             let Some((group, code)) = code(word.tenths) else {
                 let message = format!("`{}` is not executed", word.name('G'));
-                block
-                    .wrong
-                    .push(Wrong::new(word.span, message, why_not(word.tenths)));
+                block.wrong.push(Wrong::new(word.span, message, why_not(word.tenths)));
                 continue;
             };
             let group = &mut groups[group];
@@ -407,18 +401,9 @@ fn turning(span: Span, what: &str) -> Wrong {
 fn call(block: &mut Block, span: Span) -> Result<Flow, Wrong> {
     let number = named(block, b'P', span, "M98")?;
     Ok(match block.whole(b'L')? {
-        Some(times) => Flow::Call {
-            program: number,
-            times,
-        },
-        None if number > 9999 => Flow::Call {
-            program: number % 10_000,
-            times: number / 10_000,
-        },
-        None => Flow::Call {
-            program: number,
-            times: 1,
-        },
+        Some(times) => Flow::Call { program: number, times },
+        None if number > 9999 => Flow::Call { program: number % 10_000, times: number / 10_000 },
+        None => Flow::Call { program: number, times: 1 },
     })
 }
 
@@ -448,10 +433,7 @@ fn unknown_system(span: Span, name: &str) -> Wrong {
 fn first_span(block: &Block) -> Span {
     let letters = b"XYZIJKR";
     let places = letters.iter().filter(|letter| block.has(**letter));
-    places
-        .map(|letter| block.span(*letter))
-        .min()
-        .unwrap_or((0, 1))
+    places.map(|letter| block.span(*letter)).min().unwrap_or((0, 1))
 }
 
 /// Words that nothing in the block takes.

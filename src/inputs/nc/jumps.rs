@@ -101,9 +101,7 @@ impl Index {
         number: u32,
         here: Mark,
     ) -> Result<(Option<Mark>, usize), Problem> {
-        let count = self
-            .programs
-            .partition_point(|begin| begin.bytes < here.bytes);
+        let count = self.programs.partition_point(|begin| begin.bytes < here.bytes);
         let begin = self.programs[..count].last().copied().unwrap_or_default();
         let end = self.programs.get(count).map_or(u64::MAX, |next| next.bytes);
         if let Some(known) = self.blocks.get(&(begin.bytes, number)) {

@@ -37,8 +37,5 @@ pub trait Text {
 pub(super) fn without_mark(line: Line<'_>) -> Line<'_> {
     let first = line.number == 1;
     let bytes = line.bytes.strip_prefix(BYTE_ORDER_MARK).filter(|_| first);
-    Line {
-        bytes: bytes.unwrap_or(line.bytes),
-        ..line
-    }
+    Line { bytes: bytes.unwrap_or(line.bytes), ..line }
 }

@@ -94,10 +94,7 @@ impl Move {
     pub fn length_mm(&self) -> f64 {
         let square = |value: f64| value * value;
         match self.shape {
-            Shape::Line => (0..3)
-                .map(|k| square(self.to[k] - self.from[k]))
-                .sum::<f64>()
-                .sqrt(),
+            Shape::Line => (0..3).map(|k| square(self.to[k] - self.from[k])).sum::<f64>().sqrt(),
             Shape::Arc(arc) => {
                 let third = self.plane.axes()[2];
                 let around = arc.sweep_rad * f64::midpoint(arc.radius[0], arc.radius[1]);
@@ -108,13 +105,7 @@ impl Move {
 }
 
 fn straight(from: Place, to: Place, part: f64) -> Place {
-    std::array::from_fn(|k| {
-        if part >= 1.0 {
-            to[k]
-        } else {
-            from[k] + (to[k] - from[k]) * part
-        }
-    })
+    std::array::from_fn(|k| if part >= 1.0 { to[k] } else { from[k] + (to[k] - from[k]) * part })
 }
 
 /// Why a move cannot be followed.
@@ -170,12 +161,7 @@ pub(super) fn around(
         (false, true) => TAU - forward,
         (false, false) => forward,
     };
-    Ok(Arc {
-        centre,
-        from_rad,
-        sweep_rad: if clockwise { -turn } else { turn },
-        radius,
-    })
+    Ok(Arc { centre, from_rad, sweep_rad: if clockwise { -turn } else { turn }, radius })
 }
 
 /// The centre of an arc with a radius; a negative radius takes the long way (over 180°).
@@ -201,11 +187,7 @@ pub(super) fn centre_of_radius(
     }
     let height = (size * size - half * half).max(0.0).sqrt();
     // The centre of a short counter-clockwise arc lies to the left of the chord.
-    let left = if clockwise == (radius < 0.0) {
-        1.0
-    } else {
-        -1.0
-    };
+    let left = if clockwise == (radius < 0.0) { 1.0 } else { -1.0 };
     let part = left * height / length;
     Ok([
         from[first] + chord[0] / 2.0 - chord[1] * part,

@@ -38,11 +38,7 @@ fn without_point(tally: &Tally, setup: &Setup) -> Option<PathFinding> {
         WithoutPoint::Unit => "whole mm or inches (`X100` = 100 mm)",
         WithoutPoint::Increment => "least input increments (`X100` = 0.1 mm)",
     };
-    let found = PathFinding::WithoutPoint {
-        count,
-        line,
-        meaning,
-    };
+    let found = PathFinding::WithoutPoint { count, line, meaning };
     (count > 0).then_some(found)
 }
 

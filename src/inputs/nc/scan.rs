@@ -51,20 +51,12 @@ pub struct Words<'a> {
 
 /// The words of a line, which may still have its `\r`, with numbers only.
 pub fn words(line: &[u8]) -> Words<'_> {
-    Words {
-        line,
-        at: 0,
-        variables: None,
-    }
+    Words { line, at: 0, variables: None }
 }
 
 /// The words of a line, whose numbers may be variables and expressions in brackets.
 pub(super) fn words_with<'a>(line: &'a [u8], variables: &'a Variables) -> Words<'a> {
-    Words {
-        line,
-        at: 0,
-        variables: Some(variables),
-    }
+    Words { line, at: 0, variables: Some(variables) }
 }
 
 impl Iterator for Words<'_> {
@@ -119,14 +111,7 @@ impl Words<'_> {
         let start = self.at;
         self.at += 1;
         let (value, has_point) = self.number(start)?;
-        Ok(Word {
-            letter,
-            value,
-            has_point,
-            counts: Counts::AsActive,
-            start,
-            end: self.at,
-        })
+        Ok(Word { letter, value, has_point, counts: Counts::AsActive, start, end: self.at })
     }
 
     fn slash(&mut self) -> Result<Word, Wrong> {
@@ -182,9 +167,7 @@ impl Words<'_> {
             end = self.at;
         }
         if digits == 0 {
-            let next = self.line[end..]
-                .iter()
-                .find(|byte| !byte.is_ascii_whitespace());
+            let next = self.line[end..].iter().find(|byte| !byte.is_ascii_whitespace());
             let is_expression = matches!(next, Some(b'[' | b'#')) && !point;
             return match self.variables.filter(|_| is_expression) {
                 Some(variables) => self.expression(first, variables),
@@ -277,17 +260,11 @@ mod tests {
 
     #[test]
     fn tricky_lines_are_words() {
-        assert_eq!(
-            read("n10g1 x1.5y-.25"),
-            [('N', 10.0), ('G', 1.0), ('X', 1.5), ('Y', -0.25)]
-        );
+        assert_eq!(read("n10g1 x1.5y-.25"), [('N', 10.0), ('G', 1.0), ('X', 1.5), ('Y', -0.25)]);
         assert_eq!(read("X 1 0 . 5 (X99) Y+2.;Z3"), [('X', 10.5), ('Y', 2.0)]);
         assert_eq!(read("/1 G 54.1 P 7"), [('/', 1.0), ('G', 54.1), ('P', 7.0)]);
         assert_eq!(read("% tape 7"), [('%', 0.0)]);
-        assert_eq!(
-            read("X12000.123456789012345"),
-            [('X', 12_000.123_456_789_012)]
-        );
+        assert_eq!(read("X12000.123456789012345"), [('X', 12_000.123_456_789_012)]);
         assert_eq!(read("X12000.123Y0.1"), [('X', 12000.123), ('Y', 0.1)]);
         assert_eq!(read("  \t"), []);
     }
@@ -295,9 +272,7 @@ mod tests {
     #[test]
     fn what_is_no_word_has_its_place() {
         let wrong = |line: &str| {
-            let found = words(line.as_bytes())
-                .find_map(Result::err)
-                .expect("something is wrong");
+            let found = words(line.as_bytes()).find_map(Result::err).expect("something is wrong");
             (found.start, found.end)
         };
         assert_eq!(wrong("G1 X#100"), (3, 4));

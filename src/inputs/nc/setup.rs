@@ -112,25 +112,19 @@ impl Setup {
 pub fn system_number(name: &str) -> Option<u32> {
     let name: String = name.chars().filter(|c| !c.is_whitespace()).collect();
     let name = name.to_ascii_uppercase();
-    let plain = [
-        "G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3",
-    ];
+    let plain = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
     if let Some(index) = plain.iter().position(|known| *known == name) {
         return u32::try_from(index).ok().map(|index| index + 1);
     }
     if name == "G500" {
         return Some(0);
     }
-    let of_siemens = name
-        .strip_prefix('G')
-        .and_then(|number| number.parse().ok());
+    let of_siemens = name.strip_prefix('G').and_then(|number| number.parse().ok());
     if let Some(number) = of_siemens.filter(|number| SIEMENS_SYSTEMS.contains(number)) {
         return Some(number);
     }
     let number: u32 = name.strip_prefix("G54.1P")?.parse().ok()?;
-    (1..=MOST_EXTENDED)
-        .contains(&number)
-        .then_some(EXTENDED + number)
+    (1..=MOST_EXTENDED).contains(&number).then_some(EXTENDED + number)
 }
 
 /// The name of a coordinate system by its number.
@@ -258,11 +252,7 @@ impl Offsets {
     /// G43 H: false if the length is not in the table.
     pub(super) fn use_tool(&mut self, number: u32) -> bool {
         // H0 is no length, on every control.
-        let length = if number == 0 {
-            Some(0.0)
-        } else {
-            self.tools.get(&number).copied()
-        };
+        let length = if number == 0 { Some(0.0) } else { self.tools.get(&number).copied() };
         if let Some(length) = length {
             self.change_tool(Some(length));
         }

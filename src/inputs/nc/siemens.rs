@@ -73,14 +73,7 @@ fn words(line: &[u8], variables: &Variables, block: &mut Block) -> Result<(), Wr
 }
 
 fn sign_word(letter: u8, start: usize) -> Word {
-    Word {
-        letter,
-        value: 0.0,
-        has_point: false,
-        counts: Counts::AsActive,
-        start,
-        end: start + 1,
-    }
+    Word { letter, value: 0.0, has_point: false, counts: Counts::AsActive, start, end: start + 1 }
 }
 
 /// The letters, digits and `_` that stand next.
@@ -89,9 +82,7 @@ fn identifier(reader: &mut Reader<'_>) -> String {
     let rest = reader.line[reader.at..].iter();
     let is_in = |byte: &&u8| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'$');
     let signs = rest.take_while(is_in);
-    signs
-        .map(|byte| char::from(byte.to_ascii_uppercase()))
-        .collect()
+    signs.map(|byte| char::from(byte.to_ascii_uppercase())).collect()
 }
 
 /// A word or a call.
@@ -219,14 +210,7 @@ fn put(
     start: usize,
     counts: Counts,
 ) {
-    block.take(Word {
-        letter,
-        value,
-        has_point: true,
-        counts,
-        start,
-        end: reader.at,
-    });
+    block.take(Word { letter, value, has_point: true, counts, start, end: reader.at });
 }
 
 /// The text between quotation marks.
@@ -234,11 +218,7 @@ fn quoted(reader: &mut Reader<'_>) -> Result<String, Wrong> {
     let start = reader.at;
     let rest = &reader.line[start + 1..];
     let Some(length) = rest.iter().position(|byte| *byte == b'"') else {
-        return Err(Wrong::new(
-            (start, start + 1),
-            "the text is not closed",
-            "close it with `\"`",
-        ));
+        return Err(Wrong::new((start, start + 1), "the text is not closed", "close it with `\"`"));
     };
     reader.at = start + length + 2;
     Ok(String::from_utf8_lossy(&rest[..length]).trim().to_string())
@@ -269,11 +249,7 @@ fn passed_over(reader: &mut Reader<'_>, span: (usize, usize)) -> Result<(), Wron
             return Ok(());
         }
     }
-    Err(Wrong::new(
-        span,
-        "the brackets of the call are not closed",
-        "close them with `)`",
-    ))
+    Err(Wrong::new(span, "the brackets of the call are not closed", "close them with `)`"))
 }
 
 /// `CYCLE81(…)`, behind `MCALL` too; it stands in a block of its own.
@@ -293,11 +269,7 @@ fn cycle(
             let arguments = arguments(reader)?;
             if arguments.iter().skip(*most).any(Option::is_some) {
                 let message = format!("`{name}` is executed with its first {most} arguments only");
-                return Err(Wrong::new(
-                    span,
-                    message,
-                    "leave out what stands behind them",
-                ));
+                return Err(Wrong::new(span, message, "leave out what stands behind them"));
             }
             Some((*number, arguments))
         }
@@ -323,11 +295,7 @@ fn arguments(reader: &mut Reader<'_>) -> Result<Vec<Option<f64>>, Wrong> {
     }
     while arguments.len() < MOST_ARGUMENTS {
         let is_left_out = matches!(reader.peek(), Some(b',' | b')'));
-        let argument = if is_left_out {
-            None
-        } else {
-            Some(reader.expression()?)
-        };
+        let argument = if is_left_out { None } else { Some(reader.expression()?) };
         arguments.push(argument);
         if reader.takes(b')') {
             return Ok(arguments);

@@ -25,10 +25,7 @@ impl Text for Lines<'_> {
         let line = rest.split(|byte| *byte == b'\n').next().unwrap_or(rest);
         self.mark.bytes += line.len() as u64 + 1;
         self.mark.lines += 1;
-        Ok(Some(Line {
-            number: self.mark.lines,
-            bytes: line,
-        }))
+        Ok(Some(Line { number: self.mark.lines, bytes: line }))
     }
     fn mark(&self) -> Mark {
         self.mark
@@ -62,10 +59,7 @@ fn control() -> Setup {
 
 fn run_with(setup: &Setup, program: &str) -> Result<(Vec<Move>, Ran), Problems> {
     let mut moves = Vec::new();
-    let mut text = Lines {
-        text: program.as_bytes(),
-        mark: Mark::default(),
-    };
+    let mut text = Lines { text: program.as_bytes(), mark: Mark::default() };
     let ran = run(&mut text, "p.nc", setup, |step| {
         moves.push(*step);
         Ok(())
@@ -88,26 +82,15 @@ fn ends(program: &str) -> Vec<String> {
 
 fn refused(program: &str) -> Vec<(usize, usize)> {
     let problems = run_with(&control(), program).expect_err("it is refused");
-    let place = |problem: &Problem| {
-        problem
-            .place
-            .as_ref()
-            .map(|place| (place.line, place.column))
-    };
+    let place = |problem: &Problem| problem.place.as_ref().map(|place| (place.line, place.column));
     problems.iter().filter_map(place).collect()
 }
 
 #[test]
 fn modal_words_stand_alone_and_hold() {
     assert_eq!(ends("G0\nX1\nG1\nY2\nX3 Z4"), ["r1 0 0", "1 2 0", "3 2 4"]);
-    assert_eq!(
-        ends("g 1 x1 0 . 5\n n5 y-.25"),
-        ["10.5 0 0", "10.5 -0.25 0"]
-    );
-    assert_eq!(
-        ends("G1 X1\nG91\nX1\nX1 G90 Y5"),
-        ["1 0 0", "2 0 0", "1 5 0"]
-    );
+    assert_eq!(ends("g 1 x1 0 . 5\n n5 y-.25"), ["10.5 0 0", "10.5 -0.25 0"]);
+    assert_eq!(ends("G1 X1\nG91\nX1\nX1 G90 Y5"), ["1 0 0", "2 0 0", "1 5 0"]);
     assert_eq!(ends("G20 G1 X1.\nG21 X1."), ["25.4 0 0", "1 0 0"]);
     assert_eq!(ends("G1 X1\nM30\nX9"), ["1 0 0"]);
     assert_eq!(ends("%\nO1\nG1 X1\n%\nX9"), ["1 0 0"]);
@@ -123,10 +106,7 @@ fn zeros_of_coordinate_systems_add() {
     );
     assert_eq!(ends("G54.1 P7 G1 X1"), ["2 0 0"]);
     assert_eq!(ends("G52 X10\nG1 X1\nG52 X0\nX1"), ["11 0 0", "1 0 0"]);
-    assert_eq!(
-        ends("G1 X5\nG92 X0 Y7\nX1\nY7\nG92.1\nX1"),
-        ["5 0 0", "6 0 0", "1 0 0"]
-    );
+    assert_eq!(ends("G1 X5\nG92 X0 Y7\nX1\nY7\nG92.1\nX1"), ["5 0 0", "6 0 0", "1 0 0"]);
     assert_eq!(ends("G10 L2 P2 X7\nG55 G1 X1"), ["8 0 0"]);
     assert_eq!(ends("G10 L2 P3 X7 Y0 Z0\nG56 G1 X1"), ["8 0 0"]);
     assert_eq!(ends("G91 G10 L2 P2 X7\nG90 G55 G1 X1"), ["108 0 0"]);
@@ -135,10 +115,7 @@ fn zeros_of_coordinate_systems_add() {
 #[test]
 fn tool_length_moves_the_spindle() {
     assert_eq!(ends("G0 G43 H1 Z10\nG49 Z10"), ["r0 0 60", "r0 0 10"]);
-    assert_eq!(
-        ends("G43 H1\nG91 G1 Z1\nZ1\nH2 Z0"),
-        ["0 0 51", "0 0 52", "0 0 82"]
-    );
+    assert_eq!(ends("G43 H1\nG91 G1 Z1\nZ1\nH2 Z0"), ["0 0 51", "0 0 52", "0 0 82"]);
     assert_eq!(moves("G43 H2 G1 X1")[0].tool_mm, Some(80.0));
 }
 
@@ -185,11 +162,7 @@ fn a_radius_takes_the_short_way_and_a_negative_one_the_long_way() {
         ("G2 X0 Y1 R-1", -3.0 * half_pi, [0.0, 0.0]),
     ] {
         let (arc, step) = arc(&format!("G1 X1\n{words}"));
-        assert!(
-            (arc.sweep_rad - sweep).abs() < 1e-9,
-            "{words}: {}",
-            arc.sweep_rad
-        );
+        assert!((arc.sweep_rad - sweep).abs() < 1e-9, "{words}: {}", arc.sweep_rad);
         assert!(
             (arc.centre[0] - centre[0]).abs() + (arc.centre[1] - centre[1]).abs() < 1e-9,
             "{words}"
@@ -236,24 +209,14 @@ fn cycles_drill_holes() {
             "r40 20 50"
         ]
     );
-    assert_eq!(
-        ends("G0 Z9\nG99 G85 X1 Z0 R2\nG80")
-            .last()
-            .map(String::as_str),
-        Some("1 0 2")
-    );
+    assert_eq!(ends("G0 Z9\nG99 G85 X1 Z0 R2\nG80").last().map(String::as_str), Some("1 0 2"));
     let row = "G0 Z10\nG91 G99 G81 X5 Z-4 R-8 K2\nG80";
     assert_eq!(
         ends(row),
-        [
-            "r0 0 10", "r5 0 10", "r5 0 2", "5 0 -2", "r5 0 2", "r10 0 2", "10 0 -2", "r10 0 2"
-        ]
+        ["r0 0 10", "r5 0 10", "r5 0 2", "5 0 -2", "r5 0 2", "r10 0 2", "10 0 -2", "r10 0 2"]
     );
     assert_eq!(run_with(&control(), row).expect("a program").1.holes, 2);
-    assert_eq!(
-        ends("G18 G0 Y9\nG81 X1 Z2 Y-1 R1\nG80")[1..3],
-        ["r1 9 2", "r1 1 2"]
-    );
+    assert_eq!(ends("G18 G0 Y9\nG81 X1 Z2 Y-1 R1\nG80")[1..3], ["r1 9 2", "r1 1 2"]);
 }
 
 #[test]
@@ -261,25 +224,15 @@ fn depths_of_a_cycle_are_read_in_the_mode_of_the_block_that_drills() {
     // RS274/NGC: the numbers of R and Z are modal, their meaning is that of the block.
     let program = "G0 Z100\nG91 G81 X0 Z-120 R-98\nG90 Y-25\nG80";
     let (steps, ran) = run_with(&control(), program).expect("a program");
-    let bottoms: Vec<f64> = steps
-        .iter()
-        .filter(|step| step.hole.is_some())
-        .map(|step| step.to[2])
-        .collect();
+    let bottoms: Vec<f64> =
+        steps.iter().filter(|step| step.hole.is_some()).map(|step| step.to[2]).collect();
     assert_eq!(bottoms, [-118.0, -120.0]);
-    assert!(
-        ran.notes
-            .iter()
-            .any(|note| note.kind() == Some(&PathFinding::OtherMode { line: 3 }))
-    );
+    assert!(ran.notes.iter().any(|note| note.kind() == Some(&PathFinding::OtherMode { line: 3 })));
 }
 
 #[test]
 fn a_chip_breaking_cycle_is_fed_once() {
-    assert_eq!(
-        ends("G0 Z9\nG99 G73 X1 Z-6 R2 Q1.5\nG80")[2..],
-        ["r1 0 2", "1 0 -6", "r1 0 2"]
-    );
+    assert_eq!(ends("G0 Z9\nG99 G73 X1 Z-6 R2 Q1.5\nG80")[2..], ["r1 0 2", "1 0 -6", "r1 0 2"]);
 }
 
 fn notes(setup: &Setup, program: &str) -> String {
@@ -299,20 +252,14 @@ fn words_beside_g64_and_m_words_are_told() {
 
 #[test]
 fn a_colon_begins_a_program_as_o_does() {
-    assert_eq!(
-        ends("%\n:0100\nG91 G1\nM98 P7\nM30\n:7\nX1\nM99"),
-        ["1 0 0"]
-    );
+    assert_eq!(ends("%\n:0100\nG91 G1\nM98 P7\nM30\n:7\nX1\nM99"), ["1 0 0"]);
     assert_eq!(refused("G1 X1:"), [(1, 6)]);
 }
 
 #[test]
 fn g43_without_h_is_what_the_job_says() {
     assert_eq!(refused("G0\nG43 H1\nG43 Z1."), [(3, 1)]);
-    let with = |g43_without_h| Setup {
-        g43_without_h,
-        ..control()
-    };
+    let with = |g43_without_h| Setup { g43_without_h, ..control() };
     let tool = |setup: &Setup, program: &str| {
         let (steps, _) = run_with(setup, program).expect("a program");
         steps.last().and_then(|step| step.tool_mm)
@@ -334,10 +281,7 @@ fn arcs_of_inch_programs_with_three_decimals_are_followed_and_told() {
     assert!(inch.contains("misses the circle by more than 0.01 mm: 1, most by 0.0254 mm in line 2; taken up to 0.072 mm"), "{inch}");
     let far = "G20 G1 X1. Y0\nG3 X.5 Y.503 I-.5 J0";
     assert_eq!(refused(far), [(2, 4)]);
-    let wide = Setup {
-        arc_mm: Some(0.1),
-        ..control()
-    };
+    let wide = Setup { arc_mm: Some(0.1), ..control() };
     assert!(run_with(&wide, far).is_ok());
 }
 
@@ -367,13 +311,9 @@ fn centres_that_fit_as_absolute_ones_are_told() {
 
 /// Why a program is not executed to its end; its moves are not kept.
 fn ended(program: &str) -> Result<u64, String> {
-    let mut text = Lines {
-        text: program.as_bytes(),
-        mark: Mark::default(),
-    };
+    let mut text = Lines { text: program.as_bytes(), mark: Mark::default() };
     let ran = run(&mut text, "part.nc", &control(), |_| Ok(()));
-    ran.map(|ran| ran.blocks)
-        .map_err(|problems| problems.render())
+    ran.map(|ran| ran.blocks).map_err(|problems| problems.render())
 }
 
 #[test]
@@ -383,10 +323,7 @@ fn a_program_without_end_is_refused_with_its_reason() {
     for (program, line) in [
         ("M98 P1 L99999999\nM30\nO1\nM99".to_string(), 1),
         (far.to_string(), 3),
-        (
-            "G91 G1\nM98 P1 L9999\nM30\nO1\nX1\nM98 P2 L9999\nM99\nO2\nX1\nX-1\nM99".to_string(),
-            2,
-        ),
+        ("G91 G1\nM98 P1 L9999\nM30\nO1\nX1\nM98 P2 L9999\nM99\nO2\nX1\nX-1\nM99".to_string(), 2),
         (format!("G54 G91 G0 X0 Y0 Z0\n{holes}M30"), 0),
     ] {
         let words = ended(&program).expect_err("it does not end");
@@ -409,10 +346,7 @@ fn a_large_program_is_executed_to_its_end() {
 #[test]
 fn subprograms_are_called_and_repeated() {
     let program = "G91 G1\nM98 P7 L2\nX100\nM30\nO7\nX1\nM98 P8\nM99\nO8\nY1\nM99";
-    assert_eq!(
-        ends(program),
-        ["1 0 0", "1 1 0", "2 1 0", "2 2 0", "102 2 0"]
-    );
+    assert_eq!(ends(program), ["1 0 0", "1 1 0", "2 1 0", "2 2 0", "102 2 0"]);
     assert_eq!(ends("G91 G1\nM98 P30007\nM30\nO7\nX1\nM99").len(), 3);
     assert_eq!(refused("M98 P9"), [(1, 1)]);
     assert_eq!(refused("M98 P1\nM30\nO1\nM98 P1\nM99"), [(4, 1)]);
@@ -422,10 +356,7 @@ fn subprograms_are_called_and_repeated() {
 fn deletable_lines_are_executed_or_left_out() {
     let program = "G1 X1\n/X2\n/2 X3\nX4";
     assert_eq!(ends(program).len(), 4);
-    let skip = Setup {
-        skip_deletable: true,
-        ..control()
-    };
+    let skip = Setup { skip_deletable: true, ..control() };
     assert_eq!(run_with(&skip, program).expect("a program").0.len(), 2);
 }
 
@@ -454,20 +385,13 @@ fn what_is_not_executed_is_refused_with_line_and_column() {
         ("G1 X1\nO5", (2, 1)),
         ("G1 X99999999", (1, 4)),
     ] {
-        assert!(
-            refused(program).contains(&place),
-            "{program:?}: {:?}",
-            refused(program)
-        );
+        assert!(refused(program).contains(&place), "{program:?}: {:?}", refused(program));
     }
 }
 
 #[test]
 fn coordinates_without_a_point_are_told() {
-    let increments = Setup {
-        without_point: WithoutPoint::Increment,
-        ..control()
-    };
+    let increments = Setup { without_point: WithoutPoint::Increment, ..control() };
     let (steps, ran) = run_with(&increments, "G1 X100\nY1.").expect("a program");
     assert!(near(steps[1].to, [0.1, 1.0, 0.0]));
     assert!(

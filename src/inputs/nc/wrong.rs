@@ -16,11 +16,6 @@ pub struct Wrong {
 impl Wrong {
     /// Something wrong at bytes of a line.
     pub fn new(span: (usize, usize), message: impl Into<String>, help: impl Into<String>) -> Wrong {
-        Wrong {
-            message: message.into(),
-            help: help.into(),
-            start: span.0,
-            end: span.1,
-        }
+        Wrong { message: message.into(), help: help.into(), start: span.0, end: span.1 }
     }
 }

@@ -36,19 +36,13 @@ pub(super) fn check_set(walks: &Walks<'_, '_>, table: &Columns<'_>, problems: &m
     require_all(
         walks,
         table,
-        (
-            Pass::Forward,
-            "the separation needs all four body diagonals",
-        ),
+        (Pass::Forward, "the separation needs all four body diagonals"),
         problems,
     );
     if walks.keys().any(|walk| walk.pass() == Pass::Reverse) {
         require_all(walks, table, (Pass::Reverse, back), problems);
     }
-    for (walk, rows) in walks
-        .iter()
-        .filter(|(walk, _)| walk.direction == Pass::Reverse)
-    {
+    for (walk, rows) in walks.iter().filter(|(walk, _)| walk.direction == Pass::Reverse) {
         if let Some(row) = rows.first() {
             check_back(*walk, row, walks, problems);
         }
@@ -64,14 +58,8 @@ fn check_back(walk: Walk, row: &Row<'_>, walks: &Walks<'_, '_>, problems: &mut P
         problems.push(at_row(row, message, help));
         return;
     }
-    let forward = Walk {
-        direction: Pass::Forward,
-        ..walk
-    };
-    let twin = Walk {
-        named: Pass::Reverse,
-        ..forward
-    };
+    let forward = Walk { direction: Pass::Forward, ..walk };
+    let twin = Walk { named: Pass::Reverse, ..forward };
     if walks.contains_key(&twin) {
         let message = format!("{walk} stands a second time as {twin}");
         let help = "keep one of the two, or give them different runs";
@@ -80,11 +68,7 @@ fn check_back(walk: Walk, row: &Row<'_>, walks: &Walks<'_, '_>, problems: &mut P
     if !walks.contains_key(&forward) {
         let message =
             format!("{walk} has no forward rows of the same run, whose start is its zero");
-        problems.push(at_row(
-            row,
-            message,
-            "give both ways of a run the same number",
-        ));
+        problems.push(at_row(row, message, "give both ways of a run the same number"));
     }
 }
 
@@ -98,9 +82,7 @@ fn require_all(
         let mut walks = walks.keys();
         walks.any(|walk| walk.diagonal == diagonal && walk.pass() == pass)
     };
-    let missing = Diagonal::ALL
-        .into_iter()
-        .filter(|diagonal| !is_walked(*diagonal));
+    let missing = Diagonal::ALL.into_iter().filter(|diagonal| !is_walked(*diagonal));
     let missing: Vec<String> = missing.map(|diagonal| diagonal.to_string()).collect();
     if !missing.is_empty() {
         let message = format!("there is no {} run of {}", pass.word(), listed(&missing));
@@ -215,11 +197,7 @@ fn in_words(ranges: &[(usize, usize)]) -> String {
         _ => format!("{from} to {to}"),
     };
     let mut parts: Vec<String> = named.map(range).collect();
-    let more: usize = ranges
-        .iter()
-        .skip(MOST_RANGES)
-        .map(|(a, b)| b - a + 1)
-        .sum();
+    let more: usize = ranges.iter().skip(MOST_RANGES).map(|(a, b)| b - a + 1).sum();
     if more > 0 {
         parts.push(format!("{more} more"));
     }
@@ -299,14 +277,8 @@ fn wrong_move<'r, 'a>(
     let in_words = |axis: Option<Axis>| axis.map_or("no axis".to_string(), |axis| axis.to_string());
     let by = expected(row.node).map_or(String::new(), |_| format!(" by the order {order}"));
     let (found, wanted) = (in_words(row.moved), in_words(expected(row.node)));
-    let message = format!(
-        "{walk}, node {}: {found} moved, expected {wanted}{by}",
-        row.node
-    );
-    Some((
-        row,
-        Problem::new(message).help(next_step(walk, rows, volume)),
-    ))
+    let message = format!("{walk}, node {}: {found} moved, expected {wanted}{by}", row.node);
+    Some((row, Problem::new(message).help(next_step(walk, rows, volume))))
 }
 
 /// What may have been meant by other axes than those of the job's order.
@@ -317,10 +289,7 @@ fn next_step(walk: Walk, rows: &[&Row<'_>], volume: &Volume) -> String {
         return usual.to_string();
     }
     let last = volume.last_node(PathKind::Step);
-    if rows
-        .iter()
-        .all(|row| row.moved == (row.node < last).then(|| volume.moved(row.node + 1)))
-    {
+    if rows.iter().all(|row| row.moved == (row.node < last).then(|| volume.moved(row.node + 1))) {
         return "in reverse rows too, `moved` names the axis of the forward step that ends at the node".to_string();
     }
     let follows = |order: &[Axis; 3]| {

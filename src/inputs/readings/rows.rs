@@ -39,21 +39,14 @@ fn known_columns() -> Vec<(String, Column)> {
         ("moved", Column::Moved),
     ];
     let plain = plain.map(|(name, column)| (name.to_string(), column));
-    let values = [
-        ("deviation", Quantity::Deviation),
-        ("displacement", Quantity::Displacement),
-    ];
+    let values = [("deviation", Quantity::Deviation), ("displacement", Quantity::Displacement)];
     let values = values.into_iter().flat_map(|(name, quantity)| {
         LENGTHS_UM
             .map(|(unit, to_um)| (format!("{name}_{unit}"), Column::Value { quantity, to_um }))
     });
     let temperature = |of: Axis| (format!("t_{}_c", of.key()), Column::Temperature { of });
     let temperatures = Axis::ALL.map(temperature);
-    plain
-        .into_iter()
-        .chain(values)
-        .chain(temperatures)
-        .collect()
+    plain.into_iter().chain(values).chain(temperatures).collect()
 }
 
 fn is_value(column: Column) -> bool {
@@ -148,18 +141,11 @@ const DIAGONAL: (&str, &str) = (
     "`PPP`, `NPP`, `PNP` or `PPN`",
     "P and N: this axis travels positive or negative on the forward run",
 );
-const RUN: (&str, &str) = (
-    "a whole number from 1",
-    "number the repeated runs of a diagonal 1, 2, 3 …",
-);
-const DIRECTION: (&str, &str) = (
-    "`forward` or `reverse`",
-    "`reverse` = back over the same nodes",
-);
-const NODE: (&str, &str) = (
-    "a whole number from 0",
-    "nodes count from 0 at the start of the forward run",
-);
+const RUN: (&str, &str) =
+    ("a whole number from 1", "number the repeated runs of a diagonal 1, 2, 3 …");
+const DIRECTION: (&str, &str) = ("`forward` or `reverse`", "`reverse` = back over the same nodes");
+const NODE: (&str, &str) =
+    ("a whole number from 0", "nodes count from 0 at the start of the forward run");
 const MOVED: (&str, &str) = (
     "`x`, `y`, `z` or, at node 0, an empty cell",
     "name the axis of the forward step that ends at this node",
@@ -208,12 +194,7 @@ fn walk(
     let run = cells.parsed(run, Some(1), whole, RUN);
     let direction = cells.parsed(direction, Some(Pass::Forward), pass, DIRECTION);
     let (diagonal, named) = name?;
-    Some(Walk {
-        diagonal,
-        run: run?,
-        named,
-        direction: direction?,
-    })
+    Some(Walk { diagonal, run: run?, named, direction: direction? })
 }
 
 /// The reading of a row, µm.

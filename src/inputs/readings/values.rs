@@ -158,9 +158,7 @@ fn check_column(
     problems: &mut Problems,
 ) {
     let at_cell = |row: &Row<'_>, message: String, help: &str| {
-        Problem::new(message)
-            .at(row.line.cell_place(index))
-            .help(help)
+        Problem::new(message).at(row.line.cell_place(index)).help(help)
     };
     let (low, high) = (TEMPERATURES_C.start(), TEMPERATURES_C.end());
     for row in walks.values().flatten() {

@@ -49,11 +49,7 @@ pub(super) struct Layout<'a> {
 #[derive(Clone, Copy)]
 pub(super) enum Form {
     RowForTarget,
-    RowForReading {
-        run: usize,
-        direction: usize,
-        reading: usize,
-    },
+    RowForReading { run: usize, direction: usize, reading: usize },
 }
 
 impl<'a> Layout<'a> {
@@ -155,27 +151,16 @@ pub(super) fn and_more(more: usize, one: &str, many: &str) -> String {
 fn known_columns(header: &Line<'_>) -> Vec<(String, Column)> {
     let mut quantities = vec![
         ("target".to_string(), Content::Target),
-        (
-            "deviation".to_string(),
-            Content::Reading(Values::Deviations),
-        ),
+        ("deviation".to_string(), Content::Reading(Values::Deviations)),
         ("position".to_string(), Content::Reading(Values::Positions)),
     ];
-    let words = [
-        ("up", Direction::Plus),
-        ("dn", Direction::Minus),
-        ("down", Direction::Minus),
-    ];
+    let words = [("up", Direction::Plus), ("dn", Direction::Minus), ("down", Direction::Minus)];
     for run in run_numbers(header) {
         let content = |direction| Content::RunOf(direction, run);
         quantities
             .extend(words.map(|(word, direction)| (format!("{word}{run}"), content(direction))));
     }
-    let others = [
-        ("i", Content::Index),
-        ("run", Content::Run),
-        ("direction", Content::Direction),
-    ];
+    let others = [("i", Content::Index), ("run", Content::Run), ("direction", Content::Direction)];
     let others = others.map(|(name, content)| (name.to_string(), content));
     let units = LengthUnit::ALL.map(Some).into_iter().chain([None]);
     let with_units = units.flat_map(|unit| {
@@ -259,10 +244,5 @@ fn form(table: Table<'_, Column>) -> Result<Layout<'_>, Problems> {
         }
     };
     problems.or_ok(())?;
-    Ok(Layout {
-        table,
-        target,
-        form,
-        values,
-    })
+    Ok(Layout { table, target, form, values })
 }

@@ -96,11 +96,7 @@ impl Runs {
             measured.then(|| targets.iter().map(deviations).collect())
         };
         let targets_mm = targets.iter().map(|(mm, _)| *mm).collect();
-        Ok(Runs::new(
-            targets_mm,
-            of(Direction::Plus),
-            of(Direction::Minus),
-        )?)
+        Ok(Runs::new(targets_mm, of(Direction::Plus), of(Direction::Minus))?)
     }
 }
 
@@ -109,10 +105,8 @@ impl Runs {
 const MOST_READINGS: usize = 50_000;
 
 const RUN: (&str, &str) = ("a whole number from 1", "number the runs 1, 2, 3 …");
-const DIRECTION: (&str, &str) = (
-    "`+` (up) or `-` (down)",
-    "`+` = the axis came from smaller coordinates",
-);
+const DIRECTION: (&str, &str) =
+    ("`+` (up) or `-` (down)", "`+` = the axis came from smaller coordinates");
 
 fn readings<'a>(layout: &Layout<'a>) -> Result<Vec<Reading<'a>>, Problems> {
     let mut count = 0;
@@ -127,14 +121,8 @@ fn readings<'a>(layout: &Layout<'a>) -> Result<Vec<Reading<'a>>, Problems> {
             return None;
         }
         let (line, target) = (row.line, target?);
-        let reading = |(cell, direction, run, value)| Reading {
-            line,
-            cell,
-            direction,
-            run,
-            target,
-            value,
-        };
+        let reading =
+            |(cell, direction, run, value)| Reading { line, cell, direction, run, target, value };
         Some(cells.into_iter().map(reading).collect::<Vec<_>>())
     })?;
     Ok(rows.into_iter().flatten().collect())
@@ -146,11 +134,7 @@ fn cells(
     row: &mut table::Row<'_, '_>,
 ) -> Vec<(usize, Direction, u32, Length)> {
     match layout.form {
-        Form::RowForReading {
-            run,
-            direction,
-            reading,
-        } => {
+        Form::RowForReading { run, direction, reading } => {
             let whole = |text: &str| text.parse().ok().filter(|run| *run > 0);
             let run = row.parsed(Some(run), None, whole, RUN);
             let approach = |text: &str| match text {
@@ -210,17 +194,14 @@ fn twice(layout: &Layout<'_>, first: &Reading<'_>, second: &Reading<'_>) -> Prob
     let mm = second.target_mm();
     let what = match layout.form {
         Form::RowForTarget => format!("target {mm} mm"),
-        Form::RowForReading { .. } => format!(
-            "target {mm} mm, run {} moving {}",
-            second.run, second.direction
-        ),
+        Form::RowForReading { .. } => {
+            format!("target {mm} mm, run {} moving {}", second.run, second.direction)
+        }
     };
     let line = first.line.number();
     let message = format!("{what} stands here again, the first time in line {line}");
     let place = second.line.cell_place(layout.target);
-    Problem::new(message)
-        .at(place)
-        .help("keep one of the two rows")
+    Problem::new(message).at(place).help("keep one of the two rows")
 }
 
 /// Every target needs every run that another target has.

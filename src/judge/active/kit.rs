@@ -55,22 +55,13 @@ pub fn from_kit(
     check_state(job, &own, state, &mut problems);
     take_switches(&mut own, state);
     problems.or_ok(())?;
-    let kit_files = files.iter().map(|(role, path, bytes)| KitFile {
-        path,
-        role: *role,
-        bytes,
-    });
+    let kit_files = files.iter().map(|(role, path, bytes)| KitFile { path, role: *role, bytes });
     let kit_files: Vec<KitFile<'_>> = kit_files.collect();
     let tables = read(profile, &kit_files)?.tables;
-    let origin = Origin::Kit {
-        manifest: manifest.to_vec(),
-        tool: word(&document["tool"]).to_string(),
-    };
+    let origin =
+        Origin::Kit { manifest: manifest.to_vec(), tool: word(&document["tool"]).to_string() };
     Ok(ActiveControl {
-        files: files
-            .into_iter()
-            .map(|(_, name, bytes)| (name, bytes))
-            .collect(),
+        files: files.into_iter().map(|(_, name, bytes)| (name, bytes)).collect(),
         assumptions: vec![Assumption::of_job(
             "active_tables",
             format!("the kit `{path}` was loaded and switched on as it was made"),
@@ -193,10 +184,7 @@ fn check_state(job: &Job, own: &ControlState, state: &Value, problems: &mut Prob
     if unit != own_unit {
         problems.push(problem(
             job,
-            format!(
-                "the active tables are in {}, the job in {own_unit}",
-                shown(unit)
-            ),
+            format!("the active tables are in {}, the job in {own_unit}", shown(unit)),
             "correct `control_unit`, or make the new tables in the unit of the old ones",
         ));
     }
@@ -241,9 +229,8 @@ fn differences(own: &AxisState, entry: &Value) -> Vec<String> {
     if let (Some(old), Some(new)) = (unit, own.detection_unit_um)
         && (old - new).abs() > SAME
     {
-        words.push(format!(
-            "the active tables count detection units of {old} µm, the job {new} µm"
-        ));
+        words
+            .push(format!("the active tables count detection units of {old} µm, the job {new} µm"));
     }
     words
 }

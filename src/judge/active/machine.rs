@@ -49,11 +49,7 @@ pub(crate) fn uncompensated(
     if let Some(rotation) = held_rotation(&names, control.as_ref()) {
         problems.push(angles_active(job, rotation));
     }
-    let mut sum = Sum {
-        job,
-        model: measured.clone(),
-        notes: Vec::new(),
-    };
+    let mut sum = Sum { job, model: measured.clone(), notes: Vec::new() };
     let mut acts = false;
     for term in ErrorTerm::ALL {
         let pairs = axis_pairs(&names, term);
@@ -93,10 +89,7 @@ fn angles_active(job: &Job, rotation: Rotation) -> Problem {
 }
 
 fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
-    let message = format!(
-        "what the active tables did cannot be determined: {}",
-        reason.0
-    );
+    let message = format!("what the active tables did cannot be determined: {}", reason.0);
     problem(job, message, "name the complete files of the control as they were while measuring, or measure with the compensation switched off").into()
 }
 
@@ -104,10 +97,7 @@ fn cannot(job: &Job, reason: &CannotEmulate) -> Problems {
 fn nothing(job: &Job, active: &ActiveControl) -> Problem {
     let is_passed_over = |finding: &InControl| {
         use InControl::{OfOthers, OtherSystem, SwitchedOff};
-        matches!(
-            finding,
-            OfOthers { .. } | OtherSystem { .. } | SwitchedOff { .. }
-        )
+        matches!(finding, OfOthers { .. } | OtherSystem { .. } | SwitchedOff { .. })
     };
     let passed_over = active.findings.iter();
     let passed_over = passed_over.filter(|f| f.kind().is_some_and(is_passed_over));
@@ -189,9 +179,7 @@ impl Old {
 
     /// All nodes, or none where only a constant acts.
     fn nodes(&self) -> Vec<Millimetres> {
-        let nodes = self
-            .tables()
-            .flat_map(|table| table.nodes().map(|(at, _)| at));
+        let nodes = self.tables().flat_map(|table| table.nodes().map(|(at, _)| at));
         let mut nodes: Vec<Millimetres> = nodes.collect();
         nodes.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
         nodes.dedup_by(|a, b| (a.mm() - b.mm()).abs() < AT_PLACE_MM);
@@ -201,10 +189,8 @@ impl Old {
     fn acts(&self) -> bool {
         let places = [self.nodes(), vec![Millimetres::new(0.0)]].concat();
         let ways = [0, 1].map(|way| self.0[way].straightened());
-        let is_off = |at: &Millimetres| {
-            ways.iter()
-                .any(|way| way.correction(*at).um().abs() > NOTHING_UM)
-        };
+        let is_off =
+            |at: &Millimetres| ways.iter().any(|way| way.correction(*at).um().abs() > NOTHING_UM);
         places.iter().any(is_off)
     }
 
@@ -244,11 +230,7 @@ fn old_correction(
             "bring the axes of the gantry to the same table first, or measure with the compensation switched off",
         );
     }
-    if all
-        .iter()
-        .flat_map(Old::tables)
-        .any(NodeTable::is_repeating)
-    {
+    if all.iter().flat_map(Old::tables).any(NodeTable::is_repeating) {
         return refuse(
             format!(
                 "{term}: the active table repeats (modulo), which no table of a linear axis of this program does"
@@ -303,10 +285,8 @@ impl Sum<'_> {
         let Some(own) = &self.model.terms[term] else {
             self.notes.push(InSum::Kept { term });
             let (plus, minus) = (held(Direction::Plus), held(Direction::Minus));
-            self.model.terms[term] = Some(MeasuredTerm {
-                measured: one_if_same(plus, minus),
-                uncertainty: Vec::new(),
-            });
+            self.model.terms[term] =
+                Some(MeasuredTerm { measured: one_if_same(plus, minus), uncertainty: Vec::new() });
             return;
         };
         let with = |curve: &ErrorCurve, direction| {
@@ -331,10 +311,7 @@ impl Sum<'_> {
             self.notes.push(InSum::DirectionsKept { term });
         }
         let uncertainty = own.uncertainty.clone();
-        self.model.terms[term] = Some(MeasuredTerm {
-            measured,
-            uncertainty,
-        });
+        self.model.terms[term] = Some(MeasuredTerm { measured, uncertainty });
     }
 }
 
@@ -353,10 +330,7 @@ fn held(response: &Response, nodes: &[Millimetres], zero: Deviation) -> ErrorCur
     let straight = response.straightened();
     let anywhere = [Millimetres::new(0.0)];
     let nodes = if nodes.is_empty() { &anywhere } else { nodes };
-    let values: Vec<Deviation> = nodes
-        .iter()
-        .map(|at| -straight.correction(*at) - zero)
-        .collect();
+    let values: Vec<Deviation> = nodes.iter().map(|at| -straight.correction(*at) - zero).collect();
     ErrorCurve::through(nodes, &values, Interpolation::Linear)
 }
 

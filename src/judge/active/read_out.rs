@@ -35,10 +35,7 @@ pub fn from_read_out(
         findings: Vec::new(),
     };
     let texts = texts(profile, path, &files, &mut reading)?;
-    let texts: Vec<(&str, &str)> = texts
-        .iter()
-        .map(|(name, text)| (&**name, &**text))
-        .collect();
+    let texts: Vec<(&str, &str)> = texts.iter().map(|(name, text)| (&**name, &**text)).collect();
     reading.texts = &texts;
     let found = family(&profile.dialect).read_out(&mut reading)?;
     let own = job.compensation.control_unit;
@@ -173,7 +170,5 @@ pub(crate) fn left_over(
     const SOURCE: &str = "the active tables that the job names";
     let stale = family(&profile.dialect).left_over(&active.tables, new);
     let stale = stale.into_iter();
-    stale
-        .map(|what| Precondition::new(what, profile.family.off, WHY, SOURCE).dangerous())
-        .collect()
+    stale.map(|what| Precondition::new(what, profile.family.off, WHY, SOURCE).dangerous()).collect()
 }

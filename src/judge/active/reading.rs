@@ -90,11 +90,7 @@ pub struct Held {
 impl Held {
     /// Tables of a control whose switches are in them, or that has none.
     pub(crate) fn plain(tables: Tables) -> Held {
-        Held {
-            tables,
-            data: Vec::new(),
-            without_grid: Vec::new(),
-        }
+        Held { tables, data: Vec::new(), without_grid: Vec::new() }
     }
 
     /// A machine or setting datum.

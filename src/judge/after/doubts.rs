@@ -25,9 +25,7 @@ pub(super) fn findings(
     match after {
         AfterMeasurement::Errors(model) => {
             found.extend(model.doubts(|_| true));
-            let sparse = Axis::ALL
-                .map(|axis| sparse(before, model, axis))
-                .into_iter();
+            let sparse = Axis::ALL.map(|axis| sparse(before, model, axis)).into_iter();
             let doubts =
                 sparse.chain([reversal_not_seen(before, model), other_frame(before, model)]);
             found.extend(doubts.flatten().map(Finding::from));
@@ -84,11 +82,7 @@ fn sparse(before: &ErrorModel, after: &ErrorModel, axis: Axis) -> Option<AsLeft>
     let (first_mm, second_mm) = gaps
         .filter(|(first, second)| *second > ROUNDING * WIDEST_GAP * first)
         .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
-    Some(AsLeft::Sparse {
-        axis,
-        first_mm,
-        second_mm,
-    })
+    Some(AsLeft::Sparse { axis, first_mm, second_mm })
 }
 
 /// Widest gap between neighbouring positions of a term, mm.
@@ -144,8 +138,6 @@ pub(crate) fn unseen_reversal(before: &ErrorModel, after: &ErrorModel) -> Option
             second.measured = Measured::Undirected(second.measured.mean());
         }
     }
-    (!reversals_um.is_empty()).then(|| UnseenReversal {
-        found: AsLeft::LostMotion { reversals_um }.into(),
-        without,
-    })
+    (!reversals_um.is_empty())
+        .then(|| UnseenReversal { found: AsLeft::LostMotion { reversals_um }.into(), without })
 }

@@ -55,10 +55,7 @@ pub(crate) fn same_slopes(first: &Job, second: &Job) -> Option<Finding> {
     let (before, after) = (stated(first), stated(second));
     let is_copy = |own: &Linear| match own.slope {
         LinearSlope::Stated(slope) => {
-            slope.abs() > 0.0
-                && before
-                    .iter()
-                    .any(|b| (b.axis, &b.slope) == (own.axis, &own.slope))
+            slope.abs() > 0.0 && before.iter().any(|b| (b.axis, &b.slope) == (own.axis, &own.slope))
         }
         LinearSlope::Errors(_) | LinearSlope::NotYet => false,
     };
@@ -70,11 +67,7 @@ pub(crate) fn same_slopes(first: &Job, second: &Job) -> Option<Finding> {
 /// What a job says of its machine: key, name, value.
 fn told(job: &Job) -> Vec<(String, String, Option<String>)> {
     let serial = job.machine.serial.clone();
-    let mut told = vec![(
-        "machine.serial".to_string(),
-        "the serial number".to_string(),
-        serial,
-    )];
+    let mut told = vec![("machine.serial".to_string(), "the serial number".to_string(), serial)];
     for axis in Axis::ALL {
         let own = job.machine.axes[axis];
         let travel = own.map(|a| format!("{} … {} mm", a.low.mm(), a.high.mm()));
@@ -83,11 +76,7 @@ fn told(job: &Job) -> Vec<(String, String, Option<String>)> {
         let rows = [
             ("travel_mm", "travel", travel),
             ("reference_mm", "reference point", reference),
-            (
-                "reference_direction",
-                "direction of the reference return",
-                homing,
-            ),
+            ("reference_direction", "direction of the reference return", homing),
         ];
         told.extend(rows.map(|(key, what, value)| {
             let key = format!("machine.axes.{}.{key}", axis.key());
@@ -166,9 +155,7 @@ pub(crate) fn not_known(
     let terms = || ErrorTerm::ALL.into_iter();
     let missing = joined(terms().filter(|term| model.terms[*term].is_none()));
     if !missing.is_empty() {
-        return vec![format!(
-            "the diagonals need all nine errors; not measured: {missing}"
-        )];
+        return vec![format!("the diagonals need all nine errors; not measured: {missing}")];
     }
     let unknown = |direction: Direction| {
         // Every diagonal moves some axis in either direction; a curve of the other one says nothing.

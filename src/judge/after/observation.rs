@@ -118,9 +118,7 @@ impl Control {
     /// Places of the nodes of a term's tables.
     pub fn nodes(&self, term: ErrorTerm) -> Vec<Millimetres> {
         let tables = self.0[term].iter().flat_map(|way| way.tables());
-        tables
-            .flat_map(|table| table.nodes().map(|(at, _)| at))
-            .collect()
+        tables.flat_map(|table| table.nodes().map(|(at, _)| at)).collect()
     }
 
     fn response(&self, term: ErrorTerm, direction: Direction) -> &Response {
@@ -162,10 +160,9 @@ fn of_term(
     let ways: Vec<(Option<Direction>, _)> = match &measured.measured {
         Measured::Undirected(curve) => vec![(None, curve)],
         Measured::OneWay(direction, curve) => vec![(Some(*direction), curve)],
-        Measured::BothWays { plus, minus } => vec![
-            (Some(Direction::Plus), plus),
-            (Some(Direction::Minus), minus),
-        ],
+        Measured::BothWays { plus, minus } => {
+            vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
+        }
     };
     for (number, (way, curve)) in ways.into_iter().enumerate() {
         for at in curve.knots() {
@@ -211,12 +208,7 @@ fn parts_of(
         .filter(|direction| way.is_none_or(|way| way == *direction) && known(direction))
         .collect();
     let weight = if ways.len() == 2 { 0.5 } else { 1.0 };
-    let part = |direction| Part {
-        term,
-        direction,
-        at,
-        weight,
-    };
+    let part = |direction| Part { term, direction, at, weight };
     ways.into_iter().map(part).collect()
 }
 
@@ -252,9 +244,7 @@ fn along_diagonals(before: &ErrorModel, runs: &StraightRuns) -> Vec<Observation>
 
 /// Passes of one diagonal share a zero where the reverse pass counts from the forward start.
 fn zero_of(one_zero: bool, diagonal: Diagonal, pass: Pass) -> usize {
-    let own = Diagonal::ALL
-        .into_iter()
-        .position(|other| other == diagonal);
+    let own = Diagonal::ALL.into_iter().position(|other| other == diagonal);
     let back = usize::from(pass == Pass::Reverse && !one_zero);
     2 * own.unwrap_or_default() + back
 }

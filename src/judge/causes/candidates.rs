@@ -7,11 +7,7 @@ use crate::quantity::units::{Figure, MM_PER_INCH};
 
 /// Known factors of the tables.
 const FACTORS: [(f64, &str, &str); 3] = [
-    (
-        -1.0,
-        "sign turned",
-        "act with the sign turned: they add where they should take away",
-    ),
+    (-1.0, "sign turned", "act with the sign turned: they add where they should take away"),
     (0.0, "not active", NOT_ACTIVE),
     (
         2.0,
@@ -26,14 +22,8 @@ const NOT_ACTIVE: &str = "do not act: not switched on, not loaded, or the axes w
 const UNITS: [(f64, &str); 4] = [
     (1000.0, "1000 times too large"),
     (1.0 / 1000.0, "1000 times too small"),
-    (
-        MM_PER_INCH,
-        "25.4 times too large, millimetres taken for inches",
-    ),
-    (
-        1.0 / MM_PER_INCH,
-        "25.4 times too small, inches taken for millimetres",
-    ),
+    (MM_PER_INCH, "25.4 times too large, millimetres taken for inches"),
+    (1.0 / MM_PER_INCH, "25.4 times too small, inches taken for millimetres"),
 ];
 
 impl Fault {
@@ -121,29 +111,14 @@ fn of_scope(scope: Scope, has_two_tables: bool) -> Vec<Fault> {
     let mut faults = factors(scope);
     faults.extend(UNITS.map(|(factor, words)| {
         let said = format!("act in another unit: {words}");
-        let fault = Fault::new(
-            "wrong unit",
-            Act::Times(scope, Some(factor)),
-            tables(scope),
-            said,
-        );
+        let fault = Fault::new("wrong unit", Act::Times(scope, Some(factor)), tables(scope), said);
         fault.called(format!("{}, {words}", tables(scope)))
     }));
-    faults.push(Fault::new(
-        "other factor",
-        Act::Times(scope, None),
-        tables(scope),
-        "",
-    ));
+    faults.push(Fault::new("other factor", Act::Times(scope, None), tables(scope), ""));
     if has_two_tables {
         let turned = Act::Ways(scope, [Direction::Minus, Direction::Plus]);
         let said = "for + and - act in the other direction";
-        faults.push(Fault::new(
-            "directions exchanged",
-            turned,
-            tables(scope),
-            said,
-        ));
+        faults.push(Fault::new("directions exchanged", turned, tables(scope), said));
     }
     faults
 }
@@ -171,10 +146,7 @@ fn shifts() -> impl Iterator<Item = (Option<Axis>, Fault)> {
     let all = Fault::new("shifted", all, "the tables of every axis".to_string(), "");
     let one = |axis| {
         let act = Act::Shifted(only(axis));
-        (
-            Some(axis),
-            Fault::new("shifted", act, tables(Scope::Along(axis)), ""),
-        )
+        (Some(axis), Fault::new("shifted", act, tables(Scope::Along(axis)), ""))
     };
     std::iter::once((None, all)).chain(Axis::ALL.map(one))
 }
@@ -184,18 +156,11 @@ fn reversals(question: &Question<'_>) -> Vec<Fault> {
     let mut faults = Vec::new();
     let axes = [None].into_iter().chain(Axis::ALL.map(Some));
     for axis in axes.filter(|axis| question.shows_reversal(*axis)) {
-        let scope = axis.map_or(Scope::Positioning, |of| {
-            Scope::Term(ErrorTerm { of, along: of })
-        });
+        let scope = axis.map_or(Scope::Positioning, |of| Scope::Term(ErrorTerm { of, along: of }));
         let whose = axis.map_or("every axis".to_string(), |axis| format!("axis {axis}"));
         let subject = || format!("the reversal of {whose}");
         let said = "is counted once too often: a backlash parameter acts in addition to the tables";
-        faults.push(Fault::new(
-            "backlash twice",
-            Act::BacklashTwice(scope),
-            subject(),
-            said,
-        ));
+        faults.push(Fault::new("backlash twice", Act::BacklashTwice(scope), subject(), said));
         if question.sets_parameter(axis) {
             let said = "is not compensated: the backlash parameter is 0";
             let fault = Fault::new("backlash not", Act::BacklashNot(scope), subject(), said);
@@ -205,12 +170,8 @@ fn reversals(question: &Question<'_>) -> Vec<Fault> {
             faults.extend(Direction::BOTH.map(|way| {
                 let said =
                     format!("is not compensated: the table for {way} acts in both directions");
-                let fault = Fault::new(
-                    "backlash not",
-                    Act::Ways(scope, [way, way]),
-                    subject(),
-                    said,
-                );
+                let fault =
+                    Fault::new("backlash not", Act::Ways(scope, [way, way]), subject(), said);
                 fault.called(format!("{whose}: table of {way} both ways"))
             }));
         }
@@ -231,10 +192,7 @@ fn exchanges(question: &Question<'_>) -> Vec<Fault> {
                 own.map_or(axis, |own| Axis::ALL[own])
             };
             let from = act(&|term: ErrorTerm| match scope.holds(term) {
-                true => ErrorTerm {
-                    of: back(term.of),
-                    along: back(term.along),
-                },
+                true => ErrorTerm { of: back(term.of), along: back(term.along) },
                 false => term,
             });
             let on = format!("on {}, {}, {}", map[0], map[1], map[2]);
@@ -257,9 +215,7 @@ fn exchanges(question: &Question<'_>) -> Vec<Fault> {
                 own if own == two => one,
                 own => own,
             });
-            let without = [one, two]
-                .into_iter()
-                .find(|term| !question.control.has_table(*term));
+            let without = [one, two].into_iter().find(|term| !question.control.has_table(*term));
             let without = without.map_or(String::new(), |term| format!(" ({term} has none)"));
             let subject = format!("the tables of {one} and {two}{without}");
             let said = "are exchanged, or stand at the wrong axis";
@@ -275,13 +231,9 @@ fn warmer(fitted: Fitted, subject: &str) -> Fault {
 
 /// Scales that are warmer: each axis by itself, all by the same, each by its own.
 fn temperatures(question: &Question<'_>) -> Vec<Fault> {
-    let axes: Vec<Axis> = Axis::ALL
-        .into_iter()
-        .filter(|axis| question.shows_growth(*axis))
-        .collect();
-    let one = axes
-        .iter()
-        .map(|axis| warmer(only(*axis), &format!("the scale of axis {axis}")));
+    let axes: Vec<Axis> =
+        Axis::ALL.into_iter().filter(|axis| question.shows_growth(*axis)).collect();
+    let one = axes.iter().map(|axis| warmer(only(*axis), &format!("the scale of axis {axis}")));
     let mut faults: Vec<Fault> = one.collect();
     if !axes.is_empty() {
         let all = PerAxis::from_fn(|_| Some(0));
@@ -307,17 +259,8 @@ fn of_measurements(question: &Question<'_>) -> Vec<Fault> {
     let mut faults: Vec<Fault> = turned
         .map(|(act, which, said)| {
             let is_second = act == Act::SecondTurned;
-            let fault = Fault::new(
-                "measurement turned",
-                act,
-                format!("{which} measurement"),
-                said,
-            );
-            fault.called(if is_second {
-                "the second, and tables not active"
-            } else {
-                which
-            })
+            let fault = Fault::new("measurement turned", act, format!("{which} measurement"), said);
+            fault.called(if is_second { "the second, and tables not active" } else { which })
         })
         .into();
     for corrected in question.corrected {
@@ -341,10 +284,7 @@ fn recorded(slip: Slip) -> Fault {
         Slip::Order(order) => (
             "wrong order",
             "the steps of the first measurement".to_string(),
-            format!(
-                "went {}, {}, {}, not as the job says, {MADE}",
-                order[0], order[1], order[2]
-            ),
+            format!("went {}, {}, {}, not as the job says, {MADE}", order[0], order[1], order[2]),
             Axis::letters(&order),
         ),
     };
@@ -411,22 +351,14 @@ pub(super) fn cause(
 fn first_few(words: &[String], between: &str) -> String {
     const NAMED: usize = 3;
     let joined = words[..words.len().min(NAMED)].join(between);
-    if words.len() > NAMED {
-        format!("{joined}{between}others like them")
-    } else {
-        joined
-    }
+    if words.len() > NAMED { format!("{joined}{between}others like them") } else { joined }
 }
 
 fn shift(places: &Fitted, fitted: &[f64], uncertainty_mm: &[f64]) -> String {
     let each = places.iter().filter_map(|(axis, place)| {
         let (mm, u) = (number(fitted, *place), number(uncertainty_mm, *place));
         let decimals = usize::from(u < 10.0);
-        let named = if fitted.len() > 1 {
-            format!("{axis} ")
-        } else {
-            String::new()
-        };
+        let named = if fitted.len() > 1 { format!("{axis} ") } else { String::new() };
         let mm = Figure(mm);
         place.map(|_| format!("{named}{mm:+.decimals$} ± {u:.decimals$} mm"))
     });

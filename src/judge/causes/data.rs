@@ -255,8 +255,7 @@ impl<'a> Data<'a> {
             *sum = (sum.0 + weight * value, sum.1 + weight);
         }
         let seen = self.question.seen.iter().zip(values);
-        seen.map(|(o, value)| value - sums[o.zero].0 / sums[o.zero].1)
-            .collect()
+        seen.map(|(o, value)| value - sums[o.zero].0 / sums[o.zero].1).collect()
     }
 
     /// Σ (residual/σ)².
@@ -277,9 +276,7 @@ impl<'a> Data<'a> {
             let sum = sums.entry(observation.curve).or_default();
             *sum = (sum.0 + (left / sigma).squared(), sum.1 + 1.0);
         }
-        sums.into_values()
-            .map(|(square, count)| square / count)
-            .collect()
+        sums.into_values().map(|(square, count)| square / count).collect()
     }
 
     /// Observations with what a fit leaves of them and their σ, µm.
@@ -380,9 +377,7 @@ fn found_variance(question: &Question<'_>, observation: &Observation) -> f64 {
     let of = |term: ErrorTerm| {
         let parts = observation.parts.iter().filter(|part| part.term == term);
         let weight: f64 = parts.map(|part| part.weight).sum();
-        let u = question.before.terms[term]
-            .as_ref()
-            .and_then(MeasuredTerm::u_value_um);
+        let u = question.before.terms[term].as_ref().and_then(MeasuredTerm::u_value_um);
         (weight * u.unwrap_or(0.0)).squared()
     };
     ErrorTerm::ALL.into_iter().map(of).sum()

@@ -55,10 +55,7 @@ pub(super) fn decides(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> St
     }
     let look = match question.display {
         Some(display) => by_display(question, standing, display),
-        None => format!(
-            "no display of the correction is known of this control: {}",
-            read_back()
-        ),
+        None => format!("no display of the correction is known of this control: {}", read_back()),
     };
     let mut steps = vec![look];
     if of_kind("sign turned") || question.display.is_none() {
@@ -128,17 +125,11 @@ fn best_look(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> Option<Look
         };
         question.control.nodes(term).into_iter().filter(within)
     };
-    let places = question
-        .terms()
-        .into_iter()
-        .flat_map(|term| looked(term).map(move |at| (term, at)));
+    let places =
+        question.terms().into_iter().flat_map(|term| looked(term).map(move |at| (term, at)));
     let looks = places.map(|(term, at)| look(question, standing, term, at));
     let better = |best: Look, other: Look| {
-        if (other.groups, other.gap_um) > (best.groups, best.gap_um) {
-            other
-        } else {
-            best
-        }
+        if (other.groups, other.gap_um) > (best.groups, best.gap_um) { other } else { best }
     };
     looks.reduce(better).filter(|look| look.groups > 1)
 }
@@ -151,12 +142,7 @@ fn acting_um(
     (term, at): (ErrorTerm, Millimetres),
 ) -> BothWays {
     Direction::BOTH.map(|direction| {
-        let part = Part {
-            term,
-            direction,
-            at,
-            weight: 1.0,
-        };
+        let part = Part { term, direction, at, weight: 1.0 };
         let planned = Planned::of(question, &part);
         fault.correction(question, fitted, &part, planned)
     })
@@ -188,13 +174,7 @@ fn look(
             gap_um = gap_um.min(nearest);
         }
     }
-    Look {
-        term,
-        at,
-        shown_um,
-        groups: groups.len(),
-        gap_um,
-    }
+    Look { term, at, shown_um, groups: groups.len(), gap_um }
 }
 
 fn display_at(
@@ -208,18 +188,13 @@ fn display_at(
     let mut said: Vec<(String, BothWays)> = Vec::new();
     for ((fault, _), shown) in standing.iter().zip(&look.shown_um) {
         let label = &fault.label;
-        match said
-            .iter_mut()
-            .find(|(_, other)| apart_um(*shown, *other) < SHOWN_UM)
-        {
+        match said.iter_mut().find(|(_, other)| apart_um(*shown, *other) < SHOWN_UM) {
             Some((words, _)) => add_label(words, label),
             None => said.push((label.clone(), *shown)),
         }
     }
     let shown = said.iter().map(|(_, shown)| *shown).chain([planned]);
-    let alike = shown
-        .into_iter()
-        .all(|[plus, minus]| (plus.abs() - minus.abs()).abs() < SHOWN_UM);
+    let alike = shown.into_iter().all(|[plus, minus]| (plus.abs() - minus.abs()).abs() < SHOWN_UM);
     let amount = |[plus, minus]: BothWays| {
         if alike {
             format!("{:.3} µm", plus.abs())
@@ -227,15 +202,9 @@ fn display_at(
             format!("{:.3} / {:.3} µm", plus.abs(), minus.abs())
         }
     };
-    let cases: Vec<String> = said
-        .iter()
-        .map(|(words, shown)| format!("{} if {words}", amount(*shown)))
-        .collect();
-    let coming = if alike {
-        ""
-    } else {
-        " coming there moving + / moving -,"
-    };
+    let cases: Vec<String> =
+        said.iter().map(|(words, shown)| format!("{} if {words}", amount(*shown))).collect();
+    let coming = if alike { "" } else { " coming there moving + / moving -," };
     format!(
         "look at {display}: {} at {} mm, the other axes at their reference points,{coming} the amount for axis {} is {} if the control does what the files say, {} (its sign on the display is not documented)",
         term.along,
@@ -271,15 +240,9 @@ fn linear_run(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> String {
         let slopes: Vec<f64> = standing.iter().map(|found| slope(*axis, found)).collect();
         let high = slopes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let low = slopes.iter().copied().fold(f64::INFINITY, f64::min);
-        if slopes.len() == 1 {
-            high.abs()
-        } else {
-            high - low
-        }
+        if slopes.len() == 1 { high.abs() } else { high - low }
     };
-    let axis = Axis::ALL
-        .into_iter()
-        .max_by(|a, b| spread(a).total_cmp(&spread(b)));
+    let axis = Axis::ALL.into_iter().max_by(|a, b| spread(a).total_cmp(&spread(b)));
     let axis = axis.unwrap_or(Axis::X);
     format!(
         "repeat one bidirectional linear run of axis {axis} with the machine at another temperature, with its sensors on scale and workpiece: a temperature moves the slope ({:.1} µm/m per K), a fault of the tables does not",

@@ -215,17 +215,8 @@ impl Fault {
         planned: Planned,
     ) -> f64 {
         let Planned { tables, constant } = planned;
-        let Part {
-            term,
-            direction,
-            at,
-            ..
-        } = *part;
-        let mm = |mm: f64| {
-            question
-                .control
-                .tables_um(term, direction, Millimetres::new(mm))
-        };
+        let Part { term, direction, at, .. } = *part;
+        let mm = |mm: f64| question.control.tables_um(term, direction, Millimetres::new(mm));
         let old = || question.old_um(part).unwrap_or(0.0);
         match &self.act {
             Act::Times(scope, factor) if scope.holds(term) => {
@@ -241,11 +232,7 @@ impl Fault {
                 question.control.tables_um(terms[term], direction, at) + constant
             }
             Act::Ways(scope, [plus, minus]) if scope.holds(term) => {
-                let way = if direction == Direction::Plus {
-                    plus
-                } else {
-                    minus
-                };
+                let way = if direction == Direction::Plus { plus } else { minus };
                 question.control.tables_um(term, *way, at) + constant
             }
             Act::BacklashTwice(scope) if scope.holds(term) => {
@@ -277,8 +264,7 @@ impl Fault {
                 let mut all = question.corrected.iter();
                 let own = all.find(|corrected| corrected.slip == *slip);
                 // Only what answers everywhere is tried.
-                own.and_then(|own| own.beyond_um(question, part))
-                    .unwrap_or(0.0)
+                own.and_then(|own| own.beyond_um(question, part)).unwrap_or(0.0)
             }
             // K · α · (position − reference); a scale with α = 0 does not grow.
             Act::Warmer(places) if part.term.is_positioning() => {
@@ -293,10 +279,7 @@ impl Fault {
 
 /// A fitted number; 0 where there is none.
 pub(super) fn number(fitted: &[f64], place: Option<usize>) -> f64 {
-    place
-        .and_then(|place| fitted.get(place))
-        .copied()
-        .unwrap_or(0.0)
+    place.and_then(|place| fitted.get(place)).copied().unwrap_or(0.0)
 }
 
 /// A fault, fitted.

@@ -81,9 +81,7 @@ impl Data<'_> {
         let step = most / SHIFTS;
         let best = |places: &mut dyn Iterator<Item = f64>| {
             let squares = places.map(|mm| (square(mm), mm));
-            squares
-                .min_by(|a, b| a.0.total_cmp(&b.0))
-                .unwrap_or_default()
+            squares.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default()
         };
         let next = |mm: &f64| Some(mm + step);
         let mut grid = std::iter::successors(Some(-most), next).take_while(|mm| *mm <= most);
@@ -98,10 +96,8 @@ impl Data<'_> {
     /// Half the length of the tables along an axis, mm; 0 without tables.
     fn longest_shift(&self, axis: Axis) -> f64 {
         let along = ErrorTerm::ALL.into_iter().filter(|term| term.along == axis);
-        let nodes: Vec<f64> = along
-            .flat_map(|term| self.question.control.nodes(term))
-            .map(|at| at.mm())
-            .collect();
+        let nodes: Vec<f64> =
+            along.flat_map(|term| self.question.control.nodes(term)).map(|at| at.mm()).collect();
         let low = nodes.iter().copied().fold(f64::INFINITY, f64::min);
         let high = nodes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         ((high - low) / 2.0).max(0.0)

@@ -109,10 +109,7 @@ impl Question<'_> {
     pub(super) fn old_um(&self, part: &Part) -> Option<f64> {
         let under = self.under_tables?;
         let old = |part: &Part| Some(before_um(under, part)? - before_um(self.before, part)?);
-        let other_way = Part {
-            direction: part.direction.opposite(),
-            ..*part
-        };
+        let other_way = Part { direction: part.direction.opposite(), ..*part };
         old(part).or_else(|| old(&other_way))
     }
 
@@ -137,9 +134,7 @@ impl Question<'_> {
     }
 
     pub(super) fn has_two_tables(&self) -> bool {
-        ErrorTerm::ALL
-            .into_iter()
-            .any(|term| self.is_directed(term))
+        ErrorTerm::ALL.into_iter().any(|term| self.is_directed(term))
     }
 
     /// Whether the tables for + and − of a term differ.
@@ -151,9 +146,7 @@ impl Question<'_> {
     }
 
     pub(super) fn has_parameter(&self) -> bool {
-        ErrorTerm::ALL
-            .into_iter()
-            .any(|term| self.has_constant(term))
+        ErrorTerm::ALL.into_iter().any(|term| self.has_constant(term))
     }
 
     fn has_constant(&self, term: ErrorTerm) -> bool {

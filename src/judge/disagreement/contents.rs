@@ -30,13 +30,7 @@ pub fn contents(
     let mut found = match wanted == &read.tables {
         true => Vec::new(),
         false => {
-            let entries = |tables, others| {
-                family.entries(&Side {
-                    tables,
-                    others,
-                    diagnosis,
-                })
-            };
+            let entries = |tables, others| family.entries(&Side { tables, others, diagnosis });
             let own = entries(wanted, &read.tables);
             let got = entries(&read.tables, wanted);
             differences(&own, &got, diagnosis.is_some())
@@ -73,18 +67,14 @@ pub(crate) fn surroundings(before: &Before<'_>) -> Vec<Finding> {
 
 /// What is surplus of a table, missing, and other; with `all` also the latter two.
 fn differences(wanted: &Entries, found: &Entries, all: bool) -> Vec<Difference> {
-    let surplus = found
-        .iter()
-        .filter(|(key, e)| e.alone && !wanted.contains_key(key));
+    let surplus = found.iter().filter(|(key, e)| e.alone && !wanted.contains_key(key));
     let surplus = by_table(surplus.map(|(key, e)| (key, &e.value)), wanted).into_iter();
     let surplus = surplus.map(|(what, items)| Difference::Surplus { what, items });
     let mut differences: Vec<Difference> = surplus.collect();
     if !all {
         return differences;
     }
-    let missing = wanted
-        .iter()
-        .filter(|(key, e)| e.differing && !found.contains_key(key));
+    let missing = wanted.iter().filter(|(key, e)| e.differing && !found.contains_key(key));
     let missing = by_table(missing.map(|(key, e)| (key, &e.value)), found).into_iter();
     differences.extend(missing.map(|(what, items)| Difference::Missing { what, items }));
     let differing = wanted.iter().filter_map(|(key, own)| {
@@ -94,11 +84,9 @@ fn differences(wanted: &Entries, found: &Entries, all: bool) -> Vec<Difference> 
     let differing: Vec<_> = differing.collect();
     for same in differing.chunk_by(|((a, _), ..), ((b, _), ..)| a == b) {
         let named = same.iter().filter_map(|((_, item), got, own)| match item {
-            Item::Name(name) => Some(format!(
-                "{name} is {}, the job writes {}",
-                got.words(),
-                own.words()
-            )),
+            Item::Name(name) => {
+                Some(format!("{name} is {}, the job writes {}", got.words(), own.words()))
+            }
             Item::Point(_) => None,
         });
         let mut values: Vec<String> = named.collect();
@@ -156,10 +144,6 @@ fn runs(numbers: &[u32]) -> String {
             run => format!("{} to {}", run[0], run[run.len() - 1]),
         })
         .collect();
-    let word = if numbers.len() == 1 {
-        "point"
-    } else {
-        "points"
-    };
+    let word = if numbers.len() == 1 { "point" } else { "points" };
     format!("{word} {}", listed(&runs))
 }

@@ -55,11 +55,7 @@ pub(crate) struct Entry {
 
 impl Entry {
     pub(crate) const fn of(value: Value, alone: bool, differing: bool) -> Entry {
-        Entry {
-            value,
-            alone,
-            differing,
-        }
+        Entry { value, alone, differing }
     }
 }
 

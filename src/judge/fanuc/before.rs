@@ -63,10 +63,7 @@ fn changed_by_hand(
     for (axis, names) in before.plan.names.iter() {
         let ids = names.iter().filter_map(|name| name.parse().ok());
         for id in ids.filter(|id| kit.parameters.keys().any(|key| key.axis == Some(*id))) {
-            let of_axis = |number| ParameterKey {
-                number,
-                axis: Some(id),
-            };
+            let of_axis = |number| ParameterKey { number, axis: Some(id) };
             if !kit.parameters.contains_key(&of_axis(3605)) {
                 list.push((of_axis(3605), ChangedBy::Precondition));
             }
@@ -87,10 +84,6 @@ fn changed_by_hand(
 fn backlash(before: &Before<'_>, axis: Axis) -> Option<ChangedBy> {
     let own = |t: &crate::write::plan::PlannedTable| t.term.is_positioning() && t.term.of == axis;
     before.plan.tables.iter().any(own).then(|| {
-        if before.plan.sets_backlash(axis) {
-            ChangedBy::Precondition
-        } else {
-            ChangedBy::Nobody
-        }
+        if before.plan.sets_backlash(axis) { ChangedBy::Precondition } else { ChangedBy::Nobody }
     })
 }

@@ -12,13 +12,8 @@ use crate::read::fanuc::{merge, read_out};
 use crate::text::problem::Problems;
 
 /// Functions whose parameters at 0 do nothing (docs/fanuc.md §1.1, §2).
-const IDLE_AT_ZERO: [(u32, u32); 5] = [
-    (3666, 3671),
-    (3676, 3677),
-    (5861, 5874),
-    (10800, 10814),
-    (14985, 14988),
-];
+const IDLE_AT_ZERO: [(u32, u32); 5] =
+    [(3666, 3671), (3676, 3677), (5861, 5874), (10800, 10814), (14985, 14988)];
 
 /// Reads the files of a control.
 pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Result<Found, Problems> {
@@ -39,23 +34,14 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
     }
     let memory = merge(problems.or_ok(memories)?)?;
     let held = Held::plain(Tables::Fanuc(memory.clone()));
-    let mut sorted = Sorted {
-        reading,
-        facts,
-        memory,
-    };
+    let mut sorted = Sorted { reading, facts, memory };
     sorted.take_sets();
     sorted.take_other_axes();
     let backlash = PerAxis::from_fn(|axis| sorted.backlash(axis));
     sorted.check_references();
     sorted.tell_points_of_nobody();
     sorted.take_what_is_no_table();
-    Ok(Found {
-        tables: Tables::Fanuc(sorted.memory),
-        held,
-        backlash,
-        unit: None,
-    })
+    Ok(Found { tables: Tables::Fanuc(sorted.memory), held, backlash, unit: None })
 }
 
 /// Whose points a parameter of a spindle means is not known.
@@ -86,9 +72,7 @@ impl Sorted<'_, '_> {
     }
 
     fn remove(&mut self, numbers: &[u32]) {
-        self.memory
-            .parameters
-            .retain(|key, _| !numbers.contains(&key.number));
+        self.memory.parameters.retain(|key, _| !numbers.contains(&key.number));
     }
 
     /// Straightness sets that are not in use, or belong to other axes.
@@ -142,10 +126,7 @@ impl Sorted<'_, '_> {
             (self.facts.straightness_form.value, start, first, last)
         {
             let last = start.saturating_add(last.saturating_sub(first));
-            self.reading
-                .others
-                .points
-                .push(NumberRange { first: start, last });
+            self.reading.others.points.push(NumberRange { first: start, last });
         }
     }
 
@@ -165,9 +146,7 @@ impl Sorted<'_, '_> {
                 self.reading.tell(InControl::OfOthers { what, axes });
             }
             self.reading.others.points.extend(points);
-            self.memory
-                .parameters
-                .retain(|key, _| key.axis != Some(axis));
+            self.memory.parameters.retain(|key, _| key.axis != Some(axis));
         }
     }
 
@@ -196,9 +175,7 @@ impl Sorted<'_, '_> {
         if !self.reading.judges() {
             return;
         }
-        let names = Axis::ALL
-            .map(|axis| self.reading.names[axis].clone())
-            .concat();
+        let names = Axis::ALL.map(|axis| self.reading.names[axis].clone()).concat();
         let own: Vec<u32> = names.iter().filter_map(|name| name.parse().ok()).collect();
         for axis in own {
             let is_same = |number: u32| {
@@ -230,11 +207,7 @@ impl Sorted<'_, '_> {
             if let (Some(cutting), Some(rapid), false) = (cutting, rapid, self.reading.judges())
                 && (cutting - rapid).abs() > 0.0
             {
-                self.reading.tell(InControl::CuttingFeed {
-                    axis,
-                    cutting,
-                    rapid,
-                });
+                self.reading.tell(InControl::CuttingFeed { axis, cutting, rapid });
             }
         }
         held
@@ -282,10 +255,9 @@ impl Sorted<'_, '_> {
         };
         let per_unit = power_of_ten(decimals);
         let number = name.parse().ok();
-        let (Some(held), Some(value)) = (
-            self.memory.parameter(1240, number),
-            self.any_number(1240, name),
-        ) else {
+        let (Some(held), Some(value)) =
+            (self.memory.parameter(1240, number), self.any_number(1240, name))
+        else {
             return;
         };
         let position = match held {
@@ -307,9 +279,7 @@ impl Sorted<'_, '_> {
     fn take_what_is_no_table(&mut self) {
         self.remove(&[1240, 1851, 1852]);
         self.memory.parameters.retain(|key, value| {
-            let idle = IDLE_AT_ZERO
-                .iter()
-                .any(|(a, b)| (*a..=*b).contains(&key.number));
+            let idle = IDLE_AT_ZERO.iter().any(|(a, b)| (*a..=*b).contains(&key.number));
             let zero = match value {
                 ParameterValue::Integer(number) => *number == 0,
                 ParameterValue::Real(number) => number.abs() <= 0.0,

@@ -39,20 +39,11 @@ fn switches(axis: &AxisState, wanted: &FanucMemory, held: &FanucMemory) -> Vec<I
             interpolated: asked >> 1,
         }];
     };
-    let meanings = [
-        "a table for each direction",
-        "lines between the points, not steps",
-    ];
+    let meanings = ["a table for each direction", "lines between the points, not steps"];
     let other = meanings.into_iter().enumerate().map(|(bit, meaning)| {
         let (is, asked) = ((found >> bit) & 1, (asked >> bit) & 1);
         let axis = axis.name.clone();
-        (is != asked).then_some(InControl::OtherSwitch {
-            bit,
-            axis,
-            is,
-            asked,
-            meaning,
-        })
+        (is != asked).then_some(InControl::OtherSwitch { bit, axis, is, asked, meaning })
     });
     other.flatten().collect()
 }

@@ -133,17 +133,9 @@ fn travels<'a>(
             let response = control.response(base, output, direction)?;
             let (low, high) = measured_box.ends(term.along);
             let knots = |curve: &ErrorCurve| curve.knots().iter().map(|x| x.mm()).collect();
-            let of_curves = [Some(measured), uncompensated]
-                .into_iter()
-                .flatten()
-                .map(knots);
+            let of_curves = [Some(measured), uncompensated].into_iter().flatten().map(knots);
             let bends = of_curves.chain([response.breaks(low, high)]).collect();
-            let travel = Travel {
-                measured,
-                uncompensated,
-                response,
-                bends,
-            };
+            let travel = Travel { measured, uncompensated, response, bends };
             travels.push((term, direction, travel));
         }
     }
@@ -192,10 +184,7 @@ fn near_um(measured: &MeasuredTerm, at: Millimetres) -> f64 {
             |edge: Option<f64>, own: f64| edge.is_some_and(|e| (own - e).abs() < AT_PLACE_MM);
         near(nearest_below, distance(p)) || near(nearest_above, -distance(p))
     };
-    points()
-        .filter(is_near)
-        .map(|p| p.value_um)
-        .fold(0.0, larger)
+    points().filter(is_near).map(|p| p.value_um).fold(0.0, larger)
 }
 
 /// Smallest and largest value met.
@@ -244,11 +233,7 @@ impl<'a> Walk<'a> {
                 cosine: diagonal.sign(term.of) * measured_box.size[term.of] / measured_box.length(),
             })
         };
-        Walk {
-            parts: travels.iter().filter_map(part).collect(),
-            measured_box,
-            diagonal,
-        }
+        Walk { parts: travels.iter().filter_map(part).collect(), measured_box, diagonal }
     }
 
     /// Places t where a curve or a correction bends or jumps; the terms of an axis mostly share them.

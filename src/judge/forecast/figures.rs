@@ -67,10 +67,7 @@ impl DiagonalForecast {
         u_um: &[f64],
         scale_um: f64,
     ) -> Self {
-        let half = |u_um: f64| Magnitude {
-            um: after_um / 2.0,
-            u_um: u_um.hypot(scale_um / 2.0),
-        };
+        let half = |u_um: f64| Magnitude { um: after_um / 2.0, u_um: u_um.hypot(scale_um / 2.0) };
         let mut halves: Vec<Magnitude> = u_um.iter().copied().map(half).collect();
         if halves.is_empty() {
             halves.push(half(0.0));
@@ -92,10 +89,7 @@ impl DiagonalForecast {
 
     /// max − min as one figure: the difference of two values.
     pub(super) fn difference(&self) -> Magnitude {
-        Magnitude {
-            um: self.change.after_um,
-            u_um: self.change.u_um.unwrap_or(0.0),
-        }
+        Magnitude { um: self.change.after_um, u_um: self.change.u_um.unwrap_or(0.0) }
     }
 }
 
@@ -195,9 +189,8 @@ impl Forecast {
         diagonals: &[&DiagonalForecast],
         limit_um: f64,
     ) -> Verdict {
-        let halves: Vec<Magnitude> = (diagonals.iter())
-            .flat_map(|diagonal| diagonal.halves.clone())
-            .collect();
+        let halves: Vec<Magnitude> =
+            (diagonals.iter()).flat_map(|diagonal| diagonal.halves.clone()).collect();
         let together = self.judge(&halves, limit_um / 2.0);
         if self.basis == Basis::Forecast {
             return together;
@@ -211,16 +204,12 @@ impl Forecast {
 
     /// Compares with the acceptance of the job.
     pub fn verdict(&self, acceptance: Acceptance) -> Verdict {
-        let terms = acceptance
-            .max_deviation_um
-            .map(|limit| self.judge(&self.figures(), limit));
+        let terms = acceptance.max_deviation_um.map(|limit| self.judge(&self.figures(), limit));
         let all: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
-        let diagonals = acceptance
-            .max_diagonal_um
-            .map(|limit| match all.is_empty() {
-                true => Verdict::Undecided,
-                false => self.judge_diagonals(&all, limit),
-            });
+        let diagonals = acceptance.max_diagonal_um.map(|limit| match all.is_empty() {
+            true => Verdict::Undecided,
+            false => self.judge_diagonals(&all, limit),
+        });
         let judged = [terms, diagonals].into_iter().flatten().max();
         let short = judged.is_some() && !self.is_range_known();
         let short = short.then_some(Verdict::Undecided);

@@ -105,13 +105,9 @@ impl Miss {
 
     fn rank(&self) -> (Verdict, f64) {
         match self {
-            Miss::Figure {
-                um,
-                expanded_um,
-                limit_um,
-                verdict,
-                ..
-            } => (*verdict, (um + expanded_um.unwrap_or(0.0)) / limit_um),
+            Miss::Figure { um, expanded_um, limit_um, verdict, .. } => {
+                (*verdict, (um + expanded_um.unwrap_or(0.0)) / limit_um)
+            }
             Miss::Range(_) => (Verdict::Undecided, 0.0),
         }
     }
@@ -183,10 +179,7 @@ impl Forecast {
             return Vec::new();
         }
         let halves: Vec<_> = diagonals.iter().flat_map(|d| d.halves.clone()).collect();
-        let um = diagonals
-            .iter()
-            .map(|d| d.change.after_um)
-            .fold(0.0, larger);
+        let um = diagonals.iter().map(|d| d.change.after_um).fold(0.0, larger);
         let stated = diagonals.iter().any(|d| d.change.u_um.is_some());
         let all = |verdict| Miss::Figure {
             of: Of::Diagonals,
@@ -294,22 +287,15 @@ impl fmt::Display for Miss {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (of, um, expanded_um, limit_um, verdict) = match self {
             Miss::Range(range) => return out.write_str(&range.missing().unwrap_or_default()),
-            Miss::Figure {
-                of,
-                um,
-                expanded_um,
-                limit_um,
-                verdict,
-            } => (of, um, expanded_um, limit_um, verdict.word()),
+            Miss::Figure { of, um, expanded_um, limit_um, verdict } => {
+                (of, um, expanded_um, limit_um, verdict.word())
+            }
         };
         let expanded = match expanded_um {
             None => "U not stated".to_string(),
             Some(um) => format!("U = {um:.3} µm"),
         };
-        write!(
-            out,
-            "{of} {um:.3} µm ({expanded}), the limit is {limit_um} µm: {verdict}"
-        )
+        write!(out, "{of} {um:.3} µm ({expanded}), the limit is {limit_um} µm: {verdict}")
     }
 }
 

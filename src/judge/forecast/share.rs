@@ -65,12 +65,7 @@ pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<
         judged,
         is_stated: stated.is_some(),
         measured: (*places.first()?, *places.last()?),
-        share: places
-            .windows(2)
-            .filter(near)
-            .map(common)
-            .fold(0.0, |a, b| a + b)
-            / whole,
+        share: places.windows(2).filter(near).map(common).fold(0.0, |a, b| a + b) / whole,
         gap_mm: gaps().fold(0.0, larger),
     })
 }
@@ -130,9 +125,7 @@ pub(crate) fn widest_gap_mm(ranges: &[JudgedRange]) -> f64 {
 
 /// Whether the whole travel of every axis was measured and is judged.
 pub(crate) fn is_whole_travel(ranges: &[JudgedRange]) -> bool {
-    ranges
-        .iter()
-        .all(|range| range.is_whole() && !range.is_stated)
+    ranges.iter().all(|range| range.is_whole() && !range.is_stated)
 }
 
 /// On which part of the machine a verdict rests, for its line.
@@ -176,10 +169,7 @@ pub struct Machine<'a> {
 impl<'a> Machine<'a> {
     /// A machine that was measured without any table.
     pub fn alone(model: &'a ErrorModel) -> Machine<'a> {
-        Machine {
-            as_measured: model,
-            uncompensated: model,
-        }
+        Machine { as_measured: model, uncompensated: model }
     }
 
     /// Whether tables were active while measuring.

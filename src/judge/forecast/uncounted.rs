@@ -18,14 +18,12 @@ const SMALLEST: f64 = 0.01;
 
 /// What a table says of itself.
 pub(super) fn silent(remarks: &Remarks) -> Vec<Silent> {
-    let angles = remarks.angles_not_counted.clone().map(|by_term| Silent {
-        what: Uncounted::Angles,
-        by_term,
-    });
-    let beam = remarks.beam_not_counted.clone().map(|by_term| Silent {
-        what: Uncounted::Beam,
-        by_term,
-    });
+    let angles = remarks
+        .angles_not_counted
+        .clone()
+        .map(|by_term| Silent { what: Uncounted::Angles, by_term });
+    let beam =
+        remarks.beam_not_counted.clone().map(|by_term| Silent { what: Uncounted::Beam, by_term });
     angles.into_iter().chain(beam).collect()
 }
 
@@ -37,10 +35,8 @@ impl Forecast {
             none if none < SMALLEST => Hold::Without,
             bound => Hold::Below(rounded_down(bound.min(LARGEST))),
         };
-        let one = |silent: &Silent| NotCounted {
-            what: silent.what,
-            hold: passes.then(|| hold(silent)),
-        };
+        let one =
+            |silent: &Silent| NotCounted { what: silent.what, hold: passes.then(|| hold(silent)) };
         self.silent.iter().map(one).collect()
     }
 
@@ -77,19 +73,13 @@ impl Forecast {
 }
 
 fn wider(figures: &[Magnitude], by_um: f64) -> Vec<Magnitude> {
-    let one = |figure: &Magnitude| Magnitude {
-        um: figure.um,
-        u_um: figure.u_um.hypot(by_um),
-    };
+    let one = |figure: &Magnitude| Magnitude { um: figure.um, u_um: figure.u_um.hypot(by_um) };
     figures.iter().map(one).collect()
 }
 
 impl TermForecast {
     fn widened(&self, by_um: f64) -> TermForecast {
-        TermForecast {
-            figures: wider(&self.figures, by_um),
-            ..self.clone()
-        }
+        TermForecast { figures: wider(&self.figures, by_um), ..self.clone() }
     }
 }
 
@@ -99,14 +89,8 @@ impl DiagonalForecast {
         let by_um = ErrorTerm::ALL.into_iter().map(along);
         let by_um = by_um.fold(0.0, f64::hypot);
         let own_um = self.change.u_um.unwrap_or(0.0);
-        let change = Change {
-            u_um: Some(own_um.hypot(std::f64::consts::SQRT_2 * by_um)),
-            ..self.change
-        };
-        DiagonalForecast {
-            halves: wider(&self.halves, by_um),
-            change,
-            ..self.clone()
-        }
+        let change =
+            Change { u_um: Some(own_um.hypot(std::f64::consts::SQRT_2 * by_um)), ..self.change };
+        DiagonalForecast { halves: wider(&self.halves, by_um), change, ..self.clone() }
     }
 }

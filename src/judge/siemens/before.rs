@@ -74,9 +74,8 @@ impl Gathered {
                 if is_off() {
                     self.stays.push(name.to_string());
                 } else {
-                    self.missing.push(format!(
-                        "{name} (read out without a grid, and not as switched off)"
-                    ));
+                    self.missing
+                        .push(format!("{name} (read out without a grid, and not as switched off)"));
                 }
             }
             _ => self.missing.push(name.to_string()),
@@ -86,9 +85,7 @@ impl Gathered {
 
     fn with_data(self, before: &Before<'_>, changed: Vec<Changed>) -> Old {
         let found = |c: &Changed| before.held.datum(c.datum.1, &c.indices).cloned();
-        let lacking = changed
-            .iter()
-            .filter(|c| c.by != Nobody && found(c).is_none());
+        let lacking = changed.iter().filter(|c| c.by != Nobody && found(c).is_none());
         let lacking = lacking.map(|c| -> Lacking {
             let ((number, name), index) = (c.datum, format!("[{}]", c.indices.join(",")));
             (format!("{number} ${name}"), index, c.by)
@@ -161,11 +158,7 @@ fn of_axis(before: &Before<'_>, axis: Axis) -> Vec<(Datum, u32, ChangedBy)> {
         return Vec::new();
     }
     let system = encoder(before.task, axis);
-    let parameter = if before.plan.sets_backlash(axis) {
-        Precondition
-    } else {
-        Nobody
-    };
+    let parameter = if before.plan.sets_backlash(axis) { Precondition } else { Nobody };
     let mut list = vec![(BACKLASH, system, parameter)];
     if tables.any(|t| t.direction.is_some()) {
         // The error is in CEC tables: no ENC_COMP table of the axis may act.

@@ -26,24 +26,9 @@ impl Owned {
 
 /// What a file of a role sets, and what is said where no file does, or another value is set.
 const TASKS: [(Role, &str, &str, &str); 3] = [
-    (
-        Role::Enable,
-        "switches the tables on",
-        " = 1",
-        "the enable file does not switch on",
-    ),
-    (
-        Role::Disable,
-        "switches the tables off",
-        " = 0",
-        "the disable file does not switch off",
-    ),
-    (
-        Role::Parameters,
-        "reserves their memory",
-        "",
-        "the memory file does not reserve enough for",
-    ),
+    (Role::Enable, "switches the tables on", " = 1", "the enable file does not switch on"),
+    (Role::Disable, "switches the tables off", " = 0", "the disable file does not switch off"),
+    (Role::Parameters, "reserves their memory", "", "the memory file does not reserve enough for"),
 ];
 
 /// MD32700, SD41300 and MD32710 of the job's tables in the files that switch them; MD38000 and, where
@@ -115,16 +100,11 @@ fn wrong(
 ) -> Vec<Difference> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for own in owned {
-        let value = data
-            .iter()
-            .rev()
-            .find(|datum| own.is(datum))
-            .map(|d| &d.value);
+        let value = data.iter().rev().find(|datum| own.is(datum)).map(|d| &d.value);
         let (is_right, expected) = match (role, value) {
-            (Role::Parameters, Some(MachineValue::Number(points))) => (
-                *points >= own.points as f64,
-                format!("at least {}", own.points),
-            ),
+            (Role::Parameters, Some(MachineValue::Number(points))) => {
+                (*points >= own.points as f64, format!("at least {}", own.points))
+            }
             (Role::Parameters, _) => (false, format!("at least {}", own.points)),
             (Role::Enable, _) => (value == Some(&MachineValue::Number(1.0)), "1".to_string()),
             _ => (value == Some(&MachineValue::Number(0.0)), "0".to_string()),
@@ -133,10 +113,7 @@ fn wrong(
             continue;
         }
         let set = value.map(|value| format!("set to {}", text(value)));
-        let stands = format!(
-            "{}, expected {expected}",
-            set.unwrap_or("not written".to_string())
-        );
+        let stands = format!("{}, expected {expected}", set.unwrap_or("not written".to_string()));
         let of = format!("{} ({})", own.of, own.datum.0);
         match groups.iter_mut().find(|(known, _)| *known == stands) {
             Some((_, names)) => names.push(of),
@@ -167,9 +144,8 @@ pub(super) fn absent(
             return None;
         }
         let data = owned(role, wanted, facts);
-        let data = data
-            .iter()
-            .map(|Owned { datum, .. }| format!("{} ${}{value}", datum.0, datum.1));
+        let data =
+            data.iter().map(|Owned { datum, .. }| format!("{} ${}{value}", datum.0, datum.1));
         let mut data: Vec<String> = data.collect();
         data.dedup();
         (!data.is_empty()).then(|| InControl::NoFile { does, data }.into())

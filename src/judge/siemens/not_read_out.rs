@@ -11,10 +11,7 @@ impl Sorted<'_, '_> {
     /// Tables that are switched on and in no file of the read-out, so that what they do is not known.
     pub(super) fn tell_what_was_not_read_out(&mut self) {
         let absent = [self.lec_not_read_out(), self.cec_not_read_out()];
-        absent
-            .into_iter()
-            .flatten()
-            .for_each(|told| self.reading.tell(told));
+        absent.into_iter().flatten().for_each(|told| self.reading.tell(told));
         for what in self.untold() {
             let assumption = Assumption::of_job(
                 &what,
@@ -47,11 +44,8 @@ impl Sorted<'_, '_> {
         };
         let mut lec = self.own_names();
         lec.retain(|name| !tells_of_lec(name));
-        let is_of_cec = |d: &MachineDatum| {
-            [CEC_ON, TABLE_ON, CEC_POINTS]
-                .iter()
-                .any(|own| own.1 == d.name)
-        };
+        let is_of_cec =
+            |d: &MachineDatum| [CEC_ON, TABLE_ON, CEC_POINTS].iter().any(|own| own.1 == d.name);
         let mut reserved = self.held.without_grid.iter();
         let tells_of_cec = !self.all.tables.cec.is_empty()
             || reserved.any(|table| table.starts_with("AN_CEC"))

@@ -45,11 +45,8 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
         without_grid: std::mem::take(&mut told.without_grid),
     };
     let mut sorted = Sorted { reading, all, held };
-    told.twice
-        .extend(contrary.iter().map(MachineDatum::variable));
-    told.twice
-        .iter()
-        .for_each(|name| sorted.several_values(name));
+    told.twice.extend(contrary.iter().map(MachineDatum::variable));
+    told.twice.iter().for_each(|name| sorted.several_values(name));
     sorted.tell_programs(&told, reads_programs);
     let (lec, cec) = (sorted.lec(), sorted.cec());
     sorted.tell_what_was_not_read_out();
@@ -244,10 +241,7 @@ impl Sorted<'_, '_> {
             let encoder = table.encoder.to_string();
             let name = format!("$AA_ENC_COMP[{encoder},{}]", table.axis);
             match self.reading.axis(&table.axis) {
-                None => self.reading.tell(InControl::OfOthers {
-                    what: name,
-                    axes: "an axis",
-                }),
+                None => self.reading.tell(InControl::OfOthers { what: name, axes: "an axis" }),
                 Some(axis) if table.encoder != self.encoder(axis) => {
                     self.other_system(name, axis, &table);
                 }
@@ -255,10 +249,7 @@ impl Sorted<'_, '_> {
                     self.close(&name, &mut table.grid, &mut table.values);
                     own.push(table);
                 }
-                Some(_) => self.reading.tell(InControl::SwitchedOff {
-                    table: name,
-                    by: LEC_ON.0,
-                }),
+                Some(_) => self.reading.tell(InControl::SwitchedOff { table: name, by: LEC_ON.0 }),
             }
         }
         own
@@ -273,15 +264,14 @@ impl Sorted<'_, '_> {
         let is_stated = self.stated_encoder(axis).is_some();
         let (table, system) = (name, table.encoder + 1);
         let judges = self.reading.judges();
-        self.reading
-            .tell(if is_off || (has_twin && (is_stated || !judges)) {
-                let off = if is_off { " and switched off" } else { "" };
-                InControl::OtherSystem { table, off }
-            } else if has_twin {
-                InControl::EitherSystem { table, system }
-            } else {
-                InControl::WrongSystem { table, system }
-            });
+        self.reading.tell(if is_off || (has_twin && (is_stated || !judges)) {
+            let off = if is_off { " and switched off" } else { "" };
+            InControl::OtherSystem { table, off }
+        } else if has_twin {
+            InControl::EitherSystem { table, system }
+        } else {
+            InControl::WrongSystem { table, system }
+        });
     }
 
     fn cec(&mut self) -> Vec<CecTable> {
@@ -296,19 +286,13 @@ impl Sorted<'_, '_> {
                 own.push(table);
             } else {
                 self.reading.others.cec_tables.push(table.number);
-                self.reading.tell(InControl::SwitchedOff {
-                    table: name,
-                    by: "SD41300 or MD32710",
-                });
+                self.reading.tell(InControl::SwitchedOff { table: name, by: "SD41300 or MD32710" });
             }
         }
         if !self.reading.judges() {
             // `verify` compares with what the job asks for.
             let unit = self.reading.job.compensation.control_unit;
-            let tables = SiemensTables {
-                cec: own.clone(),
-                ..SiemensTables::default()
-            };
+            let tables = SiemensTables { cec: own.clone(), ..SiemensTables::default() };
             for finding in cec_limits(&self.held, &tables, unit) {
                 self.reading.tell(finding);
             }
@@ -323,11 +307,7 @@ impl Sorted<'_, '_> {
         };
         (*grid, *values) = (closed_grid, closed_values);
         let unit = self.reading.job.compensation.control_unit;
-        let OpenEnd {
-            point,
-            from,
-            differs_by,
-        } = end;
+        let OpenEnd { point, from, differs_by } = end;
         let by = match differs_by {
             Some(by) if by <= 0.0 => return,
             Some(by) => format!("by up to {:.1} µm", by * unit.in_mm() * UM_PER_MM),
@@ -341,12 +321,7 @@ impl Sorted<'_, '_> {
             format!("the value of point {point} held"),
             format!("the old correction there differs {by} if {other}"),
         );
-        let told = InControl::OpenEnd {
-            place,
-            point,
-            other,
-            by,
-        };
+        let told = InControl::OpenEnd { place, point, other, by };
         self.reading.take(assumption, told);
     }
 
@@ -374,19 +349,12 @@ impl Sorted<'_, '_> {
             return false;
         }
         let what = format!("$AN_CEC[{}] ({moving} → {output})", table.number);
-        let is_zero = table
-            .values
-            .iter()
-            .flatten()
-            .all(|value| value.abs() <= 0.0);
+        let is_zero = table.values.iter().flatten().all(|value| value.abs() <= 0.0);
         let judges = self.reading.judges();
         let told = if let Some(factor) = self.own_factor(table)
             && self.acts(table)
         {
-            InControl::Factor {
-                table: what,
-                factor,
-            }
+            InControl::Factor { table: what, factor }
         } else if judges && has_output && !is_zero && self.acts(table) {
             let moving = moving.clone();
             InControl::Follows { what, moving }
@@ -433,10 +401,7 @@ mod tests {
         let parts = [on, off, on].map(|text| read("part", text).unwrap());
         let (data, contrary) = agreed(&parts);
         assert_eq!(contrary[0].name, "MA_CEC_ENABLE");
-        let held = Held {
-            data,
-            ..Held::plain(Tables::Siemens(SiemensTables::default()))
-        };
+        let held = Held { data, ..Held::plain(Tables::Siemens(SiemensTables::default())) };
         let axis = |text: &str| text.split(',').map(str::to_string).collect::<Vec<_>>();
         assert_eq!(held.datum("MA_CEC_ENABLE", &axis("AX1")), None);
         assert!(held.datum("MA_ENC_COMP_ENABLE", &axis("0,AX1")).is_some());

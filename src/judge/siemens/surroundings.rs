@@ -49,9 +49,7 @@ pub(super) fn absent(tables: &SiemensTables, held: &Held) -> Vec<String> {
     }
     for output in tables.cec_outputs() {
         let lacks = |name: &str| held.datum(name, std::slice::from_ref(&output)).is_none();
-        let lacking = [CEC_LIMIT, CEC_UNIT]
-            .into_iter()
-            .filter(|(name, _)| lacks(name));
+        let lacking = [CEC_LIMIT, CEC_UNIT].into_iter().filter(|(name, _)| lacks(name));
         absent.extend(lacking.map(|(_, number)| format!("{number} of {output}")));
     }
     absent

@@ -71,9 +71,8 @@ fn verdict(made: &Made<'_>, misses: &[Miss]) -> Paragraph {
 /// Where each term goes: what is overwritten.
 pub(super) fn places(made: &Made<'_>) -> Listed {
     let placements = made.compiled.placements.iter();
-    let places: Vec<String> = placements
-        .map(|p| format!("{}: {} ({} points)", p.term, p.place, p.points))
-        .collect();
+    let places: Vec<String> =
+        placements.map(|p| format!("{}: {} ({} points)", p.term, p.place, p.points)).collect();
     vec![places.join("; ")].into()
 }
 
@@ -117,8 +116,7 @@ fn references_off(compiled: &Compiled) -> impl Iterator<Item = String> {
 pub(super) fn entered(compiled: &Compiled, how: impl Fn(&Precondition) -> String) -> Vec<String> {
     let list = shared(&compiled.preconditions);
     let list = list.iter().filter(|(_, p)| p.when == SeenTo::Entered);
-    list.map(|(what, p)| format!("{what}: {}", how(p)))
-        .collect()
+    list.map(|(what, p)| format!("{what}: {}", how(p))).collect()
 }
 
 /// What is assumed of the control and matters for this kit: at the step what has to be decided, with a box each.

@@ -48,11 +48,7 @@ impl Proofs {
             written.push((SignProof { tables, ..proof }, paths));
             files.extend(own);
         }
-        Ok(Proofs {
-            written,
-            files,
-            missing,
-        })
+        Ok(Proofs { written, files, missing })
     }
 
     /// What the emulated control does once they are loaded over the kit's own files.
@@ -69,11 +65,7 @@ impl Proofs {
         let shown = |(proof, paths): &(SignProof, Vec<String>)| {
             let shown_um = shown_um(&made.plan, control.as_ref(), proof)
                 .map_err(|reason| shows_otherwise(&reason.0))?;
-            Ok(Shown {
-                proof: proof.clone(),
-                paths: paths.clone(),
-                shown_um,
-            })
+            Ok(Shown { proof: proof.clone(), paths: paths.clone(), shown_um })
         };
         self.written.iter().map(shown).collect()
     }
@@ -103,10 +95,7 @@ fn read_proof(made: &Made<'_>, files: &[RenderedFile]) -> Result<ReadBack, Probl
     let files: Vec<KitFile<'_>> = files.iter().map(as_kit_file).collect();
     let read = read_apart(&made.inputs.profile, &files, Role::SignProof)?;
     match read.machine_data.iter().find(|file| !file.data.is_empty()) {
-        Some(file) => Err(shows_otherwise(&format!(
-            "`{}` sets machine data",
-            file.path
-        ))),
+        Some(file) => Err(shows_otherwise(&format!("`{}` sets machine data", file.path))),
         None => Ok(read),
     }
 }
@@ -131,18 +120,14 @@ fn shown_um(plan: &Plan, control: &dyn Emulator, proof: &SignProof) -> Emulated<
             let response = control.response(base, output, direction)?;
             let at = |place: Millimetres| response.correction(place).um();
             if (at(from) - at(to)).abs() > EQUAL_UM {
-                return Err(CannotEmulate(
-                    "the bump does not come back to zero".to_string(),
-                ));
+                return Err(CannotEmulate("the bump does not come back to zero".to_string()));
             }
             shown.push(at(peak) - at(from));
         }
     }
     match shown.first() {
         Some(first) if shown.iter().all(|um| (um - first).abs() <= EQUAL_UM) => Ok(*first),
-        _ => Err(CannotEmulate(
-            "the bump is not the same in both directions".to_string(),
-        )),
+        _ => Err(CannotEmulate("the bump is not the same in both directions".to_string())),
     }
 }
 

@@ -17,8 +17,7 @@ pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
     let mut all = Listed::default();
     for shown in shown {
         let beside = shown.proof.of.beside.map(str::to_string);
-        all.items
-            .extend([two_places(made, shown), expected(made, shown)]);
+        all.items.extend([two_places(made, shown), expected(made, shown)]);
         all.items.extend(beside);
         all.items.push(format!("seen: {BLANK} µm"));
         all.notes.extend([
@@ -33,11 +32,7 @@ pub(super) fn listed(made: &Made<'_>, shown: &[Shown]) -> Listed {
 
 /// Where the bump begins, is highest and ends, mm.
 fn places(shown: &Shown) -> [String; 3] {
-    shown
-        .proof
-        .bump
-        .places()
-        .map(|place| trimmed(place.mm(), 6))
+    shown.proof.bump.places().map(|place| trimmed(place.mm(), 6))
 }
 
 fn bump(made: &Made<'_>, shown: &Shown) -> String {
@@ -102,14 +97,8 @@ fn sign(made: &Made<'_>, shown: &Shown) -> String {
     let fact = shown.proof.of.sign_fact;
     let statements = made.inputs.profile.statements.iter();
     let known = statements.filter(|s| s.fact == fact);
-    let known = known.map(|s| {
-        format!(
-            "`{fact}` = {}, {}: {}",
-            s.value,
-            s.evidence.word(),
-            s.source
-        )
-    });
+    let known =
+        known.map(|s| format!("`{fact}` = {}, {}: {}", s.value, s.evidence.word(), s.source));
     format!("the sign: {}", known.collect::<Vec<_>>().join("; "))
 }
 

@@ -30,17 +30,9 @@ impl SimulatedTables {
         files: &[KitFile<'_>],
         named: Option<&Value>,
     ) -> Result<SimulatedTables, Problems> {
-        let task = Task {
-            job: &inputs.job,
-            profile: &inputs.profile,
-            model: &inputs.model,
-        };
+        let task = Task { job: &inputs.job, profile: &inputs.profile, model: &inputs.model };
         let plan = plan(task)?;
-        let asked = Asked {
-            inputs,
-            compiled: compile(task, &plan)?,
-            plan,
-        };
+        let asked = Asked { inputs, compiled: compile(task, &plan)?, plan };
         let (state, findings) = loaded_state(&asked, named);
         let plan = &asked.plan;
         let read = read(&inputs.profile, files)?;
@@ -65,11 +57,7 @@ impl SimulatedTables {
 
     /// What was read out of a control, in the control of the job.
     pub fn read_out(inputs: &Inputs, active: &ActiveControl) -> Result<SimulatedTables, Problems> {
-        let LoadedControl {
-            plan,
-            control,
-            findings,
-        } = load_read_out(inputs, active)?;
+        let LoadedControl { plan, control, findings } = load_read_out(inputs, active)?;
         let control = Control::new(&inputs.model, &plan, control.as_ref())
             .map_err(|reason| cannot_emulate(&reason))?;
         let notes = findings;

@@ -73,13 +73,7 @@ pub fn readings(
     for run in &mut runs {
         add_expansion(rehearsal, run);
     }
-    Ok(Simulation {
-        runs,
-        predicted,
-        predicted_over_all_um,
-        read,
-        read_over_all_um,
-    })
+    Ok(Simulation { runs, predicted, predicted_over_all_um, read, read_over_all_um })
 }
 
 fn without_expansion(runs: &[Run]) -> Vec<CorrectedRun> {
@@ -146,9 +140,7 @@ fn as_runs(rehearsal: &Rehearsal, diagonal: Diagonal, number: u32, passes: &Pass
         }),
     };
     let back = passes.1.iter().map(|back| run(Pass::Reverse, back));
-    std::iter::once(run(Pass::Forward, &passes.0))
-        .chain(back)
-        .collect()
+    std::iter::once(run(Pass::Forward, &passes.0)).chain(back).collect()
 }
 
 /// The runs of a diagonal. Each draws from a stream of its own, so that more runs or the return pass

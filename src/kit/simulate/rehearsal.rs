@@ -94,9 +94,7 @@ impl Rehearsal {
     /// Axes whose temperature the readings have to carry: the job corrects them and does not say
     /// how warm they are.
     pub(super) fn recorded(&self) -> PerAxis<bool> {
-        let material = self
-            .material
-            .filter(|material| !material.material_corrected);
+        let material = self.material.filter(|material| !material.material_corrected);
         PerAxis::from_fn(|axis| {
             let scale = material.and_then(|material| material.axes[axis]);
             scale.is_some_and(|scale| scale.temperature_c.is_none())
@@ -148,11 +146,7 @@ fn programmed(job: &Job, program: &ProgramRequest, wishes: Wishes) -> Result<Reh
     };
     Ok(Rehearsal {
         volume: program.volume.clone(),
-        kind: if wishes.straight {
-            PathKind::Straight
-        } else {
-            kind
-        },
+        kind: if wishes.straight { PathKind::Straight } else { kind },
         runs: wishes.runs.unwrap_or(program.runs),
         both_directions: wishes.both_directions || program.bidirectional,
         overrun: program.overrun.mm() > 0.0,

@@ -57,10 +57,7 @@ impl OneSeries {
     fn new(runs: u32, noise: Noise, stream: u64) -> OneSeries {
         let mut random = ChaCha8Rng::seed_from_u64(noise.seed);
         random.set_stream(stream);
-        OneSeries {
-            random,
-            u_um: noise.um / f64::from(runs).sqrt(),
-        }
+        OneSeries { random, u_um: noise.um / f64::from(runs).sqrt() }
     }
 
     fn draw(&mut self) -> f64 {

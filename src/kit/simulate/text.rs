@@ -72,9 +72,8 @@ pub fn write(simulation: &Simulation, rehearsal: &Rehearsal, comments: &[String]
 
 /// The rows of a run in the order in which they are measured.
 fn push_run(text: &mut String, run: &Run, rehearsal: &Rehearsal) {
-    let mut rows: Vec<String> = (0..run.deviations.len())
-        .map(|node| row(run, node, rehearsal))
-        .collect();
+    let mut rows: Vec<String> =
+        (0..run.deviations.len()).map(|node| row(run, node, rehearsal)).collect();
     if run.pass == Pass::Reverse {
         rows.reverse();
     }

@@ -42,9 +42,7 @@ impl Design<'_> {
             diagonal_min: times.diagonal_min,
             linear_min: times.linear_min,
         };
-        let optics = described.mirror.map(|mirror| Assumed::Optics {
-            circle_mm: mirror.circle_mm,
-        });
+        let optics = described.mirror.map(|mirror| Assumed::Optics { circle_mm: mirror.circle_mm });
         let own = [linear, time].into_iter().chain(optics);
         let all = self.of_instrument(described).into_iter().chain(own);
         let words = [Assumed::OfAll, Assumed::Steps, Assumed::Reached];
@@ -68,20 +66,13 @@ impl Design<'_> {
             Some(um) => Assumed::Noise { um },
             None => Assumed::NoiseNotStated { um: NOISE_UM },
         };
-        let keys = [
-            ("laser_ppm", stated.laser_ppm),
-            ("setup_ppm", stated.setup_ppm),
-        ];
+        let keys = [("laser_ppm", stated.laser_ppm), ("setup_ppm", stated.setup_ppm)];
         let silent = keys.into_iter().filter(|(_, stated)| stated.is_none());
         let keys: Vec<&str> = silent.map(|(key, _)| key).collect();
         let silent = (!keys.is_empty()).then_some(Assumed::NotIncluded { keys });
         let not_counted = described.expected.not_counted.sentences().into_iter();
         let not_counted = not_counted.map(|words| Assumed::NotCounted { words });
-        [noise]
-            .into_iter()
-            .chain(silent)
-            .chain(not_counted)
-            .collect()
+        [noise].into_iter().chain(silent).chain(not_counted).collect()
     }
 }
 

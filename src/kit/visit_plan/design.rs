@@ -62,14 +62,8 @@ impl<'a> Design<'a> {
         let stated = job.measurement.uncertainty;
         Ok(Design {
             measurement: measured.map_or_else(|| usual(&run), Clone::clone),
-            described: Variant {
-                run,
-                linear: Vec::new(),
-            },
-            instrument: Instrument {
-                noise_um: stated.noise_um.unwrap_or(NOISE_UM),
-                stated,
-            },
+            described: Variant { run, linear: Vec::new() },
+            instrument: Instrument { noise_um: stated.noise_um.unwrap_or(NOISE_UM), stated },
             job,
             angles,
             times,
@@ -124,10 +118,7 @@ impl<'a> Design<'a> {
     /// Motion, standstills and set-ups of a variant, min.
     pub(super) fn minutes(&self, variant: &Variant) -> f64 {
         let run = |request: &ProgramRequest| motion(request).duration_s(request) / 60.0;
-        let diagonals = Diagonal::ALL
-            .map(|_| self.times.diagonal_min)
-            .iter()
-            .sum::<f64>();
+        let diagonals = Diagonal::ALL.map(|_| self.times.diagonal_min).iter().sum::<f64>();
         let linear = variant.linear.iter();
         let linear = linear.map(|axis| self.times.linear_min + run(&variant.run.along(*axis)));
         run(&variant.run) + diagonals + linear.sum::<f64>()
@@ -167,10 +158,7 @@ impl<'a> Design<'a> {
             beam.slope_um_per_m = 0.0;
         }
         let named = std::mem::take(&mut measurement.linear);
-        let mut tables = NamedTables {
-            angles: self.angles.clone(),
-            ..NamedTables::default()
-        };
+        let mut tables = NamedTables { angles: self.angles.clone(), ..NamedTables::default() };
         let runs = |axis: Axis| variant.run.along(axis).runs;
         let axes = named.iter().map(|linear| (linear.axis, Some(linear)));
         for (axis, named) in axes.chain(variant.linear.iter().map(|axis| (*axis, None))) {
@@ -185,10 +173,8 @@ impl<'a> Design<'a> {
     /// Standard uncertainty of the slope of an axis that is measured beside a variant, µm/m.
     pub(super) fn of_line(&self, axis: Axis, variant: &Variant) -> f64 {
         let runs = variant.run.along(axis).runs;
-        let measurement = DiagonalMeasurement {
-            volume: variant.run.volume.clone(),
-            ..self.measurement.clone()
-        };
+        let measurement =
+            DiagonalMeasurement { volume: variant.run.volume.clone(), ..self.measurement.clone() };
         self.instrument.of_slope_um_per_m(&measurement, axis, runs)
     }
 
@@ -218,11 +204,7 @@ fn as_named(
         LinearSlope::Stated(_) | LinearSlope::NotYet => (LinearSlope::Stated(0.0), None),
         LinearSlope::Errors(_) => (made.slope, Some(table)),
     };
-    let linear = Linear {
-        axis: made.axis,
-        slope,
-        u_um_per_m,
-    };
+    let linear = Linear { axis: made.axis, slope, u_um_per_m };
     (linear, table)
 }
 
@@ -242,10 +224,8 @@ fn ensure_axes(job: &Job) -> Result<(), Problems> {
     let mut problems = Problems::none();
     for axis in Axis::ALL {
         if job.machine.axes[axis].is_none() {
-            let words = format!(
-                "{axis} is to be measured, but [machine.axes.{}] is missing",
-                axis.key()
-            );
+            let words =
+                format!("{axis} is to be measured, but [machine.axes.{}] is missing", axis.key());
             let problem = job.problem_at("machine.axes", words);
             problems.push(problem.help("add travel_mm and reference_mm of this axis"));
         }

@@ -46,10 +46,7 @@ impl Variant {
     }
 
     pub(super) fn with(&self, linear: &[Axis]) -> Variant {
-        Variant {
-            linear: linear.to_vec(),
-            ..self.clone()
-        }
+        Variant { linear: linear.to_vec(), ..self.clone() }
     }
 }
 

@@ -83,10 +83,7 @@ pub(super) fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &m
         problems.push(
             job.problem_at(
                 "machine.axes",
-                format!(
-                    "axis {axis} was measured, but [machine.axes.{}] is missing",
-                    axis.key()
-                ),
+                format!("axis {axis} was measured, but [machine.axes.{}] is missing", axis.key()),
             )
             .help("add travel_mm and reference_mm of this axis"),
         );
@@ -122,9 +119,8 @@ fn check_inside_travel(
         p.mm() < machine.low.mm() - TRAVEL_TOLERANCE_MM
             || p.mm() > machine.high.mm() + TRAVEL_TOLERANCE_MM
     };
-    let rows: Vec<usize> = (0..series.positions.len())
-        .filter(|row| outside(&series.positions[*row]))
-        .collect();
+    let rows: Vec<usize> =
+        (0..series.positions.len()).filter(|row| outside(&series.positions[*row])).collect();
     let Some(first) = rows.first() else {
         return;
     };
@@ -175,9 +171,7 @@ pub(super) fn check_zeros(job: &Job, table: &ErrorTable, problems: &mut Problems
         let has_angles = |s: &&Series| s.angles_urad.iter().any(|(_, angles)| angles.is_some());
         let series = table.series(axis).iter().filter(has_angles);
         let ends = series.filter_map(|s| s.positions.first().zip(s.positions.last()));
-        let outside = ends
-            .into_iter()
-            .find(|(low, high)| place < **low || place > **high);
+        let outside = ends.into_iter().find(|(low, high)| place < **low || place > **high);
         if let Some((low, high)) = outside {
             let key = format!("measurement.angles_zero_mm.{}", axis.key());
             let words = format!(
@@ -212,10 +206,7 @@ pub(super) fn added(
     let mut all = rotations(job, table);
     if Rotation::all().all(|rotation| all[rotation].is_none()) {
         problems.push(refuse(
-            format!(
-                "`{}` holds no angles, expected columns such as `ea_urad`",
-                table.source.name
-            ),
+            format!("`{}` holds no angles, expected columns such as `ea_urad`", table.source.name),
             "name a table with ea, eb or ec, or remove `angles`",
         ));
     }

@@ -87,9 +87,7 @@ impl Agreement {
         let says = |line: &LineCheck| {
             let (um_per_m, ratio) = line.difference()?;
             let (name, um_per_m, ratio) = (line.name(), Figure(um_per_m), ratio.abs());
-            Some(format!(
-                "{name} by {um_per_m:+.3} µm/m ({ratio:.1} standard deviations)"
-            ))
+            Some(format!("{name} by {um_per_m:+.3} µm/m ({ratio:.1} standard deviations)"))
         };
         let lines: Vec<String> = self.lines.iter().filter_map(says).collect();
         self.is_refuted().then(|| SeparationFinding::LinesDisagree {
@@ -135,9 +133,6 @@ impl Equations {
         }
         let solution = rest.solved_with(&rest.test_variances(largest))?;
         let (found_um_per_m, variance) = solution.along(direction);
-        Some(Others {
-            found_um_per_m,
-            u_difference_um_per_m: (variances[index] + variance).sqrt(),
-        })
+        Some(Others { found_um_per_m, u_difference_um_per_m: (variances[index] + variance).sqrt() })
     }
 }

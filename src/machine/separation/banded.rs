@@ -14,11 +14,7 @@ pub(super) struct Factor(Banded);
 
 impl Banded {
     pub(super) fn zero(size: usize, reach: usize) -> Banded {
-        Banded {
-            size,
-            reach,
-            entries: vec![0.0; size * (reach + 1)],
-        }
+        Banded { size, reach, entries: vec![0.0; size * (reach + 1)] }
     }
 
     fn at(&self, row: usize, column: usize) -> usize {
@@ -63,16 +59,12 @@ impl Factor {
         let mut x = right.to_vec();
         for row in 0..lower.size {
             let first = row.saturating_sub(lower.reach);
-            let known: f64 = (first..row)
-                .map(|k| lower.entries[lower.at(row, k)] * x[k])
-                .sum();
+            let known: f64 = (first..row).map(|k| lower.entries[lower.at(row, k)] * x[k]).sum();
             x[row] = (x[row] - known) / lower.entries[lower.at(row, row)];
         }
         for row in (0..lower.size).rev() {
             let last = (row + lower.reach).min(lower.size.saturating_sub(1));
-            let known: f64 = (row + 1..=last)
-                .map(|k| lower.entries[lower.at(k, row)] * x[k])
-                .sum();
+            let known: f64 = (row + 1..=last).map(|k| lower.entries[lower.at(k, row)] * x[k]).sum();
             x[row] = (x[row] - known) / lower.entries[lower.at(row, row)];
         }
         x
@@ -87,13 +79,9 @@ mod tests {
     fn a_small_system_is_solved() {
         // [4 2 0; 2 5 1; 0 1 3] · [1 2 3] = [8 15 11]
         let mut matrix = Banded::zero(3, 1);
-        for (row, column, value) in [
-            (0, 0, 4.0),
-            (1, 0, 2.0),
-            (1, 1, 5.0),
-            (2, 1, 1.0),
-            (2, 2, 3.0),
-        ] {
+        for (row, column, value) in
+            [(0, 0, 4.0), (1, 0, 2.0), (1, 1, 5.0), (2, 1, 1.0), (2, 2, 3.0)]
+        {
             matrix.add(row, column, value);
         }
         let Some(factor) = matrix.factor() else {

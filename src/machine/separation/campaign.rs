@@ -68,12 +68,7 @@ pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<CorrectedRun> {
         for (reading, effect) in readings_um.iter_mut().zip(effect.unwrap_or_default()) {
             *reading -= effect;
         }
-        CorrectedRun {
-            diagonal: run.diagonal,
-            number: run.number,
-            pass: run.pass,
-            readings_um,
-        }
+        CorrectedRun { diagonal: run.diagonal, number: run.number, pass: run.pass, readings_um }
     };
     runs.iter().map(correct).collect()
 }
@@ -227,10 +222,7 @@ pub fn angles(
         let name = &table.source.name;
         let message = format!("`{name}` holds no angles, expected columns such as `ea_urad`");
         let help = "name a table with ea, eb or ec, or remove `angles`";
-        return Err(Problem::new(message)
-            .at(table.header.clone())
-            .help(help)
-            .into());
+        return Err(Problem::new(message).at(table.header.clone()).help(help).into());
     }
     model.check(&measurement.volume)?;
     Ok(angle_effects(&model, &measurement.volume, measurement.kind))

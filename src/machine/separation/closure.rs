@@ -89,10 +89,7 @@ impl Closure {
         }
         let ratio = self.weighted_square / noise.sigma_um.squared();
         let (below, above) = tails(ratio, self.freedom, noise.freedom)?;
-        Some(ScatterTest {
-            probability: (2.0 * below.min(above)).min(1.0),
-            larger: above < below,
-        })
+        Some(ScatterTest { probability: (2.0 * below.min(above)).min(1.0), larger: above < below })
     }
 
     /// Expected standard deviation of the mean over an axis for a noise, µm.
@@ -122,14 +119,10 @@ impl Closure {
             doubts.push(Found::MoreDisturbed { more });
         }
         let roll = self.ramps.as_ref().filter(|ramps| ramps.is_roll());
-        doubts.extend(roll.map(|ramps| Found::Roll {
-            changes: ramps.change_um,
-        }));
+        doubts.extend(roll.map(|ramps| Found::Roll { changes: ramps.change_um }));
         let test = noise.and_then(|noise| self.test(&noise));
         let test = test.filter(|test| test.larger && test.probability < FALSE_DOUBT);
-        doubts.extend(test.map(|test| Found::Scatter {
-            probability: test.probability,
-        }));
+        doubts.extend(test.map(|test| Found::Scatter { probability: test.probability }));
         if setup == SetUp::AssumePerfect {
             doubts.extend(noise.and_then(|noise| self.against_perfect(noise)));
         }
@@ -144,10 +137,7 @@ impl Closure {
             mean > UNRESOLVED_UM && mean > limit * self.u_mean_um(*axis, noise.sigma_um)
         };
         let off: Vec<Axis> = Axis::ALL.into_iter().filter(is_off).collect();
-        (!off.is_empty()).then_some(Found::SetUpNotPerfect {
-            means: self.mean,
-            off,
-        })
+        (!off.is_empty()).then_some(Found::SetUpNotPerfect { means: self.mean, off })
     }
 }
 
@@ -161,17 +151,8 @@ pub(super) fn large_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Optio
     let square = float(freedom) * (found.sigma_um / limit_um).squared();
     let (um, source) = (found.sigma_um, found.source.words());
     let doubt = match stated_um {
-        Some(stated_um) => Found::NoiseFar {
-            um,
-            source,
-            times: FAR_ABOVE,
-            stated_um,
-        },
-        None => Found::NoiseLarge {
-            um,
-            source,
-            assumed_um: ASSUMED_NOISE_UM,
-        },
+        Some(stated_um) => Found::NoiseFar { um, source, times: FAR_ABOVE, stated_um },
+        None => Found::NoiseLarge { um, source, assumed_um: ASSUMED_NOISE_UM },
     };
     (chance_of(square, freedom, None)? < FALSE_DOUBT).then(|| doubt.into())
 }

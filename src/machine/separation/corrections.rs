@@ -41,9 +41,7 @@ pub(crate) fn expansion_um(
 /// The material with the mean of the recorded temperatures where the readings carry their own.
 pub fn recorded(material: &Material, runs: &[Run]) -> Material {
     let mean = |axis: Axis| {
-        let recorded = runs
-            .iter()
-            .filter_map(|run| run.temperatures_c[axis].as_ref());
+        let recorded = runs.iter().filter_map(|run| run.temperatures_c[axis].as_ref());
         let mut all = recorded.flatten().copied().peekable();
         all.peek().is_some().then(|| mean(all))
     };
@@ -99,22 +97,13 @@ impl<'a> AngleModel<'a> {
         (levers, origin): (&Levers, PerAxis<f64>),
         reflector: Reflector,
     ) -> AngleModel<'a> {
-        AngleModel {
-            table,
-            chain: chain.order(),
-            levers: *levers,
-            origin,
-            reflector,
-        }
+        AngleModel { table, chain: chain.order(), levers: *levers, origin, reflector }
     }
 
     /// Whether no angle is known.
     pub(crate) fn is_empty(&self) -> bool {
-        let all = Axis::ALL
-            .into_iter()
-            .flat_map(|axis| self.table.series(axis));
-        all.flat_map(|s| s.angles_urad.iter())
-            .all(|(_, angles)| angles.is_none())
+        let all = Axis::ALL.into_iter().flat_map(|axis| self.table.series(axis));
+        all.flat_map(|s| s.angles_urad.iter()).all(|(_, angles)| angles.is_none())
     }
 
     /// Whether a rotation is known, in every direction that the table has.
@@ -199,11 +188,8 @@ impl<'a> AngleModel<'a> {
             let rotation = self.rotation(axis, place[axis], direction);
             let carried = &self.chain[index + 1..];
             let arm = PerAxis::from_fn(|other| {
-                let own = if carried.contains(&other) {
-                    place[other] - self.origin[other]
-                } else {
-                    0.0
-                };
+                let own =
+                    if carried.contains(&other) { place[other] - self.origin[other] } else { 0.0 };
                 own + self.levers.tool.map_or(0.0, |tool| tool[other].mm())
             });
             let lever = rotation.cross(arm);
@@ -254,10 +240,7 @@ impl AngleEffects {
     /// No angle was measured.
     pub fn unmeasured(chain: Option<Chain>) -> AngleEffects {
         let order = chain.map(Chain::order);
-        AngleEffects {
-            by_pass: None,
-            evidence: AngleEvidence::nothing(order),
-        }
+        AngleEffects { by_pass: None, evidence: AngleEvidence::nothing(order) }
     }
 
     /// Effects on a pass, µm by node; `None` where no angle was measured.
@@ -270,10 +253,7 @@ impl AngleEffects {
 /// The effects of a model on all passes.
 pub fn angle_effects(model: &AngleModel<'_>, volume: &Volume, kind: PathKind) -> AngleEffects {
     let of = |diagonal| Pass::BOTH.map(|pass| model.effect_um(volume, kind, diagonal, pass));
-    AngleEffects {
-        by_pass: Some(PerDiagonal::from_fn(of)),
-        evidence: model.evidence(volume),
-    }
+    AngleEffects { by_pass: Some(PerDiagonal::from_fn(of)), evidence: model.evidence(volume) }
 }
 
 /// What is known of the nine angular errors and of their levers.
@@ -320,9 +300,8 @@ impl AngleEvidence {
         let far_um = 0.1 * self.largest_urad;
         let unstated = Axis::ALL.iter();
         let unstated = unstated.filter(|axis| self.levers.offsets[**axis].is_none());
-        let places: Vec<String> = unstated
-            .map(|axis| format!("{axis} {} mm", self.origin[*axis]))
-            .collect();
+        let places: Vec<String> =
+            unstated.map(|axis| format!("{axis} {} mm", self.origin[*axis])).collect();
         if !places.is_empty() {
             let places = places.join(", ");
             labels.push(SeparationFinding::OffsetsAssumed { places, far_um });

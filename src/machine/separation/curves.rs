@@ -47,10 +47,7 @@ pub(super) fn closures(
 
 /// s_dk (s_x s_y s_z)_d: the sign with which a diagonal enters the closure of an axis.
 pub(super) fn closure_sign(diagonal: Diagonal, axis: Axis) -> f64 {
-    let all: f64 = Axis::ALL
-        .into_iter()
-        .map(|axis| diagonal.sign(axis))
-        .product();
+    let all: f64 = Axis::ALL.into_iter().map(|axis| diagonal.sign(axis)).product();
     diagonal.sign(axis) * all
 }
 

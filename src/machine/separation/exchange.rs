@@ -78,10 +78,7 @@ pub(super) fn names(campaign: &Campaign<'_>, runs: &[Run], as_read: &AsRead<'_>)
     let sound = doubt.is_none() && doubts.is_empty();
     Names {
         doubt: doubt.map(Finding::from),
-        blind: sound
-            .then(|| trial.hardly_shown())
-            .flatten()
-            .map(Finding::from),
+        blind: sound.then(|| trial.hardly_shown()).flatten().map(Finding::from),
     }
 }
 
@@ -143,10 +140,7 @@ impl Naming {
         let (names, walked) = (list(names).join(", "), list(walked));
         let exchanged = match walked.as_slice() {
             [other, one] => format!("the readings of {one} and {other} were exchanged"),
-            _ => format!(
-                "the readings named {names} were those of {}",
-                walked.join(", ")
-            ),
+            _ => format!("the readings named {names} were those of {}", walked.join(", ")),
         };
         match self.as_order(recorded) {
             Some(order) => format!("{exchanged}, or the steps went {}", in_words(order)),
@@ -317,10 +311,7 @@ impl<'a, 'c> Trial<'a, 'c> {
     fn hardly_shown(&self) -> Option<SeparationFinding> {
         let recorded = self.campaign.measurement.volume.order;
         let is_weak = |slip: &&Tried| self.power(slip) < SURE;
-        let exchanges = self
-            .others
-            .iter()
-            .filter(|one| one.naming.moved().len() == 2);
+        let exchanges = self.others.iter().filter(|one| one.naming.moved().len() == 2);
         let weak: Vec<&Tried> = exchanges.clone().filter(is_weak).collect();
         if weak.len() == exchanges.count() {
             return Some(SeparationFinding::NothingShown);
@@ -372,10 +363,6 @@ impl Renamed {
     }
 
     fn known(&self, noise: Option<Noise>) -> Known<'_> {
-        Known {
-            noise,
-            outliers: &self.outliers,
-            skip_ends: self.skip_ends,
-        }
+        Known { noise, outliers: &self.outliers, skip_ends: self.skip_ends }
     }
 }

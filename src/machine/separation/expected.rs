@@ -27,10 +27,7 @@ pub(crate) fn expected(
     runs: u32,
     noise_um: f64,
 ) -> Separation {
-    let of_noise = |noise: Noise| Noise {
-        sigma_um: noise_um,
-        ..noise
-    };
+    let of_noise = |noise: Noise| Noise { sigma_um: noise_um, ..noise };
     let mut start = Start::new(campaign, &exact(campaign, passes, runs));
     start.noise = start.noise.map(of_noise);
     of_start(campaign, &start, of_noise)
@@ -112,10 +109,7 @@ pub(crate) fn linear_axis(
         series.uncertainties_um[axis] = Some(vec![instrument.of_mean_um(runs); at.len()]);
         series
     });
-    let draft = Draft {
-        comments: Vec::new(),
-        series: series.into(),
-    };
+    let draft = Draft { comments: Vec::new(), series: series.into() };
     let name = format!("linear measurement of {axis}");
     let table = ErrorTable::read(Source::from_bytes(&name, write(&draft).as_bytes())?)?;
     let linear = Linear {

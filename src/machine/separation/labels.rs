@@ -26,18 +26,10 @@ pub(super) fn of_steps(
     let measurement = campaign.measurement;
     let mut labels = Vec::new();
     if measurement.setup == SetUp::AssumePerfect {
-        labels.push(Found::SetUpAssumed {
-            tilt_arcsec: campaign.stated.tilt_arcsec,
-        });
+        labels.push(Found::SetUpAssumed { tilt_arcsec: campaign.stated.tilt_arcsec });
     }
-    labels.push(Found::FrameOf {
-        frame: measurement.frame,
-    });
-    let from = if measurement.overrun.is_some() {
-        "as stated"
-    } else {
-        "judged from the readings"
-    };
+    labels.push(Found::FrameOf { frame: measurement.frame });
+    let from = if measurement.overrun.is_some() { "as stated" } else { "judged from the readings" };
     labels.push(match (means.reverse.is_some(), overrun) {
         (false, _) => Found::ForwardOnly,
         (true, Some(true)) => Found::Overran { from },
@@ -87,16 +79,12 @@ fn common(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec<Finding> {
     if material.is_some_and(|material| !material.air_corrected) {
         labels.push(Found::NoAir);
     }
-    labels.push(
-        budget
-            .noise
-            .map_or(Found::NoiseUnknown, |noise| Found::NoiseIs {
-                um: noise.sigma_um,
-                source: noise.source.words(),
-                freedom: noise.freedom,
-                k: coverage_factor(noise.freedom_f64()),
-            }),
-    );
+    labels.push(budget.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs {
+        um: noise.sigma_um,
+        source: noise.source.words(),
+        freedom: noise.freedom,
+        k: coverage_factor(noise.freedom_f64()),
+    }));
     labels.extend(stated(budget));
     labels.extend(campaign.angle_evidence().labels(campaign.stated.angle_urad));
     labels.extend(lines(campaign));
@@ -115,20 +103,13 @@ fn stated(budget: &Budget<'_>) -> Vec<Found> {
         let (with, without) = (names(true), names(false));
         match is_stated {
             false => Found::OfMaterialNotStated { key },
-            true => Found::OfMaterial {
-                key,
-                with,
-                without,
-                needs,
-            },
+            true => Found::OfMaterial { key, with, without, needs },
         }
     };
     let is_warm = |axis| material(axis).is_some_and(|m| m.temperature_c.is_some());
     let each = u_squareness(budget.volume, budget.volume.diagonal_mm() / 1000.0);
     let mut labels = vec![
-        Found::LaserCounts {
-            stated: stated.laser_ppm.is_some(),
-        },
+        Found::LaserCounts { stated: stated.laser_ppm.is_some() },
         by_axis(
             "temperature_k",
             stated.temperature_k.is_some(),
@@ -155,11 +136,7 @@ fn stated(budget: &Budget<'_>) -> Vec<Found> {
         stated.angle_urad,
         stated.beam_mrad,
     ];
-    labels.extend(
-        any.iter()
-            .any(Option::is_some)
-            .then_some(Found::SimulatedHold),
-    );
+    labels.extend(any.iter().any(Option::is_some).then_some(Found::SimulatedHold));
     labels
 }
 
@@ -196,24 +173,14 @@ fn lines(campaign: &Campaign<'_>) -> Vec<Found> {
 pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> Option<Finding> {
     let known = |(axis, reversal): (Axis, &Option<_>)| {
         let um = || {
-            reversal
-                .as_ref()
-                .map(|b: &super::linear_reversal::LinearReversal| b.um.iter().copied())
+            reversal.as_ref().map(|b: &super::linear_reversal::LinearReversal| b.um.iter().copied())
         };
         let (low, high) = (um()?.reduce(f64::min)?, um()?.reduce(f64::max)?);
-        Some(format!(
-            "{axis} {:+.3} to {:+.3}",
-            Figure(low),
-            Figure(high)
-        ))
+        Some(format!("{axis} {:+.3} to {:+.3}", Figure(low), Figure(high)))
     };
     let found: Vec<String> = reversals.iter().filter_map(known).collect();
-    (!found.is_empty()).then(|| {
-        Finding::from(Found::LinearReversals {
-            found: found.join(", "),
-            forward_only,
-        })
-    })
+    (!found.is_empty())
+        .then(|| Finding::from(Found::LinearReversals { found: found.join(", "), forward_only }))
 }
 
 impl Solved<'_> {

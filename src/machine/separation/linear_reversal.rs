@@ -76,12 +76,9 @@ pub(super) fn hidden_reversal_um(
     known: &LinearReversals,
 ) -> Option<f64> {
     let reverse = means.reverse.as_ref()?;
-    let known = known
-        .iter()
-        .filter_map(|(axis, b)| Some((axis, b.as_ref()?)));
-    let known: Vec<(Axis, &LinearReversal, Vec<Millimetres>)> = known
-        .map(|(axis, b)| (axis, b, volume.positions(axis)))
-        .collect();
+    let known = known.iter().filter_map(|(axis, b)| Some((axis, b.as_ref()?)));
+    let known: Vec<(Axis, &LinearReversal, Vec<Millimetres>)> =
+        known.map(|(axis, b)| (axis, b, volume.positions(axis))).collect();
     let beside = |d: Diagonal| -> Vec<f64> {
         let of_known = |node: usize| -> f64 {
             let place = volume.place(d, PathKind::Step, node);
@@ -91,9 +88,7 @@ pub(super) fn hidden_reversal_um(
             b.sum()
         };
         let pairs = means.forward[d].iter().zip(&reverse[d]).enumerate();
-        pairs
-            .map(|(node, (forward, back))| forward - back - of_known(node))
-            .collect()
+        pairs.map(|(node, (forward, back))| forward - back - of_known(node)).collect()
     };
     let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
     let u_known = known
@@ -106,11 +101,7 @@ pub(super) fn hidden_reversal_um(
         mean(b.iter().copied()).abs() > (6.0 * of_noise.hypot(u_known)).max(UNRESOLVED_UM)
     };
     let shown = Diagonal::ALL.map(beside).into_iter().filter(shown);
-    let largest = |b: Vec<f64>| {
-        b.iter()
-            .step_by(3)
-            .fold(0.0, |most: f64, um| most.max(um.abs()))
-    };
+    let largest = |b: Vec<f64>| b.iter().step_by(3).fold(0.0, |most: f64, um| most.max(um.abs()));
     shown.map(largest).reduce(f64::max)
 }
 
@@ -125,11 +116,7 @@ pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<Fi
         let limit = 6.0 * of_turn.u_um?.hypot(linear.u_largest_um()?);
         let apart = (turn_um - linear_um).abs() > limit.max(UNRESOLVED_UM);
         apart.then(|| {
-            Finding::from(SeparationFinding::TurnAgainstLinear {
-                axis,
-                turn_um,
-                linear_um,
-            })
+            Finding::from(SeparationFinding::TurnAgainstLinear { axis, turn_um, linear_um })
         })
     };
     reversals.iter().filter_map(of_axis).collect()

@@ -115,11 +115,7 @@ impl Metric {
             of: plane.axes().0,
             along: plane.axes().1,
         });
-        scales
-            .into_iter()
-            .chain(planes)
-            .map(Finding::from)
-            .collect()
+        scales.into_iter().chain(planes).map(Finding::from).collect()
     }
 }
 
@@ -157,14 +153,7 @@ type Row = SVector<f64, UNKNOWNS>;
 
 /// vᵀ h v as a row of the six unknowns.
 fn row(v: &PerAxis<f64>) -> Row {
-    Row::from([
-        v.x * v.x,
-        v.y * v.y,
-        v.z * v.z,
-        v.x * v.y,
-        v.x * v.z,
-        v.y * v.z,
-    ])
+    Row::from([v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.x * v.z, v.y * v.z])
 }
 
 /// (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
@@ -263,15 +252,9 @@ impl Equations {
         let (known, open): (Vec<usize>, Vec<usize>) =
             (0..UNKNOWNS).partition(|index| eigen.eigenvalues[*index] > limit);
         let columns = |indices: Vec<usize>| {
-            DMatrix::from_fn(UNKNOWNS, indices.len(), |i, j| {
-                eigen.eigenvectors[(i, indices[j])]
-            })
+            DMatrix::from_fn(UNKNOWNS, indices.len(), |i, j| eigen.eigenvectors[(i, indices[j])])
         };
-        Equations {
-            all,
-            determined: columns(known),
-            open: columns(open),
-        }
+        Equations { all, determined: columns(known), open: columns(open) }
     }
 
     /// All but one.
@@ -313,8 +296,7 @@ impl Equations {
         let neglected = products.max(NEGLECTED_UM_PER_M).squared();
         let of = |one: &Equation| one.own.max(neglected);
         let all = self.all.iter();
-        all.map(|one| if one.known { of(one) } else { neglected })
-            .collect()
+        all.map(|one| if one.known { of(one) } else { neglected }).collect()
     }
 
     /// With the variances that the equations have.
@@ -361,10 +343,7 @@ impl Equations {
             return [true; UNKNOWNS];
         }
         let own: Vec<f64> = self.all.iter().map(|one| one.own).collect();
-        let Some(gain) = self
-            .solve(|one| one.nominal, &own)
-            .map(|found| found.gain())
-        else {
+        let Some(gain) = self.solve(|one| one.nominal, &own).map(|found| found.gain()) else {
             return [false; UNKNOWNS];
         };
         let depends = |unknown: usize, equation| gain[(unknown, equation)].abs() > SHARE_TOLERANCE;

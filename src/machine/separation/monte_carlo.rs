@@ -148,10 +148,7 @@ pub fn simulate(
         let values = trials.iter().map(|figures| figures[index]);
         Figure::of(quantity, estimate, values.collect())
     });
-    Some(Simulated {
-        plan,
-        figures: figures.collect(),
-    })
+    Some(Simulated { plan, figures: figures.collect() })
 }
 
 /// What each trial gives, in their order, however many threads work.

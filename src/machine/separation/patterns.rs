@@ -87,10 +87,7 @@ impl Patterns {
         let constants = Axis::ALL.map(|axis| over(axis, &|_| 1.0));
         let ramps = Axis::ALL.map(|axis| over(axis, &ramp));
         let mut patterns = Patterns {
-            out: LeftOut {
-                basis: Vec::new(),
-                left: factor.solve(&values),
-            },
+            out: LeftOut { basis: Vec::new(), left: factor.solve(&values) },
             rows,
             values,
             factor,
@@ -195,10 +192,7 @@ impl Patterns {
     fn largest(&self, known_sigma_um: Option<f64>) -> Option<(Outlier, Vec<f64>)> {
         let mut best: Option<(f64, usize)> = None;
         for (index, (_, effect)) in self.effects.iter().enumerate() {
-            let share: f64 = effect
-                .iter()
-                .map(|(row, part)| part * self.out.left[*row])
-                .sum();
+            let share: f64 = effect.iter().map(|(row, part)| part * self.out.left[*row]).sum();
             if best.is_none_or(|(largest, _)| share.abs() > largest) {
                 best = Some((share.abs(), index));
             }
@@ -213,12 +207,7 @@ impl Patterns {
         let drop = size_um * size_um * weight;
         let readings = self.effects.len();
         let ratio = stands_out((size_um, drop), self.scatter(), known_sigma_um, readings)?;
-        let outlier = Outlier {
-            readings: self.twins(index),
-            size_um,
-            ratio,
-            of_mean_um: size_um,
-        };
+        let outlier = Outlier { readings: self.twins(index), size_um, ratio, of_mean_um: size_um };
         Some((outlier, pattern))
     }
 
@@ -276,9 +265,7 @@ fn values(volume: &Volume, means: &Means, rows: &[Row]) -> Vec<f64> {
 /// w by axis and interval of every group of readings.
 pub(super) fn by_group(volume: &Volume, means: &Means) -> Vec<PerAxis<Vec<f64>>> {
     let groups = means.groups().iter();
-    groups
-        .map(|group| closures(volume, &means.increments(volume, *group)))
-        .collect()
+    groups.map(|group| closures(volume, &means.increments(volume, *group))).collect()
 }
 
 /// All w, those that share readings close to each other: diagonals that travel an axis in −
@@ -287,13 +274,7 @@ fn rows(volume: &Volume, groups: &[Group], skip_ends: bool) -> Vec<Row> {
     let last = volume.steps - 1;
     let intervals = (0..volume.steps).filter(|at| !(skip_ends && (*at == 0 || *at == last)));
     let of_interval = |interval: usize| {
-        (0..groups.len()).flat_map(move |group| {
-            Axis::ALL.map(|axis| Row {
-                group,
-                axis,
-                interval,
-            })
-        })
+        (0..groups.len()).flat_map(move |group| Axis::ALL.map(|axis| Row { group, axis, interval }))
     };
     let mut rows: Vec<Row> = intervals.flat_map(of_interval).collect();
     rows.sort_by_key(|row| (row.interval.min(last - row.interval), row.interval));
@@ -307,12 +288,7 @@ fn effects(volume: &Volume, means: &Means, rows: &[Row]) -> Vec<(ReadingPlace, V
     for pass in &Pass::BOTH[..passes] {
         for diagonal in Diagonal::ALL {
             effects.extend((0..nodes).map(|node| {
-                let place = ReadingPlace {
-                    diagonal,
-                    pass: *pass,
-                    run: None,
-                    node,
-                };
+                let place = ReadingPlace { diagonal, pass: *pass, run: None, node };
                 (place, Vec::with_capacity(2))
             }));
         }

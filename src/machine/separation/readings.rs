@@ -73,10 +73,7 @@ impl Means {
     pub(crate) fn groups(&self) -> &'static [Group] {
         match self.reverse {
             None => &[Group::ForwardOnly],
-            Some(_) => &[
-                Group::Moving(Direction::Plus),
-                Group::Moving(Direction::Minus),
-            ],
+            Some(_) => &[Group::Moving(Direction::Plus), Group::Moving(Direction::Minus)],
         }
     }
 
@@ -87,9 +84,8 @@ impl Means {
             PerAxis::from_fn(|axis| {
                 let readings = &self.of(group.pass(diagonal, axis))[diagonal];
                 let steps = (volume.node_after(axis, 0)..).step_by(3).take(volume.steps);
-                let mut increments: Vec<f64> = steps
-                    .map(|node| readings[node] - readings[node - 1])
-                    .collect();
+                let mut increments: Vec<f64> =
+                    steps.map(|node| readings[node] - readings[node - 1]).collect();
                 if diagonal.forward(axis) == Direction::Minus {
                     increments.reverse();
                 }
@@ -132,8 +128,7 @@ pub(super) fn of(
     diagonal: Diagonal,
     pass: Pass,
 ) -> impl Iterator<Item = &CorrectedRun> + Clone {
-    runs.iter()
-        .filter(move |run| run.diagonal == diagonal && run.pass == pass)
+    runs.iter().filter(move |run| run.diagonal == diagonal && run.pass == pass)
 }
 
 fn pass_means(runs: &[CorrectedRun], pass: Pass) -> PassMeans {
@@ -204,11 +199,7 @@ pub struct DiagonalFigures {
 /// Figures of every diagonal, and max − min over all of them, µm.
 pub fn figures(runs: &[CorrectedRun], kind: PathKind) -> (PerDiagonal<DiagonalFigures>, f64) {
     let passes = Pass::BOTH.map(|pass| pass_means(runs, pass));
-    let on_diagonal = |d| {
-        passes
-            .iter()
-            .map(move |pass| pass[d].iter().step_by(spacing(kind)))
-    };
+    let on_diagonal = |d| passes.iter().map(move |pass| pass[d].iter().step_by(spacing(kind)));
     let figures = PerDiagonal::from_fn(|d| {
         // Far end less start of a pass, so that an offset between the passes does not count.
         let total = |pass: &PassMeans| Some(pass[d].last()? - pass[d].first()?);

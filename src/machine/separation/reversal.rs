@@ -85,11 +85,8 @@ impl Turn {
     /// the jump along a diagonal.
     pub(super) fn shares(&self, term: ErrorTerm, diagonal: Diagonal) -> (f64, f64) {
         let low = self.low[term][diagonal];
-        let growth = if term.is_positioning() {
-            self.high[term.along][diagonal] - low
-        } else {
-            0.0
-        };
+        let growth =
+            if term.is_positioning() { self.high[term.along][diagonal] - low } else { 0.0 };
         (low, growth)
     }
 }
@@ -185,10 +182,8 @@ impl Fit {
         let weighed = DMatrix::from_fn(4, many, |i, j| design[(i, j)] / variance[i]);
         // The columns are independent: edges have lengths, and every sign pattern is there once.
         let inverse = weighed.tr_mul(&design).try_inverse();
-        let gains = inverse.map_or_else(
-            || DMatrix::zeros(many, 4),
-            |inverse| inverse * weighed.transpose(),
-        );
+        let gains = inverse
+            .map_or_else(|| DMatrix::zeros(many, 4), |inverse| inverse * weighed.transpose());
         let values = &gains * &jump;
         let residual = jump - design * &values;
         Fit {

@@ -245,12 +245,8 @@ fn evaluated(
 impl Separation {
     /// What remains to be said: the names of the diagonals, noise, lines and reversals.
     fn say(&mut self, campaign: &Campaign<'_>, raw_runs: &[Run], start: &Start) {
-        let as_read = AsRead {
-            start,
-            closure: &self.closure,
-            noise: self.noise,
-            overrun: self.overrun,
-        };
+        let as_read =
+            AsRead { start, closure: &self.closure, noise: self.noise, overrun: self.overrun };
         let names = names(campaign, raw_runs, &as_read);
         self.labels.extend(names.blind);
         let contradiction = self.agreement.as_ref().and_then(Agreement::contradiction);
@@ -269,10 +265,7 @@ fn overrun(campaign: &Campaign<'_>, start: &Start, measured: &Means) -> Option<b
     measured.reverse.as_ref()?;
     let volume = &campaign.measurement.volume;
     let judged = || {
-        let rough = Known {
-            skip_ends: true,
-            ..Known::default()
-        };
+        let rough = Known { skip_ends: true, ..Known::default() };
         let guess = || closure(volume, measured, &start.counts, rough).noise();
         let noise = start.noise.or_else(guess);
         ran_over(measured, volume, &start.counts, noise?)

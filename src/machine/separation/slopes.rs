@@ -52,25 +52,16 @@ pub(super) struct Rule {
 
 impl Rule {
     pub(super) fn of(setup: SetUp, frame: Frame, term: ErrorTerm) -> Rule {
-        let part = |share: f64| Rule {
-            figure: Some((Unknown::of(term), share)),
-            ..Rule::default()
-        };
+        let part =
+            |share: f64| Rule { figure: Some((Unknown::of(term), share)), ..Rule::default() };
         match (setup, frame) {
             (SetUp::Solve, _) if term.is_positioning() => part(1.0),
             // The rotation is that of the separated slopes, their sum that of the totals.
-            (SetUp::Solve, Frame::AsMeasured) => Rule {
-                own: 0.5,
-                of_twin: -0.5,
-                ..part(0.5)
-            },
+            (SetUp::Solve, Frame::AsMeasured) => Rule { own: 0.5, of_twin: -0.5, ..part(0.5) },
             (SetUp::AssumePerfect, frame)
                 if term.is_positioning() || frame == Frame::AsMeasured =>
             {
-                Rule {
-                    own: 1.0,
-                    ..Rule::default()
-                }
+                Rule { own: 1.0, ..Rule::default() }
             }
             // EXY, EXZ and EYZ carry the squareness of their plane.
             _ if term.of < term.along => part(1.0),
@@ -97,11 +88,7 @@ pub(super) struct SlopeGains {
 impl SlopeGains {
     /// Where there are no curves: scales and squareness alone.
     pub(super) fn without_curves(by_total: ByTotals) -> SlopeGains {
-        SlopeGains {
-            rules: PerTerm::default(),
-            by_total,
-            own_slopes: false,
-        }
+        SlopeGains { rules: PerTerm::default(), by_total, own_slopes: false }
     }
 
     /// Change of a scale or a squareness with each total, µm/m for each µm.
@@ -117,9 +104,8 @@ impl SlopeGains {
         separated: &PerTerm<f64>,
     ) -> f64 {
         let rule = &self.rules[term];
-        let figure = rule.figure.map_or(0.0, |(unknown, share)| {
-            share * self.of_figure(unknown, ends_um)
-        });
+        let figure =
+            rule.figure.map_or(0.0, |(unknown, share)| share * self.of_figure(unknown, ends_um));
         figure + rule.own * separated[term] + rule.of_twin * separated[term.twin()]
     }
 

@@ -49,17 +49,15 @@ impl<'a> Solved<'a> {
         let measurement = campaign.measurement;
         let volume = budget.volume;
         let groups = means.groups().iter();
-        let increments: Vec<Increments> = groups
-            .map(|group| means.increments(volume, *group))
-            .collect();
+        let increments: Vec<Increments> =
+            groups.map(|group| means.increments(volume, *group)).collect();
         let raw: Vec<PerTerm<Curve>> = increments.iter().map(|m| curves(volume, m)).collect();
         let mean_raw = PerTerm::from_fn(|term| mean_curve(&raw, term));
         let means = mean_increments(&increments);
         let ratios = displacement_ratios(volume, &means);
         let lines = campaign.lines.iter();
-        let lines: Vec<MeasuredLine> = lines
-            .map(|line| without_shapes(budget, &mean_raw, line))
-            .collect();
+        let lines: Vec<MeasuredLine> =
+            lines.map(|line| without_shapes(budget, &mean_raw, line)).collect();
         let ends_um = PerDiagonal::from_fn(|d| {
             let of_axis = |axis: Axis| volume.steps_f64() * means[d][axis];
             Axis::ALL.into_iter().map(of_axis).sum::<f64>()
@@ -144,11 +142,7 @@ impl<'a> Solved<'a> {
             (SetUp::AssumePerfect, Unknown::Squareness(plane)) => of_totals.of(plane),
             _ => self.metric.u(unknown)?,
         };
-        Some(Slope {
-            u_um_per_m,
-            by_end: gains.by_end(unknown),
-            rotation_um_per_m: 0.0,
-        })
+        Some(Slope { u_um_per_m, by_end: gains.by_end(unknown), rotation_um_per_m: 0.0 })
     }
 
     /// Where the slope of a term comes from; `None` where its uncertainty is not known.
@@ -161,11 +155,7 @@ impl<'a> Solved<'a> {
             return Some(SlopeFrom::Elsewhere(Slope::default()));
         };
         let whole = self.figure_slope(gains, unknown)?;
-        let (noise, all) = if rule.own > 0.0 {
-            self.budget.u_turn(term)?
-        } else {
-            (0.0, 0.0)
-        };
+        let (noise, all) = if rule.own > 0.0 { self.budget.u_turn(term)? } else { (0.0, 0.0) };
         Some(SlopeFrom::Elsewhere(Slope {
             u_um_per_m: (share * whole.u_um_per_m).hypot(all),
             by_end: PerDiagonal::from_fn(|d| share * whole.by_end[d]),
@@ -182,10 +172,7 @@ impl<'a> Solved<'a> {
         PerPlane::from_fn(|plane| {
             let slope = self.figure_slope(gains, Unknown::Squareness(plane))?;
             let u_um_per_m = slope.u_um_per_m.hypot(angles.of(plane));
-            self.budget.of_slope(&Slope {
-                u_um_per_m,
-                ..slope
-            })
+            self.budget.of_slope(&Slope { u_um_per_m, ..slope })
         })
     }
 
@@ -225,11 +212,7 @@ impl<'a> Solved<'a> {
             let slope = self.slope_from(gains, term);
             let along = slope.and_then(|slope| self.budget.curve(term, side, slope));
             let (u_um, u_noise_um) = along.unzip();
-            SeparatedError {
-                deviation_um,
-                u_um,
-                u_noise_um,
-            }
+            SeparatedError { deviation_um, u_um, u_noise_um }
         };
         let mean = PerTerm::from_fn(|term| {
             let curve = self.turned(term, &self.mean_raw[term])?;
@@ -246,11 +229,8 @@ impl<'a> Solved<'a> {
                 Some(evidence(term, curve, Side::Moving(direction, turn)))
             }))
         };
-        let mut errors = NineErrors {
-            plus: directed(Direction::Plus),
-            minus: directed(Direction::Minus),
-            mean,
-        };
+        let mut errors =
+            NineErrors { plus: directed(Direction::Plus), minus: directed(Direction::Minus), mean };
         errors.set_apart(reversals);
         errors
     }
@@ -434,10 +414,9 @@ impl NineErrors {
             let (Some(reversal), Some(mean)) = (&reversals[axis], &self.mean[term]) else {
                 continue;
             };
-            for (errors, direction) in [
-                (&mut self.plus, Direction::Plus),
-                (&mut self.minus, Direction::Minus),
-            ] {
+            for (errors, direction) in
+                [(&mut self.plus, Direction::Plus), (&mut self.minus, Direction::Minus)]
+            {
                 errors.get_or_insert_default()[term] = Some(mean.beside(reversal, direction));
             }
         }

@@ -222,11 +222,7 @@ fn closure_tests(
             tests.push(compared(diagonal, pass, measured, &predicted, readings));
         }
     }
-    Ok(ClosureTests {
-        k: limit(tests.len() * volume.steps),
-        tests,
-        table_states_u,
-    })
+    Ok(ClosureTests { k: limit(tests.len() * volume.steps), tests, table_states_u })
 }
 
 /// k of a test of so many differences together.
@@ -288,9 +284,7 @@ fn predicted(
             for of in Axis::ALL {
                 let (value, stated) = point(series, of, place[along].mm())?;
                 um += u[of] * value;
-                square_um2 = square_um2
-                    .zip(stated)
-                    .map(|(sum, s)| sum + (u[of] * s).squared());
+                square_um2 = square_um2.zip(stated).map(|(sum, s)| sum + (u[of] * s).squared());
             }
         }
         Some(Predicted { um, square_um2 })

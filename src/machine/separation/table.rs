@@ -44,11 +44,9 @@ impl ErrorSource {
     pub fn table(&self, job: &Job) -> Result<Cow<'_, ErrorTable>, Problems> {
         let (separation, readings, comments) = match self {
             ErrorSource::Table(table) => return Ok(Cow::Borrowed(table)),
-            ErrorSource::Separated {
-                separation,
-                readings,
-                comments,
-            } => (separation, readings, comments),
+            ErrorSource::Separated { separation, readings, comments } => {
+                (separation, readings, comments)
+            }
         };
         check_policy(job, separation)?;
         let draft = draft(separation, &job.compensation.backlash, comments.clone());
@@ -83,10 +81,7 @@ pub fn draft(
     let of_axis = |axis| directions(axis).iter().map(move |way| (axis, *way));
     let series = Axis::ALL.into_iter().flat_map(of_axis);
     let series = series.map(|(axis, way)| one_series(separation, axis, way));
-    Draft {
-        comments,
-        series: series.collect(),
-    }
+    Draft { comments, series: series.collect() }
 }
 
 /// What the table has to say of itself, so that it reaches whoever uses the table.
@@ -100,26 +95,18 @@ pub fn remarks(separation: &Separation) -> Remarks {
         });
     let why = open.iter().map(ToString::to_string);
     let why = why.collect::<Vec<_>>().join("; ");
-    let open = |finding: &&Finding| SeparationFinding::StillOpen {
-        what: (*finding).clone(),
-    };
+    let open = |finding: &&Finding| SeparationFinding::StillOpen { what: (*finding).clone() };
     let other = other.iter().map(open).map(Finding::from);
-    let frame = separation
-        .labels
-        .iter()
-        .find_map(|label| match label.kind() {
-            Some(SeparationFinding::FrameOf { frame }) => Some(*frame),
-            _ => None,
-        });
+    let frame = separation.labels.iter().find_map(|label| match label.kind() {
+        Some(SeparationFinding::FrameOf { frame }) => Some(*frame),
+        _ => None,
+    });
     let mut labels = separation.labels.clone();
     labels.sort_by_key(|label| Reverse(label.severity())); // what the readings say of themselves first
     let notes = other.chain(labels).collect();
     Remarks {
         doubts: separation.doubts.clone(),
-        not_determined: missing
-            .into_iter()
-            .map(|term| (term, why.clone()))
-            .collect(),
+        not_determined: missing.into_iter().map(|term| (term, why.clone())).collect(),
         hidden_reversal_um: separation.hidden_reversal_um,
         degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
         angles_not_counted: by_term(&separation.not_counted.angles),
@@ -135,10 +122,7 @@ fn by_term(silent: &Option<Silent>) -> Option<PerTerm<f64>> {
 
 fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> DraftSeries {
     let positions = separation.volume.positions(axis);
-    let positions = positions
-        .into_iter()
-        .map(|position| position.mm())
-        .collect();
+    let positions = positions.into_iter().map(|position| position.mm()).collect();
     let mut series = DraftSeries::new(axis, direction, positions);
     let evidence =
         PerAxis::from_fn(|of| separation.of_table(ErrorTerm { of, along: axis }, direction));

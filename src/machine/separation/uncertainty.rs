@@ -124,10 +124,7 @@ impl Budget<'_> {
         let u_um_per_m = slope.u_um_per_m;
         let noise = self.slope_noise(slope)?.sqrt();
         let freedom = effective_freedom(u_um_per_m, noise, self.noise?);
-        Some(SlopeUncertainty {
-            u_um_per_m,
-            freedom,
-        })
+        Some(SlopeUncertainty { u_um_per_m, freedom })
     }
 
     /// Weight of a reading in the total of its diagonal (the mean over both passes).
@@ -172,9 +169,7 @@ impl Budget<'_> {
         let setups = edges / 2.0 * self.setup_ppm();
         let own_scale = f64::from(term.is_positioning());
         let common = self.common_um_per_m().into_iter();
-        let square: f64 = common
-            .map(|strain| (own_scale * strain[term.along]).squared())
-            .sum();
+        let square: f64 = common.map(|strain| (own_scale * strain[term.along]).squared()).sum();
         setups.hypot(square.sqrt())
     }
 
@@ -367,21 +362,13 @@ impl Points {
         let mut sum = 0.0;
         for part in &self.parts {
             let product = |[f, r]: [f64; 2], [forward, reverse]: [f64; 2]| {
-                let back = if self.both_ways {
-                    r * reverse / part.runs[1]
-                } else {
-                    0.0
-                };
+                let back = if self.both_ways { r * reverse / part.runs[1] } else { 0.0 };
                 2.0 * (f * forward / part.runs[0] + back)
             };
             let square = |weights| product(weights, weights);
             let (mut below, mut beyond) = (index, self.steps - index);
             if let Some(turn) = part.turn {
-                let side = if turn < index {
-                    &mut below
-                } else {
-                    &mut beyond
-                };
+                let side = if turn < index { &mut below } else { &mut beyond };
                 *side -= 1;
                 sum += square(self.weights(part, turn, index, share));
             }

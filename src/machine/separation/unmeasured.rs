@@ -92,10 +92,7 @@ impl NotCounted {
         let beam = below(&self.beam).map(|mrad| (beam, mrad, "mrad"));
         let said = angles.into_iter().chain(beam);
         said.map(|(what, bound, unit)| {
-            format!(
-                "{what} not counted; U holds below {} {unit}",
-                rounded_down(bound)
-            )
+            format!("{what} not counted; U holds below {} {unit}", rounded_down(bound))
         })
         .collect()
     }
@@ -119,13 +116,9 @@ impl Silent {
         });
         let planes = Plane::ALL.map(|p| Some((u_squareness.of(p)?.u_um_per_m, plane(p))));
         let known = curves.chain(planes).flatten();
-        let bounds = known
-            .filter(|(_, effect)| *effect > 1e-9)
-            .map(|(u, effect)| A_TENTH * u / effect);
-        Silent {
-            holds_below: bounds.reduce(f64::min),
-            by_term,
-        }
+        let bounds =
+            known.filter(|(_, effect)| *effect > 1e-9).map(|(u, effect)| A_TENTH * u / effect);
+        Silent { holds_below: bounds.reduce(f64::min), by_term }
     }
 }
 
@@ -141,18 +134,10 @@ impl NineErrors {
         naive: impl Fn(ErrorTerm) -> bool,
     ) {
         let bound = bound.zip(stated.angle_urad);
-        let all = [
-            Some(&mut self.mean),
-            self.plus.as_mut(),
-            self.minus.as_mut(),
-        ];
+        let all = [Some(&mut self.mean), self.plus.as_mut(), self.minus.as_mut()];
         for curves in all.into_iter().flatten() {
             for term in ErrorTerm::ALL {
-                let tilt = if naive(term) {
-                    stated.tilt_arcsec
-                } else {
-                    Some(0.0)
-                };
+                let tilt = if naive(term) { stated.tilt_arcsec } else { Some(0.0) };
                 let slope = tilt.map(|arcsec| slope_of_tilt_um_per_m(volume, term, arcsec));
                 let Some(evidence) = &mut curves[term] else {
                     continue;

@@ -103,10 +103,7 @@ fn figures_of(
             range_um: range(means_um(runs)),
         })
         .collect();
-    let means: Vec<f64> = diagonals
-        .iter()
-        .flat_map(|(_, runs)| means_um(runs))
-        .collect();
+    let means: Vec<f64> = diagonals.iter().flat_map(|(_, runs)| means_um(runs)).collect();
     let complete = figures.len() == BODY_DIAGONALS;
     let of_machine = |figure: &dyn Fn(&DiagonalFigures) -> Option<f64>| {
         let all: Option<Vec<f64>> = figures.iter().map(figure).collect();
@@ -127,11 +124,7 @@ fn figures_of(
 /// Mean deviations x̄_i↑ and x̄_i↓ of all targets, µm.
 fn means_um(runs: &Runs) -> Vec<f64> {
     let targets = iso_230_2::figures(runs).targets;
-    targets
-        .iter()
-        .flat_map(|target| [target.mean.up_um, target.mean.down_um])
-        .flatten()
-        .collect()
+    targets.iter().flat_map(|target| [target.mean.up_um, target.mean.down_um]).flatten().collect()
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -145,19 +138,12 @@ fn conditions(
 ) -> Vec<Condition> {
     let straight = motion == DiagonalMotion::StraightRuns;
     let names: Vec<&str> = diagonals.iter().map(|(name, _)| *name).collect();
-    let directions = diagonals
-        .iter()
-        .map(|(name, runs)| (*name, iso_230_2::directions(runs)));
+    let directions = diagonals.iter().map(|(name, runs)| (*name, iso_230_2::directions(runs)));
     let asked_targets = "targets as in ISO 230-2: five per metre and at least five";
     vec![
         likely(
             "all three axes move at once, straight along the diagonal",
-            if straight {
-                "straight runs"
-            } else {
-                "single-axis steps"
-            }
-            .to_string(),
+            if straight { "straight runs" } else { "single-axis steps" }.to_string(),
             Met::of(straight),
         ),
         likely(
@@ -176,22 +162,14 @@ fn conditions(
         of_all("approach in both directions", directions.collect()),
         likely(
             "number of runs, whether R and A are reported: to be looked up in the standard",
-            diagonals
-                .first()
-                .map_or_else(String::new, |(_, runs)| iso_230_2::runs_words(runs)),
+            diagonals.first().map_or_else(String::new, |(_, runs)| iso_230_2::runs_words(runs)),
             Met::NotTested,
         ),
     ]
 }
 
 fn likely(asked: &str, found: String, met: Met) -> Condition {
-    Condition {
-        asked: asked.to_string(),
-        found,
-        met,
-        editions: &EDITION,
-        confidence: DIAGONALS,
-    }
+    Condition { asked: asked.to_string(), found, met, editions: &EDITION, confidence: DIAGONALS }
 }
 
 /// A condition that every diagonal has to meet; what is said is that of the first that does not.

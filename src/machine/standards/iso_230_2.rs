@@ -106,9 +106,8 @@ pub struct Figures {
 /// # Ok::<(), nonius::text::problem::Problem>(())
 /// ```
 pub fn figures(runs: &Runs) -> Figures {
-    let targets: Vec<TargetFigures> = (0..runs.targets_mm().len())
-        .map(|index| of_target(runs, index))
-        .collect();
+    let targets: Vec<TargetFigures> =
+        (0..runs.targets_mm().len()).map(|index| of_target(runs, index)).collect();
     let axis = of_axis(&targets);
     Figures { targets, axis }
 }
@@ -133,11 +132,7 @@ fn of_target(runs: &Runs, index: usize) -> TargetFigures {
             down_um: mean_down,
             both_um: both(mean_up, mean_down, |up, down| (up + down) / 2.0),
         },
-        s: ByDirection {
-            up_um: s_up,
-            down_um: s_down,
-            both_um: None,
-        },
+        s: ByDirection { up_um: s_up, down_um: s_down, both_um: None },
         b_um,
         r: ByDirection {
             up_um: r_up,
@@ -199,11 +194,7 @@ fn of_axis(targets: &[TargetFigures]) -> AxisFigures {
 /// x̄_i − 2 s_i and x̄_i + 2 s_i of every target.
 fn bands(means: Option<&Vec<f64>>, s: Option<Vec<f64>>) -> Option<Vec<f64>> {
     let pairs = means?.iter().zip(s?);
-    Some(
-        pairs
-            .flat_map(|(mean, s)| [mean - K * s, mean + K * s])
-            .collect(),
-    )
+    Some(pairs.flat_map(|(mean, s)| [mean - K * s, mean + K * s]).collect())
 }
 
 fn joined(up: Option<Vec<f64>>, down: Option<Vec<f64>>) -> Option<Vec<f64>> {

@@ -49,11 +49,8 @@ pub struct Figures {
 /// source VDI/DGQ 3441:1977, likely (secondary sources)
 /// limits s̄_j, P_s and P need two runs of each direction or more
 pub fn figures(runs: &Runs) -> Option<Figures> {
-    let targets: Option<Vec<TargetFigures>> = iso_230_2::figures(runs)
-        .targets
-        .iter()
-        .map(of_target)
-        .collect();
+    let targets: Option<Vec<TargetFigures>> =
+        iso_230_2::figures(runs).targets.iter().map(of_target).collect();
     let targets = targets?;
     let bands: Option<Vec<f64>> = targets.iter().map(|of| Some(BAND * of.s_um?)).collect();
     let u = || targets.iter().map(|of| of.u_um);

@@ -91,12 +91,8 @@ impl Report<'_> {
         let one = |range: &JudgedRange| {
             let [low, high] = self.ends(range.judged);
             let share = self.share(range);
-            let [axis, low, high, share] = [
-                ("axis", range.axis.to_string()),
-                ("low", low),
-                ("high", high),
-                ("share", share),
-            ];
+            let [axis, low, high, share] =
+                [("axis", range.axis.to_string()), ("low", low), ("high", high), ("share", share)];
             match (range.is_stated, range.is_whole()) {
                 (true, true) => self.fill("part_stated", [axis, low, high]),
                 (true, false) => self.fill("part_of_stated", [axis, low, high, share]),
@@ -156,12 +152,7 @@ impl Report<'_> {
         let misses = misses.into_iter().take(MOST).chain(more);
         let differences = self.said("files_differ", &visit.disagreements);
         let doubts = self.said("doubts", &visit.doubts);
-        differences
-            .into_iter()
-            .chain(misses)
-            .chain(off)
-            .chain(doubts)
-            .collect()
+        differences.into_iter().chain(misses).chain(off).chain(doubts).collect()
     }
 
     /// Sentences of the program under the words of a key, or how many there are.
@@ -169,10 +160,7 @@ impl Report<'_> {
         if sentences.is_empty() {
             return Vec::new();
         }
-        let facts = [
-            ("count", sentences.len().to_string()),
-            ("part", self.link("findings")),
-        ];
+        let facts = [("count", sentences.len().to_string()), ("part", self.link("findings"))];
         let line = self.fill(key, facts);
         match self.is_own_language() {
             false => vec![line],
@@ -197,13 +185,9 @@ impl Report<'_> {
     fn miss(&self, miss: &Miss) -> String {
         let (of, um, expanded_um, limit_um, verdict) = match miss {
             Miss::Range(range) => return self.too_little(range),
-            Miss::Figure {
-                of,
-                um,
-                expanded_um,
-                limit_um,
-                verdict,
-            } => (*of, *um, *expanded_um, *limit_um, *verdict),
+            Miss::Figure { of, um, expanded_um, limit_um, verdict } => {
+                (*of, *um, *expanded_um, *limit_um, *verdict)
+            }
         };
         let unit = self.unit();
         let u = match expanded_um {

@@ -65,19 +65,11 @@ impl Table {
         is_words: bool,
     ) -> Table {
         let rows = rows.into_iter().map(|cells| Row { cells });
-        Table {
-            head,
-            rows: rows.collect(),
-            is_words,
-            is_english: false,
-        }
+        Table { head, rows: rows.collect(), is_words, is_english: false }
     }
 
     fn in_english(self) -> Table {
-        Table {
-            is_english: true,
-            ..self
-        }
+        Table { is_english: true, ..self }
     }
 }
 
@@ -87,9 +79,7 @@ impl Report<'_> {
         Part {
             id,
             title: self.t(id),
-            pictures: own
-                .map(|(_, picture)| svg::inline(picture, self.locale))
-                .collect(),
+            pictures: own.map(|(_, picture)| svg::inline(picture, self.locale)).collect(),
             ..Part::default()
         }
     }
@@ -120,16 +110,10 @@ impl Report<'_> {
         let names: Vec<String> = (1..=files.len()).map(linear_document).collect();
         let rows = FIGURES.map(|(figure, shown)| {
             let at = format!("/iso_230_2/{figure}_um");
-            let own = names
-                .iter()
-                .map(|name| self.figure(name, &at, Kind::Deviation));
-            std::iter::once(shown.to_string())
-                .chain(own)
-                .collect::<Vec<_>>()
+            let own = names.iter().map(|name| self.figure(name, &at, Kind::Deviation));
+            std::iter::once(shown.to_string()).chain(own).collect::<Vec<_>>()
         });
-        let rows = rows
-            .into_iter()
-            .filter(|row| row.iter().skip(1).any(|cell| cell != NONE));
+        let rows = rows.into_iter().filter(|row| row.iter().skip(1).any(|cell| cell != NONE));
         let head = std::iter::once(self.unit().to_string()).chain(files.iter().map(|f| escaped(f)));
         let said = names.iter().zip(files).flat_map(|(name, file)| {
             let label = self.document(name).pointer("/iso_230_2/label");
@@ -179,11 +163,7 @@ impl Report<'_> {
         if self.document("assess").is_null() {
             let why = self.visit.without_volume.iter().map(|words| escaped(words));
             let words = vec![self.t("no_volume")];
-            return Part {
-                words,
-                said: why.collect(),
-                ..part
-            };
+            return Part { words, said: why.collect(), ..part };
         }
         let nodes = [0, 1, 2].map(|n| self.figure("assess", &format!("/grid/{n}"), Kind::Count));
         let found = self.findings();
@@ -203,11 +183,7 @@ impl Report<'_> {
                 text("direction").unwrap_or_else(|| self.t("both")),
                 text("place").unwrap_or_default(),
                 self.figure("kit", &format!("/tables/{n}/points"), Kind::Count),
-                self.figure(
-                    "kit",
-                    &format!("/tables/{n}/grid_residual_um"),
-                    Kind::Deviation,
-                ),
+                self.figure("kit", &format!("/tables/{n}/grid_residual_um"), Kind::Deviation),
             ]
         });
         if !self.is_kit_known() {
@@ -237,10 +213,7 @@ impl Report<'_> {
         });
         let head = ["file", "role", "bytes", "sha256"].map(|key| self.t(key));
         let files = Table::new(head.to_vec(), files, true);
-        Part {
-            tables: vec![placed.in_english(), files],
-            ..self.part("tables")
-        }
+        Part { tables: vec![placed.in_english(), files], ..self.part("tables") }
     }
 
     fn missing(&self) -> Part {
@@ -281,10 +254,7 @@ impl Report<'_> {
 
     /// All that does not keep a limit.
     fn reasons(&self) -> Part {
-        Part {
-            items: self.misses(),
-            ..self.part("reasons")
-        }
+        Part { items: self.misses(), ..self.part("reasons") }
     }
 
     fn found(&self) -> Part {
@@ -316,10 +286,7 @@ impl Report<'_> {
             vec![fact, escaped(&assumed.consequence)]
         });
         let head = vec![String::new(), self.t("if_wrong")];
-        Part {
-            tables: vec![Table::new(head, rows, true).in_english()],
-            ..self.part("assumptions")
-        }
+        Part { tables: vec![Table::new(head, rows, true).in_english()], ..self.part("assumptions") }
     }
 
     fn undo(&self) -> Part {
@@ -334,11 +301,7 @@ impl Report<'_> {
             (true, true) => "undo_hand",
             (true, false) => "undo_words",
         };
-        Part {
-            words: vec![self.t(words)],
-            items: files,
-            ..self.part("undo")
-        }
+        Part { words: vec![self.t(words)], items: files, ..self.part("undo") }
     }
 
     /// What was read now, what the kit was made from, what was measured afterwards.
@@ -348,9 +311,7 @@ impl Report<'_> {
         };
         let own = self.visit.inputs.iter();
         let own = own.map(|file| row(&file.path, &file.sha256));
-        let stated = self
-            .list("kit", "/inputs")
-            .chain(self.list("verify", "/after"));
+        let stated = self.list("kit", "/inputs").chain(self.list("verify", "/after"));
         let stated = stated.map(|file| {
             let text = |key: &str| file[key].as_str().unwrap_or_default();
             row(text("path"), text("sha256"))
@@ -363,19 +324,12 @@ impl Report<'_> {
         }
         let head = vec![self.t("file"), self.t("sha256")];
         let table = Table::new(head, files, true);
-        Part {
-            tables: vec![table],
-            ..self.part("provenance")
-        }
+        Part { tables: vec![table], ..self.part("provenance") }
     }
 
     /// Sentences of the program, or the words of a key where there are none.
     fn listed(&self, id: &'static str, said: Vec<String>, without: &str) -> Part {
         let words = said.is_empty().then(|| self.t(without));
-        Part {
-            words: words.into_iter().collect(),
-            said,
-            ..self.part(id)
-        }
+        Part { words: words.into_iter().collect(), said, ..self.part(id) }
     }
 }

@@ -11,14 +11,9 @@ pub(super) fn through(
     values: &[f64],
     kind: Interpolation,
 ) -> Vec<Cubic> {
-    let widths: Vec<f64> = positions
-        .windows(2)
-        .map(|pair| (pair[1] - pair[0]).mm())
-        .collect();
+    let widths: Vec<f64> = positions.windows(2).map(|pair| (pair[1] - pair[0]).mm()).collect();
     let rises = values.windows(2).zip(&widths);
-    let chords: Vec<f64> = rises
-        .map(|(pair, width)| (pair[1] - pair[0]) / width)
-        .collect();
+    let chords: Vec<f64> = rises.map(|(pair, width)| (pair[1] - pair[0]) / width).collect();
     match kind {
         Interpolation::Linear => linear(values, &chords),
         Interpolation::Pchip => hermite(values, &widths, &chords),
@@ -28,8 +23,7 @@ pub(super) fn through(
 
 fn linear(values: &[f64], chords: &[f64]) -> Vec<Cubic> {
     let both = values.iter().zip(chords);
-    both.map(|(&value, &chord)| [value, chord, 0.0, 0.0])
-        .collect()
+    both.map(|(&value, &chord)| [value, chord, 0.0, 0.0]).collect()
 }
 
 /// The Hermite cubics of the PCHIP slopes.
@@ -57,10 +51,7 @@ fn pchip_slopes(widths: &[f64], chords: &[f64]) -> Vec<f64> {
     }
     slopes[0] = end_slope([widths[0], widths[1]], [chords[0], chords[1]]);
     let last = count - 1;
-    slopes[count] = end_slope(
-        [widths[last], widths[last - 1]],
-        [chords[last], chords[last - 1]],
-    );
+    slopes[count] = end_slope([widths[last], widths[last - 1]], [chords[last], chords[last - 1]]);
     slopes
 }
 
@@ -89,14 +80,8 @@ fn end_slope(widths: [f64; 2], chords: [f64; 2]) -> f64 {
 /// The natural spline from its second derivatives M (de Boor 1978):
 /// h₋·M₋ + 2(h₋+h)·M + h·M₊ = 6·(chord − chord₋) at every inner position, M = 0 at the ends.
 fn natural_spline(values: &[f64], widths: &[f64], chords: &[f64]) -> Vec<Cubic> {
-    let diagonal = widths
-        .windows(2)
-        .map(|pair| 2.0 * (pair[0] + pair[1]))
-        .collect();
-    let right = chords
-        .windows(2)
-        .map(|pair| 6.0 * (pair[1] - pair[0]))
-        .collect();
+    let diagonal = widths.windows(2).map(|pair| 2.0 * (pair[0] + pair[1])).collect();
+    let right = chords.windows(2).map(|pair| 6.0 * (pair[1] - pair[0])).collect();
     let beside = widths.get(1..).unwrap_or_default();
     let mut bends = vec![0.0];
     bends.extend(solve_tridiagonal(diagonal, beside, right));
@@ -126,11 +111,7 @@ pub(crate) fn solve_tridiagonal(
         right[i] -= factor * right[i - 1];
     }
     for i in (0..count).rev() {
-        let known = if i + 1 < count {
-            beside[i] * right[i + 1]
-        } else {
-            0.0
-        };
+        let known = if i + 1 < count { beside[i] * right[i + 1] } else { 0.0 };
         right[i] = (right[i] - known) / diagonal[i];
     }
     right

@@ -4,11 +4,8 @@ use proptest::prelude::*;
 const POSITIONS: [f64; 6] = [0.0, 10.0, 25.0, 40.0, 60.0, 100.0];
 const DEVIATIONS: [f64; 6] = [0.0, 1.5, -0.5, -3.0, 2.0, 1.0];
 const ASKED: [f64; 5] = [2.5, 12.0, 30.0, 50.0, 95.0];
-const KINDS: [Interpolation; 3] = [
-    Interpolation::Linear,
-    Interpolation::Pchip,
-    Interpolation::NaturalSpline,
-];
+const KINDS: [Interpolation; 3] =
+    [Interpolation::Linear, Interpolation::Pchip, Interpolation::NaturalSpline];
 /// A millionth of a nanometre: rounding noise of micrometres.
 const NOISE_UM: f64 = 1e-9;
 
@@ -56,18 +53,10 @@ fn pchip_is_that_of_scipy() {
 // slope at the first point limited to three chords, and to zero.
 #[test]
 fn pchip_ends_are_limited_as_in_scipy() {
-    let steep = curve(
-        &[0.0, 1.0, 2.0, 3.0],
-        &[0.0, 1.0, -8.0, -8.5],
-        Interpolation::Pchip,
-    );
+    let steep = curve(&[0.0, 1.0, 2.0, 3.0], &[0.0, 1.0, -8.0, -8.5], Interpolation::Pchip);
     let expected = [0.578125, 0.875, -3.3815789473684212, -8.466282894736842];
     assert_values(&steep, &[0.25, 0.5, 1.5, 2.75], &expected);
-    let flat = curve(
-        &[0.0, 1.0, 2.0, 3.0],
-        &[0.0, 0.1, 2.0, 1.0],
-        Interpolation::Pchip,
-    );
+    let flat = curve(&[0.0, 1.0, 2.0, 3.0], &[0.0, 0.1, 2.0, 1.0], Interpolation::Pchip);
     assert_values(&flat, &[0.5, 1.5, 2.5], &[0.02625, 1.07375, 1.80625]);
 }
 

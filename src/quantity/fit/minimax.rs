@@ -76,14 +76,8 @@ struct Interval {
 
 impl Interval {
     const ZERO: Interval = {
-        let zero = Bound {
-            um: 0.0,
-            per_tolerance: 0.0,
-        };
-        Interval {
-            low: zero,
-            high: zero,
-        }
+        let zero = Bound { um: 0.0, per_tolerance: 0.0 };
+        Interval { low: zero, high: zero }
     };
 }
 
@@ -100,12 +94,7 @@ struct Section {
 impl Section {
     fn new(curve: &ErrorCurve, inner_mm: f64, outer_mm: f64) -> Section {
         let (floor, ceiling) = (Vec::with_capacity(8), Vec::with_capacity(8));
-        let mut section = Section {
-            inner_mm,
-            outer_mm,
-            floor,
-            ceiling,
-        };
+        let mut section = Section { inner_mm, outer_mm, floor, ceiling };
         let rise = curve.um_at(outer_mm) - curve.um_at(inner_mm);
         let mut places = Vec::with_capacity(8);
         section.visit(curve, rise, |point| places.push(point));
@@ -118,15 +107,9 @@ impl Section {
     /// Every place where the curve can be farthest from a line of this rise.
     fn visit(&self, curve: &ErrorCurve, rise: f64, mut visit: impl FnMut(Point)) {
         let width = self.outer_mm - self.inner_mm;
-        let (from, to) = (
-            self.inner_mm.min(self.outer_mm),
-            self.inner_mm.max(self.outer_mm),
-        );
+        let (from, to) = (self.inner_mm.min(self.outer_mm), self.inner_mm.max(self.outer_mm));
         curve.visit_candidates(from, to, -rise / width, |x, um| {
-            visit(Point {
-                along: (x - self.inner_mm) / width,
-                um,
-            });
+            visit(Point { along: (x - self.inner_mm) / width, um });
         });
     }
 
@@ -178,14 +161,8 @@ impl Section {
         let low = lows.map(|point| across(point, -1.0, inner.high));
         let high = highs.map(|point| across(point, 1.0, inner.low));
         Interval {
-            low: low.fold(
-                UNBOUNDED.low,
-                |one, two| if two.um > one.um { two } else { one },
-            ),
-            high: high.fold(
-                UNBOUNDED.high,
-                |one, two| if two.um < one.um { two } else { one },
-            ),
+            low: low.fold(UNBOUNDED.low, |one, two| if two.um > one.um { two } else { one }),
+            high: high.fold(UNBOUNDED.high, |one, two| if two.um < one.um { two } else { one }),
         }
     }
 
@@ -194,32 +171,15 @@ impl Section {
         let back =
             |point: &Point, t: f64| (point.um + t - point.along * outer) / (1.0 - point.along);
         let before = |point: &&Point| point.along < 1.0 - SAME_PART;
-        let lows = self
-            .floor
-            .iter()
-            .filter(before)
-            .map(|point| back(point, -t));
-        let highs = self
-            .ceiling
-            .iter()
-            .filter(before)
-            .map(|point| back(point, t));
-        (
-            lows.fold(f64::NEG_INFINITY, f64::max),
-            highs.fold(f64::INFINITY, f64::min),
-        )
+        let lows = self.floor.iter().filter(before).map(|point| back(point, -t));
+        let highs = self.ceiling.iter().filter(before).map(|point| back(point, t));
+        (lows.fold(f64::NEG_INFINITY, f64::max), highs.fold(f64::INFINITY, f64::min))
     }
 }
 
 const UNBOUNDED: Interval = Interval {
-    low: Bound {
-        um: f64::NEG_INFINITY,
-        per_tolerance: 0.0,
-    },
-    high: Bound {
-        um: f64::INFINITY,
-        per_tolerance: 0.0,
-    },
+    low: Bound { um: f64::NEG_INFINITY, per_tolerance: 0.0 },
+    high: Bound { um: f64::INFINITY, per_tolerance: 0.0 },
 };
 
 /// Puts a point into a hull: upper for `side` = 1, lower for −1; false if it lies inside.
@@ -331,10 +291,7 @@ impl<'a> Side<'a> {
         let mut allowed = (f64::NEG_INFINITY, f64::INFINITY);
         for node in (0..values.len()).rev() {
             if let Some(reached) = self.reached.get(node) {
-                allowed = (
-                    allowed.0.max(reached.low.um),
-                    allowed.1.min(reached.high.um),
-                );
+                allowed = (allowed.0.max(reached.low.um), allowed.1.min(reached.high.um));
             }
             values[node] = nearest(values[node], allowed);
             if node > 0 {

@@ -5,11 +5,8 @@ use proptest::prelude::*;
 
 /// Rounding noise of micrometres.
 const NOISE_UM: f64 = 1e-9;
-const KINDS: [Interpolation; 3] = [
-    Interpolation::Linear,
-    Interpolation::Pchip,
-    Interpolation::NaturalSpline,
-];
+const KINDS: [Interpolation; 3] =
+    [Interpolation::Linear, Interpolation::Pchip, Interpolation::NaturalSpline];
 const FITS: [Fit; 3] = [Fit::Sample, Fit::LeastSquares, Fit::Minimax];
 
 fn curve(positions: &[f64], deviations: &[f64], kind: Interpolation) -> ErrorCurve {
@@ -20,22 +17,11 @@ fn curve(positions: &[f64], deviations: &[f64], kind: Interpolation) -> ErrorCur
 
 fn grid(first: f64, step: f64, count: usize, reference_node: usize) -> Nodes {
     let (first, step) = (Millimetres::new(first), Millimetres::new(step));
-    Nodes {
-        first,
-        step,
-        count,
-        reference_node,
-    }
+    Nodes { first, step, count, reference_node }
 }
 
 fn over_table(curve: &ErrorCurve, nodes: &Nodes, values: &[Deviation]) -> f64 {
-    residual(
-        curve,
-        nodes,
-        values,
-        nodes.first,
-        nodes.position(nodes.count - 1),
-    )
+    residual(curve, nodes, values, nodes.first, nodes.position(nodes.count - 1))
 }
 
 fn left_by(curve: &ErrorCurve, nodes: &Nodes, fit: Fit) -> f64 {
@@ -51,9 +37,7 @@ fn hat(nodes: &Nodes, node: usize, x: f64) -> f64 {
 
 fn table_at(nodes: &Nodes, values: &[Deviation], x: f64) -> f64 {
     let parts = values.iter().enumerate();
-    parts
-        .map(|(node, value)| value.um() * hat(nodes, node, x))
-        .sum()
+    parts.map(|(node, value)| value.um() * hat(nodes, node, x)).sum()
 }
 
 /// Largest of c·y under A·y ≤ b, y ≥ 0, with b ≥ 0: the simplex method with Bland's rule.
@@ -80,14 +64,8 @@ fn largest_of(rows: &[Vec<f64>], bounds: &[f64], gains: &[f64]) -> f64 {
         let pivot_row = tableau[leaves].clone();
         for (i, row) in tableau.iter_mut().enumerate().filter(|(i, _)| *i != leaves) {
             let factor = row[enters];
-            row.iter_mut()
-                .zip(&pivot_row)
-                .for_each(|(cell, own)| *cell -= factor * own);
-            row[width - 1] = if i < count {
-                row[width - 1].max(0.0)
-            } else {
-                row[width - 1]
-            };
+            row.iter_mut().zip(&pivot_row).for_each(|(cell, own)| *cell -= factor * own);
+            row[width - 1] = if i < count { row[width - 1].max(0.0) } else { row[width - 1] };
         }
         basis[leaves] = enters;
     }
@@ -129,9 +107,7 @@ fn assert_optimal(curve: &ErrorCurve, nodes: &Nodes) {
     let values = table_values(curve, nodes, Fit::Minimax);
     let (reference, last) = (nodes.reference_node, nodes.count - 1);
     for side in [[0, reference], [reference, last]] {
-        let free: Vec<usize> = (side[0]..=side[1])
-            .filter(|&node| node != reference)
-            .collect();
+        let free: Vec<usize> = (side[0]..=side[1]).filter(|&node| node != reference).collect();
         let places = places(curve, nodes, &values, side);
         let bound = lower_bound(curve, nodes, &free, &places);
         let [from, to] = side.map(|node| nodes.position(node));
@@ -168,19 +144,12 @@ fn least_squares_of_a_parabola_on_one_section() {
 
 #[test]
 fn a_table_on_the_knots_of_a_linear_curve_is_the_curve() {
-    let line = curve(
-        &[0.0, 10.0, 20.0, 30.0],
-        &[1.0, 0.0, -4.0, 2.0],
-        Interpolation::Linear,
-    );
+    let line = curve(&[0.0, 10.0, 20.0, 30.0], &[1.0, 0.0, -4.0, 2.0], Interpolation::Linear);
     let nodes = grid(0.0, 10.0, 4, 1);
     for fit in FITS {
         let values = table_values(&line, &nodes, fit);
         for (value, expected) in values.iter().zip([1.0, 0.0, -4.0, 2.0]) {
-            assert!(
-                (value.um() - expected).abs() < NOISE_UM,
-                "{fit:?}: {values:?}"
-            );
+            assert!((value.um() - expected).abs() < NOISE_UM, "{fit:?}: {values:?}");
         }
     }
 }
@@ -202,15 +171,8 @@ fn outside_its_nodes_the_table_is_held() {
     let line = curve(&[0.0, 100.0], &[0.0, 10.0], Interpolation::Linear);
     let nodes = grid(20.0, 20.0, 3, 0);
     let values: Vec<Deviation> = [0.0, 4.0, 6.0].map(Deviation::from_um).to_vec();
-    let left = |from, to| {
-        residual(
-            &line,
-            &nodes,
-            &values,
-            Millimetres::new(from),
-            Millimetres::new(to),
-        )
-    };
+    let left =
+        |from, to| residual(&line, &nodes, &values, Millimetres::new(from), Millimetres::new(to));
     for (from, to, expected) in [
         (0.0, 10.0, 1.0),
         (70.0, 90.0, 3.0),
@@ -220,10 +182,7 @@ fn outside_its_nodes_the_table_is_held() {
         (-9.0, 120.0, 4.0),
     ] {
         let got = left(from, to);
-        assert!(
-            (got - expected).abs() < NOISE_UM,
-            "{from}..{to}: got {got}, not {expected}"
-        );
+        assert!((got - expected).abs() < NOISE_UM, "{from}..{to}: got {got}, not {expected}");
     }
 }
 
@@ -267,35 +226,22 @@ fn scaled(curve: &ErrorCurve, factor: f64) -> ErrorCurve {
 fn least_squares_densely(case: &Case) -> Vec<f64> {
     let Case { curve, nodes } = case;
     let mut rows: Vec<(f64, f64)> = Vec::new();
-    let mut breaks: Vec<f64> = (0..nodes.count)
-        .map(|node| nodes.position(node).mm())
-        .collect();
+    let mut breaks: Vec<f64> = (0..nodes.count).map(|node| nodes.position(node).mm()).collect();
     let last = breaks[nodes.count - 1];
-    breaks.extend(
-        curve
-            .knots_between(nodes.first.mm(), last)
-            .iter()
-            .map(|knot| knot.mm()),
-    );
+    breaks.extend(curve.knots_between(nodes.first.mm(), last).iter().map(|knot| knot.mm()));
     breaks.sort_by(f64::total_cmp);
     for pair in breaks.windows(2) {
         rows.extend(gauss_points(pair[0], pair[1]));
     }
-    let free: Vec<usize> = (0..nodes.count)
-        .filter(|&node| node != nodes.reference_node)
-        .collect();
+    let free: Vec<usize> = (0..nodes.count).filter(|&node| node != nodes.reference_node).collect();
     let matrix = DMatrix::from_fn(rows.len(), free.len(), |row, column| {
         rows[row].1.sqrt() * hat(nodes, free[column], rows[row].0)
     });
     let right = DVector::from_iterator(
         rows.len(),
-        rows.iter()
-            .map(|&(x, weight)| weight.sqrt() * curve.um_at(x)),
+        rows.iter().map(|&(x, weight)| weight.sqrt() * curve.um_at(x)),
     );
-    let solved = matrix
-        .svd(true, true)
-        .solve(&right, 1e-14)
-        .expect("both bases were asked for");
+    let solved = matrix.svd(true, true).solve(&right, 1e-14).expect("both bases were asked for");
     let mut values: Vec<f64> = solved.iter().copied().collect();
     values.insert(nodes.reference_node, 0.0);
     values

@@ -32,11 +32,7 @@ fn load(table: &DeclaredTable, facts: &DeclaredFacts, base: &AxisState) -> Emula
     let mut points = table.points.clone();
     points.sort_by(|a, b| a.position.total_cmp(&b.position));
     let way = |value: fn(&Point) -> f64| {
-        let column = OneWay {
-            points: &points,
-            value,
-            facts,
-        };
+        let column = OneWay { points: &points, value, facts };
         let response = column.response(table, base.reference);
         response.ok_or_else(|| CannotEmulate(format!("the {} has no point", table.name())))
     };
@@ -54,11 +50,7 @@ fn load(table: &DeclaredTable, facts: &DeclaredFacts, base: &AxisState) -> Emula
             nothing_outside(&places, way);
         }
     }
-    Ok(Pair {
-        base: table.base.clone(),
-        output: table.output.clone(),
-        ways,
-    })
+    Ok(Pair { base: table.base.clone(), output: table.output.clone(), ways })
 }
 
 /// Whether ascending places cover the travel of the axis that is looked up and do not go beyond it, where a control

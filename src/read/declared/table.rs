@@ -76,17 +76,9 @@ impl Draft {
             return Ok(());
         }
         let is_known = |row: &Row| number.is_some_and(|own| row.number == Some(own));
-        let at = self
-            .rows
-            .iter()
-            .rposition(is_known)
-            .unwrap_or(self.rows.len());
+        let at = self.rows.iter().rposition(is_known).unwrap_or(self.rows.len());
         if at == self.rows.len() {
-            self.rows.push(Row {
-                line,
-                number,
-                fields: Vec::new(),
-            });
+            self.rows.push(Row { line, number, fields: Vec::new() });
         }
         for (field, placed) in of_point {
             put(&mut self.rows[at].fields, field, placed)?;
@@ -107,19 +99,10 @@ impl Draft {
         for (index, row) in self.rows.iter().enumerate() {
             self.check_number(facts, index, row)?;
             let position = self.position(facts, index, row)?;
-            check_order(
-                facts,
-                points.last().map(|last| last.position),
-                position,
-                row,
-            )?;
+            check_order(facts, points.last().map(|last| last.position), position, row)?;
             points.push(point(facts.value_fields(is_own), position, row)?);
         }
-        Ok(DeclaredTable {
-            base: self.base,
-            output: self.output,
-            points,
-        })
+        Ok(DeclaredTable { base: self.base, output: self.output, points })
     }
 
     /// As many points as the file and the control say.
@@ -225,25 +208,15 @@ fn check_order(
 /// A point with the values that it has to have.
 fn point(wanted: &[Field], position: f64, row: &Row) -> Result<Point, Complaint> {
     let all = [Field::Value, Field::Forward, Field::Reverse];
-    if let Some(field) = all
-        .iter()
-        .find(|own| row.of(**own).is_some() != wanted.contains(own))
-    {
+    if let Some(field) = all.iter().find(|own| row.of(**own).is_some() != wanted.contains(own)) {
         let is_there = row.of(*field).is_some();
-        let message = format!(
-            "a point with{} `{}`",
-            if is_there { "" } else { "out" },
-            field.word()
-        );
+        let message =
+            format!("a point with{} `{}`", if is_there { "" } else { "out" }, field.word());
         let help = "the patterns of the profile say which values a point has";
         return Err(Complaint::new(row.line.clone(), message, help));
     }
     let mut values = wanted.iter().filter_map(|field| row.of(*field));
-    Ok(Point {
-        position,
-        forward: values.next().unwrap_or_default(),
-        reverse: values.next(),
-    })
+    Ok(Point { position, forward: values.next().unwrap_or_default(), reverse: values.next() })
 }
 
 /// Takes a field that was not there yet.
@@ -267,11 +240,7 @@ fn number_in(text: &str, field: Field, span: &Range<usize>) -> Result<f64, Compl
     let number = number.filter(|number| !whole || number.fract().abs() <= 0.0);
     number.map(|number| number + 0.0).ok_or_else(|| {
         let kind = if whole { "a whole number" } else { "a number" };
-        let message = format!(
-            "`{}` is `{}`, expected {kind}",
-            field.word(),
-            shown(written)
-        );
+        let message = format!("`{}` is `{}`, expected {kind}", field.word(), shown(written));
         Complaint::new(span.clone(), message, "write digits with a decimal point")
     })
 }

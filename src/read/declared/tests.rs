@@ -35,17 +35,10 @@ fn refused(facts: &DeclaredFacts, text: &str) -> String {
 fn sections_of_a_file_are_tables() {
     let text = "; screw, drilling unit 5\n;UNIT = MM\nunit=mm\n[X]\n-570.025, 0.027, 0.083\n-450.020, 0.025, 0.077\n\n[y]\r\n0.000, 0.000, 0.030\r\n1000.00,0.0,.03\r\n";
     let found = read(&[("axeserr.dat", text)], &weihong()).unwrap().tables;
-    let point = |position, forward, reverse| Point {
-        position,
-        forward,
-        reverse: Some(reverse),
-    };
+    let point = |position, forward, reverse| Point { position, forward, reverse: Some(reverse) };
     assert_eq!(found.len(), 2);
     assert_eq!(found[0].name(), "table of X");
-    assert_eq!(
-        found[0].points,
-        [point(-570.025, 0.027, 0.083), point(-450.02, 0.025, 0.077)]
-    );
+    assert_eq!(found[0].points, [point(-570.025, 0.027, 0.083), point(-450.02, 0.025, 0.077)]);
     assert_eq!(found[1].points[1], point(1000.0, 0.0, 0.03));
 }
 
@@ -54,46 +47,19 @@ fn what_is_lost_doubled_or_foreign_is_refused_at_its_place() {
     let facts = weihong();
     for (text, says) in [
         ("[X]\n0, 0, 0\nunits = mm\n1, 0, 0\n", "file.dat:3:1"),
-        (
-            "[X]\n0, 0, 0\nunits = mm\n1, 0, 0\n",
-            "no pattern of the profile takes this line",
-        ),
-        (
-            ";unit=inch\n[X]\n0, 0, 0\n1, 0, 0\n",
-            "the file is in `inch`, the profile is not",
-        ),
+        ("[X]\n0, 0, 0\nunits = mm\n1, 0, 0\n", "no pattern of the profile takes this line"),
+        (";unit=inch\n[X]\n0, 0, 0\n1, 0, 0\n", "the file is in `inch`, the profile is not"),
         (";unit=inch\n[X]\n0, 0, 0\n1, 0, 0\n", "file.dat:1:7"),
-        (
-            " ;unit=inch\n[X]\n0, 0, 0\n1, 0, 0\n",
-            "the file is in `inch`",
-        ),
-        (
-            ";unit=inch ; NK200\n[X]\n0, 0, 0\n1, 0, 0\n",
-            "a comment that may name a unit",
-        ),
-        (
-            ";unit:inch\n[X]\n0, 0, 0\n1, 0, 0\n",
-            "a comment that may name a unit",
-        ),
-        (
-            "; Unit inch\n[X]\n0, 0, 0\n1, 0, 0\n",
-            "a comment that may name a unit",
-        ),
-        (
-            "; the unit is inch\n[X]\n0, 0, 0\n1, 0, 0\n",
-            "a comment that may name a unit",
-        ),
-        (
-            "unit = furlong\n[X]\n0, 0, 0\n1, 0, 0\n",
-            "the file is in `furlong`",
-        ),
+        (" ;unit=inch\n[X]\n0, 0, 0\n1, 0, 0\n", "the file is in `inch`"),
+        (";unit=inch ; NK200\n[X]\n0, 0, 0\n1, 0, 0\n", "a comment that may name a unit"),
+        (";unit:inch\n[X]\n0, 0, 0\n1, 0, 0\n", "a comment that may name a unit"),
+        ("; Unit inch\n[X]\n0, 0, 0\n1, 0, 0\n", "a comment that may name a unit"),
+        ("; the unit is inch\n[X]\n0, 0, 0\n1, 0, 0\n", "a comment that may name a unit"),
+        ("unit = furlong\n[X]\n0, 0, 0\n1, 0, 0\n", "the file is in `furlong`"),
         ("0, 0, 0\n1, 0, 0\n", "no line says of which axis"),
         ("[X]\n0, 0, 0\n0, 1, 0\n", "position 0 does not lie above 0"),
         ("[X]\n0, 0, 0\n", "has 1 points"),
-        (
-            "[X]\n0, 0, 0\n1, 0, 1.2.3\n",
-            "`reverse` is `1.2.3`, expected a number",
-        ),
+        ("[X]\n0, 0, 0\n1, 0, 1.2.3\n", "`reverse` is `1.2.3`, expected a number"),
         ("; nothing\n", "no line of the files holds a value"),
         (
             "[X]\n0, 0, 0\n5, 0, 0\n[Y]\n0, 0, 0\n5, 0, 0\n[x]\n9, 0, 0\n8, 0, 0\n",
@@ -103,27 +69,16 @@ fn what_is_lost_doubled_or_foreign_is_refused_at_its_place() {
         let words = refused(&facts, text);
         assert!(words.contains(says), "{text}\n{words}");
     }
-    let two = [
-        ("a.dat", "[X]\n0,0,0\n1,0,0\n"),
-        ("b.dat", "[X]\n0,0,0\n1,0,0\n"),
-    ];
+    let two = [("a.dat", "[X]\n0,0,0\n1,0,0\n"), ("b.dat", "[X]\n0,0,0\n1,0,0\n")];
     let words = read(&two, &facts).unwrap_err().render();
-    assert!(
-        words.contains("`b.dat` holds another table of X"),
-        "{words}"
-    );
+    assert!(words.contains("`b.dat` holds another table of X"), "{words}");
 }
 
 /// `table[3].pos 12`: the fields of a point stand in several lines, the axes in lines before them.
 #[test]
 fn fields_of_a_point_stand_in_several_lines() {
     let lines = r"['axis (?<axis>\d)', 'count (?<count>\d+)', 'master (?<base>\d)', 't.(?<point>\d+). at (?<position>\S+)', 't.(?<point>\d+). up (?<forward>\S+)', 't.(?<point>\d+). down (?<reverse>\S+)', 't.(?<point>\d+). v (?<value>\S+)']";
-    let facts = own(&[
-        ("lines", lines),
-        ("cross_terms", "2"),
-        ("comments", "false"),
-    ])
-    .unwrap();
+    let facts = own(&[("lines", lines), ("cross_terms", "2"), ("comments", "false")]).unwrap();
     let own_table =
         "axis 1\ncount 2\nt[0] at 0\nt[1] at 5\nt[0] up 1\nt[0] down 2\nt[1] up 3\nt[1] down 4\n";
     let cross = "master 2\nt[0] at 0\nt[0] v 7\nt[1] at 5\nt[1] v 8\n";
@@ -131,28 +86,13 @@ fn fields_of_a_point_stand_in_several_lines() {
     let found = read(&[("a.lis", &text)], &facts).unwrap().tables;
     assert_eq!(found[0].points[1].reverse, Some(4.0));
     assert_eq!(found[1].name(), "table of 1 by 2");
-    assert_eq!(
-        (found[1].points[0].forward, found[1].points[0].reverse),
-        (7.0, None)
-    );
+    assert_eq!((found[1].points[0].forward, found[1].points[0].reverse), (7.0, None));
     for (changed, says) in [
-        (
-            text.replace("count 2", "count 3"),
-            "the file says 3 here, its points make it 2",
-        ),
+        (text.replace("count 2", "count 3"), "the file says 3 here, its points make it 2"),
         (text.replace("t[1] up 3\n", ""), "a point without `forward`"),
-        (
-            text.replace("t[1] at 5\nt[0] up", "t[0] up"),
-            "a point without `position`",
-        ),
-        (
-            text.replace("t[0] v 7", "t[0] up 7"),
-            "a point without `value`",
-        ),
-        (
-            text.replace("t[1]", "t[2]"),
-            "the point 1 of the table of 1 was expected here",
-        ),
+        (text.replace("t[1] at 5\nt[0] up", "t[0] up"), "a point without `position`"),
+        (text.replace("t[0] v 7", "t[0] up 7"), "a point without `value`"),
+        (text.replace("t[1]", "t[2]"), "the point 1 of the table of 1 was expected here"),
         (format!("{text}t[0] v 7\n"), "a second `value` here"),
     ] {
         let words = refused(&facts, &changed);
@@ -166,16 +106,9 @@ fn places_are_counted_from_the_start_and_the_axis_stands_in_the_name() {
     let lines = r"['start (?<start>\S+) step (?<spacing>\S+)', '(?<forward>\S+) (?<reverse>\S+)']";
     let name = r"['(?<axis>[a-z])-table\.txt']";
     let facts = own(&[("lines", lines), ("file_name", name)]).unwrap();
-    let found = read(
-        &[("kit/x-table.txt", "start -10 step 2.5\n1 2\n3 4\n5 6\n")],
-        &facts,
-    )
-    .unwrap();
-    let places: Vec<f64> = found.tables[0]
-        .points
-        .iter()
-        .map(|point| point.position)
-        .collect();
+    let found =
+        read(&[("kit/x-table.txt", "start -10 step 2.5\n1 2\n3 4\n5 6\n")], &facts).unwrap();
+    let places: Vec<f64> = found.tables[0].points.iter().map(|point| point.position).collect();
     assert_eq!(
         (found.tables[0].name().as_str(), &places[..]),
         ("table of x", &[-10.0, -7.5, -5.0][..])
@@ -207,23 +140,11 @@ fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
             r"['(?<axis>[XYZ])', '(?<forward>\S+) (?<reverse>\S+)']",
             "no pattern has the field `start`",
         ),
-        (
-            "value_form",
-            "\"increment\"",
-            "`value_form` is out of range, expected `amount`",
-        ),
+        ("value_form", "\"increment\"", "`value_form` is out of range, expected `amount`"),
         ("position_size", "12.5", "`position_size` is out of range"),
-        (
-            "value_size",
-            "\"yard\"",
-            "expected one of `mm`, `um`, `inch`",
-        ),
+        ("value_size", "\"yard\"", "expected one of `mm`, `um`, `inch`"),
         ("comments", "true", "the sign that begins a comment"),
-        (
-            "outside",
-            "\"fade\"",
-            "expected one of `hold`, `zero`, `unknown`",
-        ),
+        ("outside", "\"fade\"", "expected one of `hold`, `zero`, `unknown`"),
     ] {
         let words = own(&[(fact, value)]).unwrap_err().render();
         assert!(words.contains(says), "{fact} = {value}\n{words}");

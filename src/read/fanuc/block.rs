@@ -70,9 +70,7 @@ pub(super) fn record(text: &str, of_kit: bool, complaints: &mut Vec<Complaint>) 
     };
     let is_block = |span: &Range<usize>| number(&text[span.clone()]).is_some();
     let has_block = |span: Range<usize>| blocks(text, span).find(is_block);
-    let title_end = text[opening..]
-        .find('\n')
-        .map_or(text.len(), |at| opening + at);
+    let title_end = text[opening..].find('\n').map_or(text.len(), |at| opening + at);
     let before = has_block(0..opening);
     if opening == closing {
         if before.is_some() {
@@ -90,10 +88,7 @@ pub(super) fn record(text: &str, of_kit: bool, complaints: &mut Vec<Complaint>) 
         );
     }
     if let Some(span) = has_block(closing + 1..text.len()) {
-        refuse(
-            span,
-            "a block stands behind the closing `%`, where no control reads",
-        );
+        refuse(span, "a block stands behind the closing `%`, where no control reads");
     }
     let title = opening + 1..title_end.min(closing);
     if text[title.clone()].trim_end_matches('\r').contains('\r') {
@@ -102,10 +97,7 @@ pub(super) fn record(text: &str, of_kit: bool, complaints: &mut Vec<Complaint>) 
             "a carriage return alone ends the line of the opening `%`, which controls skip up to the line feed",
         );
     } else if is_block(&title) {
-        refuse(
-            title,
-            "a block stands on the line of the opening `%`, which controls skip",
-        );
+        refuse(title, "a block stands on the line of the opening `%`, which controls skip");
     }
     let last = text[opening..closing].rsplit('\n').next().unwrap_or("");
     if !last.trim_matches(BLANKS).is_empty() {
@@ -157,10 +149,7 @@ pub(super) struct Segment {
 
 /// Cuts a block into words.
 pub(super) fn parse(text: &str, span: Range<usize>) -> Result<Block, Complaint> {
-    if let Some((at, c)) = text[span.clone()]
-        .char_indices()
-        .find(|(_, c)| !c.is_ascii())
-    {
+    if let Some((at, c)) = text[span.clone()].char_indices().find(|(_, c)| !c.is_ascii()) {
         let at = span.start + at;
         return Err(Complaint::new(
             at..at + c.len_utf8(),
@@ -178,12 +167,7 @@ pub(super) fn parse(text: &str, span: Range<usize>) -> Result<Block, Complaint> 
     while words.0.peek_word().is_some() {
         segments.push(words.segment()?);
     }
-    Ok(Block {
-        number,
-        number_span,
-        is_point,
-        segments,
-    })
+    Ok(Block { number, number_span, is_point, segments })
 }
 
 struct Words<'a>(Cursor<'a>);
@@ -237,11 +221,7 @@ impl Words<'_> {
         let spindle = self.marked("S")?;
         let axis = self.marked("A")?;
         if let Some((0, span)) = axis {
-            return Err(Complaint::new(
-                span,
-                "axis numbers count from 1",
-                GRAMMAR_HELP,
-            ));
+            return Err(Complaint::new(span, "axis numbers count from 1", GRAMMAR_HELP));
         }
         let Some(letter) = self.0.eat("PMI") else {
             return Err(self.unexpected("`P` and a value"));
@@ -272,14 +252,10 @@ impl Words<'_> {
             return Complaint::new(span, message, GRAMMAR_HELP);
         };
         let (what, help) = match found {
-            '\r' => (
-                "a carriage return alone, which ends no block on a control",
-                END_OF_BLOCK_HELP,
-            ),
-            'a'..='z' => (
-                "a letter in lower case, which a control skips",
-                "write it in capitals",
-            ),
+            '\r' => {
+                ("a carriage return alone, which ends no block on a control", END_OF_BLOCK_HELP)
+            }
+            'a'..='z' => ("a letter in lower case, which a control skips", "write it in capitals"),
             ';' => ("a `;`; in a file `;` ends no block", END_OF_BLOCK_HELP),
             '(' => (
                 "a comment, which this control's data files cannot hold",

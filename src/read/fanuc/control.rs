@@ -55,11 +55,7 @@ impl FanucControl {
         facts: &FanucFacts,
         state: &ControlState,
     ) -> Emulated<FanucControl> {
-        let from = Loading {
-            memory,
-            facts,
-            state,
-        };
+        let from = Loading { memory, facts, state };
         from.refuse_others()?;
         refuse_other_return(from)?;
         let mut links = load_links(from)?;
@@ -76,13 +72,8 @@ impl FanucControl {
     }
 
     fn known(&self, axis: &str) -> Emulated<String> {
-        let found = self
-            .axes
-            .iter()
-            .find(|name| name.eq_ignore_ascii_case(axis));
-        found
-            .cloned()
-            .ok_or_else(|| CannotEmulate(format!("the control has no axis `{axis}`")))
+        let found = self.axes.iter().find(|name| name.eq_ignore_ascii_case(axis));
+        found.cloned().ok_or_else(|| CannotEmulate(format!("the control has no axis `{axis}`")))
     }
 }
 
@@ -133,12 +124,7 @@ fn pitch_axes(memory: &FanucMemory) -> BTreeSet<u32> {
 
 /// A kit may repeat the direction of the reference return, but not change it.
 fn refuse_other_return(from: Loading) -> Emulated<()> {
-    for key in from
-        .memory
-        .parameters
-        .keys()
-        .filter(|key| key.number == 1006)
-    {
+    for key in from.memory.parameters.keys().filter(|key| key.number == 1006) {
         let (Some(number), Some(bits)) = (key.axis, from.bits(1006, key.axis)?) else {
             return cannot("parameter 1006 names no axis, but each axis has its own");
         };

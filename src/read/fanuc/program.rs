@@ -8,11 +8,8 @@ use crate::read::program::blocks::{
 };
 
 /// Its language (B-64484EN, G-code system of a machining centre).
-pub(in crate::read) const VOCABULARY: Vocabulary = Vocabulary {
-    words: &WORDS,
-    increments_need_machine: false,
-    blocks,
-};
+pub(in crate::read) const VOCABULARY: Vocabulary =
+    Vocabulary { words: &WORDS, increments_need_machine: false, blocks };
 
 /// G17, G61 and G64 (exact stop, cutting) do not change where the axes go.
 const WORDS: [(&str, Meaning); 20] = [

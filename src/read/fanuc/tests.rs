@@ -1,29 +1,16 @@
 //! Files of the kinds that controls write, and each way in which a file can be wrong.
 
-#![allow(
-    clippy::expect_used,
-    reason = "a test that expects a value fails without it"
-)]
+#![allow(clippy::expect_used, reason = "a test that expects a value fails without it")]
 
 use super::*;
 use crate::control::controller::{Evidence, Fact, IntervalForm, StraightnessForm, TableSign};
 
 fn fact<T>(value: T) -> Fact<T> {
-    Fact {
-        value,
-        evidence: Evidence::Manual,
-        source: "test".to_string(),
-        consequence: None,
-    }
+    Fact { value, evidence: Evidence::Manual, source: "test".to_string(), consequence: None }
 }
 
 fn ranges(bounds: &[(u32, u32)]) -> Fact<Vec<NumberRange>> {
-    fact(
-        bounds
-            .iter()
-            .map(|&(first, last)| NumberRange { first, last })
-            .collect(),
-    )
+    fact(bounds.iter().map(|&(first, last)| NumberRange { first, last }).collect())
 }
 
 /// A 30i-class control with per-point straightness.
@@ -93,46 +80,26 @@ const LINES: [&str; 6] = [
 fn every_kind_of_line_end_gives_the_same_memory() {
     let expected = read_30i(&LINES.join("\n")).expect("a good file");
     for end in ["\r\n", "\n\r\r", "\n\n", "\n\r\r\n\r\r", " \n", " \t\r\n"] {
-        assert_eq!(
-            read_30i(&LINES.join(end)).expect("a good file"),
-            expected,
-            "{end:?}"
-        );
+        assert_eq!(read_30i(&LINES.join(end)).expect("a good file"), expected, "{end:?}");
     }
-    assert_eq!(
-        expected.parameter(3605, Some(1)),
-        Some(ParameterValue::Bits(3))
-    );
-    assert_eq!(
-        expected.parameter(3620, Some(2)),
-        Some(ParameterValue::Integer(140))
-    );
-    assert_eq!(
-        expected.parameter(3624, Some(2)),
-        Some(ParameterValue::Real(-25.4))
-    );
+    assert_eq!(expected.parameter(3605, Some(1)), Some(ParameterValue::Bits(3)));
+    assert_eq!(expected.parameter(3620, Some(2)), Some(ParameterValue::Integer(140)));
+    assert_eq!(expected.parameter(3624, Some(2)), Some(ParameterValue::Real(-25.4)));
     assert_eq!(expected.points.get(&33), Some(&-2));
 }
 
 /// B-63524EN/01 p. 649: LF ends a block, not `;`; letters in lower case are skipped.
 #[test]
 fn what_a_control_understands_otherwise_is_refused() {
-    for (end, says) in [
-        ("\r", "carriage return alone"),
-        (";\n", "`;` ends no block"),
-        (";", "`;` ends no block"),
-    ] {
+    for (end, says) in
+        [("\r", "carriage return alone"), (";\n", "`;` ends no block"), (";", "`;` ends no block")]
+    {
         let text = LINES.join(end).replacen(end, "\n", 1);
         let problems = wrong(&format!("{text}\n"));
         let told = |problem: &Problem| problem.message.contains(says);
         assert!(problems.iter().any(told), "{end:?}: {problems:?}");
     }
-    for block in [
-        "n03620Q1A1P40",
-        "N03620q1A1P40",
-        "N03620Q1a1P40",
-        "N03620Q1A1p40",
-    ] {
+    for block in ["n03620Q1A1P40", "N03620q1A1P40", "N03620Q1a1P40", "N03620Q1A1p40"] {
         let problems = wrong(&format!("%\n{block}\n%\n"));
         assert!(problems[0].message.contains("lower case"), "{problems:?}");
     }
@@ -144,19 +111,9 @@ fn blanks_and_text_around_the_record_mean_nothing() {
     let memory = read_30i(text).expect("a good file");
     assert_eq!(memory.parameters.len(), 2);
     let unit = ControlUnit::Millimetre;
-    let whole = read_out(
-        "CNC-PARA.TXT",
-        &format!("cnc 2\n{text}"),
-        &facts_30i(),
-        unit,
-    );
+    let whole = read_out("CNC-PARA.TXT", &format!("cnc 2\n{text}"), &facts_30i(), unit);
     assert_eq!(whole.expect("a good file").memory, memory);
-    assert!(
-        read_30i("%\n%")
-            .expect("an empty record")
-            .parameters
-            .is_empty()
-    );
+    assert!(read_30i("%\n%").expect("an empty record").parameters.is_empty());
 }
 
 /// Lines of the form a 30i writes (B-63950EN/02 §3.3.2–3.3.7).
@@ -173,14 +130,8 @@ fn path_one_and_unit_letters_are_read() {
         Some(ParameterValue::Integer(1)),
         "not a known bit parameter"
     );
-    assert_eq!(
-        memory.parameter(1240, None),
-        Some(ParameterValue::Real(0.5))
-    );
-    assert_eq!(
-        memory.parameter(3620, Some(2)),
-        Some(ParameterValue::Integer(89))
-    );
+    assert_eq!(memory.parameter(1240, None), Some(ParameterValue::Real(0.5)));
+    assert_eq!(memory.parameter(3620, Some(2)), Some(ParameterValue::Integer(89)));
 }
 
 /// Legacy rule (B-63534EN, B-63330EN/03 §3): a number from 10000 on is a point.
@@ -188,28 +139,16 @@ fn path_one_and_unit_letters_are_read() {
 fn legacy_files_need_no_q() {
     let text = "%\r\nN3620A1P40A2P140\r\nN3624A1P50000\r\nN10033P2\r\nN3605A1P00000001\r\n%\r\n";
     let memory = read("A.TXT", text, &facts_16i()).expect("a good file");
-    assert_eq!(
-        memory.parameter(3620, Some(1)),
-        Some(ParameterValue::Integer(40))
-    );
-    assert_eq!(
-        memory.parameter(3624, Some(1)),
-        Some(ParameterValue::Integer(50000))
-    );
-    assert_eq!(
-        memory.parameter(3605, Some(1)),
-        Some(ParameterValue::Bits(1))
-    );
+    assert_eq!(memory.parameter(3620, Some(1)), Some(ParameterValue::Integer(40)));
+    assert_eq!(memory.parameter(3624, Some(1)), Some(ParameterValue::Integer(50000)));
+    assert_eq!(memory.parameter(3605, Some(1)), Some(ParameterValue::Bits(1)));
     assert_eq!(memory.points.into_iter().collect::<Vec<_>>(), [(33, 2)]);
 }
 
 #[test]
 fn straightness_parameters_in_the_space_of_the_points_are_parameters() {
     let memory = read_30i("%\nN13381Q1P1\nN13396Q1P6640\nN16000Q0P7\n%\n").expect("a good file");
-    assert_eq!(
-        memory.parameter(13396, None),
-        Some(ParameterValue::Integer(6640))
-    );
+    assert_eq!(memory.parameter(13396, None), Some(ParameterValue::Integer(6640)));
     assert_eq!(memory.points.get(&6000), Some(&7));
 }
 
@@ -217,10 +156,7 @@ fn straightness_parameters_in_the_space_of_the_points_are_parameters() {
 fn later_parameters_overwrite_and_equal_points_may_repeat() {
     let memory = read_30i("%\nN03623Q1A1P1\nN03623Q1A1P2\nN10033Q0P1\nN10033Q0P1\n%\n");
     let memory = memory.expect("a good file");
-    assert_eq!(
-        memory.parameter(3623, Some(1)),
-        Some(ParameterValue::Integer(2))
-    );
+    assert_eq!(memory.parameter(3623, Some(1)), Some(ParameterValue::Integer(2)));
 }
 
 /// One bad block between good ones: the words that must be in the message, and where it is.
@@ -272,11 +208,7 @@ fn each_bad_block_is_named_with_its_column() {
         let text = format!("%\n\r\rN03620Q1A1P40\n\r\r{block}\n\r\rN03621Q1A1P33\n\r\r%\n\r\r");
         let problems = wrong(&text);
         assert_eq!(problems.len(), 1, "{block}: {problems:?}");
-        assert!(
-            problems[0].message.contains(words),
-            "{block}: {}",
-            problems[0].message
-        );
+        assert!(problems[0].message.contains(words), "{block}: {}", problems[0].message);
         let place = problems[0].place.as_ref().expect("a place");
         assert_eq!((place.line, place.column), (3, column), "{block}");
         assert_eq!(place.text, block, "the line is shown without its line end");
@@ -301,42 +233,25 @@ fn broken_frames_are_named() {
     ];
     for (text, words) in cases {
         let problems = wrong(text);
-        assert!(
-            problems[0].message.contains(words),
-            "{text:?}: {problems:?}"
-        );
-        assert!(
-            problems[0].place.is_some() && problems[0].help.is_some(),
-            "{text:?}"
-        );
+        assert!(problems[0].message.contains(words), "{text:?}: {problems:?}");
+        assert!(problems[0].place.is_some() && problems[0].help.is_some(), "{text:?}");
     }
 }
 
 #[test]
 fn all_problems_of_a_file_come_together() {
     let problems = wrong("%\nN10033Q0P1\nN10033Q0P2\nN10034Q0P1.5\nN1Q1S1P1\n%\n");
-    let lines: Vec<usize> = problems
-        .iter()
-        .filter_map(|p| p.place.as_ref().map(|at| at.line))
-        .collect();
+    let lines: Vec<usize> =
+        problems.iter().filter_map(|p| p.place.as_ref().map(|at| at.line)).collect();
     assert_eq!(lines, [3, 4, 5]);
-    assert!(
-        problems[0].message.contains("is 2 here and 1"),
-        "{}",
-        problems[0].message
-    );
+    assert!(problems[0].message.contains("is 2 here and 1"), "{}", problems[0].message);
 }
 
 #[test]
 fn a_g10_program_is_one_problem() {
     let problems = wrong("%\nG10L52\nN3620P1R40\nN3621P1R33\nG11\nN10033P2\n%\n");
     assert_eq!(problems.len(), 2, "{problems:?}");
-    assert!(
-        problems[0]
-            .help
-            .as_ref()
-            .is_some_and(|help| help.contains("N…P…"))
-    );
+    assert!(problems[0].help.as_ref().is_some_and(|help| help.contains("N…P…")));
 }
 
 #[test]
@@ -348,10 +263,7 @@ fn files_of_a_kit_make_one_memory_unless_they_disagree() {
     let other = read_30i("%\nN03623Q1A1P2\nN10033Q0P2\n%").expect("a good file");
     let problems = merge(vec![both, other]).expect_err("they disagree");
     let messages: Vec<&str> = problems.iter().map(|p| p.message.as_str()).collect();
-    assert!(
-        messages[0].contains("parameter 3623 of axis 1"),
-        "{messages:?}"
-    );
+    assert!(messages[0].contains("parameter 3623 of axis 1"), "{messages:?}");
     assert!(messages[1].contains("point 33"), "{messages:?}");
 }
 

@@ -21,10 +21,7 @@ const MOST_RELATIONS: usize = 200;
 
 /// A row as either form holds it.
 #[derive(Deserialize)]
-#[serde(
-    deny_unknown_fields,
-    expecting = "an object with the nine columns as keys"
-)]
+#[serde(deny_unknown_fields, expecting = "an object with the nine columns as keys")]
 pub(super) struct RawRow {
     pub(super) term: String,
     pub(super) base_axis: String,
@@ -51,12 +48,7 @@ pub(super) struct Flaw {
 impl Flaw {
     fn new(row: usize, column: &'static str, message: String, help: impl Into<String>) -> Flaw {
         let help = help.into();
-        Flaw {
-            row,
-            column,
-            message,
-            help,
-        }
+        Flaw { row, column, message, help }
     }
 }
 
@@ -127,10 +119,7 @@ fn refuse_nameless_axes(raw: &RawRow, flaw: &mut impl FnMut(&'static str, String
     let is_name = |name: &str| {
         !name.trim().is_empty() && !name.contains(|c: char| c.is_control() || c == '"')
     };
-    for (column, name) in [
-        ("base_axis", &raw.base_axis),
-        ("output_axis", &raw.output_axis),
-    ] {
+    for (column, name) in [("base_axis", &raw.base_axis), ("output_axis", &raw.output_axis)] {
         if !is_name(name) {
             let message = format!("`{column}` is `{name}`, expected the name of an axis");
             let help = "write the control's name of the axis, as in the job";
@@ -277,10 +266,8 @@ fn spacing_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
     let worst = (0..steps.len())
         .rev() // the first of equal ones
         .max_by(|a, b| off(&steps[*a]).total_cmp(&off(&steps[*b])))?;
-    let message = format!(
-        "`position_mm` is {} mm after the row before, expected {usual} mm",
-        steps[worst]
-    );
+    let message =
+        format!("`position_mm` is {} mm after the row before, expected {usual} mm", steps[worst]);
     let help = "the positions of a block are equally spaced; a row may be missing";
     Some(Flaw::new(block[worst + 1], "position_mm", message, help))
 }

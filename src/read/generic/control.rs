@@ -76,9 +76,7 @@ fn corrections(rows: &[&GenericRow]) -> Emulated<NodeTable> {
     let [start, step] = [first.position_mm, step].map(Millimetres::new);
     NodeTable::new(start, step, &values, Between::Linear).ok_or_else(|| {
         let (term, base, output) = (first.term, &first.base_axis, &first.output_axis);
-        CannotEmulate(format!(
-            "{term} from {base} to {output} has fewer than two points"
-        ))
+        CannotEmulate(format!("{term} from {base} to {output} has fewer than two points"))
     })
 }
 

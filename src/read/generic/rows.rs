@@ -32,17 +32,13 @@ pub(super) fn read_json(file: &str, text: &str) -> Result<GenericTable, Problems
     const HELP: &str =
         "expected {\"schema\":1,\"rows\":[…]} with the nine columns as keys of each row";
     // JSON may stand in one line; the columns of a long one are not counted.
-    let index = refuse_long_lines(file, text)
-        .is_ok()
-        .then(LineIndex::default);
+    let index = refuse_long_lines(file, text).is_ok().then(LineIndex::default);
     let at = |message: String, start: usize, end: usize| match &index {
         Some(index) => Problem::new(message).at(index.place(file, text, start, end)),
         None => Problem::new(format!("`{file}`: {message}")),
     };
     let document: Document = serde_json::from_str(text).map_err(|flaw| {
-        let before = text
-            .split_inclusive('\n')
-            .take(flaw.line().saturating_sub(1));
+        let before = text.split_inclusive('\n').take(flaw.line().saturating_sub(1));
         let start = before.map(str::len).sum::<usize>() + flaw.column().saturating_sub(1);
         let whole = flaw.to_string();
         let what = whole.split(" at line ").next().unwrap_or(&whole);

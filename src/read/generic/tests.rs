@@ -48,10 +48,8 @@ fn flaws(text: &str) -> Vec<String> {
 fn check(text: &str, cases: &str) {
     let mut misses = String::new();
     for case in cases.trim().lines().filter(|line| !line.starts_with("--")) {
-        let cells: Vec<String> = case
-            .split('|')
-            .map(|cell| cell.trim().replace('¶', "\n"))
-            .collect();
+        let cells: Vec<String> =
+            case.split('|').map(|cell| cell.trim().replace('¶', "\n")).collect();
         let [from, to, place, words] = &cells[..] else {
             panic!("four cells: {case}");
         };
@@ -242,15 +240,10 @@ fn a_flaw_brings_no_others() {
 
 #[test]
 fn all_flaws_are_told_in_the_order_of_the_file_each_cause_once() {
-    let text = csv_text()
-        .replace("-50,", "x,")
-        .replace("50,-1", "50,-2")
-        .replace("25.4", "-25.4"); // told when each row can be read
+    let text = csv_text().replace("-50,", "x,").replace("50,-1", "50,-2").replace("25.4", "-25.4"); // told when each row can be read
     let found = flaws(&text);
-    let places: Vec<&str> = found
-        .iter()
-        .map(|flaw| flaw.split(' ').next().expect("a place"))
-        .collect();
+    let places: Vec<&str> =
+        found.iter().map(|flaw| flaw.split(' ').next().expect("a place")).collect();
     assert_eq!(places, ["2:12", "4:18"], "{found:#?}");
     assert_eq!(
         flaws(&format!("{HEADER}{}", "a,b\n".repeat(1000))).len(),
@@ -258,9 +251,8 @@ fn all_flaws_are_told_in_the_order_of_the_file_each_cause_once() {
     );
     let letters = format!("{HEADER}{}", "a,b,c,d,e,f,g,h,i\n".repeat(1000));
     assert!(flaws(&letters).len() <= 9, "one for each column at most");
-    let jumbled: String = (0..30).fold(String::new(), |rows, n| {
-        format!("{rows}EXX,A{n},B,,1,0,0,0,0\n")
-    });
+    let jumbled: String =
+        (0..30).fold(String::new(), |rows, n| format!("{rows}EXX,A{n},B,,1,0,0,0,0\n"));
     assert_eq!(flaws(&format!("{HEADER}{jumbled}")).len(), 1);
 }
 
@@ -300,14 +292,8 @@ fn what_is_no_twin_is_refused_with_its_first_differing_row() {
             twin("X,Y,+", "X,Y,"),
             "row 4 (EYX+ from `X` to `Y`, index 0) differs in `direction` (`+` and ``)",
         ),
-        (
-            twin("X,Y,", "X,AX2,"),
-            "differs in `output_axis` (`Y` and `AX2`)",
-        ),
-        (
-            twin(EYX, ""),
-            "row 4 (EYX+ from `X` to `Y`, index 0) stands in only one",
-        ),
+        (twin("X,Y,", "X,AX2,"), "differs in `output_axis` (`Y` and `AX2`)"),
+        (twin(EYX, ""), "row 4 (EYX+ from `X` to `Y`, index 0) stands in only one"),
     ];
     for (other, part) in cases {
         let first = table(&csv_text());

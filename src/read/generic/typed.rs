@@ -83,9 +83,7 @@ fn read_as(file: &str, text: &str, is_seen: bool) -> Result<GenericTable, Proble
     }
     let mut problems = Problems::none();
     let rows = lines.iter();
-    let rows: Vec<Row<'_>> = rows
-        .filter_map(|line| problems.take(row(line, &columns)))
-        .collect();
+    let rows: Vec<Row<'_>> = rows.filter_map(|line| problems.take(row(line, &columns))).collect();
     let (sums, mut points): (Vec<_>, Vec<_>) =
         problems.or_ok(rows)?.into_iter().partition(Row::is_sum);
     refuse_other_sums(&points, &sums, &columns)?;
@@ -125,16 +123,11 @@ impl Columns {
                 problems.push(Problem::new(message).at(header.cell_place(index)));
             }
         }
-        for name in COLUMNS
-            .iter()
-            .filter(|name| !names.iter().any(|own| own == **name))
-        {
+        for name in COLUMNS.iter().filter(|name| !names.iter().any(|own| own == **name)) {
             let message = format!("the header has no column `{name}`");
             problems.push(Problem::new(message).at(header.whole()));
         }
-        let own = VALUES
-            .iter()
-            .filter(|(name, ..)| names.iter().any(|own| own == name));
+        let own = VALUES.iter().filter(|(name, ..)| names.iter().any(|own| own == name));
         let own: Vec<_> = own.collect();
         let [(value, kind, unit)] = own.as_slice() else {
             let message = format!("the list has {} columns of values, expected one", own.len());
@@ -142,12 +135,7 @@ impl Columns {
             problems.push(Problem::new(message).at(header.whole()).help(help));
             return Err(problems);
         };
-        problems.or_ok(Columns {
-            names,
-            value,
-            kind: *kind,
-            unit: *unit,
-        })
+        problems.or_ok(Columns { names, value, kind: *kind, unit: *unit })
     }
 
     /// The cell of a column; whatever is said of a value stands at the value.
@@ -222,11 +210,7 @@ fn row<'a>(line: &Line<'a>, columns: &Columns) -> Result<Row<'a>, Problems> {
         line.number_in(place, &own[place], column, NUMBER, &mut problems)
     };
     let is_point = point.is_some();
-    let position_mm = if is_point {
-        number("position_mm")
-    } else {
-        None
-    };
+    let position_mm = if is_point { number("position_mm") } else { None };
     let zero_mm = if is_point { number("zero_mm") } else { None };
     let value = number(columns.value);
     let seen = match cell("seen").is_empty() {
@@ -316,11 +300,7 @@ fn help_of_sum(page: &[&Row<'_>]) -> String {
 fn take_seen(points: &mut [Row<'_>], columns: &Columns) -> Result<(), Problems> {
     let missing = points.iter().filter(|point| point.seen_um.is_none());
     if let Some(first) = missing.clone().next() {
-        let message = format!(
-            "`seen` is empty in {} of {} lines",
-            missing.count(),
-            points.len()
-        );
+        let message = format!("`seen` is empty in {} of {} lines", missing.count(), points.len());
         return Err(Problem::new(message)
             .at(first.line.cell_place(columns.place("seen")))
             .help("read every point on the control's screen and fill in what it shows")
@@ -377,9 +357,7 @@ fn added_up(block: &[&Row<'_>], columns: &Columns) -> Result<Vec<f64>, Problem> 
         sum
     });
     let sums: Vec<f64> = sums.collect();
-    let at_zero = block
-        .iter()
-        .position(|row| (row.position_mm - row.zero_mm).abs() <= SAME);
+    let at_zero = block.iter().position(|row| (row.position_mm - row.zero_mm).abs() <= SAME);
     let Some(zero) = at_zero else {
         let message = "no point of this table lies at `zero_mm`, where the correction is zero";
         let place = first.line.cell_place(columns.place("zero_mm"));
@@ -387,8 +365,5 @@ fn added_up(block: &[&Row<'_>], columns: &Columns) -> Result<Vec<f64>, Problem> 
             .at(place)
             .help("`zero_mm` is the reference point, in machine coordinates"));
     };
-    Ok(sums
-        .iter()
-        .map(|um| units::rounded(um - sums[zero], DUST_DECIMALS))
-        .collect())
+    Ok(sums.iter().map(|um| units::rounded(um - sums[zero], DUST_DECIMALS)).collect())
 }

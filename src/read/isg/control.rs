@@ -66,17 +66,10 @@ impl IsgControl {
         };
         let origin = PerAxis::from_fn(origin);
         let (error, angle) = (facts.error_sign.value, facts.angle_sign.value);
-        let rotation = |term: ErrorTerm| Rotation {
-            about: term.of,
-            along: term.along,
-        };
+        let rotation = |term: ErrorTerm| Rotation { about: term.of, along: term.along };
         Ok(IsgControl {
             deviations: PerTerm::from_fn(|term| {
-                let sign = if tables.negated[term.of] {
-                    error.turned()
-                } else {
-                    error
-                };
+                let sign = if tables.negated[term.of] { error.turned() } else { error };
                 response(Parameter::Deviation(term), sign)
             }),
             angles: PerTerm::from_fn(|term| response(Parameter::Angle(rotation(term)), angle)),
@@ -180,10 +173,7 @@ impl IsgControl {
     /// Every place where what angles and constants do while an axis moves bends; none where they do nothing.
     fn bends(&self, along: Axis) -> Vec<f64> {
         let swings = self.arm(along).length() > 0.0;
-        let angle = |about| {
-            self.tables
-                .curve(Parameter::Angle(Rotation { about, along }))
-        };
+        let angle = |about| self.tables.curve(Parameter::Angle(Rotation { about, along }));
         let angles = Axis::ALL.into_iter().filter_map(angle).filter(|_| swings);
         let points = angles.flat_map(|curve| &curve.points);
         let mut places: Vec<f64> = points.map(|point| point.position).collect();
@@ -208,18 +198,12 @@ impl Emulator for IsgControl {
     }
 
     fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
-        let (known, other) = (
-            known_axis(&self.state, base)?,
-            known_axis(&self.state, output)?,
-        );
+        let (known, other) = (known_axis(&self.state, base)?, known_axis(&self.state, output)?);
         let backlash = match known.name == other.name {
             true => known.backlash(direction),
             false => Correction::ZERO,
         };
-        let pair = self
-            .tables
-            .axis(&known.name)
-            .zip(self.tables.axis(&other.name));
+        let pair = self.tables.axis(&known.name).zip(self.tables.axis(&other.name));
         let pair = pair.filter(|(_, of)| !self.tables.zeroed[*of]);
         let mut response = Response::new(Vec::new(), backlash);
         if let Some((along, of)) = pair {
@@ -228,10 +212,7 @@ impl Emulator for IsgControl {
             let values: Vec<Correction> = places.iter().map(swung).collect();
             let deviation = self.deviations[ErrorTerm { of, along }].clone();
             let swung = Response::straight(&places, &values);
-            deviation
-                .into_iter()
-                .chain(swung)
-                .for_each(|own| response.add(own));
+            deviation.into_iter().chain(swung).for_each(|own| response.add(own));
         }
         Ok(response)
     }
@@ -246,9 +227,7 @@ impl Emulator for IsgControl {
             return 0.0;
         };
         let along = Axis::ALL.into_iter();
-        along
-            .map(|along| self.swing_by(along, of, at.as_ref()))
-            .sum()
+        along.map(|along| self.swing_by(along, of, at.as_ref())).sum()
     }
 
     fn levers(&self) -> Option<[Axis; 3]> {

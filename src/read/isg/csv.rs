@@ -57,11 +57,7 @@ type Words<'a> = [(&'a str, Range<usize>)];
 fn begin(header: &Words<'_>, span: Range<usize>) -> Result<Block, Complaint> {
     let columns = header.iter().map(|(word, span)| column(word, span.clone()));
     let columns: Vec<Column> = columns.collect::<Result<_, _>>()?;
-    let block = Block {
-        columns,
-        span: span.clone(),
-        rows: Vec::new(),
-    };
+    let block = Block { columns, span: span.clone(), rows: Vec::new() };
     let arguments = block.arguments();
     let own = |parameter: &Parameter| match parameter.along() {
         Some(axis) => arguments == [axis],
@@ -180,11 +176,7 @@ fn end(block: Option<Block>, curves: &mut Vec<Curve>) -> Result<(), Complaint> {
     };
     if block.rows.is_empty() {
         let message = "a header without a row";
-        return Err(Complaint::new(
-            block.span,
-            message,
-            "the file may have been cut off",
-        ));
+        return Err(Complaint::new(block.span, message, "the file may have been cut off"));
     }
     let argument = block.argument();
     for (index, parameter) in block.parameters() {
@@ -193,10 +185,10 @@ fn end(block: Option<Block>, curves: &mut Vec<Curve>) -> Result<(), Complaint> {
             let span = block.span.clone();
             return Err(Complaint::new(span, message, "give each parameter once"));
         }
-        let points = block.rows.iter().map(|row| Point {
-            position: argument.map_or(0.0, |at| row[at]),
-            value: row[index],
-        });
+        let points = block
+            .rows
+            .iter()
+            .map(|row| Point { position: argument.map_or(0.0, |at| row[at]), value: row[index] });
         let points = points.collect();
         curves.push(Curve { parameter, points });
     }

@@ -44,11 +44,7 @@ fn wrong(text: &str, span: Range<usize>, expected: &str) -> Complaint {
         "" => format!("expected {expected}"),
         found => format!("`{}`, expected {expected}", shown(found)),
     };
-    Complaint::new(
-        span,
-        message,
-        "a file of the exchange format, variant Vendor",
-    )
+    Complaint::new(span, message, "a file of the exchange format, variant Vendor")
 }
 
 /// What was read so far.
@@ -74,36 +70,24 @@ impl Reading {
                 _ => self.point(text, span),
             };
         }
-        if let Some(name) = line
-            .strip_prefix('[')
-            .and_then(|rest| rest.strip_suffix(']'))
-        {
+        if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
             return self.begin(name);
         }
-        let (key, value) = line
-            .split_once('=')
-            .map_or((line, ""), |(a, b)| (a.trim(), b.trim()));
+        let (key, value) = line.split_once('=').map_or((line, ""), |(a, b)| (a.trim(), b.trim()));
         let is_value = key.eq_ignore_ascii_case("value");
         let is_grid = key.eq_ignore_ascii_case("gridpoints") && value == "{";
         match self.curves.last_mut() {
             Some(curve) if curve.points.is_empty() && is_value => constant(curve, value),
             Some(curve) if curve.points.is_empty() && is_grid => {
                 self.is_open = curve.parameter.along().is_some();
-                self.is_open
-                    .then_some(())
-                    .ok_or("`VALUE = …` of a constant".to_string())
+                self.is_open.then_some(()).ok_or("`VALUE = …` of a constant".to_string())
             }
             _ => Err("`[parameter]`, then `VALUE = …` or `Gridpoints = {`, once each".to_string()),
         }
     }
 
     fn begin(&mut self, name: &str) -> Result<(), String> {
-        if self.has_section
-            && self
-                .curves
-                .last()
-                .is_some_and(|curve| curve.points.is_empty())
-        {
+        if self.has_section && self.curves.last().is_some_and(|curve| curve.points.is_empty()) {
             return Err("values of the parameter before".to_string());
         }
         let upper = name.to_ascii_uppercase();
@@ -129,11 +113,7 @@ impl Reading {
         let Some(curve) = self.curves.last_mut() else {
             return Err(expected());
         };
-        if curve
-            .points
-            .last()
-            .is_some_and(|last| position <= last.position)
-        {
+        if curve.points.last().is_some_and(|last| position <= last.position) {
             return Err("positions that ascend, each once".to_string());
         }
         curve.points.push(Point { position, value });

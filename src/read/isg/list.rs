@@ -136,44 +136,29 @@ impl Reading {
     fn missing(&self) -> impl Iterator<Item = String> {
         let axes = self.list.axes.iter().filter(|(_, number)| number.is_none());
         let axes = axes.map(|(axis, _)| format!("the logical axis number of {axis}"));
-        let without = self
-            .paths
-            .keys()
-            .filter(|index| !self.formats.contains_key(index));
+        let without = self.paths.keys().filter(|index| !self.formats.contains_key(index));
         axes.chain(without.map(|index| format!("file_format[{index}]")))
     }
 
     fn whole(self) -> List {
-        let Reading {
-            list,
-            paths,
-            formats,
-        } = self;
+        let Reading { list, paths, formats } = self;
         let format = |index: &u32| formats.get(index).copied();
         let files = paths.into_iter();
         let files = files.filter_map(|(index, path)| Some((path, format(&index)?)));
-        List {
-            files: files.collect(),
-            ..list
-        }
+        List { files: files.collect(), ..list }
     }
 }
 
 /// The number in `file[0]`.
 fn indexed(key: &str, name: &str) -> Option<u32> {
     const FILES: u32 = 10;
-    let index = key
-        .strip_prefix(name)?
-        .strip_prefix('[')?
-        .strip_suffix(']')?;
+    let index = key.strip_prefix(name)?.strip_prefix('[')?.strip_suffix(']')?;
     index.parse().ok().filter(|index| *index < FILES)
 }
 
 fn logical(value: &str) -> Result<u32, &'static str> {
     let number = value.parse::<u16>().ok().filter(|number| *number > 0);
-    number
-        .map(u32::from)
-        .ok_or("the logical number of an axis, 1 to 65535")
+    number.map(u32::from).ok_or("the logical number of an axis, 1 to 65535")
 }
 
 fn axis(letter: char) -> Option<Axis> {
@@ -185,9 +170,7 @@ fn chain(value: &str) -> Result<[Axis; 3], &'static str> {
     let letters: Option<Vec<Axis>> = value.chars().map(axis).collect();
     let order = letters.and_then(|letters| <[Axis; 3]>::try_from(letters).ok());
     let each_once = |order: &[Axis; 3]| Axis::ALL.iter().all(|axis| order.contains(axis));
-    order
-        .filter(each_once)
-        .ok_or("each of X, Y, Z once, from the workpiece to the tool")
+    order.filter(each_once).ok_or("each of X, Y, Z once, from the workpiece to the tool")
 }
 
 fn set(value: &str) -> Result<PerAxis<bool>, &'static str> {

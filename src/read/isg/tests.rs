@@ -18,8 +18,7 @@ const EXCHANGE: &str = "// Every parameter is specified in a block.\n[C0Y]\nVALU
 
 fn tables(list: &str, name: &str, text: &str) -> Result<IsgTables, String> {
     let read = read(&[("v.lis", list), (name, text)]);
-    read.map(|(tables, _)| tables)
-        .map_err(|problems| problems.render())
+    read.map(|(tables, _)| tables).map_err(|problems| problems.render())
 }
 
 fn points(tables: &IsgTables, name: &str) -> Vec<(f64, f64)> {
@@ -49,29 +48,13 @@ fn the_printed_examples_are_read() {
 fn what_is_not_emulated_is_refused_at_its_place() {
     let list = |from: &str, to: &str| tables(&LIST.replace(from, to), "volcomp1.csv", CSV);
     for (from, to, words) in [
-        (
-            "workpiece_axes           0",
-            "workpiece_axes 1",
-            "v.lis:1:1",
-        ),
+        ("workpiece_axes           0", "workpiece_axes 1", "v.lis:1:1"),
         ("GRID", "SCATTER", "v.lis:5:1"),
-        (
-            "alternative_model        FALSE",
-            "alternative_model 1",
-            "is `1`, expected 0",
-        ),
+        ("alternative_model        FALSE", "alternative_model 1", "is `1`, expected 0"),
         ("chain YXZ", "chain CYXZ", "each of X, Y, Z once"),
         ("Z                        3", "Z 3\nC 7", "no rotary axis"),
-        (
-            "X                        1",
-            "",
-            "does not say the logical axis number of X",
-        ),
-        (
-            "file_format[0]           ISG_CSV",
-            "",
-            "does not say file_format[0]",
-        ),
+        ("X                        1", "", "does not say the logical axis number of X"),
+        ("file_format[0]           ISG_CSV", "", "does not say file_format[0]"),
         ("filter_steps", "filter_step", "a key of this list"),
         ("chain YXZ", "X 4", "each key once"),
         ("volcomp1.csv", "other.csv", "which is not there"),
@@ -87,11 +70,7 @@ fn what_is_not_emulated_is_refused_at_its_place() {
         ("X      EXX", "X EXY", "position of its own axis"),
         ("-0.1", "-0,1", "volcomp1.csv:4:"),
         ("0.003\n", "1e9\n", "no number that a machine can mean"),
-        (
-            "0 0 0\n",
-            "0 0 -1\n",
-            "N0Z is -1: this parameter is not emulated",
-        ),
+        ("0 0 0\n", "0 0 -1\n", "N0Z is -1: this parameter is not emulated"),
         ("#\n", "#\nX EZX\n0 1\n1 1\n#\n", "EZX stands twice"),
         ("0.0000223 0 0 0\n", "", "a header without a row"),
         ("C0Y B0Z", "C0Y squareness", "`squareness` is neither"),
@@ -104,11 +83,7 @@ fn what_is_not_emulated_is_refused_at_its_place() {
         ("}  // end of EXY", "", "a `}` behind the last point"),
         ("[EXY]", "[EXZZ]", "a parameter that is emulated"),
         ("[EXY]", "[C0Y]", "each parameter once"),
-        (
-            "VALUE = 0.000022355737\n",
-            "",
-            "values of the parameter before",
-        ),
+        ("VALUE = 0.000022355737\n", "", "values of the parameter before"),
         ("-270.0", "-290.0", "positions that ascend"),
         ("VALUE =", "VALUE", "`[parameter]`, then"),
         ("Gridpoints = {", "VALUE = 3", "a number of a constant"),
@@ -126,8 +101,5 @@ fn files_are_those_of_one_list() {
     assert!(told(&[("a.lis", LIST), ("b.lis", LIST)]).contains("several lists"));
     let (_, notes) = read(&[("a.lis", LIST), ("volcomp1.csv", CSV), ("b.csv", CSV)]).unwrap();
     assert_eq!(notes.len(), 1);
-    assert_eq!(
-        notes[0].to_string(),
-        "`b.csv`: the list does not name it, so it does nothing"
-    );
+    assert_eq!(notes[0].to_string(), "`b.csv`: the list does not name it, so it does nothing");
 }

@@ -52,10 +52,7 @@ impl Emulator for KlipperControl {
     }
 
     fn response(&self, base: &str, output: &str, _direction: Direction) -> Emulated<Response> {
-        let (base, output) = (
-            known_axis(&self.state, base)?,
-            known_axis(&self.state, output)?,
-        );
+        let (base, output) = (known_axis(&self.state, base)?, known_axis(&self.state, output)?);
         let is_it = |pair: &[&str; 2]| pair[..] == [&*base.name, &*output.name];
         let own = self.slopes.iter().find(|(pair, _)| is_it(pair));
         let line = own.and_then(|(_, slope)| line(base, *slope));

@@ -3,8 +3,7 @@ use crate::control::table::klipper::Skew;
 
 fn skew(text: &str) -> Result<Option<Skew>, String> {
     let read = read(&[("printer.cfg", text)]);
-    read.map(|tables| tables.skew)
-        .map_err(|problems| problems.render())
+    read.map(|tables| tables.skew).map_err(|problems| problems.render())
 }
 
 /// A printer.cfg as SAVE_CONFIG leaves it: the profile stands behind `#*#`.

@@ -47,9 +47,7 @@ pub(super) fn rows(file: &str, text: &str, facts: &LinuxcncFacts) -> Result<Vec<
 
 /// Whether the first line is a row.
 pub(super) fn begins_with_a_row(text: &str) -> bool {
-    lines(text)
-        .next()
-        .is_some_and(|span| row(text, &span).is_some())
+    lines(text).next().is_some_and(|span| row(text, &span).is_some())
 }
 
 /// The three numbers that a line begins with.
@@ -90,16 +88,10 @@ fn wrong(before: &[Row], row: Row, span: &Range<usize>, most: u32) -> Option<Com
     let is_length = |number: f64| number.abs() < LONGEST;
     let complaint = |message: String, help: &str| Some(Complaint::new(span.clone(), message, help));
     if span.len() > LONGEST_LINE {
-        let message = format!(
-            "a line of {} characters, LinuxCNC takes {LONGEST_LINE}",
-            span.len()
-        );
+        let message = format!("a line of {} characters, LinuxCNC takes {LONGEST_LINE}", span.len());
         return complaint(message, "write three numbers in a line");
     }
-    if ![row.nominal, row.forward, row.reverse]
-        .into_iter()
-        .all(is_length)
-    {
+    if ![row.nominal, row.forward, row.reverse].into_iter().all(is_length) {
         let message = "a number beyond every machine".to_string();
         return complaint(message, "write positions and values in the machine unit");
     }

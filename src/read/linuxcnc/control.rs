@@ -48,10 +48,7 @@ fn pair(base: u32, output: u32, ways: [Response; 2]) -> Pair {
 }
 
 /// The trim of a row, in the machine unit: a C float.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "LinuxCNC holds trims as C floats"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "LinuxCNC holds trims as C floats")]
 fn trim(columns: Columns, nominal: f64, column: f64) -> f64 {
     let trim = match columns {
         Columns::Reached => nominal - column,
@@ -96,10 +93,7 @@ fn cross_response(table: &CrossTable, facts: &LinuxcncFacts, unit_mm: f64) -> Em
 /// The value of a curve: straight between its points, held outside.
 fn at(points: &[Point], place: f64) -> f64 {
     let above = points.partition_point(|point| point.position <= place);
-    let (below, above) = (
-        above.checked_sub(1).map(|below| points[below]),
-        points.get(above),
-    );
+    let (below, above) = (above.checked_sub(1).map(|below| points[below]), points.get(above));
     match (below, above) {
         (Some(low), Some(high)) => {
             let share = (place - low.position) / (high.position - low.position);

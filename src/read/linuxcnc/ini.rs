@@ -56,13 +56,8 @@ fn section(line: &str) -> Option<&str> {
     Some(name)
 }
 
-const OF_JOINT: [&str; 5] = [
-    "COMP_FILE",
-    "COMP_FILE_TYPE",
-    "BACKLASH",
-    "HOME_OFFSET",
-    "HOME_LATCH_VEL",
-];
+const OF_JOINT: [&str; 5] =
+    ["COMP_FILE", "COMP_FILE_TYPE", "BACKLASH", "HOME_OFFSET", "HOME_LATCH_VEL"];
 
 fn is_read(setting: &Setting<'_>) -> bool {
     let of_joint = setting.section.starts_with("JOINT_") && OF_JOINT.contains(&setting.key);
@@ -91,10 +86,7 @@ fn settings(text: &str) -> (Vec<Setting<'_>>, Vec<Complaint>) {
             if is_second {
                 complaints.push(Complaint::new(
                     setting.span,
-                    format!(
-                        "a second section [{}], which LinuxCNC does not read",
-                        shown(within)
-                    ),
+                    format!("a second section [{}], which LinuxCNC does not read", shown(within)),
                     "put its lines into the first section of this name",
                 ));
             } else if known.insert((within, setting.key)) {
@@ -113,12 +105,7 @@ fn setting<'a>(section: &'a str, line: &'a str, span: Range<usize>) -> Option<Se
         return None;
     }
     let (key, value) = line.split_once('=')?;
-    Some(Setting {
-        section,
-        key: key.trim_end(),
-        value: value.trim_start(),
-        span,
-    })
+    Some(Setting { section, key: key.trim_end(), value: value.trim_start(), span })
 }
 
 impl Ini {
@@ -186,12 +173,7 @@ fn unit(value: &str) -> Result<ControlUnit, &'static str> {
 }
 
 fn wrong(setting: &Setting<'_>, expected: &str) -> Complaint {
-    let Setting {
-        section,
-        key,
-        value,
-        ..
-    } = setting;
+    let Setting { section, key, value, .. } = setting;
     let message = format!(
         "`{}` of [{}] is `{}`, expected {expected}",
         shown(key),

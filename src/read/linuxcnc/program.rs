@@ -8,11 +8,8 @@ use crate::read::program::blocks::{
 };
 
 /// Its language (LinuxCNC documentation, G-Code; RS274NGC).
-pub(in crate::read) const VOCABULARY: Vocabulary = Vocabulary {
-    words: &WORDS,
-    increments_need_machine: false,
-    blocks,
-};
+pub(in crate::read) const VOCABULARY: Vocabulary =
+    Vocabulary { words: &WORDS, increments_need_machine: false, blocks };
 
 /// G17 and G61.1 (exact stop) do not change where the axes go.
 const WORDS: [(&str, Meaning); 17] = [

@@ -47,39 +47,20 @@ fn a_table_that_loses_rows_is_refused_at_the_place() {
     let long = format!("0 0 0 {}\n100 1 1\n", "x".repeat(248));
     let many: String = (0..257).map(|k| format!("{k} 0 0\n")).collect();
     for (comp, place, words) in [
-        (
-            "# nominal\n0 0 0\n1 0 0\n",
-            "x.comp:1:1",
-            "stops reading here",
-        ),
+        ("# nominal\n0 0 0\n1 0 0\n", "x.comp:1:1", "stops reading here"),
         ("0 0 0\n\n1 0 0\n", "x.comp:2:1", "stops reading here"),
         ("0 0 0\n1 0\n2 0 0\n", "x.comp:2:1", "stops reading here"),
-        (
-            "0 0 0\n5 1 nan\n9 1 1\n",
-            "x.comp:2:1",
-            "stops reading here",
-        ),
+        ("0 0 0\n5 1 nan\n9 1 1\n", "x.comp:2:1", "stops reading here"),
         ("", "x.comp:1:1", "no row begins the file"),
-        (
-            "nominal forward reverse\n",
-            "x.comp:1:1",
-            "no row begins the file",
-        ),
-        (
-            "0 0 0\n100 0 0\n50 9 9\n",
-            "x.comp:3:1",
-            "does not lie above 100",
-        ),
+        ("nominal forward reverse\n", "x.comp:1:1", "no row begins the file"),
+        ("0 0 0\n100 0 0\n50 9 9\n", "x.comp:3:1", "does not lie above 100"),
         ("0 0 0\n0 0 0\n", "x.comp:2:1", "does not lie above 0"),
         ("0 0 0\n1 1e999 0\n", "x.comp:2:1", "beyond every machine"),
         (&long, "x.comp:1:1", "a line of 254 characters"),
         (&many, "x.comp:257:1", "behind the 256"),
     ] {
         let said = refused(&[("m.ini", INI), ("x.comp", comp)]);
-        assert!(
-            said.contains(place) && said.contains(words),
-            "{comp}\n{said}"
-        );
+        assert!(said.contains(place) && said.contains(words), "{comp}\n{said}");
     }
 }
 
@@ -105,30 +86,15 @@ fn of_two_settings_the_first_counts_and_comments_begin_a_line() {
 #[test]
 fn an_ini_that_linuxcnc_takes_otherwise_is_refused() {
     for (ini, words) in [
-        (
-            "[JOINT_0]\nA = 1\n[EMC]\n[JOINT_0]\nCOMP_FILE = x.comp\n",
-            "m.ini:5:1",
-        ),
+        ("[JOINT_0]\nA = 1\n[EMC]\n[JOINT_0]\nCOMP_FILE = x.comp\n", "m.ini:5:1"),
         ("[JOINT_0]\n#INCLUDE joints.ini\n", "includes another file"),
-        (
-            "[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = 2\n",
-            "expected 0 (positions reached)",
-        ),
-        (
-            "[JOINT_0]\nCOMP_FILE_TYPE = 1 # trims\n",
-            "expected 0 (positions reached)",
-        ),
+        ("[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = 2\n", "expected 0 (positions reached)"),
+        ("[JOINT_0]\nCOMP_FILE_TYPE = 1 # trims\n", "expected 0 (positions reached)"),
         ("[JOINT_0]\nBACKLASH = nan\n", "expected a number"),
         ("[JOINT_16]\nBACKLASH = 0\n", "from [JOINT_0] to [JOINT_15]"),
         ("[TRAJ]\nLINEAR_UNITS = cm\n", "expected mm or inch"),
-        (
-            "[JOINT_0]\nCOMP_FILE = x.comp # X\n",
-            "names `x.comp # X`, which is not there",
-        ),
-        (
-            "[JOINT_0]\nCOMP_FILE = X.comp\n",
-            "names `X.comp`, which is not there",
-        ),
+        ("[JOINT_0]\nCOMP_FILE = x.comp # X\n", "names `x.comp # X`, which is not there"),
+        ("[JOINT_0]\nCOMP_FILE = X.comp\n", "names `X.comp`, which is not there"),
     ] {
         let said = refused(&[("m.ini", ini), ("x.comp", "0 0 0\n")]);
         assert!(said.contains(words), "{ini}\n{said}");

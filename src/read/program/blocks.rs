@@ -147,10 +147,7 @@ pub(super) fn steps(
         let span = start..start + code.len();
         let actions = modal.block(&code, vocabulary, own);
         let actions = actions.map_err(|message| refuse(span.clone(), message))?;
-        steps.extend(actions.into_iter().map(|action| Step {
-            action,
-            span: span.clone(),
-        }));
+        steps.extend(actions.into_iter().map(|action| Step { action, span: span.clone() }));
     }
     Ok(steps)
 }
@@ -296,10 +293,7 @@ fn dwell(said: &Said, own: &OwnWords<'_>) -> Result<Action, String> {
         [(letter, seconds)] if *letter == own.seconds && *seconds > 0.0 => {
             Ok(Action::Dwell(*seconds, said.number))
         }
-        _ => Err(format!(
-            "a dwell names its seconds as `{}` and nothing else",
-            own.seconds
-        )),
+        _ => Err(format!("a dwell names its seconds as `{}` and nothing else", own.seconds)),
     }
 }
 

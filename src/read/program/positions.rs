@@ -100,11 +100,7 @@ pub(crate) fn form_differences(rows: &[Position], forms: &[&[u8]]) -> Vec<String
     };
     let groups: Vec<&[Position]> = rows.chunk_by(same_file).collect();
     if groups.len() != forms.len() {
-        return vec![format!(
-            "{} files of readings, expected {}",
-            forms.len(),
-            groups.len()
-        )];
+        return vec![format!("{} files of readings, expected {}", forms.len(), groups.len())];
     }
     let pairs = groups.into_iter().zip(forms);
     let wrong = pairs.filter(|(group, form)| !is_form_of(group, form));
@@ -131,9 +127,7 @@ fn is_form_of(rows: &[Position], form: &[u8]) -> bool {
 }
 
 fn asks_for(row: &Position, line: &str, has_moved: bool) -> bool {
-    let Position {
-        run, pass, node, ..
-    } = row;
+    let Position { run, pass, node, .. } = row;
     match row.of {
         Named::Axis(axis) => {
             let direction = row.of.travelled(axis, *pass).map_or("", Direction::symbol);

@@ -96,8 +96,7 @@ struct Walker<'a> {
 impl Walker<'_> {
     fn find(&mut self, message: impl Into<String>) {
         let help = "this program must not be used; nothing was written";
-        self.found
-            .push(Complaint::new(self.at.clone(), message, help));
+        self.found.push(Complaint::new(self.at.clone(), message, help));
     }
 
     fn step(&mut self, action: &Action) {
@@ -125,9 +124,7 @@ impl Walker<'_> {
         }
         for needed in [Cancelled::ToolLength, Cancelled::ToolRadius] {
             if !self.cancelled.contains(&needed) {
-                self.find(format!(
-                    "the first move comes before {needed:?} is cancelled"
-                ));
+                self.find(format!("the first move comes before {needed:?} is cancelled"));
             }
         }
         let together = place.x.or(place.y).is_some();
@@ -202,9 +199,7 @@ impl Walker<'_> {
         };
         let wanted = self.bounds.dwell_s;
         if seconds < wanted - 1e-3 {
-            self.find(format!(
-                "the standstill is {seconds} s, expected {wanted} s"
-            ));
+            self.find(format!("the standstill is {seconds} s, expected {wanted} s"));
         }
         if block != Some(row.block) {
             let number = row.block;
@@ -266,9 +261,7 @@ impl Walker<'_> {
             let turning = row.pass == Pass::Reverse && !self.bounds.overrun && !self.turned[axis];
             if self.heading[axis] != Some(wanted) && !turning {
                 let (node, wanted) = (row.node, wanted.symbol());
-                self.find(format!(
-                    "{axis} has not arrived at node {node} moving {wanted}"
-                ));
+                self.find(format!("{axis} has not arrived at node {node} moving {wanted}"));
             }
         }
     }

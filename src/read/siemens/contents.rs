@@ -88,10 +88,7 @@ pub enum MachineValue {
 
 /// Whether a machine or setting datum switches tables on and off, and so is made for being changed.
 pub(crate) fn is_switch(name: &str) -> bool {
-    matches!(
-        name,
-        "MA_ENC_COMP_ENABLE" | "MA_CEC_ENABLE" | "SN_CEC_TABLE_ENABLE"
-    )
+    matches!(name, "MA_ENC_COMP_ENABLE" | "MA_CEC_ENABLE" | "SN_CEC_TABLE_ENABLE")
 }
 
 /// Puts the files of a kit into one memory, in the order in which they are loaded.

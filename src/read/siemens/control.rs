@@ -320,17 +320,11 @@ impl Raw<'_> {
 
     fn check_grid(&self) -> Emulated<()> {
         let points = self.values.len();
-        let tolerance = if self.modulo {
-            MODULO_RATIO_TOLERANCE
-        } else {
-            RATIO_TOLERANCE
-        };
+        let tolerance = if self.modulo { MODULO_RATIO_TOLERANCE } else { RATIO_TOLERANCE };
         let ratio = self.grid.steps();
         let off = (ratio + 1.0 - points as f64).abs();
         if points < 2 || off.is_nan() || off >= tolerance {
-            return Err(self.fault(&format!(
-                "has {points} points, but (MAX-MIN)/STEP is {ratio}"
-            )));
+            return Err(self.fault(&format!("has {points} points, but (MAX-MIN)/STEP is {ratio}")));
         }
         if u32::try_from(points).map_or(true, |points| points > self.most_points) {
             let most = self.most_points;
@@ -365,11 +359,7 @@ impl Raw<'_> {
         let (start, step) = (in_mm(self.grid.min), in_mm(self.grid.step));
         let table = NodeTable::new(start, step, &corrections, Between::Linear)
             .ok_or_else(|| self.fault("has no usable grid"))?;
-        Ok(if self.modulo {
-            table.repeating()
-        } else {
-            table
-        })
+        Ok(if self.modulo { table.repeating() } else { table })
     }
 
     fn fault(&self, what: &str) -> CannotEmulate {

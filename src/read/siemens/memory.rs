@@ -173,10 +173,9 @@ impl Memory {
         set: &Assignment<'_>,
     ) -> Result<(), Complaint> {
         let switch = match &name {
-            TableName::Lec { axis, encoder } => Some((
-                "MA_ENC_COMP_ENABLE",
-                vec![encoder.to_string(), axis.clone()],
-            )),
+            TableName::Lec { axis, encoder } => {
+                Some(("MA_ENC_COMP_ENABLE", vec![encoder.to_string(), axis.clone()]))
+            }
             TableName::Cec(_) => None,
         };
         let draft = self.tables.entry(name).or_default();
@@ -211,11 +210,7 @@ impl Memory {
             Value::Truth(truth) => MachineValue::Number(f64::from(u8::from(truth))),
             Value::Name(name) => MachineValue::Text(name),
         };
-        let datum = MachineDatum {
-            name: set.name.to_string(),
-            indices: plain_indices(set),
-            value,
-        };
+        let datum = MachineDatum { name: set.name.to_string(), indices: plain_indices(set), value };
         let waits = datum.name.starts_with("MA_") && is_switch(&datum.name);
         if waits && self.waiting.is_none() {
             self.waiting = Some(datum.variable());
@@ -231,10 +226,7 @@ impl Memory {
     /// The tables and data, if nothing is missing; complaints are added to `complaints`.
     pub(super) fn finish(self, complaints: &mut Vec<Complaint>) -> SiemensContents {
         let too_many = self.too_many_points();
-        let mut all = SiemensContents {
-            machine_data: self.machine,
-            ..SiemensContents::default()
-        };
+        let mut all = SiemensContents { machine_data: self.machine, ..SiemensContents::default() };
         all.read_out.twice = self.twice.into_iter().collect();
         if let Some(complaint) = too_many {
             complaints.push(complaint);
@@ -319,11 +311,7 @@ impl Draft {
     /// MIN, STEP and MAX, where all three are written.
     fn stated_grid(&self) -> Option<SiemensGrid> {
         let number = |parameter| self.parameters.get(parameter).map(Placed::number);
-        Some(SiemensGrid {
-            min: number("_MIN")?,
-            step: number("_STEP")?,
-            max: number("_MAX")?,
-        })
+        Some(SiemensGrid { min: number("_MIN")?, step: number("_STEP")?, max: number("_MAX")? })
     }
 
     /// Adds the table to what the file holds; a control writes tables that nobody filled, too.
@@ -337,14 +325,10 @@ impl Draft {
         let variable = format!("${name}");
         let lacking = name.optional().iter();
         let lacking = lacking.filter(|field| !self.parameters.contains_key(**field));
-        all.unwritten
-            .extend(lacking.map(|field| format!("{} of {variable}", &field[1..])));
+        all.unwritten.extend(lacking.map(|field| format!("{} of {variable}", &field[1..])));
         let is_readable = self.complaints.is_empty();
         let content = self.content(&variable, writer);
-        let is_zero = self
-            .points
-            .values()
-            .all(|placed| placed.number().abs() <= 0.0);
+        let is_zero = self.points.values().all(|placed| placed.number().abs() <= 0.0);
         if content.is_none() && writer != Writer::Kit && is_zero && is_readable {
             all.idle.push(name.to_string());
             return;
@@ -360,13 +344,9 @@ impl Draft {
         };
         let modulo = self.number("_IS_MODULO") > 0.0;
         match (name, input, output) {
-            (TableName::Lec { axis, encoder }, _, _) => all.tables.lec.push(LecTable {
-                encoder,
-                axis,
-                grid,
-                values,
-                modulo,
-            }),
+            (TableName::Lec { axis, encoder }, _, _) => {
+                all.tables.lec.push(LecTable { encoder, axis, grid, values, modulo })
+            }
             (TableName::Cec(number), Some(input_axis), Some(output_axis)) => {
                 all.tables.cec.push(CecTable {
                     number,

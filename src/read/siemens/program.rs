@@ -6,11 +6,8 @@ use crate::read::program::blocks::Meaning::{self, *};
 use crate::read::program::blocks::{Cancelled::*, Code, Motion as Way, Vocabulary};
 
 /// Its language (Programming Manual).
-pub(in crate::read) const VOCABULARY: Vocabulary = Vocabulary {
-    words: &WORDS,
-    increments_need_machine: true,
-    blocks,
-};
+pub(in crate::read) const VOCABULARY: Vocabulary =
+    Vocabulary { words: &WORDS, increments_need_machine: true, blocks };
 
 /// G17 and G60 (exact stop) do not change where the axes go.
 const WORDS: [(&str, Meaning); 21] = [

@@ -78,9 +78,7 @@ pub(super) fn parts<'a>(file: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Pr
 
 /// The active data that the first content lists, as the HMI shows them.
 fn listed(list: &[u8]) -> impl Iterator<Item = String> {
-    let lines = list
-        .split(|byte| *byte == b'\n')
-        .map(String::from_utf8_lossy);
+    let lines = list.split(|byte| *byte == b'\n').map(String::from_utf8_lossy);
     let names =
         lines.filter_map(|line| Some(line.trim_end().strip_prefix(ACTIVE_DATA)?.to_string()));
     names.collect::<Vec<_>>().into_iter()
@@ -134,13 +132,7 @@ pub(super) fn sections<'a>(
     file: &'a str,
     text: &'a str,
 ) -> impl Iterator<Item = (Range<usize>, Option<&'a str>)> {
-    const APART: [&str; 5] = [
-        "_N_WKS_DIR",
-        "_N_MPF_DIR",
-        "_N_SPF_DIR",
-        "_N_CST_DIR",
-        "_N_CUS_DIR",
-    ];
+    const APART: [&str; 5] = ["_N_WKS_DIR", "_N_MPF_DIR", "_N_SPF_DIR", "_N_CST_DIR", "_N_CUS_DIR"];
     let mut lines = lines(text).peekable();
     let mut program = is_program(file).then_some(file);
     std::iter::from_fn(move || {
@@ -286,9 +278,7 @@ mod tests {
     }
 
     fn archive(files: &[(&str, &str, &str)]) -> Vec<u8> {
-        let list = files
-            .iter()
-            .map(|(name, folder, _)| format!("{folder}{name}\n"));
+        let list = files.iter().map(|(name, folder, _)| format!("{folder}{name}\n"));
         let list: String = list.collect();
         let first = ("@@MMCIBN.002", "", list.as_str());
         let mut bytes = Vec::new();
@@ -305,11 +295,7 @@ mod tests {
         let long = "$AN_CEC[0,0]=0\n".repeat(50);
         let bytes = archive(&[
             ("_N_AX_EEC_INI", ACTIVE_DATA, "METRIC\nM17\n"),
-            (
-                "_N_MACCESS_DEF",
-                "\\DEF.DIR\\",
-                "REDEF $MA_CEC_ENABLE APW 7\n",
-            ),
+            ("_N_MACCESS_DEF", "\\DEF.DIR\\", "REDEF $MA_CEC_ENABLE APW 7\n"),
             ("_N_COMP_MPF", "\\MPF.DIR\\", &long),
             ("@@_N_IBN_SS", ACTIVE_DATA, ""),
         ]);

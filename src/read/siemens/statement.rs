@@ -90,10 +90,7 @@ pub(super) fn statement(source: &str, code: Range<usize>) -> Result<Statement<'_
     }
     Err(Complaint::new(
         cursor.rest(),
-        format!(
-            "`{}` follows a complete statement",
-            cursor.text(cursor.rest())
-        ),
+        format!("`{}` follows a complete statement", cursor.text(cursor.rest())),
         "one line holds one statement; remove the rest or give it its own line",
     ))
 }
@@ -143,14 +140,13 @@ fn header<'a>(cursor: &Cursor<'a>) -> Result<Statement<'a>, Complaint> {
         ));
     }
     let text = cursor.text(span.clone()).to_ascii_uppercase();
-    let well_formed = text
-        .strip_prefix("%_N_")
-        .and_then(|name| name.rsplit_once('_'))
-        .is_some_and(|(name, extension)| {
+    let well_formed = text.strip_prefix("%_N_").and_then(|name| name.rsplit_once('_')).is_some_and(
+        |(name, extension)| {
             (1..=LONGEST_NAME).contains(&name.len())
                 && extension.len() == 3
                 && name.chars().chain(extension.chars()).all(is_of_word)
-        });
+        },
+    );
     if well_formed {
         return Ok(Statement::Nothing);
     }
@@ -162,9 +158,7 @@ fn header<'a>(cursor: &Cursor<'a>) -> Result<Statement<'a>, Complaint> {
 }
 
 fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint> {
-    const WORDS: [&str; 8] = [
-        "M17", "M30", "M2", "M02", "M0", "NEWCONF", "STOPRE", "CHANDATA",
-    ];
+    const WORDS: [&str; 8] = ["M17", "M30", "M2", "M02", "M0", "NEWCONF", "STOPRE", "CHANDATA"];
     let line = cursor.rest();
     let word = take_word(cursor);
     match &*word {
@@ -200,10 +194,7 @@ fn channel_data<'a>(cursor: &mut Cursor<'a>) -> Result<Statement<'a>, Complaint>
             start..cursor.at,
             format!("`CHANDATA({other})` names another channel, expected the first"),
         ),
-        _ => (
-            cursor.here(),
-            "`CHANDATA` needs a channel number in parentheses".to_string(),
-        ),
+        _ => (cursor.here(), "`CHANDATA` needs a channel number in parentheses".to_string()),
     };
     let help = "write `CHANDATA(1)`, or leave it out where the file is a part program";
     Err(Complaint::new(span, message, help))
@@ -226,13 +217,7 @@ fn assignment<'a>(cursor: &mut Cursor<'a>) -> Result<Assignment<'a>, Complaint> 
     cursor.peek_word();
     let value_span = cursor.rest();
     let value = value(cursor);
-    Ok(Assignment {
-        name,
-        head,
-        indices,
-        value_span,
-        value,
-    })
+    Ok(Assignment { name, head, indices, value_span, value })
 }
 
 /// Room for a measuring system, a point and an axis; what does not fit the variable is complained

@@ -39,10 +39,7 @@ fn contents(text: &str) -> SiemensContents {
 fn messages(text: &str) -> Vec<String> {
     let problems = read("test.mpf", text).expect_err(text);
     for problem in problems.iter() {
-        assert!(
-            problem.place.is_some() && problem.help.is_some(),
-            "{problem:?}"
-        );
+        assert!(problem.place.is_some() && problem.help.is_some(), "{problem:?}");
     }
     problems.iter().map(|p| p.message.clone()).collect()
 }
@@ -64,36 +61,16 @@ fn each_flaw_is_refused_at_its_place() {
         (lec("=0.001", "="), "1:23", "value is missing"),
         (lec("=0.001", "=-"), "1:23", "is not a number"),
         (lec("=0.001", "=0.001.2"), "1:23", "is not a number"),
-        (
-            lec("=0.001", "=0.001+1"),
-            "1:28",
-            "follows a complete statement",
-        ),
-        (
-            lec("=0.001", "=0.001 M30"),
-            "1:29",
-            "follows a complete statement",
-        ),
+        (lec("=0.001", "=0.001+1"), "1:28", "follows a complete statement"),
+        (lec("=0.001", "=0.001 M30"), "1:29", "follows a complete statement"),
         (lec("=0.001", "=(AX1)"), "1:23", "cannot have this value"),
-        (
-            lec("ENC_COMP[1,0", "ENC_KOMP[1,0"),
-            "1:1",
-            "unknown variable",
-        ),
-        (
-            lec("$AA_ENC_COMP[1,0", "$AC_TIMER[1,0"),
-            "1:1",
-            "unknown variable",
-        ),
+        (lec("ENC_COMP[1,0", "ENC_KOMP[1,0"), "1:1", "unknown variable"),
+        (lec("$AA_ENC_COMP[1,0", "$AC_TIMER[1,0"), "1:1", "unknown variable"),
         (lec("[1,0,AX1]", "[1.0,AX1]"), "1:15", "`,` or `]`"),
         (lec("[1,0,AX1]", "1,0,AX1]"), "1:14", "`=` is missing"),
         (lec("[1,0,AX1]", "[1,AX1]"), "1:1", "is not an index"),
         (lec("[1,0,AX1]", "[2,0,AX1]"), "1:1", "is not an index"),
-        (
-            lec("[1,0,AX1]", "[1,-1,AX1]"),
-            "1:16",
-            "a number or an axis",
-        ),
+        (lec("[1,0,AX1]", "[1,-1,AX1]"), "1:16", "a number or an axis"),
         (with("G0 X100\n"), "4:1", "does not belong here"),
         (with("X100\n"), "4:1", "does not belong here"),
         (with("N40 G1 F500\n"), "4:5", "does not belong here"),
@@ -101,11 +78,7 @@ fn each_flaw_is_refused_at_its_place() {
         (with("/NEWCONF\n"), "4:1", "does not belong here"),
         (with("CHANDATA\n"), "4:9", "channel number"),
         (with("%_N_AX_EEC_INI\n"), "4:1", "first line"),
-        (
-            with("$AA_ENC_COMP_STEP[1,AX1]=5\u{b5}\n"),
-            "4:27",
-            "not an ASCII",
-        ),
+        (with("$AA_ENC_COMP_STEP[1,AX1]=5\u{b5}\n"), "4:27", "not an ASCII"),
         (with("; \u{7}\n"), "4:3", "control character U+0007"),
         (lec("=0\n", "=-1\n"), "7:31", "cannot have this value"),
         (lec("=0\n", "=2\n"), "7:31", "cannot have this value"),
@@ -113,106 +86,34 @@ fn each_flaw_is_refused_at_its_place() {
         (lec("=50\n", "=-50\n"), "4:26", "must be greater than 0"),
         (lec("=50\n", "=49\n"), "4:26", "expected a whole number"),
         (lec("=50\n", "=300\n"), "4:26", "expected a whole number"),
-        (
-            lec("=50\n", "=0.0001\n"),
-            "4:26",
-            "would have 1000000 points",
-        ),
+        (lec("=50\n", "=0.0001\n"), "4:26", "would have 1000000 points"),
         (lec("=50.0\n", "=-50.0\n"), "6:25", "not greater than MIN"),
-        (
-            lec(step, ""),
-            "1:1",
-            "STEP of $AA_ENC_COMP[1,AX1] is missing",
-        ),
+        (lec(step, ""), "1:1", "STEP of $AA_ENC_COMP[1,AX1] is missing"),
         (lec("$AA_ENC_COMP_MIN[1,AX1]=-50.0", ""), "1:1", "MIN of"),
         (lec("$AA_ENC_COMP_MAX[1,AX1]=50.0", ""), "1:1", "MAX of"),
         (lec("[1,2,", "[1,3,"), "3:23", "has point 3"),
-        (
-            cec("$AN_CEC_INPUT_AXIS[0]=(AX1)\n", ""),
-            "1:1",
-            "INPUT_AXIS of",
-        ),
-        (
-            cec("$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n", ""),
-            "1:1",
-            "OUTPUT_AXIS of",
-        ),
+        (cec("$AN_CEC_INPUT_AXIS[0]=(AX1)\n", ""), "1:1", "INPUT_AXIS of"),
+        (cec("$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n", ""), "1:1", "OUTPUT_AXIS of"),
         (cec("=(AX1)", "=AX1"), "3:23", "is not a value"),
         (cec("=(AX1)", "=(AX1"), "3:23", "is not an axis name"),
         (cec("=(AX1)", "=1"), "3:23", "cannot have this value"),
-        (
-            cec("DIRECTION[0]=0", "DIRECTION[0]=2"),
-            "8:22",
-            "cannot have this value",
-        ),
-        (
-            cec("DIRECTION[0]=0", "DIRECTION[0]=0.5"),
-            "8:22",
-            "cannot have this value",
-        ),
-        (
-            cec("TABLE[0]=0", "TABLE[0]=-1"),
-            "9:26",
-            "cannot have this value",
-        ),
-        (
-            cec("IS_MODULO[0]=0", "TYPE[0]=1"),
-            "10:17",
-            "cannot have this value",
-        ),
-        (
-            cec("IS_MODULO[0]=0", "INPUT_NCU[0]=2"),
-            "10:22",
-            "cannot have this value",
-        ),
-        (
-            cec("IS_MODULO[0]=0", "OUTPUT_NCU[0]=-1"),
-            "10:23",
-            "cannot have this value",
-        ),
-        (
-            cec("IS_MODULO[0]=0", "INPUT_NCU[0]=TRUE"),
-            "10:22",
-            "cannot have this value",
-        ),
-        (
-            cec("IS_MODULO[0]=0", "OUTPUT_NCU[0]=FALSE"),
-            "10:23",
-            "cannot have this value",
-        ),
-        (
-            format!("{LEC}M30\nNEWCONF\n"),
-            "9:1",
-            "follows the end word",
-        ),
-        (
-            format!("{LEC}M30\n$AA_ENC_COMP[1,0,AX1]=0\n"),
-            "9:1",
-            "follows the end word",
-        ),
+        (cec("DIRECTION[0]=0", "DIRECTION[0]=2"), "8:22", "cannot have this value"),
+        (cec("DIRECTION[0]=0", "DIRECTION[0]=0.5"), "8:22", "cannot have this value"),
+        (cec("TABLE[0]=0", "TABLE[0]=-1"), "9:26", "cannot have this value"),
+        (cec("IS_MODULO[0]=0", "TYPE[0]=1"), "10:17", "cannot have this value"),
+        (cec("IS_MODULO[0]=0", "INPUT_NCU[0]=2"), "10:22", "cannot have this value"),
+        (cec("IS_MODULO[0]=0", "OUTPUT_NCU[0]=-1"), "10:23", "cannot have this value"),
+        (cec("IS_MODULO[0]=0", "INPUT_NCU[0]=TRUE"), "10:22", "cannot have this value"),
+        (cec("IS_MODULO[0]=0", "OUTPUT_NCU[0]=FALSE"), "10:23", "cannot have this value"),
+        (format!("{LEC}M30\nNEWCONF\n"), "9:1", "follows the end word"),
+        (format!("{LEC}M30\n$AA_ENC_COMP[1,0,AX1]=0\n"), "9:1", "follows the end word"),
         (LEC.to_string(), "8:1", "no end word"),
         (String::new(), "1:1", "no end word"),
         (format!("%_N_TOO LONG_INI\n{LEC}M17"), "1:1", "header"),
-        (
-            format!("$MA_ENC_COMP_ENABEL[1,AX1]=1\n{LEC}M17"),
-            "1:1",
-            "unknown variable",
-        ),
-        (
-            format!("$MA_ENC_COMP_ENABLE[1,AX1]=1\n{LEC}M17"),
-            "2:1",
-            "alarm 17070",
-        ),
-        (
-            format!("$SN_CEC_TABLE_WEIGHT[0]=TRUE\n{CEC}M17"),
-            "1:25",
-            "cannot have this value",
-        ),
-        (
-            format!("$MA_CEC_ENABLE[AX2]=1\n{CEC}M17"),
-            "5:1",
-            "alarm 17070",
-        ),
+        (format!("$MA_ENC_COMP_ENABEL[1,AX1]=1\n{LEC}M17"), "1:1", "unknown variable"),
+        (format!("$MA_ENC_COMP_ENABLE[1,AX1]=1\n{LEC}M17"), "2:1", "alarm 17070"),
+        (format!("$SN_CEC_TABLE_WEIGHT[0]=TRUE\n{CEC}M17"), "1:25", "cannot have this value"),
+        (format!("$MA_CEC_ENABLE[AX2]=1\n{CEC}M17"), "5:1", "alarm 17070"),
     ];
     for (text, place, message) in cases {
         let problems = read("test.mpf", &text).expect_err(&text);
@@ -220,22 +121,14 @@ fn each_flaw_is_refused_at_its_place() {
         let problem = problems.iter().next().expect("one problem");
         let found = problem.place.as_ref().expect("a place");
         assert!(problem.message.contains(message), "{message}: {problem:?}");
-        assert_eq!(
-            format!("{}:{}", found.line, found.column),
-            place,
-            "{text}\n{problems}"
-        );
+        assert_eq!(format!("{}:{}", found.line, found.column), place, "{text}\n{problems}");
         assert!(problem.help.is_some(), "{problem:?}");
     }
 }
 
 #[test]
 fn all_problems_of_a_file_are_told_in_its_order() {
-    let text = format!(
-        "G0 X1\n{}{}",
-        LEC.replace("=0.002", "=0,002"),
-        CEC.replace("=50.0", "=0")
-    );
+    let text = format!("G0 X1\n{}{}", LEC.replace("=0.002", "=0,002"), CEC.replace("=50.0", "=0"));
     let found = messages(&text);
     assert_eq!(found.len(), 4, "{found:#?}");
     for (message, part) in found.iter().zip(["G0", "comma", "STEP", "end word"]) {
@@ -253,14 +146,10 @@ fn a_binary_file_gives_a_bounded_list() {
 #[test]
 fn program_form_and_data_form_are_the_same_tables() {
     let program = contents(&format!("{LEC}{CEC}M30\n"));
-    let data = contents(&format!(
-        "%_N_NC_CEC_INI\n;$PATH=/_N_NC_ACT_DIR\nCHANDATA(1)\n{LEC}{CEC}M17\n"
-    ));
+    let data =
+        contents(&format!("%_N_NC_CEC_INI\n;$PATH=/_N_NC_ACT_DIR\nCHANDATA(1)\n{LEC}{CEC}M17\n"));
     assert_eq!(program, data);
-    assert_eq!(
-        program.tables.lec[0].values,
-        [Some(0.001), Some(0.002), Some(0.0)]
-    );
+    assert_eq!(program.tables.lec[0].values, [Some(0.001), Some(0.002), Some(0.0)]);
     assert_eq!(program.tables.cec[0].direction, CecDirection::Both);
     assert!(program.notes.is_empty(), "{:?}", program.notes);
     assert!(program.unwritten.is_empty(), "{:?}", program.unwritten);
@@ -274,10 +163,7 @@ fn forms_that_a_control_accepts_are_accepted() {
     let forms = [
         both.replace('\n', "\r\n") + "M30\r\n",
         both.to_lowercase() + "m17",
-        both.replace('[', " [ ")
-            .replace(']', " ]\t")
-            .replace('=', " = ")
-            + "M2",
+        both.replace('[', " [ ").replace(']', " ]\t").replace('=', " = ") + "M2",
         both.replace('\n', " ; \u{b5}m comment\n") + "M02 ; end\n\n  \n; after\n",
         both.replace("(AX1)", "\"AX1\"").replace("(AX2)", "( AX2 )") + "  M30",
         numbered + "N20 M30",
@@ -299,11 +185,7 @@ fn parameters_that_no_line_writes_and_stops_are_told() {
     let contents = contents(&(text + "M17"));
     assert_eq!(contents.tables.cec[0].direction, CecDirection::Both);
     assert_eq!(contents.unwritten, ["DIRECTION of $AN_CEC[0]"]);
-    assert!(
-        contents.notes[0].to_string().contains("M0 waits"),
-        "{:?}",
-        contents.notes
-    );
+    assert!(contents.notes[0].to_string().contains("M0 waits"), "{:?}", contents.notes);
 }
 
 /// As a real control writes them: points behind MAX, MAX between two points, tables that nobody filled.
@@ -340,47 +222,28 @@ fn a_control_may_write_more_than_acts() {
 #[test]
 fn a_point_left_out_is_missing_and_not_zero() {
     let contents = contents(&(LEC.replace("$AA_ENC_COMP[1,1,AX1]=0.002\n", "") + "M30"));
-    assert_eq!(
-        contents.tables.lec[0].values,
-        [Some(0.001), None, Some(0.0)]
-    );
+    assert_eq!(contents.tables.lec[0].values, [Some(0.001), None, Some(0.0)]);
 }
 
 /// A generated file of a public archive tool: 770 / 19.7436 = 38.99998.
 #[test]
 fn a_rounded_step_is_tolerated() {
-    let text = LEC
-        .replace("=50\n", "=19.7436\n")
-        .replace("=-50.0", "=-215")
-        .replace("=50.0", "=555");
+    let text =
+        LEC.replace("=50\n", "=19.7436\n").replace("=-50.0", "=-215").replace("=50.0", "=555");
     assert_eq!(contents(&(text + "M30")).tables.lec[0].values.len(), 40);
 }
 
 #[test]
 fn tables_come_back_in_order() {
-    let lec = format!(
-        "{}{}{LEC}",
-        LEC.replace("AX1", "AX2"),
-        LEC.replace("[1,", "[0,")
-    );
-    let cec = format!(
-        "{}{CEC}",
-        CEC.replace("CEC[0", "CEC[7").replace("S[0]", "S[7]")
-    );
+    let lec = format!("{}{}{LEC}", LEC.replace("AX1", "AX2"), LEC.replace("[1,", "[0,"));
+    let cec = format!("{}{CEC}", CEC.replace("CEC[0", "CEC[7").replace("S[0]", "S[7]"));
     let cec = cec.replacen("$AN_CEC_STEP[0]", "$AN_CEC_STEP[7]", 1);
     let cec = cec.replacen("$AN_CEC_MIN[0]", "$AN_CEC_MIN[7]", 1);
     let cec = cec.replacen("$AN_CEC_MAX[0]", "$AN_CEC_MAX[7]", 1);
     let tables = contents(&(lec + &cec + "M30")).tables;
-    let order: Vec<_> = tables
-        .lec
-        .iter()
-        .map(|t| (t.axis.as_str(), t.encoder))
-        .collect();
+    let order: Vec<_> = tables.lec.iter().map(|t| (t.axis.as_str(), t.encoder)).collect();
     assert_eq!(order, [("AX1", 0), ("AX1", 1), ("AX2", 1)]);
-    assert_eq!(
-        tables.cec.iter().map(|t| t.number).collect::<Vec<_>>(),
-        [0, 7]
-    );
+    assert_eq!(tables.cec.iter().map(|t| t.number).collect::<Vec<_>>(), [0, 7]);
 }
 
 /// A line in the style of `%_N_COMPLETE_TEA_INI`.
@@ -393,20 +256,12 @@ fn machine_data_keep_their_last_value() {
         indices: vec!["1".to_string(), "AX1".to_string()],
         value: MachineValue::Number(value),
     };
-    let expected = [
-        datum("MA_MM_ENC_COMP_MAX_POINTS", 26.0),
-        datum("MA_ENC_COMP_ENABLE", 1.0),
-    ];
+    let expected = [datum("MA_MM_ENC_COMP_MAX_POINTS", 26.0), datum("MA_ENC_COMP_ENABLE", 1.0)];
     assert_eq!(contents(text).machine_data, expected);
 }
 
 fn merged(texts: &[String]) -> Result<SiemensContents, Problems> {
-    merge(
-        texts
-            .iter()
-            .map(|text| contents(&format!("{text}M30\n")))
-            .collect(),
-    )
+    merge(texts.iter().map(|text| contents(&format!("{text}M30\n"))).collect())
 }
 
 #[test]
@@ -420,36 +275,12 @@ fn files_of_a_kit_make_one_memory() {
 fn conflicting_files_are_refused() {
     let memory = |points| format!("$MA_MM_ENC_COMP_MAX_POINTS[1,AX1]={points}\n");
     let cases = [
-        (
-            LEC.to_string(),
-            LEC.replace("=0.002", "=0.003"),
-            "point 1 of $AA_ENC_COMP[1,AX1]",
-        ),
-        (
-            LEC.to_string(),
-            LEC.replace("50", "60"),
-            "parameters of $AA_ENC_COMP[1,AX1]",
-        ),
-        (
-            LEC.to_string(),
-            LEC.replace("=0\n", "=1\n"),
-            "parameters of $AA_ENC_COMP[1,AX1]",
-        ),
-        (
-            CEC.to_string(),
-            CEC.replace("=0.002", "=0.003"),
-            "point 1 of $AN_CEC[0]",
-        ),
-        (
-            CEC.to_string(),
-            CEC.replace("ION[0]=0", "ION[0]=1"),
-            "parameters of $AN_CEC[0]",
-        ),
-        (
-            CEC.to_string(),
-            CEC.replace("AX2", "AX3"),
-            "parameters of $AN_CEC[0]",
-        ),
+        (LEC.to_string(), LEC.replace("=0.002", "=0.003"), "point 1 of $AA_ENC_COMP[1,AX1]"),
+        (LEC.to_string(), LEC.replace("50", "60"), "parameters of $AA_ENC_COMP[1,AX1]"),
+        (LEC.to_string(), LEC.replace("=0\n", "=1\n"), "parameters of $AA_ENC_COMP[1,AX1]"),
+        (CEC.to_string(), CEC.replace("=0.002", "=0.003"), "point 1 of $AN_CEC[0]"),
+        (CEC.to_string(), CEC.replace("ION[0]=0", "ION[0]=1"), "parameters of $AN_CEC[0]"),
+        (CEC.to_string(), CEC.replace("AX2", "AX3"), "parameters of $AN_CEC[0]"),
         (memory(26), memory(27), "$MA_MM_ENC_COMP_MAX_POINTS[1,AX1]"),
     ];
     for (first, second, message) in cases {
@@ -477,20 +308,13 @@ fn of_an_archive_what_is_of_concern_is_read_at_its_place() {
                 %_N_NC_CEC_INI\nMETRIC\n$AN_CEC_STEP[3]=0\n$AN_CEC_INPUT_AXIS[3]=(\n$AN_CEC[3,0]=0\nM17\n";
     let found = held(text);
     let data = found.machine_data.iter().map(MachineDatum::variable);
-    assert_eq!(
-        data.collect::<Vec<_>>(),
-        ["$MA_BACKLASH[0,AX1]", "$MN_SCALING_SYSTEM_IS_METRIC"]
-    );
+    assert_eq!(data.collect::<Vec<_>>(), ["$MA_BACKLASH[0,AX1]", "$MN_SCALING_SYSTEM_IS_METRIC"]);
     assert_eq!(found.read_out.passed_over, 1);
     assert_eq!(found.read_out.without_grid, ["AN_CEC[3]"]);
     assert_eq!(found.read_out.units, [ControlUnit::Millimetre]);
     let wrong = text.replace("=0.005", "=0,005");
     let problems = super::read_out("all.arc", &wrong, false).expect_err("a comma");
-    let place = problems
-        .iter()
-        .next()
-        .and_then(|p| p.place.clone())
-        .unwrap();
+    let place = problems.iter().next().and_then(|p| p.place.clone()).unwrap();
     assert_eq!((place.line, place.column), (4, 28));
 }
 
@@ -525,13 +349,7 @@ fn a_program_in_an_archive_is_no_state() {
     assert_eq!(read.tables.lec[0].values[1], Some(0.016));
     assert!(has_active_data("eec.txt", LEC_FILE));
     assert!(!has_active_data("EEC.MPF", LEC_FILE));
-    assert_eq!(
-        super::read_out("EEC.MPF", LEC_FILE, false)
-            .unwrap()
-            .read_out
-            .programs,
-        ["EEC.MPF"]
-    );
+    assert_eq!(super::read_out("EEC.MPF", LEC_FILE, false).unwrap().read_out.programs, ["EEC.MPF"]);
     let workpiece = "%_N_INIT_INI\n;$PATH=/_N_WKS_DIR/_N_A_WPD\n$MA_BACKLASH[0,AX1]=1\nM17\n";
     assert!(!has_active_data("all.arc", workpiece));
 }
@@ -553,15 +371,8 @@ fn two_values_of_one_variable_are_told() {
 
 #[test]
 fn what_is_no_plain_assignment_is_not_swallowed() {
-    for line in [
-        "IF R1==1 $MA_CEC_ENABLE[AX1]=0",
-        "$MA_BACKLASH[0,AX1] 0.5",
-        "$AN_CEC[0,0]",
-    ] {
-        assert!(
-            super::read_out("all.arc", &format!("{line}\nM17\n"), false).is_err(),
-            "{line}"
-        );
+    for line in ["IF R1==1 $MA_CEC_ENABLE[AX1]=0", "$MA_BACKLASH[0,AX1] 0.5", "$AN_CEC[0,0]"] {
+        assert!(super::read_out("all.arc", &format!("{line}\nM17\n"), false).is_err(), "{line}");
     }
     assert!(held("G0 X1\nMSG(\"$MA\")\nM17\n").machine_data.is_empty());
     let goes_on = "$MA_BACKLASH[0,AX1]=1\nM17\n$MN_OTHER=1\n";

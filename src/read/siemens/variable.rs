@@ -109,14 +109,7 @@ pub(super) fn variable<'a>(set: &'a Assignment<'_>) -> Result<Variable<'a>, Comp
     let Some((name, indices, allowed)) = known else {
         return Err(unknown(set));
     };
-    let mut found = Variable {
-        name,
-        encoder: 0,
-        table: 0,
-        point: 0,
-        axis: "",
-        allowed: *allowed,
-    };
+    let mut found = Variable { name, encoder: 0, table: 0, point: 0, axis: "", allowed: *allowed };
     let mut pairs = indices.iter().zip(&set.indices);
     let is_whole = indices.len() == set.indices.len();
     if is_whole && pairs.all(|(index, text)| found.put(index, text).is_some()) {
@@ -131,10 +124,7 @@ pub(super) fn variable<'a>(set: &'a Assignment<'_>) -> Result<Variable<'a>, Comp
     Err(Complaint::new(
         set.head.clone(),
         format!("`[{}]` is not an index of `${name}`", set.indices.join(",")),
-        format!(
-            "write it like `[{}]`; measuring systems are 0 and 1",
-            example.join(",")
-        ),
+        format!("write it like `[{}]`; measuring systems are 0 and 1", example.join(",")),
     ))
 }
 
@@ -146,9 +136,7 @@ impl<'a> Variable<'a> {
             Table => self.table = number(LARGEST_INDEX)?,
             Point => self.point = number(LARGEST_INDEX)?,
             Axis => {
-                self.axis = text
-                    .starts_with(|c: char| c.is_ascii_alphabetic())
-                    .then_some(text)?
+                self.axis = text.starts_with(|c: char| c.is_ascii_alphabetic()).then_some(text)?
             }
         }
         Some(())

@@ -35,9 +35,7 @@ impl Section<'_> {
         mut read: impl FnMut(&Section<'_>) -> Option<T>,
     ) -> Vec<T> {
         let sections = self.sections(key);
-        let read = sections
-            .iter()
-            .filter_map(|section| whole(section, &mut read));
+        let read = sections.iter().filter_map(|section| whole(section, &mut read));
         read.collect()
     }
 

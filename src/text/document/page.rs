@@ -51,10 +51,7 @@ fn read_layers<T>(
         return Err(syntax_problems(&source, &errors));
     }
     for text in &texts[1..] {
-        lay_over(
-            root.get_mut(),
-            DeTable::parse_recoverable(text).0.into_inner(),
-        );
+        lay_over(root.get_mut(), DeTable::parse_recoverable(text).0.into_inner());
     }
     let notes = Notes::default();
     let section = Section::root(&source, root.get_ref(), &notes);
@@ -107,17 +104,13 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
         }
         let message = error.message().lines().next().unwrap_or("not TOML");
         let span = error.span();
-        if let Some(comma) = span
-            .as_ref()
-            .and_then(|s| decimal_comma(&source.text, s.start))
-        {
+        if let Some(comma) = span.as_ref().and_then(|s| decimal_comma(&source.text, s.start)) {
             // One comma leads to several complaints.
             if !commas.contains(&comma) {
                 commas.push(comma);
                 let number = with_a_point(&source.text, comma);
-                let problem = Problem::new("`,` in a number, expected a decimal point").help(
-                    format!("{number}; numbers of a list stand in brackets, as `[0, 500]`"),
-                );
+                let problem = Problem::new("`,` in a number, expected a decimal point")
+                    .help(format!("{number}; numbers of a list stand in brackets, as `[0, 500]`"));
                 problems.push(problem.at(source.place(&(comma..comma + 1))));
             }
             continue;
@@ -190,7 +183,5 @@ fn decimal_comma(text: &str, at: usize) -> Option<usize> {
         let rest = text[comma + 1..].trim_start_matches(|c: char| c.is_ascii_digit());
         rest.trim_start_matches(' ').starts_with([',', '}'])
     };
-    (open..start + line.len())
-        .filter(between_digits)
-        .find(ends_a_value)
+    (open..start + line.len()).filter(between_digits).find(ends_a_value)
 }

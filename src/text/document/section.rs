@@ -53,15 +53,8 @@ impl<'a> Section<'a> {
 
     /// Notes a problem at a key (or at the section, if the key is absent).
     pub fn problem(&self, key: &str, message: impl Into<String>, help: impl Into<String>) {
-        let span = self
-            .table
-            .get(key)
-            .map_or_else(|| self.span.clone(), Spanned::span);
-        self.note(|| {
-            Problem::new(message)
-                .at(self.source.place(&span))
-                .help(help)
-        });
+        let span = self.table.get(key).map_or_else(|| self.span.clone(), Spanned::span);
+        self.note(|| Problem::new(message).at(self.source.place(&span)).help(help));
     }
 
     /// The same at an entry of a list.
@@ -90,10 +83,7 @@ impl<'a> Section<'a> {
     /// The value of a key; of one that is to be filled in there is none.
     fn value(&self, key: &'static str) -> Option<&'a DeValue<'a>> {
         self.asked.borrow_mut().push(key);
-        let value = self
-            .table
-            .get(key)
-            .filter(|value| !is_empty(value.get_ref()))?;
+        let value = self.table.get(key).filter(|value| !is_empty(value.get_ref()))?;
         self.notes.spots.borrow_mut().push(Spot {
             section: Arc::clone(&self.spot),
             key,
@@ -139,11 +129,7 @@ impl<'a> Section<'a> {
         if !self.has(key) {
             let name = self.path_of(key);
             let end = self.source.text.trim_end().len();
-            let span = if self.path.is_empty() {
-                end..end
-            } else {
-                self.span.clone()
-            };
+            let span = if self.path.is_empty() { end..end } else { self.span.clone() };
             self.note(|| {
                 Problem::new(format!("there is no section [{name}]"))
                     .at(self.source.place(&span))
@@ -325,11 +311,7 @@ impl<'a> Section<'a> {
     pub fn pair(&self, key: &'static str) -> Option<[f64; 2]> {
         let numbers = |value: &DeValue<'_>| list_of(value, number_of)?.try_into().ok();
         let pair: [f64; 2] = self.typed(key, "two finite numbers, e.g. [0.0, 900.0]", numbers)?;
-        self.sized(
-            key,
-            pair,
-            pair.iter().all(|number| number.abs() <= LARGEST_NUMBER),
-        )
+        self.sized(key, pair, pair.iter().all(|number| number.abs() <= LARGEST_NUMBER))
     }
 
     /// A list of texts, if the key is present.
@@ -438,11 +420,8 @@ impl<'a> Section<'a> {
                 _ => format!("did you mean `{near}`?"),
             },
         );
-        let section = if self.path.is_empty() {
-            String::new()
-        } else {
-            format!(" in [{}]", self.path)
-        };
+        let section =
+            if self.path.is_empty() { String::new() } else { format!(" in [{}]", self.path) };
         Problem::new(format!("unknown key `{}`{section}", shown(name)))
             .at(self.source.place(&span))
             .help(help)
@@ -450,11 +429,7 @@ impl<'a> Section<'a> {
 }
 
 fn joined(path: &str, key: &str) -> String {
-    if path.is_empty() {
-        key.to_string()
-    } else {
-        [path, ".", key].concat()
-    }
+    if path.is_empty() { key.to_string() } else { [path, ".", key].concat() }
 }
 
 /// Words in back-quotes, each once.
@@ -479,9 +454,7 @@ pub(super) fn empty_keys(table: &DeTable<'_>, path: &str, found: &mut Vec<(Strin
     for (key, value) in table {
         let path = joined(path, key.get_ref());
         let sections = value.get_ref().as_array().into_iter().flatten();
-        let sections = sections
-            .chain([value])
-            .filter_map(|v| v.get_ref().as_table());
+        let sections = sections.chain([value]).filter_map(|v| v.get_ref().as_table());
         sections.for_each(|section| empty_keys(section, &path, found));
         found.extend(is_empty(value.get_ref()).then(|| (path, value.span())));
     }
@@ -493,10 +466,7 @@ fn number_of(value: &DeValue<'_>) -> Option<f64> {
         DeValue::Integer(integer) if integer.radix() == 10 => integer.as_str(),
         _ => return None,
     };
-    let number = text
-        .parse::<f64>()
-        .ok()
-        .filter(|number| number.is_finite())?;
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite())?;
     Some(number + 0.0) // −0 becomes 0
 }
 

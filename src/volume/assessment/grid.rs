@@ -42,9 +42,8 @@ impl Grid {
             GridChoice::OwnNodes => (as_it_is.own_nodes(), others),
             GridChoice::Equal(counts) => (as_it_is.equal_nodes(counts), &[][..]),
         };
-        let nodes = others.iter().fold(measured.clone(), |nodes, other| {
-            nodes.and(&other.own_nodes())
-        });
+        let nodes =
+            others.iter().fold(measured.clone(), |nodes, other| nodes.and(&other.own_nodes()));
         let counts = nodes.counts();
         let points = counts.x.checked_mul(counts.y);
         let points = points.and_then(|points| points.checked_mul(counts.z));
@@ -83,9 +82,7 @@ pub(crate) fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
     Axis::ALL.into_iter().all(|axis| {
         let among = |place: &f64| {
             let next = nodes[axis].partition_point(|node| *node < place - SAME_PLACE_MM);
-            nodes[axis]
-                .get(next)
-                .is_some_and(|n| *n <= place + SAME_PLACE_MM)
+            nodes[axis].get(next).is_some_and(|n| *n <= place + SAME_PLACE_MM)
         };
         let straight = |ends: &[f64]| is_straight(model, axis, [ends[0], ends[1]]);
         own[axis].iter().all(among) && own[axis].windows(2).all(straight)
@@ -95,11 +92,8 @@ pub(crate) fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
 fn is_straight(model: &VolumeModel, axis: Axis, [from, to]: [f64; 2]) -> bool {
     let values = |part: f64| {
         let place = from + (to - from) * part;
-        let AxisState {
-            deviation_um: d,
-            rotation_urad: r,
-            ..
-        } = model.state(axis, place, |_| true);
+        let AxisState { deviation_um: d, rotation_urad: r, .. } =
+            model.state(axis, place, |_| true);
         [d.x, d.y, d.z, r.x, r.y, r.z]
     };
     let (first, last) = (values(0.0), values(1.0));
@@ -185,9 +179,7 @@ fn nodes_in(axis: Axis, nodes: &[f64], size_mm: f64) -> Result<usize, Problem> {
         return Err(no_map());
     };
     let step = (last - first) / steps.max(1) as f64;
-    let even = nodes
-        .windows(2)
-        .all(|n| (n[1] - n[0] - step).abs() <= step * WHOLE);
+    let even = nodes.windows(2).all(|n| (n[1] - n[0] - step).abs() <= step * WHOLE);
     if !even {
         return Err(Problem::new(format!(
             "sub-volumes need equally spaced nodes, and those of {axis} are not"

@@ -66,9 +66,7 @@ fn at_reference(
     responses: &[(Direction, Response)],
     (reference, homing): (Millimetres, Direction),
 ) -> Option<Deviation> {
-    let (_, response) = responses
-        .iter()
-        .find(|(direction, _)| *direction == homing)?;
+    let (_, response) = responses.iter().find(|(direction, _)| *direction == homing)?;
     Some(Deviation::from_um(response.correction(reference).um()))
 }
 

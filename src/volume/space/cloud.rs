@@ -35,16 +35,8 @@ fn bounds(vectors: &[Vector]) -> Option<(Vector, Vector)> {
     let mut sum = 0.0;
     for vector in vectors {
         for c in 0..3 {
-            low[c] = if vector[c] < low[c] {
-                vector[c]
-            } else {
-                low[c]
-            };
-            high[c] = if vector[c] > high[c] {
-                vector[c]
-            } else {
-                high[c]
-            };
+            low[c] = if vector[c] < low[c] { vector[c] } else { low[c] };
+            high[c] = if vector[c] > high[c] { vector[c] } else { high[c] };
             sum += vector[c] * 0.0;
         }
     }
@@ -59,9 +51,7 @@ fn furthest(vectors: &[Vector], from: &Vector) -> usize {
         for (value, vector) in squares.iter_mut().zip(list) {
             *value = square(vector, from);
         }
-        let largest = squares
-            .iter()
-            .fold(best.0, |m, s| if *s > m { *s } else { m });
+        let largest = squares.iter().fold(best.0, |m, s| if *s > m { *s } else { m });
         if largest > best.0 {
             let place = squares.iter().position(|s| *s >= largest).unwrap_or(0);
             best = (largest, block * BLOCK + place);
@@ -72,10 +62,7 @@ fn furthest(vectors: &[Vector], from: &Vector) -> usize {
 
 /// From a vector to the one furthest from it, and so on while the step grows.
 fn walk(vectors: &[Vector], longest: &mut Longest) {
-    let point = |number: usize| Point {
-        at: vectors[number],
-        number,
-    };
+    let point = |number: usize| Point { at: vectors[number], number };
     let mut from = 0;
     for _ in 0..STEPS {
         let to = furthest(vectors, &vectors[from]);
@@ -87,16 +74,9 @@ fn walk(vectors: &[Vector], longest: &mut Longest) {
 }
 
 fn ends(vectors: &[Vector], middle: &Vector, least: f64) -> Ends {
-    let least = if least > 0.0 {
-        least * least * (1.0 - 1e-12)
-    } else {
-        0.0
-    };
+    let least = if least > 0.0 { least * least * (1.0 - 1e-12) } else { 0.0 };
     let vectors = vectors.iter().enumerate();
     let far = vectors.filter(|(_, vector)| square(vector, middle) >= least);
     let top: Vec<Point> = far.map(|(number, at)| Point { at: *at, number }).collect();
-    Ends {
-        bottom: top.clone(),
-        top,
-    }
+    Ends { bottom: top.clone(), top }
 }

@@ -93,23 +93,14 @@ impl<'a> Search<'a> {
             }
             alive.retain(|(reach, cell)| *reach >= self.needed(*cell));
             alive.sort_by(|a, b| b.0.total_cmp(&a.0));
-            level = alive
-                .into_iter()
-                .flat_map(|(_, cell)| cell.quarters())
-                .collect();
+            level = alive.into_iter().flat_map(|(_, cell)| cell.quarters()).collect();
         }
         let map = self.map;
-        Diameter {
-            um: self.longest.um(),
-            nodes: self.longest.pair.map(|number| map.node(number)),
-        }
+        Diameter { um: self.longest.um(), nodes: self.longest.pair.map(|number| map.node(number)) }
     }
 
     fn point(&self, node: Node) -> Point {
-        Point {
-            at: self.map.at(node),
-            number: self.map.number(node),
-        }
+        Point { at: self.map.at(node), number: self.map.number(node) }
     }
 
     /// What the vectors must reach along a cell for a difference as long as the longest one.
@@ -170,9 +161,7 @@ impl<'a> Search<'a> {
             let most = if fine { usize::MAX } else { LISTED };
             let grid = (self.map, &self.grid);
             let top = self.top.beyond(grid, needed - depth, most);
-            let bottom = top
-                .as_ref()
-                .and_then(|_| self.bottom.beyond(grid, needed - high, most));
+            let bottom = top.as_ref().and_then(|_| self.bottom.beyond(grid, needed - high, most));
             if let (Some(top), Some(bottom)) = (top, bottom) {
                 self.compare(cell, &Ends { top, bottom });
                 return None;
@@ -183,10 +172,7 @@ impl<'a> Search<'a> {
 
     fn compare(&mut self, cell: DirectionCell, ends: &Ends) {
         let [number, _] = self.longest.pair;
-        let frame = Frame {
-            middle: self.map.at(self.map.node(number)),
-            room: self.room,
-        };
+        let frame = Frame { middle: self.map.at(self.map.node(number)), room: self.room };
         search(cell, ends, frame, &mut self.longest);
     }
 
@@ -202,10 +188,7 @@ impl<'a> Search<'a> {
         let vector = |number: &usize| self.map.at(self.map.node(*number));
         let vectors: Vec<Vector> = numbers.iter().map(vector).collect();
         if let Some(longest) = cloud::longest(&vectors) {
-            self.longest = Longest {
-                pair: longest.pair.map(|place| numbers[place]),
-                ..longest
-            };
+            self.longest = Longest { pair: longest.pair.map(|place| numbers[place]), ..longest };
         }
     }
 }
@@ -241,11 +224,7 @@ impl WindowMap {
                 }
             }
         }
-        Some(WindowMap {
-            size,
-            positions,
-            figures,
-        })
+        Some(WindowMap { size, positions, figures })
     }
 
     /// The lowest node of the window of figure `number`.

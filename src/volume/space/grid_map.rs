@@ -120,11 +120,7 @@ impl GridMap {
     /// Panics where the grid has no such node.
     #[inline]
     pub fn at(&self, node: Node) -> Vector {
-        let (a, b, c) = (
-            &self.first[node[0]],
-            &self.second[node[1]],
-            &self.third[node[2]],
-        );
+        let (a, b, c) = (&self.first[node[0]], &self.second[node[1]], &self.third[node[2]]);
         let along_chain = [
             ((a.shift[0] + b.shift[0]) + c.shift[0])
                 + (a.by_second * b.arm + (a.by_third + b.by_third) * c.arm),
@@ -191,10 +187,7 @@ impl Plain {
     }
 
     fn third(&self) -> Third {
-        Third {
-            shift: self.shift,
-            arm: self.arm,
-        }
+        Third { shift: self.shift, arm: self.arm }
     }
 }
 
@@ -205,10 +198,7 @@ impl AxisNodes {
         count > 0
             && self.translation_um.len() == count
             && self.rotation_urad.len() == count
-            && vectors()
-                .flatten()
-                .chain(&self.arm_m)
-                .all(|v| v.is_finite())
+            && vectors().flatten().chain(&self.arm_m).all(|v| v.is_finite())
             && self.arm_m.windows(2).all(|pair| pair[0] < pair[1])
     }
 
@@ -247,11 +237,8 @@ impl Distinct {
     /// Makes it the nodes of a window.
     pub(super) fn fill(&mut self, map: &GridMap, window: Window) {
         let [i, j, k] = [0, 1, 2].map(|a| window.low[a]..window.low[a] + window.size[a]);
-        let (first, second, third) = (
-            &map.first[i.clone()],
-            &map.second[j.clone()],
-            &map.third[k.clone()],
-        );
+        let (first, second, third) =
+            (&map.first[i.clone()], &map.second[j.clone()], &map.third[k.clone()]);
         let zero = |v: f64| v.abs() <= 0.0;
         let turns_second = first.iter().any(|n| !zero(n.by_second) || !zero(n.roll));
         let turns_third = first.iter().any(|n| !zero(n.by_third) || !zero(n.roll))
@@ -259,14 +246,7 @@ impl Distinct {
         let arm = |arm: f64, counts: bool| if counts { arm } else { 0.0 };
         let order = &mut self.order;
         distinct(first, i.start, order, &mut self.first, |n| {
-            [
-                n.shift[0],
-                n.shift[1],
-                n.shift[2],
-                n.by_second,
-                n.by_third,
-                n.roll,
-            ]
+            [n.shift[0], n.shift[1], n.shift[2], n.by_second, n.by_third, n.roll]
         });
         distinct(second, j.start, order, &mut self.second, |n| {
             let [x, y, z] = n.shift;

@@ -60,11 +60,7 @@ pub fn grouping(vectors: &[Vector], tolerance: Tolerance) -> Grouping {
     let members = groups.iter().flat_map(|group| &group.members);
     let mut records: Vec<usize> = members.map(|(number, _)| *number).collect();
     records.sort_unstable();
-    Grouping {
-        groups: groups.len(),
-        longest: compare(vectors, &records),
-        records,
-    }
+    Grouping { groups: groups.len(), longest: compare(vectors, &records), records }
 }
 
 fn apart(unit: &Vector, mean: &Vector) -> f64 {
@@ -73,10 +69,7 @@ fn apart(unit: &Vector, mean: &Vector) -> f64 {
 
 fn compare(vectors: &[Vector], records: &[usize]) -> Option<Longest> {
     let mut longest = Longest::none(*records.first()?);
-    let point = |number: &usize| Point {
-        at: vectors[*number],
-        number: *number,
-    };
+    let point = |number: &usize| Point { at: vectors[*number], number: *number };
     let points: Vec<Point> = records.iter().map(point).collect();
     for (n, p) in points.iter().enumerate() {
         for q in &points[n + 1..] {
@@ -108,8 +101,7 @@ impl Group {
         }
         if length > self.largest {
             self.largest = length;
-            self.members
-                .retain(|(_, other)| *other >= magnitude * length);
+            self.members.retain(|(_, other)| *other >= magnitude * length);
         }
         self.members.push((number, length));
     }

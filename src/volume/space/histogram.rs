@@ -78,12 +78,7 @@ pub(super) fn prepared(vectors: &[Vector], bin_um: f64) -> Option<Cloud<'_>> {
     });
     #[expect(clippy::cast_possible_truncation, reason = "a bound with room")]
     let doubt = doubt as f32;
-    Some(Cloud {
-        exact: vectors,
-        rough,
-        bin_um,
-        doubt,
-    })
+    Some(Cloud { exact: vectors, rough, bin_um, doubt })
 }
 
 /// Integers add up to the same sum however the work is divided.
@@ -99,10 +94,8 @@ fn in_threads(cloud: &Cloud<'_>, threads: usize) -> Vec<Tally> {
     }
     std::thread::scope(|scope| {
         let work = &work;
-        let running: Vec<_> = parts
-            .into_iter()
-            .map(|part| scope.spawn(move || work(part)))
-            .collect();
+        let running: Vec<_> =
+            parts.into_iter().map(|part| scope.spawn(move || work(part))).collect();
         let joined = running.into_iter().map(|thread| match thread.join() {
             Ok(tally) => tally,
             Err(reason) => std::panic::resume_unwind(reason),
@@ -238,11 +231,7 @@ fn rough_bins(from: [f32; 3], [x, y, z]: [&[f32; LANES]; 3], doubt: f32) -> ([u3
         let high = ((distance + doubt) + INTEGER).to_bits();
         let edge = u32::from(low != high);
         unclear |= edge;
-        bins[lane] = if edge == 0 {
-            low.wrapping_sub(INTEGER.to_bits())
-        } else {
-            UNCLEAR
-        };
+        bins[lane] = if edge == 0 { low.wrapping_sub(INTEGER.to_bits()) } else { UNCLEAR };
     }
     (bins, unclear != 0)
 }
@@ -272,9 +261,8 @@ mod tests {
     #[test]
     fn rough_distances_are_counted_as_exact_ones() {
         let wave = |n: usize, turn: f64| (n as f64 * turn).sin() * 40.0;
-        let exact: Vec<Vector> = (0..700)
-            .map(|n| [wave(n, 0.7), wave(n, 1.3) * 0.5, wave(n, 2.9) * 0.1])
-            .collect();
+        let exact: Vec<Vector> =
+            (0..700).map(|n| [wave(n, 0.7), wave(n, 1.3) * 0.5, wave(n, 2.9) * 0.1]).collect();
         let cloud = prepared(&exact, 0.25).expect("few bins");
         let mut expected = vec![0; BINS - 1];
         for (n, p) in exact.iter().enumerate() {

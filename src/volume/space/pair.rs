@@ -47,10 +47,7 @@ impl Longest {
 
     /// A first guess: the vector `number` with itself.
     pub(super) fn none(number: usize) -> Longest {
-        Longest {
-            square_um2: 0.0,
-            pair: [number; 2],
-        }
+        Longest { square_um2: 0.0, pair: [number; 2] }
     }
 
     /// Takes the pair where it is longer, or as long with smaller numbers. True where longer.
@@ -107,11 +104,7 @@ pub(super) struct DirectionCell {
 impl DirectionCell {
     /// Twelve cells that hold every direction or its opposite.
     pub(super) fn half_sphere() -> impl Iterator<Item = DirectionCell> {
-        let faces = (0..3).map(|face| DirectionCell {
-            face,
-            centre: [0.0; 2],
-            half: 1.0,
-        });
+        let faces = (0..3).map(|face| DirectionCell { face, centre: [0.0; 2], half: 1.0 });
         faces.flat_map(|face| face.quarters())
     }
 
@@ -262,11 +255,7 @@ mod tests {
             let cell = DirectionCell::half_sphere().find(|cell| within(*cell));
             let cell = cell.expect("a cell");
             assert!(cell.cosine() > 0.8);
-            assert!(
-                DirectionCell::half_sphere()
-                    .flat_map(DirectionCell::quarters)
-                    .any(within)
-            );
+            assert!(DirectionCell::half_sphere().flat_map(DirectionCell::quarters).any(within));
         }
     }
 }

@@ -103,12 +103,7 @@ struct Sums {
 
 impl Sums {
     fn new(bins: usize) -> Self {
-        Sums {
-            hits: vec![0; bins],
-            counts: vec![0.0; bins],
-            variances: vec![0.0; bins],
-            drawn: 0,
-        }
+        Sums { hits: vec![0; bins], counts: vec![0.0; bins], variances: vec![0.0; bins], drawn: 0 }
     }
 
     /// Adds a stratum of `size` pairs of which `drawn` were drawn.

@@ -46,10 +46,7 @@ pub(super) struct Support {
 fn range(values: &[f64]) -> (f64, f64) {
     let start = (f64::INFINITY, f64::NEG_INFINITY);
     values.iter().fold(start, |(low, high), v| {
-        (
-            if *v < low { *v } else { low },
-            if *v > high { *v } else { high },
-        )
+        (if *v < low { *v } else { low }, if *v > high { *v } else { high })
     })
 }
 
@@ -91,11 +88,7 @@ impl Support {
         self.third.few(slopes.0, slopes.1, chords, &mut self.chords);
         for chord in &self.chords {
             let arms = grid.second.iter().map(|(_, node)| node.arm);
-            let heights = self
-                .mu
-                .iter()
-                .zip(&self.nu)
-                .map(|(mu, nu)| mu + nu * chord.x);
+            let heights = self.mu.iter().zip(&self.nu).map(|(mu, nu)| mu + nu * chord.x);
             self.second.fill(arms.zip(heights));
             let planes = &mut self.chords_of_chord;
             self.second.few(low, high, limit(grid.second.len()), planes);
@@ -120,8 +113,7 @@ impl Support {
         let lines = self.third.between(beta + low, beta + high);
         self.line.clear();
         let first = lines[0];
-        self.line
-            .extend(self.nu.iter().map(|nu| first.at(beta + nu)));
+        self.line.extend(self.nu.iter().map(|nu| first.at(beta + nu)));
         for line in &lines[1..] {
             for (best, nu) in self.line.iter_mut().zip(&self.nu) {
                 let value = line.at(beta + nu);
@@ -181,10 +173,7 @@ impl Support {
                 for ((third, node), kappa) in grid.third.iter().zip(&self.kappa) {
                     if start + (slope * node.arm + kappa) >= least {
                         let node = [grid.first[i].0, *second, *third];
-                        points.push(Point {
-                            at: map.at(node),
-                            number: map.number(node),
-                        });
+                        points.push(Point { at: map.at(node), number: map.number(node) });
                     }
                 }
                 if points.len() > most {
@@ -237,8 +226,7 @@ impl Envelope {
         }
         self.turns.clear();
         let pairs = self.hull.windows(2);
-        self.turns
-            .extend(pairs.map(|pair| (pair[0].y - pair[1].y) / (pair[1].x - pair[0].x)));
+        self.turns.extend(pairs.map(|pair| (pair[0].y - pair[1].y) / (pair[1].x - pair[0].x)));
     }
 
     /// The lines that can be the largest for a slope of `low..=high`.

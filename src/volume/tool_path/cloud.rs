@@ -75,8 +75,7 @@ impl Cloud {
 
     /// A new hull of all that is kept; what lies inside is dropped, and half of the room is free.
     fn refine(&mut self) {
-        self.vectors
-            .extend(self.hull.iter().flat_map(Hull::corners));
+        self.vectors.extend(self.hull.iter().flat_map(Hull::corners));
         let Some(mut hull) = Hull::around(&self.vectors) else {
             return;
         };
@@ -179,20 +178,10 @@ impl Hull {
         let start_um = size * START;
         let corner = |number: usize| -> Vector {
             let sign = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
-            std::array::from_fn(|k| {
-                if k == number / 2 {
-                    sign * start_um
-                } else {
-                    0.0
-                }
-            })
+            std::array::from_fn(|k| if k == number / 2 { sign * start_um } else { 0.0 })
         };
-        let mut hull = Hull {
-            middle,
-            corners: (0..6).map(corner).collect(),
-            facets: Vec::new(),
-            start_um,
-        };
+        let mut hull =
+            Hull { middle, corners: (0..6).map(corner).collect(), facets: Vec::new(), start_um };
         for (x, y, z) in [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4)] {
             let (above, below) = (hull.facet([x, y, z])?, hull.facet([y, x, z + 1])?);
             hull.facets.extend([above, below]);
@@ -261,12 +250,7 @@ impl Hull {
 
     fn insert(&mut self, corner: Vector) {
         let sees = |facet: &Facet| dot(facet.scaled, corner) > 1.0;
-        let seen: Vec<Facet> = self
-            .facets
-            .iter()
-            .filter(|facet| sees(facet))
-            .copied()
-            .collect();
+        let seen: Vec<Facet> = self.facets.iter().filter(|facet| sees(facet)).copied().collect();
         let edges: Vec<(usize, usize)> =
             seen.iter().flat_map(|facet| edges(facet.corners)).collect();
         let outline = edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a)));
@@ -311,11 +295,7 @@ fn dot(a: Vector, b: Vector) -> f64 {
 }
 
 fn cross(a: Vector, b: Vector) -> Vector {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]
@@ -364,20 +344,14 @@ mod tests {
     fn a_full_cloud_is_exact_in_little_memory() {
         let mut state = 1_u64;
         let mut next = || {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             f64::from(u32::try_from(state >> 33).expect("31 bits")) / f64::from(1_u32 << 31)
         };
-        let vectors: Vec<Vector> = (0..200_000)
-            .map(|_| [next() * 40.0, next() * 9.0, next()])
-            .collect();
+        let vectors: Vec<Vector> =
+            (0..200_000).map(|_| [next() * 40.0, next() * 9.0, next()]).collect();
         let (least, most) = bracket(&vectors, 5_000);
         let exact = diameter(&vectors);
-        assert!(
-            (least - exact).abs() < 1e-6 && most - least < 1e-12,
-            "{least} {most} {exact}"
-        );
+        assert!((least - exact).abs() < 1e-6 && most - least < 1e-12, "{least} {most} {exact}");
     }
 
     /// Every vector of a ball's surface matters: what is dropped is told.

@@ -22,14 +22,8 @@ pub enum Channel {
 
 impl Channel {
     /// All of them, in the order in which they are shown.
-    pub const ALL: [Channel; 6] = [
-        Channel::X,
-        Channel::Y,
-        Channel::Z,
-        Channel::Tangent,
-        Channel::Normal,
-        Channel::Length,
-    ];
+    pub const ALL: [Channel; 6] =
+        [Channel::X, Channel::Y, Channel::Z, Channel::Tangent, Channel::Normal, Channel::Length];
 
     /// Its name in tables and documents.
     pub const fn name(self) -> &'static str {
@@ -67,16 +61,8 @@ pub struct Range {
 
 impl Range {
     pub(super) const NONE: Range = Range {
-        min: Extreme {
-            um: f64::INFINITY,
-            place: [0.0; 3],
-            line: 0,
-        },
-        max: Extreme {
-            um: f64::NEG_INFINITY,
-            place: [0.0; 3],
-            line: 0,
-        },
+        min: Extreme { um: f64::INFINITY, place: [0.0; 3], line: 0 },
+        max: Extreme { um: f64::NEG_INFINITY, place: [0.0; 3], line: 0 },
     };
 
     /// Whether a value lies outside.
@@ -111,20 +97,14 @@ fn crossings(coefficients: &[f64]) -> Vec<f64> {
         [] | [_] => Vec::new(),
         [zero, slope] => {
             let root = -zero / slope;
-            if root > 0.0 && root < 1.0 {
-                vec![root]
-            } else {
-                Vec::new()
-            }
+            if root > 0.0 && root < 1.0 { vec![root] } else { Vec::new() }
         }
         _ => {
             let mut ends = vec![0.0];
             ends.extend(crossings(&derivative(coefficients)));
             ends.push(1.0);
             let pairs = ends.windows(2);
-            pairs
-                .filter_map(|pair| crossing(coefficients, pair[0], pair[1]))
-                .collect()
+            pairs.filter_map(|pair| crossing(coefficients, pair[0], pair[1])).collect()
         }
     }
 }

@@ -73,18 +73,9 @@ impl PathMap {
             let (nodes, pieces) = pieces(&nodes, cubic, |at| part(axis, at));
             let origin = origins[axis];
             axis += 1;
-            AxisPieces {
-                nodes,
-                pieces,
-                origin,
-            }
+            AxisPieces { nodes, pieces, origin }
         });
-        Some(PathMap {
-            order,
-            axes,
-            degree: if cubic { 3 } else { 1 },
-            zero: [0.0; 3],
-        })
+        Some(PathMap { order, axes, degree: if cubic { 3 } else { 1 }, zero: [0.0; 3] })
     }
 
     /// The map less the mean error at these places (a datum that was probed on the machine).
@@ -216,11 +207,7 @@ fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 #[inline]
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline]
@@ -281,11 +268,8 @@ fn through_four(a: [f64; 6], b: [f64; 6], c: [f64; 6], d: [f64; 6], width: f64) 
     let third = width / 3.0;
     let mut piece = [a, [0.0; 6], [0.0; 6], [0.0; 6]];
     for k in 0..6 {
-        let (d1, d2, d3) = (
-            b[k] - a[k],
-            c[k] - 2.0 * b[k] + a[k],
-            d[k] - 3.0 * c[k] + 3.0 * b[k] - a[k],
-        );
+        let (d1, d2, d3) =
+            (b[k] - a[k], c[k] - 2.0 * b[k] + a[k], d[k] - 3.0 * c[k] + 3.0 * b[k] - a[k]);
         piece[1][k] = (d1 - d2 / 2.0 + d3 / 3.0) / third;
         piece[2][k] = (d2 / 2.0 - d3 / 2.0) / (third * third);
         piece[3][k] = d3 / 6.0 / (third * third * third);

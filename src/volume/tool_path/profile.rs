@@ -163,9 +163,7 @@ impl<'m> Profile<'m> {
             self.found.rapids_left_out += 1;
             return self.check_travel(step.to);
         }
-        let longer = step
-            .tool_mm
-            .map_or(0.0, |mm| mm - self.limits.measured_tool_mm);
+        let longer = step.tool_mm.map_or(0.0, |mm| mm - self.limits.measured_tool_mm);
         self.found.with_tool |= step.tool_mm.is_some();
         let mut stretch = Stretch {
             from: step.from,
@@ -244,8 +242,7 @@ impl<'m> Profile<'m> {
             }
             let nodes = &self.map.nodes(axis)[piece..];
             let inside = nodes.iter().take_while(|node| **node < high);
-            self.cuts
-                .extend(inside.map(|node| (node - from) / (to - from)));
+            self.cuts.extend(inside.map(|node| (node - from) / (to - from)));
         }
         self.cuts.retain(|part| *part > 0.0 && *part < 1.0);
         self.cuts.sort_by(f64::total_cmp);
@@ -449,11 +446,7 @@ impl<'m> Profile<'m> {
         let (vectors, room_um) = self.cloud.ends();
         let mut found = self.found;
         found.outside.sort_by_key(|outside| outside.axis);
-        Summary {
-            vectors,
-            room_um,
-            ..found
-        }
+        Summary { vectors, room_um, ..found }
     }
 }
 
@@ -469,13 +462,7 @@ impl Summary {
 #[inline]
 fn channels(stretch: &Stretch, e: [f64; 3]) -> [f64; 5] {
     let dot = |v: [f64; 3]| v[0] * e[0] + v[1] * e[1] + v[2] * e[2];
-    [
-        e[0],
-        e[1],
-        e[2],
-        dot(stretch.tangent),
-        dot(stretch.normal.unwrap_or([0.0; 3])),
-    ]
+    [e[0], e[1], e[2], dot(stretch.tangent), dot(stretch.normal.unwrap_or([0.0; 3]))]
 }
 
 fn length_of(e: [f64; 3]) -> f64 {
@@ -497,10 +484,7 @@ fn normal(plane: Plane, tangent: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 /// Equal steps of a length that are not longer than `longest`.
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "the number is bounded before it is used"
-)]
+#[allow(clippy::cast_possible_truncation, reason = "the number is bounded before it is used")]
 fn steps(length: f64, longest: f64) -> u32 {
     (length / longest).ceil().clamp(1.0, MOST_STEPS) as u32
 }

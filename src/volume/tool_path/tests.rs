@@ -7,11 +7,7 @@ use proptest::prelude::*;
 
 /// Three axes with nodes at 0, 10 … 40 and values from a list.
 fn machine(values: &[f64], order: [usize; 3], cubic: bool) -> PathMap {
-    let nodes = || {
-        (0..5_u8)
-            .map(|node| f64::from(node) * 10.0)
-            .collect::<Vec<f64>>()
-    };
+    let nodes = || (0..5_u8).map(|node| f64::from(node) * 10.0).collect::<Vec<f64>>();
     let table = |axis: usize, what: usize, node: usize| {
         values[(axis * 30 + what * 5 + node) % values.len()]
     };
@@ -19,27 +15,14 @@ fn machine(values: &[f64], order: [usize; 3], cubic: bool) -> PathMap {
         let u = (position / 10.0).clamp(0.0, 3.999_999_999_999);
         let node = [0.0, 1.0, 2.0, 3.0].iter().filter(|n| **n <= u).count() - 1;
         let inside = position.clamp(0.0, 40.0) / 10.0 - [0.0, 1.0, 2.0, 3.0][node];
-        let smooth = if cubic {
-            inside * inside * (3.0 - 2.0 * inside)
-        } else {
-            inside
-        };
+        let smooth = if cubic { inside * inside * (3.0 - 2.0 * inside) } else { inside };
         let (low, high) = (table(axis, what, node), table(axis, what, node + 1));
         low + smooth * (high - low)
     };
-    PathMap::new(
-        order,
-        [nodes(), nodes(), nodes()],
-        [5.0, 0.0, -3.0],
-        cubic,
-        |axis, position| {
-            let six = [0, 1, 2, 3, 4, 5].map(|what| at(axis, what, position));
-            (
-                [six[0], six[1], six[2]],
-                [six[3] * 300.0, six[4] * 300.0, six[5] * 300.0],
-            )
-        },
-    )
+    PathMap::new(order, [nodes(), nodes(), nodes()], [5.0, 0.0, -3.0], cubic, |axis, position| {
+        let six = [0, 1, 2, 3, 4, 5].map(|what| at(axis, what, position));
+        ([six[0], six[1], six[2]], [six[3] * 300.0, six[4] * 300.0, six[5] * 300.0])
+    })
     .expect("a machine")
 }
 
@@ -70,9 +53,7 @@ fn line(from: Place, to: Place) -> Move {
 
 fn followed(map: &PathMap, limits: ProfileLimits, step: &Move) -> Summary {
     let mut profile = Profile::new(map, limits);
-    profile
-        .follow(step, &mut |_| {})
-        .expect("it can be followed");
+    profile.follow(step, &mut |_| {}).expect("it can be followed");
     profile.summary()
 }
 
@@ -92,9 +73,8 @@ fn sampled(map: &PathMap, step: &Move, count: u32) -> [(f64, f64); 4] {
 fn compared(map: &PathMap, step: &Move) -> Result<(), TestCaseError> {
     let summary = followed(map, limits(), step);
     let dense = sampled(map, step, 4000);
-    for (channel, (min, max)) in [Channel::X, Channel::Y, Channel::Z, Channel::Length]
-        .into_iter()
-        .zip(dense)
+    for (channel, (min, max)) in
+        [Channel::X, Channel::Y, Channel::Z, Channel::Length].into_iter().zip(dense)
     {
         let range = summary.range(channel).expect("a range");
         let (low, high) = (range.min.um, range.max.um);
@@ -105,10 +85,7 @@ fn compared(map: &PathMap, step: &Move) -> Result<(), TestCaseError> {
         prop_assert!(low <= min + room, "{channel:?}: {low} > {min}");
         let [x, y, z] = map.error_at(range.max.place, 0.0);
         let there = [x, y, z, 0.0, 0.0, (x * x + y * y + z * z).sqrt()];
-        let index = Channel::ALL
-            .iter()
-            .position(|c| *c == channel)
-            .expect("a channel");
+        let index = Channel::ALL.iter().position(|c| *c == channel).expect("a channel");
         prop_assert!((there[index] - high).abs() < 1e-9 * (1.0 + high.abs()));
     }
     Ok(())
@@ -151,14 +128,11 @@ fn a_parabola_between_nodes_is_found() {
 
 #[test]
 fn tool_length_swings_with_every_axis() {
-    let map = PathMap::new(
-        [0, 1, 2],
-        [vec![0.0], vec![0.0], vec![0.0]],
-        [0.0; 3],
-        false,
-        |axis, _| ([0.0; 3], [0.0, if axis == 2 { 10.0 } else { 0.0 }, 0.0]),
-    )
-    .expect("a machine");
+    let map =
+        PathMap::new([0, 1, 2], [vec![0.0], vec![0.0], vec![0.0]], [0.0; 3], false, |axis, _| {
+            ([0.0; 3], [0.0, if axis == 2 { 10.0 } else { 0.0 }, 0.0])
+        })
+        .expect("a machine");
     // EBZ = 10 µrad × 100 mm below: the tip goes 1 µm towards −X.
     assert!((map.error_at([0.0; 3], 100.0)[0] + 1.0).abs() < 1e-12);
 }
@@ -209,22 +183,8 @@ fn places_outside_the_measured_range_are_named_or_refused() {
     let summary = followed(&map, limits(), &step);
     assert_eq!(summary.outside.len(), 1);
     assert_eq!(summary.outside[0].reached_mm, (50.0, 50.0));
-    let refuse = ProfileLimits {
-        refuse_outside: true,
-        ..limits()
-    };
-    assert!(
-        Profile::new(&map, refuse)
-            .follow(&step, &mut |_| {})
-            .is_err()
-    );
-    let travel = ProfileLimits {
-        travel: [Some((0.0, 45.0)), None, None],
-        ..limits()
-    };
-    assert!(
-        Profile::new(&map, travel)
-            .follow(&step, &mut |_| {})
-            .is_err()
-    );
+    let refuse = ProfileLimits { refuse_outside: true, ..limits() };
+    assert!(Profile::new(&map, refuse).follow(&step, &mut |_| {}).is_err());
+    let travel = ProfileLimits { travel: [Some((0.0, 45.0)), None, None], ..limits() };
+    assert!(Profile::new(&map, travel).follow(&step, &mut |_| {}).is_err());
 }

@@ -80,10 +80,7 @@ impl VolumeModel {
             }
             list
         });
-        Some(ErrorMap {
-            nodes: nodes.clone(),
-            vectors: GridMap::new(order, lists)?,
-        })
+        Some(ErrorMap { nodes: nodes.clone(), vectors: GridMap::new(order, lists)? })
     }
 }
 

@@ -22,9 +22,8 @@ impl VolumeModel {
     /// Which of the 21 errors were neither measured nor stated, and what that leaves out.
     pub fn missing(&self) -> Vec<Missing> {
         let deviations = ErrorTerm::ALL.into_iter();
-        let deviations = deviations
-            .filter(|term| self.deviations[*term].is_none())
-            .map(|term| Missing {
+        let deviations =
+            deviations.filter(|term| self.deviations[*term].is_none()).map(|term| Missing {
                 component: Component::Deviation(term),
                 consequence: format!("whatever {} does in {} while it moves", term.along, term.of),
             });
@@ -32,15 +31,9 @@ impl VolumeModel {
             .filter(|rotation| self.rotations[*rotation].is_none())
             .filter_map(|rotation| {
                 let consequence = self.left_out(rotation)?;
-                Some(Missing {
-                    component: Component::Rotation(rotation),
-                    consequence,
-                })
+                Some(Missing { component: Component::Rotation(rotation), consequence })
             });
-        deviations
-            .chain(rotations)
-            .chain(self.no_slopes())
-            .collect()
+        deviations.chain(rotations).chain(self.no_slopes()).collect()
     }
 
     /// The effects of a rotation that was not measured, at the far end of its levers; `None` = it
@@ -115,16 +108,8 @@ impl VolumeModel {
             _ => Found::SquarenessStated { stated },
         });
         labels.extend(self.of_angles(job));
-        labels.extend(
-            Axis::ALL
-                .into_iter()
-                .filter_map(|axis| of_directions(model, axis)),
-        );
-        labels.extend(
-            Axis::ALL
-                .into_iter()
-                .filter_map(|axis| self.judged_part(job, axis)),
-        );
+        labels.extend(Axis::ALL.into_iter().filter_map(|axis| of_directions(model, axis)));
+        labels.extend(Axis::ALL.into_iter().filter_map(|axis| self.judged_part(job, axis)));
         let doubts = model.remarks.doubts.iter().cloned();
         labels.extend(doubts.map(|why| Found::Doubtful { why }));
         labels.into_iter().map(Finding::from).collect()
@@ -153,15 +138,10 @@ impl VolumeModel {
         }));
         let tables = Axis::ALL.into_iter();
         let tables = tables.filter(|axis| self.chain.moves_workpiece(*axis));
-        labels.extend(
-            tables.map(|axis| match self.levers.straightness_optic[axis] {
-                Some(place) => Found::OpticOnTable {
-                    axis,
-                    mm: place.mm(),
-                },
-                None => Found::OpticAtTool { axis },
-            }),
-        );
+        labels.extend(tables.map(|axis| match self.levers.straightness_optic[axis] {
+            Some(place) => Found::OpticOnTable { axis, mm: place.mm() },
+            None => Found::OpticAtTool { axis },
+        }));
         labels
     }
 
@@ -181,11 +161,7 @@ impl VolumeModel {
         let travel = [machine.low.mm(), machine.high.mm()];
         let shorter = low > travel[0] + EDGE_MM || high < travel[1] - EDGE_MM;
         let judged = [low, high].map(|mm| Millimetres::new(mm).shown());
-        shorter.then_some(Found::JudgedPart {
-            axis,
-            judged,
-            travel,
-        })
+        shorter.then_some(Found::JudgedPart { axis, judged, travel })
     }
 }
 

@@ -9,14 +9,10 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Filters whose work and whose result do not grow with a list.
-const FILTERS: [&str; 7] = [
-    "default", "first", "last", "length", "lower", "trim", "upper",
-];
+const FILTERS: [&str; 7] = ["default", "first", "last", "length", "lower", "trim", "upper"];
 /// Words behind which a bracket groups; behind any other it would call a function.
 const GROUPING: [&str; 5] = ["if", "elif", "and", "or", "not"];
-const SIGNS: [&str; 13] = [
-    "==", "!=", "<=", ">=", "<", ">", "=", ".", ",", "|", "(", ")", "-",
-];
+const SIGNS: [&str; 13] = ["==", "!=", "<=", ">=", "<", ">", "=", ".", ",", "|", "(", ")", "-"];
 const COMPARING: [&str; 6] = ["==", "!=", "<=", ">=", "<", ">"];
 
 /// Where a template says more than a layout.
@@ -80,9 +76,7 @@ impl Layout {
     pub(super) fn work(&self, context: &tera::Context, most: u64) -> Option<u64> {
         let mut longest = BTreeMap::new();
         for (root, _) in self.tags.iter().flatten() {
-            if let Some(value) = context
-                .get(root)
-                .filter(|_| !longest.contains_key(root.as_str()))
+            if let Some(value) = context.get(root).filter(|_| !longest.contains_key(root.as_str()))
             {
                 measure(root, value, &mut longest);
             }
@@ -176,10 +170,7 @@ fn tokens(template: &str, inside: Range<usize>) -> Result<Vec<Placed<'_>>, Wrong
             other => {
                 let sign = SIGNS.iter().find(|sign| rest.starts_with(**sign));
                 let length = other.map_or(1, char::len_utf8);
-                (
-                    sign.map(|sign| Token::Sign(sign)),
-                    sign.map_or(length, |sign| sign.len()),
-                )
+                (sign.map(|sign| Token::Sign(sign)), sign.map_or(length, |sign| sign.len()))
             }
         };
         let span = at..at + length;
@@ -239,12 +230,7 @@ fn check(tokens: &[Placed<'_>], is_print: bool) -> Result<(), Wrong> {
 fn list_of(tokens: &[Placed<'_>], tag: Range<usize>) -> Result<(String, String), Wrong> {
     let words: Vec<&Token<'_>> = tokens.iter().map(|(token, _)| token).collect();
     let path = match words.as_slice() {
-        [
-            Token::Word("for"),
-            Token::Word(_),
-            Token::Word("in"),
-            path @ ..,
-        ] => path,
+        [Token::Word("for"), Token::Word(_), Token::Word("in"), path @ ..] => path,
         _ => return Err(wrong(tag, "this loop")),
     };
     let is_path = path.iter().enumerate().all(|(index, token)| match token {
@@ -261,8 +247,5 @@ fn list_of(tokens: &[Placed<'_>], tag: Range<usize>) -> Result<(String, String),
 }
 
 fn wrong(span: Range<usize>, found: &str) -> Wrong {
-    Wrong {
-        span,
-        message: format!("{found} is more than a layout needs"),
-    }
+    Wrong { span, message: format!("{found} is more than a layout needs") }
 }

@@ -65,25 +65,15 @@ pub fn programs(task: RunTask<'_>, run: &MeasuringRun) -> Result<Vec<ProgramFile
 }
 
 fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
-    let RunTask {
-        job,
-        profile,
-        facts,
-        ..
-    } = task;
+    let RunTask { job, profile, facts, .. } = task;
     let mut problems = Problems::none();
     let serial = job.machine.serial.as_deref().unwrap_or_default();
-    for (path, text) in [
-        ("machine.name", job.machine.name.as_str()),
-        ("machine.serial", serial),
-    ] {
+    for (path, text) in [("machine.name", job.machine.name.as_str()), ("machine.serial", serial)] {
         if !is_comment_text(&ascii(text)) {
             let message =
                 format!("`{path}` goes into comments of the programs, expected {COMMENT_TEXT}");
-            problems.push(
-                job.problem_at(path, message)
-                    .help("write it in plain letters and digits"),
-            );
+            problems
+                .push(job.problem_at(path, message).help("write it in plain letters and digits"));
         }
     }
     let profile_name = ascii(&profile.name).into_owned();
@@ -94,10 +84,7 @@ fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
         &profile_name,
     ]);
     for text in of_profile.filter(|text| !is_comment_text(text)) {
-        let message = format!(
-            "the profile's text `{}` cannot stand in a program",
-            shown(text)
-        );
+        let message = format!("the profile's text `{}` cannot stand in a program", shown(text));
         problems.push(Problem::new(message).help(format!("expected {COMMENT_TEXT}")));
     }
     problems.or_ok(())
@@ -135,19 +122,10 @@ fn context(
 }
 
 fn header(task: RunTask<'_>, program: &SetUpProgram, unit: ControlUnit) -> Vec<String> {
-    let RunTask {
-        job,
-        request,
-        profile,
-        ..
-    } = task;
+    let RunTask { job, request, profile, .. } = task;
     let unit = unit.word();
     let serial = ascii(job.machine.serial.as_deref().unwrap_or("NOT STATED"));
-    let directions = if request.bidirectional {
-        "BOTH DIRECTIONS"
-    } else {
-        "FORWARD ONLY"
-    };
+    let directions = if request.bidirectional { "BOTH DIRECTIONS" } else { "FORWARD ONLY" };
     let order = Axis::letters(&request.volume.order);
     let reflector = match request.target {
         Reflector::FlatMirror => "FLAT MIRROR",
@@ -162,23 +140,13 @@ fn header(task: RunTask<'_>, program: &SetUpProgram, unit: ControlUnit) -> Vec<S
         },
     };
     let lines = [
-        format!(
-            "MEASURING RUN {}: {}",
-            request.what.word(),
-            program.subject.name()
-        ),
+        format!("MEASURING RUN {}: {}", request.what.word(), program.subject.name()),
         format!("MACHINE {}", ascii(&job.machine.name)),
         format!("SERIAL {serial}"),
         format!("MADE BY {TOOL} FOR {}", ascii(&profile.name)),
         path,
-        format!(
-            "STEPS {}, RUNS {}, {directions}, UNIT {unit}",
-            request.volume.steps, request.runs
-        ),
-        format!(
-            "{} READINGS: BLOCK N IS READING N OF positions.csv",
-            program.readings.len()
-        ),
+        format!("STEPS {}, RUNS {}, {directions}, UNIT {unit}", request.volume.steps, request.runs),
+        format!("{} READINGS: BLOCK N IS READING N OF positions.csv", program.readings.len()),
         "NO OFFSET IS WRITTEN; POSITIONS ARE MACHINE COORDINATES".to_string(),
     ];
     lines.map(|line| line.to_uppercase()).to_vec()
@@ -217,11 +185,7 @@ fn words(
     let word = |(axis, letter): (Axis, &String)| {
         wanted(axis).then(|| format!(" {letter}{}", resolution.text(of[axis])))
     };
-    Axis::ALL
-        .into_iter()
-        .zip(letters)
-        .filter_map(word)
-        .collect()
+    Axis::ALL.into_iter().zip(letters).filter_map(word).collect()
 }
 
 fn render(
@@ -237,9 +201,7 @@ fn render(
         Some(_) => format!("O{number:04}"),
     };
     let seen = tera::Context::from_serialize(context).map_err(|error| {
-        Problem::new(format!(
-            "the context of the program cannot be made: {error}"
-        ))
+        Problem::new(format!("the context of the program cannot be made: {error}"))
     })?;
     let text = templates.text(&facts.template_name, &facts.template, &seen)?;
     Ok(ProgramFile {
@@ -251,10 +213,7 @@ fn render(
 
 /// Expected positions: one row for each reading, in the order in which they are taken.
 pub fn positions(run: &MeasuringRun) -> ProgramFile {
-    let of_diagonals = run
-        .programs
-        .iter()
-        .any(|p| matches!(p.subject, Subject::Diagonal(_)));
+    let of_diagonals = run.programs.iter().any(|p| matches!(p.subject, Subject::Diagonal(_)));
     let subject = if of_diagonals { "diagonal" } else { "axis" };
     let mut text = format!("{subject},run,direction,node,moved,nominal_mm,x_mm,y_mm,z_mm,block\n");
     for program in &run.programs {
@@ -263,10 +222,7 @@ pub fn positions(run: &MeasuringRun) -> ProgramFile {
             Subject::Axis(axis) => axis.key().to_string(),
         };
         for (index, reading) in program.readings.iter().enumerate() {
-            let place = reading
-                .place
-                .iter()
-                .map(|(_, d)| shortest(run.resolution.mm(*d)));
+            let place = reading.place.iter().map(|(_, d)| shortest(run.resolution.mm(*d)));
             let place: Vec<String> = place.collect();
             text.push_str(&format!(
                 "{name},{},{},{},{},{},{},{}\n",
@@ -280,11 +236,7 @@ pub fn positions(run: &MeasuringRun) -> ProgramFile {
             ));
         }
     }
-    ProgramFile {
-        path: POSITIONS.to_string(),
-        role: FileRole::Positions,
-        bytes: text.into_bytes(),
-    }
+    ProgramFile { path: POSITIONS.to_string(), role: FileRole::Positions, bytes: text.into_bytes() }
 }
 
 /// Files of readings with an empty last column: of diagonals one in the form of contract §2.2, of
@@ -301,9 +253,8 @@ pub(crate) fn readings_to_fill(run: &MeasuringRun) -> Vec<ProgramFile> {
             });
         }
         let rows = program.readings.iter();
-        let rows: String = rows
-            .map(|reading| empty_row(program, reading, run.resolution))
-            .collect();
+        let rows: String =
+            rows.map(|reading| empty_row(program, reading, run.resolution)).collect();
         if let Some(file) = files.last_mut() {
             file.bytes.extend(rows.into_bytes());
         }
@@ -319,10 +270,9 @@ fn form_of(program: &SetUpProgram) -> (String, &'static str) {
             let path = format!("readings-{}.csv", axis.key());
             (path, "target_mm,run,direction,deviation_um\n")
         }
-        Subject::Diagonal(_) if is_stepped(program) => (
-            diagonals,
-            "diagonal,run,direction,node,moved,displacement_mm\n",
-        ),
+        Subject::Diagonal(_) if is_stepped(program) => {
+            (diagonals, "diagonal,run,direction,node,moved,displacement_mm\n")
+        }
         Subject::Diagonal(_) => (diagonals, "diagonal,run,direction,node,displacement_mm\n"),
     }
 }
@@ -333,9 +283,7 @@ fn is_stepped(program: &SetUpProgram) -> bool {
 }
 
 fn empty_row(program: &SetUpProgram, reading: &PlannedReading, resolution: Resolution) -> String {
-    let PlannedReading {
-        run, node, pass, ..
-    } = reading;
+    let PlannedReading { run, node, pass, .. } = reading;
     match program.subject {
         Subject::Axis(axis) => {
             let target = shortest(resolution.mm(reading.place[axis]));
@@ -347,11 +295,7 @@ fn empty_row(program: &SetUpProgram, reading: &PlannedReading, resolution: Resol
         }
         Subject::Diagonal(of) => {
             let moved = reading.moved.map_or("", Axis::key);
-            let moved = if is_stepped(program) {
-                format!("{moved},")
-            } else {
-                String::new()
-            };
+            let moved = if is_stepped(program) { format!("{moved},") } else { String::new() };
             format!("{of},{run},{},{node},{moved}\n", pass.word())
         }
     }
@@ -361,11 +305,7 @@ fn empty_row(program: &SetUpProgram, reading: &PlannedReading, resolution: Resol
 fn decimal(number: f64) -> String {
     let text = fixed(number, TIME_DECIMALS);
     let short = text.trim_end_matches('0');
-    if short.ends_with('.') {
-        format!("{short}0")
-    } else {
-        short.to_string()
-    }
+    if short.ends_with('.') { format!("{short}0") } else { short.to_string() }
 }
 
 /// A length in mm with all digits that a laser can show, 1e-6 mm, without trailing zeros.

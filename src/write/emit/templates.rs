@@ -25,10 +25,7 @@ impl Default for Templates {
     fn default() -> Templates {
         let mut without_any = tera::Tera::default();
         without_any.autoescape_on(Vec::<&'static str>::new());
-        Templates {
-            without_any,
-            parsed: RefCell::default(),
-        }
+        Templates { without_any, parsed: RefCell::default() }
     }
 }
 
@@ -69,17 +66,10 @@ impl Templates {
                 format!("executes more than {MOST_TAGS} tags, counted from the lists of its loops");
             return Err(too_much(name, &what));
         }
-        let mut text = Bounded {
-            bytes: Vec::new(),
-            most: MOST_BYTES,
-            is_full: false,
-        };
+        let mut text = Bounded { bytes: Vec::new(), most: MOST_BYTES, is_full: false };
         let rendered = alone.render_to(name, context, &mut text);
         if text.is_full {
-            return Err(too_much(
-                name,
-                &format!("writes more than {LARGEST_FILE_MIB} MiB"),
-            ));
+            return Err(too_much(name, &format!("writes more than {LARGEST_FILE_MIB} MiB")));
         }
         rendered.map_err(refuse)?;
         String::from_utf8(text.bytes)
@@ -170,9 +160,7 @@ mod tests {
 
     /// A context with a list of tables, each with its points.
     fn context(tables: usize, points: usize) -> tera::Context {
-        let points: Vec<_> = (0..points)
-            .map(|k| json!({ "value": k.to_string() }))
-            .collect();
+        let points: Vec<_> = (0..points).map(|k| json!({ "value": k.to_string() })).collect();
         let tables: Vec<_> = (0..tables).map(|_| json!({ "points": points })).collect();
         let mut context = tera::Context::new();
         context.insert("tables", &tables);
@@ -209,15 +197,9 @@ mod tests {
             ("{{ [t for t in tables] }}", "`[`"),
             ("{{ tables[0] }}", "`[`"),
             ("{{ {\"a\": 1} }}", "`{`"),
-            (
-                "{{ name | replace(from=\"a\", to=\"aa\") }}",
-                "the filter `replace`",
-            ),
+            ("{{ name | replace(from=\"a\", to=\"aa\") }}", "the filter `replace`"),
             ("{{ tables | sort }}", "the filter `sort`"),
-            (
-                "{% if tables == tables %}{% endif %}",
-                "`==` between two names",
-            ),
+            ("{% if tables == tables %}{% endif %}", "`==` between two names"),
             ("{% if name in tables %}{% endif %}", "`in`"),
             ("{{ __tera_context }}", "`__tera_context`"),
             ("{% filter upper %}{% endfilter %}", "`filter`"),
@@ -251,10 +233,8 @@ mod tests {
         }
         let other = "{% for x in name %}{% for y in x %}{% for t in tables %}{% for u in tables %}{% for v in tables %}{% for w in tables %}{{ w }}{% endfor %}{% endfor %}{% endfor %}{% endfor %}{% endfor %}{% endfor %}";
         assert!(said(other, &seen).is_err());
-        let in_else = format!(
-            "{{% for x in tables.x %}}{{% else %}}{}{{% endfor %}}",
-            nested(3, "")
-        );
+        let in_else =
+            format!("{{% for x in tables.x %}}{{% else %}}{}{{% endfor %}}", nested(3, ""));
         assert!(said(&in_else, &seen).is_err());
     }
 
@@ -266,10 +246,7 @@ mod tests {
             "x".repeat(5000)
         );
         let words = said(&long, &seen).expect_err("150 MB");
-        assert!(
-            words.contains("template `own.tera` writes more than 64 MiB"),
-            "{words}"
-        );
+        assert!(words.contains("template `own.tera` writes more than 64 MiB"), "{words}");
         assert!(words.contains("too much for a file of a kit"), "{words}");
     }
 

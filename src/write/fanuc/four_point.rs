@@ -153,10 +153,7 @@ impl Side {
             return None;
         }
         // No amounts at all leave less than this.
-        let largest = self
-            .wanted
-            .iter()
-            .fold(0.0_f64, |most, w| most.max(w.abs()));
+        let largest = self.wanted.iter().fold(0.0_f64, |most, w| most.max(w.abs()));
         let below = |limit: f64| Gates::new(self, limit)?.chain(pieces);
         let most = limit.min(largest + 1.0);
         let (mut refuted, mut limit) = (0.0, most.min(1.0));
@@ -194,20 +191,13 @@ impl<'a> Gates<'a> {
         let near = |wanted: &f64| {
             let is_near = |amount: &i64| (as_number(*amount) - wanted).abs() < limit;
             // Rounding of the sum may lose one; one to spare on each side.
-            let (from, to) = (
-                whole((wanted - limit).floor()),
-                whole((wanted + limit).ceil()),
-            );
+            let (from, to) = (whole((wanted - limit).floor()), whole((wanted + limit).ceil()));
             let first = (from..=from + 2).find(is_near)?;
             let last = (to - 2..=to).rev().find(is_near)?;
             Some((first, last))
         };
         let spans: Option<Vec<(i64, i64)>> = side.wanted.iter().map(near).collect();
-        Some(Gates {
-            side,
-            limit,
-            spans: spans?,
-        })
+        Some(Gates { side, limit, spans: spans? })
     }
 
     /// The first chain of so many pieces, smaller nodes of the table first.
@@ -215,10 +205,7 @@ impl<'a> Gates<'a> {
         let mut knots = vec![(0, 0)];
         let ends = self.ends(pieces)?;
         self.place(&ends, &mut knots).then(|| Chain {
-            residual: knots
-                .windows(2)
-                .map(|p| self.left(p[0], p[1]))
-                .fold(0.0, f64::max),
+            residual: knots.windows(2).map(|p| self.left(p[0], p[1])).fold(0.0, f64::max),
             knots,
         })
     }
@@ -280,8 +267,7 @@ impl<'a> Gates<'a> {
             let from = (node, *amount);
             let at_end = self.reach(from).find(|(to, ..)| *to == end);
             at_end.is_some_and(|(_, low, high)| {
-                self.amounts(end, low, high)
-                    .any(|a| self.keeps(from, (end, a)))
+                self.amounts(end, low, high).any(|a| self.keeps(from, (end, a)))
             })
         };
         let (low, high) = self.spans[node];
@@ -331,10 +317,7 @@ impl<'a> Gates<'a> {
     /// The amounts of a span that the control takes, from the one nearest to the wanted outwards.
     fn amounts(&self, node: usize, low: i64, high: i64) -> impl Iterator<Item = i64> + use<> {
         let wanted = self.side.wanted[node];
-        let (low, high) = (
-            low.max(-self.side.amount_max),
-            high.min(self.side.amount_max),
-        );
+        let (low, high) = (low.max(-self.side.amount_max), high.min(self.side.amount_max));
         let nearest = whole(wanted.round()).min(high).max(low);
         let sense = if wanted < as_number(nearest) { -1 } else { 1 };
         let zigzag = |&offset: &i64| Some(if offset > 0 { -offset } else { 1 - offset });

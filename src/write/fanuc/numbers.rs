@@ -56,10 +56,7 @@ impl Space {
         Space {
             used: reserved
                 .iter()
-                .map(|[first, last]| NumberRange {
-                    first: *first,
-                    last: *last,
-                })
+                .map(|[first, last]| NumberRange { first: *first, last: *last })
                 .collect(),
         }
     }
@@ -75,13 +72,9 @@ impl Space {
         first: u32,
         count: u32,
     ) -> Option<u32> {
-        let range = NumberRange {
-            first,
-            last: first.checked_add(count - 1)?,
-        };
-        let inside = blocks
-            .iter()
-            .any(|block| block.contains(range.first) && block.contains(range.last));
+        let range = NumberRange { first, last: first.checked_add(count - 1)? };
+        let inside =
+            blocks.iter().any(|block| block.contains(range.first) && block.contains(range.last));
         (inside && self.is_free(range)).then(|| {
             self.used.push(range);
             first
@@ -167,10 +160,8 @@ fn no_room(task: Task<'_>, run: &Run, blocks: &[NumberRange]) -> Problem {
 }
 
 fn blocks_text(blocks: &[NumberRange]) -> String {
-    let texts: Vec<String> = blocks
-        .iter()
-        .map(|b| format!("points {}…{}", b.first, b.last))
-        .collect();
+    let texts: Vec<String> =
+        blocks.iter().map(|b| format!("points {}…{}", b.first, b.last)).collect();
     texts.join(", ")
 }
 
@@ -181,10 +172,7 @@ fn needed(plan: &Plan, facts: &FanucFacts) -> Vec<Run> {
             continue;
         };
         let own = plan.of_axis(axis).next().is_some();
-        let crosses = plan
-            .tables
-            .iter()
-            .any(|t| t.term.is_cross() && t.term.along == axis);
+        let crosses = plan.tables.iter().any(|t| t.term.is_cross() && t.term.along == axis);
         for (index, name) in plan.names[axis].iter().enumerate() {
             let moves_others = crosses && index == 0;
             if !own && !moves_others {

@@ -37,9 +37,7 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
     let nothing_reserved = task.job.compensation.reserved_points.is_none();
     if nothing_reserved
         && runs.iter().any(|run| {
-            task.job.compensation.axes[run.axis]
-                .as_ref()
-                .is_some_and(|s| s.first_point.is_none())
+            task.job.compensation.axes[run.axis].as_ref().is_some_and(|s| s.first_point.is_none())
         })
     {
         let reserved = Assumption::of_job(
@@ -91,12 +89,7 @@ pub(super) fn preconditions(
         } else {
             "option 128-point straightness compensation"
         };
-        list.push(Precondition::new(
-            name,
-            "available",
-            "the cross terms need it",
-            MEMORY,
-        ));
+        list.push(Precondition::new(name, "available", "the cross terms need it", MEMORY));
     }
     if runs.iter().any(|run| run.minus_first.is_some()) {
         list.push(Precondition::new(
@@ -119,12 +112,7 @@ pub(super) fn preconditions(
         "cnc.wiki, FANUC pitch error compensation",
     );
     list.extend([power_on, homed].map(Precondition::after_loading));
-    list.push(Precondition::new(
-        "3602#0",
-        "0",
-        "the data are increments, not totals",
-        MEMORY,
-    ));
+    list.push(Precondition::new("3602#0", "0", "the data are increments, not totals", MEMORY));
     for run in runs {
         list.extend(axis_preconditions(task, plan, run));
     }
@@ -169,11 +157,7 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
             MEMORY,
         ));
     }
-    let bit = if machine.homing() == Direction::Plus {
-        "0"
-    } else {
-        "1"
-    };
+    let bit = if machine.homing() == Direction::Plus { "0" } else { "1" };
     list.push(Precondition::new(
         format!("1006#5 of axis {id}"),
         bit,
@@ -194,7 +178,5 @@ fn backlash(task: Task<'_>, plan: &Plan, run: &Run) -> Option<Precondition> {
         let (counts, unit_um) = backlash_counts(task, plan, run.axis).unwrap_or_default();
         format!("{counts} (detection units of {unit_um} µm)")
     };
-    Some(backlash_parameter(
-        task, plan, run.axis, what, named, MEMORY,
-    ))
+    Some(backlash_parameter(task, plan, run.axis, what, named, MEMORY))
 }

@@ -77,10 +77,7 @@ impl<'a> Writer<'a> {
             |p: &&mut Placement| (p.term, p.direction) == (placement.term, placement.direction);
         match self.placements.iter_mut().find(is_known) {
             Some(known) => known.place = format!("{}; {}", known.place, placement.place),
-            None => self.placements.push(Placement {
-                points: points as usize,
-                ..placement
-            }),
+            None => self.placements.push(Placement { points: points as usize, ..placement }),
         }
     }
 
@@ -90,10 +87,8 @@ impl<'a> Writer<'a> {
     }
 
     fn refuse_steep(&mut self, planned: &PlannedTable, unit_um: f64) {
-        let (increment, magnification) = (
-            self.facts.increment_max.value,
-            self.facts.magnification_max.value,
-        );
+        let (increment, magnification) =
+            (self.facts.increment_max.value, self.facts.magnification_max.value);
         let most = f64::from(increment) * f64::from(magnification) * unit_um;
         let change = steepest(&wanted(planned, self.facts.pitch_sign.value));
         self.refuse(
@@ -179,8 +174,7 @@ impl<'a> Writer<'a> {
     fn place_pitch(&mut self, tables: &[&PlannedTable], run: &Run, count_um: f64) {
         if tables.is_empty() {
             let (axis, id) = (run.axis, run.id);
-            self.notes
-                .push(TableFinding::ZeroPoints { axis, id }.into());
+            self.notes.push(TableFinding::ZeroPoints { axis, id }.into());
         }
         for planned in tables {
             let first = match planned.direction {
@@ -241,16 +235,8 @@ impl<'a> Writer<'a> {
             );
         };
         let of_set = |first: u32| first + set.number - 1;
-        self.integer(
-            of_set(facts.straightness_magnification_parameter.value),
-            None,
-            magnification,
-        );
-        self.integer(
-            of_set(facts.straightness_start_parameter.value),
-            None,
-            first,
-        );
+        self.integer(of_set(facts.straightness_magnification_parameter.value), None, magnification);
+        self.integer(of_set(facts.straightness_start_parameter.value), None, first);
         self.points(first, set.run, totals.first());
         let last = first + set.run.count - 1;
         let place = format!("{}, data {first}…{last}", set.words());
@@ -302,10 +288,7 @@ impl<'a> Writer<'a> {
 
 impl Set<'_> {
     fn words(&self) -> String {
-        format!(
-            "set {}: axis {} by {}",
-            self.number, self.output, self.run.id
-        )
+        format!("set {}: axis {} by {}", self.number, self.output, self.run.id)
     }
 }
 
@@ -376,13 +359,11 @@ impl Totals {
         let counts = wanted_um
             .iter()
             .enumerate()
-            .map(|(node, um)| {
-                if node == reference {
-                    0
-                } else {
-                    whole(((um - zero_um) / count_um).round())
-                }
-            })
+            .map(
+                |(node, um)| {
+                    if node == reference { 0 } else { whole(((um - zero_um) / count_um).round()) }
+                },
+            )
             .collect();
         Totals { grid, counts }
     }
@@ -397,10 +378,6 @@ impl Totals {
     }
 
     fn largest_increment(&self) -> i64 {
-        self.counts
-            .windows(2)
-            .map(|pair| (pair[1] - pair[0]).abs())
-            .max()
-            .unwrap_or(0)
+        self.counts.windows(2).map(|pair| (pair[1] - pair[0]).abs()).max().unwrap_or(0)
     }
 }

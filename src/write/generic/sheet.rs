@@ -23,9 +23,8 @@ pub(super) fn context(table: &GenericTable, facts: &GenericFacts, state: &Contro
         a.term == b.term && a.output_axis == b.output_axis && a.direction == b.direction
     };
     let blocks = table.rows.chunk_by(same);
-    let blocks: Vec<Value> = blocks
-        .filter_map(|rows| block(rows, facts, state, &mut page))
-        .collect();
+    let blocks: Vec<Value> =
+        blocks.filter_map(|rows| block(rows, facts, state, &mut page)).collect();
     json!({
         "sheet": blocks,
         "typed": {

@@ -160,10 +160,7 @@ fn totals(pieces: &[Vec<Point>]) -> impl Iterator<Item = Point> {
     pieces.iter().flat_map(move |piece| {
         let base = before;
         before += piece.last().map_or(0.0, |last| last.value);
-        let total = move |point: &Point| Point {
-            value: base + point.value,
-            ..*point
-        };
+        let total = move |point: &Point| Point { value: base + point.value, ..*point };
         piece.iter().map(total)
     })
 }
@@ -189,9 +186,8 @@ impl Netlist {
         };
         let own = |name: &str| format!("nonius-{joint}-{name}");
         let (last, correction) = (count(tables) - 1, own("correction"));
-        let pieces = tables
-            .iter()
-            .flat_map(|table| table.pieces.iter().map(|piece| (table.base, piece)));
+        let pieces =
+            tables.iter().flat_map(|table| table.pieces.iter().map(|piece| (table.base, piece)));
         let mut before: Option<String> = None;
         for (number, (base, piece)) in pieces.enumerate() {
             let sum = match number == last {
@@ -229,8 +225,7 @@ impl Netlist {
             })
         };
         let points: Vec<Value> = piece.iter().enumerate().map(point).collect();
-        self.curves
-            .push(json!({ "number": number.to_string(), "points": points }));
+        self.curves.push(json!({ "number": number.to_string(), "points": points }));
     }
 
     /// `to` = `a` + gain · `b`.
@@ -239,8 +234,7 @@ impl Netlist {
         self.link(a, format!("sum2.{number}.in0"));
         self.link(b, format!("sum2.{number}.in1"));
         self.link(to, format!("sum2.{number}.out"));
-        self.sums
-            .push(json!({ "number": number.to_string(), "gain": gain }));
+        self.sums.push(json!({ "number": number.to_string(), "gain": gain }));
     }
 
     fn link(&mut self, signal: &str, pin: String) {

@@ -48,18 +48,12 @@ fn check_settings(task: Task<'_>, targets: &[Target], problems: &mut Problems) {
         let settings = task.job.compensation.axes[axis].as_ref();
         let path = format!("compensation.axes.{}", axis.key());
         if moves && settings.is_none_or(|s| s.grid.is_none()) {
-            problems.push(
-                task.job
-                    .problem_at(&path, without_grid(axis, &path))
-                    .help(GRID_HELP),
-            );
+            problems.push(task.job.problem_at(&path, without_grid(axis, &path)).help(GRID_HELP));
         }
         let unit_missing = settings.is_none_or(|s| s.detection_unit_um.is_none());
         if (moves || corrected) && task.profile.detection_unit_required.value && unit_missing {
             problems.push(
-                task.job
-                    .problem_at(&path, without_unit(&path, &task.profile.name))
-                    .help(UNIT_HELP),
+                task.job.problem_at(&path, without_unit(&path, &task.profile.name)).help(UNIT_HELP),
             );
         }
         if corrected && task.job.machine.axes[axis].is_none() {
@@ -90,17 +84,10 @@ fn axis_grid(
     let request = settings.grid.unwrap_or(GridRequest::Points(2));
     let ends_given = settings.start_mm.is_some() || settings.end_mm.is_some();
     if ends_given && !matches!(request, GridRequest::Spacing(_)) {
-        let key = if settings.start_mm.is_some() {
-            "start_mm"
-        } else {
-            "end_mm"
-        };
+        let key = if settings.start_mm.is_some() { "start_mm" } else { "end_mm" };
         return Err(task
             .job
-            .problem_at(
-                &path(key),
-                format!("`{key}` needs a grid of stated spacing"),
-            )
+            .problem_at(&path(key), format!("`{key}` needs a grid of stated spacing"))
             .help("give `spacing_mm`, or leave `start_mm` and `end_mm` out")
             .into());
     }
@@ -134,18 +121,14 @@ fn coarsest(
     targets: &[&Target],
     limit_um: f64,
 ) -> Result<Grid, Problems> {
-    let most = point_limit(task.profile, targets)
-        .0
-        .min(MOST_PLANNED_POINTS);
+    let most = point_limit(task.profile, targets).0.min(MOST_PLANNED_POINTS);
     let mut least = f64::INFINITY;
     for points in 2..=most {
         let Ok(grid) = grid::with_points(machine, length_digit(task), points) else {
             continue;
         };
-        let worst = targets
-            .iter()
-            .map(|target| tabulate(task, target, &grid).1)
-            .fold(0.0, f64::max);
+        let worst =
+            targets.iter().map(|target| tabulate(task, target, &grid).1).fold(0.0, f64::max);
         if worst <= limit_um {
             return Ok(grid);
         }
@@ -264,19 +247,12 @@ pub(super) fn tabulate(task: Task<'_>, target: &Target, grid: &Grid) -> (Vec<Dev
     let nodes = grid.nodes();
     let homing = task.job.machine.axes[target.term.along].map(|machine| machine.homing());
     let carries_reversal = target.direction.is_some_and(|own| Some(own) != homing);
-    let offset = if carries_reversal {
-        target.curve.at(grid.reference)
-    } else {
-        Deviation::ZERO
-    };
-    let values: Vec<Deviation> = table_values(
-        &target.curve.less(offset),
-        &nodes,
-        task.job.compensation.fit,
-    )
-    .into_iter()
-    .map(|value| Deviation::from_um(value.um() + offset.um()))
-    .collect();
+    let offset = if carries_reversal { target.curve.at(grid.reference) } else { Deviation::ZERO };
+    let values: Vec<Deviation> =
+        table_values(&target.curve.less(offset), &nodes, task.job.compensation.fit)
+            .into_iter()
+            .map(|value| Deviation::from_um(value.um() + offset.um()))
+            .collect();
     let (low, high) = whole_axis(task, target.term.along, grid);
     let worst = residual(&target.curve, &nodes, &values, low, high);
     (values, worst)

@@ -29,10 +29,7 @@ impl Extent {
         let largest = values.max_by(|a, b| a.1.um().abs().total_cmp(&b.1.um().abs()));
         Extent {
             largest: largest.unwrap_or((0, Deviation::ZERO)),
-            steepest: slopes
-                .enumerate()
-                .max_by(|a, b| a.1.total_cmp(&b.1))
-                .unwrap_or((0, 0.0)),
+            steepest: slopes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((0, 0.0)),
         }
     }
 
@@ -52,9 +49,8 @@ impl Extent {
 pub(super) fn check(task: Task<'_>, tables: &[PlannedTable], problems: &mut Problems) {
     let limits = task.job.limits;
     let extents = tables.iter().map(|table| (table, Extent::of(table)));
-    let beyond: Vec<(&PlannedTable, Extent)> = extents
-        .filter(|(_, extent)| !extent.keeps(limits, 1.0))
-        .collect();
+    let beyond: Vec<(&PlannedTable, Extent)> =
+        extents.filter(|(_, extent)| !extent.keeps(limits, 1.0)).collect();
     let no_machine = |(_, extent): &&(_, Extent)| extent.largest_um() > NO_MACHINE_UM;
     let is_likely = beyond.iter().any(|each| no_machine(&each));
     let mut slipped: Vec<(&Heading, &PlannedTable, &Extent)> = Vec::new();
@@ -85,18 +81,14 @@ fn unit_slip(limits: Limits, slipped: Vec<(&Heading, &PlannedTable, &Extent)>) -
     headings.sort_by_key(|heading| heading.place.column);
     headings.dedup_by_key(|heading| heading.place.column);
     let names = |name: &dyn Fn(&Heading) -> String| -> String {
-        let names = headings
-            .iter()
-            .map(|heading| format!("`{}`", name(heading)));
+        let names = headings.iter().map(|heading| format!("`{}`", name(heading)));
         names.collect::<Vec<_>>().join(", ")
     };
     let largest = |a: &f64, b: &f64| a.total_cmp(b);
     let corrections = slipped.iter().map(|(_, _, e)| e.largest_um());
     let slopes = slipped.iter().map(|(_, _, e)| e.steepest.1);
-    let (um, slope) = (
-        corrections.max_by(largest).unwrap_or(0.0),
-        slopes.max_by(largest).unwrap_or(0.0),
-    );
+    let (um, slope) =
+        (corrections.max_by(largest).unwrap_or(0.0), slopes.max_by(largest).unwrap_or(0.0));
     let message = format!(
         "{} would need corrections of up to {um:.1} µm and {slope:.3} µm/mm, the limits are {} µm and {} µm/mm; read as µm the same numbers keep them",
         names(&|heading| heading.name.clone()),

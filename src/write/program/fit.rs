@@ -134,10 +134,7 @@ pub(super) fn refuse_number(task: RunTask<'_>, problems: &mut Problems) {
         problems.push(problem(
             task.job,
             "program.number",
-            format!(
-                "`number` is stated, but programs of `{}` have names",
-                task.profile.id
-            ),
+            format!("`number` is stated, but programs of `{}` have names", task.profile.id),
             "remove it",
         ));
     }
@@ -161,10 +158,7 @@ pub(super) fn refuse_outside_travel(
     resolution: Resolution,
     problems: &mut Problems,
 ) {
-    for axis in Axis::ALL
-        .into_iter()
-        .filter(|axis| job.machine.axes[*axis].is_none())
-    {
+    for axis in Axis::ALL.into_iter().filter(|axis| job.machine.axes[*axis].is_none()) {
         problems.push(problem(
             job,
             "machine.axes",
@@ -237,10 +231,7 @@ fn reach(request: &ProgramRequest, resolution: Resolution, axis: Axis) -> (f64, 
 
 /// The largest box of whole steps inside the travel, as the job would state it.
 fn largest_box(job: &Job, request: &ProgramRequest, resolution: Resolution) -> String {
-    let (volume, steps) = (
-        &request.volume,
-        i64::try_from(request.volume.steps).unwrap_or(1),
-    );
+    let (volume, steps) = (&request.volume, i64::try_from(request.volume.steps).unwrap_or(1));
     let fitted: PerAxis<Option<(f64, f64)>> = PerAxis::from_fn(|axis| {
         let travel = job.machine.axes[axis]?;
         if !moving(request).contains(&axis) {

@@ -47,11 +47,7 @@ pub(super) fn needed(request: &ProgramRequest) -> Option<MirrorSize> {
         })
     };
     let plane = Plane::across(volume.laser(Diagonal::Ppp));
-    let overrun = if request.bidirectional {
-        request.overrun.mm()
-    } else {
-        0.0
-    };
+    let overrun = if request.bidirectional { request.overrun.mm() } else { 0.0 };
     let spots = [
         plane.spot(from_start(0)),
         plane.spot(from_start(1)),
@@ -81,9 +77,7 @@ impl Plane {
             .unwrap_or(Axis::X);
         let helper = PerAxis::from_fn(|axis| f64::from(u8::from(axis == smallest)));
         let first = unit(beam.cross(helper));
-        Plane {
-            across: [first, beam.cross(first)],
-        }
+        Plane { across: [first, beam.cross(first)] }
     }
 
     fn spot(&self, place: PerAxis<f64>) -> Spot {
@@ -104,23 +98,15 @@ fn smallest_circle_mm(spots: &[Spot]) -> f64 {
     let mut circles = Vec::new();
     for (i, a) in spots.iter().enumerate() {
         for (j, b) in spots.iter().enumerate().take(i) {
-            circles.push((
-                [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0],
-                distance(*a, *b) / 2.0,
-            ));
+            circles.push(([(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0], distance(*a, *b) / 2.0));
             circles.extend(spots.iter().take(j).filter_map(|c| around(*a, *b, *c)));
         }
     }
     let holds_all = |(centre, radius): &(Spot, f64)| {
         let slack = 1e-9 * (1.0 + radius);
-        spots
-            .iter()
-            .all(|spot| distance(*spot, *centre) <= radius + slack)
+        spots.iter().all(|spot| distance(*spot, *centre) <= radius + slack)
     };
-    let radii = circles
-        .into_iter()
-        .filter(holds_all)
-        .map(|(_, radius)| radius);
+    let radii = circles.into_iter().filter(holds_all).map(|(_, radius)| radius);
     2.0 * radii.reduce(f64::min).unwrap_or(0.0)
 }
 
@@ -128,17 +114,11 @@ fn smallest_circle_mm(spots: &[Spot]) -> f64 {
 fn around(a: Spot, b: Spot, c: Spot) -> Option<(Spot, f64)> {
     let (b, c) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
     let twice = 2.0 * (b[0] * c[1] - b[1] * c[0]);
-    let (bb, cc) = (
-        b[0].squared() + b[1].squared(),
-        c[0].squared() + c[1].squared(),
-    );
+    let (bb, cc) = (b[0].squared() + b[1].squared(), c[0].squared() + c[1].squared());
     if twice.abs() <= 1e-12 * (bb + cc) {
         return None;
     }
-    let centre = [
-        (c[1] * bb - b[1] * cc) / twice,
-        (b[0] * cc - c[0] * bb) / twice,
-    ];
+    let centre = [(c[1] * bb - b[1] * cc) / twice, (b[0] * cc - c[0] * bb) / twice];
     let radius = centre[0].hypot(centre[1]);
     Some(([centre[0] + a[0], centre[1] + a[1]], radius))
 }

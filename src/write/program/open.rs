@@ -36,15 +36,9 @@ pub fn left_open(job: &Job, request: &ProgramRequest) -> Vec<Finding> {
     let of_run = match request.what {
         RunType::StepDiagonal => scales(job).into_iter().chain([Open::Angles]).collect(),
         RunType::StraightDiagonal => vec![Open::NineErrors],
-        RunType::SingleAxis => vec![Open::Straightness {
-            axes: Axis::letters(&request.axes),
-        }],
+        RunType::SingleAxis => vec![Open::Straightness { axes: Axis::letters(&request.axes) }],
     };
-    of_run
-        .into_iter()
-        .chain(reversal)
-        .map(Finding::from)
-        .collect()
+    of_run.into_iter().chain(reversal).map(Finding::from).collect()
 }
 
 fn scales(job: &Job) -> Option<Open> {

@@ -25,11 +25,7 @@ pub(super) fn programs(request: &ProgramRequest, scale: &Scale) -> Vec<SetUpProg
             .into_iter()
             .map(|diagonal| along_diagonal(request, scale, diagonal, kind))
             .collect(),
-        None => request
-            .axes
-            .iter()
-            .map(|axis| along_axis(scale, *axis))
-            .collect(),
+        None => request.axes.iter().map(|axis| along_axis(scale, *axis)).collect(),
     };
     let program = |route: &Route| Walk::new(request, scale, route).whole();
     routes.iter().map(program).collect()
@@ -62,9 +58,7 @@ fn along_diagonal(
         subject: Subject::Diagonal(diagonal),
         nodes: nodes.clone().map(node).collect(),
         moved: nodes.clone().map(moved).collect(),
-        nominal_mm: nodes
-            .map(|node| volume.nominal_mm(diagonal, kind, node))
-            .collect(),
+        nominal_mm: nodes.map(|node| volume.nominal_mm(diagonal, kind, node)).collect(),
         ahead: PerAxis::from_fn(|axis| match diagonal.forward(axis) {
             Direction::Plus => 1,
             Direction::Minus => -1,
@@ -76,23 +70,14 @@ fn along_axis(scale: &Scale, axis: Axis) -> Route {
     let targets = &scale.targets[axis];
     let first = targets.first().copied().unwrap_or(0);
     let place = |target: &Digits| {
-        PerAxis::from_fn(|other| {
-            if other == axis {
-                *target
-            } else {
-                scale.rest[other]
-            }
-        })
+        PerAxis::from_fn(|other| if other == axis { *target } else { scale.rest[other] })
     };
     let moved = |node: usize| (node > 0).then_some(axis);
     Route {
         subject: Subject::Axis(axis),
         nodes: targets.iter().map(place).collect(),
         moved: (0..targets.len()).map(moved).collect(),
-        nominal_mm: targets
-            .iter()
-            .map(|target| scale.resolution.mm(target - first))
-            .collect(),
+        nominal_mm: targets.iter().map(|target| scale.resolution.mm(target - first)).collect(),
         ahead: PerAxis::from_fn(|other| Digits::from(other == axis)),
     }
 }
@@ -133,11 +118,7 @@ impl<'a> Walk<'a> {
         for run in 1..=self.request.runs {
             self.run(run);
         }
-        SetUpProgram {
-            subject: self.route.subject,
-            moves: self.moves,
-            readings: self.readings,
-        }
+        SetUpProgram { subject: self.route.subject, moves: self.moves, readings: self.readings }
     }
 
     /// To the far end and back, straight, with a halt at both ends; again through the preload.
@@ -155,16 +136,14 @@ impl<'a> Walk<'a> {
     fn run(&mut self, run: u32) {
         let name = self.route.subject.name();
         let last = self.route.nodes.len() - 1;
-        self.moves
-            .push(Move::Remark(format!("{name} RUN {run} FORWARD")));
+        self.moves.push(Move::Remark(format!("{name} RUN {run} FORWARD")));
         self.read(run, Pass::Forward, 0);
         for node in 1..=last {
             self.to(self.route.nodes[node]);
             self.read(run, Pass::Forward, node);
         }
         if self.request.bidirectional {
-            self.moves
-                .push(Move::Remark(format!("{name} RUN {run} REVERSE")));
+            self.moves.push(Move::Remark(format!("{name} RUN {run} REVERSE")));
             self.turn(last);
             self.read(run, Pass::Reverse, last);
             for node in (0..last).rev() {
@@ -172,8 +151,7 @@ impl<'a> Walk<'a> {
                 self.read(run, Pass::Reverse, node);
             }
         } else {
-            self.moves
-                .push(Move::Remark("BACK, NO READINGS".to_string()));
+            self.moves.push(Move::Remark("BACK, NO READINGS".to_string()));
             if self.request.way_back == WayBack::Retrace {
                 for node in (0..last).rev() {
                     self.to(self.route.nodes[node]);
@@ -296,10 +274,7 @@ fn start_between_digits(
             "the start of {axis} is {mm} mm, expected a multiple of {}, the last digit of a position",
             resolution.digit_words()
         ),
-        format!(
-            "the nearest is {} mm",
-            resolution.mm(resolution.nearest(mm))
-        ),
+        format!("the nearest is {} mm", resolution.mm(resolution.nearest(mm))),
     )
 }
 

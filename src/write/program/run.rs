@@ -35,12 +35,7 @@ impl Resolution {
     /// One last digit for people.
     pub(crate) fn digit_words(self) -> String {
         let decimals = usize::try_from(self.decimals).unwrap_or(0);
-        let digit = format!(
-            "{:.*} {}",
-            decimals,
-            1.0 / self.per_unit(),
-            self.unit.word()
-        );
+        let digit = format!("{:.*} {}", decimals, 1.0 / self.per_unit(), self.unit.word());
         match self.unit {
             ControlUnit::Millimetre => digit,
             ControlUnit::Inch => format!("{digit} ({} mm)", self.mm(1)),
@@ -186,20 +181,14 @@ impl<'a> RunTask<'a> {
             job,
             request: job.program.as_ref().ok_or_else(|| no_section(job))?,
             profile,
-            facts: profile
-                .program
-                .as_ref()
-                .ok_or_else(|| no_language(job, profile))?,
+            facts: profile.program.as_ref().ok_or_else(|| no_language(job, profile))?,
         })
     }
 
     /// The last digit of a position.
     pub fn resolution(&self) -> Resolution {
         let unit = self.job.compensation.control_unit;
-        Resolution {
-            unit,
-            decimals: self.facts.decimals(unit),
-        }
+        Resolution { unit, decimals: self.facts.decimals(unit) }
     }
 }
 
@@ -215,10 +204,7 @@ fn no_language(job: &Job, profile: &Profile) -> Problem {
     let known: Vec<&str> = known.collect();
     job.problem_at(
         "compensation.controller",
-        format!(
-            "`{}` says nothing about part programs, so none can be written",
-            profile.id
-        ),
+        format!("`{}` says nothing about part programs, so none can be written", profile.id),
     )
     .help(format!(
         "choose the control that will run the program: {}; or a profile of your own with [program]",
@@ -278,20 +264,14 @@ pub(super) fn problem(job: &Job, path: &str, message: String, help: impl Into<St
 mod tests {
     use super::*;
 
-    const MICRON: Resolution = Resolution {
-        unit: ControlUnit::Millimetre,
-        decimals: 3,
-    };
+    const MICRON: Resolution = Resolution { unit: ControlUnit::Millimetre, decimals: 3 };
 
     #[test]
     fn a_length_is_written_with_all_its_digits() {
         assert_eq!(MICRON.text(-1), "-0.001");
         assert_eq!(MICRON.text(0), "0.000");
         assert_eq!(MICRON.text(900_000), "900.000");
-        let ten_thousandth = Resolution {
-            unit: ControlUnit::Inch,
-            decimals: 4,
-        };
+        let ten_thousandth = Resolution { unit: ControlUnit::Inch, decimals: 4 };
         assert_eq!(ten_thousandth.digits(25.4), Some(10_000));
         assert_eq!(ten_thousandth.text(10_000), "1.0000");
     }
@@ -301,9 +281,6 @@ mod tests {
         assert_eq!(MICRON.digits(0.0005), None);
         assert_eq!(MICRON.digits(29.99), Some(29_990));
         assert_eq!((MICRON.at_most(1.0), MICRON.at_least(1.0)), (1000, 1000));
-        assert_eq!(
-            (MICRON.at_most(1.0009), MICRON.at_least(1.0001)),
-            (1000, 1001)
-        );
+        assert_eq!((MICRON.at_most(1.0009), MICRON.at_least(1.0001)), (1000, 1001));
     }
 }

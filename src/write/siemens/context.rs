@@ -18,16 +18,8 @@ pub(super) fn context(
     tables: &SiemensTables,
     facts: &SiemensFacts,
 ) -> Value {
-    let Emitted {
-        task,
-        compiled,
-        instead,
-        ..
-    } = *emitted;
-    let digits = Digits {
-        facts,
-        as_read: instead.as_read,
-    };
+    let Emitted { task, compiled, instead, .. } = *emitted;
+    let digits = Digits { facts, as_read: instead.as_read };
     let placements = match instead.names_terms {
         true => compiled.placements.as_slice(),
         false => &[],
@@ -53,11 +45,7 @@ pub(super) fn context(
 /// What the tables of a file hold at the reference point, where they move an axis when switched.
 fn zero_but_for(task: Task<'_>, exceptions: impl Iterator<Item = String>) -> Vec<String> {
     let exceptions: Vec<String> = exceptions.collect();
-    let but = if exceptions.is_empty() {
-        ""
-    } else {
-        ", but for"
-    };
+    let but = if exceptions.is_empty() { "" } else { ", but for" };
     let zero = format!("zero at the reference point {}{but}", task.reference_text());
     std::iter::once(zero).chain(exceptions).collect()
 }
@@ -122,9 +110,7 @@ fn cec(table: &CecTable, placements: &[Placement], digits: Digits<'_>) -> Value 
 
 /// The term of a table in words, by the place it was put.
 fn title(placements: &[Placement], place: &str) -> String {
-    let placement = placements
-        .iter()
-        .find(|p| p.place.split(", ").any(|one| one == place));
+    let placement = placements.iter().find(|p| p.place.split(", ").any(|one| one == place));
     placement.map_or_else(
         || place.to_string(),
         |p| {
@@ -133,10 +119,7 @@ fn title(placements: &[Placement], place: &str) -> String {
                 Some(Direction::Plus) => " while it travels in +",
                 Some(Direction::Minus) => " while it travels in -",
             };
-            format!(
-                "{}: deviation of {} over {}{travel}",
-                p.term, p.term.of, p.term.along
-            )
+            format!("{}: deviation of {} over {}{travel}", p.term, p.term.of, p.term.along)
         },
     )
 }

@@ -18,9 +18,7 @@ pub(crate) fn is_lec(planned: &PlannedTable) -> bool {
 
 /// Index of the measuring system of an axis in the files: 0 = the first.
 pub(crate) fn encoder(task: Task<'_>, axis: Axis) -> u32 {
-    let system = task.job.compensation.axes[axis]
-        .as_ref()
-        .and_then(|s| s.measuring_system);
+    let system = task.job.compensation.axes[axis].as_ref().and_then(|s| s.measuring_system);
     system.unwrap_or(1) - 1
 }
 
@@ -91,10 +89,7 @@ pub(super) fn preconditions(
     let mut list = vec![basic_system(task)];
     for table in &tables.lec {
         list.push(Precondition::new(
-            format!(
-                "MD32700 $MA_ENC_COMP_ENABLE[{},{}]",
-                table.encoder, table.axis
-            ),
+            format!("MD32700 $MA_ENC_COMP_ENABLE[{},{}]", table.encoder, table.axis),
             "0 while the tables are loaded",
             "1 write-protects the table (alarm 17070)",
             format!("808D Function Manual 01/2017 p. 109; {K3} p. 237"),
@@ -214,14 +209,7 @@ fn backlash_precondition(task: Task<'_>, plan: &Plan, axis: Axis) -> Vec<Precond
     let backlash = names.clone().map(|name| {
         let what = format!("MD32450 $MA_BACKLASH[{system},{name}]");
         let source = format!("{K3} p. 277 (sum in the service display)");
-        backlash_parameter(
-            task,
-            plan,
-            axis,
-            what,
-            |um| backlash_text(task, um).0,
-            &source,
-        )
+        backlash_parameter(task, plan, axis, what, |um| backlash_text(task, um).0, &source)
     });
     let no_second_table = names.map(|name| {
         let (what, value, why) = match plan.has_two_tables(axis) {

@@ -47,16 +47,11 @@ impl Interpreter<'_> {
         }
         let argument = |index: usize| arguments.get(index).copied().flatten();
         let (Some(back), Some(reference)) = (argument(0), argument(1)) else {
-            return refuse(
-                "the cycle lacks RTP or RFP",
-                "write its first two arguments",
-            );
+            return refuse("the cycle lacks RTP or RFP", "write its first two arguments");
         };
         // Both are stated without a sign; where DP and DPR stand, the control takes DPR.
         let safety = argument(2).unwrap_or(0.0).abs();
-        let bottom = argument(4)
-            .map(|depth| reference - depth.abs())
-            .or(argument(3));
+        let bottom = argument(4).map(|depth| reference - depth.abs()).or(argument(3));
         let Some(bottom) = bottom else {
             return refuse("the cycle lacks its depth", "write DP or DPR");
         };
@@ -67,9 +62,6 @@ impl Interpreter<'_> {
                 "check its first five arguments",
             );
         }
-        Ok(Some(Drill {
-            number: *number,
-            levels: [back, retract, bottom],
-        }))
+        Ok(Some(Drill { number: *number, levels: [back, retract, bottom] }))
     }
 }

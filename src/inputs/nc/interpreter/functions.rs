@@ -200,10 +200,8 @@ impl Interpreter<'_> {
         let third = self.plane.axes()[2];
         let incremental = self.incremental;
         let depth = |mm| Depth { mm, incremental };
-        let written = (
-            self.length(block, b'R').map(depth),
-            self.length(block, AXES[third]).map(depth),
-        );
+        let written =
+            (self.length(block, b'R').map(depth), self.length(block, AXES[third]).map(depth));
         let Some(cycle) = self.cycle.as_mut() else {
             return Err(Wrong::new(span, "no cycle is active", "write G81 … G89"));
         };
@@ -217,10 +215,7 @@ impl Interpreter<'_> {
                 "write R and the depth in the block that calls the cycle",
             ));
         };
-        if [retract, bottom]
-            .iter()
-            .any(|depth| depth.incremental != incremental)
-        {
+        if [retract, bottom].iter().any(|depth| depth.incremental != incremental) {
             self.tally.other_mode.get_or_insert(self.line);
         }
         self.check_initial(&cycle)?;
@@ -232,11 +227,7 @@ impl Interpreter<'_> {
     /// The machine coordinate of a depth; in G91 it counts from a level.
     fn level_of(&mut self, depth: Depth, from: f64) -> Result<f64, Wrong> {
         let third = self.plane.axes()[2];
-        let zero = if self.incremental {
-            from
-        } else {
-            self.base()?[third]
-        };
+        let zero = if self.incremental { from } else { self.base()?[third] };
         Ok(zero + depth.mm)
     }
 
@@ -259,11 +250,7 @@ impl Interpreter<'_> {
     /// Where the hole is, and the step from one repeat to the next.
     fn place_of_hole(&mut self, block: &mut Block) -> Result<(Place, Place), Wrong> {
         let [first, second, _] = self.plane.axes();
-        let base = if self.incremental {
-            self.at
-        } else {
-            self.base()?
-        };
+        let base = if self.incremental { self.at } else { self.base()? };
         let (mut over, mut step) = (self.at, [0.0; 3]);
         for axis in [first, second] {
             if let Some(value) = self.length(block, AXES[axis]) {

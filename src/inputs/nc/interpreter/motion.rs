@@ -71,11 +71,7 @@ impl Interpreter<'_> {
         for axis in 0..3 {
             let Some(value) = words[axis] else { continue };
             self.ensure_settled(axis, incremental[axis] && reach == Reach::Program)?;
-            to[axis] = if incremental[axis] {
-                self.at[axis] + value
-            } else {
-                base[axis] + value
-            };
+            to[axis] = if incremental[axis] { self.at[axis] + value } else { base[axis] + value };
             if axis == 2 {
                 if incremental[2] && reach == Reach::Program {
                     to[2] += self.offsets.pending_z;
@@ -162,11 +158,7 @@ impl Interpreter<'_> {
         let ends = (self.at, self.target(block, Reach::Program)?);
         let span = self.span;
         let in_words = |message| {
-            Wrong::new(
-                span,
-                message,
-                "check end, centre and plane (G17, G18, G19) of the arc",
-            )
+            Wrong::new(span, message, "check end, centre and plane (G17, G18, G19) of the arc")
         };
         let centre = if block.has(b'R') {
             let radius = self.length(block, b'R').unwrap_or(0.0);
@@ -225,11 +217,7 @@ impl Interpreter<'_> {
 
     /// How far the end of an arc may miss its circle.
     fn arc_mm(&self) -> f64 {
-        let usual = if self.inch {
-            INCH_MISS_MM
-        } else {
-            USUAL_MISS_MM
-        };
+        let usual = if self.inch { INCH_MISS_MM } else { USUAL_MISS_MM };
         self.setup.arc_mm.unwrap_or(usual)
     }
 
@@ -273,11 +261,7 @@ impl Interpreter<'_> {
             ));
         }
         let from = |k: usize, axis: usize| {
-            if absolute[k] {
-                base[axis]
-            } else {
-                self.at[axis]
-            }
+            if absolute[k] { base[axis] } else { self.at[axis] }
         };
         Ok([0, 1].map(|k| from(k, words[k].0) + words[k].1.unwrap_or(0.0)))
     }

@@ -14,10 +14,7 @@ impl Interpreter<'_> {
     pub(super) fn change_tool(&mut self, block: &mut Block) {
         let whole = |number: &f64| (0.0..=99_999_999.0).contains(number) && number.fract() <= 0.0;
         let called = block.value(b'T').filter(whole);
-        let named = block
-            .tool_name
-            .as_ref()
-            .and_then(|(name, _)| self.setup.tool_names.get(name));
+        let named = block.tool_name.as_ref().and_then(|(name, _)| self.setup.tool_names.get(name));
         let called = called.map(|number| number as u32).or(named.copied());
         self.called_tool = called.or(self.called_tool);
         if block.m_word(TOOL_CHANGE).is_some() {
@@ -117,10 +114,6 @@ impl Interpreter<'_> {
     fn no_length(&mut self, span: Span, tool: &str, key: &str) -> Wrong {
         self.is_lost = true;
         let help = format!("add `[[path.tool]]` with `{key}` and `length_mm` to the job");
-        Wrong::new(
-            span,
-            format!("the length of tool {tool} is not known"),
-            help,
-        )
+        Wrong::new(span, format!("the length of tool {tool} is not known"), help)
     }
 }

@@ -42,8 +42,7 @@ impl Control<'_> {
                     true => "put it into the file, from `O… sub` to `O… endsub`",
                     false => "put the subprograms behind the main program, each from `O…` to M99",
                 };
-                self.problems
-                    .push(Problem::new(message).at(place).help(help));
+                self.problems.push(Problem::new(message).at(place).help(help));
             }
             return Ok(());
         };
@@ -51,14 +50,7 @@ impl Control<'_> {
         text.go_to(begin)?;
         self.entered = !is_sub;
         self.repeated += JUMP;
-        self.calls.push(Call {
-            program,
-            is_sub,
-            line: place.line,
-            begin,
-            back,
-            left: times - 1,
-        });
+        self.calls.push(Call { program, is_sub, line: place.line, begin, back, left: times - 1 });
         Ok(())
     }
 

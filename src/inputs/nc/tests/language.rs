@@ -7,16 +7,8 @@ fn last(program: &str) -> String {
 }
 
 fn siemens() -> Setup {
-    let systems = [
-        (0, [0.0; 3]),
-        (1, [100.0, 0.0, 0.0]),
-        (505, [0.0, 7.0, 0.0]),
-    ];
-    Setup {
-        language: Language::Siemens,
-        systems: BTreeMap::from(systems),
-        ..control()
-    }
+    let systems = [(0, [0.0; 3]), (1, [100.0, 0.0, 0.0]), (505, [0.0, 7.0, 0.0])];
+    Setup { language: Language::Siemens, systems: BTreeMap::from(systems), ..control() }
 }
 
 /// Ends of the moves of a Siemens program, `r` before those of rapid ones.
@@ -33,10 +25,7 @@ fn ends_of_siemens(program: &str) -> Vec<String> {
 fn why(setup: &Setup, program: &str) -> (String, (usize, usize)) {
     let problems = run_with(setup, program).expect_err(program);
     let first = problems.iter().next().expect("a problem");
-    let place = first
-        .place
-        .as_ref()
-        .map_or((0, 0), |place| (place.line, place.column));
+    let place = first.place.as_ref().map_or((0, 0), |place| (place.line, place.column));
     (first.message.clone(), place)
 }
 
@@ -68,15 +57,9 @@ fn expressions_have_the_values_that_are_calculated_by_hand() {
 #[test]
 fn variables_stand_for_numbers() {
     assert_eq!(last("#1=1 #2=3 (both)\nG#1 X-#1 Y#2\nG1 X##1"), "1 3 0");
-    assert_eq!(
-        last("#<Deep Hole>=4.5\n#100=#<deephole>\nG1 Z[-#100*2]"),
-        "0 0 -9"
-    );
+    assert_eq!(last("#<Deep Hole>=4.5\n#100=#<deephole>\nG1 Z[-#100*2]"), "0 0 -9");
     assert_eq!(last("G20\n#1=1\nG1 X#1"), "25.4 0 0");
-    let increments = Setup {
-        without_point: WithoutPoint::Increment,
-        ..control()
-    };
+    let increments = Setup { without_point: WithoutPoint::Increment, ..control() };
     let (moves, _) = run_with(&increments, "#1=7\nG1 X#1").expect("a program");
     assert!(near(moves[0].to, [7.0, 0.0, 0.0]), "a variable is in mm");
 }
@@ -90,42 +73,18 @@ fn what_has_no_value_is_refused_with_its_place() {
         ("#1=[1/0]", "division by zero", (1, 6)),
         ("#1=SQRT[-1]", "`SQRT` of -1 has no value", (1, 4)),
         ("#1=[2**0.5]", "`**` with the exponent 0.5", (1, 6)),
-        (
-            "#1=[-7 MOD 4]",
-            "controls differ in the sign of the rest",
-            (1, 8),
-        ),
+        ("#1=[-7 MOD 4]", "controls differ in the sign of the rest", (1, 8)),
         ("#1=FIX[-2.5]", "`FIX` of the negative number -2.5", (1, 4)),
         ("#1=ATAN[-1]/[1]", "`ATAN` is -45° or 315°", (1, 4)),
-        (
-            "#1=[[1 EQ 1] AND [2 EQ 2]]",
-            "`AND` is not executed",
-            (1, 14),
-        ),
-        (
-            "#1=0.3\n#2=FIX[#1/0.1]",
-            "`FIX` of a number that rounding",
-            (2, 4),
-        ),
-        (
-            "#1=FUP[0.28*100]",
-            "`FUP` of a number that rounding",
-            (1, 4),
-        ),
-        (
-            "#1=[0.3 MOD 0.1]",
-            "`MOD` of a number that rounding",
-            (1, 9),
-        ),
+        ("#1=[[1 EQ 1] AND [2 EQ 2]]", "`AND` is not executed", (1, 14)),
+        ("#1=0.3\n#2=FIX[#1/0.1]", "`FIX` of a number that rounding", (2, 4)),
+        ("#1=FUP[0.28*100]", "`FUP` of a number that rounding", (1, 4)),
+        ("#1=[0.3 MOD 0.1]", "`MOD` of a number that rounding", (1, 9)),
         ("#1=[0.1+0.2]\n#2=[#1 LT 0.3]", "rounding decides", (2, 8)),
         ("#1=[1.00001 EQ 1]", "rounding decides", (1, 13)),
         ("#1=1\nG1 X[ROUND[#1]]", "`ROUND` in a word", (2, 6)),
         ("#1=1 #2=#1", "`#1` is set in the same block", (1, 9)),
-        (
-            "#1=1 G1 X2",
-            "something stands behind the statement",
-            (1, 6),
-        ),
+        ("#1=1 G1 X2", "something stands behind the statement", (1, 6)),
         ("#1=[1+2", "the bracket is not closed", (1, 4)),
         ("#1=BIN[3]", "`BIN` is not executed in expressions", (1, 4)),
         ("#1=1+", "lacks a number", (1, 5)),
@@ -135,11 +94,7 @@ fn what_has_no_value_is_refused_with_its_place() {
         ("O1 repeat [3]", "`REPEAT` behind O is not executed", (1, 1)),
         ("O1 call", "there is no subprogram O1 in the file", (1, 1)),
         ("O1 endsub", "a call of O1 is not in the program", (1, 1)),
-        (
-            "IF [1 EQ 1] THEN G1 X1",
-            "only a variable is set behind `THEN`",
-            (1, 13),
-        ),
+        ("IF [1 EQ 1] THEN G1 X1", "only a variable is set behind `THEN`", (1, 13)),
     ] {
         let (said, at) = why(&control(), program);
         assert!(said.contains(words), "{program:?}: {said}");
@@ -203,10 +158,7 @@ fn words_of_siemens_are_executed() {
     assert_eq!(ends_of_siemens(program), ["5 6 0", "6 1 -2"]);
     let arc = "G1 X1\nG3 X0 Y1 CR=-1\nG2 X=IC(2) Y1 I=AC(1) J0";
     assert_eq!(ends_of_siemens(arc), ["1 0 0", "0 1 0", "2 1 0"]);
-    assert_eq!(
-        ends_of_siemens("%_N_A_MPF\n/1 N10 G1X5Y6F100 S2=30\nRET\nX9"),
-        ["5 6 0"]
-    );
+    assert_eq!(ends_of_siemens("%_N_A_MPF\n/1 N10 G1X5Y6F100 S2=30\nRET\nX9"), ["5 6 0"]);
 }
 
 #[test]
@@ -220,17 +172,13 @@ fn tolerances_of_siemens_are_told() {
 #[test]
 fn zeros_of_siemens() {
     let program = "R1=2\nG1 X1\nTRANS X10 Y=R1\nX1 Y0\nATRANS X5\nX1\nTRANS Y1\nX1 Y1\nG54 X0\nG505 Y0\nTRANS\nG500 X0 Y0";
-    let expected = [
-        "1 0 0", "11 2 0", "16 2 0", "1 2 0", "100 2 0", "100 8 0", "0 0 0",
-    ];
+    let expected = ["1 0 0", "11 2 0", "16 2 0", "1 2 0", "100 2 0", "100 8 0", "0 0 0"];
     assert_eq!(ends_of_siemens(program), expected);
     // D1 is active behind M6; G53 and SUPA leave the zeros out, but not the length.
     let tool = "G54 G0 Z10\nT1 M6\nZ10\nT=\"DRILL\"\nM6\nZ0\nG53 Z5\nSUPA Z0 D0\nD1 Z1";
     assert_eq!(
         ends_of_siemens(tool),
-        [
-            "r0 0 10", "r0 0 60", "r0 0 80", "r0 0 85", "r0 0 0", "r0 0 81"
-        ]
+        ["r0 0 10", "r0 0 60", "r0 0 80", "r0 0 85", "r0 0 0", "r0 0 81"]
     );
 }
 
@@ -268,11 +216,7 @@ fn what_is_not_executed_of_siemens_is_refused_by_name() {
         ("POCKET3(1,2)", "`POCKET3` is not executed", (1, 1)),
         ("MCALL HOLES1(1)", "`HOLES1` is not executed", (1, 7)),
         ("CYCLE81(5,0,1,-3,,0,1)", "first 5 arguments", (1, 1)),
-        (
-            "CYCLE81(5,0,1,-3) X5",
-            "words beside the call of a cycle",
-            (1, 1),
-        ),
+        ("CYCLE81(5,0,1,-3) X5", "words beside the call of a cycle", (1, 1)),
         ("CYCLE81(5,9,1,-3)", "not in the order RTP", (1, 1)),
         ("G70\nCYCLE81(5,0,1,-3)", "G70 or G700", (2, 1)),
         ("G55 G1 X1", "the zero of G55", (1, 1)),
@@ -281,16 +225,8 @@ fn what_is_not_executed_of_siemens_is_refused_by_name() {
         ("T=\"X\"", "the length of tool `X` is not known", (1, 1)),
         ("T7\nM6", "the length of tool T7 is not known", (2, 1)),
         ("T1 M6\nG18 G1 X5", "a tool length with G18", (2, 8)),
-        (
-            "M98 P5",
-            "`M98` is not executed in Siemens programs",
-            (1, 1),
-        ),
-        (
-            "MSG(\"a\"",
-            "the brackets of the call are not closed",
-            (1, 1),
-        ),
+        ("M98 P5", "`M98` is not executed in Siemens programs", (1, 1)),
+        ("MSG(\"a\"", "the brackets of the call are not closed", (1, 1)),
         ("R1=5 X10", "something stands behind the statement", (1, 6)),
     ] {
         let (said, at) = why(&siemens(), program);

@@ -46,10 +46,7 @@ impl Travel {
         let whole = |mm: f64| (mm * UM_PER_MM).round() / UM_PER_MM;
         let span = whole(runs.length_mm());
         match stated_mm.map(whole) {
-            None => Ok(Travel {
-                mm: span,
-                stated: false,
-            }),
+            None => Ok(Travel { mm: span, stated: false }),
             Some(mm) if mm >= span => Ok(Travel { mm, stated: true }),
             Some(mm) => Err(Problem::new(format!(
                 "the travel was stated as {} mm, but the targets are {} mm apart",
@@ -92,12 +89,7 @@ impl Travel {
 /// limits without a stated travel the length is that from the first to the last target
 pub fn conditions(runs: &Runs, travel: Travel) -> Vec<Condition> {
     let mut conditions = if travel.is_long() {
-        vec![
-            long_spacing(runs),
-            spread(runs, travel),
-            one_run(runs),
-            directions(runs),
-        ]
+        vec![long_spacing(runs), spread(runs, travel), one_run(runs), directions(runs)]
     } else {
         vec![
             number_of_targets(runs, travel),
@@ -112,14 +104,8 @@ pub fn conditions(runs: &Runs, travel: Travel) -> Vec<Condition> {
             "warm-up, temperature of machine and instrument near 20 °C or corrected to it",
             &EDITIONS[..],
         ),
-        (
-            "feed, dwell, line of measurement and position of the other axes stated",
-            &EDITIONS[..],
-        ),
-        (
-            "uncertainty of measurement stated with every figure",
-            &WITH_UNCERTAINTY[..],
-        ),
+        ("feed, dwell, line of measurement and position of the other axes stated", &EDITIONS[..]),
+        ("uncertainty of measurement stated with every figure", &WITH_UNCERTAINTY[..]),
     ];
     conditions.extend(untested.map(|(asked, editions)| Condition {
         editions,
@@ -140,9 +126,7 @@ fn likely(asked: impl Into<String>, found: String, met: Met) -> Condition {
 
 /// Five targets per metre and at least five.
 pub(in crate::machine::standards) fn number_of_targets(runs: &Runs, travel: Travel) -> Condition {
-    let asked = (TARGETS_PER_METRE * travel.mm() / 1000.0)
-        .ceil()
-        .max(FEWEST_TARGETS);
+    let asked = (TARGETS_PER_METRE * travel.mm() / 1000.0).ceil().max(FEWEST_TARGETS);
     let found = runs.targets_mm().len();
     likely(
         format!("up to 2 m: five targets per metre, at least five; here {asked} or more"),
@@ -163,21 +147,14 @@ fn five_runs(runs: &Runs) -> Condition {
 
 /// Figures of both directions need both.
 pub(in crate::machine::standards) fn directions(runs: &Runs) -> Condition {
-    let missing = Direction::BOTH
-        .into_iter()
-        .find(|direction| runs.count(*direction) == 0);
+    let missing = Direction::BOTH.into_iter().find(|direction| runs.count(*direction) == 0);
     let found = match missing {
         None => "both were measured".to_string(),
-        Some(missing) => format!(
-            "unidirectional figures only: moving {} was not measured",
-            way(missing)
-        ),
+        Some(missing) => {
+            format!("unidirectional figures only: moving {} was not measured", way(missing))
+        }
     };
-    likely(
-        "approach in both directions",
-        found,
-        Met::of(missing.is_none()),
-    )
+    likely("approach in both directions", found, Met::of(missing.is_none()))
 }
 
 fn distances(runs: &Runs) -> Vec<f64> {
@@ -214,11 +191,7 @@ fn random_spacing(runs: &Runs) -> Condition {
         let words = "distances differ; whether at random cannot be seen";
         (words.to_string(), Met::NotTested)
     };
-    likely(
-        "up to 2 m: targets at random distances, P_i = (i - 1)p + r",
-        found,
-        met,
-    )
+    likely("up to 2 m: targets at random distances, P_i = (i - 1)p + r", found, met)
 }
 
 fn long_spacing(runs: &Runs) -> Condition {
@@ -260,9 +233,8 @@ pub fn remarks(runs: &Runs, travel: Travel) -> Vec<Finding> {
     };
     let several = Direction::BOTH.into_iter().any(|d| runs.count(d) > 1);
     let long = (travel.is_long() && several).then_some(StandardFinding::LongAxis);
-    let open = (!travel.stated).then(|| StandardFinding::TravelNotStated {
-        measured: travel.words(),
-    });
+    let open =
+        (!travel.stated).then(|| StandardFinding::TravelNotStated { measured: travel.words() });
     let missed = Direction::BOTH.into_iter().filter_map(missed);
     missed.chain(long).chain(open).map(Finding::from).collect()
 }
@@ -280,9 +252,6 @@ pub fn label(conditions: &[Condition]) -> String {
     if missed.is_empty() {
         "no tested condition of ISO 230-2 is missed; check the others by hand".to_string()
     } else {
-        format!(
-            "NOT according to ISO 230-2: {} (see the conditions)",
-            missed.join("; ")
-        )
+        format!("NOT according to ISO 230-2: {} (see the conditions)", missed.join("; "))
     }
 }

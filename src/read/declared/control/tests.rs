@@ -27,13 +27,7 @@ fn table(points: &[(f64, f64, Option<f64>)]) -> DeclaredTables {
     };
     let points = points.iter().map(point).collect();
     let (base, output) = ("X".to_string(), "X".to_string());
-    DeclaredTables {
-        tables: vec![DeclaredTable {
-            base,
-            output,
-            points,
-        }],
-    }
+    DeclaredTables { tables: vec![DeclaredTable { base, output, points }] }
 }
 
 /// X from 0 to 1000 mm, its reference at 10 mm, 4 µm in the backlash parameter.
@@ -101,24 +95,10 @@ fn outside_a_table_there_is_nothing_where_the_profile_says_so() {
     let mut facts = weihong();
     let tables = table(&[(0.0, 0.002, Some(0.004)), (1000.0, -0.006, Some(0.0))]);
     let places = [-1.0, 0.0, 500.0, 1000.0, 1000.1, 5000.0];
-    let held = [
-        [-2.0, -4.0],
-        [-2.0, -4.0],
-        [2.0, -2.0],
-        [6.0, 0.0],
-        [6.0, 0.0],
-        [6.0, 0.0],
-    ];
+    let held = [[-2.0, -4.0], [-2.0, -4.0], [2.0, -2.0], [6.0, 0.0], [6.0, 0.0], [6.0, 0.0]];
     assert_eq!(um(&facts, &tables, &places), held);
     set(&mut facts.outside, Outside::Zero);
-    let zero = [
-        [0.0, 0.0],
-        [-2.0, -4.0],
-        [2.0, -2.0],
-        [6.0, 0.0],
-        [0.0, 0.0],
-        [0.0, 0.0],
-    ];
+    let zero = [[0.0, 0.0], [-2.0, -4.0], [2.0, -2.0], [6.0, 0.0], [0.0, 0.0], [0.0, 0.0]];
     assert_eq!(um(&facts, &tables, &places), zero);
 }
 

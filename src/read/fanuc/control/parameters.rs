@@ -54,9 +54,7 @@ impl<'a> Loading<'a> {
     pub(super) fn axis(self, number: u32) -> Emulated<&'a AxisState> {
         match self.state.axis(&number.to_string()) {
             Some(axis) => Ok(axis),
-            None => cannot(format!(
-                "the files name axis {number}, which the job does not state"
-            )),
+            None => cannot(format!("the files name axis {number}, which the job does not state")),
         }
     }
 
@@ -185,47 +183,17 @@ fn is_in(ranges: &[(u32, u32)], number: u32) -> bool {
 
 /// Why the emulation would be wrong if it ignored them, and first and last number (docs/fanuc.md §5.6).
 const OTHERS: [(&str, &[(u32, u32)]); 6] = [
-    (
-        "the reference position is taken from the job, a kit must not change it",
-        &[(1240, 1240)],
-    ),
-    (
-        "the backlash is taken from the job, a kit must not change it",
-        &[(1851, 1852)],
-    ),
-    (
-        "separate point numbers of slave axes are not emulated",
-        &[(3666, 3671), (3676, 3677)],
-    ),
-    (
-        "inclination compensation is not emulated",
-        &[(5861, 5864), (5871, 5874)],
-    ),
-    (
-        "three-dimensional error compensation is not emulated",
-        &[(10800, 10814)],
-    ),
-    (
-        "cyclic second pitch compensation is not emulated",
-        &[(14985, 14988)],
-    ),
+    ("the reference position is taken from the job, a kit must not change it", &[(1240, 1240)]),
+    ("the backlash is taken from the job, a kit must not change it", &[(1851, 1852)]),
+    ("separate point numbers of slave axes are not emulated", &[(3666, 3671), (3676, 3677)]),
+    ("inclination compensation is not emulated", &[(5861, 5864), (5871, 5874)]),
+    ("three-dimensional error compensation is not emulated", &[(10800, 10814)]),
+    ("cyclic second pitch compensation is not emulated", &[(14985, 14988)]),
 ];
 
 /// Parameter, bits that must be 0, and what they would mean (docs/fanuc.md §1.1).
 const OTHER_BITS: [(u32, u8, &str); 3] = [
-    (
-        3602,
-        1,
-        "pitch data as total values (bit 0) are not emulated",
-    ),
-    (
-        3605,
-        0b1100,
-        "arbitrary-pitch and cyclic second compensation (bits 2, 3) are not emulated",
-    ),
-    (
-        8135,
-        1,
-        "pitch compensation is not available on this control (bit 0)",
-    ),
+    (3602, 1, "pitch data as total values (bit 0) are not emulated"),
+    (3605, 0b1100, "arbitrary-pitch and cyclic second compensation (bits 2, 3) are not emulated"),
+    (8135, 1, "pitch compensation is not available on this control (bit 0)"),
 ];

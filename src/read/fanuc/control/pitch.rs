@@ -67,9 +67,7 @@ impl Grid {
         if self.interpolated {
             Between::Pulses { pulse_um }
         } else {
-            Between::Step {
-                fraction: from.facts.output_fraction.value,
-            }
+            Between::Step { fraction: from.facts.output_fraction.value }
         }
     }
 
@@ -98,9 +96,7 @@ fn refuse_rotary(from: Loading, axis: u32) -> Emulated<()> {
     match from.memory.parameter(3625, Some(axis)) {
         None | Some(ParameterValue::Integer(0)) => Ok(()),
         Some(ParameterValue::Real(travel)) if travel.abs() <= 0.0 => Ok(()),
-        Some(_) => cannot(format!(
-            "axis {axis}: 3625 is not 0; rotary axes are not emulated"
-        )),
+        Some(_) => cannot(format!("axis {axis}: 3625 is not 0; rotary axes are not emulated")),
     }
 }
 
@@ -108,10 +104,7 @@ fn refuse_rotary(from: Loading, axis: u32) -> Emulated<()> {
 fn interval(from: Loading, axis: u32) -> Emulated<Millimetres> {
     let what = name(3624, Some(axis));
     let facts = from.facts;
-    let length = match (
-        facts.interval_form.value,
-        from.memory.parameter(3624, Some(axis)),
-    ) {
+    let length = match (facts.interval_form.value, from.memory.parameter(3624, Some(axis))) {
         (_, None) => {
             return cannot(format!(
                 "{what} is missing; a parameter left out keeps its old content"
@@ -142,9 +135,7 @@ fn switch(from: Loading, axis: u32, bit: u8) -> Emulated<Option<bool>> {
 
 /// Whether one of the control's blocks holds all points of a run.
 pub(super) fn lies_in(run: NumberRange, blocks: &[NumberRange]) -> bool {
-    blocks
-        .iter()
-        .any(|block| block.contains(run.first) && block.contains(run.last))
+    blocks.iter().any(|block| block.contains(run.first) && block.contains(run.last))
 }
 
 /// Sums S of the increments at the nodes Nmin−1 … Nmax, zero at the node `zero_node`.
@@ -213,23 +204,16 @@ impl Pitch<'_> {
             .into_iter()
             .map(|sum| self.correction(self.magnification * sum))
             .collect();
-        self.grid
-            .table(&nodes, self.grid.between(self.from, self.unit_um))
+        self.grid.table(&nodes, self.grid.between(self.from, self.unit_um))
     }
 
     fn correction(&self, units: f64) -> Correction {
-        self.from
-            .facts
-            .pitch_sign
-            .value
-            .correction(units * self.unit_um)
+        self.from.facts.pitch_sign.value.correction(units * self.unit_um)
     }
 
     /// Points of the table for travel in − (3626), as many as of the other one.
     fn second_run(&self) -> Emulated<NumberRange> {
-        let first = self
-            .from
-            .count(3626, Some(self.axis), u32::MAX - self.grid.count())?;
+        let first = self.from.count(3626, Some(self.axis), u32::MAX - self.grid.count())?;
         let last = first + self.grid.count() - 1;
         let run = NumberRange { first, last };
         if lies_in(run, &self.from.facts.minus_points.value) {

@@ -40,9 +40,7 @@ pub(super) fn load(from: Loading, runs: &mut Vec<Run>) -> Emulated<Vec<Shift>> {
         StraightnessForm::PerPoint => PER_POINT_SETS,
     };
     if sets > room {
-        return cannot(format!(
-            "{sets} straightness sets; the parameters have room for {room}"
-        ));
+        return cannot(format!("{sets} straightness sets; the parameters have room for {room}"));
     }
     for number in FIRST_MOVING + sets..FIRST_MOVING + PER_POINT_SETS {
         if from.holds(number, None) && from.integer(number, None)? != 0 {
@@ -74,9 +72,7 @@ impl Set<'_> {
         let moving = self.axis_number(FIRST_MOVING)?;
         let compensation = self.axis_number(FIRST_COMPENSATION)?;
         if moving == compensation {
-            return self.refuse(format!(
-                "axis {moving} is both moving and compensation axis"
-            ));
+            return self.refuse(format!("axis {moving} is both moving and compensation axis"));
         }
         let grid = Grid::load(self.from, moving)?;
         let most = self.from.facts.straightness_axis_points.value;
@@ -91,11 +87,7 @@ impl Set<'_> {
             StraightnessForm::FourPoint => self.four_points(&grid, unit_um)?,
             StraightnessForm::PerPoint => self.per_point(&grid, unit_um, runs)?,
         };
-        Ok(Some(Shift {
-            moving,
-            compensation,
-            table,
-        }))
+        Ok(Some(Shift { moving, compensation, table }))
     }
 
     /// Moving axis 0, per-point magnification 0, or a set that the kit does not touch at all.
@@ -110,10 +102,7 @@ impl Set<'_> {
         if from.holds(moving, None) {
             return Ok(from.integer(moving, None)? == 0);
         }
-        let touched = self
-            .other_parameters()
-            .into_iter()
-            .any(|number| from.holds(number, None));
+        let touched = self.other_parameters().into_iter().any(|number| from.holds(number, None));
         if touched {
             return self.refuse(format!("{} is missing", name(moving, None)));
         }
@@ -173,10 +162,7 @@ impl Set<'_> {
     /// Points a, b, c, d with their amounts.
     fn knots(self, grid: &Grid) -> Emulated<[Knot; 4]> {
         let limit = self.from.facts.straightness_amount_max.value;
-        let mut knots = [Knot {
-            point: 0,
-            amount: 0.0,
-        }; 4];
+        let mut knots = [Knot { point: 0, amount: 0.0 }; 4];
         for (offset, knot) in (10 * self.index..).zip(&mut knots) {
             knot.point = self.from.count(FIRST_POINTS + offset, None, u32::MAX)?;
             knot.amount = self.from.amount(FIRST_AMOUNTS + offset, None, limit)?;
@@ -203,14 +189,9 @@ impl Set<'_> {
     /// form is a function of its own whose switch is not known, so the step form is taken.
     fn per_point(self, grid: &Grid, unit_um: f64, runs: &mut Vec<Run>) -> Emulated<NodeTable> {
         let facts = self.from.facts;
-        let magnification = self.from.count(
-            self.magnification_parameter(),
-            None,
-            facts.magnification_max.value,
-        )?;
-        let first = self
-            .from
-            .count(self.start_parameter(), None, u32::MAX - grid.count())?;
+        let magnification =
+            self.from.count(self.magnification_parameter(), None, facts.magnification_max.value)?;
+        let first = self.from.count(self.start_parameter(), None, u32::MAX - grid.count())?;
         let last = first + grid.count() - 1;
         let run = NumberRange { first, last };
         if !lies_in(run, &facts.straightness_points.value) {

@@ -1,9 +1,6 @@
 //! Files in, corrections out: the examples of the manuals and the semantics one by one.
 
-#![allow(
-    clippy::expect_used,
-    reason = "a test that expects a value fails without it"
-)]
+#![allow(clippy::expect_used, reason = "a test that expects a value fails without it")]
 
 mod refusals;
 
@@ -37,10 +34,7 @@ fn axis_state(name: &str) -> AxisState {
 }
 
 fn state() -> ControlState {
-    ControlState {
-        unit: ControlUnit::Millimetre,
-        axes: vec![axis_state("1"), axis_state("2")],
-    }
+    ControlState { unit: ControlUnit::Millimetre, axes: vec![axis_state("1"), axis_state("2")] }
 }
 
 fn load(blocks: &[String], facts: &FanucFacts, state: &ControlState) -> Emulated<FanucControl> {
@@ -75,12 +69,7 @@ fn s1() -> Vec<String> {
 }
 
 fn bidirectional() -> Vec<String> {
-    let mut blocks = [
-        grid([23, 20, 27], "10.0"),
-        points(20, &PLUS),
-        points(30, &MINUS),
-    ]
-    .concat();
+    let mut blocks = [grid([23, 20, 27], "10.0"), points(20, &PLUS), points(30, &MINUS)].concat();
     blocks.extend(["N03605Q1A1P00000001", "N03626Q1A1P30", "N03627Q1A1P-4"].map(String::from));
     blocks
 }
@@ -89,10 +78,7 @@ fn bidirectional() -> Vec<String> {
 fn four_point() -> Vec<String> {
     let mut blocks = replaced(&grid([60, 0, 127], "10.0"), "N03623", "N03623Q1A1P0");
     blocks.extend(["N05711Q1P1", "N05721Q1P2"].map(String::from));
-    for (number, value) in (5731..)
-        .zip([0, 60, 61, 127])
-        .chain((5761..).zip([-5, 0, 0, 11]))
-    {
+    for (number, value) in (5731..).zip([0, 60, 61, 127]).chain((5761..).zip([-5, 0, 0, 11])) {
         blocks.push(format!("N{number:05}Q1P{value}"));
     }
     blocks
@@ -118,28 +104,15 @@ fn per_point() -> Vec<String> {
 
 /// The blocks with the one that begins with `start` replaced; nothing leaves it out.
 fn replaced(blocks: &[String], start: &str, by: &str) -> Vec<String> {
-    assert!(
-        blocks.iter().any(|block| block.starts_with(start)),
-        "no block {start}"
-    );
+    assert!(blocks.iter().any(|block| block.starts_with(start)), "no block {start}");
     let swap = |block: &String| {
-        if block.starts_with(start) {
-            by.to_string()
-        } else {
-            block.clone()
-        }
+        if block.starts_with(start) { by.to_string() } else { block.clone() }
     };
-    blocks
-        .iter()
-        .map(swap)
-        .filter(|block| !block.is_empty())
-        .collect()
+    blocks.iter().map(swap).filter(|block| !block.is_empty()).collect()
 }
 
 fn at(control: &FanucControl, pair: (&str, &str), direction: Direction, mm: f64) -> f64 {
-    let response = control
-        .response(pair.0, pair.1, direction)
-        .expect("a response");
+    let response = control.response(pair.0, pair.1, direction).expect("a response");
     response.correction(Millimetres::new(mm)).um()
 }
 
@@ -148,10 +121,7 @@ fn pitch(control: &FanucControl, direction: Direction, mm: f64) -> f64 {
 }
 
 fn close(found: f64, expected: f64, what: impl std::fmt::Debug) {
-    assert!(
-        (found - expected).abs() < 1e-9,
-        "{what:?}: {found}, expected {expected}"
-    );
+    assert!((found - expected).abs() < 1e-9, "{what:?}: {found}, expected {expected}");
 }
 
 /// docs/fanuc.md §6.1: sums at all nodes, steps in the middle of the sections, held ends.
@@ -164,22 +134,13 @@ fn manual_example_in_step_form() {
         close(pitch(&control, Plus, x), expected, x);
         close(pitch(&control, Minus, x), expected, x);
     }
-    let between = [
-        (24.0, 0.0),
-        (25.0, 2.0),
-        (374.0, -1.0),
-        (375.0, 0.0),
-        (424.0, 0.0),
-        (425.0, 2.0),
-    ];
+    let between =
+        [(24.0, 0.0), (25.0, 2.0), (374.0, -1.0), (375.0, 0.0), (424.0, 0.0), (425.0, 2.0)];
     let outside = [(600.0, 2.0), (-450.0, 0.0), (-376.0, 0.0), (-375.0, 2.0)];
     for (x, expected) in between.into_iter().chain(outside) {
         close(pitch(&control, Plus, x), expected, x);
     }
-    assert_eq!(
-        control.connected_axes(),
-        [("1".to_string(), "1".to_string())]
-    );
+    assert_eq!(control.connected_axes(), [("1".to_string(), "1".to_string())]);
 }
 
 /// docs/fanuc.md §6.1, interpolated: single pulses, within half a unit of the straight line.
@@ -188,12 +149,9 @@ fn manual_example_in_interpolated_form() {
     let mut blocks = s1();
     blocks.push("N03605Q1A1P00000010".to_string());
     let control = control(&blocks);
-    for (x, line, pulses) in [
-        (25.0, 1.0, 1.0),
-        (10.0, 0.4, 0.0),
-        (60.0, 2.2, 2.0),
-        (-360.0, 1.6, 2.0),
-    ] {
+    for (x, line, pulses) in
+        [(25.0, 1.0, 1.0), (10.0, 0.4, 0.0), (60.0, 2.2, 2.0), (-360.0, 1.6, 2.0)]
+    {
         close(pitch(&control, Plus, x), pulses, x);
         assert!((pulses - line).abs() <= 0.5, "{x}");
     }
@@ -203,19 +161,10 @@ fn manual_example_in_interpolated_form() {
 /// docs/fanuc.md §6.2, figure of B-64303CM-1/01 §1.3.1: the minus side is subtracted.
 #[test]
 fn figure_of_the_0i_d() {
-    let control = control(
-        &[
-            grid([33, 31, 37], "10.0"),
-            points(31, &[-3, 1, 1, 1, 2, -1, -3]),
-        ]
-        .concat(),
-    );
+    let control =
+        control(&[grid([33, 31, 37], "10.0"), points(31, &[-3, 1, 1, 1, 2, -1, -3])].concat());
     for (node, expected) in (-3..).zip([1.0, -2.0, -1.0, 0.0, 1.0, 3.0, 2.0, -1.0]) {
-        close(
-            pitch(&control, Plus, 10.0 * f64::from(node)),
-            expected,
-            node,
-        );
+        close(pitch(&control, Plus, 10.0 * f64::from(node)), expected, node);
     }
 }
 
@@ -230,11 +179,7 @@ fn bidirectional_example() {
         close(pitch(&control, Plus, x), plus, x);
         close(pitch(&control, Minus, x), minus, x);
     }
-    close(
-        pitch(&control, Minus, 0.0) - pitch(&control, Plus, 0.0),
-        -4.0,
-        "reversal",
-    );
+    close(pitch(&control, Minus, 0.0) - pitch(&control, Plus, 0.0), -4.0, "reversal");
 }
 
 /// docs/fanuc.md §5.3: with a reference return in −, 3627 and backlash belong to travel in +.
@@ -320,19 +265,11 @@ fn interval_in_every_unit_and_form() {
     close(pitch(&control, Plus, 100.0 - 250.0), 4.0, "mm");
     state.unit = ControlUnit::Inch;
     let control = load(&legacy("20000"), &facts, &state).expect("a control");
-    close(
-        pitch(&control, Plus, 100.0 - 5.0 * 50.8),
-        4.0,
-        "inch, integer",
-    );
+    close(pitch(&control, Plus, 100.0 - 5.0 * 50.8), 4.0, "inch, integer");
     facts.interval_form.value = IntervalForm::Real;
     let control = load(&legacy("2.0"), &facts, &state).expect("a control");
     close(pitch(&control, Plus, 100.0 - 5.0 * 50.8), 4.0, "inch, real");
-    let first = control
-        .response("1", "1", Plus)
-        .expect("a response")
-        .tables()[0]
-        .first();
+    let first = control.response("1", "1", Plus).expect("a response").tables()[0].first();
     close(first.mm(), 100.0 - 8.0 * 50.8, "first node");
 }
 
@@ -343,29 +280,13 @@ fn four_point_straightness_example() {
     state.axes[0].reference = Millimetres::new(100.0);
     state.axes[1].detection_unit_um = Some(0.5);
     let control = load(&four_point(), &facts_four_point(), &state).expect("a control");
-    let expected = [
-        (0, -5),
-        (12, -4),
-        (30, -3),
-        (60, 0),
-        (61, 0),
-        (94, 6),
-        (127, 11),
-        (-9, -5),
-        (140, 11),
-    ];
+    let expected =
+        [(0, -5), (12, -4), (30, -3), (60, 0), (61, 0), (94, 6), (127, 11), (-9, -5), (140, 11)];
     for (point, units) in expected {
         let x = 100.0 + 10.0 * f64::from(point - 60);
-        close(
-            at(&control, ("1", "2"), Plus, x),
-            0.5 * f64::from(units),
-            point,
-        );
+        close(at(&control, ("1", "2"), Plus, x), 0.5 * f64::from(units), point);
     }
-    assert_eq!(
-        control.connected_axes(),
-        [("1".to_string(), "2".to_string())]
-    );
+    assert_eq!(control.connected_axes(), [("1".to_string(), "2".to_string())]);
 }
 
 /// docs/fanuc.md §5.4: amounts count from the reference, and two sets of one pair add.
@@ -373,10 +294,7 @@ fn four_point_straightness_example() {
 fn four_point_sets_are_relative_and_add() {
     let mut blocks = four_point();
     blocks.extend(["N05712Q1P1", "N05722Q1P2"].map(String::from));
-    for (number, value) in (5741..)
-        .zip([0, 60, 61, 127])
-        .chain((5771..).zip([7, 10, 10, 20]))
-    {
+    for (number, value) in (5741..).zip([0, 60, 61, 127]).chain((5771..).zip([7, 10, 10, 20])) {
         blocks.push(format!("N{number:05}Q1P{value}"));
     }
     let control = load(&blocks, &facts_four_point(), &state()).expect("a control");
@@ -395,11 +313,7 @@ fn per_point_straightness() {
     let sums = [-3, -4, -3, -2, 0, 1, 1, 0, -2];
     for (node, sum) in (-4..).zip(sums) {
         let x = 5.0 + 10.0 * f64::from(node);
-        close(
-            at(&control, ("1", "2"), Plus, x),
-            0.2 * f64::from(sum),
-            node,
-        );
+        close(at(&control, ("1", "2"), Plus, x), 0.2 * f64::from(sum), node);
     }
     let off = replaced(&per_point(), "N13382", "N13382Q1P0");
     let control = load(&off, &facts_30i(), &state).expect("a control");
@@ -421,14 +335,7 @@ fn quantisation_with_carry() {
         (0..).zip(errors).map(node).collect::<Vec<f64>>()
     };
     let carried = residuals([0, -1, 0, -1, 0, -1, -1, -1]);
-    assert!(
-        carried.iter().all(|um| um.abs() <= 0.5 + 1e-9),
-        "{carried:?}"
-    );
+    assert!(carried.iter().all(|um| um.abs() <= 0.5 + 1e-9), "{carried:?}");
     close(carried[7], -0.1, "end");
-    close(
-        residuals([0, -1, -1, -1, 0, -1, -1, -1])[7],
-        -1.1,
-        "naive end",
-    );
+    close(residuals([0, -1, -1, -1, 0, -1, -1, -1])[7], -1.1, "naive end");
 }

@@ -102,19 +102,12 @@ fn a_direction_acts_only_in_its_own() {
 
 #[test]
 fn connected_pairs_are_named_once_and_others_get_nothing() {
-    let blocks = [
-        rows("EYX,X,Y,+", &FLAT),
-        rows("EYX,X,Y,-", &FLAT),
-        rows("EXX,X,X,", &RAMP),
-    ];
+    let blocks = [rows("EYX,X,Y,+", &FLAT), rows("EYX,X,Y,-", &FLAT), rows("EXX,X,X,", &RAMP)];
     let control = control(&blocks);
     let pair = |base: &str, output: &str| (base.to_string(), output.to_string());
     assert_eq!(control.connected_axes(), [pair("X", "X"), pair("X", "Y")]);
     for other in [["Y", "X"], ["Y", "Y"], ["Y", "Q"]] {
-        assert!(
-            at(&control, other, Direction::Plus, 50.0).abs() <= 0.0,
-            "{other:?}"
-        );
+        assert!(at(&control, other, Direction::Plus, 50.0).abs() <= 0.0, "{other:?}");
     }
     assert!(control.response("Q", "Q", Direction::Plus).is_err());
 }
@@ -122,10 +115,8 @@ fn connected_pairs_are_named_once_and_others_get_nothing() {
 /// Reference direction; correction of an axis to itself in + and −.
 #[test]
 fn backlash_acts_away_from_the_reference_direction() {
-    for (reference, expected) in [
-        (Direction::Plus, [-1.0, -9.0]),
-        (Direction::Minus, [7.0, -1.0]),
-    ] {
+    for (reference, expected) in [(Direction::Plus, [-1.0, -9.0]), (Direction::Minus, [7.0, -1.0])]
+    {
         let mut state = state();
         state.axes[0].reference_direction = reference;
         state.axes[0].backlash_um = 8.0;
@@ -142,14 +133,8 @@ fn backlash_acts_away_from_the_reference_direction() {
 #[test]
 fn what_a_control_would_do_is_not_guessed() {
     let cases = [
-        (
-            vec![rows("EYX,X,Y,", &FLAT), rows("EYX,X,Y,+", &FLAT)],
-            "with and without direction",
-        ),
-        (
-            vec![rows("EYX,X,Y,-", &FLAT), rows("EYX,X,Y,", &FLAT)],
-            "with and without direction",
-        ),
+        (vec![rows("EYX,X,Y,", &FLAT), rows("EYX,X,Y,+", &FLAT)], "with and without direction"),
+        (vec![rows("EYX,X,Y,-", &FLAT), rows("EYX,X,Y,", &FLAT)], "with and without direction"),
         (vec![rows("EZZ,Z,Z,", &FLAT)], "no axis `Z`"),
         (vec![rows("EZX,X,Z,", &FLAT)], "no axis `Z`"),
     ];

@@ -9,12 +9,7 @@ use crate::read::emulate::Emulator;
 use crate::read::isg::read;
 
 fn fact<T>(value: T) -> Fact<T> {
-    Fact {
-        value,
-        evidence: Evidence::Manual,
-        source: "a test".to_string(),
-        consequence: None,
-    }
+    Fact { value, evidence: Evidence::Manual, source: "a test".to_string(), consequence: None }
 }
 
 fn facts(angle_sign: TableSign) -> IsgFacts {
@@ -63,22 +58,13 @@ fn um(control: &IsgControl, base: &str, output: &str, at: f64) -> f64 {
 
 #[track_caller]
 fn close(found: f64, expected: f64) {
-    assert!(
-        (found - expected).abs() < 1e-9,
-        "{found}, expected {expected}"
-    );
+    assert!((found - expected).abs() < 1e-9, "{found}, expected {expected}");
 }
 
 #[test]
 fn an_error_is_taken_off_straight_between_points_and_held_outside() {
     let own = control("", "X EXX EYX\n0 0.001 0\n100 0.003 -0.004\n");
-    for (at, expected) in [
-        (-50.0, -1.0),
-        (0.0, -1.0),
-        (25.0, -1.5),
-        (100.0, -3.0),
-        (400.0, -3.0),
-    ] {
+    for (at, expected) in [(-50.0, -1.0), (0.0, -1.0), (25.0, -1.5), (100.0, -3.0), (400.0, -3.0)] {
         close(um(&own, "1", "1", at), expected);
     }
     close(um(&own, "1", "2", 50.0), 2.0);
@@ -86,10 +72,7 @@ fn an_error_is_taken_off_straight_between_points_and_held_outside() {
     assert!(own.response("1", "7", Direction::Plus).is_err());
     let pairs = [("1", "1"), ("1", "2")].map(|(a, b)| (a.to_string(), b.to_string()));
     assert_eq!(own.connected_axes(), pairs);
-    let turned = control(
-        "negate X\nset_to_zero Y",
-        "X EXX EYX\n0 0.001 0\n100 0.003 -0.004\n",
-    );
+    let turned = control("negate X\nset_to_zero Y", "X EXX EYX\n0 0.001 0\n100 0.003 -0.004\n");
     close(um(&turned, "1", "1", 100.0), 3.0);
     close(um(&turned, "1", "2", 100.0), 0.0);
 }
@@ -126,11 +109,7 @@ fn an_angle_at_rest_is_told_of_as_a_rotation() {
     close(rotation.correction(Millimetres::new(100.0)).um(), -20.0);
     assert!(own.rotation("1", Axis::X).is_none());
     // X at 100 mm, Y 150 mm from its rest: 20 urad · 150 mm in X, against e = -ECX y.
-    let at = PerAxis {
-        x: 100.0,
-        y: 350.0,
-        z: 0.0,
-    };
+    let at = PerAxis { x: 100.0, y: 350.0, z: 0.0 };
     close(own.swing("1", Some(at)), 3.0);
     close(own.swing("3", Some(at)), 0.0);
     let far = own.swing("1", None);

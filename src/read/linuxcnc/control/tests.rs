@@ -67,10 +67,7 @@ fn both_types_add_what_was_seen() {
         let control = control(comp, kind, ControlUnit::Millimetre, 20.0);
         for (direction, at, seen) in SEEN {
             let added = added_mm(&control, direction, at);
-            assert!(
-                (added - seen).abs() < 0.5e-6,
-                "type {kind} at {at}: {added}, seen {seen}"
-            );
+            assert!((added - seen).abs() < 0.5e-6, "type {kind} at {at}: {added}, seen {seen}");
         }
     }
 }
@@ -78,30 +75,16 @@ fn both_types_add_what_was_seen() {
 /// Rows at equal distances are held as one table; both forms are the same straight lines.
 #[test]
 fn equal_and_other_distances_of_rows_give_the_same_lines() {
-    let equal = control(
-        "0 0.1 0\n50 0.3 0\n100 0.2 0\n",
-        "1",
-        ControlUnit::Millimetre,
-        0.0,
-    );
-    let other = control(
-        "0 0.1 0\n20 0.18 0\n50 0.3 0\n100 0.2 0\n",
-        "1",
-        ControlUnit::Millimetre,
-        0.0,
-    );
+    let equal = control("0 0.1 0\n50 0.3 0\n100 0.2 0\n", "1", ControlUnit::Millimetre, 0.0);
+    let other =
+        control("0 0.1 0\n20 0.18 0\n50 0.3 0\n100 0.2 0\n", "1", ControlUnit::Millimetre, 0.0);
     for step in -10..=60_i32 {
         let at = 2.5 * f64::from(step);
         let [a, b] = [&equal, &other].map(|control| added_mm(control, Direction::Plus, at));
         assert!((a - b).abs() < 1e-8, "{at}: {a}, {b}");
     }
-    let tables = |control: &PairControl| {
-        control
-            .response("0", "0", Direction::Plus)
-            .unwrap()
-            .tables()
-            .len()
-    };
+    let tables =
+        |control: &PairControl| control.response("0", "0", Direction::Plus).unwrap().tables().len();
     assert_eq!((tables(&equal), tables(&other)), (1, 3));
 }
 

@@ -49,31 +49,16 @@ type Found = BTreeMap<(u32, u32), (CrossTable, Vec<usize>)>;
 fn points(netlist: &Netlist<'_>, number: usize) -> Result<Vec<Point>, Complaint> {
     let Curve { positions, values } = &netlist.curves[number];
     let points = positions.iter().zip(values);
-    let points = points.map(|(position, value)| {
-        Some(Point {
-            position: (*position)?,
-            value: (*value)?,
-        })
-    });
+    let points =
+        points.map(|(position, value)| Some(Point { position: (*position)?, value: (*value)? }));
     let at = || loaded(netlist, "lincurve");
     let Some(points) = points.collect::<Option<Vec<Point>>>() else {
         let message = format!("a point of lincurve.{number} is not set, and counts as 0 at 0");
-        return Err(Complaint::new(
-            at(),
-            message,
-            "set x-val and y-val of each point",
-        ));
+        return Err(Complaint::new(at(), message, "set x-val and y-val of each point"));
     };
-    if points
-        .windows(2)
-        .any(|pair| pair[1].position <= pair[0].position)
-    {
+    if points.windows(2).any(|pair| pair[1].position <= pair[0].position) {
         let message = format!("the points of lincurve.{number} do not ascend");
-        return Err(Complaint::new(
-            at(),
-            message,
-            "points ascend, each position once",
-        ));
+        return Err(Complaint::new(at(), message, "points ascend, each position once"));
     }
     Ok(points)
 }
@@ -93,11 +78,7 @@ struct Run<'a, 'n> {
 
 impl<'a, 'n> Run<'a, 'n> {
     fn of(netlist: &'n Netlist<'a>) -> Result<Run<'a, 'n>, Complaint> {
-        let mut run = Run {
-            netlist,
-            forms: BTreeMap::new(),
-            bases: BTreeMap::new(),
-        };
+        let mut run = Run { netlist, forms: BTreeMap::new(), bases: BTreeMap::new() };
         for (name, signal) in &netlist.signals {
             let source = match signal.driver {
                 Some(Pin::Position(joint)) => Source::Position(joint),
@@ -130,8 +111,7 @@ impl<'a, 'n> Run<'a, 'n> {
             }
         }
         if let Function::Curve(n) = function {
-            self.bases
-                .insert(n, base(&sum).ok_or_else(|| self.no_position(n))?);
+            self.bases.insert(n, base(&sum).ok_or_else(|| self.no_position(n))?);
             sum = Form::from([(Source::Curve(n), 1.0)]);
         }
         let (signal, _) = self.linked(output, span)?;
@@ -171,11 +151,7 @@ impl<'a, 'n> Run<'a, 'n> {
     }
 
     fn no_position(&self, curve: usize) -> Complaint {
-        let at = self
-            .netlist
-            .pins
-            .get(&Pin::CurveIn(curve))
-            .map_or(0..0, |(_, span)| span.clone());
+        let at = self.netlist.pins.get(&Pin::CurveIn(curve)).map_or(0..0, |(_, span)| span.clone());
         let message =
             format!("lincurve.{curve} looks up something other than the position of a joint");
         Complaint::new(at, message, "link it to joint.N.pos-cmd")
@@ -184,9 +160,7 @@ impl<'a, 'n> Run<'a, 'n> {
     /// A component that no thread runs does nothing.
     fn expect_all_run(&self) -> Result<(), Complaint> {
         let (curves, sums) = (self.netlist.curves.len(), self.netlist.sums.len());
-        let all = (0..curves)
-            .map(Function::Curve)
-            .chain((0..sums).map(Function::Sum));
+        let all = (0..curves).map(Function::Curve).chain((0..sums).map(Function::Sum));
         let is_run =
             |function: &Function| self.netlist.order.iter().any(|(own, _)| own == function);
         let mut idle = all.filter(|function| !is_run(function));
@@ -225,9 +199,7 @@ impl<'a, 'n> Run<'a, 'n> {
         let feedback = self.feedback(joint)?;
         let taken_out = feedback.len() == drive.len()
             && drive.iter().all(|(curve, gain)| {
-                feedback
-                    .get(curve)
-                    .is_some_and(|own| (own + gain).abs() <= SAME_GAIN)
+                feedback.get(curve).is_some_and(|own| (own + gain).abs() <= SAME_GAIN)
             });
         if !taken_out {
             let message = format!(
@@ -238,22 +210,10 @@ impl<'a, 'n> Run<'a, 'n> {
         for (curve, gain) in drive {
             let base = self.bases[&curve];
             let (table, own) = tables.entry((joint, base)).or_insert_with(|| {
-                (
-                    CrossTable {
-                        base,
-                        output: joint,
-                        pieces: Vec::new(),
-                    },
-                    Vec::new(),
-                )
+                (CrossTable { base, output: joint, pieces: Vec::new() }, Vec::new())
             });
-            let scaled = |point: &Point| Point {
-                value: point.value * gain + 0.0,
-                ..*point
-            };
-            table
-                .pieces
-                .push(curves[curve].iter().map(scaled).collect());
+            let scaled = |point: &Point| Point { value: point.value * gain + 0.0, ..*point };
+            table.pieces.push(curves[curve].iter().map(scaled).collect());
             own.push(curve);
         }
         Ok(())
@@ -262,16 +222,11 @@ impl<'a, 'n> Run<'a, 'n> {
     /// The curves in the signal that goes to the drive: the one with the command that nothing here reads.
     fn drive(&self, joint: u32) -> Result<BTreeMap<usize, f64>, Complaint> {
         let is_end = |name: &&str| {
-            self.netlist
-                .signals
-                .get(*name)
-                .is_some_and(|signal| signal.readers.is_empty())
+            self.netlist.signals.get(*name).is_some_and(|signal| signal.readers.is_empty())
         };
         let command = Source::Command(joint);
-        let mut ends = self
-            .forms
-            .iter()
-            .filter(|(name, form)| is_end(name) && form.contains_key(&command));
+        let mut ends =
+            self.forms.iter().filter(|(name, form)| is_end(name) && form.contains_key(&command));
         let (one, other) = (ends.next(), ends.next());
         let curves = one
             .filter(|_| other.is_none())
@@ -313,11 +268,7 @@ impl<'a, 'n> Run<'a, 'n> {
         let unused = (0..self.netlist.curves.len()).find(|curve| !used.contains(curve));
         unused.map_or(Ok(()), |curve| {
             let message = format!("lincurve.{curve} reaches no joint");
-            Err(Complaint::new(
-                loaded(self.netlist, "lincurve"),
-                message,
-                HELP,
-            ))
+            Err(Complaint::new(loaded(self.netlist, "lincurve"), message, HELP))
         })
     }
 }

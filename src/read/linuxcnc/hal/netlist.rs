@@ -33,10 +33,7 @@ pub(super) enum Pin {
 impl Pin {
     /// Whether it drives its signal.
     const fn is_output(self) -> bool {
-        matches!(
-            self,
-            Pin::Position(_) | Pin::Command(_) | Pin::CurveOut(_) | Pin::SumOut(_)
-        )
+        matches!(self, Pin::Position(_) | Pin::Command(_) | Pin::CurveOut(_) | Pin::SumOut(_))
     }
 }
 
@@ -115,10 +112,8 @@ impl<'a> Netlist<'a> {
         let help = "`loadrt sum2 count=N`, `loadrt lincurve count=N personality=LIST`, each once";
         match (component.text, options.len(), count, lengths.flatten()) {
             (name, ..) if self.loaded.contains_key(name) => {
-                let message = format!(
-                    "`{}` is loaded a second time: LinuxCNC does not start",
-                    shown(name)
-                );
+                let message =
+                    format!("`{}` is loaded a second time: LinuxCNC does not start", shown(name));
                 return Err(component.wrong(message, help));
             }
             ("lincurve", 2, Some(count), _) if count > most => {
@@ -131,10 +126,8 @@ impl<'a> Netlist<'a> {
             }
             ("sum2", 1, Some(count @ 1..=MOST_SUMS), _) => self.sums = vec![[1.0; 2]; count],
             ("lincurve" | "sum2", ..) => {
-                let message = format!(
-                    "`{}` is loaded in a way that is not read",
-                    shown(component.text)
-                );
+                let message =
+                    format!("`{}` is loaded in a way that is not read", shown(component.text));
                 return Err(component.wrong(message, help));
             }
             (name, ..) => {
@@ -163,14 +156,11 @@ impl<'a> Netlist<'a> {
             return Err(function.wrong(message, "add each function once"));
         }
         if *self.thread.get_or_insert(thread.text) != thread.text {
-            let message = format!(
-                "`{}` is another thread than that of the lines above",
-                shown(thread.text)
+            let message =
+                format!("`{}` is another thread than that of the lines above", shown(thread.text));
+            return Err(
+                thread.wrong(message, "add all functions to the thread of the motion controller")
             );
-            return Err(thread.wrong(
-                message,
-                "add all functions to the thread of the motion controller",
-            ));
         }
         self.order.push((known, function.span()));
         Ok(())
@@ -216,16 +206,9 @@ impl<'a> Netlist<'a> {
     }
 
     fn set(&mut self, name: &Word<'a>, value: &Word<'a>) -> Result<(), Complaint> {
-        let number = value
-            .text
-            .parse::<f64>()
-            .ok()
-            .filter(|number| number.abs() < LARGEST);
+        let number = value.text.parse::<f64>().ok().filter(|number| number.abs() < LARGEST);
         let Some(number) = number else {
-            let message = format!(
-                "`{}` is no number that a machine can mean",
-                shown(value.text)
-            );
+            let message = format!("`{}` is no number that a machine can mean", shown(value.text));
             return Err(value.wrong(message, "write a decimal number"));
         };
         if let Some(gain) = self.gain(name.text) {
@@ -274,10 +257,7 @@ impl<'a> Netlist<'a> {
 
 impl Curve {
     fn of(points: usize) -> Curve {
-        Curve {
-            positions: vec![None; points],
-            values: vec![None; points],
-        }
+        Curve { positions: vec![None; points], values: vec![None; points] }
     }
 }
 
@@ -289,22 +269,13 @@ const LARGEST: f64 = 1e6;
 
 /// The number N of `lincurve.N.in`, as HAL writes it.
 fn numbered(text: &str, component: &str, pin: &str) -> Option<usize> {
-    let number = text
-        .strip_prefix(component)?
-        .strip_prefix('.')?
-        .strip_suffix(pin)?;
-    number
-        .parse()
-        .ok()
-        .filter(|n: &usize| n.to_string() == number)
+    let number = text.strip_prefix(component)?.strip_prefix('.')?.strip_suffix(pin)?;
+    number.parse().ok().filter(|n: &usize| n.to_string() == number)
 }
 
 /// Points of each curve: a list is used from its beginning again where there are more curves.
 fn lengths(list: &str, count: usize, facts: &LinuxcncFacts) -> Option<Vec<usize>> {
-    let (most, points) = (
-        facts.personalities.value as usize,
-        facts.curve_points.value as usize,
-    );
+    let (most, points) = (facts.personalities.value as usize, facts.curve_points.value as usize);
     let numbers: Option<Vec<usize>> = list.split(',').map(|number| number.parse().ok()).collect();
     let numbers = numbers.filter(|numbers| numbers.iter().all(|n| (2..=points).contains(n)))?;
     let is_whole = numbers.len() == count.min(most);

@@ -35,10 +35,7 @@ pub(super) fn statements(text: &str) -> impl Iterator<Item = Vec<Word<'_>>> {
         });
         words.filter(|word| !word.text.is_empty()).collect()
     };
-    let is_statement = |words: &Vec<Word<'_>>| {
-        words
-            .first()
-            .is_some_and(|first| !first.text.starts_with('#'))
-    };
+    let is_statement =
+        |words: &Vec<Word<'_>>| words.first().is_some_and(|first| !first.text.starts_with('#'));
     lines(text).map(words).filter(is_statement)
 }

@@ -4,12 +4,7 @@ use crate::read::siemens::read;
 use std::fmt::Write;
 
 fn fact<T>(value: T) -> Fact<T> {
-    Fact {
-        value,
-        evidence: Evidence::Manual,
-        source: "test".to_string(),
-        consequence: None,
-    }
+    Fact { value, evidence: Evidence::Manual, source: "test".to_string(), consequence: None }
 }
 
 fn facts() -> SiemensFacts {
@@ -127,10 +122,8 @@ fn why<T>(result: Emulated<T>) -> String {
 fn example_of_the_manual_lec() {
     let mut values = vec![0.0; 801];
     values[..3].copy_from_slice(&[0.003, 0.010, 0.012]);
-    let text = format!(
-        "%_N_AX_EEC_INI\n{}",
-        file(&[lec_text("X1", [-200.0, 1.0, 600.0], 0, &values)])
-    );
+    let text =
+        format!("%_N_AX_EEC_INI\n{}", file(&[lec_text("X1", [-200.0, 1.0, 600.0], 0, &values)]));
     let control = control(&text);
     let expected_mm = [
         (-250.0, -0.003),
@@ -169,50 +162,30 @@ fn products_have_no_response_of_one_axis() {
     for base in ["X1", "Y1"] {
         let reason = why(control.response(base, "Z1", Direction::Plus));
         assert!(reason.contains("product"), "{reason}");
-        assert!(
-            control
-                .connected_axes()
-                .contains(&(base.to_string(), "Z1".to_string()))
-        );
+        assert!(control.connected_axes().contains(&(base.to_string(), "Z1".to_string())));
     }
-    let other = control
-        .response("Z1", "X1", Direction::Plus)
-        .expect("a response");
+    let other = control.response("Z1", "X1", Direction::Plus).expect("a response");
     assert_um(other.correction(at(0.0)), 0.0);
 }
 
 #[test]
 fn a_table_may_be_multiplied_by_itself_but_not_in_a_chain() {
-    let table = |t, multiply| {
-        cec_text(
-            t,
-            ["X1", "Z1"],
-            [0.0, 10.0, 10.0],
-            [0, multiply],
-            &[0.5, 0.5],
-        )
-    };
+    let table =
+        |t, multiply| cec_text(t, ["X1", "Z1"], [0.0, 10.0, 10.0], [0, multiply], &[0.5, 0.5]);
     let own_square = control(&file(&[table(0, 1)]));
     assert_eq!(own_square.connected_axes().len(), 1);
     let load = |text: &str| SiemensControl::new(&tables(text), &facts(), &state());
     let chain = why(load(&file(&[table(0, 2), table(1, 3), table(2, 0)])));
     assert!(chain.contains("chain"), "{chain}");
     let absent = why(load(&file(&[table(0, 5)])));
-    assert!(
-        absent.contains("$AN_CEC[4], which no file holds"),
-        "{absent}"
-    );
+    assert!(absent.contains("$AN_CEC[4], which no file holds"), "{absent}");
 }
 
 /// Direction-dependent leadscrew compensation: Function Manual Extended Functions 03/2013, K3
 /// p. 264 (grid of the manual, 11 points; its values were not at hand).
 #[test]
 fn example_of_the_manual_directional_tables() {
-    let values = |sign: f64| {
-        (0..11)
-            .map(|n| sign * 0.001 * f64::from(n))
-            .collect::<Vec<_>>()
-    };
+    let values = |sign: f64| (0..11).map(|n| sign * 0.001 * f64::from(n)).collect::<Vec<_>>();
     let grid = [-585.0, 58.0, -5.0];
     let plus = cec_text(0, ["X1", "X1"], grid, [1, 0], &values(1.0));
     let minus = cec_text(1, ["X1", "X1"], grid, [-1, 0], &values(-2.0));
@@ -274,10 +247,7 @@ fn the_sign_of_the_profile_turns_the_correction() {
         facts.cec_sign = fact(sign);
         let control = control_with(&text, &facts, &state());
         let response = control.response("X1", "Z1", Direction::Minus);
-        assert_um(
-            response.expect("a response").correction(at(50.0)),
-            turn * 2.0,
-        );
+        assert_um(response.expect("a response").correction(at(50.0)), turn * 2.0);
     }
 }
 
@@ -334,16 +304,11 @@ fn backlash_acts_away_from_the_reference_direction() {
 #[test]
 fn both_axes_of_a_gantry_have_their_own_table() {
     let grid = [0.0, 100.0, 100.0];
-    let parts = [
-        lec_text("X1", grid, 0, &[0.0, 0.010]),
-        lec_text("X2", grid, 0, &[0.0, -0.020]),
-    ];
+    let parts = [lec_text("X1", grid, 0, &[0.0, 0.010]), lec_text("X2", grid, 0, &[0.0, -0.020])];
     let control = control(&file(&parts));
     assert_um(own(&control, "X1", 100.0, Direction::Plus), -10.0);
     assert_um(own(&control, "X2", 100.0, Direction::Plus), 20.0);
-    let between = control
-        .response("X1", "X2", Direction::Plus)
-        .expect("a response");
+    let between = control.response("X1", "X2", Direction::Plus).expect("a response");
     assert_um(between.correction(at(100.0)), 0.0);
 }
 

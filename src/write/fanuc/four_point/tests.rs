@@ -16,21 +16,11 @@ fn assert_admissible(best: &FourPoint, wanted: &[f64], reference: usize) {
     assert!(best.nodes.is_sorted(), "{best:?}");
     for at in 0..3 {
         let same_node = best.nodes[at] == best.nodes[at + 1];
-        assert!(
-            !same_node || best.amounts[at] == best.amounts[at + 1],
-            "{best:?}"
-        );
+        assert!(!same_node || best.amounts[at] == best.amounts[at + 1], "{best:?}");
     }
     let knot = best.nodes.iter().position(|&node| node == reference);
-    assert_eq!(
-        best.amounts[knot.expect("the reference is a point")],
-        0,
-        "{best:?}"
-    );
-    assert!(
-        (best.residual - left(best, wanted)).abs() <= 0.0,
-        "{best:?}"
-    );
+    assert_eq!(best.amounts[knot.expect("the reference is a point")], 0, "{best:?}");
+    assert!((best.residual - left(best, wanted)).abs() <= 0.0, "{best:?}");
 }
 
 fn left(points: &FourPoint, wanted: &[f64]) -> f64 {
@@ -39,14 +29,8 @@ fn left(points: &FourPoint, wanted: &[f64]) -> f64 {
 }
 
 fn shape(nodes: [usize; 4], amounts: [i64; 4]) -> Vec<f64> {
-    let points = FourPoint {
-        nodes,
-        amounts,
-        residual: 0.0,
-    };
-    (0..=nodes[3])
-        .map(|node| points.output(node) as f64)
-        .collect()
+    let points = FourPoint { nodes, amounts, residual: 0.0 };
+    (0..=nodes[3]).map(|node| points.output(node) as f64).collect()
 }
 
 /// All nodes, distinct or not, and all amounts up to `most`: the least residual.
@@ -57,11 +41,7 @@ fn brute_force(wanted: &[f64], reference: usize, most: i64) -> f64 {
         let nodes = [0, b, c, last];
         let mut lists: Vec<[i64; 4]> = vec![[0; 4]];
         for knot in 0..4 {
-            let range = if nodes[knot] == reference {
-                0..=0
-            } else {
-                -most..=most
-            };
+            let range = if nodes[knot] == reference { 0..=0 } else { -most..=most };
             let with = |list: &[i64; 4], amount| {
                 let mut list = *list;
                 list[knot] = amount;
@@ -70,19 +50,12 @@ fn brute_force(wanted: &[f64], reference: usize, most: i64) -> f64 {
             let fits = |list: &[i64; 4]| {
                 knot == 0 || nodes[knot] != nodes[knot - 1] || list[knot] == list[knot - 1]
             };
-            lists = lists
-                .iter()
-                .flat_map(|list| range.clone().map(|x| with(list, x)))
-                .collect();
+            lists = lists.iter().flat_map(|list| range.clone().map(|x| with(list, x))).collect();
             lists.retain(fits);
         }
         if nodes.contains(&reference) {
             for amounts in lists {
-                let points = FourPoint {
-                    nodes,
-                    amounts,
-                    residual: 0.0,
-                };
+                let points = FourPoint { nodes, amounts, residual: 0.0 };
                 least = least.min(left(&points, wanted));
             }
         }
@@ -116,11 +89,7 @@ fn three_pieces_are_found_from_either_end_and_from_inside() {
 
 #[test]
 fn the_line_is_rounded_half_away_from_zero() {
-    let points = FourPoint {
-        nodes: [0, 2, 4, 6],
-        amounts: [0, 1, -2, -7],
-        residual: 0.0,
-    };
+    let points = FourPoint { nodes: [0, 2, 4, 6], amounts: [0, 1, -2, -7], residual: 0.0 };
     let outputs: Vec<i64> = (0..8).map(|node| points.output(node)).collect();
     assert_eq!(outputs, [0, 1, 1, -1, -2, -5, -7, -7]);
 }
@@ -128,9 +97,8 @@ fn the_line_is_rounded_half_away_from_zero() {
 #[test]
 fn straight_lines_leave_nothing() {
     for reference in [0_usize, 3, 10] {
-        let wanted: Vec<f64> = (0..=10)
-            .map(|node| 3.0 * (f64::from(node) - reference as f64))
-            .collect();
+        let wanted: Vec<f64> =
+            (0..=10).map(|node| 3.0 * (f64::from(node) - reference as f64)).collect();
         let best = fit(&wanted, reference);
         assert!(best.residual <= 0.0, "{best:?}");
         let distinct = best.nodes.windows(2).all(|pair| pair[0] < pair[1]);

@@ -57,18 +57,9 @@ fn what_is_not_emulated_is_refused() {
         refused(&blocks, &facts_30i(), &state(), words);
     }
     let mut memory = FanucMemory::default();
-    let key = crate::control::table::fanuc::ParameterKey {
-        number: 10803,
-        axis: None,
-    };
-    memory.parameters.insert(
-        key,
-        crate::control::table::fanuc::ParameterValue::Integer(5),
-    );
-    assert!(
-        FanucControl::new(&memory, &facts_30i(), &state()).is_err(),
-        "3-D"
-    );
+    let key = crate::control::table::fanuc::ParameterKey { number: 10803, axis: None };
+    memory.parameters.insert(key, crate::control::table::fanuc::ParameterValue::Integer(5));
+    assert!(FanucControl::new(&memory, &facts_30i(), &state()).is_err(), "3-D");
 }
 
 #[test]
@@ -89,13 +80,8 @@ fn wrong_second_runs_are_refused() {
 
 #[test]
 fn axes_that_share_points_are_refused() {
-    let second = [
-        "N03620Q1A2P40",
-        "N03621Q1A2P40",
-        "N03622Q1A2P49",
-        "N03623Q1A2P1",
-        "N03624Q1A2P50.0",
-    ];
+    let second =
+        ["N03620Q1A2P40", "N03621Q1A2P40", "N03622Q1A2P49", "N03623Q1A2P1", "N03624Q1A2P50.0"];
     let blocks = [s1(), second.map(String::from).to_vec()].concat();
     refused(&blocks, &facts_30i(), &state(), "share points");
 }
@@ -127,12 +113,7 @@ fn wrong_four_point_sets_are_refused() {
         ("N03624", "", "parameter 3624 of axis 1 is missing"),
     ];
     for (start, by, words) in cases {
-        refused(
-            &replaced(&four_point(), start, by),
-            &facts_four_point(),
-            &state(),
-            words,
-        );
+        refused(&replaced(&four_point(), start, by), &facts_four_point(), &state(), words);
     }
     let blocks = [four_point(), vec!["N05714Q1P1".to_string()]].concat();
     refused(&blocks, &facts_four_point(), &state(), "has 3 sets");
@@ -143,10 +124,7 @@ fn wrong_four_point_sets_are_refused() {
 
 #[test]
 fn wrong_per_point_sets_are_refused() {
-    assert_eq!(
-        facts_30i().straightness_form.value,
-        StraightnessForm::PerPoint
-    );
+    assert_eq!(facts_30i().straightness_form.value, StraightnessForm::PerPoint);
     let cases = [
         ("N05712", "", "parameter 5712 is missing"),
         ("N05722", "N05722Q1P1", "both moving and compensation"),
@@ -156,12 +134,7 @@ fn wrong_per_point_sets_are_refused() {
         ("N16130", "", "point 6130 is missing"),
     ];
     for (start, by, words) in cases {
-        refused(
-            &replaced(&per_point(), start, by),
-            &facts_30i(),
-            &state(),
-            words,
-        );
+        refused(&replaced(&per_point(), start, by), &facts_30i(), &state(), words);
     }
     let twice = ["N05713Q1P2", "N05723Q1P1", "N13383Q1P1", "N13393Q1P6130"].map(String::from);
     let other = grid([23, 20, 27], "10.0")
