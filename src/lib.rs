@@ -34,7 +34,7 @@
 //! Separately: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
 //! Eleven rooms and the command line, in data-flow order; a room imports only from those before it
-//! (checked by `tests/order.rs`):
+//! (checked by `tests/it/order.rs`):
 //!
 //! | room | what it is |
 //! | --- | --- |

@@ -1,13 +1,15 @@
 //! What the integration tests share: kits from texts in memory, the control they would make of
 //! the bytes, a small seeded generator, and a straight-line curve of the tests' own.
-#![allow(
-    dead_code,
-    clippy::unwrap_used,
-    clippy::expect_used,
-    reason = "each test binary uses a part of it; a test may stop at what it did not expect"
-)]
-
+pub(crate) mod diagonals;
 pub(crate) mod machine;
+pub(crate) mod machine_h;
+pub(crate) mod published;
+pub(crate) mod random_map;
+pub(crate) mod refusals;
+pub(crate) mod run;
+pub(crate) mod skipped;
+pub(crate) mod tree;
+pub(crate) mod visit;
 
 use nonius::control::controller::{
     BesideTable, CrossTerms, DeclaredFacts, Dialect, Profile, TableSign, TypedValue, builtin,

@@ -1,12 +1,5 @@
 //! Tables of docs/accuracy.md that simulations write, and how much of a simulation is run.
 
-#![allow(
-    dead_code,
-    clippy::unwrap_used,
-    clippy::expect_used,
-    reason = "each test binary uses a part of it; a test may stop at what it did not expect"
-)]
-
 use std::path::Path;
 
 /// Whether whole simulations are asked for (`NONIUS_SIMULATIONS=all`).
@@ -22,7 +15,7 @@ pub(crate) fn share(all: u64) -> u64 {
 /// Compares a table with that between the markers `name` of `tests/<file>.rs`; with `NONIUS_UPDATE`
 /// in the environment writes it there.
 pub(crate) fn published(name: &str, file: &str, table: &str) {
-    let begin = format!("<!-- {name}: written by tests/{file}.rs -->\n");
+    let begin = format!("<!-- {name}: written by tests/studies/{file}.rs -->\n");
     let end = format!("\n<!-- {name}: end -->");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
     let page = std::fs::read_to_string(&path).unwrap().replace('\r', "");

@@ -1,6 +1,4 @@
 //! Random machines, some of them on purpose without shape, seeded.
-#![allow(dead_code, reason = "tests and benchmarks use different parts")]
-
 use nonius::quantity::axis::Axis;
 use nonius::volume::space::grid_map::{AxisNodes, GridMap};
 use rand_chacha::ChaCha8Rng;

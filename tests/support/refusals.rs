@@ -1,12 +1,5 @@
 //! The cases of fixtures/cases/refuses, in the form that fixtures/cases/README.md says.
 
-#![allow(
-    dead_code,
-    clippy::expect_used,
-    clippy::panic,
-    reason = "each user takes a part of it; a test may stop where a case is not in its form"
-)]
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

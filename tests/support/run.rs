@@ -1,11 +1,5 @@
 //! The program as a user starts it.
 
-#![allow(
-    dead_code,
-    clippy::expect_used,
-    reason = "each test binary uses a part of it; a test may stop where the program does not start"
-)]
-
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 

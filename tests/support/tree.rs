@@ -1,11 +1,5 @@
 //! A directory as it lies on the disk: names and bytes, compared before and after a run.
 
-#![allow(
-    dead_code,
-    clippy::expect_used,
-    reason = "each test binary uses a part of it; a test may stop where a file cannot be reached"
-)]
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

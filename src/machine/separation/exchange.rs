@@ -22,7 +22,7 @@
 //!                                        of the best; 9: odds of e^4.5 to one
 //! ```
 //! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
-//! (docs/accuracy.md §8, tests/exchanged.rs).
+//! (docs/accuracy.md §8, tests/studies/exchanged.rs).
 
 use super::campaign::{Campaign, corrected};
 use super::closure::{Closure, Known, Start, closure};

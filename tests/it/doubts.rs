@@ -1,0 +1,369 @@
+//! What the readings say against a result reaches every output: `separate`, its table, the kit
+//! made from the readings, and the kit made from the table.
+use crate::support::diagonals as simulated;
+use crate::support::diagonals::{
+    Machine, campaign, measurement, naive, runs, volume, with_noise, words,
+};
+use crate::support::run::nonius;
+use nonius::inputs::job::{Frame, SetUp};
+use nonius::machine::separation::noise::NoiseSource;
+use nonius::machine::separation::noise::ReadingPlace;
+use nonius::machine::separation::{Separation, separate};
+use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
+use nonius::quantity::units::Deviation;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+mod in_every_output;
+
+const SIGMA_UM: f64 = 0.3;
+
+fn box_30() -> Volume {
+    volume([900.0, 720.0, 720.0], 30)
+}
+
+/// Several forward runs of a machine with noise.
+fn repeated(seed: u64, count: u32) -> Vec<Run> {
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let machine = Machine::random(&box_30(), &mut random);
+    let readings = machine.readings(None);
+    (1..=count)
+        .flat_map(|run| runs(run, Pass::Forward, &with_noise(&readings, SIGMA_UM, &mut random)))
+        .collect()
+}
+
+fn disturb(runs: &mut [Run], diagonal: Diagonal, number: u32, node: usize, um: f64) {
+    let of = |run: &&mut Run| run.diagonal == diagonal && run.number == number;
+    let run = runs.iter_mut().find(of).unwrap();
+    run.deviations[node] = Deviation::from_um(run.deviations[node].um() + um);
+}
+
+fn place(diagonal: Diagonal, run: u32, node: usize) -> ReadingPlace {
+    ReadingPlace { diagonal, pass: Pass::Forward, run: Some(run), node }
+}
+
+#[test]
+fn a_disturbed_reading_of_three_runs_is_named_with_its_run() {
+    for (um, least) in [(8.0, 20), (3.0, 20), (2.0, 15)] {
+        let mut named = 0;
+        for seed in 0..20 {
+            let mut runs = repeated(seed, 3);
+            disturb(&mut runs, Diagonal::Pnp, 2, 40, um);
+            let found = naive(&box_30(), &runs);
+            let first = found.closure.outliers.first();
+            let hit = first.filter(|o| o.readings == [place(Diagonal::Pnp, 2, 40)]);
+            named += usize::from(hit.is_some());
+            if let Some(outlier) = hit {
+                assert!((outlier.size_um - um).abs() < 5.0 * SIGMA_UM, "{outlier:?}");
+                assert!((outlier.of_mean_um - outlier.size_um / 3.0).abs() < 1e-12);
+                let noise = found.noise.unwrap();
+                assert_eq!(noise.source, NoiseSource::Repeats);
+                assert!((noise.sigma_um - SIGMA_UM).abs() < 0.03, "{noise:?}");
+                let words = &words(&found.doubts)[0];
+                assert!(words.contains("PNP run 2 forward node 40"), "{words}");
+                assert!(words.contains("that U does not hold"), "{words}");
+            }
+        }
+        assert!(named >= least, "{um} um: {named} of 20");
+    }
+}
+
+/// Runs under other names: `walked` is the diagonal whose readings stand under a name.
+fn renamed(mut runs: Vec<Run>, name_of: impl Fn(Diagonal) -> Diagonal) -> Vec<Run> {
+    for run in &mut runs {
+        run.diagonal = name_of(run.diagonal);
+    }
+    runs
+}
+
+fn accusation(found: &Separation) -> Option<String> {
+    words(&found.doubts).into_iter().find(|doubt| doubt.starts_with("as if"))
+}
+
+/// The four programs are alike: a file under another diagonal's name is complete and plausible.
+#[test]
+fn readings_under_each_others_name_are_told() {
+    let pairs = [
+        (Diagonal::Pnp, Diagonal::Ppn),
+        (Diagonal::Ppp, Diagonal::Npp),
+        (Diagonal::Npp, Diagonal::Ppn),
+    ];
+    for (one, other) in pairs {
+        for (seed, count) in [(1, 3), (2, 1), (3, 3)] {
+            let exchanged = |diagonal| match diagonal {
+                diagonal if diagonal == one => other,
+                diagonal if diagonal == other => one,
+                diagonal => diagonal,
+            };
+            let found = naive(&box_30(), &renamed(repeated(seed, count), exchanged));
+            let said = format!("as if the readings of {one} and {other} were exchanged");
+            assert!(words(&found.doubts)[0].starts_with(&said), "{:?}", words(&found.doubts));
+        }
+    }
+    for seed in 0..20 {
+        let found = naive(&box_30(), &repeated(seed, 1));
+        assert_eq!(accusation(&found), None);
+    }
+}
+
+/// Three names passed on in a ring, and two pairs at once.
+#[test]
+fn more_than_one_exchange_is_named_as_it_happened() {
+    use Diagonal::{Npp, Pnp, Ppn, Ppp};
+    let ring = |diagonal| match diagonal {
+        Ppp => Npp,
+        Npp => Pnp,
+        Pnp => Ppp,
+        Ppn => Ppn,
+    };
+    let found = naive(&box_30(), &renamed(repeated(3, 3), ring));
+    let said = "as if the readings named PPP, NPP, PNP were those of PNP, PPP, NPP:";
+    assert!(words(&found.doubts)[0].starts_with(said), "{:?}", words(&found.doubts));
+    let pairs = |diagonal| match diagonal {
+        Ppp => Npp,
+        Npp => Ppp,
+        Pnp => Ppn,
+        Ppn => Pnp,
+    };
+    let found = naive(&box_30(), &renamed(repeated(3, 3), pairs));
+    let said = "as if the readings named PPP, NPP, PNP, PPN were those of NPP, PPP, PPN, PNP:";
+    assert!(words(&found.doubts)[0].starts_with(said), "{:?}", words(&found.doubts));
+}
+
+/// A walk whose steps went in another order than the job records, read against its own nominal list.
+#[test]
+fn steps_in_another_order_are_told() {
+    let [x, y, z] = Axis::ALL;
+    for recorded in [[x, y, z], [z, x, y]] {
+        for order in Axis::ORDERS {
+            let mut random = ChaCha8Rng::seed_from_u64(5);
+            let mut machine = Machine::random(&box_30(), &mut random);
+            machine.volume.order = order;
+            let readings = with_noise(&machine.readings(None), 0.1, &mut random);
+            let box_ = Volume { order: recorded, ..box_30() };
+            let found = naive(&box_, &runs(1, Pass::Forward, &readings));
+            let [a, b, c] = order;
+            let said = format!("or the steps went {a}, {b}, {c}: ");
+            match accusation(&found) {
+                Some(doubt) => {
+                    assert!(order != recorded && doubt.contains(&said), "{said} {doubt}")
+                }
+                None => assert_eq!(order, recorded, "{:?}", words(&found.doubts)),
+            }
+        }
+    }
+}
+
+/// A machine without waves tells no names apart: that is said, and no finding.
+#[test]
+fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut smooth = Machine::perfect(&box_30());
+    for term in ErrorTerm::ALL {
+        smooth.set(term, |t| 9.0 * t + 200.0 * t * (1.0 - t));
+    }
+    let readings = with_noise(&smooth.readings(None), SIGMA_UM, &mut random);
+    let found = naive(&box_30(), &runs(1, Pass::Forward, &readings));
+    let hardly = |found: &Separation| {
+        let mut labels = words(&found.labels).into_iter();
+        labels.find(|label| label.starts_with("these readings would hardly show"))
+    };
+    let said = hardly(&found).unwrap();
+    for words in ["NPP and PNP", "NPP and PPN", "PNP and PPN", "nor steps that went X, Z, Y or"] {
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(!said.contains("PPP"), "{said}");
+    assert!(found.doubts.is_empty(), "{:?}", words(&found.doubts));
+    let rough = (1..10).map(|seed| naive(&box_30(), &repeated(seed, 3)));
+    assert!(rough.map(|found| hardly(&found)).any(|said| said.is_none()));
+}
+
+/// With few steps and no stated noise a disturbed reading makes the scatter that it would have to
+/// stand out of.
+#[test]
+fn a_scatter_far_above_the_noise_is_a_finding() {
+    let box_4 = volume([400.0, 300.0, 200.0], 4);
+    let found = |off_um: f64, noise_um: Option<f64>, count: u32| {
+        let mut random = ChaCha8Rng::seed_from_u64(2);
+        let readings = Machine::random(&box_4, &mut random).readings(None);
+        let noisy = |run| {
+            let mut noisy = with_noise(&readings, SIGMA_UM, &mut random);
+            noisy[Diagonal::Ppp][1] += off_um;
+            runs(run, Pass::Forward, &noisy)
+        };
+        let all: Vec<Run> = (1..=count).flat_map(noisy).collect();
+        let measurement = measurement(&box_4, SetUp::Solve, Frame::XPrimary);
+        let mut campaign = campaign(&measurement, Vec::new());
+        campaign.stated.noise_um = noise_um;
+        words(&separate(&campaign, &all).doubts).join("\n")
+    };
+    let said = found(50.0, None, 1);
+    for words in
+        ["from the scatter of the closure: above the 1 µm that are assumed", "state `noise_um`"]
+    {
+        assert!(said.contains(words), "{said}");
+    }
+    assert!(found(1000.0, None, 1).contains("above the 1 µm"));
+    for sound in [found(0.0, None, 1), found(0.0, Some(0.3), 3), found(0.0, Some(0.2), 3)] {
+        assert_eq!(sound, "");
+    }
+    let said = found(0.0, Some(0.1), 3);
+    assert!(said.contains("more than 2 times the 0.1 µm that `noise_um` states"), "{said}");
+}
+
+#[test]
+fn with_two_runs_either_may_be_the_disturbed_one() {
+    let mut runs = repeated(3, 2);
+    disturb(&mut runs, Diagonal::Ppn, 1, 17, -9.0);
+    let found = naive(&box_30(), &runs);
+    let mut places = found.closure.outliers[0].readings.clone();
+    places.sort();
+    let wanted = [1, 2].map(|run| place(Diagonal::Ppn, run, 17));
+    assert_eq!(places, wanted);
+    assert_eq!(found.closure.outliers.len(), 1, "the closure names it once more");
+}
+
+#[test]
+fn sound_readings_are_rarely_doubted() {
+    for count in [1, 3] {
+        let doubted = (0..200)
+            .filter(|seed| {
+                let mut runs = repeated(5000 + seed, count);
+                // Frame and set-up are right, so only the tests of noise can speak.
+                runs.truncate(4 * usize::try_from(count).unwrap());
+                !naive(&box_30(), &runs).doubts.is_empty()
+            })
+            .count();
+        assert!(doubted <= 10, "{doubted} of 200 with {count} run(s)");
+    }
+}
+
+/// Readings of a perfect machine whose X rolls evenly by `urad` over its travel, the levers alone:
+/// a step of Y or Z made at x is turned by the roll there.
+fn rolling(volume: &Volume, urad: f64) -> PerDiagonal<Vec<f64>> {
+    let n = volume.steps;
+    PerDiagonal::from_fn(|d| {
+        let at = |node: usize| {
+            let made = |axis: usize| node / 3 + usize::from(node % 3 > axis);
+            let place = |axis: Axis, index: usize| {
+                let from_low = if d.sign(axis) > 0.0 { made(index) } else { n - made(index) };
+                volume.along_mm(axis, from_low)
+            };
+            let roll = urad * place(Axis::X, 0) / volume.size.x.mm();
+            let error = PerAxis {
+                x: 0.0,
+                y: -roll * place(Axis::Z, 2) / 1000.0,
+                z: roll * place(Axis::Y, 1) / 1000.0,
+            };
+            Axis::ALL
+                .into_iter()
+                .map(|axis| d.sign(axis) * volume.cosine(axis) * error[axis])
+                .sum::<f64>()
+        };
+        (0..=3 * n).map(|node| at(node) - at(0)).collect()
+    })
+}
+
+#[test]
+fn roll_makes_ramps_and_accuses_no_reading() {
+    let volume = box_30();
+    let mut random = ChaCha8Rng::seed_from_u64(11);
+    for (sigma, urad) in [(0.0, 20.0), (0.1, 60.0)] {
+        let readings = with_noise(&rolling(&volume, urad), sigma, &mut random);
+        let found = naive(&volume, &runs(1, Pass::Forward, &readings));
+        let ramps = found.closure.ramps.as_ref().unwrap();
+        assert!(ramps.is_roll(), "{ramps:?}");
+        assert!(found.closure.outliers.is_empty(), "{:?}", found.closure.outliers);
+        // 2 b (c/R) times the roll of + less that of - diagonals, from -A to +A over the axis.
+        let wanted = 4.0 * 24e-3 * volume.cosine(Axis::Z) * urad * 29.0 / 30.0;
+        let tolerance = 4.0 * sigma * ramps.u.y + 0.07 * wanted;
+        assert!((ramps.change_um.y.abs() - wanted).abs() < tolerance, "{ramps:?} {wanted}");
+        assert!((ramps.change_um.y + ramps.change_um.z).abs() < 2.0 * tolerance);
+        assert!(words(&found.doubts)[0].contains("roll of an axis that carries others"));
+        let scatter = found.closure.sigma_um().unwrap();
+        assert!((scatter - sigma).abs() < 0.03, "{scatter}");
+    }
+}
+
+#[test]
+fn means_and_single_w_scatter_as_expected() {
+    let volume = box_30();
+    let perfect = Machine::perfect(&volume).readings(None);
+    let mut random = ChaCha8Rng::seed_from_u64(12);
+    let (mut single, mut mean, mut ramp, mut count) = (0.0, 0.0, 0.0, 0.0);
+    let mut last = None;
+    for _ in 0..200 {
+        let readings = with_noise(&perfect, SIGMA_UM, &mut random);
+        let found = naive(&volume, &runs(1, Pass::Forward, &readings));
+        for axis in Axis::ALL {
+            single += found.closure.by_interval[axis][7].powi(2);
+            mean += found.closure.mean[axis].powi(2);
+            ramp += found.closure.ramps.as_ref().unwrap().change_um[axis].powi(2);
+            count += 1.0;
+        }
+        last = Some(found.closure);
+    }
+    let closure = last.unwrap();
+    let expected = 2.0 * std::f64::consts::SQRT_2;
+    assert!((closure.scatter.x - expected).abs() < 1e-12);
+    let near = |sum: f64, wanted: f64, what: &str| {
+        let found = (sum / count).sqrt();
+        assert!((found / wanted - 1.0).abs() < 0.1, "{what}: {found}, expected {wanted}");
+    };
+    near(single, expected * SIGMA_UM, "w");
+    near(mean, closure.u_mean_um(Axis::X, SIGMA_UM), "mean");
+    let u: f64 = closure.ramps.unwrap().u.iter().map(|(_, u)| u * u).sum();
+    near(ramp, SIGMA_UM * (u / 3.0).sqrt(), "ramp");
+}
+
+fn stated_noise(noise_um: f64) -> Separation {
+    let measurement = simulated::measurement(&box_30(), SetUp::AssumePerfect, Frame::AsMeasured);
+    let mut campaign = simulated::campaign(&measurement, Vec::new());
+    campaign.stated.noise_um = Some(noise_um);
+    separate(&campaign, &repeated(1, 1))
+}
+
+#[test]
+fn the_scatter_is_tested_to_both_sides() {
+    let test = |noise_um: f64| {
+        let found = stated_noise(noise_um);
+        found.closure.test(&found.noise.unwrap()).unwrap()
+    };
+    let fits = test(SIGMA_UM);
+    assert!(fits.probability > 0.01, "{fits:?}");
+    for (noise_um, larger) in [(0.15, true), (0.6, false)] {
+        let test = test(noise_um);
+        assert!(test.probability < 1e-6, "{test:?}");
+        assert_eq!(test.larger, larger);
+    }
+    // Too small a noise makes U too small; too large a one is only wasteful.
+    assert!(stated_noise(0.15).doubts.iter().any(|d| d.to_string().contains("scatters more")));
+    assert!(stated_noise(0.6).doubts.is_empty());
+    let alone = naive(&box_30(), &repeated(1, 1));
+    assert_eq!(alone.closure.test(&alone.noise.unwrap()), None, "nothing to test against");
+}
+
+#[test]
+fn a_perfect_set_up_is_contradicted_by_the_mean_of_the_closure() {
+    let mut machine = Machine::perfect(&box_30());
+    machine.lean[Diagonal::Npp] = PerAxis { x: 0.0, y: 50e-6, z: -50e-6 };
+    let found = naive(&box_30(), &runs(1, Pass::Forward, &machine.readings(None)));
+    assert!(
+        words(&found.doubts)[0].contains("set-up is assumed perfect"),
+        "{:?}",
+        words(&found.doubts)
+    );
+    let solved = simulated::solved(
+        &box_30(),
+        machine.lines(&Axis::ALL, Some(0.5)),
+        &runs(1, Pass::Forward, &machine.readings(None)),
+    );
+    assert!(solved.stands(), "{:?}", solved.doubts);
+}
+
+// As a user runs it.

@@ -1,0 +1,71 @@
+//! The program and its library as a user meets them, a module a subject.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    clippy::float_cmp,
+    clippy::disallowed_methods,
+    clippy::cast_possible_truncation,
+    clippy::needless_range_loop,
+    reason = "a test stops at what it did not expect, and says what it saw"
+)]
+
+#[path = "../support/mod.rs"]
+#[allow(dead_code, reason = "each test program uses a part of it")]
+mod support;
+
+mod after;
+mod assess;
+mod assess_says;
+mod browser;
+mod causes_said;
+mod declared;
+mod determinism;
+mod doubts;
+mod faults;
+mod field_kit;
+mod foreign_text;
+mod grids;
+mod import;
+mod isg;
+mod joints;
+mod large;
+mod left_by_tables;
+mod lists;
+mod lost;
+mod new;
+mod order;
+mod outcome;
+mod outputs;
+mod path;
+mod profiles;
+mod program;
+mod read_out;
+mod readings;
+mod readme;
+mod real_controls;
+mod real_inputs;
+mod real_stages;
+mod refuses;
+mod report;
+mod separate;
+mod separation;
+mod shortage;
+mod signed_zero;
+mod skew;
+mod snapshots;
+mod space;
+mod standards;
+mod standards_inputs;
+mod stories;
+mod stray;
+mod tampered;
+mod told;
+mod typed;
+mod unread_files;
+mod update;
+mod verdicts;
+mod visit;
+mod volumetric;

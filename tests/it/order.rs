@@ -1,0 +1,280 @@
+//! The order of the rooms is the order of `src/lib.rs`: an import points backwards only, and inside a room
+//! no files stand in a ring. What reads a control's files knows nothing of what writes them, and files are touched by the command line alone.
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// The code of every file under src/ without comments and test modules: path, room, lines.
+fn sources() -> Vec<(String, String, Vec<String>)> {
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    for path in glob::glob(&format!("{}/**/*.rs", src.display())).unwrap() {
+        let path = path.unwrap();
+        let name = path.strip_prefix(&src).unwrap().to_str().unwrap();
+        let name = name.replace('\\', "/");
+        if name == "main.rs" || name == "lib.rs" || name.contains("tests") {
+            continue;
+        }
+        let room = name.split(['/', '.']).next().unwrap().to_string();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let code = text
+            .lines()
+            .take_while(|line| *line != "mod tests {")
+            .filter(|line| !line.trim_start().starts_with("//"))
+            .map(str::to_string)
+            .collect();
+        files.push((name, room, code));
+    }
+    assert!(files.len() > 40, "only {} files were found", files.len());
+    files
+}
+
+/// Rooms that a line names as `crate::…`.
+fn named(line: &str) -> Vec<String> {
+    let word = |rest: &str| rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+    let mut parts = line.split("crate::");
+    parts.next();
+    parts.map(word).collect()
+}
+
+fn rooms() -> Vec<String> {
+    let lib = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
+    let lines = lib.unwrap();
+    let names = lines.lines();
+    let names = names.filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'));
+    names.map(str::to_string).collect()
+}
+
+#[test]
+fn there_are_eleven_rooms_and_an_import_points_back_in_their_order() {
+    let order = rooms();
+    assert_eq!(order.len(), 12, "eleven rooms and the command line: {order:?}");
+    let place = |room: &str| {
+        let found = order.iter().position(|known| *known == room);
+        found.unwrap_or_else(|| panic!("`{room}` is not a room of src/lib.rs"))
+    };
+    for (file, room, code) in sources() {
+        for other in code.iter().flat_map(|line| named(line)) {
+            assert!(
+                place(&other) <= place(&room),
+                "src/{file} names crate::{other}, which comes after `{room}` in src/lib.rs"
+            );
+        }
+    }
+}
+
+/// A file or a name from the root of the crate.
+type Route = Vec<String>;
+
+/// A file: what its names stand for, and what it uses.
+#[derive(Default)]
+struct Module {
+    names: BTreeMap<String, Route>,
+    uses: Vec<Route>,
+}
+
+fn words(path: &str) -> Route {
+    let words = path.split("::").map(|word| word.trim().to_string());
+    words.filter(|word| !word.is_empty()).collect()
+}
+
+/// `a::{b, c::{d, e as f}}` → each path with its name here.
+fn spread(tree: &str) -> Vec<(String, String)> {
+    let Some((stem, rest)) = tree.split_once('{') else {
+        let (path, name) = tree.split_once(" as ").unwrap_or((tree, tree));
+        let whole = |path: &str| path.trim().trim_end_matches("::self").to_string();
+        return vec![(whole(path), words(&whole(name)).pop().unwrap())];
+    };
+    let (mut depth, mut parts) = (0, vec![String::new()]);
+    for c in rest[..rest.rfind('}').unwrap()].chars() {
+        depth += i32::from(c == '{') - i32::from(c == '}');
+        if c == ',' && depth == 0 {
+            parts.push(String::new());
+        } else {
+            parts.last_mut().unwrap().push(c);
+        }
+    }
+    let parts = parts.iter().filter(|part| !part.trim().is_empty());
+    parts.flat_map(|part| spread(&format!("{}{}", stem.trim(), part.trim()))).collect()
+}
+
+/// A path as it stands in the file `here`, from the root; `None` where it is not of this crate.
+fn from_root(here: &[String], names: &BTreeMap<String, Route>, path: &str) -> Option<Route> {
+    let path = words(path);
+    let above = path.iter().take_while(|word| *word == "super").count();
+    let (start, rest) = match path.first()?.as_str() {
+        "crate" => (Vec::new(), 1),
+        "self" => (here.to_vec(), 1),
+        "super" => (here[..here.len() - above].to_vec(), above),
+        first => (names.get(first)?.clone(), 1),
+    };
+    Some([&start, &path[rest..]].concat())
+}
+
+/// A file with its name and what it gives on or imports; what is given on of files below is no use of them,
+/// unless the file itself names it again.
+fn module(file: &str, lines: &[String]) -> (Route, Module) {
+    let here = words(&file.trim_end_matches(".rs").trim_end_matches("/mod").replace('/', "::"));
+    let (mut found, mut code, mut imports) = (Module::default(), String::new(), Vec::new());
+    let mut lines = lines.iter().map(|line| line.trim());
+    while let Some(line) = lines.next() {
+        let bare = line
+            .split_once(") ")
+            .filter(|_| line.starts_with("pub("))
+            .map_or(line, |(_, rest)| rest);
+        let bare = bare.trim_start_matches("pub ");
+        if let Some(child) = bare.strip_prefix("mod ").and_then(|line| line.strip_suffix(';')) {
+            found.names.insert(child.to_string(), [&here[..], &[child.to_string()]].concat());
+        } else if let Some(tree) = bare.strip_prefix("use ") {
+            let more: Vec<&str> = if tree.ends_with(';') {
+                Vec::new()
+            } else {
+                lines.by_ref().take_while(|line| *line != "};").collect()
+            };
+            let close = if more.is_empty() { "" } else { "}" };
+            let tree = format!("{}{}{close}", tree.trim_end_matches(';'), more.concat());
+            imports
+                .extend(spread(&tree).into_iter().map(|(path, name)| (path, name, bare == line)));
+        } else {
+            let (before, after) = line.split_once("pub(in ").unwrap_or((line, ""));
+            let after = after.split_once(')').map_or("", |(_, rest)| rest);
+            code.extend([before, after, "\n"]);
+        }
+    }
+    for (path, name, is_private) in imports {
+        let Some(full) = from_root(&here, &found.names, &path) else {
+            continue;
+        };
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
+        let again = || {
+            code.split_inclusive(|c| !is_word(c)).any(|word| {
+                let bare = word.trim_end_matches(|c| !is_word(c));
+                bare == name && (word.ends_with('(') || name.starts_with(char::is_uppercase))
+            })
+        };
+        if is_private || !full.starts_with(&here) || again() {
+            found.uses.push(full.clone());
+        }
+        found.names.insert(name, full);
+    }
+    let paths = code.split(|c: char| !c.is_alphanumeric() && c != '_' && c != ':');
+    let paths = paths.filter(|path| path.contains("::"));
+    found.uses.extend(paths.filter_map(|path| from_root(&here, &found.names, path)));
+    (here, found)
+}
+
+/// The file that defines what is named, through all files that only give it on.
+fn defining(modules: &BTreeMap<Route, Module>, path: &[String]) -> Option<Route> {
+    let length = (1..=path.len()).rev().find(|length| modules.contains_key(&path[..*length]))?;
+    let given = path.get(length).and_then(|name| modules[&path[..length]].names.get(name));
+    match given.filter(|given| given[..] != path[..=length]) {
+        Some(given) => defining(modules, &[given, &path[length + 1..]].concat()),
+        None => Some(path[..length].to_vec()),
+    }
+}
+
+/// Files that use each other, directly or through others, each with those of them that it uses.
+fn rings() -> Vec<Vec<(String, Vec<String>)>> {
+    let modules: BTreeMap<_, _> =
+        sources().iter().map(|(file, _, code)| module(file, code)).collect();
+    let arrows: BTreeMap<&Route, BTreeSet<Route>> = modules
+        .iter()
+        .map(|(name, module)| {
+            let to = module.uses.iter().filter_map(|path| defining(&modules, path));
+            (name, to.filter(|to| to != name).collect())
+        })
+        .collect();
+    let reach = |from: &Route| {
+        let (mut seen, mut next) = (BTreeSet::new(), vec![from]);
+        while let Some(name) = next.pop() {
+            next.extend(arrows[name].iter().filter(|to| seen.insert((*to).clone())));
+        }
+        seen
+    };
+    let reached: BTreeMap<_, _> = arrows.keys().map(|name| (*name, reach(name))).collect();
+    let mutual = |a: &Route, b: &Route| reached[a].contains(b) && reached[b].contains(a);
+    let (mut placed, mut rings) = (BTreeSet::new(), Vec::new());
+    for name in reached.keys() {
+        let ring: Vec<&Route> =
+            reached.keys().copied().filter(|other| mutual(name, other)).collect();
+        if ring.len() > 1 && placed.insert(ring[0]) {
+            let to = |from: &Route| {
+                arrows[from].iter().filter(|to| ring.contains(to)).map(|to| to.join("::")).collect()
+            };
+            rings.push(ring.iter().map(|from| (from.join("::"), to(from))).collect());
+        }
+    }
+    rings
+}
+
+#[test]
+fn no_files_of_a_room_stand_in_a_ring() {
+    let mut wrong = String::new();
+    let rings = rings();
+    for room in rooms() {
+        let found = rings.iter().filter(|ring| words(&ring[0].0)[0] == room);
+        let found: Vec<_> = found.flatten().collect();
+        if !found.is_empty() {
+            let lines = found.iter();
+            let lines = lines.map(|(from, to)| format!("{from} -> {}\n", to.join(" ")));
+            wrong.push_str(&format!("{} files:\n{}", found.len(), lines.collect::<String>()));
+        }
+    }
+    assert!(wrong.is_empty(), "files that use each other:\n{wrong}");
+}
+
+#[test]
+fn what_reads_a_controls_files_knows_nothing_of_what_writes_them() {
+    let known = ["quantity", "text", "control", "read"];
+    for (file, room, code) in sources() {
+        if room == "read" {
+            let other = code.iter().flat_map(|line| named(line));
+            let other = other.into_iter().find(|name| !known.contains(&name.as_str()));
+            assert_eq!(other, None, "src/{file}");
+        }
+        let tera = code.iter().any(|line| line.contains("tera::"));
+        assert!(!tera || file.starts_with("write/emit"), "src/{file} uses tera");
+    }
+}
+
+#[test]
+fn only_the_command_line_touches_files_environment_and_terminal() {
+    let reserved =
+        ["std::fs", "std::env", "std::io", "std::process", "println!", "print!(", "SystemTime"];
+    for (file, _, code) in sources().iter().filter(|(_, room, _)| room != "cli") {
+        for line in code {
+            if file == "write/emit/templates.rs" && line.contains("std::io::{Error,") {
+                continue; // the engine writes into a text in memory that does not grow beyond a limit
+            }
+            if file == "inputs/import/spreadsheet.rs" && line.contains("std::io::Cursor") {
+                continue; // bytes in memory, which the reader of workbooks takes as a file
+            }
+            let found = reserved.iter().find(|word| line.contains(**word));
+            assert!(found.is_none(), "src/{file}: {line}");
+        }
+    }
+}
+
+#[test]
+fn templates_lay_out_and_do_not_compute() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("templates");
+    let computing = ["|", "round", " + ", " - ", " * ", " / ", " % ", "set ", "macro"];
+    let mut templates = 0;
+    for path in glob::glob(&format!("{}/*.tera", folder.display())).unwrap() {
+        let path = path.unwrap();
+        templates += 1;
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut tags: Vec<&str> = Vec::new();
+        for (open, close) in [("{{", "}}"), ("{%", "%}")] {
+            let parts = text.split(open).skip(1);
+            tags.extend(parts.map(|part| part.split(close).next().unwrap()));
+        }
+        assert!(!tags.is_empty(), "{} has no tag", path.display());
+        for tag in tags {
+            let inside = tag.trim_matches(['-', ' ']);
+            for word in computing {
+                assert!(!inside.contains(word), "{}: {tag}", path.display());
+            }
+        }
+    }
+    assert!(templates > 5, "only {templates} templates were found");
+}

@@ -1,0 +1,208 @@
+//! Every built-in profile: its facts have a source, what is assumed has a consequence, its files
+//! can be made.
+use crate::support;
+use nonius::control::controller::{
+    Dialect, EmittedFile, Evidence, FileFormat, Mechanism, Profile, ProfileSource, Role,
+    StraightnessForm, builtin, load,
+};
+use nonius::text::document::Source;
+use std::collections::BTreeSet;
+
+fn all() -> Vec<Profile> {
+    builtin::ids()
+        .into_iter()
+        .map(|id| builtin::profile(id).unwrap_or_else(|p| panic!("{id}: {}", p.render())))
+        .collect()
+}
+
+#[test]
+fn every_built_in_profile_loads_under_its_own_id() {
+    let ids: Vec<String> = all().into_iter().map(|profile| profile.id).collect();
+    assert_eq!(ids, builtin::ids());
+    assert!(all().iter().all(|profile| profile.origin == ProfileSource::BuiltIn));
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("controllers");
+    let pages = glob::glob(&format!("{}/*.toml", folder.display())).unwrap();
+    assert_eq!(pages.count(), ids.len(), "a page in controllers/ is not built in");
+}
+
+#[test]
+fn every_fact_has_a_source() {
+    for profile in all() {
+        assert!(!profile.statements.is_empty(), "{}", profile.id);
+        for fact in &profile.statements {
+            let name = format!("{}: {}", profile.id, fact.fact);
+            assert!(!fact.source.trim().is_empty(), "{name} has no source");
+            assert!(!fact.value.trim().is_empty(), "{name} has no value");
+        }
+    }
+}
+
+#[test]
+fn every_assumed_fact_says_what_happens_if_it_is_wrong() {
+    for profile in all() {
+        let assumed =
+            |fact: &&nonius::control::controller::Statement| fact.evidence == Evidence::Assumed;
+        for fact in profile.statements.iter().filter(assumed) {
+            let consequence = fact.consequence.as_deref().unwrap_or("").trim();
+            assert!(!consequence.is_empty(), "{}: {}", profile.id, fact.fact);
+        }
+    }
+}
+
+#[test]
+fn a_fact_is_stated_once() {
+    for profile in all() {
+        let names: BTreeSet<&str> = profile.statements.iter().map(|s| s.fact.as_str()).collect();
+        assert_eq!(names.len(), profile.statements.len(), "{}", profile.id);
+    }
+}
+
+#[test]
+fn what_claims_to_have_been_executed_names_the_control_that_ran_it() {
+    for profile in all() {
+        let statements = profile.statements.iter();
+        let executed = statements.filter(|s| s.evidence == Evidence::Executed);
+        let without = executed.clone().find(|s| !s.source.starts_with("LinuxCNC 2.9.0~pre1"));
+        assert!(without.is_none(), "{}: {without:?}", profile.id);
+        let runs_here = profile.id.starts_with("linuxcnc");
+        assert_eq!(executed.count() > 0, runs_here, "{}", profile.id);
+    }
+}
+
+/// Both table forms of a Siemens control, everything that a kit can hold.
+#[test]
+fn every_template_renders() {
+    let errors = "axis,direction,position_mm,ex_um,ey_um,ez_um\n\
+        x,+,0,0,0,0\nx,+,100,3,1,2\nx,-,0,-2,0,0\nx,-,100,1,1,2\n\
+        y,,0,0,0,0\ny,,100,1,4,-1\n\
+        z,,0,0,0,0\nz,,100,-2,1,5\n";
+    for profile in all() {
+        let mut rendered = BTreeSet::new();
+        for policy in ["mean", "two-tables"] {
+            let (_, kit) = support::generate(&job(&profile.id, policy), errors);
+            for file in &kit.files {
+                let name = format!("{}: {}", profile.id, file.path);
+                let text = std::str::from_utf8(&file.bytes).unwrap();
+                let text = &text.replace('\0', ""); // the high bytes of UTF-16
+                rendered.insert(file.path.clone());
+                if file.role == Role::Checklist || file.path.ends_with(".html") {
+                    assert!(!text.contains("{{") && !text.contains('\r'), "{name}");
+                    continue; // for people: any character, line ends of every computer
+                }
+                assert!(text.is_ascii(), "{name} holds more than ASCII");
+                assert!(!text.contains("{{") && !text.contains("{%"), "{name}: {text}");
+                let end = profile.line_end.value.text();
+                assert!(text.ends_with(end), "{name} does not end with a line end");
+                let others = text.replace(end, "");
+                assert!(!others.contains(['\r', '\n']), "{name} mixes line ends");
+            }
+        }
+        let missing: Vec<String> = profile
+            .files
+            .iter()
+            .filter(|file| file.role != Role::Rollback && is_of_its_form(&profile, file))
+            .filter(|file| !rendered.iter().any(|path| file.is_called(path)))
+            .map(|file| file.path.clone())
+            .collect();
+        assert!(missing.is_empty(), "{}: {missing:?} were not rendered", profile.id);
+    }
+}
+
+/// A profile from the text of its page.
+fn of_page(page: &str) -> Result<Profile, String> {
+    let source = Source::from_bytes("own.toml", page.as_bytes()).unwrap();
+    let template = |name: &str, is_own: bool| (!is_own).then(|| builtin::template(name))?;
+    let own = load::profile(source, ProfileSource::BuiltIn, &template, &builtin::page);
+    own.map_err(|problems| problems.render())
+}
+
+/// A step without an origin is a rule of this program; one with half of it is refused. Facts that pages once had
+/// to state are still taken, and shown.
+#[test]
+fn a_step_without_an_origin_is_a_rule_of_this_program() {
+    let page = |more: &str| {
+        format!(
+            "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"klipper-skew\"\n\
+             [facts.direction]\nvalue = \"none\"\nevidence = \"manual\"\nsource = \"a page\"\n\
+             [[checklist]]\npart = \"Before\"\ntext = \"Read it out.\"\n{more}"
+        )
+    };
+    let own = of_page(&page("")).unwrap();
+    let step = &own.checklist[0].text;
+    assert_eq!(step.source, "a rule of this program, not of the control");
+    assert_eq!(step.evidence, Evidence::Manual);
+    assert!(own.statements.iter().any(|s| s.fact == "direction"));
+    for (half, missing) in [
+        ("source = \"a page\"\n", "`evidence` is missing"),
+        ("consequence = \"none\"\n", "`source` is missing"),
+        ("evidence = \"manual\"\n", "`source` is missing"),
+    ] {
+        let told = of_page(&page(half)).unwrap_err();
+        assert!(told.contains(missing), "{half}: {told}");
+    }
+}
+
+/// Facts of the page itself decide which files of the page below are written, and what is not stated stays.
+#[test]
+fn a_page_is_laid_over_the_one_it_builds_on() {
+    let page = "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"siemens-828d\"\n\
+        [facts.table_form]\nvalue = \"data\"\nevidence = \"manual\"\nsource = \"a page\"\n\
+        [facts.cec_sign]\nvalue = \"as_correction\"\nevidence = \"executed\"\nsource = \"a proof\"\n\
+        [program]\nextension = \"SPF\"\n";
+    let own = of_page(page);
+    let (own, base) = (own.unwrap(), builtin::profile("siemens-828d").unwrap());
+    assert!(own.files.iter().any(|file| file.path.ends_with(".INI")));
+    assert!(base.files.iter().all(|file| !file.path.ends_with(".INI")));
+    assert_eq!(own.checklist, base.checklist);
+    assert_eq!(own.program.as_ref().unwrap().extension, "SPF");
+    let fact = |profile: &Profile, name: &str| {
+        let stated = profile.statements.iter().find(|s| s.fact == name);
+        stated.cloned().unwrap()
+    };
+    let names = |profile: &Profile| {
+        let names = profile.statements.iter().map(|s| s.fact.clone());
+        names.collect::<Vec<String>>()
+    };
+    assert_eq!(names(&own), names(&base));
+    let sign = fact(&own, "cec_sign");
+    assert_eq!((sign.value.as_str(), sign.consequence), ("as_correction", None));
+    assert_eq!(sign.mechanism, fact(&base, "cec_sign").mechanism);
+    assert_eq!(fact(&own, "cec_tables"), fact(&base, "cec_tables"));
+}
+
+/// Whether a control of this profile takes the file: one form of straightness has points.
+fn is_of_its_form(profile: &Profile, file: &EmittedFile) -> bool {
+    match (&profile.dialect, file.mechanism) {
+        (Dialect::Fanuc(facts), Some(Mechanism::FourPoint)) => {
+            facts.straightness_form.value == StraightnessForm::FourPoint
+        }
+        (Dialect::Fanuc(facts), Some(Mechanism::PerPoint)) => {
+            facts.straightness_form.value == StraightnessForm::PerPoint
+        }
+        (Dialect::Isg(facts), _) => {
+            let other = match facts.file_format.value {
+                FileFormat::IsgCsv => "curves",
+                FileFormat::EtalonExchange => "blocks",
+            };
+            file.when.as_deref() != Some(other)
+        }
+        _ => true,
+    }
+}
+
+fn job(controller: &str, policy: &str) -> String {
+    let axes: String = ["x", "y", "z"]
+        .iter()
+        .map(|axis| {
+            format!(
+                "[machine.axes.{axis}]\ntravel_mm = [0.0, 100.0]\nreference_mm = 0.0\n\
+                 [compensation.axes.{axis}]\nspacing_mm = 25.0\ndetection_unit_um = 1.0\n"
+            )
+        })
+        .collect();
+    format!(
+        "schema = 1\n[machine]\nname = \"VMC 100\"\n[measurement]\nerrors = \"errors.csv\"\n\
+         active_while_measuring = \"none\"\n[compensation]\ncontroller = \"{controller}\"\n\
+         backlash = \"{policy}\"\n{axes}"
+    )
+}

@@ -1,0 +1,551 @@
+//! Part programs of measuring runs: what the operator gets, and that every program is walked by
+//! code that knows nothing of how it was written.
+use nonius::control::controller::builtin;
+use nonius::inputs::job::{Job, MeasuredData};
+use nonius::inputs::readings::Readings;
+use nonius::inputs::target_runs::{Runs, Stated};
+use nonius::kit::program_kit::{ProgramKit, judge, make};
+use nonius::text::document::Source;
+use nonius::text::problem::Problems;
+use nonius::write::emit::program::{FileRole, ProgramFile};
+use nonius::write::findings::RunFinding;
+use nonius::write::program::RunTask;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// A machine with its box, in mm, and the keys of [program].
+#[derive(Clone, Debug)]
+struct Case {
+    control: &'static str,
+    unit: &'static str,
+    low: [f64; 3],
+    high: [f64; 3],
+    start: [f64; 3],
+    size: [f64; 3],
+    steps: usize,
+    order: &'static str,
+    keys: String,
+}
+
+impl Case {
+    /// X 0 … 100, Y −80 … 0, Z −60 … 60, and a box of two steps with 5 mm to spare on every side.
+    fn small(control: &'static str, keys: &str) -> Case {
+        Case {
+            control,
+            unit: "mm",
+            low: [0.0, -80.0, -60.0],
+            high: [100.0, 0.0, 60.0],
+            start: [5.0, -75.0, -55.0],
+            size: [90.0, 70.0, 110.0],
+            steps: 2,
+            order: "ZXY",
+            keys: keys.to_string(),
+        }
+    }
+
+    fn job(&self) -> String {
+        let place = |p: [f64; 3]| format!("{{ x = {:?}, y = {:?}, z = {:?} }}", p[0], p[1], p[2]);
+        let axes: String = (0..3)
+            .map(|i| {
+                format!(
+                    "axes.{} = {{ travel_mm = [{:?}, {:?}], reference_mm = {:?}, max_feed_mm_per_min = 9000 }}\n",
+                    AXES[i], self.low[i], self.high[i], self.low[i]
+                )
+            })
+            .collect();
+        format!(
+            "schema = 1\n[machine]\nname = \"VMC\"\nserial = \"7\"\n{axes}[measurement]\nreadings = \"readings.csv\"\n\
+             [measurement.step_diagonal]\nstart_mm = {}\nsize_mm = {}\nsteps = {}\norder = \"{}\"\n\
+             [compensation]\ncontroller = \"{}\"\ncontrol_unit = \"{}\"\n[program]\n{}\n",
+            place(self.start),
+            place(self.size),
+            self.steps,
+            self.order,
+            self.control,
+            self.unit,
+            self.keys
+        )
+    }
+
+    fn read(&self) -> Job {
+        let text = self.job();
+        Job::read(Source::from_bytes("job.toml", text.as_bytes()).unwrap())
+            .unwrap_or_else(|p| panic!("{}\n{text}", p.render()))
+    }
+
+    fn made(&self) -> Result<ProgramKit, Problems> {
+        make(&self.read(), &builtin::profile(self.control).unwrap(), &[])
+    }
+
+    fn kit(&self) -> ProgramKit {
+        self.made().unwrap_or_else(|p| panic!("{}\n{}", p.render(), self.job()))
+    }
+
+    /// What the walk says of other files.
+    fn judged(&self, files: &[ProgramFile]) -> Result<(), Problems> {
+        let (job, profile) = (self.read(), builtin::profile(self.control).unwrap());
+        judge(RunTask::of(&job, &profile).unwrap(), files).map(|_| ())
+    }
+}
+
+fn text(kit: &ProgramKit, path: &str) -> String {
+    let file = kit.files.iter().find(|file| file.path == path);
+    let bytes = file.unwrap_or_else(|| panic!("there is no {path}")).bytes.clone();
+    String::from_utf8(bytes).unwrap().replace('\r', "")
+}
+
+#[test]
+fn a_siemens_program_of_two_steps() {
+    let kit = Case::small("siemens-840d-sl", "what = \"step-diagonal\"").kit();
+    insta::with_settings!({
+        description => "ZXY, X travels negative: approach 2 mm behind node 0, the sum of the forward steps is -90, 70, 110",
+        omit_expression => true,
+    }, {
+        insta::assert_snapshot!("siemens_npp", text(&kit, "NONIUS_NPP.MPF"));
+    });
+}
+
+#[test]
+fn a_fanuc_program_of_two_steps() {
+    let keys = "what = \"step-diagonal\"\nreturn = \"diagonal\"\nruns = 2\nalignment_pass = false\nnumber = 4001";
+    let kit = Case::small("fanuc-30i", keys).kit();
+    insta::with_settings!({
+        description => "PPN, forward only, two runs, straight back along the diagonal to 2 mm behind node 0",
+        omit_expression => true,
+    }, {
+        insta::assert_snapshot!("fanuc_ppn", text(&kit, "O4004.NC"));
+    });
+}
+
+#[test]
+fn positions_stand_in_the_order_of_the_readings() {
+    let kit = Case::small("siemens-840d-sl", "what = \"step-diagonal\"").kit();
+    let all = text(&kit, "positions.csv");
+    let two: Vec<&str> = all.lines().take(15).collect();
+    insta::with_settings!({
+        description => "PPP of the same machine: R = 158.43 mm; node 1 moves Z by 55: 55*110/R = 38.188",
+        omit_expression => true,
+    }, {
+        insta::assert_snapshot!("positions", two.join("\n"));
+    });
+    assert_eq!(all.lines().count(), 1 + 4 * 14);
+}
+
+#[test]
+fn offset_targets_of_a_single_axis() {
+    let keys = "what = \"single-axis\"\naxes = [\"x\"]\ntargets = \"offset\"\nruns = 1\nalignment_pass = false\nsteps = 5";
+    let kit = Case::small("fanuc-0i-f", keys).kit();
+    insta::with_settings!({
+        description => "r_i = 4.5*(2*frac(0.618(i+1)) - 1) around 5, 23, 41, 59, 77, 95; first and last shifted inwards",
+        omit_expression => true,
+    }, {
+        insta::assert_snapshot!("offset_targets", text(&kit, "positions.csv"));
+    });
+}
+
+#[test]
+fn what_is_not_stated_has_its_default() {
+    let asked = |keys: &str| Case::small("generic", keys).read().program.unwrap();
+    let steps = asked("what = \"step-diagonal\"");
+    assert_eq!((steps.feed_mm_per_min, steps.dwell_s), (1000.0, 3.0));
+    assert_eq!((steps.overrun.mm(), steps.preload.mm()), (2.0, 2.0));
+    assert_eq!((steps.runs, steps.bidirectional), (1, true));
+    assert_eq!((steps.volume.steps, steps.size_path), (2, "measurement.step_diagonal.size_mm"));
+    assert_eq!(asked("what = \"single-axis\"").runs, 5);
+    let forward = asked("what = \"step-diagonal\"\nreturn = \"diagonal\"\nsteps = 3");
+    assert!(!forward.bidirectional);
+    assert_eq!(forward.volume.steps, 3);
+    let turning = asked("what = \"step-diagonal\"\noverrun_mm = 0");
+    assert_eq!((turning.overrun.mm(), turning.preload.mm()), (0.0, 2.0));
+}
+
+/// Golden: step·√(1 − (V/R)²) of reference step-diagonal §1.1 for 900×720×720, n = 30.
+#[test]
+fn the_mirror_of_the_paper() {
+    let mut case = Case::small(
+        "siemens-840d-sl",
+        "what = \"step-diagonal\"\npreload_mm = 0.01\noverrun_mm = 0",
+    );
+    (case.low, case.high) = ([-50.0; 3], [1000.0; 3]);
+    (case.start, case.size) = ([0.0; 3], [900.0, 720.0, 720.0]);
+    (case.steps, case.order) = (30, "XYZ");
+    let mirror = case.kit().run.mirror.unwrap();
+    let r2 = 900.0_f64.powi(2) + 2.0 * 720.0_f64.powi(2);
+    let first = 30.0 * (1.0 - 900.0_f64.powi(2) / r2).sqrt();
+    let second = 24.0 * (1.0 - 720.0_f64.powi(2) / r2).sqrt();
+    assert!((mirror.excursion_mm[0] - first).abs() < 1e-9 && (first - 22.5).abs() < 0.05);
+    assert!((mirror.excursion_mm[1] - second).abs() < 1e-9 && (second - 20.4).abs() < 0.05);
+    // The triangle 22.5, 20.4, 20.4 is acute, so its circle is a·b·c / 2A.
+    let height = (second.powi(2) - (first / 2.0).powi(2)).sqrt();
+    let circle = first * second * second / (first * height);
+    assert!((mirror.circle_mm - circle).abs() < 0.01, "{} {circle}", mirror.circle_mm);
+}
+
+#[test]
+fn offset_targets_sample_every_phase_of_a_screw() {
+    let mut case = Case::small(
+        "siemens-840d-sl",
+        "what = \"single-axis\"\naxes = [\"x\"]\ntargets = \"offset\"",
+    );
+    (case.low, case.high) = ([-50.0; 3], [1000.0; 3]);
+    (case.start, case.size, case.steps) = ([0.0; 3], [900.0; 3], 30);
+    let kit = case.kit();
+    let targets: Vec<f64> = kit.run.programs[0]
+        .readings
+        .iter()
+        .take(31)
+        .map(|reading| kit.run.resolution.mm(reading.place.x))
+        .collect();
+    assert!(targets.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(targets[0] >= 0.0 && targets[30] <= 900.0);
+    // Equal targets 30 mm apart meet a screw of 10 mm at one phase; these meet each tenth of it.
+    for tenth in 0..10 {
+        let phase = f64::from(tenth)..f64::from(tenth + 1);
+        let met = targets.iter().any(|target| phase.contains(&target.rem_euclid(10.0)));
+        assert!(met, "no target meets {phase:?} mm of the screw: {targets:?}");
+    }
+}
+
+/// A program that somebody, or a template, spoilt.
+fn spoilt(case: &Case, spoil: impl Fn(&str) -> String) -> String {
+    let mut files = case.kit().files;
+    let before = String::from_utf8(files[1].bytes.clone()).unwrap();
+    let after = spoil(&before);
+    assert_ne!(before, after, "nothing was spoilt");
+    files[1].bytes = after.into_bytes();
+    let problems = case.judged(&files).expect_err("the walk must find it");
+    problems.render()
+}
+
+#[test]
+fn the_walk_finds_what_is_wrong_with_a_program() {
+    let siemens = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
+    let fanuc = Case::small("fanuc-30i", "what = \"step-diagonal\"");
+    let wrong: &[(&str, &str, &str)] = &[
+        ("N3 G4 F3.0\n", "", "of 14 readings are taken"),
+        ("N3 G4 F3.0", "N3 G4 F0.3", "the standstill is 0.3 s"),
+        ("N3 G4", "N4 G4", "has another number"),
+        ("\nD0\n", "\n", "before ToolLength is cancelled"),
+        ("G710", "G700", "outside its travel"),
+        ("G710", "", "before mm or inch is chosen"),
+        ("SUPA G90 G0", "G90 G0", "this is neither"),
+        ("SUPA G91 G1", "G91 G1", "this is neither"),
+        (
+            "G90 G0 X97.000 Y-77.000\nSUPA G90 G0 Z-57.000",
+            "G90 G0 X97.000 Y-77.000 Z-57.000",
+            "before X and Y are there, or with them",
+        ),
+        (
+            "SUPA G90 G0 X97.000 Y-77.000\nSUPA G90 G0 Z-57.000",
+            "SUPA G90 G0 Z-57.000\nSUPA G90 G0 X97.000 Y-77.000",
+            "before X and Y are there, or with them",
+        ),
+        ("SUPA G90 G0 Z-57.000\n", "", "before all three axes are at machine coordinates"),
+        ("SUPA G91 G1 Z55.000", "SUPA G91 G1 Z54.000", "is read at Z"),
+        ("SUPA G91 G1 X2.000 Y-2.000 Z-2.000", "SUPA G91 G1 X2.000 Y-2.000", "is read at Z"),
+        (
+            "SUPA G91 G1 X-2.000 Y2.000 Z2.000 F1000.0\nSUPA G91 G1 X2.000 Y-2.000 Z-2.000 F1000.0\n",
+            "",
+            "has not arrived at node 6 moving",
+        ),
+        (" G94", "", "without a feed per minute"),
+        ("F1000.0", "F12000.0", "is too high for X"),
+        ("M30", "", "the program has no end"),
+        ("M30", "M30\nG500", "follows the end"),
+        ("G500", "G54", "`G54` is not a word"),
+        ("G500", "$P_UIFR[1]=CTRANS(X,10)", "is no word"),
+        ("MSG()", "M3 S100", "`M3` is not a word"),
+        ("X-45.000", "X-45.000 X-45.000", "is given twice"),
+        ("ZERO THE LASER", "NULL \u{c4} LASER", "not ASCII"),
+    ];
+    for (from, to, found) in wrong {
+        let said = spoilt(&siemens, |text| text.replace(from, to));
+        assert!(said.contains(found), "{from} -> {to}:\n{said}");
+    }
+    let wrong: &[(&str, &str, &str)] = &[
+        ("G91 G01", "G90 G01", "this is neither"),
+        ("G53 ", "", "this is neither"),
+        ("G40 G49 G80", "G40 G80", "before ToolLength is cancelled"),
+        ("G21", "G20", "outside its travel"),
+        ("N3 G04 X3.0", "N3 G04 P3", "`P3` is not a word"),
+        ("G69", "G10 L2 P1 X0", "`G10` is not a word"),
+        ("(NPP RUN 1 REVERSE)", "(NPP (RUN 1)", "brackets"),
+        ("M30", "M30\n%", "between two"),
+        ("O1002", "%\nO1002", "outside the two"),
+    ];
+    for (from, to, found) in wrong {
+        let said = spoilt(&fanuc, |text| text.replace(from, to));
+        assert!(said.contains(found), "{from} -> {to}:\n{said}");
+    }
+}
+
+#[test]
+fn two_moves_for_one_step_are_found() {
+    let case = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
+    let halves = "SUPA G91 G1 Z27.500 F1000.0\nSUPA G91 G1 Z27.500 F1000.0";
+    let said = spoilt(&case, |text| text.replace("SUPA G91 G1 Z55.000 F1000.0", halves));
+    assert!(said.contains("not reached by one move of its own"), "{said}");
+}
+
+#[test]
+fn positions_of_another_job_are_found() {
+    let case = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
+    let mut files = case.kit().files;
+    let of_role = |role| files.iter().position(|file| file.role == role).unwrap();
+    let (positions, form) = (of_role(FileRole::Positions), of_role(FileRole::Readings));
+    let text = String::from_utf8(files[form].bytes.clone()).unwrap();
+    let mut other = files.clone();
+    other[form].bytes = text.replacen("1,forward,2,x,", "1,forward,2,y,", 1).into_bytes();
+    let said = case.judged(&other).unwrap_err().render();
+    assert!(said.contains("has other rows than positions.csv"), "{said}");
+    let text = String::from_utf8(files[positions].bytes.clone()).unwrap();
+    files[positions].bytes = text.replace("50,-40,", "50,-41,").into_bytes();
+    let said = case.judged(&files).unwrap_err().render();
+    assert!(said.contains("is not where the job has it"), "{said}");
+}
+
+#[test]
+fn a_turn_without_overrun_is_walked() {
+    let keys = "what = \"step-diagonal\"\noverrun_mm = 0";
+    let kit = Case::small("siemens-840d-sl", keys).kit();
+    let text = text(&kit, "NONIUS_PPP.MPF");
+    assert!(text.contains("N7 G4 F3.0\n; PPP RUN 1 REVERSE\nN8 G4 F3.0\n"), "{text}");
+}
+
+/// A file of readings with its last column filled in, by line.
+fn filled<'a>(form: &ProgramFile, cell: impl Fn(usize) -> &'a str) -> String {
+    let text = String::from_utf8(form.bytes.clone()).unwrap();
+    let line = |(index, line): (usize, &str)| match index {
+        0 => format!("{line}\n"),
+        index => format!("{line}{}\n", cell(index)),
+    };
+    text.lines().enumerate().map(line).collect()
+}
+
+#[test]
+fn a_reading_that_is_not_filled_in_is_refused_as_missing() {
+    let case = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
+    let job = case.read();
+    let MeasuredData::Diagonals(measurement) = &job.measurement.data else { panic!() };
+    let form = text(&case.kit(), "readings.csv");
+    assert!(form.starts_with("diagonal,run,direction,node,moved,displacement_mm\nPPP,1,forward,0,,\nPPP,1,forward,1,z,\n"), "{form}");
+    let source = Source::from_bytes("readings.csv", form.as_bytes()).unwrap();
+    let said = Readings::read(source, measurement).unwrap_err().render();
+    assert!(said.contains("a missing reading is never filled in"), "{said}");
+    let case = Case::small("fanuc-30i", "what = \"single-axis\"\nruns = 1");
+    let form = text(&case.kit(), "readings-y.csv");
+    assert!(
+        form.starts_with(
+            "target_mm,run,direction,deviation_um\n-75,1,+,\n-40,1,+,\n-5,1,+,\n-5,1,-,\n"
+        ),
+        "{form}"
+    );
+    let source = Source::from_bytes("readings-y.csv", form.as_bytes()).unwrap();
+    let said = Runs::read(&source, Stated::default()).unwrap_err().render();
+    assert!(said.contains("`deviation_um` is empty, expected a number"), "{said}");
+}
+
+/// A wrong reversal would follow from the readings: the section and the run turn differently.
+#[test]
+fn the_job_must_not_describe_another_turn_than_the_run() {
+    let turn = |overrun: &str, keys: &str| {
+        let case = Case::small("siemens-840d-sl", &format!("what = \"step-diagonal\"\n{keys}"));
+        let stated = format!("order = \"ZXY\"\noverrun = {overrun}");
+        let text = case.job().replace("order = \"ZXY\"", &stated);
+        let job = Job::read(Source::from_bytes("job.toml", text.as_bytes()).unwrap());
+        let job = job.unwrap_or_else(|p| panic!("{}\n{text}", p.render()));
+        make(&job, &builtin::profile(case.control).unwrap(), &[])
+    };
+    let said = turn("false", "").unwrap_err().render();
+    assert!(
+        said.contains("`overrun` is false, but this run goes 2 mm past the end point"),
+        "{said}"
+    );
+    let said = turn("true", "overrun_mm = 0").unwrap_err().render();
+    assert!(said.contains("`overrun` is true, but this run turns at the last node"), "{said}");
+    assert_eq!(turn("true", "").unwrap().manifest["overrun"], true);
+    assert_eq!(turn("false", "overrun_mm = 0").unwrap().manifest["overrun"], false);
+    assert!(turn("false", "bidirectional = false").unwrap().manifest["overrun"].is_null());
+    // Another box is another measurement: a note, no refusal.
+    let other = turn("false", "steps = 5").unwrap();
+    let differs = RunFinding::OtherBox { turns_otherwise: true };
+    assert!(other.run.notes.iter().any(|note| note.kind() == Some(&differs)));
+}
+
+#[test]
+fn a_dwell_is_read_by_the_address_of_the_profile() {
+    let mut profile = builtin::profile("fanuc-30i").unwrap();
+    let facts = profile.program.as_mut().unwrap();
+    facts.axis_letters.value = ["U", "V", "W"].map(String::from).to_vec();
+    facts.cancel.value.pop();
+    let case = Case::small("fanuc-30i", "what = \"step-diagonal\"");
+    let kit = make(&case.read(), &profile, &[]).unwrap_or_else(|p| panic!("{}", p.render()));
+    let program = text(&kit, "O1001.NC");
+    assert!(program.contains("N1 G04 X3.0\n") && program.contains("G91 G01 W55.000"), "{program}");
+    assert!(program.ends_with("\nG90 G64\nM30\n%\n"), "{program}");
+}
+
+#[test]
+fn numbers_that_may_be_protected_are_noted() {
+    let note = |number: &str| {
+        let keys = format!("what = \"step-diagonal\"\nnumber = {number}");
+        let notes = Case::small("fanuc-30i", &keys).kit().run.notes;
+        notes.iter().any(|note| matches!(note.kind(), Some(RunFinding::ProtectedNumber { .. })))
+    };
+    assert!(note("7997") && note("9001") && !note("7996"));
+}
+
+#[test]
+fn the_axes_that_rest_keep_their_part_of_the_proposed_box() {
+    let mut case = Case::small("siemens-840d-sl", "what = \"single-axis\"\naxes = [\"x\"]");
+    (case.start[0], case.size[0]) = (0.0, 100.0);
+    let said = case.made().unwrap_err().render();
+    assert!(said.contains("start_mm = { x = 2.0, y = -75.0, z = -55.0 } and size_mm = { x = 96.0, y = 70.0, z = 110.0 }"), "{said}");
+}
+
+fn cases() -> impl Strategy<Value = Case> {
+    let controls = prop_oneof![
+        Just("siemens-840d-sl"),
+        Just("siemens-828d"),
+        Just("fanuc-30i"),
+        Just("fanuc-0i-f"),
+        Just("fanuc-16i"),
+    ];
+    let kinds = prop_oneof![
+        Just("what = \"step-diagonal\""),
+        Just("what = \"straight-diagonal\""),
+        Just("what = \"single-axis\""),
+        Just("what = \"single-axis\"\ntargets = \"offset\"\naxes = [\"z\", \"x\"]"),
+    ];
+    let ways = prop_oneof![
+        Just(""),
+        Just("return = \"diagonal\""),
+        Just("bidirectional = false"),
+        Just("alignment_pass = false"),
+    ];
+    let orders =
+        prop_oneof![Just("XYZ"), Just("XZY"), Just("YXZ"), Just("YZX"), Just("ZXY"), Just("ZYX"),];
+    let edge = (-2_000_000_i32..2_000_000, 500_i32..100_000, 0_i32..5_000);
+    (
+        (controls, any::<bool>(), kinds, ways, orders),
+        (1_usize..7, 1_u32..4, 10_i32..3_000),
+        prop::array::uniform3(edge),
+    )
+        .prop_map(|((control, inch, kind, way, order), (steps, runs, margin), edges)| {
+            // Digits of the control: 0.001 mm, or 0.0001 inch = 0.00254 mm.
+            let digit = |count: i32| {
+                let scale = if inch { 254.0 } else { 100.0 };
+                f64::from(count) * scale / 100_000.0
+            };
+            let overrun = if way.is_empty() || way.starts_with("align") {
+                format!("overrun_mm = {:?}\n", digit(margin))
+            } else {
+                String::new()
+            };
+            let count = i32::try_from(steps).unwrap();
+            Case {
+                control,
+                unit: if inch { "inch" } else { "mm" },
+                low: edges.map(|(start, _, spare)| digit(start - margin - spare)),
+                high: edges.map(|(start, step, spare)| digit(start + step * count + margin + spare)),
+                start: edges.map(|(start, _, _)| digit(start)),
+                size: edges.map(|(_, step, _)| digit(step * count)),
+                steps,
+                order,
+                keys: format!(
+                    "{kind}\n{way}\n{overrun}preload_mm = {:?}\nruns = {runs}\nfeed_mm_per_min = 3000\ndwell_s = 2.5",
+                    digit(margin)
+                ),
+            }
+        })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() })]
+
+    /// `make` itself reads its bytes back and walks them; here the positions go on as a file of
+    /// readings, which the reader of measurements must take without a word.
+    #[test]
+    fn every_machine_gets_programs_that_are_walked(case in cases()) {
+        let kit = case.kit();
+        let job = case.read();
+        let MeasuredData::Diagonals(measurement) = &job.measurement.data else { panic!() };
+        let kind = job.program.as_ref().unwrap().what.path();
+        let Some(kind) = kind else {
+            for form in kit.files.iter().filter(|file| file.role == FileRole::Readings) {
+                let source = Source::from_bytes(&form.path, filled(form, |_| "0").as_bytes()).unwrap();
+                let runs = Runs::read(&source, Stated::default());
+                prop_assert!(runs.is_ok(), "{}", runs.unwrap_err().render());
+            }
+            return Ok(());
+        };
+        let mut measurement = measurement.clone();
+        measurement.kind = kind;
+        let positions = text(&kit, "positions.csv");
+        let nominal: Vec<&str> = positions.lines().map(|row| row.split(',').nth(5).unwrap()).collect();
+        let form = kit.files.iter().find(|file| file.role == FileRole::Readings).unwrap();
+        let readings = filled(form, |line| nominal[line]);
+        let source = Source::from_bytes("readings.csv", readings.as_bytes()).unwrap();
+        let read = Readings::read(source, &measurement);
+        let read = read.unwrap_or_else(|p| panic!("{}\n{}", p.render(), case.job()));
+        for run in &read.runs {
+            // Nominal displacements are no deviations; positions.csv has 1e-6 mm.
+            prop_assert!(run.deviations.iter().all(|d| d.um().abs() < 1e-3));
+        }
+    }
+
+    /// Where a box does not fit, the proposed one does.
+    #[test]
+    fn the_proposed_box_fits(case in cases()) {
+        let mut large = case.clone();
+        (large.start, large.size) = (case.low, [0, 1, 2].map(|i| case.high[i] - case.low[i]));
+        let said = large.made().expect_err("the whole travel leaves no room").render();
+        let Some(at) = said.find("start_mm = {") else {
+            prop_assert!(said.contains("no box of that many steps fits"), "{said}");
+            return Ok(());
+        };
+        let proposal = said[at..].lines().next().unwrap();
+        let proposal = proposal.split(" in [program]").next().unwrap().replace(" and ", "\n");
+        large.keys = format!("{}\n{proposal}", large.keys);
+        let kit = large.made();
+        prop_assert!(kit.is_ok(), "{}\n{}", kit.unwrap_err().render(), large.job());
+    }
+}
+
+/// What a run alone does not determine is said before it is measured.
+#[test]
+fn a_run_says_what_it_leaves_open() {
+    use nonius::write::program::{Open, left_open};
+    let kinds = |keys: &str, linear: usize| {
+        let mut page = Case::small("siemens-840d-sl", keys).job();
+        for axis in &AXES[..linear] {
+            page += &format!(
+                "[[measurement.step_diagonal.linear]]\naxis = \"{axis}\"\nslope_um_per_m = 1.0\n"
+            );
+        }
+        let job = Job::read(Source::from_bytes("job.toml", page.as_bytes()).unwrap())
+            .unwrap_or_else(|p| panic!("{}", p.render()));
+        let open = left_open(&job, job.program.as_ref().unwrap());
+        let kinds = open.iter().map(|found| found.kind::<Open>().unwrap().clone());
+        kinds.collect::<Vec<Open>>()
+    };
+    let step = "what = \"step-diagonal\"";
+    let turning = format!("{step}\noverrun_mm = 0");
+    let forward = format!("{step}\nbidirectional = false");
+    for given in [0, 1] {
+        let scales = Open::Scales { given };
+        assert_eq!(kinds(&turning, given), [scales, Open::Angles]);
+    }
+    assert_eq!(kinds(&turning, 2), [Open::Angles]);
+    assert_eq!(kinds(step, 3), [Open::Angles, Open::ReversalOfAnAxis]);
+    assert_eq!(kinds(&forward, 3), [Open::Angles, Open::Reversal]);
+    let straight = "what = \"straight-diagonal\"\nbidirectional = false";
+    assert_eq!(kinds(straight, 0), [Open::NineErrors, Open::Reversal]);
+    let axes = "XY".to_string();
+    assert_eq!(
+        kinds("what = \"single-axis\"\naxes = [\"x\", \"y\"]", 0),
+        [Open::Straightness { axes }]
+    );
+}

@@ -1,0 +1,245 @@
+//! Files that real controls wrote, read where they lie: not part of this repository, and nothing of
+//! them is copied here. What was understood of them is told in counts, ranges and largest values.
+use crate::support::skipped;
+use crate::support::{inputs, response, um_at};
+use nonius::control::table::Tables;
+use nonius::control::table::siemens::SiemensGrid;
+use nonius::judge::active::{ActiveControl, ReadOutFor, from_read_out};
+use nonius::kit::{self, Inputs, emulator};
+use nonius::quantity::axis::Direction;
+use nonius::read::emulate::Emulator;
+use nonius::text::finding::{Severity, of_severity};
+use std::fmt::Write;
+use std::path::Path;
+
+/// Folder, and the names of files in it.
+type Files<'a> = (&'a str, &'a [&'a str]);
+
+/// Names and bytes; `None` where the files do not lie beside the repository.
+fn real((folder, names): Files<'_>) -> Option<Vec<(String, Vec<u8>)>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/real").join(folder);
+    let read = |name: &&str| Some((name.to_string(), std::fs::read(folder.join(name)).ok()?));
+    names.iter().map(read).collect()
+}
+
+/// A job for three axes, measured with `active`; `axis` = lines of `[compensation.axes]`.
+fn job(
+    control: &str,
+    active: &str,
+    travel: [[f64; 2]; 3],
+    axis: impl Fn(usize) -> String,
+) -> Inputs {
+    let mut job = format!(
+        "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"{active}\"\n[compensation]\ncontroller = \"{control}\"\nbacklash = \"mean\"\n"
+    );
+    let mut errors = "axis,position_mm,ex_um,ey_um,ez_um\n".to_string();
+    for (index, letter) in ["x", "y", "z"].into_iter().enumerate() {
+        let [low, high] = travel[index];
+        writeln!(job, "[machine.axes.{letter}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = 0.0\n[compensation.axes.{letter}]\n{}", axis(index)).unwrap();
+        for mm in [low, high] {
+            let um = mm / 100.0;
+            writeln!(errors, "{letter},{mm},{um},{},{}", -um, um / 2.0).unwrap();
+        }
+    }
+    inputs(&job, &errors)
+}
+
+/// A five-axis machine: three linear axes on the second measuring system.
+fn siemens(active: &str) -> Inputs {
+    let travel = [[0.0, 950.0], [-850.0, 0.0], [-650.0, 0.0]];
+    job("siemens-840d-sl", active, travel, |index| {
+        format!("spacing_mm = 50\nid = \"AX{}\"\nmeasuring_system = 2", index + 1)
+    })
+}
+
+fn fanuc(active: &str) -> Inputs {
+    let travel = [[-1600.0, 0.0], [-1100.0, 0.0], [-1100.0, 0.0]];
+    job("fanuc-0i-f", active, travel, |index| {
+        let spacing = [40.0, 27.5, 27.5][index];
+        format!("spacing_mm = {spacing}\nid = \"{}\"\ndetection_unit_um = 0.1", index + 1)
+    })
+}
+
+fn read(
+    job: &Inputs,
+    files: Vec<(String, Vec<u8>)>,
+    purpose: ReadOutFor,
+) -> Result<ActiveControl, String> {
+    from_read_out(&job.job, &job.profile, "files", files, purpose).map_err(|p| p.render())
+}
+
+/// What was active, and what a kit on top of it is judged to leave.
+fn understood(job: fn(&str) -> Inputs, files: Vec<(String, Vec<u8>)>) -> String {
+    let with = job("files");
+    let active =
+        read(&with, files.clone(), ReadOutFor::OldTables).unwrap_or_else(|p| panic!("{p}"));
+    let mut said = told(&active);
+    let control = emulator(&with.profile, &active.tables, &active.state).unwrap();
+    said.push_str(&corrections(control.as_ref(), &with));
+    for assumption in &active.assumptions {
+        writeln!(said, "assumed: {} = {}", assumption.fact, assumption.value).unwrap();
+    }
+    let made =
+        kit::generate(&with.with_active(active).unwrap_or_else(|p| panic!("{}", p.render())));
+    let made = made.unwrap_or_else(|p| panic!("{}", p.render()));
+    let back = made.files.iter().filter(|f| f.role == nonius::control::controller::Role::Rollback);
+    writeln!(said, "kit: {} with {} rollback files", made.verdict.word(), back.count()).unwrap();
+    let judging = job("none");
+    let found = read(&judging, files, ReadOutFor::Judging).unwrap_or_else(|p| panic!("{p}"));
+    let judged =
+        kit::verify_read_out(&judging, &found).unwrap_or_else(|p| panic!("{}", p.render()));
+    writeln!(
+        said,
+        "verify: {} causes, {} doubts",
+        judged.disagreements().len(),
+        of_severity(&judged.findings, Severity::Doubt).len()
+    )
+    .unwrap();
+    said
+}
+
+/// Tables and what was ignored, in numbers.
+fn told(active: &ActiveControl) -> String {
+    let mut said = format!(
+        "{} notes, CEC tables of others {:?}\n",
+        of_severity(&active.findings, Severity::Note).len(),
+        active.others.cec_tables
+    );
+    let range = |grid: SiemensGrid| format!("{} to {} by {}", grid.min, grid.max, grid.step);
+    match &active.tables {
+        Tables::Siemens(tables) => {
+            for table in &tables.lec {
+                writeln!(
+                    said,
+                    "ENC_COMP[{},{}]: {} points, {}",
+                    table.encoder,
+                    table.axis,
+                    table.values.len(),
+                    range(table.grid)
+                )
+                .unwrap();
+            }
+            for table in &tables.cec {
+                writeln!(
+                    said,
+                    "CEC {}: {} -> {}, {} points, {}",
+                    table.number,
+                    table.input_axis,
+                    table.output_axis,
+                    table.values.len(),
+                    range(table.grid)
+                )
+                .unwrap();
+            }
+        }
+        Tables::Fanuc(memory) => {
+            let own = memory.parameters.keys().filter(|key| key.number == 3623);
+            writeln!(
+                said,
+                "{} points, pitch of axes {:?}",
+                memory.points.len(),
+                own.filter_map(|key| key.axis).collect::<Vec<_>>()
+            )
+            .unwrap();
+            writeln!(
+                said,
+                "points of others: {:?}",
+                active.others.points.iter().map(|p| (p.first, p.last)).collect::<Vec<_>>()
+            )
+            .unwrap();
+        }
+        Tables::Generic(_)
+        | Tables::Declared(_)
+        | Tables::Linuxcnc(_)
+        | Tables::Isg(_)
+        | Tables::Klipper(_) => {}
+    }
+    said
+}
+
+/// The largest correction of each pair of axes that is connected, µm.
+fn corrections(control: &dyn Emulator, job: &Inputs) -> String {
+    let mut said = String::new();
+    for (base, output) in control.connected_axes() {
+        let largest = |direction| {
+            let way = response(control, &base, &output, direction);
+            let places = (-1700..1000).map(|mm| um_at(&way, f64::from(mm)).abs());
+            places.fold(0.0, f64::max)
+        };
+        let um = largest(Direction::Plus).max(largest(Direction::Minus));
+        if um > 0.0 {
+            writeln!(said, "{base} -> {output}: corrects up to {um:.1} um").unwrap();
+        }
+    }
+    let own = job.job.compensation.axes.iter().filter(|(_, axis)| axis.is_some()).count();
+    writeln!(said, "{own} axes of the job").unwrap();
+    said
+}
+
+#[test]
+fn a_five_axis_840d_sl_is_understood_from_its_archive_or_its_files() {
+    let (Some(archive), Some(files)) = (
+        real(("siemens", &["test.arc"])),
+        real(("siemens", &["AX_EEC.INI", "INITIAL.INI", "NC_CEC.INI"])),
+    ) else {
+        return skipped::skipped();
+    };
+    let said = understood(siemens, archive);
+    insta::assert_snapshot!("real-siemens", said);
+    let with_other_notes = |text: &str| text.split_once(" notes").map(|(_, rest)| rest.to_string());
+    assert_eq!(with_other_notes(&understood(siemens, files)), with_other_notes(&said));
+}
+
+#[test]
+fn each_file_of_tables_is_accepted_as_it_is() {
+    for name in ["AX_EEC.INI", "NC_CEC.INI"] {
+        let Some(files) = real(("siemens", &[name])) else {
+            return skipped::skipped();
+        };
+        let job = siemens("files");
+        let active = read(&job, files, ReadOutFor::OldTables).unwrap_or_else(|p| panic!("{p}"));
+        let other = if name == "AX_EEC.INI" { "CEC" } else { "ENC_COMP" };
+        let is_other = |fact: &str| fact.starts_with(other);
+        assert!(active.assumptions.iter().any(|a| is_other(&a.fact)), "{name}");
+        let with = job.with_active(active).unwrap_or_else(|p| panic!("{name}\n{}", p.render()));
+        kit::generate(&with).unwrap_or_else(|p| panic!("{name}\n{}", p.render()));
+    }
+}
+
+#[test]
+fn the_switches_of_a_real_control_without_its_tables_are_refused() {
+    let Some(files) = real(("siemens", &["INITIAL.INI"])) else {
+        return skipped::skipped();
+    };
+    let refused = read(&siemens("files"), files.clone(), ReadOutFor::OldTables).unwrap_err();
+    for says in [
+        "$MA_ENC_COMP_ENABLE[1,AX1], [1,AX2], [1,AX3] is 1",
+        "$SN_CEC_TABLE_ENABLE of CEC tables 0, 1, 2, 3, 4, 5 and 2 more is 1",
+        "read out the tables too ($AA_ENC_COMP, `AX_EEC.INI`)",
+        "read out the tables too ($AN_CEC, `NC_CEC.INI`)",
+    ] {
+        assert!(refused.contains(says), "{refused}");
+    }
+    let found = read(&siemens("none"), files, ReadOutFor::Judging).unwrap();
+    let beside = of_severity(&found.findings, Severity::Doubt);
+    assert_eq!(beside.len(), 2, "{beside:?}");
+}
+
+#[test]
+fn a_complete_fanuc_backup_is_understood() {
+    let backup: Files<'_> = ("fanuc", &["HM100TS_CNC-PARA.TXT", "HM100TS_PITCH.TXT"]);
+    let Some(files) = real(backup) else {
+        return skipped::skipped();
+    };
+    insta::assert_snapshot!("real-fanuc", understood(fanuc, files));
+    let parameters = real((backup.0, &backup.1[..1])).unwrap();
+    let job = fanuc("files");
+    let active = read(&job, parameters, ReadOutFor::OldTables).unwrap();
+    let refused = job.with_active(active).unwrap_err().render();
+    assert!(refused.contains("point 1 is missing"), "{refused}");
+    let points = real((backup.0, &backup.1[1..])).unwrap();
+    let refused = read(&fanuc("files"), points, ReadOutFor::OldTables).unwrap_err();
+    assert!(refused.contains("1536 points and no parameter 3620 to 3624"), "{refused}");
+    let short = real(("fanuc", &["Jir8taiwan_CNC-PARA.TXT"])).unwrap();
+    read(&fanuc("files"), short, ReadOutFor::Judging).unwrap();
+}

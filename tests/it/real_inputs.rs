@@ -1,0 +1,189 @@
+//! Files that other people's instruments and CAM systems wrote, read where they lie beside the
+//! repository: what is understood of each, and which are refused for which reason.
+use crate::support::skipped;
+use nonius::control::controller::TableSign;
+use nonius::inputs::import::stated::{MaterialCorrected, Rows, Stated};
+use nonius::inputs::import::{Component, Imported, Measurement, import};
+use nonius::kit::sha256;
+use nonius::quantity::axis::{Axis, Direction};
+use nonius::text::finding::{Severity, of_severity};
+use nonius::text::problem::Problems;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The names and paths of the files of a folder; `None` where the data are not there.
+fn files(folder: &str) -> Option<BTreeMap<String, PathBuf>> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/real");
+    let Ok(entries) = fs::read_dir(root.join(folder)) else {
+        skipped::skipped();
+        return None;
+    };
+    let paths = entries.map(|entry| entry.unwrap().path());
+    let named = paths.map(|path| {
+        let name = path.file_name().unwrap().to_str().unwrap().to_string();
+        (name, path)
+    });
+    Some(named.filter(|(name, _)| !name.ends_with(".tsv")).collect())
+}
+
+// ---------------------------------------------------------------------------------------------
+// Laser exports
+
+/// What a person has to state for each of the four.
+fn stated(name: &str) -> Stated {
+    let (term, axis, run, rows) = match name {
+        name if name.contains("8055_X") => ("EXX", None, Direction::Plus, None),
+        // The operator left `TestAxis: (X)` as it was.
+        name if name.contains("8055_Y") => ("EYY", Some(Axis::Y), Direction::Minus, None),
+        // Its averages were edited: one position was added, one taken away.
+        name if name.contains("8065_X") => ("EXX", None, Direction::Plus, Some(Rows::Measured)),
+        // Its rows were edited and contradict themselves; only the averages are a curve.
+        _ => ("EXX", None, Direction::Minus, Some(Rows::Averages)),
+    };
+    Stated {
+        term: Component::from_name(term),
+        axis,
+        first_target_at_mm: Some(0.0),
+        targets_run: Some(run),
+        sign: Some(TableSign::AsError),
+        rows,
+        material_corrected: Some(MaterialCorrected::NotStated),
+        ..Stated::default()
+    }
+}
+
+fn imported(path: &Path, stated: &Stated) -> Result<Imported, Problems> {
+    let bytes = fs::read(path).unwrap();
+    let file =
+        Measurement { path: "file.pos", name: "file.pos", sha256: &sha256(&bytes), bytes: &bytes };
+    import(file, None, None, stated)
+}
+
+/// What was understood, without what the file holds: counts, range, unit, way, surroundings.
+fn understood(imported: &Imported) -> String {
+    let mut words = String::new();
+    for series in &imported.draft.series {
+        let (first, last) = (series.positions_mm[0], *series.positions_mm.last().unwrap());
+        let way = series.direction.map_or("both", Direction::symbol);
+        let count = series.positions_mm.len();
+        writeln!(words, "{} {way}: {count} points, {first} … {last} mm", series.axis).unwrap();
+    }
+    let told = ["unit", "values:", "rows:", "runs:", "not measured"];
+    let facts = of_severity(&imported.findings, Severity::Label);
+    let facts = facts
+        .iter()
+        .map(ToString::to_string)
+        .filter(|fact| told.iter().any(|t| fact.starts_with(t)));
+    facts.for_each(|fact| writeln!(words, "{fact}").unwrap());
+    for warning in of_severity(&imported.findings, Severity::Note) {
+        let warning = warning.to_string();
+        let begin = warning.split([':', '(']).next().unwrap();
+        writeln!(words, "warning: {begin}").unwrap();
+    }
+    words
+}
+
+#[test]
+fn laser_exports_are_read_as_they_are() {
+    let Some(files) = files("api") else { return };
+    let mut words = String::new();
+    for (name, path) in &files {
+        let imported = imported(path, &stated(name)).unwrap_or_else(|p| panic!("{name}: {p}"));
+        writeln!(words, "{name}\n{}", understood(&imported)).unwrap();
+    }
+    insta::assert_snapshot!(words);
+}
+
+#[test]
+fn of_a_laser_export_nothing_is_guessed() {
+    let Some(files) = files("api") else { return };
+    for (name, path) in &files {
+        let nothing = imported(path, &Stated::default()).unwrap_err().to_string();
+        for option in ["--term", "--sign", "--material-corrected"] {
+            assert!(nothing.contains(option), "{name}: {nothing}");
+        }
+        let turned = Stated { sign: Some(TableSign::AsCorrection), ..stated(name) };
+        let contradicts = imported(path, &turned).is_err();
+        assert_eq!(contradicts, turned.rows != Some(Rows::Averages), "{name}");
+    }
+}
+
+// ---------------------------------------------------------------------------------------------
+// Part programs
+
+/// A machine with so much travel that no program leaves it.
+fn job() -> String {
+    let axes: String = ["x", "y", "z"]
+        .iter()
+        .map(|axis| {
+            format!("[machine.axes.{axis}]\ntravel_mm = [-9000.0, 9000.0]\nreference_mm = 0.0\n")
+        })
+        .collect();
+    let offsets: String = ["G54", "G55", "G56"]
+        .iter()
+        .map(|name| {
+            format!("[[path.offset]]\nsystem = \"{name}\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n")
+        })
+        .collect();
+    let tools: String = (1..=20)
+        .map(|number| format!("[[path.tool]]\nnumber = {number}\nlength_mm = 100.0\n"))
+        .collect();
+    format!(
+        "schema = 1\n[machine]\nname = \"M\"\n{axes}[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[path]\n{offsets}{tools}"
+    )
+}
+
+const ERRORS: &str = "axis,position_mm,ex_um,ey_um,ez_um
+x,-9000,-90,0,0\nx,9000,90,0,0\ny,-9000,0,-90,0\ny,9000,0,90,0\nz,-9000,0,0,-90\nz,9000,0,0,90\n";
+
+/// Why a program is refused, in one word.
+fn kind(said: &str) -> &'static str {
+    let kinds = [
+        ("turning programs", "turning"),
+        ("is a variable of the control", "variable of the control"),
+        ("has no value", "variable that is not set"),
+        ("write G90.1 before", "absolute centres"),
+        ("the end of the arc lies", "arc misses its circle"),
+        ("the language of another control", "language of another control"),
+        ("text belongs into", "language of another control"),
+        ("`L` belongs to no word", "Siemens language"),
+    ];
+    let found = kinds.iter().find(|(words, _)| said.contains(words));
+    found.map_or("other", |(_, kind)| kind)
+}
+
+/// `ran`, with the holes that were drilled, or why not.
+fn outcome(directory: &Path, program: &Path) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
+        .args(["path", "job.toml", "--format", "json"])
+        .arg(fs::canonicalize(program).unwrap())
+        .current_dir(directory)
+        .output()
+        .expect("the program starts");
+    let said = String::from_utf8_lossy(&output.stderr);
+    match output.status.code() {
+        Some(0) => {
+            let page: Value = serde_json::from_slice(&output.stdout).unwrap();
+            assert!(page.is_object());
+            "ran".to_string()
+        }
+        Some(2) => format!("refused: {}", kind(&said)),
+        other => panic!("{}: {other:?}\n{said}", program.display()),
+    }
+}
+
+#[test]
+fn part_programs_of_others_run_or_are_refused_for_their_reason() {
+    let Some(files) = files("gcode") else { return };
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("job.toml"), job()).unwrap();
+    fs::write(directory.path().join("errors.csv"), ERRORS).unwrap();
+    let outcomes =
+        files.iter().map(|(name, path)| format!("{name}: {}", outcome(directory.path(), path)));
+    let list: Vec<String> = outcomes.collect();
+    insta::assert_snapshot!(list.join("\n"));
+}

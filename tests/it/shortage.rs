@@ -1,0 +1,154 @@
+//! Controls with fewer tables than terms, and tables at the reference.
+use crate::support;
+use nonius::control::claims::Precondition;
+use nonius::control::claims::SeenTo;
+use nonius::control::controller::builtin;
+use nonius::quantity::axis::ErrorTerm;
+use nonius::text::finding::Finding;
+use nonius::write::findings::TableFinding;
+use std::fmt::Write;
+
+fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
+    let mut text = format!(
+        "schema = 1\n[machine]\nname = \"VMC\"\n[measurement]\nerrors = \"errors.csv\"\n\
+         active_while_measuring = \"none\"\n[compensation]\ncontroller = \"{controller}\"\n{more}\n"
+    );
+    for axis in ["x", "y", "z"] {
+        writeln!(
+            text,
+            "[machine.axes.{axis}]\ntravel_mm = [0.0, 100.0]\nreference_mm = {reference:?}\n\
+             [compensation.axes.{axis}]\nspacing_mm = {spacing:?}\ndetection_unit_um = 1.0"
+        )
+        .unwrap();
+    }
+    text
+}
+
+#[test]
+fn every_table_is_exactly_zero_at_a_reference_between_measured_points() {
+    let table = "axis,position_mm,ey_um\nx,0,1.812\nx,50,6.457\nx,100,4.722\n";
+    for id in support::any_grid_ids() {
+        let table = match support::has_cross_terms(&builtin::profile(id).unwrap()) {
+            false => table.replace("ey_um", "ex_um"),
+            true => table.to_string(),
+        };
+        for reference in 1..100 {
+            let (_, kit) = support::generate(&job(id, "", f64::from(reference), 10.0), &table);
+            for planned in &kit.plan.tables {
+                let node = planned.grid.nodes().reference_node;
+                let um = planned.values[node].um();
+                assert!(um == 0.0, "{id}, reference {reference} mm: {um:e} µm");
+            }
+        }
+    }
+}
+
+#[test]
+fn errors_measured_moving_back_count_in_the_selection() {
+    let mut table = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
+    table += "x,-,0,0,0,0\nx,-,100,3,80,80\n";
+    table += "y,-,0,0,0,0\ny,-,100,3,3,3\nz,-,0,0,0,0\nz,-,100,3,3,3\n";
+    let (_, kit) = support::generate(&job("fanuc-0i-f", "", 0.0, 50.0), &table);
+    let omitted: Vec<String> = kit.plan.omitted.iter().map(|o| o.term.to_string()).collect();
+    assert_eq!(omitted.len(), 3, "{omitted:?}");
+    assert!(!omitted.contains(&"EYX".to_string()), "{omitted:?}");
+    assert!(!omitted.contains(&"EZX".to_string()), "{omitted:?}");
+}
+
+fn both_ways() -> String {
+    let mut table = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
+    for (index, axis) in ["x", "y", "z"].iter().enumerate() {
+        for (direction, reversal) in [("+", 0.0), ("-", 2.0)] {
+            for row in 0..31 {
+                let x = f64::from(row) / 30.0;
+                let um = |of: usize| {
+                    let size = 4.0 + ((index * 3 + of) * 5 % 9) as f64;
+                    size * (x * (1.5 + of as f64)).sin() + reversal * (1.0 + 0.1 * of as f64)
+                };
+                let position = 100.0 * x;
+                writeln!(table, "{axis},{direction},{position},{},{},{}", um(0), um(1), um(2))
+                    .unwrap();
+            }
+        }
+    }
+    table
+}
+
+#[test]
+fn the_828d_takes_the_mean_before_it_leaves_a_term_out() {
+    let two = "backlash = \"two-tables\"";
+    let (_, kit) = support::generate(&job("siemens-828d", two, 0.0, 10.0), &both_ways());
+    let has_table = |term: ErrorTerm| kit.plan.tables.iter().any(|t| t.term == term);
+    assert!(ErrorTerm::ALL.into_iter().all(has_table), "{:?}", kit.plan.omitted);
+    let cec = |t: &&nonius::write::plan::PlannedTable| t.term.is_cross() || t.direction.is_some();
+    assert_eq!(kit.plan.tables.iter().filter(cec).count(), 8);
+    let means =
+        kit.plan.notes.iter().filter(|n| matches!(n.kind(), Some(TableFinding::MeanOnly { .. })));
+    assert_eq!(means.count(), 7, "{:?}", kit.plan.notes);
+}
+
+#[test]
+fn without_a_free_cec_table_positioning_gets_the_mean() {
+    let two = "backlash = \"two-tables\"\nfirst_table = 8";
+    let (_, kit) = support::generate(&job("siemens-828d", two, 0.0, 10.0), &both_ways());
+    let terms: Vec<String> = kit.plan.tables.iter().map(|t| t.term.to_string()).collect();
+    assert_eq!(terms, ["EXX", "EYY", "EZZ"]);
+    assert!(kit.plan.tables.iter().all(|t| t.direction.is_none()));
+    for omission in &kit.plan.omitted {
+        let said = "8 CEC tables, of which 8 are in use (`first_table`), for 18";
+        assert!(omission.reason.contains(said), "{}", omission.reason);
+    }
+    let backlash = kit.compiled.preconditions.iter().filter(|p| p.what.contains("BACKLASH"));
+    assert!(backlash.into_iter().all(|p| p.value == "as during the measurement"));
+}
+
+/// X and Y are the same in both directions, Z is not; only X and Z shall have two tables.
+#[test]
+fn equal_directions_and_policies_of_their_own_get_one_table() {
+    let table = "axis,direction,position_mm,ex_um,ez_um\nx,+,0,0,0\nx,+,100,3,0\nx,-,0,0,0\nx,-,100,3.0000005,0\n\
+                 z,+,0,0,0\nz,+,100,0,5\nz,-,0,0,-2\nz,-,100,0,4\n";
+    let policies = "backlash = { x = \"two-tables\", y = \"mean\", z = \"two-tables\" }";
+    for id in support::any_grid_ids() {
+        let (_, kit) = support::generate(&job(id, policies, 0.0, 50.0), table);
+        let directed = |term: &str| {
+            let term = ErrorTerm::from_name(term).unwrap();
+            let tables = kit.plan.tables.iter().filter(|t| t.term == term);
+            let directions: Vec<bool> = tables.map(|t| t.direction.is_some()).collect();
+            directions
+        };
+        assert_eq!(directed("EXX"), [false], "{id}");
+        let profile = builtin::profile(id).unwrap();
+        if !support::has_two_directions(&profile) {
+            assert_eq!(directed("EZZ"), [false], "{id}");
+            continue;
+        }
+        assert_eq!(directed("EZZ"), [true, true], "{id}");
+        let backlash = kit.plan.backlash_um.x;
+        assert_eq!(backlash.map(f64::to_bits), Some(0.0_f64.to_bits()), "{id}");
+        if support::replaces_backlash(&profile) {
+            continue; // its tables stand in place of the parameter
+        }
+        let of_backlash = |p: &&Precondition| p.why.contains("no reversal is left");
+        let stated = kit.compiled.preconditions.iter().find(of_backlash);
+        let stated = stated.unwrap_or_else(|| panic!("{id}: {:#?}", kit.compiled.preconditions));
+        assert!(stated.when == SeenTo::Entered && stated.value.starts_with('0'), "{stated:?}");
+        if id.starts_with("siemens") {
+            // The pair of an earlier kit would add to ENC_COMP.
+            let of_pair = |p: &&Precondition| p.what.contains("from an axis to itself, ");
+            let pairs = kit.compiled.preconditions.iter().filter(of_pair);
+            let pairs: Vec<&str> = pairs.map(|p| p.what.as_str()).collect();
+            assert!(matches!(pairs[..], [x] if x.ends_with("AX1")), "{pairs:?}");
+        }
+        let words = "both directions are equal, so one table is written";
+        let said = |note: &Finding| match note.kind() {
+            Some(TableFinding::OfTarget { terms, note }) => {
+                terms[0].to_string() == "EXX" && note == words
+            }
+            _ => false,
+        };
+        assert!(kit.plan.notes.iter().any(said), "{id}");
+        let mean = policies.replace("z = \"two-tables\"", "z = \"mean\"");
+        let (_, kit) = support::generate(&job(id, &mean, 0.0, 50.0), table);
+        assert!(kit.plan.tables.iter().all(|t| t.direction.is_none()), "{id}");
+    }
+}

@@ -1,0 +1,160 @@
+//! Klipper's skew correction against its formula: whatever leans, and wherever the machine homes, the bytes take off
+//! the lean, and nothing else.
+use crate::support;
+use crate::support::run::ended;
+use crate::support::{Random, um_at};
+use nonius::control::controller::{Dialect, TableSign, builtin};
+use nonius::quantity::axis::{Direction, ErrorTerm};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+
+/// A printer that leans by so many µm in 100 mm: X by Y, X by Z, Y by Z; Z bends by `bent` µm in the middle of Y.
+fn texts(lean: [f64; 3], bent: f64, reference: [f64; 3]) -> (String, String) {
+    let [xy, xz, yz] = lean;
+    let mut errors =
+        String::from("axis,position_mm,ex_um,ey_um,ez_um\nx,0,5,0,0\nx,100,9,0,0\nx,200,15,0,0\n");
+    for (mm, part) in [(0.0, 0.0), (100.0, 1.0), (200.0, 0.0)] {
+        errors += &format!("y,{mm:?},{:?},0,{:?}\n", xy * mm / 100.0, bent * part);
+    }
+    for mm in [0.0, 100.0, 200.0] {
+        errors += &format!("z,{mm:?},{:?},{:?},0\n", xz * mm / 100.0, yz * mm / 100.0);
+    }
+    let mut job = String::from(
+        "schema = 1\n[machine]\nname = \"P\"\n[measurement]\nerrors = \"errors.csv\"\n\
+         active_while_measuring = \"none\"\n[compensation]\ncontroller = \"klipper-skew\"\n\
+         [limits]\nmax_slope_um_per_mm = 20\nmax_correction_um = 5000\n[acceptance]\nmax_deviation_um = 50\n",
+    );
+    for (axis, reference) in ["x", "y", "z"].iter().zip(reference) {
+        job += &format!(
+            "[machine.axes.{axis}]\ntravel_mm = [0, 200]\nreference_mm = {reference:?}\n\
+             [compensation.axes.{axis}]\nspacing_mm = 20\n"
+        );
+    }
+    (job, errors)
+}
+
+/// x' - x and y' - y of Klipper's calc_skew, written here once more, mm.
+fn klipper([xy, xz, yz]: [f64; 3], [_, y, z]: [f64; 3]) -> [f64; 2] {
+    [-y * xy - z * (xz - xy * yz), -z * yz]
+}
+
+#[test]
+fn the_bytes_take_off_the_lean_by_klippers_formula() {
+    let profile = builtin::profile("klipper-skew").unwrap();
+    let mut turned = profile.clone();
+    match &mut turned.dialect {
+        Dialect::Klipper(facts) => facts.skew_sign.value = TableSign::AsCorrection,
+        _ => unreachable!("the profile is Klipper's"),
+    }
+    let mut random = Random::new(7);
+    for _ in 0..40 {
+        let lean = [0; 3].map(|_| random.between(-300.0, 300.0));
+        let reference = [0; 3].map(|_| random.of(&[0.0, 100.0, 200.0]));
+        let (job, errors) = texts(lean, 8.0, reference);
+        let (_, kit) = support::generate(&job, &errors);
+        let file = kit.files.iter().find(|file| file.path == "nonius-skew.cfg").unwrap();
+        let text = std::str::from_utf8(&file.bytes).unwrap();
+        let factor = |name: &str| -> f64 {
+            let line = text.lines().find(|line| line.starts_with(name)).unwrap();
+            line.split(" = ").nth(1).unwrap().parse().unwrap()
+        };
+        let factors = ["xy_skew", "xz_skew", "yz_skew"].map(factor);
+        for (factor, lean) in factors.iter().zip(lean) {
+            assert!((factor - lean * 1e-5).abs() <= 0.51e-9, "{factor} {lean}");
+        }
+        let (right, wrong) = (support::control(&profile, &kit), support::control(&turned, &kit));
+        for (base, output, index) in [("y", "x", 1), ("z", "x", 2), ("z", "y", 2)] {
+            let of = usize::from(output == "y");
+            for mm in [0.0, 37.0, 200.0] {
+                let (mut at, mut zero) = (reference, reference);
+                (at[index], zero[index]) = (mm, reference[index]);
+                let expected = klipper(factors, at)[of] - klipper(factors, zero)[of];
+                for direction in Direction::BOTH {
+                    let response = support::response(right.as_ref(), base, output, direction);
+                    let um = um_at(&response, mm);
+                    assert!((um - expected * 1000.0).abs() < 1e-9, "{base} {output}: {um}");
+                    let response = support::response(wrong.as_ref(), base, output, direction);
+                    assert!((um + um_at(&response, mm)).abs() < 1e-9);
+                }
+            }
+        }
+        // What it cannot hold is as it was; what it holds leaves the product of two leans.
+        let left = |name: &str| {
+            let term = ErrorTerm::from_name(name).unwrap();
+            let terms = kit.forecast.terms.iter();
+            let own = terms.clone().find(|own| own.term == term).unwrap();
+            (own.change.before_um, own.change.after_um)
+        };
+        let far = (200.0 - reference[2]).max(reference[2]);
+        let product = far * 1000.0 * (lean[0] * lean[2]).abs() * 1e-10;
+        assert!(left("EXY").1 < 0.001 && left("EYZ").1 < 0.001);
+        assert!((left("EXZ").1 - product).abs() < 0.001, "{:?} {product}", left("EXZ"));
+        for name in ["EXX", "EZY"] {
+            let (before, after) = left(name);
+            assert!((before - after).abs() < 1e-12 && before > 1.0, "{name}");
+        }
+    }
+}
+
+fn place(job: &str, errors: &str) -> tempfile::TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("job.toml"), job).unwrap();
+    fs::write(directory.path().join("errors.csv"), errors).unwrap();
+    directory
+}
+
+fn json(at: &Path, arguments: &str) -> Value {
+    let (_, page, said) = ended(at, arguments);
+    serde_json::from_str(&page).unwrap_or_else(|_| panic!("{said}"))
+}
+
+/// Home at 200 mm of Z: Klipper adds -(2e-5 * 200 mm) = -4 um to X there, and says so as a shift.
+#[test]
+fn a_correction_that_is_not_zero_at_the_reference_is_named() {
+    let (job, errors) = texts([0.0, 2.0, 0.0], 0.0, [0.0, 0.0, 200.0]);
+    let job = job.replace("[limits]", "terms = [\"EXZ\"]\n[limits]");
+    let directory = place(&job, &errors);
+    let kit = json(directory.path(), "generate job.toml -o kit --format json");
+    let notes = kit["notes"].to_string();
+    assert!(notes.contains("adds -4.0 µm to X"), "{notes}");
+    let proof = &kit["sign_proofs"][0];
+    // From 200 to 0 mm, where the file pretends +20 um.
+    assert_eq!((&proof["from_mm"], &proof["peak_mm"]), (&200.0.into(), &0.0.into()));
+    assert!((proof["shows_um"].as_f64().unwrap() + 20.0).abs() < 0.001);
+    let sign = fs::read_to_string(directory.path().join("kit/nonius-sign-skew.cfg")).unwrap();
+    assert!(sign.contains("xz_skew = -0.000100000"), "{sign}");
+}
+
+/// Somebody's changes are found; factors that acted are part of the new ones.
+#[test]
+fn files_are_judged_and_old_factors_are_added() {
+    let (job, errors) = texts([10.0, -20.0, 5.0], 8.0, [0.0; 3]);
+    let directory = place(&job, &errors);
+    let at = directory.path();
+    assert_eq!(ended(at, "generate job.toml -o kit").0, Some(0));
+    assert_eq!(ended(at, "verify job.toml --tables kit").0, Some(0));
+    fs::create_dir(at.join("out")).unwrap();
+    let own = fs::read_to_string(at.join("kit/nonius-skew.cfg")).unwrap();
+    let saved: String = own.lines().map(|line| format!("#*# {line}\n")).collect();
+    let saved = format!("[printer]\nkinematics = corexy\n{saved}");
+    for (from, to, expected, words) in [
+        ("0.000100000", "0.000100000", 0, "agree"),
+        ("0.000100000", "-0.000100000", 1, "EXY"),
+        ("[skew_correction nonius]", "[skew_correction other]", 0, "agree"),
+    ] {
+        fs::write(at.join("out/printer.cfg"), saved.replace(from, to)).unwrap();
+        let (status, said, more) = ended(at, "verify job.toml --tables out --explain");
+        assert_eq!(status, Some(expected), "{to}: {said}{more}");
+        assert!(said.contains(words), "{to}: {said}");
+    }
+    fs::write(at.join("out/printer.cfg"), &saved).unwrap();
+    let again = job.replace("\"none\"", "\"out\"\nactive_terms_not_measured = \"keep\"");
+    fs::write(at.join("job.toml"), again).unwrap();
+    let (status, _, said) = ended(at, "generate job.toml -o new");
+    assert_eq!(status, Some(0), "{said}");
+    let new = fs::read_to_string(at.join("new/nonius-skew.cfg")).unwrap();
+    for line in ["xy_skew = 0.000200000", "yz_skew = 0.000100000"] {
+        assert!(new.contains(line), "{new}");
+    }
+}

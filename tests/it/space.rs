@@ -1,0 +1,465 @@
+//! Largest differences of error vectors: golden figures of machine H, and random machines
+//! against the comparison of all pairs.
+use crate::support::machine_h;
+use crate::support::machine_h::machine_h;
+use crate::support::random_map;
+use crate::support::random_map::{Family, random_map};
+use nonius::quantity::axis::Axis;
+use nonius::volume::space::cloud;
+use nonius::volume::space::diameter::WindowMap;
+use nonius::volume::space::diameter::{Diameter, diameter};
+use nonius::volume::space::grid_map::{AxisNodes, GridMap, Node, Vector};
+use nonius::volume::space::grouping::{Tolerance, grouping};
+use nonius::volume::space::histogram::{exact, pairs};
+use nonius::volume::space::pair::square;
+use nonius::volume::space::sample::estimate;
+
+/// All pairs, the smaller numbers first.
+fn brute(vectors: &[Vector]) -> (f64, [usize; 2]) {
+    let mut best = (0.0, [0, 0]);
+    for (p, a) in vectors.iter().enumerate() {
+        for (q, b) in vectors.iter().enumerate().skip(p) {
+            let square = square(a, b);
+            if square > best.0 {
+                best = (square, [p, q]);
+            }
+        }
+    }
+    best
+}
+
+fn brute_in(map: &GridMap, low: Node, size: Node) -> (f64, [Node; 2]) {
+    let mut numbers = Vec::new();
+    for i in low[0]..low[0] + size[0] {
+        for j in low[1]..low[1] + size[1] {
+            for k in low[2]..low[2] + size[2] {
+                numbers.push([i, j, k]);
+            }
+        }
+    }
+    let vectors: Vec<Vector> = numbers.iter().map(|node| map.at(*node)).collect();
+    let (square, pair) = brute(&vectors);
+    (square.sqrt(), pair.map(|n| numbers[n]))
+}
+
+fn close(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "{found} instead of {expected}");
+}
+
+/// Diameter of grid and cloud equal all pairs, to the last digit and to the same pair.
+fn agrees(map: &GridMap, what: &str) -> Diameter {
+    let vectors = map.vectors();
+    let (square, pair) = brute(&vectors);
+    let found = diameter(map);
+    assert_eq!(found.um, square.sqrt(), "{what}: length");
+    assert_eq!(found.nodes.map(|node| map.number(node)), pair, "{what}: pair");
+    let cloud = cloud::longest(&vectors).unwrap();
+    assert_eq!((cloud.square_um2, cloud.pair), (square, pair), "{what}: cloud");
+    found
+}
+
+#[test]
+fn machine_h_is_the_tabulated_one() {
+    let text = include_str!("../../fixtures/machine_h/errors.csv");
+    let mut rows = 0;
+    for line in text.lines().filter(|line| line.starts_with(['x', 'y', 'z'])) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let value = |n: usize| -> f64 { cells[n].parse().unwrap() };
+        let at = value(1) / 1000.0;
+        let (shift, turn) = match cells[0] {
+            "x" => machine_h::x_errors(at),
+            "y" => machine_h::y_errors(at),
+            // the table's positions of Z are rounded to a nanometre
+            _ => (machine_h::z_errors((at * 3.0).round() / 3.0), [0.0; 3]),
+        };
+        for c in 0..3 {
+            close(shift[c], value(2 + c), 1e-8);
+            close(turn[c], value(5 + c), 1e-8);
+        }
+        rows += 1;
+    }
+    assert_eq!(rows, 13 + 9 + 7);
+}
+
+#[test]
+fn volumetric_accuracy_of_machine_h() {
+    let sizes = [[13, 9, 7], [21, 21, 21], [25, 17, 13], [41, 41, 41], [101, 101, 101]];
+    for size in sizes {
+        let map = machine_h(size);
+        let found = diameter(&map);
+        close(found.um, 1149.980851990, 5e-10);
+        let corners = [[0, size[1] - 1, 0], [size[0] - 1, 0, size[2] - 1]];
+        assert_eq!(found.nodes, corners, "{size:?}");
+    }
+    agrees(&machine_h([13, 9, 7]), "machine H");
+}
+
+#[test]
+fn error_vector_of_machine_h_at_figure_2() {
+    // x = 9 m, y = 3.5 m are nodes; z = 1.35 m is one of 41 steps of 0.05 m.
+    let map = machine_h([13, 9, 41]);
+    let found = map.at([9, 7, 27]);
+    for (found, expected) in found.into_iter().zip([204.915, -40.42545, 11.567]) {
+        close(found, expected, 1e-9);
+    }
+}
+
+#[test]
+fn windows_of_machine_h() {
+    // reference/volumetric.md §7.4: windows of 6 × 2 × 1 m
+    let golden = [
+        ([13, 9, 7], [7, 5, 4], 501.126690, 641.359923, Some([6, 4, 3])),
+        ([21, 21, 21], [11, 11, 11], 498.970269, 641.391107, Some([10, 9, 10])),
+        ([25, 17, 13], [13, 9, 7], 500.169527, 641.359923, None),
+    ];
+    for (grid, size, best, worst, place) in golden {
+        let windows = WindowMap::of(&machine_h(grid), size).unwrap();
+        close(windows.best().1.um, best, 5e-7);
+        close(windows.worst().1.um, worst, 5e-7);
+        close(windows.corner().um, 601.522188, 5e-7);
+        if let Some(place) = place {
+            assert_eq!(windows.low(windows.best().0), place);
+        }
+    }
+}
+
+#[test]
+fn histogram_of_machine_h() {
+    let vectors = machine_h([21, 21, 21]).vectors();
+    for threads in [1, 2, 3] {
+        let counts = exact(&vectors, 10.0, threads).unwrap();
+        let first = [75478, 428405, 874985, 1176614, 1336101, 1381424];
+        assert_eq!(counts[..6], first);
+        assert_eq!(counts[113..], [1, 2]);
+        assert_eq!(counts.iter().sum::<u64>(), 42_878_430);
+    }
+}
+
+#[test]
+fn grouping_of_machine_h() {
+    let vectors = machine_h([13, 9, 7]).vectors();
+    let golden = [(0.05, 315, 383), (0.1, 197, 240), (0.2, 103, 129)];
+    for (angular, groups, records) in golden {
+        let magnitude = 0.9;
+        let found = grouping(&vectors, Tolerance { angular, magnitude });
+        assert_eq!((found.groups, found.records.len()), (groups, records));
+        close(found.longest.unwrap().um(), 1149.980851990, 5e-10);
+    }
+}
+
+#[test]
+fn arithmetic_of_paper_002() {
+    assert_eq!(21_u64.pow(3), 9261);
+    assert_eq!(pairs(9261), 42_878_430, "almost 43 million");
+    // The paper's 334,562 is 818²/2; 819 vectors have 334,971 pairs.
+    assert_eq!((pairs(819), 818 * 818 / 2), (334_971, 334_562));
+    for (records, percent) in [(288.0_f64, 87.60), (228.0, 92.23), (120.0, 97.85)] {
+        let kept = records * records / 2.0 / 334_562.0;
+        close(100.0 * (1.0 - kept), percent, 0.005);
+    }
+}
+
+#[test]
+fn a_constant_error_fools_the_grouping_and_nothing_else() {
+    let mut vectors = machine_h([13, 9, 7]).vectors();
+    for vector in &mut vectors {
+        vector[0] += 300.0;
+    }
+    let exact = cloud::longest(&vectors).unwrap();
+    close(exact.um(), 1149.980851990, 1e-9);
+    let tolerance = Tolerance { angular: 0.2, magnitude: 0.9 };
+    let grouped = grouping(&vectors, tolerance).longest.unwrap();
+    assert!(grouped.um() <= exact.um());
+}
+
+#[test]
+fn random_machines_against_all_pairs() {
+    for number in 0..560 {
+        let family = Family::ALL[number % Family::ALL.len()];
+        let map = random_map(number as u64, family);
+        let found = agrees(&map, &format!("machine {number}, {family:?}"));
+        let vectors = map.vectors();
+        let range = |c: usize| {
+            let values = || vectors.iter().map(move |v| v[c]);
+            values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+        };
+        let ranges = [range(0), range(1), range(2)];
+        let room = 1.0 + 1e-12;
+        let box_um = ranges.iter().map(|r| r * r).sum::<f64>().sqrt();
+        assert!(ranges.iter().all(|r| *r <= found.um * room));
+        assert!(found.um <= box_um * room);
+        let tolerance = Tolerance { angular: 0.1, magnitude: 0.9 };
+        let grouped = grouping(&vectors, tolerance).longest;
+        assert!(grouped.is_none_or(|grouped| grouped.um() <= found.um));
+    }
+}
+
+/// Grids large enough for bounds of several chords; the cloud looks at every vector.
+#[test]
+fn larger_random_machines_against_the_cloud() {
+    for number in 0..105 {
+        let family = Family::ALL[number % Family::ALL.len()];
+        let (chain, axes) = random_map::axes_of(number as u64, family, 20..75);
+        let map = GridMap::new(chain, axes).unwrap();
+        let cloud = cloud::longest(&map.vectors()).unwrap();
+        let found = diameter(&map);
+        assert_eq!(found.um, cloud.um(), "{number}, {family:?}");
+        let pair = found.nodes.map(|node| map.number(node));
+        assert_eq!(pair, cloud.pair, "{number}, {family:?}");
+    }
+}
+
+#[test]
+fn windows_of_random_machines_against_all_pairs() {
+    for number in 0..28 {
+        let family = Family::ALL[number % Family::ALL.len()];
+        let map = random_map(1000 + number as u64, family);
+        let whole = map.size();
+        let size = whole.map(|n| n.div_ceil(2));
+        let windows = WindowMap::of(&map, size).unwrap();
+        let all = diameter(&map);
+        for (n, figure) in windows.figures.iter().enumerate() {
+            let low = windows.low(n);
+            assert_eq!((figure.um, figure.nodes), brute_in(&map, low, size), "{number} {low:?}");
+            assert!(figure.um <= all.um);
+        }
+        let full = WindowMap::of(&map, whole).unwrap();
+        assert_eq!(full.figures, [all]);
+        assert!(WindowMap::of(&map, [whole[0] + 1, 1, 1]).is_none());
+        assert!(WindowMap::of(&map, [0, 1, 1]).is_none());
+    }
+}
+
+/// Nodes of one axis from a function of the place 0…1.
+fn axis(count: usize, of: impl Fn(f64) -> (Vector, Vector)) -> AxisNodes {
+    let mut nodes = AxisNodes::default();
+    for n in 0..count {
+        let at = n as f64 / (count.max(2) - 1) as f64;
+        let (shift, turn) = of(at);
+        nodes.translation_um.push(shift);
+        nodes.rotation_urad.push(turn);
+        nodes.arm_m.push(at);
+    }
+    nodes
+}
+
+const XYZ: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+
+#[test]
+fn degenerate_maps() {
+    let none = |count| axis(count, |_| ([0.0; 3], [0.0; 3]));
+    let constant = |count| axis(count, |_| ([0.1, 0.7, -2000.3], [0.0; 3]));
+    let turn = std::f64::consts::TAU;
+    let circle = |count, r: f64| {
+        axis(count, move |t| ([r * (turn * t).cos(), r * (turn * t).sin(), 0.0], [0.0; 3]))
+    };
+    let upright =
+        |count| axis(count, |t| ([0.0, 9.0 * (turn * t).sin(), 9.0 * (turn * t).cos()], [0.0; 3]));
+    let line = |count, c: usize| {
+        axis(count, move |t| {
+            let mut shift = [0.0; 3];
+            shift[c] = 10.0 * t;
+            (shift, [0.0; 3])
+        })
+    };
+    let jump =
+        |count| axis(count, |t| ([if t > 0.4 && t < 0.6 { 5.0 } else { 0.0 }, 0.0, 0.0], [0.0; 3]));
+    let tiny = |count| axis(count, |t| ([2000.0 + 1e-13 * t, 0.1, 0.3], [1e-15 * t; 3]));
+    let maps = [
+        ("one node", [none(1), none(1), none(1)]),
+        ("zero", [none(9), none(8), none(7)]),
+        ("constant", [constant(9), constant(8), constant(7)]),
+        ("first axis only", [circle(9, 3.0), none(9), none(9)]),
+        ("second axis only", [none(9), circle(9, 3.0), none(9)]),
+        ("third axis only", [none(9), none(9), circle(9, 3.0)]),
+        ("circle", [circle(60, 3.0), none(1), none(1)]),
+        ("two circles", [circle(12, 3.0), circle(10, 3.0), none(5)]),
+        ("torus", [circle(12, 5.0), upright(10), none(5)]),
+        ("cube with ties", [line(7, 0), line(7, 1), line(7, 2)]),
+        ("lines on each other", [line(7, 1), line(7, 1), line(7, 1)]),
+        ("one node differs", [jump(11), none(10), none(9)]),
+        ("lost in rounding", [tiny(8), constant(8), tiny(8)]),
+        ("two axes of one node", [none(1), none(1), line(5, 2)]),
+    ];
+    for (what, axes) in maps {
+        agrees(&GridMap::new(XYZ, axes).unwrap(), what);
+    }
+}
+
+#[test]
+fn large_degenerate_maps_end() {
+    let none = |count| axis(count, |_| ([0.0; 3], [0.0; 3]));
+    let constant = |count| axis(count, |_| ([0.1, 0.7, -2000.3], [0.0; 3]));
+    let step = |count| axis(count, |t| ([if t > 0.5 { 5.0 } else { 0.0 }, 0.0, 0.0], [0.0; 3]));
+    let turn = std::f64::consts::TAU;
+    let circle =
+        |count| axis(count, move |t| ([(turn * t).cos(), (turn * t).sin(), 0.0], [0.0; 3]));
+    let map = GridMap::new(XYZ, [constant(401), constant(401), constant(401)]).unwrap();
+    assert_eq!(diameter(&map), Diameter { um: 0.0, nodes: [[0; 3]; 2] });
+    let map = GridMap::new(XYZ, [step(401), step(401), step(401)]).unwrap();
+    let nodes = [[0, 0, 0], [201, 201, 201]];
+    assert_eq!(diameter(&map), Diameter { um: 15.0, nodes });
+    let map = GridMap::new(XYZ, [circle(401), none(401), none(401)]).unwrap();
+    close(diameter(&map).um, 2.0, 1e-12);
+    let map = GridMap::new(XYZ, [circle(101), circle(101), none(101)]).unwrap();
+    close(diameter(&map).um, 4.0, 1e-12);
+}
+
+#[test]
+fn a_constant_shift_and_a_scale_change_nothing_else() {
+    for number in 0..35 {
+        let family = Family::ALL[number % Family::ALL.len()];
+        let (chain, axes) = random_map::axes(number as u64, family);
+        let plain = diameter(&GridMap::new(chain, axes.clone()).unwrap());
+        let mut shifted = axes.clone();
+        for shift in &mut shifted[1].translation_um {
+            shift[0] += 300.0;
+        }
+        let shifted = diameter(&GridMap::new(chain, shifted).unwrap());
+        close(shifted.um, plain.um, 1e-9);
+        let mut doubled = axes;
+        for axis in &mut doubled {
+            let vectors = axis.translation_um.iter_mut().chain(&mut axis.rotation_urad);
+            vectors.flatten().for_each(|value| *value *= 2.0);
+        }
+        let doubled = diameter(&GridMap::new(chain, doubled).unwrap());
+        assert_eq!((doubled.um, doubled.nodes), (2.0 * plain.um, plain.nodes));
+    }
+}
+
+/// Rotations are right-handed: an even exchange of the names turns the vectors with them.
+#[test]
+fn names_of_the_axes_do_not_matter() {
+    for number in 0..30 {
+        let (chain, axes) = random_map::axes(number, Family::Smooth);
+        let plain = GridMap::new(chain, axes.clone()).unwrap();
+        let next = |axis: Axis| match axis {
+            Axis::X => Axis::Y,
+            Axis::Y => Axis::Z,
+            Axis::Z => Axis::X,
+        };
+        let turned = axes.map(|axis| {
+            let turn = |list: Vec<Vector>| list.into_iter().map(|[x, y, z]| [z, x, y]).collect();
+            AxisNodes {
+                translation_um: turn(axis.translation_um),
+                rotation_urad: turn(axis.rotation_urad),
+                arm_m: axis.arm_m,
+            }
+        });
+        let turned = GridMap::new(chain.map(next), turned).unwrap();
+        for n in 0..plain.count() {
+            let [x, y, z] = plain.at(plain.node(n));
+            assert_eq!(turned.at(turned.node(n)), [z, x, y]);
+        }
+        close(diameter(&turned).um, diameter(&plain).um, 1e-10);
+    }
+}
+
+/// Every chain against cross products written out.
+#[test]
+fn the_map_is_the_sum_of_its_cross_products() {
+    let cross = |a: Vector, b: Vector| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let along = |axis: Axis, arm: f64| match axis {
+        Axis::X => [arm, 0.0, 0.0],
+        Axis::Y => [0.0, arm, 0.0],
+        Axis::Z => [0.0, 0.0, arm],
+    };
+    let plus = |a: Vector, b: Vector| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+    let mut chains = std::collections::BTreeSet::new();
+    for number in 0..40 {
+        let (chain, axes) = random_map::axes(number, Family::Smooth);
+        chains.insert(chain.map(Axis::letter));
+        let map = GridMap::new(chain, axes.clone()).unwrap();
+        for n in 0..map.count() {
+            let [i, j, k] = map.node(n);
+            assert_eq!(map.number([i, j, k]), n);
+            let [a, b, c] = &axes;
+            let second = along(chain[1], b.arm_m[j]);
+            let third = along(chain[2], c.arm_m[k]);
+            let mut expected = plus(a.translation_um[i], b.translation_um[j]);
+            expected = plus(expected, c.translation_um[k]);
+            expected = plus(expected, cross(a.rotation_urad[i], plus(second, third)));
+            let mut turn = b.rotation_urad[j];
+            expected = plus(expected, cross(turn, third));
+            turn = map.at([i, j, k]);
+            for c in 0..3 {
+                close(turn[c], expected[c], 1e-11);
+            }
+        }
+    }
+    assert_eq!(chains.len(), 6, "every chain was seen");
+}
+
+#[test]
+fn unsound_maps_are_refused() {
+    let sound = || axis(3, |t| ([t, 0.0, 0.0], [0.0; 3]));
+    assert!(GridMap::new(XYZ, [sound(), sound(), sound()]).is_some());
+    assert!(GridMap::new([Axis::X, Axis::X, Axis::Z], [sound(), sound(), sound()]).is_none());
+    let broken: [fn(&mut AxisNodes); 4] = [
+        |axis| axis.arm_m.reverse(),
+        |axis| axis.arm_m.clear(),
+        |axis| axis.translation_um[1][2] = f64::NAN,
+        |axis| axis.rotation_urad.truncate(2),
+    ];
+    for break_it in broken {
+        let mut axis = sound();
+        break_it(&mut axis);
+        assert!(GridMap::new(XYZ, [sound(), axis, sound()]).is_none());
+    }
+    assert!(cloud::longest(&[]).is_none());
+    assert!(cloud::longest(&[[0.0; 3], [f64::INFINITY, 0.0, 0.0]]).is_none());
+}
+
+#[test]
+fn histogram_against_all_pairs() {
+    for number in 0..21 {
+        let family = Family::ALL[number % Family::ALL.len()];
+        let map = random_map(number as u64, family);
+        let vectors = map.vectors();
+        let um = diameter(&map).um;
+        // the width 2⁻ⁿ puts lengths onto edges; a width of a millionth has no rough distances
+        for bin_um in [um / 7.0, 0.5_f64.powi(3), um / 4000.0] {
+            if um / bin_um >= 4095.0 || um <= 0.0 {
+                continue;
+            }
+            let mut expected = vec![0; (um / bin_um) as usize + 1];
+            for (n, p) in vectors.iter().enumerate() {
+                for q in &vectors[n + 1..] {
+                    expected[(square(p, q).sqrt() / bin_um) as usize] += 1;
+                }
+            }
+            assert_eq!(exact(&vectors, bin_um, 2).unwrap(), expected, "{number}");
+        }
+    }
+    assert!(exact(&[[0.0; 3]], 0.0, 1).is_none());
+    assert_eq!(exact(&[[0.0; 3]], 1.0, 1), Some(vec![0]));
+}
+
+#[test]
+fn estimated_histogram_is_within_its_standard_errors() {
+    let map = machine_h([21, 21, 21]);
+    let exact = exact(&map.vectors(), 10.0, 1).unwrap();
+    let found = estimate(&map, 10.0, 400_000, 1502).unwrap();
+    assert_eq!(found, estimate(&map, 10.0, 400_000, 1502).unwrap());
+    assert_ne!(found.counts, estimate(&map, 10.0, 400_000, 1503).unwrap().counts);
+    let seen: f64 = found.counts.iter().flatten().sum();
+    close(seen, 42_878_430.0, 2.0);
+    assert!(
+        found.counts.last().unwrap().is_some_and(|n| n >= 1.0),
+        "the last bin holds the largest difference"
+    );
+    for (n, (count, error)) in found.counts.iter().zip(&found.standard_errors).enumerate() {
+        assert!(*count != Some(0.0) && *error != Some(0.0), "bin {n}: a zero that nobody counted");
+    }
+    let (mut within, mut judged, mut chi) = (0, 0, 0.0);
+    for (n, exact) in exact.iter().enumerate().filter(|(_, exact)| **exact > 10_000) {
+        let off = (found.counts[n].unwrap() - *exact as f64) / found.standard_errors[n].unwrap();
+        assert!(off.abs() < 4.5, "bin {n}: {off} standard errors");
+        (within, judged, chi) = (within + i32::from(off.abs() < 2.0), judged + 1, chi + off * off);
+    }
+    assert!(judged > 60 && within * 100 > judged * 88, "{within} of {judged}");
+    let mean = chi / f64::from(judged);
+    assert!((0.6..1.5).contains(&mean), "mean square {mean}");
+}

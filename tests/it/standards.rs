@@ -1,0 +1,563 @@
+//! Figures by standard: against an independent computation on measured stages (read where they
+//! lie, not part of this repository), against figures made by hand, and their laws.
+use crate::support::skipped;
+use nonius::inputs::target_runs::{Runs, Stated, Values};
+use nonius::machine::findings::StandardFinding;
+use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
+use nonius::machine::standards::{Condition, DiagonalMotion, Diagonals, Met, diagonal, vdi_3441};
+use nonius::quantity::axis::Direction;
+use nonius::text::delimited::LengthUnit;
+use nonius::text::document::Source;
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
+use std::path::Path;
+use std::process::Command;
+
+mod files;
+
+// ---------------------------------------------------------------------------------------------
+// Measured data beside the repository
+
+/// A file of the reference data, or the end of the test, told in one line.
+fn reference(path: &str) -> Option<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
+    let text = std::fs::read_to_string(folder.join(path)).ok();
+    if text.is_none() {
+        skipped::skipped();
+    }
+    text
+}
+
+/// Half a unit of the last digit of a printed number, and what rounding of the inputs adds.
+fn half_a_digit(text: &str) -> f64 {
+    let (digits, power) = text.split_once('e').unwrap_or((text, "0"));
+    let decimals = digits.split_once('.').map_or(0, |(_, after)| after.len());
+    let power: i32 = power.parse().unwrap();
+    0.51 * 10_f64.powi(power - i32::try_from(decimals).unwrap())
+}
+
+fn by_name(axis: &AxisFigures, name: &str) -> Option<f64> {
+    match name {
+        "E_up" => axis.e.up_um,
+        "E_dn" => axis.e.down_um,
+        "E" => axis.e.both_um,
+        "R_up" => axis.r.up_um,
+        "R_dn" => axis.r.down_um,
+        "R" => axis.r.both_um,
+        "A_up" => axis.a.up_um,
+        "A_dn" => axis.a.down_um,
+        "A" => axis.a.both_um,
+        "M" => axis.m_um,
+        "B" => axis.b_um,
+        "B_mean" => axis.b_mean_um,
+        _ => panic!("`{name}` is no figure"),
+    }
+}
+
+/// The figures of four stages, to the last digit that the independent computation printed.
+#[test]
+fn measured_stages_give_the_figures_of_an_independent_computation() {
+    let Some(expected) = reference("iso230-2/expected.csv") else {
+        return;
+    };
+    let mut compared = 0;
+    for line in expected.lines().skip(2) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let text = reference(&format!("iso230-2/iso230_2_{}.csv", cells[0])).unwrap();
+        let stated = Stated { unit: Some(LengthUnit::Mm), values: None };
+        let source = Source::from_bytes(cells[0], text.as_bytes()).unwrap();
+        let runs = Runs::read(&source, stated).unwrap();
+        let um = by_name(&iso_230_2::figures(&runs).axis, cells[1]).unwrap();
+        let mm: f64 = cells[2].parse().unwrap();
+        assert!(
+            (um / 1000.0 - mm).abs() <= half_a_digit(cells[2]),
+            "{line}: got {} mm",
+            um / 1000.0
+        );
+        compared += 1;
+    }
+    assert_eq!(compared, 48);
+}
+
+/// Cell ends of the four diagonals: every third node, forward = up.
+fn cell_ends(readings: &str, length_mm: f64, steps: usize) -> Vec<(String, Runs)> {
+    let rows: Vec<Vec<&str>> = readings
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .skip(1)
+        .map(|line| line.split(',').collect())
+        .collect();
+    let of = |name: &str, direction: &str| {
+        let at = |node: usize| -> Vec<f64> {
+            rows.iter()
+                .filter(|row| row[0] == name && row[2] == direction && row[3] == node.to_string())
+                .map(|row| row[5].parse().unwrap())
+                .collect()
+        };
+        let um: Vec<Vec<f64>> = (0..=steps).map(|cell| at(3 * cell)).collect();
+        (!um[0].is_empty()).then_some(um)
+    };
+    let targets: Vec<f64> =
+        (0..=steps).map(|cell| length_mm * cell as f64 / steps as f64).collect();
+    ["PPP", "NPP", "PNP", "PPN"]
+        .into_iter()
+        .map(|name| {
+            let (up, down) = (of(name, "forward"), of(name, "reverse"));
+            let runs = Runs::new(targets.clone(), up, down).unwrap();
+            (name.to_string(), runs)
+        })
+        .collect()
+}
+
+fn step_diagonals(diagonals: &[(String, Runs)]) -> Diagonals {
+    let named: Vec<(&str, &Runs)> =
+        diagonals.iter().map(|(name, runs)| (name.as_str(), runs)).collect();
+    diagonal(&named, DiagonalMotion::StepDiagonalCellEnds)
+}
+
+/// A body diagonal of 900 × 720 × 720 mm.
+fn length_mm() -> f64 {
+    (900.0_f64.powi(2) + 720.0_f64.powi(2) * 2.0).sqrt()
+}
+
+/// Figures of the simulation are exact to rounding of the readings (1e-9 µm).
+const SIMULATION_UM: f64 = 1e-8;
+
+#[test]
+fn diagonals_of_the_golden_machine_in_both_directions() {
+    let Some(readings) = reference("case_d_bidirectional/readings.csv") else {
+        return;
+    };
+    let expected = reference("case_d_bidirectional/expected.json").unwrap();
+    let expected: serde_json::Value = serde_json::from_str(&expected).unwrap();
+    let expected = expected["iso230_6"].as_object().unwrap();
+    let found = step_diagonals(&cell_ends(&readings, length_mm(), 10));
+    assert_eq!(found.label, "from step-diagonal cell ends, not ISO 230-6");
+    for (key, value) in expected {
+        let um = match key.as_str() {
+            "E_d" => found.e_d_um,
+            "B_d" => found.b_d_um,
+            key => {
+                let (figure, name) = key.rsplit_once('_').unwrap();
+                let of = found.diagonals.iter().find(|of| of.name == name).unwrap();
+                by_name(&of.figures, figure)
+            }
+        };
+        let difference = um.unwrap() - value.as_f64().unwrap();
+        assert!(difference.abs() <= SIMULATION_UM, "{key}: {um:?}, expected {value}");
+    }
+    assert_eq!(expected.len(), 34);
+}
+
+#[test]
+fn ranges_of_the_golden_machine_in_one_direction() {
+    let Some(readings) = reference("case_a_ideal/readings.csv") else {
+        return;
+    };
+    let found = step_diagonals(&cell_ends(&readings, length_mm(), 30));
+    let close = |um: Option<f64>, expected: f64| {
+        assert!((um.unwrap() - expected).abs() <= 1e-6, "{um:?}, expected {expected}");
+    };
+    close(found.largest_range_um, 21.457424184);
+    close(found.range_over_all_um, 30.825471466);
+    for (of, expected) in
+        found.diagonals.iter().zip([18.543452999, 12.715510628, 13.843169661, 21.457424184])
+    {
+        close(of.range_um, expected);
+    }
+    assert_eq!((found.e_d_um, found.b_d_um), (None, None));
+}
+
+// ---------------------------------------------------------------------------------------------
+// By hand
+
+/// Means up 0 and 4, down 3 and 3; s up √2 and √2, down 0 and √8.
+fn by_hand() -> Runs {
+    let up = vec![vec![-1.0, 1.0], vec![3.0, 5.0]];
+    let down = vec![vec![3.0, 3.0], vec![1.0, 5.0]];
+    Runs::new(vec![0.0, 100.0], Some(up), Some(down)).unwrap()
+}
+
+const DUST: f64 = 1e-9;
+
+fn near(found: Option<f64>, expected: f64) {
+    let found = found.expect("a figure");
+    assert!((found - expected).abs() < DUST, "{found}, expected {expected}");
+}
+
+#[test]
+fn figures_of_iso_230_2_by_hand() {
+    let s = 2.0_f64.sqrt();
+    let figures = iso_230_2::figures(&by_hand());
+    let axis = figures.axis;
+    near(axis.e.up_um, 4.0);
+    near(axis.e.down_um, 0.0);
+    near(axis.e.both_um, 4.0);
+    near(axis.m_um, 2.0); // 3.5 − 1.5
+    near(axis.b_um, 3.0);
+    near(axis.b_mean_um, -1.0); // (−3 + 1)/2
+    near(axis.r.up_um, 4.0 * s);
+    near(axis.r.down_um, 8.0 * s);
+    // Target 1: 2√2 + 0 + 3 = 5.83; 5.66; 0. Target 2: 2√2 + 4√2 + 1 = 9.49; 5.66; 11.31.
+    near(figures.targets[0].r.both_um, 2.0 * s + 3.0);
+    near(figures.targets[1].r.both_um, 8.0 * s);
+    near(axis.r.both_um, 8.0 * s);
+    near(axis.a.up_um, 4.0 + 4.0 * s);
+    near(axis.a.down_um, 8.0 * s); // 3 + 4√2 to 3 − 4√2
+    near(axis.a.both_um, 3.0 + 6.0 * s); // 3 + 4√2 down to 0 − 2√2 up
+}
+
+/// The two common mistakes: E of one direction only, and R without the reversal.
+#[test]
+fn e_is_of_both_directions_and_r_holds_the_reversal() {
+    let up = vec![vec![0.0, 0.0], vec![1.0, 1.0]];
+    let down = vec![vec![10.0, 10.0], vec![11.0, 11.0]];
+    let runs = Runs::new(vec![0.0, 100.0], Some(up), Some(down)).unwrap();
+    let axis = iso_230_2::figures(&runs).axis;
+    near(axis.e.up_um, 1.0);
+    near(axis.e.down_um, 1.0);
+    near(axis.e.both_um, 11.0);
+    near(axis.r.up_um, 0.0);
+    near(axis.r.down_um, 0.0);
+    near(axis.r.both_um, 10.0);
+}
+
+#[test]
+fn figures_of_vdi_3441_by_hand() {
+    let s = 2.0_f64.sqrt();
+    let figures = vdi_3441::figures(&by_hand()).unwrap();
+    near(Some(figures.u_um), 3.0);
+    near(Some(figures.u_mean_um), 2.0);
+    near(Some(figures.p_a_um), 2.0);
+    near(figures.p_s_um, 9.0 * s); // s̄ = √2/2 and 3√2/2
+    // Target 1: 1.5 ± (3 + 3√2)/2 = −2.12 … 5.12; target 2: 3.5 ± (1 + 9√2)/2 = −3.36 … 10.36.
+    near(figures.p_um, 1.0 + 9.0 * s);
+}
+
+#[test]
+fn one_direction_has_its_own_figures_only() {
+    let up = vec![vec![0.0, 1.0], vec![2.0, 3.0]];
+    let runs = Runs::new(vec![0.0, 100.0], None, Some(up)).unwrap();
+    let axis = iso_230_2::figures(&runs).axis;
+    near(axis.e.down_um, 2.0);
+    assert!(axis.r.down_um.is_some() && axis.a.down_um.is_some());
+    let absent = [
+        axis.e.up_um,
+        axis.e.both_um,
+        axis.r.both_um,
+        axis.a.both_um,
+        axis.m_um,
+        axis.b_um,
+        axis.b_mean_um,
+    ];
+    assert_eq!(absent, [None; 7]);
+    assert_eq!(vdi_3441::figures(&runs), None);
+    let remarks = iso_230_2::remarks(&runs, span(&runs));
+    assert_eq!(remarks[0], StandardFinding::OneWay { way: "up" }.into());
+}
+
+#[test]
+fn one_run_has_no_scatter_and_says_so() {
+    let um = vec![vec![0.0], vec![2.0]];
+    let runs = Runs::new(vec![0.0, 100.0], Some(um.clone()), Some(um)).unwrap();
+    let axis = iso_230_2::figures(&runs).axis;
+    near(axis.e.both_um, 2.0);
+    near(axis.b_um, 0.0);
+    near(axis.m_um, 2.0);
+    assert_eq!(axis.r, Default::default());
+    assert_eq!(axis.a, Default::default());
+    let vdi = vdi_3441::figures(&runs).unwrap();
+    assert_eq!((vdi.p_um, vdi.p_s_um), (None, None));
+    let remarks = iso_230_2::remarks(&runs, span(&runs));
+    assert!(matches!(remarks[0].kind(), Some(StandardFinding::OneRun { .. })));
+}
+
+fn flat(targets_mm: Vec<f64>, count: usize) -> Runs {
+    let um = vec![vec![0.0; count]; targets_mm.len()];
+    Runs::new(targets_mm, Some(um.clone()), Some(um)).unwrap()
+}
+
+/// From the first to the last target: nothing was stated.
+fn span(runs: &Runs) -> Travel {
+    Travel::of(runs, None).unwrap()
+}
+
+fn conditions(runs: &Runs) -> Vec<Condition> {
+    iso_230_2::conditions(runs, span(runs))
+}
+
+fn missed(runs: &Runs) -> usize {
+    Condition::missed(&conditions(runs)).len()
+}
+
+#[test]
+fn conditions_are_judged_by_length() {
+    let uneven = vec![0.0, 101.0, 199.0, 305.0, 400.0];
+    assert_eq!(missed(&flat(uneven.clone(), 5)), 0);
+    assert_eq!(missed(&flat(uneven.clone(), 3)), 1, "three runs");
+    assert_eq!(missed(&flat(uneven[..4].to_vec(), 5)), 1, "four targets");
+    let even = (0..5).map(|i| 100.0 * f64::from(i)).collect();
+    assert_eq!(missed(&flat(even, 5)), 1, "equal distances");
+    let metre_and_a_half = vec![0.0, 301.0, 602.0, 901.0, 1202.0, 1500.0];
+    assert_eq!(missed(&flat(metre_and_a_half, 5)), 1, "six targets on 1.5 m");
+    let long: Vec<f64> = (0..13).map(|i| 250.0 * f64::from(i)).collect();
+    assert_eq!(missed(&flat(long.clone(), 1)), 0, "one run above 2 m");
+    assert_eq!(missed(&flat(long.into_iter().step_by(2).collect(), 1)), 1, "every 500 mm");
+    let label = iso_230_2::label(&conditions(&flat(uneven, 3)));
+    assert!(label.starts_with("NOT according to ISO 230-2: 3 runs up, 3 down"), "{label}");
+}
+
+/// 24.4 to 1024.4 mm is 1000.0000000000001 mm in binary, and 48.3 to 2048.3 mm is more than 2 m.
+#[test]
+fn lengths_are_judged_without_the_dust_of_binary_fractions() {
+    let metre = flat(vec![24.4, 270.1, 530.3, 790.2, 1024.4], 5);
+    assert!(metre.length_mm() > 1000.0);
+    assert_eq!(missed(&metre), 0);
+    assert!(conditions(&metre)[0].asked.ends_with("here 5 or more"));
+    let mut targets = vec![48.3, 270.1, 530.3, 790.2, 1024.4];
+    targets.extend([1200.0, 1400.0, 1600.0, 1800.0, 2048.3]);
+    let two_metres = flat(targets, 5);
+    assert!(two_metres.length_mm() > 2000.0);
+    assert!(!span(&two_metres).is_long());
+    assert_eq!(missed(&two_metres), 0);
+}
+
+#[test]
+fn one_direction_is_labelled_as_such() {
+    let um = vec![vec![0.0; 5]; 5];
+    let targets = vec![0.0, 101.0, 199.0, 305.0, 400.0];
+    for (up, down, word) in [(Some(um.clone()), None, "down"), (None, Some(um.clone()), "up")] {
+        let runs = Runs::new(targets.clone(), up, down).unwrap();
+        let expected = format!(
+            "NOT according to ISO 230-2: unidirectional figures only: moving {word} was not \
+             measured (see the conditions)"
+        );
+        assert_eq!(iso_230_2::label(&conditions(&runs)), expected);
+    }
+}
+
+#[test]
+fn targets_in_a_heap_are_found() {
+    let heap = flat(vec![0.0, 1.0, 2.2, 3.0, 990.0], 5);
+    let words = Condition::missed(&conditions(&heap));
+    assert_eq!(words, ["largest gap 987.0 mm, mean distance 247.5 mm"]);
+    let long: Vec<f64> = (0..11).map(f64::from).chain([2400.0]).collect();
+    assert_eq!(missed(&flat(long, 1)), 1, "above 2 m, every 218 mm on average");
+    // r of half a distance to either side: the widest that P_i = (i - 1)p + r can give.
+    let widest = flat(vec![0.0, 50.0, 250.0, 300.0, 400.0], 5);
+    assert_eq!(missed(&widest), 0);
+}
+
+/// Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
+#[test]
+fn above_two_metres_one_run_is_asked_for() {
+    let targets: Vec<f64> = (0..10).map(|i| 250.0 * f64::from(i)).collect();
+    assert_eq!(missed(&flat(targets.clone(), 1)), 0);
+    let runs = flat(targets, 5);
+    let label = iso_230_2::label(&conditions(&runs));
+    assert!(label.contains("5 runs up, 5 down"), "{label}");
+    let remarks = iso_230_2::remarks(&runs, span(&runs));
+    assert_eq!(remarks[0], StandardFinding::LongAxis.into());
+}
+
+/// The conditions are about the travel: where it is stated, it is judged.
+#[test]
+fn a_stated_travel_is_judged_in_place_of_the_targets() {
+    let runs = flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 5);
+    let missed = |mm| {
+        let travel = Travel::of(&runs, Some(mm)).unwrap();
+        Condition::missed(&iso_230_2::conditions(&runs, travel))
+    };
+    assert!(missed(450.0).is_empty());
+    assert_eq!(missed(1000.0).len(), 1, "600 mm without a target");
+    assert_eq!(missed(1200.0)[0], "5 targets on 1200 mm of travel");
+    assert!(missed(2500.0).contains(&"5 runs up, 5 down".to_string()));
+    let short = Travel::of(&runs, Some(300.0)).unwrap_err();
+    assert!(short.message.contains("the targets are 400 mm apart"));
+    let noted = |travel| iso_230_2::remarks(&runs, travel).len();
+    assert_eq!(noted(span(&runs)), 1, "judged on the targets, and said so");
+    assert_eq!(noted(Travel::of(&runs, Some(450.0)).unwrap()), 0);
+}
+
+/// Each condition names the editions that ask for it, and how surely that is known.
+#[test]
+fn conditions_are_stated_by_edition() {
+    let all = conditions(&flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 5));
+    let by: Vec<&[u16]> = all.iter().map(|of| of.editions).collect();
+    assert_eq!(by[..7], [&[1997, 2006, 2014][..]; 7]);
+    assert_eq!(by[7], [2014], "uncertainty");
+    assert!(all.iter().all(|of| of.confidence.word() == "likely"));
+}
+
+/// Straight runs carry the name of ISO 230-6 only if they meet what is known of its conditions.
+#[test]
+fn conditions_of_the_diagonals_are_tested() {
+    let runs = flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 3);
+    let four = ["PPP", "NPP", "PNP", "PPN"].map(|name| (name, &runs));
+    let straight = |of: &[(&str, &Runs)]| diagonal(of, DiagonalMotion::StraightRuns).label;
+    assert_eq!(straight(&four), "after ISO 230-6 (likely)");
+    assert_eq!(straight(&four[..3]), "NOT after ISO 230-6: PPP, NPP, PNP");
+    let few = flat(vec![0.0, 100.0], 3);
+    let mut with_few = four;
+    with_few[1].1 = &few;
+    let label = straight(&with_few);
+    assert_eq!(label, "NOT after ISO 230-6: NPP: 2 targets on 100 mm");
+    let um = vec![vec![0.0; 3]; 5];
+    let one_way = Runs::new(runs.targets_mm().to_vec(), Some(um), None).unwrap();
+    with_few[1].1 = &one_way;
+    assert!(straight(&with_few).ends_with("moving down was not measured"));
+    let found = diagonal(&four, DiagonalMotion::StepDiagonalCellEnds);
+    assert_eq!(found.conditions[0].met, Met::No, "single-axis steps");
+}
+
+#[test]
+fn machine_figures_need_four_diagonals() {
+    let runs = by_hand();
+    let three = [("PPP", &runs), ("NPP", &runs), ("PNP", &runs)];
+    let found = diagonal(&three, DiagonalMotion::StraightRuns);
+    assert_eq!((found.e_d_um, found.largest_range_um), (None, None));
+    let four = [three[0], three[1], three[2], ("PPN", &runs)];
+    let found = diagonal(&four, DiagonalMotion::StraightRuns);
+    near(found.e_d_um, 4.0);
+    near(found.b_d_um, 3.0);
+    near(found.range_over_all_um, 4.0);
+}
+
+// ---------------------------------------------------------------------------------------------
+// The page
+
+/// docs/standards.md shows what the program prints.
+#[test]
+fn the_page_shows_what_the_program_prints() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
+        .current_dir(folder)
+        .args(["standards", "fixtures/standards/x_axis.csv"])
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let page = std::fs::read_to_string(folder.join("docs/standards.md")).unwrap();
+    let behind = page.split("checked by tests/it/standards.rs").nth(1).unwrap();
+    let shown = behind.split("```").nth(1).unwrap();
+    let shown = shown.trim_start_matches("text").trim().replace('\r', "");
+    assert!(
+        !shown.is_empty() && printed.replace('\r', "").contains(&shown),
+        "the page shows\n{shown}\n\nthe program prints\n{printed}"
+    );
+}
+
+/// Every number of the document names its unit, and absent figures are `null`.
+#[test]
+fn the_json_names_units_and_leaves_absent_figures_null() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("runs.csv");
+    std::fs::write(&file, "target_mm,up1_mm\n0,0.001\n100,100.003\n").unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
+        .args(["standards", "--format", "json"])
+        .arg(file)
+        .output()
+        .unwrap();
+    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(document["schema"], 1);
+    assert_eq!(document["iso_230_2"]["E_up_um"], 2.0);
+    assert_eq!(document["iso_230_2"]["E_um"], serde_json::Value::Null);
+    assert_eq!(document["iso_230_2"]["R_up_um"], serde_json::Value::Null);
+    assert_eq!(document["iso_230_2"]["condition_missed"], true);
+    assert_eq!(document["vdi_dgq_3441"], serde_json::Value::Null);
+}
+
+// ---------------------------------------------------------------------------------------------
+// Laws
+
+fn any_runs() -> impl Strategy<Value = (Vec<Vec<f64>>, Vec<Vec<f64>>)> {
+    (2..6_usize, 2..6_usize).prop_flat_map(|(targets, count)| {
+        let um = || prop::collection::vec(prop::collection::vec(-50.0..50.0, count), targets);
+        (um(), um())
+    })
+}
+
+fn runs_of(up: &[Vec<f64>], down: &[Vec<f64>]) -> Runs {
+    let targets = (0..up.len()).map(|index| index as f64 * 100.0).collect();
+    Runs::new(targets, Some(up.to_vec()), Some(down.to_vec())).unwrap()
+}
+
+/// A E R of three kinds, M, B, B̄, and P, P_a, P_s, U.
+fn all_figures(runs: &Runs) -> Vec<f64> {
+    let axis = iso_230_2::figures(runs).axis;
+    let vdi = vdi_3441::figures(runs).unwrap();
+    let triples = [axis.a, axis.e, axis.r].map(|of| [of.up_um, of.down_um, of.both_um]);
+    let others = [axis.m_um, axis.b_um, axis.b_mean_um, vdi.p_um, vdi.p_s_um];
+    let others = others.into_iter().chain([Some(vdi.p_a_um), Some(vdi.u_um)]);
+    let all = triples.into_iter().flatten().chain(others);
+    all.map(|figure| figure.unwrap()).collect()
+}
+
+fn same(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < DUST)
+}
+
+fn changed(um: &[Vec<f64>], change: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
+    let of_target = |of: &Vec<f64>| of.iter().copied().map(&change).collect();
+    um.iter().map(of_target).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 256,
+        rng_seed: RngSeed::Fixed(2302),
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn a_constant_moves_means_and_nothing_else((up, down) in any_runs(), constant in -100.0..100.0_f64) {
+        let before = runs_of(&up, &down);
+        let add = |um: &[Vec<f64>]| changed(um, |x| x + constant);
+        let after = runs_of(&add(&up), &add(&down));
+        prop_assert!(same(&all_figures(&before), &all_figures(&after)));
+        let pairs = (iso_230_2::figures(&before), iso_230_2::figures(&after));
+        for (before, after) in pairs.0.targets.iter().zip(&pairs.1.targets) {
+            let moved: f64 = after.mean.both_um.unwrap() - before.mean.both_um.unwrap();
+            prop_assert!((moved - constant).abs() < DUST);
+        }
+    }
+
+    #[test]
+    fn directions_exchanged_turn_the_sign_of_the_reversal((up, down) in any_runs()) {
+        let (a, b) = (runs_of(&up, &down), runs_of(&down, &up));
+        let (a, b) = (iso_230_2::figures(&a).axis, iso_230_2::figures(&b).axis);
+        near(b.b_mean_um, -a.b_mean_um.unwrap());
+        near(b.b_um, a.b_um.unwrap());
+        for (a, b) in [(a.a, b.a), (a.e, b.e), (a.r, b.r)] {
+            near(b.up_um, a.down_um.unwrap());
+            near(b.down_um, a.up_um.unwrap());
+            near(b.both_um, a.both_um.unwrap());
+        }
+    }
+
+    #[test]
+    fn the_order_of_the_runs_does_not_matter((up, down) in any_runs(), by in 0..5_usize) {
+        let turned = |um: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            let turn = |of: &Vec<f64>| {
+                let mut of = of.clone();
+                let by = by % of.len();
+                of.rotate_left(by);
+                of.reverse();
+                of
+            };
+            um.iter().map(turn).collect()
+        };
+        let after = runs_of(&turned(&up), &turned(&down));
+        prop_assert!(same(&all_figures(&runs_of(&up, &down)), &all_figures(&after)));
+    }
+
+    #[test]
+    fn figures_keep_their_order((up, down) in any_runs()) {
+        let axis = iso_230_2::figures(&runs_of(&up, &down)).axis;
+        let [a, e, r] = [axis.a, axis.e, axis.r].map(|of| of.both_um.unwrap());
+        prop_assert!(a >= e - DUST && e >= axis.m_um.unwrap() - DUST);
+        prop_assert!(r >= axis.b_um.unwrap() - DUST && a >= r - DUST);
+        prop_assert!(e >= axis.e.up_um.unwrap() && e >= axis.e.down_um.unwrap());
+    }
+}

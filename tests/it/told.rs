@@ -1,0 +1,128 @@
+//! What `generate` says beside its figures: assumptions that matter apart from those that cannot,
+//! preconditions as sentences, the verdict where a person looks last.
+
+use crate::support::visit::{Ran, Visit};
+
+/// The job to start from with a control of one's choice, and what `generate` says of it.
+fn told(controller: &str, profile: Option<&str>) -> (Visit, Ran) {
+    let visit = Visit::of("start/errors");
+    visit.edit("job.toml", "siemens-840d-sl", controller);
+    visit.edit("job.toml", "# detection_unit_um", "detection_unit_um");
+    if let Some(page) = profile {
+        visit.put(controller, page);
+    }
+    let ran = visit.run("generate job.toml -o kit --explain").ends(0);
+    (visit, ran)
+}
+
+#[test]
+fn names_in_other_letters_and_paths_with_blanks_are_taken() {
+    let (visit, _) = told("siemens-840d-sl", None);
+    let job = visit.read("job.toml");
+    let name = job.lines().find(|line| line.starts_with("name = ")).unwrap();
+    visit.edit("job.toml", name, "name = \"Fräse Süd, groß\"");
+    visit
+        .run("generate job.toml -o \"my kit\"")
+        .says("`Fräse Süd, groß` stands as `Fraese Sued, gross`")
+        .says("nonius verify job.toml --tables \"my kit\"");
+}
+
+#[test]
+fn the_verdict_stands_in_the_first_line() {
+    let (_, Ran { out, .. }) = told("siemens-840d-sl", None);
+    assert!(out.starts_with("verdict: pass (asked: "), "{out}");
+}
+
+#[test]
+fn assumptions_without_effect_stand_apart_with_the_reason() {
+    let (_, ran) = told("fanuc-30i", None);
+    let apart = "assumed too, without effect on this kit:";
+    let (used, idle) = ran.out.split_once(apart).expect("both groups are there");
+    assert!(used.contains("pitch_sign = as_correction\n      if wrong: "));
+    assert!(used.contains("straightness_magnification_parameter"), "a 30i kit uses it");
+    let line = "  straightness_amount_max = 32767: this kit holds no four-point straightness\n";
+    assert!(idle.contains(line), "{idle}");
+    assert!(idle.contains("interval_decimals_inch = 4: this kit is in mm"), "{idle}");
+    let (_, ran) = told("fanuc-0i-f", None);
+    let (used, idle) = ran.out.split_once(apart).expect("both groups are there");
+    assert!(used.contains("straightness_amount_max"), "a 0i-F kit uses it");
+    assert!(idle.contains("straightness_magnification_parameter"), "{idle}");
+}
+
+#[test]
+fn what_is_to_be_decided_is_on_the_screen_and_has_its_box_in_the_steps() {
+    let of_siemens = ["first_table = 0; if wrong: CEC tables already in use"];
+    let of_fanuc = [
+        "first_set = 1; if wrong: straightness sets already in use",
+        "reserved_points = none; if wrong: points already used",
+    ];
+    let controls = [("siemens-840d-sl", &of_siemens[..]), ("fanuc-30i", &of_fanuc)];
+    for (id, open) in controls {
+        let (visit, mut ran) = told(id, None);
+        let (work, page) = (visit.read("kit/checklist.md"), visit.read("kit/checklist.html"));
+        let (work, annex) = work.split_once("## Annex").expect("an annex");
+        let (page, _) = page.split_once("class=\"annex\"").expect("an annex");
+        let boxed = "<li><span class=\"box\">&#160;</span> <strong>DECIDE,</strong>";
+        for line in open {
+            ran = ran.says(&format!("DECIDE BEFORE LOADING, assumed: {line}"));
+            let item = format!("\n   - [ ] **DECIDE,** assumed: {line}");
+            assert!(work.contains(&item), "{id}: {item}\n{work}");
+            let item = format!("{boxed} assumed: {}", line.split_once(';').expect("two parts").0);
+            assert!(page.contains(&item), "{id}: {item}\n{page}");
+            assert!(!annex.contains(line), "{id}: {line}\n{annex}");
+        }
+    }
+}
+
+#[test]
+fn preconditions_are_sentences_and_axes_share_one() {
+    told("fanuc-30i", None)
+        .1
+        .says("\n  1240 of axis 1, 2, 3 must be 0 mm:\n")
+        .says("the power of the control must be switched off and on after loading 3620 to 3627:")
+        .says("checklist.html, why: docs/fanuc.md §4.2");
+}
+
+#[test]
+fn what_no_file_of_an_own_profile_sets_is_noted() {
+    let file = |path: &str, template: &str| {
+        format!("[[files]]\nrole = \"table\"\npath = \"{path}\"\ntemplate = \"{template}\"\n")
+    };
+    let page = format!(
+        "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"siemens-840d-sl\"\n{}{}",
+        file("EEC.MPF", "siemens-eec.mpf.tera"),
+        file("CEC.MPF", "siemens-cec.mpf.tera")
+    );
+    let (visit, ran) = told("own.toml", Some(&page));
+    let switches = "note: no file switches the tables on";
+    ran.says(&format!("{switches}; see to MD32700"))
+        .says("note: no file reserves their memory; see to MD38000");
+    visit.run("verify job.toml --tables kit").says(switches);
+}
+
+#[test]
+fn a_reversal_within_its_uncertainty_is_told_as_noise() {
+    let (visit, _) = told("siemens-840d-sl", None);
+    visit.edit("job.toml", "[compensation]\n", "[compensation]\nbacklash = \"two-tables\"\n");
+    // EXX: 3 µm between the directions; EYX: 1 µm, with u = 0.5 µm (U of a difference 1.4 µm).
+    visit.put(
+        "errors.csv",
+        "axis,direction,position_mm,ex_um,ey_um,u_ex_um,u_ey_um\n\
+         x,+,0,0,0,0.5,0.5\nx,+,400,3,1,0.5,0.5\nx,-,0,-3,0,0.5,0.5\nx,-,400,0,2,0.5,0.5\n",
+    );
+    visit
+        .run("generate job.toml -o noisy --force")
+        .says("EYX: its reversal, 1.0 µm at most, lies within the U = 1.4 µm")
+        .omits("EXX: its reversal");
+}
+
+/// X was measured in both directions, Y and Z were not: that is neither "not measured" nor nothing.
+#[test]
+fn the_errors_without_a_reversal_are_named() {
+    let visit = Visit::with_job("machines/five_points/siemens-840d-sl.toml");
+    let names = "EXY, EYY, EZY, EXZ, EYZ, EZZ";
+    visit.run("generate job.toml -o kit").says(&format!("reversal of {names} not measured"));
+    visit
+        .run("report job.toml --language de -o -")
+        .says(&format!("Umkehrspanne von {names} nicht gemessen"));
+}

@@ -1,0 +1,156 @@
+//! The forecast against looks and walks of the test's own.
+
+use super::case::{Case, Held, is_compensated};
+use super::places::{NEAR_UM, bends_and_jumps, places};
+use crate::support::machine::{Errors, Term};
+use crate::support::{self, DUST_UM, um_at};
+use nonius::judge::forecast::TermForecast;
+use nonius::quantity::axis::{Axis, Direction};
+use nonius::quantity::curve::Interpolation;
+use nonius::read::emulate::Response;
+
+/// (b) The forecast is the largest of what a dense look finds, and not much more.
+pub(crate) fn forecast_holds(case: &Case<'_>, term: &Term, forecast: &TermForecast) {
+    let machine = case.machine;
+    let (mut before, mut after) = (0.0_f64, 0.0_f64);
+    for direction in Direction::BOTH {
+        let Some(errors) = term.errors(direction) else {
+            continue;
+        };
+        let (from, to) = errors.range();
+        for (base, output) in machine.pairs(term.term) {
+            let response = support::response(case.control, base, output, direction);
+            let held = match response.tables().first() {
+                Some(_) => Held::of(&response),
+                None => Held { mm: vec![from, to], um: vec![0.0, 0.0] },
+            };
+            for x in places(case, term, &held, from, to) {
+                let deviation = term.deviation(direction, x);
+                before = before.max(deviation.abs());
+                after = after.max((deviation + um_at(&response, x)).abs());
+            }
+        }
+    }
+    let name = || term.term.to_string();
+    let linear = machine.kind == Interpolation::Linear;
+    for (what, said, seen) in
+        [("before", forecast.change.before_um, before), ("after", forecast.change.after_um, after)]
+    {
+        let near = if linear { NEAR_UM } else { 0.02 * before + 0.01 };
+        assert!(said >= seen - DUST_UM, "{}: {what} {said} µm, but {seen} µm was seen", name());
+        assert!(said <= seen + near, "{}: {what} {said} µm, but only {seen} µm was seen", name());
+    }
+    assert_eq!(forecast.compensated, is_compensated(case, term.term), "{}", name());
+}
+
+/// Body diagonals of the forecast against walks of the test's own.
+pub(crate) fn diagonals_hold(case: &Case<'_>) {
+    let machine = case.machine;
+    if machine.terms.len() < 9 {
+        assert!(case.kit.forecast.diagonals.is_empty());
+        return;
+    }
+    let corner = |axis: Axis| {
+        let terms = machine.terms.iter().filter(|t| t.term.along == axis);
+        let ranges = terms.flat_map(|t| {
+            Direction::BOTH.into_iter().filter_map(|d| t.errors(d).map(Errors::range))
+        });
+        ranges.fold((f64::NEG_INFINITY, f64::INFINITY), |(l, h), (low, high)| {
+            (l.max(low), h.min(high))
+        })
+    };
+    let ends = Axis::ALL.map(corner);
+    let length = ends.iter().map(|(l, h)| (h - l) * (h - l)).sum::<f64>().sqrt();
+    let place = |axis: Axis| Axis::ALL.iter().position(|a| *a == axis).unwrap();
+    for diagonal in &case.kit.forecast.diagonals {
+        let signs: Vec<f64> =
+            diagonal.name.chars().map(|c| if c == 'P' { 1.0 } else { -1.0 }).collect();
+        let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for reverse in [false, true] {
+            // Of every term: cosine, its place, and the response in the direction of the walk.
+            let walk: Vec<OnWalk<'_>> = machine
+                .terms
+                .iter()
+                .filter_map(|term| {
+                    let (of, along) = (place(term.term.of), place(term.term.along));
+                    let direction = if (signs[along] > 0.0) == reverse {
+                        Direction::Minus
+                    } else {
+                        Direction::Plus
+                    };
+                    term.errors(direction)?;
+                    let (base, output) = machine.pairs(term.term)[0];
+                    let cosine = signs[of] * (ends[of].1 - ends[of].0) / length;
+                    Some((
+                        term,
+                        direction,
+                        along,
+                        cosine,
+                        support::response(case.control, base, output, direction),
+                    ))
+                })
+                .collect();
+            for t in steps_of_walk(case, &walk, &ends, &signs) {
+                let mut sums = [0.0; 2];
+                for (term, direction, along, cosine, response) in &walk {
+                    let travelled = if signs[*along] > 0.0 { t } else { 1.0 - t };
+                    let x = ends[*along].0 + travelled * (ends[*along].1 - ends[*along].0);
+                    let deviation = term.deviation(*direction, x);
+                    sums[0] += cosine * deviation;
+                    sums[1] += cosine * (deviation + um_at(response, x));
+                }
+                for (extent, sum) in extent.iter_mut().zip(sums) {
+                    *extent = [extent[0].min(sum), extent[1].max(sum)];
+                }
+            }
+        }
+        let seen = extent.map(|[low, high]| high - low);
+        let said = [diagonal.change.before_um, diagonal.change.after_um];
+        for (said, seen) in said.iter().zip(seen) {
+            let name = format!("{}: said {said}, seen {seen}", diagonal.name);
+            assert!(*said >= seen - DUST_UM, "{name}");
+            let near = if machine.kind == Interpolation::Linear {
+                1e-3
+            } else {
+                0.05 * said + 0.02 // the top of a cubic lies between two steps
+            };
+            assert!(*said <= seen + near, "{name}");
+        }
+    }
+}
+
+/// One term on a walk along a diagonal: its direction, moving axis, cosine, and what it gets.
+type OnWalk<'a> = (&'a Term, Direction, usize, f64, Response);
+
+/// Beside every bend and jump and between them; never exactly where axes jump together, for
+/// which of them is first there is rounding.
+fn steps_of_walk(
+    case: &Case<'_>,
+    walk: &[OnWalk<'_>],
+    ends: &[(f64, f64); 3],
+    signs: &[f64],
+) -> Vec<f64> {
+    let mut breaks = vec![0.0, 1.0];
+    for (term, _, along, _, response) in walk {
+        let (low, high) = ends[*along];
+        let (bends, jumps) = match response.tables().first() {
+            Some(_) => bends_and_jumps(case, term, &Held::of(response)),
+            None => (term.knots(), Vec::new()),
+        };
+        for x in bends.iter().chain(&jumps) {
+            let travelled = (x - low) / (high - low);
+            breaks.push(if signs[*along] > 0.0 { travelled } else { 1.0 - travelled });
+        }
+    }
+    breaks.retain(|t| (0.0..=1.0).contains(t));
+    breaks.sort_by(f64::total_cmp);
+    breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-8);
+    breaks
+        .windows(2)
+        .flat_map(|pair| [1e-9, 0.25, 0.5, 0.75].map(|part| (pair, part)))
+        .flat_map(|(pair, part)| match part {
+            0.0..0.1 => vec![pair[0] + part, pair[1] - part],
+            _ => vec![pair[0] + part * (pair[1] - pair[0])],
+        })
+        .collect()
+}

@@ -1,0 +1,133 @@
+//! One machine on every control: the table of docs/controllers.md is what `generate` and `verify` say.
+use crate::support::run::ended;
+use nonius::control::controller::builtin;
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const BEGIN: &str = "<!-- tests/oracle/every_control.rs writes the table: NONIUS_UPDATE=1 -->\n";
+const END: &str = "<!-- end -->";
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The golden machine of 900 mm with another control; a detection unit of 1 µm where one is asked for.
+fn visit(id: &str) -> tempfile::TempDir {
+    let from = root().join("fixtures/nine_errors_900");
+    let directory = tempfile::tempdir().unwrap();
+    fs::copy(from.join("errors.csv"), directory.path().join("errors.csv")).unwrap();
+    let job = fs::read_to_string(from.join("fanuc-30i.toml")).unwrap();
+    fs::write(directory.path().join("job.toml"), job.replace("fanuc-30i", id)).unwrap();
+    directory
+}
+
+/// The kit, which has to be read back as what the job asks for.
+fn kit(id: &str, directory: &Path) -> Value {
+    let (_, text, said) = ended(directory, "generate job.toml -o kit --format json");
+    let kit: Value = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{id}: {said}"));
+    let (_, verified, said) = ended(directory, "verify job.toml --tables kit");
+    assert!(verified.contains("job and tables agree"), "{id}: {verified}{said}");
+    kit
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+fn texts<'a>(values: &'a Value, key: &str) -> Vec<&'a str> {
+    let values = values.as_array().into_iter().flatten(); // absent where there is none
+    values.map(|value| value[key].as_str().unwrap()).collect()
+}
+
+/// The sign facts that this kit has a proof of, and how well each is known.
+fn signs(id: &str, kit: &Value) -> String {
+    let profile = builtin::profile(id).unwrap();
+    let mut proofs = texts(&kit["sign_proofs"], "sign");
+    proofs.dedup();
+    let evidence = |sign: &&str| {
+        let own = profile.statements.iter().find(|s| s.fact == *sign).unwrap();
+        let evidence = serde_json::to_value(own.evidence).unwrap();
+        format!("`{sign}` {}", evidence.as_str().unwrap())
+    };
+    match proofs.is_empty() {
+        true => "no sign proof".to_string(),
+        false => proofs.iter().map(evidence).collect::<Vec<_>>().join(", "),
+    }
+}
+
+fn row(id: &str) -> String {
+    let directory = visit(id);
+    let kit = kit(id, directory.path());
+    let forecast = kit["forecast"]["terms"].as_object().unwrap();
+    let mut served = texts(&kit["tables"], "term");
+    served.dedup();
+    let after = |term: &&str| number(&forecast[*term]["after_um"]);
+    let left = served.iter().map(after).fold(0.0, f64::max);
+    let all = number(&kit["forecast"]["max_residual_um"]);
+    let points = kit["tables"].as_array().unwrap().iter();
+    let points: u64 = points.map(|table| table["points"].as_u64().unwrap()).sum();
+    let loaded = texts(&kit["files"], "path").into_iter().zip(texts(&kit["files"], "role"));
+    let loaded = loaded.filter(|(_, role)| ["table", "parameters"].contains(role));
+    let bytes = loaded
+        .map(|(path, _)| fs::metadata(directory.path().join("kit").join(path)).unwrap().len());
+    let bytes: u64 = bytes.sum();
+    let served = match served.len() {
+        9 => "all nine".to_string(),
+        _ => served.join(" "),
+    };
+    format!(
+        "| `{id}` | {served} | {left:.3} | {all:.3} | {} | {points} | {bytes} | {} |",
+        kit["tables"].as_array().unwrap().len(),
+        signs(id, &kit)
+    )
+}
+
+#[test]
+fn the_table_of_one_machine_is_what_every_control_gives() {
+    let mut table = String::from(
+        "| control | terms with a table | left of these/µm | left of all nine/µm | tables | points | bytes | sign |\n\
+         | --- | --- | ---: | ---: | ---: | ---: | ---: | --- |\n",
+    );
+    for id in builtin::ids() {
+        table += &(row(id) + "\n");
+    }
+    let page = root().join("docs/controllers.md");
+    let text = fs::read_to_string(&page).unwrap();
+    let (before, rest) = text.split_once(BEGIN).unwrap();
+    let (written, after) = rest.split_once(END).unwrap();
+    if std::env::var_os("NONIUS_UPDATE").is_some() {
+        fs::write(&page, format!("{before}{BEGIN}{table}{END}{after}")).unwrap();
+        return;
+    }
+    assert_eq!(written, table, "docs/controllers.md: NONIUS_UPDATE=1");
+}
+
+/// The order of work comes first: few words above it, and what only has to be compared stands in the annex.
+#[test]
+fn a_checklist_begins_with_the_work() {
+    for id in builtin::ids() {
+        let directory = visit(id);
+        kit(id, directory.path());
+        let sheet = fs::read_to_string(directory.path().join("kit/checklist.md")).unwrap();
+        let (work, annex) = sheet.split_once("\n## Annex").unwrap();
+        let (above, _) = work.split_once("\n1. [ ] ").unwrap();
+        let bullets = above.lines().filter(|line| line.starts_with("- ")).count();
+        assert!(bullets <= 4, "{id}: {bullets} bullets above the steps\n{above}");
+        let compared = work.contains("what the annex lists under this number");
+        let found = sheet.contains("; found: ________") || work.contains(": found ________");
+        assert_eq!(compared, found, "{id}");
+        let page = fs::read_to_string(directory.path().join("kit/checklist.html")).unwrap();
+        assert!(
+            page.contains(".annex li:has(.blank){font-size:9.6pt"),
+            "{id}: a blank of the annex is printed in a size to write on"
+        );
+        // What is overwritten or moves an axis is not hidden in the annex.
+        for harm in ["must be free", "moves the axis", "moves axes"] {
+            let mut hidden = annex.lines().filter(|line| line.contains("; found: "));
+            assert_eq!(hidden.find(|line| line.contains(harm)), None, "{id}");
+        }
+        let lines = work.lines().count();
+        assert!(lines <= 70, "{id}: {lines} lines before the annex");
+    }
+}

@@ -1,0 +1,214 @@
+//! LinuxCNC with a HAL file: what the reader makes of such a file, and tables longer than a curve.
+use crate::support;
+use crate::support::um_at;
+use nonius::control::controller::{Role, builtin};
+use nonius::control::table::Tables;
+use nonius::control::table::linuxcnc::CrossTable;
+use nonius::kit;
+use nonius::quantity::axis::Direction;
+use nonius::read::{KitFile, read};
+use std::fmt::Write;
+
+/// Two curves of X, one of 3 and one of 2 points, correct Y (joint 1). Written by hand.
+const FILE: &str = "# by hand
+loadrt lincurve count=2 personality=3,2
+loadrt sum2 count=3
+addf lincurve.0 servo-thread
+addf lincurve.1 servo-thread
+addf sum2.0 servo-thread
+addf sum2.1 servo-thread
+addf sum2.2 servo-thread
+net x joint.0.pos-cmd => lincurve.0.in lincurve.1.in
+net a lincurve.0.out => sum2.0.in0
+net b lincurve.1.out => sum2.0.in1
+net c sum2.0.out => sum2.1.in1 sum2.2.in1
+net command joint.1.motor-pos-cmd => sum2.1.in0
+net drive <= sum2.1.out
+net encoder => sum2.2.in0
+net back sum2.2.out => joint.1.motor-pos-fb
+setp sum2.2.gain1 -1
+setp lincurve.0.x-val-00 -100
+setp lincurve.0.y-val-00 0.001
+setp lincurve.0.x-val-01 0
+setp lincurve.0.y-val-01 0
+setp lincurve.0.x-val-02 100
+setp lincurve.0.y-val-02 -0.002
+setp lincurve.1.x-val-00 100
+setp lincurve.1.y-val-00 0
+setp lincurve.1.x-val-01 150
+setp lincurve.1.y-val-01 0.004
+";
+
+fn tables(text: &str) -> Result<Vec<CrossTable>, String> {
+    let profile = builtin::profile("linuxcnc-hal").unwrap();
+    let file = KitFile { path: "m.hal", role: Role::Table, bytes: text.as_bytes() };
+    match read(&profile, &[file]).map_err(|p| p.render())?.tables {
+        Tables::Linuxcnc(tables) => Ok(tables.cross),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn numbers(table: &CrossTable) -> Vec<Vec<(f64, f64)>> {
+    let points = |piece: &Vec<_>| {
+        let pair = |p: &nonius::control::table::linuxcnc::Point| (p.position, p.value);
+        piece.iter().map(pair).collect()
+    };
+    table.pieces.iter().map(points).collect()
+}
+
+#[test]
+fn a_file_written_by_hand_is_read() {
+    let found = tables(FILE).unwrap();
+    assert_eq!(found.len(), 1);
+    assert_eq!((found[0].base, found[0].output), (0, 1));
+    let curves =
+        [vec![(-100.0, 0.001), (0.0, 0.0), (100.0, -0.002)], vec![(100.0, 0.0), (150.0, 0.004)]];
+    assert_eq!(numbers(&found[0]), curves);
+}
+
+#[test]
+fn gains_turn_and_scale_what_is_added() {
+    let turned = FILE.replace(
+        "setp sum2.2.gain1 -1",
+        "setp sum2.1.gain1 -1\nsetp sum2.2.gain1 1\nsetp sum2.0.gain1 2",
+    );
+    let curves =
+        [vec![(-100.0, -0.001), (0.0, 0.0), (100.0, 0.002)], vec![(100.0, 0.0), (150.0, -0.008)]];
+    assert_eq!(numbers(&tables(&turned).unwrap()[0]), curves);
+}
+
+/// A line of [`FILE`], what stands there instead, and what is said of it.
+const REFUSED: &[(&str, &str, &str)] = &[
+    (
+        "setp sum2.2.gain1 -1\n",
+        "",
+        "m.hal:16:24: what is added to the drive of joint 1 is not what is taken out of its feedback",
+    ),
+    ("gain1 -1", "gain1 -0.5", "is not what is taken out of its feedback"),
+    ("sum2.1.in1 sum2.2.in1", "sum2.1.in1", "m.hal:8:6: a pin of this component has no signal"),
+    (
+        "net encoder => sum2.2.in0",
+        "net command sum2.2.in0",
+        "the feedback of joint 1 is not its encoder and a correction",
+    ),
+    (
+        "addf sum2.0 servo-thread\naddf sum2.1 servo-thread",
+        "addf sum2.1 servo-thread\naddf sum2.0 servo-thread",
+        "m.hal:6:6: this runs before `c` is made",
+    ),
+    ("addf sum2.0 servo-thread\n", "addf sum2.0 slow\n", "m.hal:6:13: `slow` is another thread"),
+    ("addf lincurve.1 servo-thread\n", "", "this runs before `b` is made"),
+    ("addf sum2.1 servo-thread\n", "", "m.hal:3:8: no thread runs sum2.1"),
+    (
+        "addf sum2.2 servo-thread",
+        "addf sum2.1 servo-thread",
+        "m.hal:8:6: `sum2.1` is added a second time",
+    ),
+    ("setp lincurve.0.y-val-01 0\n", "", "m.hal:2:8: a point of lincurve.0 is not set"),
+    ("x-val-01 0\n", "x-val-01 -100\n", "the points of lincurve.0 do not ascend"),
+    ("setp lincurve.1.x-val-01", "setp lincurve.1.x-val-02", "there is no `lincurve.1.x-val-02`"),
+    ("y-val-01 0.004", "y-val-01 nan", "m.hal:27:26: `nan` is no number"),
+    ("setp sum2.2.gain1 -1", "setp sum2.2.offset -1", "there is no `sum2.2.offset`"),
+    ("personality=3,2", "personality=3", "loaded in a way that is not read"),
+    ("personality=3,2", "personality=3,17", "loaded in a way that is not read"),
+    ("count=2 personality=3,2", "count=129 personality=3,2", "129 curves, more than the 128"),
+    (
+        "loadrt sum2 count=3",
+        "loadrt sum2 count=3\nloadrt sum2 count=3",
+        "m.hal:4:8: `sum2` is loaded a second time",
+    ),
+    ("loadrt sum2 count=3", "loadrt sum2 count=4", "no thread runs sum2.3"),
+    (
+        "loadrt sum2 count=3",
+        "loadrt sum2 count=3\nloadrt pid count=3",
+        "m.hal:4:8: `pid` is a component that is not read here",
+    ),
+    ("# by hand", "loadusr halmeter", "m.hal:1:1: `loadusr` is not read here"),
+    ("joint.0.pos-cmd =>", "joint.0.pos-fb =>", "there is no `joint.0.pos-fb`"),
+    ("joint.0.pos-cmd =>", "joint.16.pos-cmd =>", "there is no `joint.16.pos-cmd`"),
+    (
+        "joint.0.pos-cmd =>",
+        "joint.0.motor-pos-cmd =>",
+        "lincurve.0 looks up something other than the position of a joint",
+    ),
+    ("net drive <= sum2.1.out", "net c sum2.1.out", "m.hal:14:7: signal `c` has two sources"),
+    (
+        "net encoder => sum2.2.in0",
+        "net encoder => sum2.2.in0 sum2.1.in0",
+        "`sum2.1.in0` is linked a second time",
+    ),
+];
+
+#[test]
+fn what_would_not_do_what_is_meant_is_refused_at_the_place() {
+    for (line, instead, words) in REFUSED {
+        assert!(FILE.contains(line), "{line}");
+        let said = tables(&FILE.replacen(line, instead, 1)).expect_err(instead);
+        let place = |text: &str| text.starts_with("m.hal:");
+        let (at, words) = match words.split_once(": ").filter(|_| place(words)) {
+            Some((at, words)) => (at, words),
+            None => ("m.hal:", *words),
+        };
+        assert!(said.contains(at) && said.contains(words), "{instead}\n{said}");
+    }
+}
+
+const MEASURED_MM: [f64; 5] = [0.0, 250.0, 500.0, 750.0, 1000.0];
+const UM: [[f64; 5]; 2] = [[0.0, 7.0, -3.0, 4.0, 11.0], [0.0, -2.0, 5.0, 5.0, 1.0]];
+
+/// Six cross terms over a metre.
+fn long(spacing: f64) -> (String, String) {
+    let mut errors = String::from("axis,position_mm,ex_um,ey_um,ez_um\n");
+    let mut job = String::from(
+        "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n\
+         active_while_measuring = \"none\"\n[compensation]\ncontroller = \"linuxcnc-hal\"\n",
+    );
+    for (own, axis) in ["x", "y", "z"].into_iter().enumerate() {
+        for (mm, at) in MEASURED_MM.iter().zip(0..) {
+            let mut of = UM.iter().map(|um| um[at].to_string());
+            let cells: Vec<String> = (0..3)
+                .map(|column| if column == own { String::new() } else { of.next().unwrap() })
+                .collect();
+            writeln!(errors, "{axis},{mm},{}", cells.join(",")).unwrap();
+        }
+        write!(
+            job,
+            "[machine.axes.{axis}]\ntravel_mm = [0, 1000]\nreference_mm = 0\n\
+             [compensation.axes.{axis}]\nspacing_mm = {spacing:?}\n"
+        )
+        .unwrap();
+    }
+    (job, errors)
+}
+
+/// 84 curves: above 64 all have 16 points, and the sum of the pieces is still the measured curve.
+#[test]
+fn pieces_add_up_to_a_long_table() {
+    let (job, errors) = long(5.0);
+    let (_, kit) = support::generate(&job, &errors);
+    let file = kit.files.iter().find(|file| file.path == "compensation.hal").unwrap();
+    let text = std::str::from_utf8(&file.bytes).unwrap();
+    let sixteens = vec!["16"; 64].join(",");
+    assert!(text.contains(&format!("loadrt lincurve count=84 personality={sixteens}\n")), "{text}");
+    let profile = builtin::profile("linuxcnc-hal").unwrap();
+    let control = support::control(&profile, &kit);
+    for (output, of) in [("1", UM[0]), ("2", UM[1])] {
+        let response = support::response(control.as_ref(), "0", output, Direction::Plus);
+        for tenth in -100..=10_100 {
+            let at = f64::from(tenth) / 10.0;
+            let section = MEASURED_MM[1..4].iter().filter(|mm| at > **mm).count();
+            let share = (at.clamp(0.0, 1000.0) - MEASURED_MM[section]) / 250.0;
+            let deviation = of[section] + share * (of[section + 1] - of[section]);
+            let left = um_at(&response, at) + deviation;
+            assert!(left.abs() <= 0.000_5 + support::DUST_UM, "{output} at {at}: {left} µm");
+        }
+    }
+}
+
+#[test]
+fn more_curves_than_hal_holds_are_refused() {
+    let (job, errors) = long(1.0);
+    let said = kit::generate(&support::inputs(&job, &errors)).expect_err("402 curves").render();
+    assert!(said.contains("402 curves of 16 points, more than the 128"), "{said}");
+    assert!(said.contains("use a larger spacing"), "{said}");
+}

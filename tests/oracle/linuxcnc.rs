@@ -1,0 +1,129 @@
+//! A real control executes our tables: LinuxCNC, started with the files of a kit (docs/accuracy.md, docs/linuxcnc.md).
+#![cfg(target_os = "linux")]
+mod control;
+mod facts;
+mod loops;
+mod machine;
+mod proof;
+mod visit;
+
+use loops::Case;
+use machine::Machine;
+
+const NO_CROSS: [[f64; 3]; 3] = [[0.0; 3]; 3];
+
+const MILL: Machine = Machine {
+    name: "mill",
+    travel: [[0.0, 400.0], [0.0, 300.0], [-200.0, 0.0]],
+    slope: [35.0, -60.0, 80.0],
+    wave: [4.0, -3.0, 2.5],
+    reversal: [-6.0, 4.0, -3.0],
+    bow: NO_CROSS,
+    tilt: NO_CROSS,
+};
+
+const INCHES: Machine = Machine {
+    name: "inch mill",
+    travel: [[0.0, 508.0], [-254.0, 0.0], [-127.0, 127.0]],
+    wave: [9.0, 2.0, -5.0],
+    ..MILL
+};
+
+const LARGE: Machine = Machine {
+    name: "large mill",
+    travel: [[0.0, 900.0], [-360.0, 360.0], [-720.0, 0.0]],
+    slope: [-20.0, 12.0, 30.0],
+    ..MILL
+};
+
+/// Six errors across and three angles out of square.
+const BOW: [[f64; 3]; 3] = [[0.0, 6.0, -2.5], [-4.0, 0.0, 3.0], [5.0, -3.5, 0.0]];
+const TILT: [[f64; 3]; 3] = [[0.0, 12.0, -8.0], [25.0, 0.0, 5.0], [-15.0, 9.0, 0.0]];
+
+const fn crooked(name: &'static str, machine: Machine) -> Machine {
+    Machine { name, bow: BOW, tilt: TILT, ..machine }
+}
+
+const CASES: [Case; 6] = [
+    case(MILL, "linuxcnc", 11, 21, "mm"),
+    case(INCHES, "linuxcnc", 6, 11, "inch"),
+    case(LARGE, "linuxcnc", 16, 31, "mm"),
+    case(crooked("crooked mill", MILL), "linuxcnc-hal", 21, 41, "mm"),
+    case(crooked("crooked inch mill", INCHES), "linuxcnc-hal", 6, 11, "inch"),
+    case(crooked("long mill", LONG), "linuxcnc-hal", 256, 21, "mm"),
+];
+
+/// Tables of as many points as a `COMP_FILE` takes, in 102 curves: more than there are numbers in a list.
+const LONG: Machine = Machine { travel: [[0.0, 1020.0]; 3], slope: [4.0, -6.0, 8.0], ..MILL };
+
+const fn case(
+    machine: Machine,
+    controller: &'static str,
+    points: usize,
+    stops: usize,
+    unit: &'static str,
+) -> Case {
+    Case { machine, controller, points, stops, unit }
+}
+
+/// Whether all is asked for, which takes minutes: the other machines, the HAL files and a whole visit.
+fn all_is_asked_for() -> bool {
+    let all = std::env::var("NONIUS_SIMULATIONS").is_ok_and(|value| value == "all");
+    if !all {
+        eprintln!(
+            "only the short part: NONIUS_SIMULATIONS=all runs the other machines, the HAL files and a whole visit"
+        );
+    }
+    all
+}
+
+/// What the profile says of a table was seen on the control.
+#[test]
+fn the_real_control_does_with_a_table_what_the_profile_says() {
+    if control::installed().is_some() {
+        facts::types_directions_and_ends();
+        facts::backlash_and_blank_lines();
+        facts::rows_order_and_small_steps();
+        facts::before_homing_and_the_zero();
+        facts::missing_file();
+    }
+}
+
+/// What the profile says of HAL files, and their sign, were seen on the control.
+#[test]
+fn the_real_control_does_with_curves_what_the_profile_says() {
+    if all_is_asked_for() && control::installed().is_some() {
+        facts::curves_of_hal();
+        proof::of_case(&CASES[3], &["EXX", "EYX"]);
+    }
+}
+
+/// Known errors → kit → control → every servo cycle and the machine.
+#[test]
+fn the_real_control_does_what_the_emulator_says() {
+    let Some(version) = control::installed() else {
+        return;
+    };
+    let count = if all_is_asked_for() { CASES.len() } else { 1 };
+    for case in &CASES[..count] {
+        let seen = case.close();
+        println!(
+            "{version}, {}: {} cycles, emulator within {:.5} µm, forecast within {:.5} µm; {:.3} → {:.3} µm",
+            case.machine.name,
+            seen.cycles,
+            seen.emulator_um,
+            seen.forecast_um,
+            seen.before_um,
+            seen.after_um
+        );
+        assert!(seen.cycles >= 10_000);
+    }
+}
+
+/// Measured, compensated and measured again, all on the control.
+#[test]
+fn the_real_control_leads_a_whole_visit() {
+    if all_is_asked_for() && control::installed().is_some() {
+        println!("{}", visit::visit(&MILL));
+    }
+}

@@ -1,0 +1,151 @@
+//! A whole visit on a real control: measuring program → control → a simulated laser on the moving machine → `separate` →
+//! `generate` → the control with the kit → measured again → `verify --after`; then the update and the rollback.
+
+use super::control::Run;
+use super::loops::path;
+use super::machine::{Machine, Stand, stands};
+use super::proof::{Tables, drive, nonius, signs_are_proved};
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+
+/// The diagonals in the order of the programs.
+const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
+
+/// What the laser shows: rows of `positions.csv` with the displacement of the mirror along the diagonal, mm.
+pub(crate) struct Laser<'a> {
+    pub(crate) machine: &'a Machine,
+}
+
+impl Laser<'_> {
+    /// The point that carries the mirror, mm.
+    fn reached(&self, stand: &Stand) -> [f64; 3] {
+        let errors = self.machine.errors_um(stand.drive, stand.upwards);
+        [0, 1, 2].map(|axis| stand.drive[axis] + errors[axis] / 1000.0)
+    }
+
+    /// `readings.csv` with its last column filled in, from what the control did in one program for each diagonal.
+    pub(crate) fn fill(&self, positions: &str, readings: &str, seen: &Run) -> String {
+        let rows: Vec<Vec<&str>> =
+            positions.lines().skip(1).map(|row| row.split(',').collect()).collect();
+        let mut values = Vec::new();
+        for (diagonal, cycles) in DIAGONALS.iter().zip(&seen.cycles) {
+            let own: Vec<[f64; 3]> = rows
+                .iter()
+                .filter(|row| row[0] == *diagonal)
+                .map(|row| [6, 7, 8].map(|column| row[column].parse().unwrap()))
+                .collect();
+            let places = at(&own, &stands(cycles, 60));
+            let reached: Vec<[f64; 3]> = places.iter().map(|place| self.reached(place)).collect();
+            values.extend(displacements(&own, &reached));
+        }
+        let mut lines = readings.lines();
+        let mut filled = format!("{}\n", lines.next().unwrap());
+        for (line, value) in lines.zip(&values) {
+            writeln!(filled, "{line}{value:.7}").unwrap();
+        }
+        assert_eq!(filled.lines().count(), values.len() + 1);
+        filled
+    }
+}
+
+/// The standstills at the places of the readings, in their order; two readings of one place in a row are of one standstill.
+fn at(readings: &[[f64; 3]], stands: &[Stand]) -> Vec<Stand> {
+    let mut left = stands;
+    let is_at = |stand: &Stand, place: &[f64; 3]| {
+        let axes = stand.command.iter().zip(place);
+        axes.into_iter().all(|(is, should)| (is - should).abs() < 1e-4)
+    };
+    let mut next = |place: &[f64; 3]| {
+        let found = left.iter().position(|stand| is_at(stand, place));
+        left = &left[found.unwrap_or_else(|| panic!("no standstill at {place:?}"))..];
+        left[0]
+    };
+    readings.iter().map(&mut next).collect()
+}
+
+/// How far each place lies along the line from the first place to the farthest one, from the first one, mm.
+fn displacements(nominal: &[[f64; 3]], reached: &[[f64; 3]]) -> Vec<f64> {
+    let from =
+        |places: &[[f64; 3]], n: usize| [0, 1, 2].map(|axis| places[n][axis] - places[0][axis]);
+    let length = |of: [f64; 3]| of.iter().map(|part| part * part).sum::<f64>().sqrt();
+    let all = 0..nominal.len();
+    let far = all
+        .clone()
+        .map(|n| from(nominal, n))
+        .max_by(|a, b| length(*a).total_cmp(&length(*b)))
+        .unwrap();
+    let along = |of: [f64; 3]| of.iter().zip(&far).map(|(a, b)| a * b).sum::<f64>() / length(far);
+    all.map(|n| along(from(reached, n))).collect()
+}
+
+fn job(machine: &Machine, readings: &str, active: &str) -> String {
+    let mut job = format!(
+        "schema = 1\n[machine]\nname = \"{}\"\n[measurement]\nreadings = \"{readings}\"\n\
+         active_while_measuring = \"{active}\"\n\
+         [measurement.step_diagonal]\nstart_mm = {{ x = 10.0, y = 10.0, z = -190.0 }}\n\
+         size_mm = {{ x = 380.0, y = 280.0, z = 180.0 }}\nsteps = 5\norder = \"XYZ\"\nsetup = \"assume-perfect\"\noverrun = false\n\
+         [program]\nwhat = \"step-diagonal\"\ndwell_s = 0.1\nfeed_mm_per_min = 30000\nalignment_pass = false\noverrun_mm = 0\n\
+         [compensation]\ncontroller = \"linuxcnc\"\ncontrol_unit = \"mm\"\nbacklash = \"two-tables\"\n\
+         terms = [\"EXX\", \"EYY\", \"EZZ\"]\n[acceptance]\nmax_deviation_um = 2.0\n",
+        machine.name
+    );
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let [low, high] = machine.travel[axis];
+        let spacing = [38.0, 28.0, 18.0][axis];
+        write!(
+            job,
+            "[machine.axes.{name}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = 0.0\nreference_direction = \"+\"\n\
+             [compensation.axes.{name}]\nspacing_mm = {spacing:?}\n"
+        )
+        .unwrap();
+    }
+    job
+}
+
+/// The visit; returns what `verify --after` says.
+pub(crate) fn visit(machine: &Machine) -> String {
+    let place = tempfile::tempdir().unwrap();
+    let folder = place.path();
+    let write = |name: &str, text: &str| fs::write(folder.join(name), text).unwrap();
+    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    let measure = |tables| {
+        let programs = DIAGONALS.map(|diagonal| read(&format!("run/NONIUS_{diagonal}.ngc")));
+        let seen = drive(folder, machine, tables, programs.to_vec());
+        Laser { machine }.fill(&read("run/positions.csv"), &read("run/readings.csv"), &seen)
+    };
+    write("job.toml", &job(machine, "readings.csv", "none"));
+    nonius(folder, "program job.toml -o run", 0);
+    write("readings.csv", &measure(Tables::None));
+    nonius(folder, "separate job.toml", 0);
+    nonius(folder, "generate job.toml -o kit", 0);
+    signs_are_proved(folder, machine, &["EXX"]);
+    write("after.csv", &measure(Tables::Kit("kit")));
+    write("after.toml", &job(machine, "after.csv", "kit"));
+    let said = nonius(folder, "verify job.toml --tables kit --after after.toml", 0);
+    updated_and_rolled_back(folder, machine);
+    said
+}
+
+/// New tables from the second measurement leave less than the first ones; after the rollback the machine is as it was.
+fn updated_and_rolled_back(folder: &Path, machine: &Machine) {
+    nonius(folder, "generate after.toml -o update", 0);
+    let left = |tables| {
+        let programs = vec![path(machine, 6, 1.0)];
+        let seen = drive(folder, machine, tables, programs);
+        let of = |stand: &Stand| {
+            let errors = machine.errors_um(stand.drive, stand.upwards);
+            let axis = |axis: usize| {
+                ((stand.drive[axis] - stand.command[axis]) * 1000.0 + errors[axis]).abs()
+            };
+            [0, 1, 2].map(axis).into_iter().fold(0.0, f64::max)
+        };
+        stands(&seen.cycles[0], 80).iter().map(of).fold(0.0, f64::max)
+    };
+    let [none, kit, update, back] =
+        [Tables::None, Tables::Kit("kit"), Tables::Kit("update"), Tables::Kit("kit")].map(left);
+    println!(
+        "largest error in the volume: {none:.3} µm, kit {kit:.3}, update {update:.3}, rolled back to the kit {back:.3}"
+    );
+    assert!(kit < none && update <= kit + 0.1 && (back - kit).abs() < 0.002);
+}

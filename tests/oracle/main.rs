@@ -1,0 +1,24 @@
+//! Machines and emulators that know nothing of the program, and real controls.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    clippy::float_cmp,
+    clippy::disallowed_methods,
+    clippy::cast_possible_truncation,
+    clippy::needless_range_loop,
+    reason = "a test stops at what it did not expect, and says what it saw"
+)]
+
+#[path = "../support/mod.rs"]
+#[allow(dead_code, reason = "each test program uses a part of it")]
+mod support;
+
+mod contract;
+mod every_control;
+mod hal;
+mod linuxcnc;
+mod rs274;
+mod simulate;

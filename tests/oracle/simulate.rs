@@ -1,0 +1,309 @@
+//! Laws of the rehearsal: what `simulate` predicts is what the test's own arithmetic reads on the
+//! same machine, and what `separate` takes apart again.
+use crate::support::diagonals as simulated;
+use crate::support::diagonals::{Machine, curve, measurement, naive, volume};
+use crate::support::inputs;
+use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::findings::Remark;
+use nonius::inputs::job::{Frame, SetUp};
+use nonius::inputs::readings::Readings;
+use nonius::kit::simulate::{
+    Noise, Rehearsal, SIMULATED, SimulatedMachine, SimulatedTables, Simulation, Wishes, readings,
+    single_axes, write,
+};
+use nonius::kit::{Inputs, generate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
+use nonius::quantity::units::Millimetres;
+use nonius::text::document::Source;
+use proptest::prelude::*;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+use std::fmt::Write;
+
+/// Readings are written with nine decimals.
+const FILE_DIGITS_UM: f64 = 1e-9;
+/// The test's own sums over travels of two metres.
+const DUST_UM: f64 = 1e-8;
+/// A table of the generic control is written with six decimals of a millimetre.
+const GENERIC_UM: f64 = 1e-6;
+
+/// The job of a machine, with the program of its run.
+fn job(volume: &Volume, directed: bool, both_directions: bool, overrun: bool) -> String {
+    let mut text = "schema = 1\n[machine]\nname = \"law\"\n".to_string();
+    for axis in Axis::ALL {
+        let low = volume.start[axis].mm();
+        let high = low + volume.size[axis].mm();
+        let key = axis.key();
+        write!(
+            text,
+            "[machine.axes.{key}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = {low:?}\n"
+        )
+        .unwrap();
+    }
+    text += "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n";
+    text += "[compensation]\ncontroller = \"generic\"\n";
+    if directed {
+        text += "backlash = \"two-tables\"\n";
+    }
+    for axis in Axis::ALL {
+        let points = volume.steps + 1;
+        writeln!(text, "[compensation.axes.{}]\npoints = {points}", axis.key()).unwrap();
+    }
+    let [start, size] = [volume.start, volume.size].map(|places| {
+        let place = |axis: Axis| format!("{} = {:?}", axis.key(), places[axis].mm());
+        Axis::ALL.map(place).join(", ")
+    });
+    let order: String = volume.order.iter().map(|axis| axis.letter()).collect();
+    writeln!(
+        text,
+        "[program]\nwhat = \"step-diagonal\"\nstart_mm = {{ {start} }}\nsize_mm = {{ {size} }}\nsteps = {}\norder = \"{order}\"\nbidirectional = {both_directions}",
+        volume.steps
+    )
+    .unwrap();
+    if both_directions {
+        let mm = if overrun { "2.0" } else { "0.0" };
+        writeln!(text, "overrun_mm = {mm}").unwrap();
+    }
+    text
+}
+
+/// The error table of a machine; in both directions where it loses motion.
+fn table(machine: &Machine, directed: bool) -> String {
+    let mut text = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
+    let directions: &[&str] = if directed { &["+", "-"] } else { &[""] };
+    for along in Axis::ALL {
+        for direction in directions {
+            for (index, at) in machine.volume.positions(along).iter().enumerate() {
+                let value = |of: Axis| {
+                    let lost = of == along && *direction == "-";
+                    let lost = if lost { machine.lost_um[along] } else { 0.0 };
+                    machine.curves[ErrorTerm { of, along }][index] - lost
+                };
+                let [x, y, z] = Axis::ALL.map(value);
+                let (key, mm) = (along.key(), at.mm());
+                writeln!(text, "{key},{direction},{mm:?},{x:?},{y:?},{z:?}").unwrap();
+            }
+        }
+    }
+    text
+}
+
+fn simulate(inputs: &Inputs, loaded: Option<&SimulatedTables>, wishes: Wishes) -> Simulation {
+    let machine = SimulatedMachine::new(inputs, loaded, 0.0);
+    let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
+    readings(&machine, &rehearsal, &inputs.job).unwrap_or_else(|p| panic!("{}", p.render()))
+}
+
+fn any_machine() -> impl Strategy<Value = Machine> {
+    let edge = || 200u32..2000;
+    let orders = prop::sample::select(vec![[0, 1, 2], [1, 0, 2], [2, 0, 1], [2, 1, 0]]);
+    let box_ = (edge(), edge(), edge(), -1000i32..1000, orders, 2usize..16);
+    (box_, any::<u64>()).prop_map(|((x, y, z, start, order, steps), seed)| {
+        let mut volume = volume([f64::from(x), f64::from(y), f64::from(z)], steps);
+        let start = f64::from(start);
+        volume.start = simulated::mm(start, start / 4.0, -start);
+        volume.order = order.map(|index: usize| Axis::ALL[index]);
+        Machine::random(&volume, &mut ChaCha8Rng::seed_from_u64(seed))
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn the_prediction_is_what_the_test_reads_on_the_same_machine(mut machine in any_machine(), directed: bool, overrun: bool) {
+        if directed {
+            machine.lost_um = PerAxis { x: -8.0, y: 5.0, z: -3.0 };
+        }
+        let inputs = inputs(&job(&machine.volume, directed, true, overrun), &table(&machine, directed));
+        let found = simulate(&inputs, None, Wishes::default());
+        for run in &found.runs {
+            let back = (run.pass == Pass::Reverse).then_some(overrun);
+            let wanted = &machine.readings(back)[run.diagonal];
+            prop_assert_eq!(run.deviations.len(), wanted.len());
+            for (node, (found, wanted)) in run.deviations.iter().zip(wanted).enumerate() {
+                let off = (found.um() - wanted).abs();
+                prop_assert!(off <= DUST_UM, "{} {:?} node {node}: off by {off}", run.diagonal, run.pass);
+            }
+        }
+        prop_assert_eq!(found.runs.len(), 8);
+    }
+
+    #[test]
+    fn tables_of_the_machine_leave_nothing(machine in any_machine(), directed: bool) {
+        let mut machine = machine;
+        if directed {
+            machine.lost_um = PerAxis { x: -8.0, y: -5.0, z: -3.0 };
+        }
+        // Points on the measured positions: steps that are whole millimetres.
+        for axis in Axis::ALL {
+            let step = (machine.volume.step_mm(axis)).round().max(1.0);
+            machine.volume.size[axis] = Millimetres::new(step * machine.volume.steps_f64());
+        }
+        let job = job(&machine.volume, directed, true, true);
+        let inputs = inputs(&job, &table(&machine, directed));
+        let kit = generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
+        let loaded = SimulatedTables::read(&inputs, &kit.kit_files(), None).unwrap_or_else(|p| panic!("{}", p.render()));
+        let after = simulate(&inputs, Some(&loaded), Wishes::default());
+        for run in &after.runs {
+            for left in &run.deviations {
+                prop_assert!(left.um().abs() < 6.0 * GENERIC_UM, "{} {:?}: {left:?}", run.diagonal, run.pass);
+            }
+        }
+    }
+
+    #[test]
+    fn separation_takes_the_prediction_apart_again(machine in any_machine(), seed: u64) {
+        let inputs = inputs(&job(&machine.volume, false, false, true), &table(&machine, false));
+        let wishes = Wishes { noise: Noise { um: 0.0, seed }, ..Wishes::default() };
+        let separation = naive(&machine.volume, &simulate(&inputs, None, wishes).runs);
+        for term in ErrorTerm::ALL {
+            for (found, wanted) in curve(&separation, term).iter().zip(&machine.curves[term]) {
+                prop_assert!((found - wanted).abs() < 1e-6, "{term}: {found} for {wanted}");
+            }
+        }
+    }
+}
+
+fn one_machine() -> Machine {
+    let volume = volume([900.0, 720.0, 720.0], 30);
+    Machine::random(&volume, &mut ChaCha8Rng::seed_from_u64(7))
+}
+
+fn plain_inputs(machine: &Machine) -> Inputs {
+    inputs(&job(&machine.volume, false, false, true), &table(machine, false))
+}
+
+fn noisy(runs: u32, seed: u64, both_directions: bool) -> Wishes {
+    Wishes {
+        runs: Some(runs),
+        both_directions,
+        noise: Noise { um: 0.4, seed },
+        ..Wishes::default()
+    }
+}
+
+#[test]
+fn noise_is_the_same_for_a_seed_and_other_runs_do_not_change_it() {
+    let inputs = plain_inputs(&one_machine());
+    let three = simulate(&inputs, None, noisy(3, 5, false));
+    assert_eq!(three.runs, simulate(&inputs, None, noisy(3, 5, false)).runs);
+    let one = simulate(&inputs, None, noisy(1, 5, true));
+    for run in one.runs.iter().filter(|run| run.pass == Pass::Forward) {
+        assert!(three.runs.contains(run), "{} run 1", run.diagonal);
+    }
+    let other = simulate(&inputs, None, noisy(3, 6, false));
+    assert_ne!(three.runs, other.runs);
+}
+
+#[test]
+fn noise_has_the_stated_size_and_the_first_reading_is_zero() {
+    let inputs = plain_inputs(&one_machine());
+    let exact = simulate(&inputs, None, Wishes::default());
+    let found = simulate(&inputs, None, noisy(20, 3, false));
+    let (mut sum, mut count) = (0.0, 0.0);
+    for run in &found.runs {
+        let clean = exact.runs.iter().find(|r| r.diagonal == run.diagonal);
+        let clean = &clean.unwrap().deviations;
+        if run.number == 1 {
+            assert!(run.deviations[0].um().abs() < FILE_DIGITS_UM);
+        }
+        // Differences of neighbours know nothing of the zero: twice the variance.
+        let off: Vec<f64> =
+            run.deviations.iter().zip(clean).map(|(a, b)| a.um() - b.um()).collect();
+        for pair in off.windows(2) {
+            sum += (pair[1] - pair[0]).powi(2) / 2.0;
+            count += 1.0;
+        }
+    }
+    let sigma = f64::sqrt(sum / count);
+    assert!((sigma - 0.4).abs() < 0.01, "{sigma} of {count} differences");
+}
+
+#[test]
+fn the_file_reads_back_to_the_same_runs_and_says_what_it_is() {
+    let machine = one_machine();
+    let inputs = plain_inputs(&machine);
+    let wishes = noisy(2, 9, true);
+    let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
+    let found = simulate(&inputs, None, wishes);
+    let text = write(&found, &rehearsal, &[format!("note: {SIMULATED}: a test")]);
+    let source = Source::from_bytes("readings.csv", text.as_bytes()).unwrap();
+    let given = measurement(&machine.volume, SetUp::Solve, Frame::XPrimary);
+    let read = Readings::read(source, &given).unwrap_or_else(|p| panic!("{}", p.render()));
+    let by = |run: &nonius::quantity::diagonal::Run| (run.diagonal, run.number, run.pass);
+    let mut runs = found.runs;
+    runs.sort_by_key(by);
+    assert_eq!(read.runs, runs);
+    let words = format!("{SIMULATED}: a test");
+    assert_eq!(read.notes(), [Remark::Simulated { words }.into()]);
+}
+
+#[test]
+fn straight_runs_are_the_cell_ends_of_step_runs() {
+    let inputs = plain_inputs(&one_machine());
+    let step = simulate(&inputs, None, Wishes::default());
+    let wishes = Wishes { straight: true, ..Wishes::default() };
+    let straight = simulate(&inputs, None, wishes);
+    let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
+    assert_eq!(rehearsal.kind, PathKind::Straight);
+    for (whole, ends) in step.runs.iter().zip(&straight.runs) {
+        let cell_ends: Vec<_> = whole.deviations.iter().step_by(3).copied().collect();
+        assert_eq!(ends.deviations, cell_ends, "{}", whole.diagonal);
+    }
+    assert_eq!(straight.predicted, step.predicted);
+}
+
+#[test]
+fn a_change_of_scale_is_the_same_along_every_diagonal() {
+    let machine = one_machine();
+    let inputs = plain_inputs(&machine);
+    let rehearsal = Rehearsal::of(&inputs.job, None, Wishes::default()).unwrap();
+    let ends = |scale: f64| {
+        let warm = SimulatedMachine::new(&inputs, None, scale);
+        let found = readings(&warm, &rehearsal, &inputs.job).unwrap();
+        Diagonal::ALL.map(|d| found.predicted[d].end_um)
+    };
+    // 11.5 um/m over a diagonal of sqrt(900^2 + 720^2 + 720^2) = 1358.970 mm.
+    for (cold, warm) in ends(0.0).into_iter().zip(ends(11.5)) {
+        assert!((warm - cold - 15.628_16).abs() < 1e-4, "{}", warm - cold);
+    }
+}
+
+#[test]
+fn the_error_table_holds_what_is_left_at_every_measured_position() {
+    let mut machine = one_machine();
+    machine.lost_um.y = -6.0;
+    let text = job(&machine.volume, true, false, true);
+    let inputs = inputs(&text, &table(&machine, true));
+    let plain = SimulatedMachine::new(&inputs, None, 0.0);
+    let note = format!("note: {SIMULATED}: a test");
+    let csv = nonius::inputs::error_table::write(&single_axes(
+        &plain,
+        1,
+        Noise::default(),
+        vec![note.clone()],
+    ));
+    let source = Source::from_bytes("after.csv", csv.as_bytes()).unwrap();
+    let found = ErrorTable::read(source).unwrap();
+    assert_eq!(found.remarks.lines(), [note]);
+    for along in Axis::ALL {
+        for series in found.series(along) {
+            let lost = if series.direction == Some(Direction::Minus) {
+                machine.lost_um[along]
+            } else {
+                0.0
+            };
+            assert_eq!(series.positions, machine.volume.positions(along));
+            for of in Axis::ALL {
+                let term = ErrorTerm { of, along };
+                let lost = if of == along { lost } else { 0.0 };
+                let left = series.deviations[of].as_ref().unwrap();
+                for (found, wanted) in left.iter().zip(&machine.curves[term]) {
+                    assert!((found.um() - wanted + lost).abs() < 2e-9, "{term}");
+                }
+            }
+        }
+    }
+}

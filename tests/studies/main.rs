@@ -1,0 +1,27 @@
+//! Seeded simulations: what writes the tables of docs/accuracy.md.
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::print_stderr,
+    clippy::float_cmp,
+    clippy::disallowed_methods,
+    clippy::cast_possible_truncation,
+    clippy::needless_range_loop,
+    reason = "a test stops at what it did not expect, and says what it saw"
+)]
+
+#[path = "../support/mod.rs"]
+#[allow(dead_code, reason = "each test program uses a part of it")]
+mod support;
+
+mod agreement;
+mod causes;
+mod coverage;
+mod coverage_bounds;
+mod exchanged;
+mod plan;
+mod properties;
+mod right_kits;
+mod separation_laws;

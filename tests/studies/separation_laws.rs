@@ -1,0 +1,530 @@
+//! Laws of the separation, on machines that the test simulates with arithmetic of its own.
+use crate::support::diagonals as simulated;
+use crate::support::diagonals::{
+    Machine, curve, index, measurement, mm, naive, runs, solved, volume, with_noise, words,
+};
+use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
+use nonius::machine::separation::corrections::{AngleModel, angle_effects};
+use nonius::machine::separation::curves::{Curve, curves, with_slope};
+use nonius::machine::separation::metric::Plane;
+use nonius::machine::separation::readings::{Group, Means};
+use nonius::machine::separation::{Separation, separate};
+use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
+use nonius::quantity::chain::Chain;
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use nonius::text::document::Source;
+use proptest::prelude::*;
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
+
+/// Sums of a few hundred readings of up to a millimetre.
+const DUST_UM: f64 = 1e-8;
+
+fn close(found: f64, wanted: f64, tolerance: f64, what: impl std::fmt::Display) {
+    assert!(
+        (found - wanted).abs() <= tolerance,
+        "{what}: {found}, expected {wanted} within {tolerance}"
+    );
+}
+
+fn curves_close(separation: &Separation, wanted: &PerTerm<Vec<f64>>, tolerance: f64) {
+    for term in ErrorTerm::ALL {
+        for (index, (a, b)) in curve(separation, term).iter().zip(&wanted[term]).enumerate() {
+            close(*a, *b, tolerance, format!("{term} {index}"));
+        }
+    }
+}
+
+fn forward(machine: &Machine) -> Vec<nonius::quantity::diagonal::Run> {
+    runs(1, Pass::Forward, &machine.readings(None))
+}
+
+fn any_volume() -> impl Strategy<Value = Volume> {
+    let edge = || 200.0..2000.0f64;
+    let corner = || -1000.0..1000.0f64;
+    let orders = prop::sample::select(vec![
+        [0, 1, 2],
+        [0, 2, 1],
+        [1, 0, 2],
+        [1, 2, 0],
+        [2, 0, 1],
+        [2, 1, 0],
+    ]);
+    ((edge(), edge(), edge()), (corner(), corner(), corner()), orders, 2usize..24).prop_map(
+        |(size, start, order, steps)| Volume {
+            start: mm(start.0, start.1, start.2),
+            size: mm(size.0, size.1, size.2),
+            steps,
+            order: order.map(|index: usize| Axis::ALL[index]),
+        },
+    )
+}
+
+fn any_machine() -> impl Strategy<Value = (Machine, u64)> {
+    (any_volume(), any::<u64>()).prop_map(|(volume, seed)| {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        (Machine::random(&volume, &mut random), seed)
+    })
+}
+
+/// X becomes Y, Y becomes Z, Z becomes X.
+fn next(axis: Axis) -> Axis {
+    match axis {
+        Axis::X => Axis::Y,
+        Axis::Y => Axis::Z,
+        Axis::Z => Axis::X,
+    }
+}
+
+fn before(axis: Axis) -> Axis {
+    next(next(axis))
+}
+
+fn diagonal_before(diagonal: Diagonal) -> Diagonal {
+    match diagonal {
+        Diagonal::Ppp => Diagonal::Ppp,
+        Diagonal::Npp => Diagonal::Ppn,
+        Diagonal::Pnp => Diagonal::Npp,
+        Diagonal::Ppn => Diagonal::Pnp,
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn a_machine_comes_back((machine, _) in any_machine()) {
+        let separation = naive(&machine.volume, &forward(&machine));
+        curves_close(&separation, &machine.curves, DUST_UM);
+        for axis in Axis::ALL {
+            for w in &separation.closure.by_interval[axis] {
+                close(*w, 0.0, DUST_UM, "closure");
+            }
+        }
+    }
+
+    #[test]
+    fn the_result_is_linear_in_the_readings((machine, seed) in any_machine(), a in -3.0..3.0f64, b in -3.0..3.0f64) {
+        let volume = &machine.volume;
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 1);
+        let first = with_noise(&machine.readings(None), 2.0, &mut random);
+        let second = with_noise(&machine.readings(None), 2.0, &mut random);
+        let sum = PerDiagonal::from_fn(|d| {
+            first[d].iter().zip(&second[d]).map(|(x, y)| a * x + b * y).collect()
+        });
+        let [first, second, sum] = [first, second, sum].map(|r| naive(volume, &runs(1, Pass::Forward, &r)));
+        let wanted = PerTerm::from_fn(|term| {
+            let pairs = curve(&first, term).iter().zip(curve(&second, term));
+            pairs.map(|(x, y)| a * x + b * y).collect::<Vec<f64>>()
+        });
+        curves_close(&sum, &wanted, DUST_UM);
+        for plane in Plane::ALL {
+            let of = |s: &Separation| s.squareness_um_per_m.of(plane).unwrap();
+            close(of(&sum), a * of(&first) + b * of(&second), 1e-6, plane.key());
+        }
+    }
+
+    #[test]
+    fn renamed_axes_rename_the_results((machine, seed) in any_machine()) {
+        let volume = &machine.volume;
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 2);
+        let readings = with_noise(&machine.readings(None), 1.0, &mut random);
+        let renamed_volume = Volume {
+            start: PerAxis::from_fn(|axis| volume.start[before(axis)]),
+            size: PerAxis::from_fn(|axis| volume.size[before(axis)]),
+            steps: volume.steps,
+            order: volume.order.map(next),
+        };
+        let renamed = PerDiagonal::from_fn(|d| readings[diagonal_before(d)].clone());
+        let plain = naive(volume, &runs(1, Pass::Forward, &readings));
+        let found = naive(&renamed_volume, &runs(1, Pass::Forward, &renamed));
+        let wanted = PerTerm::from_fn(|term| {
+            let old = ErrorTerm { of: before(term.of), along: before(term.along) };
+            curve(&plain, old).to_vec()
+        });
+        curves_close(&found, &wanted, DUST_UM);
+        for (new, old) in [(Plane::Yz, Plane::Xy), (Plane::Xy, Plane::Xz), (Plane::Xz, Plane::Yz)] {
+            let (new, old) = (found.squareness_um_per_m.of(new), plain.squareness_um_per_m.of(old));
+            close(new.unwrap(), old.unwrap(), 1e-6, "squareness");
+        }
+    }
+
+    #[test]
+    fn squareness_alone_gives_straight_lines(volume in any_volume(), xy in -50.0..50.0f64, xz in -50.0..50.0f64, yz in -50.0..50.0f64) {
+        let mut machine = Machine::perfect(&volume);
+        for (term, slope) in [("EXY", xy), ("EXZ", xz), ("EYZ", yz)] {
+            machine.set_slope(term, slope);
+        }
+        let runs = forward(&machine);
+        let perfect = naive(&volume, &runs);
+        curves_close(&perfect, &machine.curves, DUST_UM);
+        let lines = machine.lines(&[Axis::X, Axis::Y], None);
+        let solved = solved(&volume, lines, &runs);
+        // Formula (7) neglects products of slopes: (50 um/m)^2 = 0.0025 um/m, some of them, by the gain.
+        let gain = (1..4).map(|k| 1.0 / volume.cosine(Axis::ALL[k - 1])).fold(0.0, f64::max);
+        for (plane, wanted) in [(Plane::Xy, xy), (Plane::Xz, xz), (Plane::Yz, yz)] {
+            close(perfect.squareness_um_per_m.of(plane).unwrap(), wanted, 1e-6, plane.key());
+            close(solved.squareness_um_per_m.of(plane).unwrap(), wanted, 0.01 * gain * gain, plane.key());
+        }
+    }
+
+    #[test]
+    fn a_tilted_mirror_changes_nothing_of_first_order((machine, seed) in any_machine(), size in 1e-5..5e-4f64) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 3);
+        let straight = machine.x_primary();
+        let mut leant = straight.clone();
+        leant.lean_randomly(size, &mut random);
+        let lines = straight.lines(&Axis::ALL, Some(0.5));
+        let volume = &machine.volume;
+        let found = solved(volume, lines.clone(), &forward(&leant));
+        let gain = Axis::ALL.into_iter().map(|axis| 1.0 / volume.cosine(axis)).fold(0.0, f64::max);
+        let largest = straight.curves.iter().flat_map(|(_, c)| c).fold(0.0, |m: f64, v| m.max(v.abs()));
+        curves_close(&found, &straight.curves, 0.01 * gain * gain + 4.0 * size * largest * gain);
+        for d in Diagonal::ALL {
+            let tilt = found.tilts.unwrap()[d];
+            close(tilt.arcsec, size.to_degrees() * 3600.0, 0.05 * gain * gain, "arcsec");
+            let same = simulated::dot(&tilt.direction, &leant.lean[d]) / size;
+            prop_assert!(same > 1.0 - 1e-5 * (5e-4 / size).powi(2) * gain.powi(4), "direction: {same}");
+        }
+    }
+
+    #[test]
+    fn the_turn_gives_the_lost_motion_from_each_diagonal((mut machine, seed) in any_machine(), own_zero: bool) {
+        machine.lost_um = PerAxis { x: 8.0, y: 5.0, z: -3.0 };
+        let mut all = forward(&machine);
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 9);
+        let mut shifted = machine.readings(Some(false));
+        for d in Diagonal::ALL {
+            let offset = if own_zero { 20.0 * simulated::normal(&mut random) } else { 0.0 };
+            shifted[d].iter_mut().for_each(|um| *um += offset);
+        }
+        all.extend(runs(1, Pass::Reverse, &shifted));
+        let mut given = measurement(&machine.volume, SetUp::AssumePerfect, Frame::AsMeasured);
+        // A zero of its own tells nothing; two steps leave no interval to know the noise from.
+        given.overrun = (own_zero || machine.volume.steps < 3).then_some(false);
+        let mut campaign = simulated::campaign(&given, Vec::new());
+        campaign.reverse_zero_known = !own_zero;
+        let found = separate(&campaign, &all);
+        prop_assert!(found.closure.outliers.is_empty());
+        prop_assert_eq!(found.overrun, Some(false));
+        let turn = found.turn.as_ref().unwrap();
+        for axis in Axis::ALL {
+            let lost = machine.lost_um[axis];
+            for d in Diagonal::ALL {
+                close(turn.by_diagonal[d][axis].um, lost, DUST_UM, format!("{d} {axis}"));
+            }
+            for of in Axis::ALL {
+                let wanted = if of == axis { lost } else { 0.0 };
+                let term = ErrorTerm { of, along: axis };
+                close(turn.reversal[term].um, wanted, DUST_UM, term);
+                let minus = &found.errors.minus.as_ref().unwrap()[term].as_ref().unwrap().deviation_um;
+                let plus = &found.errors.plus.as_ref().unwrap()[term].as_ref().unwrap().deviation_um;
+                for (index, truth) in machine.curves[term].iter().enumerate() {
+                    close(plus[index], *truth, DUST_UM, format!("{term} +"));
+                    close(minus[index], truth - wanted, DUST_UM, format!("{term} -"));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn both_directions_are_told_apart_after_an_overrun((machine, seed) in any_machine()) {
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 4);
+        let minus = Machine::random(&machine.volume, &mut random);
+        // A pass moves some axes in + and others in -: both machines' curves, each where it moves.
+        let mixed = |pass: Pass| mixture(&machine, &minus, pass);
+        let mut all = runs(1, Pass::Forward, &mixed(Pass::Forward));
+        all.extend(runs(1, Pass::Reverse, &mixed(Pass::Reverse)));
+        let mut stated = measurement(&machine.volume, SetUp::AssumePerfect, Frame::AsMeasured);
+        stated.overrun = Some(true);
+        let found = separate(&simulated::campaign(&stated, Vec::new()), &all);
+        for (direction, truth) in [(Direction::Plus, &machine), (Direction::Minus, &minus)] {
+            for term in ErrorTerm::ALL {
+                let found = &found.errors.directed(direction).unwrap()[term].as_ref().unwrap().deviation_um;
+                // The mean slope of both is put back; assume-perfect leaves it as it is.
+                for (a, b) in found.iter().zip(&truth.curves[term]) {
+                    close(*a, *b, DUST_UM, format!("{term} {direction:?}"));
+                }
+            }
+        }
+        prop_assert!(words(&found.undetermined).iter().any(|words| words.contains("reversal of each axis")));
+    }
+}
+
+/// Readings of a machine whose axes have the curves of `plus` moving in +, of `minus` moving in −.
+fn mixture(plus: &Machine, minus: &Machine, pass: Pass) -> PerDiagonal<Vec<f64>> {
+    PerDiagonal::from_fn(|d| {
+        let mut machine = plus.clone();
+        for term in ErrorTerm::ALL {
+            if d.travelled(term.along, pass) == Direction::Minus {
+                machine.curves[term] = minus.curves[term].clone();
+            }
+        }
+        machine.readings(None)[d].clone()
+    })
+}
+
+#[test]
+fn rank_and_words_follow_the_linear_axes() {
+    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let machine = Machine::random(&volume([900.0, 720.0, 720.0], 12), &mut random).x_primary();
+    let runs = forward(&machine);
+    let cases: [(&[Axis], usize, &str); 3] = [
+        (&[], 4, "scale of X, Y and Z can be traded"),
+        (&[Axis::X], 5, "scale of Y and Z can be traded"),
+        (&[Axis::X, Axis::Y], 6, ""),
+    ];
+    for (axes, rank, wanted) in cases {
+        let found = solved(&machine.volume, machine.lines(axes, Some(0.5)), &runs);
+        assert_eq!(found.metric.rank, rank);
+        match wanted {
+            "" => assert!(found.undetermined.is_empty(), "{:?}", words(&found.undetermined)),
+            _ => assert!(
+                words(&found.undetermined)[0].starts_with(wanted),
+                "{:?}",
+                words(&found.undetermined)
+            ),
+        }
+        assert_eq!(found.tilts.is_some(), rank == 6);
+        for axis in Axis::ALL {
+            let known = rank == 6 || axes.contains(&axis);
+            let term = ErrorTerm { of: axis, along: axis };
+            assert_eq!(found.errors.mean[term].is_some(), known, "{term}");
+        }
+        for plane in Plane::ALL {
+            let (a, b) = plane.axes();
+            let term = ErrorTerm { of: a, along: b };
+            close(
+                found.squareness_um_per_m.of(plane).unwrap(),
+                machine.slope(term),
+                0.002,
+                plane.key(),
+            );
+        }
+        for term in ErrorTerm::ALL {
+            let slope = machine.slope(term);
+            let last = machine.volume.steps;
+            for (index, shape) in found.shapes[term].iter().enumerate() {
+                let line = slope * machine.volume.along_mm(term.along, index) / 1000.0;
+                close(*shape, machine.curves[term][index] - line, DUST_UM, term);
+            }
+            close(found.shapes[term][last], 0.0, DUST_UM, term);
+        }
+    }
+}
+
+#[test]
+fn scales_that_cancel_are_named_as_undetermined() {
+    let mut machine = Machine::perfect(&volume([900.0, 720.0, 720.0], 30));
+    machine.set_slope("EXX", 20.0);
+    machine.set_slope("EYY", -31.25);
+    let runs = forward(&machine);
+    let found = solved(&machine.volume, Vec::new(), &runs);
+    for d in Diagonal::ALL {
+        close(found.diagonals[d].end_um, 0.0, DUST_UM, d);
+    }
+    close(found.scale_sum_um_mm, 0.0, 1e-5, "S");
+    assert_eq!(
+        words(&found.undetermined),
+        [
+            "scale of X, Y and Z can be traded against each other; measure two axes along their length"
+        ]
+    );
+    let naive = naive(&machine.volume, &runs);
+    curves_close(&naive, &machine.curves, DUST_UM);
+    assert!(words(&naive.labels)[0].starts_with("set-up assumed perfect"));
+    assert!(naive.undetermined.is_empty());
+}
+
+#[test]
+fn a_hidden_set_up_error_is_solved_away_with_linear_axes() {
+    let mut machine = Machine::perfect(&volume([900.0, 720.0, 720.0], 30));
+    for d in Diagonal::ALL {
+        machine.lean[d] =
+            PerAxis { x: d.sign(Axis::X) * 40e-6, y: d.sign(Axis::Y) * -50e-6, z: 0.0 };
+    }
+    let runs = forward(&machine);
+    let naive = naive(&machine.volume, &runs);
+    for (name, end) in [("EXX", 54.36), ("EYY", -67.95), ("EZZ", 0.0)] {
+        let term = ErrorTerm::from_name(name).unwrap();
+        close(curve(&naive, term)[30], end, 0.01, name);
+    }
+    for axis in Axis::ALL {
+        close(naive.closure.mean[axis], 0.0, 1e-6, axis);
+    }
+    for d in Diagonal::ALL {
+        // Second order: R |eta|^2 / 2.
+        close(naive.diagonals[d].end_um, 0.0, 0.003, d);
+    }
+    let blind = solved(&machine.volume, Vec::new(), &runs);
+    assert!(words(&blind.undetermined)[0].starts_with("scale of X, Y and Z"));
+    assert!(words(&blind.labels).iter().all(|label| !label.contains("assumed perfect")));
+    for axes in [&[Axis::X, Axis::Y][..], &Axis::ALL] {
+        let found = solved(&machine.volume, machine.lines(axes, None), &runs);
+        curves_close(&found, &machine.curves, 1e-5);
+        for d in Diagonal::ALL {
+            let arcsec = (40e-6f64.hypot(50e-6)).to_degrees() * 3600.0;
+            close(found.tilts.unwrap()[d].arcsec, arcsec, 0.01, d);
+        }
+    }
+}
+
+#[test]
+fn the_geometries_of_paper_004_come_back() {
+    let mut random = ChaCha8Rng::seed_from_u64(6);
+    for (size, steps) in [([800.0, 600.0, 600.0], 40), ([900.0, 720.0, 720.0], 30)] {
+        let machine = Machine::random(&volume(size, steps), &mut random).x_primary();
+        let runs = forward(&machine);
+        curves_close(&naive(&machine.volume, &runs), &machine.curves, DUST_UM);
+        let lines = machine.lines(&[Axis::X, Axis::Z], None);
+        curves_close(&solved(&machine.volume, lines, &runs), &machine.curves, 0.003);
+    }
+}
+
+#[test]
+fn a_disturbed_reading_is_named_with_its_twins() {
+    let volume = volume([900.0, 720.0, 720.0], 30);
+    for seed in 0..24 {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let machine = Machine::random(&volume, &mut random);
+        let mut readings = with_noise(&machine.readings(None), 0.3, &mut random);
+        let d = Diagonal::ALL[usize::try_from(seed).unwrap() % 4];
+        let node = 4 + 3 * usize::try_from(seed).unwrap() + usize::try_from(seed / 4).unwrap() % 3;
+        readings[d][node] += 7.0;
+        let found = naive(&volume, &runs(1, Pass::Forward, &readings));
+        let named = found.closure.outliers.iter().find(|outlier| {
+            outlier
+                .readings
+                .iter()
+                .any(|r| (r.diagonal, r.node, r.pass) == (d, node, Pass::Forward))
+        });
+        let named = named.unwrap_or_else(|| panic!("{d} {node}: {:?}", found.closure.outliers));
+        close(named.size_um.abs(), 7.0, 3.0, "size");
+        assert!(named.readings.len() <= 4, "{:?}", named.readings);
+        let sigma = found.noise.unwrap().sigma_um;
+        close(sigma, 0.3, 0.1, "noise without the disturbed reading");
+    }
+}
+
+#[test]
+fn clean_noise_names_no_reading() {
+    let volume = volume([900.0, 720.0, 720.0], 30);
+    let mut false_names = 0;
+    for seed in 0..200 {
+        let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);
+        let readings = with_noise(&Machine::perfect(&volume).readings(None), 0.3, &mut random);
+        let found = naive(&volume, &runs(1, Pass::Forward, &readings));
+        false_names += usize::from(!found.closure.outliers.is_empty());
+    }
+    assert!(false_names <= 8, "{false_names} of 200");
+}
+
+fn golden(case: &str, file: &str) -> Source {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/diagonals");
+    let bytes = std::fs::read(folder.join(case).join(file)).unwrap();
+    Source::from_bytes(file, &bytes).unwrap()
+}
+
+/// A = 5, B = −8, C = 12 µrad · t · (1 − 0.3 k) for axis k = 0, 1, 2.
+fn angles() -> ErrorTable {
+    let mut text = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\n".to_string();
+    for (axis, length, share) in [("x", 900.0, 1.0), ("y", 720.0, 0.7), ("z", 720.0, 0.4)] {
+        for t in [0.0, 0.5, 1.0] {
+            let [a, b, c] = [5.0, -8.0, 12.0].map(|angle| angle * t * share);
+            text += &format!("{axis},{},0,0,0,{a},{b},{c}\n", length * t);
+        }
+    }
+    let source = Source::from_bytes("angles.csv", text.as_bytes()).unwrap();
+    ErrorTable::read(source).unwrap_or_else(|problems| panic!("{}", problems.render()))
+}
+
+#[test]
+fn measured_angles_give_the_true_errors_back() {
+    let table = angles();
+    for (case, reflector, tolerance) in [
+        ("case_c_angles", Reflector::Retroreflector, 3e-4),
+        ("case_c2_mirror", Reflector::FlatMirror, 6e-4),
+    ] {
+        let job = nonius::inputs::job::Job::read(golden(case, "job.toml")).unwrap();
+        let nonius::inputs::job::MeasuredData::Diagonals(measured) = job.measurement.data.clone()
+        else {
+            panic!("the job of {case} has readings");
+        };
+        let readings =
+            nonius::inputs::readings::Readings::read(golden(case, "readings.csv"), &measured)
+                .unwrap();
+        let chain = nonius::quantity::chain::Chain::ALL_AXES_MOVE_THE_TOOL;
+        let model =
+            AngleModel::new(&table, chain, (&Levers::default(), PerAxis::default()), reflector);
+        let mut campaign = simulated::campaign(&measured, Vec::new());
+        campaign.angles = Some(angle_effects(&model, &measured.volume, PathKind::Step));
+        let found = separate(&campaign, &readings.runs);
+        let truth = ErrorTable::read(golden(case, "truth.csv")).unwrap();
+        let mut largest = 0.0f64;
+        for term in ErrorTerm::ALL {
+            let series = &truth.series(term.along)[0];
+            let wanted = series.deviations[term.of].as_ref().unwrap();
+            for (found, wanted) in curve(&found, term).iter().zip(wanted) {
+                largest = largest.max((found - wanted.um()).abs());
+            }
+        }
+        assert!(largest <= tolerance, "{case}: {largest}");
+    }
+}
+
+/// What the separation makes of one rotation that grows evenly by 1 µrad over the box, zero and with
+/// levers from its middle, µm: all of it is false.
+fn false_bows(
+    volume: &Volume,
+    chain: Chain,
+    rotation: Rotation,
+    mirror: Reflector,
+) -> PerTerm<Curve> {
+    let size = volume.size[rotation.along].mm();
+    let (axis, angle) = (rotation.along.key(), ["ea", "eb", "ec"][index(rotation.about)]);
+    let text = format!("axis,position_mm,{angle}_urad\n{axis},0,-0.5\n{axis},{size},0.5\n");
+    let source = Source::from_bytes("angles.csv", text.as_bytes()).unwrap();
+    let table = ErrorTable::read(source).unwrap();
+    let (levers, middle) =
+        (Levers::default(), PerAxis::from_fn(|axis| volume.size[axis].mm() / 2.0));
+    let model = AngleModel::new(&table, chain, (&levers, middle), mirror);
+    let of = |d| model.effect_um(volume, PathKind::Step, d, Pass::Forward);
+    let means = Means { forward: PerDiagonal::from_fn(of), reverse: None };
+    curves(volume, &means.increments(volume, Group::ForwardOnly))
+}
+
+/// Largest distance of a curve from the line through its ends, µm.
+fn largest_bow(volume: &Volume, term: ErrorTerm, curve: &[f64]) -> f64 {
+    let shape = with_slope(volume, term.along, curve, 0.0);
+    shape.iter().fold(0.0f64, |most, um| most.max(um.abs()))
+}
+
+/// docs/method.md §10: c₀V/8 by the lever, as much by the mirror, and no more for any other angle
+/// and order of the axes.
+#[test]
+fn an_angle_that_grows_evenly_makes_the_bow_of_the_formula() {
+    let volume = volume([900.0, 720.0, 720.0], 30);
+    let yaw = Rotation { about: Axis::Z, along: Axis::X };
+    let straightness = ErrorTerm::from_name("EYX").unwrap();
+    for (mirror, wanted) in [(Reflector::Retroreflector, 0.1125), (Reflector::FlatMirror, 0.225)] {
+        let chain = Chain::parse("wXYZt").unwrap();
+        let bows = false_bows(&volume, chain, yaw, mirror);
+        let bow = largest_bow(&volume, straightness, &bows[straightness]);
+        close(bow, wanted, 0.003, "EYX");
+    }
+    for order in ["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"] {
+        let chain = Chain::parse(&format!("w{order}t")).unwrap();
+        for rotation in Rotation::all() {
+            let limit = match rotation.is_roll() {
+                true => 0.01,
+                false => 1.001 * 2.0 * volume.size[rotation.along].mm() / 8.0 / 1000.0,
+            };
+            let bows = false_bows(&volume, chain, rotation, Reflector::FlatMirror);
+            for (term, bow) in bows.iter() {
+                let bow = largest_bow(&volume, term, bow);
+                assert!(bow <= limit, "{order} {rotation} {term}: {bow}");
+            }
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! A visit in a folder of its own: its inputs, the program run there, what was printed and written.
+
+use super::tree::{Tree, tree};
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use tempfile::TempDir;
+
+/// A path below `fixtures/`.
+pub(crate) fn fixtures(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name)
+}
+
+/// The text of a fixture.
+pub(crate) fn fixture(name: &str) -> String {
+    fs::read_to_string(fixtures(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// The text of a page of the repository, e.g. `docs/interface.md`.
+pub(crate) fn page(name: &str) -> String {
+    fixture(&format!("../{name}")).replace('\r', "")
+}
+
+/// A text with every `old` replaced; there is one at least.
+pub(crate) fn replaced(text: &str, old: &str, new: &str) -> String {
+    assert!(text.contains(old), "`{old}` is not in\n{text}");
+    text.replace(old, new)
+}
+
+/// The program with arguments separated by blanks (those in "…" are kept), nothing on standard input.
+pub(crate) fn program(folder: &Path, arguments: &str) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
+    for (index, part) in arguments.split('"').enumerate() {
+        match index % 2 {
+            0 => command.args(part.split_whitespace()),
+            _ => command.arg(part),
+        };
+    }
+    command.current_dir(folder).stdin(Stdio::null());
+    command
+}
+
+/// What a run of the program printed, and its exit status.
+pub(crate) struct Ran {
+    pub(crate) command: String,
+    pub(crate) status: Option<i32>,
+    /// Standard output.
+    pub(crate) out: String,
+    /// Standard error.
+    pub(crate) err: String,
+}
+
+impl Ran {
+    pub(crate) fn of(command: &str, output: &Output) -> Ran {
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).replace('\r', "");
+        let (out, err) = (text(&output.stdout), text(&output.stderr));
+        Ran { command: command.to_string(), status: output.status.code(), out, err }
+    }
+
+    /// Standard output, then standard error.
+    pub(crate) fn all(&self) -> String {
+        format!("{}{}", self.out, self.err)
+    }
+
+    /// Ended with this status.
+    #[track_caller]
+    pub(crate) fn ends(self, status: i32) -> Ran {
+        assert_eq!(self.status, Some(status), "nonius {}\n{}", self.command, self.all());
+        self
+    }
+
+    /// Did what was asked for: the answer is yes or no.
+    #[track_caller]
+    pub(crate) fn answers(self) -> Ran {
+        assert!(matches!(self.status, Some(0 | 1)), "nonius {}\n{}", self.command, self.all());
+        self
+    }
+
+    /// Printed these words.
+    #[track_caller]
+    pub(crate) fn says(self, words: &str) -> Ran {
+        let all = self.all();
+        assert!(all.contains(words), "nonius {}: expected `{words}` in\n{all}", self.command);
+        self
+    }
+
+    /// Did not print these words.
+    #[track_caller]
+    pub(crate) fn omits(self, words: &str) -> Ran {
+        let all = self.all();
+        assert!(!all.contains(words), "nonius {}: unexpected `{words}` in\n{all}", self.command);
+        self
+    }
+
+    /// Standard output as JSON.
+    #[track_caller]
+    pub(crate) fn json(&self) -> Value {
+        let read = serde_json::from_str(&self.out);
+        read.unwrap_or_else(|e| panic!("nonius {}: {e}\n{}", self.command, self.all()))
+    }
+}
+
+/// A folder that is removed at the end, with the inputs of a visit.
+pub(crate) struct Visit(TempDir);
+
+impl Visit {
+    /// An empty folder.
+    pub(crate) fn new() -> Visit {
+        Visit(tempfile::tempdir().expect("a temporary folder can be made"))
+    }
+
+    /// A copy of a folder of the fixtures.
+    pub(crate) fn of(fixture: &str) -> Visit {
+        Visit(super::tree::copy_of(fixture))
+    }
+
+    /// A job of the fixtures as `job.toml`, e.g. `nine_errors_900/generic.toml`, with the error table beside it.
+    pub(crate) fn with_job(job: &str) -> Visit {
+        let (folder, _) = job.rsplit_once('/').expect("a folder and a job");
+        let visit = Visit::new();
+        visit.put("job.toml", fixture(job));
+        visit.put("errors.csv", fixture(&format!("{folder}/errors.csv")));
+        visit
+    }
+
+    /// The folder, or what lies in it by that name.
+    pub(crate) fn at(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// Writes a file, and the folders above it.
+    pub(crate) fn put(&self, name: &str, text: impl AsRef<[u8]>) -> &Visit {
+        let path = self.at(name);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("a folder can be made");
+        fs::write(path, text).unwrap_or_else(|e| panic!("{name}: {e}"));
+        self
+    }
+
+    /// Replaces every `old` in a file; there is one at least.
+    #[track_caller]
+    pub(crate) fn edit(&self, name: &str, old: &str, new: &str) -> &Visit {
+        self.put(name, replaced(&self.read(name), old, new))
+    }
+
+    /// Copies a file of the fixtures under a name.
+    pub(crate) fn copy(&self, from: &str, name: &str) -> &Visit {
+        self.put(name, fs::read(fixtures(from)).unwrap_or_else(|e| panic!("{from}: {e}")))
+    }
+
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.at(name).exists()
+    }
+
+    /// The text of a file.
+    #[track_caller]
+    pub(crate) fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.at(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// A file that holds JSON, e.g. `kit/manifest.json`.
+    #[track_caller]
+    pub(crate) fn document(&self, name: &str) -> Value {
+        serde_json::from_str(&self.read(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    /// Everything that lies in the folder.
+    pub(crate) fn files(&self) -> Tree {
+        tree(self.folder())
+    }
+
+    /// Runs a command in the folder, e.g. `generate job.toml -o kit`.
+    pub(crate) fn run(&self, command: &str) -> Ran {
+        let output = program(self.folder(), command).output().expect("the program starts");
+        Ran::of(command, &output)
+    }
+
+    /// Runs a command that has to end with 0; standard output.
+    #[track_caller]
+    pub(crate) fn yes(&self, command: &str) -> String {
+        self.run(command).ends(0).out
+    }
+
+    /// Runs a command that answers yes or no, with `--format json`; the document.
+    #[track_caller]
+    pub(crate) fn json(&self, command: &str) -> Value {
+        self.run(&format!("{command} --format json")).answers().json()
+    }
+}
+
+/// A number of a document.
+#[track_caller]
+pub(crate) fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
