@@ -309,40 +309,6 @@ fn centres_that_fit_as_absolute_ones_are_told() {
     assert!(help.is_some_and(|help| help.contains("G90.1")));
 }
 
-/// Why a program is not executed to its end; its moves are not kept.
-fn ended(program: &str) -> Result<u64, String> {
-    let mut text = Lines { text: program.as_bytes(), mark: Mark::default() };
-    let ran = run(&mut text, "part.nc", &control(), |_| Ok(()));
-    ran.map(|ran| ran.blocks).map_err(|problems| problems.render())
-}
-
-#[test]
-fn a_program_without_end_is_refused_with_its_reason() {
-    let holes = "G81 X1 R1 Z-1 K9999\n".repeat(1100);
-    let far = "G54 G90 G1 X0 Y0 Z0\n\nM98 P1 L99999999\nM30\nO1\nX3000\nX0\nM99";
-    for (program, line) in [
-        ("M98 P1 L99999999\nM30\nO1\nM99".to_string(), 1),
-        (far.to_string(), 3),
-        ("G91 G1\nM98 P1 L9999\nM30\nO1\nX1\nM98 P2 L9999\nM99\nO2\nX1\nX-1\nM99".to_string(), 2),
-        (format!("G54 G91 G0 X0 Y0 Z0\n{holes}M30"), 0),
-    ] {
-        let words = ended(&program).expect_err("it does not end");
-        let says = "more than 20000000 blocks and mm; the last of them begin in line ";
-        let at = words.find(says).expect("the reason") + says.len();
-        let number = words[at..].lines().next();
-        assert!(line == 0 || number == Some(&line.to_string()), "{words}");
-        assert!(words.contains("L and P of M98"), "{words}");
-    }
-}
-
-/// The largest programs seen have 60 MB, three million blocks and 10 km.
-#[test]
-fn a_large_program_is_executed_to_its_end() {
-    let lines = "X3\nX-3\n".repeat(1_500_000);
-    let called = format!("G54 G91 G1 X0 Y0 Z0\nM98 P1\nM30\nO1\n{lines}M99");
-    assert_eq!(ended(&called), Ok(3_000_005));
-}
-
 #[test]
 fn subprograms_are_called_and_repeated() {
     let program = "G91 G1\nM98 P7 L2\nX100\nM30\nO7\nX1\nM98 P8\nM99\nO8\nY1\nM99";
