@@ -1,6 +1,7 @@
 //! Figures by standard: against an independent computation on measured stages (read where they
 //! lie, not part of this repository), against figures made by hand, and their laws.
-use crate::support::skipped;
+use crate::support::tree::skipped;
+use crate::support::visit::{Ran, Visit, fixtures, number, page, program};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
@@ -10,8 +11,8 @@ use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use std::path::Path;
-use std::process::Command;
+use serde_json::Value;
+use std::fs;
 
 mod files;
 
@@ -20,10 +21,9 @@ mod files;
 
 /// A file of the reference data, or the end of the test, told in one line.
 fn reference(path: &str) -> Option<String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let text = std::fs::read_to_string(folder.join(path)).ok();
+    let text = fs::read_to_string(fixtures("../../shared/data").join(path)).ok();
     if text.is_none() {
-        skipped::skipped();
+        skipped("../shared is not here");
     }
     text
 }
@@ -69,55 +69,33 @@ fn measured_stages_give_the_figures_of_an_independent_computation() {
         let runs = Runs::read(&source, stated).unwrap();
         let um = by_name(&iso_230_2::figures(&runs).axis, cells[1]).unwrap();
         let mm: f64 = cells[2].parse().unwrap();
-        assert!(
-            (um / 1000.0 - mm).abs() <= half_a_digit(cells[2]),
-            "{line}: got {} mm",
-            um / 1000.0
-        );
+        assert!((um / 1000.0 - mm).abs() <= half_a_digit(cells[2]), "{line}: got {um} µm");
         compared += 1;
     }
     assert_eq!(compared, 48);
 }
 
-/// Cell ends of the four diagonals: every third node, forward = up.
-fn cell_ends(readings: &str, length_mm: f64, steps: usize) -> Vec<(String, Runs)> {
-    let rows: Vec<Vec<&str>> = readings
-        .lines()
-        .filter(|line| !line.starts_with('#'))
-        .skip(1)
-        .map(|line| line.split(',').collect())
-        .collect();
+const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
+
+/// From the cell ends of the four diagonals of 900 × 720 × 720 mm: every third node, forward = up.
+fn step_diagonals(readings: &str, steps: usize) -> Diagonals {
+    let rows: Vec<Vec<&str>> = readings.lines().map(|line| line.split(',').collect()).collect();
     let of = |name: &str, direction: &str| {
-        let at = |node: usize| -> Vec<f64> {
-            rows.iter()
-                .filter(|row| row[0] == name && row[2] == direction && row[3] == node.to_string())
-                .map(|row| row[5].parse().unwrap())
-                .collect()
+        let at = |cell: usize| -> Vec<f64> {
+            let node = (3 * cell).to_string();
+            let is_it = |row: &&Vec<&str>| row[0] == name && row[2] == direction && row[3] == node;
+            rows.iter().filter(is_it).map(|row| row[5].parse().unwrap()).collect()
         };
-        let um: Vec<Vec<f64>> = (0..=steps).map(|cell| at(3 * cell)).collect();
+        let um: Vec<Vec<f64>> = (0..=steps).map(at).collect();
         (!um[0].is_empty()).then_some(um)
     };
-    let targets: Vec<f64> =
-        (0..=steps).map(|cell| length_mm * cell as f64 / steps as f64).collect();
-    ["PPP", "NPP", "PNP", "PPN"]
-        .into_iter()
-        .map(|name| {
-            let (up, down) = (of(name, "forward"), of(name, "reverse"));
-            let runs = Runs::new(targets.clone(), up, down).unwrap();
-            (name.to_string(), runs)
-        })
-        .collect()
-}
-
-fn step_diagonals(diagonals: &[(String, Runs)]) -> Diagonals {
-    let named: Vec<(&str, &Runs)> =
-        diagonals.iter().map(|(name, runs)| (name.as_str(), runs)).collect();
+    let length_mm = (900.0_f64.powi(2) + 720.0_f64.powi(2) * 2.0).sqrt();
+    let target = |cell| length_mm * cell as f64 / steps as f64;
+    let targets: Vec<f64> = (0..=steps).map(target).collect();
+    let runs = DIAGONALS
+        .map(|name| Runs::new(targets.clone(), of(name, "forward"), of(name, "reverse")).unwrap());
+    let named: Vec<(&str, &Runs)> = DIAGONALS.into_iter().zip(&runs).collect();
     diagonal(&named, DiagonalMotion::StepDiagonalCellEnds)
-}
-
-/// A body diagonal of 900 × 720 × 720 mm.
-fn length_mm() -> f64 {
-    (900.0_f64.powi(2) + 720.0_f64.powi(2) * 2.0).sqrt()
 }
 
 /// Figures of the simulation are exact to rounding of the readings (1e-9 µm).
@@ -129,9 +107,9 @@ fn diagonals_of_the_golden_machine_in_both_directions() {
         return;
     };
     let expected = reference("case_d_bidirectional/expected.json").unwrap();
-    let expected: serde_json::Value = serde_json::from_str(&expected).unwrap();
+    let expected: Value = serde_json::from_str(&expected).unwrap();
     let expected = expected["iso230_6"].as_object().unwrap();
-    let found = step_diagonals(&cell_ends(&readings, length_mm(), 10));
+    let found = step_diagonals(&readings, 10);
     assert_eq!(found.label, "from step-diagonal cell ends, not ISO 230-6");
     for (key, value) in expected {
         let um = match key.as_str() {
@@ -143,7 +121,7 @@ fn diagonals_of_the_golden_machine_in_both_directions() {
                 by_name(&of.figures, figure)
             }
         };
-        let difference = um.unwrap() - value.as_f64().unwrap();
+        let difference = um.unwrap() - number(value);
         assert!(difference.abs() <= SIMULATION_UM, "{key}: {um:?}, expected {value}");
     }
     assert_eq!(expected.len(), 34);
@@ -154,15 +132,14 @@ fn ranges_of_the_golden_machine_in_one_direction() {
     let Some(readings) = reference("case_a_ideal/readings.csv") else {
         return;
     };
-    let found = step_diagonals(&cell_ends(&readings, length_mm(), 30));
+    let found = step_diagonals(&readings, 30);
     let close = |um: Option<f64>, expected: f64| {
         assert!((um.unwrap() - expected).abs() <= 1e-6, "{um:?}, expected {expected}");
     };
     close(found.largest_range_um, 21.457424184);
     close(found.range_over_all_um, 30.825471466);
-    for (of, expected) in
-        found.diagonals.iter().zip([18.543452999, 12.715510628, 13.843169661, 21.457424184])
-    {
+    let ranges = [18.543452999, 12.715510628, 13.843169661, 21.457424184];
+    for (of, expected) in found.diagonals.iter().zip(ranges) {
         close(of.range_um, expected);
     }
     assert_eq!((found.e_d_um, found.b_d_um), (None, None));
@@ -171,15 +148,20 @@ fn ranges_of_the_golden_machine_in_one_direction() {
 // ---------------------------------------------------------------------------------------------
 // By hand
 
+/// Two runs over two targets.
+fn two_targets(up: Option<[[f64; 2]; 2]>, down: Option<[[f64; 2]; 2]>) -> Runs {
+    let [up, down] = [up, down].map(|way| way.map(|um| um.map(Vec::from).to_vec()));
+    Runs::new(vec![0.0, 100.0], up, down).unwrap()
+}
+
 /// Means up 0 and 4, down 3 and 3; s up √2 and √2, down 0 and √8.
 fn by_hand() -> Runs {
-    let up = vec![vec![-1.0, 1.0], vec![3.0, 5.0]];
-    let down = vec![vec![3.0, 3.0], vec![1.0, 5.0]];
-    Runs::new(vec![0.0, 100.0], Some(up), Some(down)).unwrap()
+    two_targets(Some([[-1.0, 1.0], [3.0, 5.0]]), Some([[3.0, 3.0], [1.0, 5.0]]))
 }
 
 const DUST: f64 = 1e-9;
 
+#[track_caller]
 fn near(found: Option<f64>, expected: f64) {
     let found = found.expect("a figure");
     assert!((found - expected).abs() < DUST, "{found}, expected {expected}");
@@ -210,9 +192,7 @@ fn figures_of_iso_230_2_by_hand() {
 /// The two common mistakes: E of one direction only, and R without the reversal.
 #[test]
 fn e_is_of_both_directions_and_r_holds_the_reversal() {
-    let up = vec![vec![0.0, 0.0], vec![1.0, 1.0]];
-    let down = vec![vec![10.0, 10.0], vec![11.0, 11.0]];
-    let runs = Runs::new(vec![0.0, 100.0], Some(up), Some(down)).unwrap();
+    let runs = two_targets(Some([[0.0; 2], [1.0; 2]]), Some([[10.0; 2], [11.0; 2]]));
     let axis = iso_230_2::figures(&runs).axis;
     near(axis.e.up_um, 1.0);
     near(axis.e.down_um, 1.0);
@@ -236,21 +216,13 @@ fn figures_of_vdi_3441_by_hand() {
 
 #[test]
 fn one_direction_has_its_own_figures_only() {
-    let up = vec![vec![0.0, 1.0], vec![2.0, 3.0]];
-    let runs = Runs::new(vec![0.0, 100.0], None, Some(up)).unwrap();
+    let runs = two_targets(None, Some([[0.0, 1.0], [2.0, 3.0]]));
     let axis = iso_230_2::figures(&runs).axis;
     near(axis.e.down_um, 2.0);
     assert!(axis.r.down_um.is_some() && axis.a.down_um.is_some());
-    let absent = [
-        axis.e.up_um,
-        axis.e.both_um,
-        axis.r.both_um,
-        axis.a.both_um,
-        axis.m_um,
-        axis.b_um,
-        axis.b_mean_um,
-    ];
-    assert_eq!(absent, [None; 7]);
+    let both = [axis.e.both_um, axis.r.both_um, axis.a.both_um];
+    assert_eq!((axis.e.up_um, both), (None, [None; 3]));
+    assert_eq!([axis.m_um, axis.b_um, axis.b_mean_um], [None; 3]);
     assert_eq!(vdi_3441::figures(&runs), None);
     let remarks = iso_230_2::remarks(&runs, span(&runs));
     assert_eq!(remarks[0], StandardFinding::OneWay { way: "up" }.into());
@@ -393,7 +365,7 @@ fn conditions_are_stated_by_edition() {
 #[test]
 fn conditions_of_the_diagonals_are_tested() {
     let runs = flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 3);
-    let four = ["PPP", "NPP", "PNP", "PPN"].map(|name| (name, &runs));
+    let four = DIAGONALS.map(|name| (name, &runs));
     let straight = |of: &[(&str, &Runs)]| diagonal(of, DiagonalMotion::StraightRuns).label;
     assert_eq!(straight(&four), "after ISO 230-6 (likely)");
     assert_eq!(straight(&four[..3]), "NOT after ISO 230-6: PPP, NPP, PNP");
@@ -413,10 +385,9 @@ fn conditions_of_the_diagonals_are_tested() {
 #[test]
 fn machine_figures_need_four_diagonals() {
     let runs = by_hand();
-    let three = [("PPP", &runs), ("NPP", &runs), ("PNP", &runs)];
-    let found = diagonal(&three, DiagonalMotion::StraightRuns);
+    let four = DIAGONALS.map(|name| (name, &runs));
+    let found = diagonal(&four[..3], DiagonalMotion::StraightRuns);
     assert_eq!((found.e_d_um, found.largest_range_um), (None, None));
-    let four = [three[0], three[1], three[2], ("PPN", &runs)];
     let found = diagonal(&four, DiagonalMotion::StraightRuns);
     near(found.e_d_um, 4.0);
     near(found.b_d_um, 3.0);
@@ -429,20 +400,14 @@ fn machine_figures_need_four_diagonals() {
 /// docs/standards.md shows what the program prints.
 #[test]
 fn the_page_shows_what_the_program_prints() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .current_dir(folder)
-        .args(["standards", "fixtures/standards/x_axis.csv"])
-        .output()
-        .unwrap();
-    assert!(output.status.success());
-    let printed = String::from_utf8(output.stdout).unwrap();
-    let page = std::fs::read_to_string(folder.join("docs/standards.md")).unwrap();
+    let command = "standards fixtures/standards/x_axis.csv";
+    let output = program(&fixtures(".."), command).output().unwrap();
+    let printed = Ran::of(command, &output).ends(0).out;
+    let page = page("docs/standards.md");
     let behind = page.split("checked by tests/it/standards.rs").nth(1).unwrap();
-    let shown = behind.split("```").nth(1).unwrap();
-    let shown = shown.trim_start_matches("text").trim().replace('\r', "");
+    let shown = behind.split("```").nth(1).unwrap().trim_start_matches("text").trim();
     assert!(
-        !shown.is_empty() && printed.replace('\r', "").contains(&shown),
+        !shown.is_empty() && printed.contains(shown),
         "the page shows\n{shown}\n\nthe program prints\n{printed}"
     );
 }
@@ -450,21 +415,15 @@ fn the_page_shows_what_the_program_prints() {
 /// Every number of the document names its unit, and absent figures are `null`.
 #[test]
 fn the_json_names_units_and_leaves_absent_figures_null() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("runs.csv");
-    std::fs::write(&file, "target_mm,up1_mm\n0,0.001\n100,100.003\n").unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(["standards", "--format", "json"])
-        .arg(file)
-        .output()
-        .unwrap();
-    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let visit = Visit::new();
+    visit.put("runs.csv", "target_mm,up1_mm\n0,0.001\n100,100.003\n");
+    let document = visit.run("standards --format json runs.csv").json();
     assert_eq!(document["schema"], 1);
     assert_eq!(document["iso_230_2"]["E_up_um"], 2.0);
-    assert_eq!(document["iso_230_2"]["E_um"], serde_json::Value::Null);
-    assert_eq!(document["iso_230_2"]["R_up_um"], serde_json::Value::Null);
+    assert_eq!(document["iso_230_2"]["E_um"], Value::Null);
+    assert_eq!(document["iso_230_2"]["R_up_um"], Value::Null);
     assert_eq!(document["iso_230_2"]["condition_missed"], true);
-    assert_eq!(document["vdi_dgq_3441"], serde_json::Value::Null);
+    assert_eq!(document["vdi_dgq_3441"], Value::Null);
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -539,14 +498,10 @@ proptest! {
     #[test]
     fn the_order_of_the_runs_does_not_matter((up, down) in any_runs(), by in 0..5_usize) {
         let turned = |um: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            let turn = |of: &Vec<f64>| {
-                let mut of = of.clone();
+            um.iter().map(|of| {
                 let by = by % of.len();
-                of.rotate_left(by);
-                of.reverse();
-                of
-            };
-            um.iter().map(turn).collect()
+                of[..by].iter().rev().chain(of[by..].iter().rev()).copied().collect()
+            }).collect()
         };
         let after = runs_of(&turned(&up), &turned(&down));
         prop_assert!(same(&all_figures(&runs_of(&up, &down)), &all_figures(&after)));
