@@ -78,15 +78,20 @@ fn the_separated_table_and_the_job_with_readings_make_the_same_control_files() {
 
 #[test]
 fn without_linear_axes_the_scales_are_named_and_left_out() {
+    let all =
+        "scale of X, Y and Z can be traded against each other; measure two axes along their length";
+    let two =
+        "scale of Y and Z can be traded against each other; measure one axis along its length";
+    for (axes, rank, words) in [(0, 4, all), (1, 5, two)] {
+        let page = separated(&with_linear_axes(axes), 1);
+        assert_eq!(page["rank"]["rank"], rank);
+        assert_eq!(page["rank"]["undetermined"][0], words);
+        // What is not determined is absent.
+        assert_eq!(page["errors"].get("EXX").is_some(), axes > 0);
+    }
     let visit = with_linear_axes(0);
     let page = separated(&visit, 1);
-    assert_eq!(page["rank"]["rank"], 4);
     assert_eq!(page["rank"]["unknowns"], 6);
-    assert_eq!(
-        page["rank"]["undetermined"][0],
-        "scale of X, Y and Z can be traded against each other; measure two axes along their length"
-    );
-    assert!(page["errors"].get("EXX").is_none(), "not determined, so absent");
     assert!(page["errors"].get("EYX").is_some(), "determined whatever the set-up");
     assert!(page.get("setup_arcsec").is_none());
     // What is not known of the scales (some 20 um/m) times the tilts (0.5 mrad) stays in it.
@@ -97,17 +102,6 @@ fn without_linear_axes_the_scales_are_named_and_left_out() {
         .says("NOT DETERMINED by these readings")
         .says("U(95 %)")
         .omits("-0.000");
-}
-
-#[test]
-fn one_linear_axis_leaves_the_trade_of_the_other_two() {
-    let page = separated(&with_linear_axes(1), 1);
-    assert_eq!(page["rank"]["rank"], 5);
-    assert_eq!(
-        page["rank"]["undetermined"][0],
-        "scale of Y and Z can be traded against each other; measure one axis along its length"
-    );
-    assert!(page["errors"].get("EXX").is_some());
 }
 
 #[test]
@@ -218,20 +212,14 @@ fn straight_runs_with_a_zero_of_their_own_give_no_reversal() {
     visit.run("separate job.toml --trials 0 -v").ends(0).says("no E and B");
 }
 
-const TWO_AXES: &str = "
-[[measurement.step_diagonal.linear]]
-axis = \"x\"
-slope_um_per_m = 20.0
-u_um_per_m = 0.5
-[[measurement.step_diagonal.linear]]
-axis = \"y\"
-slope_um_per_m = -16.666666667
-u_um_per_m = 0.5
-";
-
 #[test]
 fn straight_runs_with_two_linear_axes_know_all_scales_with_their_uncertainty() {
-    let page = separated(&straight(&format!("{TWO_AXES}{NOISE}"), ""), 0);
+    let linear = |axis: &str, slope: f64| {
+        let section = "[[measurement.step_diagonal.linear]]";
+        format!("{section}\naxis = \"{axis}\"\nslope_um_per_m = {slope:?}\nu_um_per_m = 0.5\n")
+    };
+    let keys = [&linear("x", 20.0), &linear("y", -16.666666667), NOISE].concat();
+    let page = separated(&straight(&keys, ""), 0);
     assert_eq!(page["rank"]["rank"], 6);
     assert_eq!(page["rank"]["undetermined"].as_array().unwrap().len(), 0);
     near(&page["scale_um_per_m"]["z"], 13.888_889, 1e-5);

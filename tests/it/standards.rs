@@ -5,7 +5,9 @@ use crate::support::visit::{Ran, Visit, fixtures, number, page, program};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
-use nonius::machine::standards::{Condition, DiagonalMotion, Diagonals, Met, diagonal, vdi_3441};
+use nonius::machine::standards::{
+    ByDirection, Condition, DiagonalMotion, Diagonals, Met, diagonal, vdi_3441,
+};
 use nonius::quantity::axis::Direction;
 use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;
@@ -167,26 +169,29 @@ fn near(found: Option<f64>, expected: f64) {
     assert!((found - expected).abs() < DUST, "{found}, expected {expected}");
 }
 
+/// A figure moving up, moving down, and of both.
+#[track_caller]
+fn all_near(found: ByDirection, [up, down, both]: [f64; 3]) {
+    near(found.up_um, up);
+    near(found.down_um, down);
+    near(found.both_um, both);
+}
+
 #[test]
 fn figures_of_iso_230_2_by_hand() {
     let s = 2.0_f64.sqrt();
     let figures = iso_230_2::figures(&by_hand());
     let axis = figures.axis;
-    near(axis.e.up_um, 4.0);
-    near(axis.e.down_um, 0.0);
-    near(axis.e.both_um, 4.0);
+    all_near(axis.e, [4.0, 0.0, 4.0]);
     near(axis.m_um, 2.0); // 3.5 − 1.5
     near(axis.b_um, 3.0);
     near(axis.b_mean_um, -1.0); // (−3 + 1)/2
-    near(axis.r.up_um, 4.0 * s);
-    near(axis.r.down_um, 8.0 * s);
     // Target 1: 2√2 + 0 + 3 = 5.83; 5.66; 0. Target 2: 2√2 + 4√2 + 1 = 9.49; 5.66; 11.31.
     near(figures.targets[0].r.both_um, 2.0 * s + 3.0);
     near(figures.targets[1].r.both_um, 8.0 * s);
-    near(axis.r.both_um, 8.0 * s);
-    near(axis.a.up_um, 4.0 + 4.0 * s);
-    near(axis.a.down_um, 8.0 * s); // 3 + 4√2 to 3 − 4√2
-    near(axis.a.both_um, 3.0 + 6.0 * s); // 3 + 4√2 down to 0 − 2√2 up
+    all_near(axis.r, [4.0 * s, 8.0 * s, 8.0 * s]);
+    // A down: 3 + 4√2 to 3 − 4√2; of both: 3 + 4√2 down to 0 − 2√2 up.
+    all_near(axis.a, [4.0 + 4.0 * s, 8.0 * s, 3.0 + 6.0 * s]);
 }
 
 /// The two common mistakes: E of one direction only, and R without the reversal.
@@ -194,12 +199,8 @@ fn figures_of_iso_230_2_by_hand() {
 fn e_is_of_both_directions_and_r_holds_the_reversal() {
     let runs = two_targets(Some([[0.0; 2], [1.0; 2]]), Some([[10.0; 2], [11.0; 2]]));
     let axis = iso_230_2::figures(&runs).axis;
-    near(axis.e.up_um, 1.0);
-    near(axis.e.down_um, 1.0);
-    near(axis.e.both_um, 11.0);
-    near(axis.r.up_um, 0.0);
-    near(axis.r.down_um, 0.0);
-    near(axis.r.both_um, 10.0);
+    all_near(axis.e, [1.0, 1.0, 11.0]);
+    all_near(axis.r, [0.0, 0.0, 10.0]);
 }
 
 #[test]
@@ -230,23 +231,31 @@ fn one_direction_has_its_own_figures_only() {
 
 #[test]
 fn one_run_has_no_scatter_and_says_so() {
-    let um = vec![vec![0.0], vec![2.0]];
-    let runs = Runs::new(vec![0.0, 100.0], Some(um.clone()), Some(um)).unwrap();
+    let um = Some(vec![vec![0.0], vec![2.0]]);
+    let runs = Runs::new(vec![0.0, 100.0], um.clone(), um).unwrap();
     let axis = iso_230_2::figures(&runs).axis;
     near(axis.e.both_um, 2.0);
     near(axis.b_um, 0.0);
     near(axis.m_um, 2.0);
-    assert_eq!(axis.r, Default::default());
-    assert_eq!(axis.a, Default::default());
+    assert_eq!([axis.r, axis.a], [ByDirection::default(); 2]);
     let vdi = vdi_3441::figures(&runs).unwrap();
     assert_eq!((vdi.p_um, vdi.p_s_um), (None, None));
     let remarks = iso_230_2::remarks(&runs, span(&runs));
     assert!(matches!(remarks[0].kind(), Some(StandardFinding::OneRun { .. })));
 }
 
-fn flat(targets_mm: Vec<f64>, count: usize) -> Runs {
+/// Five targets on 400 mm as the standard asks for them.
+const UNEVEN: [f64; 5] = [0.0, 101.0, 199.0, 305.0, 400.0];
+
+/// Runs without any deviation.
+fn flat(targets_mm: &[f64], count: usize) -> Runs {
     let um = vec![vec![0.0; count]; targets_mm.len()];
-    Runs::new(targets_mm, Some(um.clone()), Some(um)).unwrap()
+    Runs::new(targets_mm.to_vec(), Some(um.clone()), Some(um)).unwrap()
+}
+
+/// So many targets in equal distances.
+fn even(count: u32, step_mm: f64) -> Vec<f64> {
+    (0..count).map(|i| step_mm * f64::from(i)).collect()
 }
 
 /// From the first to the last target: nothing was stated.
@@ -258,48 +267,43 @@ fn conditions(runs: &Runs) -> Vec<Condition> {
     iso_230_2::conditions(runs, span(runs))
 }
 
-fn missed(runs: &Runs) -> usize {
-    Condition::missed(&conditions(runs)).len()
+fn missed(targets_mm: &[f64], count: usize) -> usize {
+    Condition::missed(&conditions(&flat(targets_mm, count))).len()
 }
 
 #[test]
 fn conditions_are_judged_by_length() {
-    let uneven = vec![0.0, 101.0, 199.0, 305.0, 400.0];
-    assert_eq!(missed(&flat(uneven.clone(), 5)), 0);
-    assert_eq!(missed(&flat(uneven.clone(), 3)), 1, "three runs");
-    assert_eq!(missed(&flat(uneven[..4].to_vec(), 5)), 1, "four targets");
-    let even = (0..5).map(|i| 100.0 * f64::from(i)).collect();
-    assert_eq!(missed(&flat(even, 5)), 1, "equal distances");
-    let metre_and_a_half = vec![0.0, 301.0, 602.0, 901.0, 1202.0, 1500.0];
-    assert_eq!(missed(&flat(metre_and_a_half, 5)), 1, "six targets on 1.5 m");
-    let long: Vec<f64> = (0..13).map(|i| 250.0 * f64::from(i)).collect();
-    assert_eq!(missed(&flat(long.clone(), 1)), 0, "one run above 2 m");
-    assert_eq!(missed(&flat(long.into_iter().step_by(2).collect(), 1)), 1, "every 500 mm");
-    let label = iso_230_2::label(&conditions(&flat(uneven, 3)));
+    assert_eq!(missed(&UNEVEN, 5), 0);
+    assert_eq!(missed(&UNEVEN, 3), 1, "three runs");
+    assert_eq!(missed(&UNEVEN[..4], 5), 1, "four targets");
+    assert_eq!(missed(&even(5, 100.0), 5), 1, "equal distances");
+    let metre_and_a_half = [0.0, 301.0, 602.0, 901.0, 1202.0, 1500.0];
+    assert_eq!(missed(&metre_and_a_half, 5), 1, "six targets on 1.5 m");
+    assert_eq!(missed(&even(13, 250.0), 1), 0, "one run above 2 m");
+    assert_eq!(missed(&even(7, 500.0), 1), 1, "every 500 mm");
+    let label = iso_230_2::label(&conditions(&flat(&UNEVEN, 3)));
     assert!(label.starts_with("NOT according to ISO 230-2: 3 runs up, 3 down"), "{label}");
 }
 
 /// 24.4 to 1024.4 mm is 1000.0000000000001 mm in binary, and 48.3 to 2048.3 mm is more than 2 m.
 #[test]
 fn lengths_are_judged_without_the_dust_of_binary_fractions() {
-    let metre = flat(vec![24.4, 270.1, 530.3, 790.2, 1024.4], 5);
-    assert!(metre.length_mm() > 1000.0);
-    assert_eq!(missed(&metre), 0);
-    assert!(conditions(&metre)[0].asked.ends_with("here 5 or more"));
-    let mut targets = vec![48.3, 270.1, 530.3, 790.2, 1024.4];
-    targets.extend([1200.0, 1400.0, 1600.0, 1800.0, 2048.3]);
-    let two_metres = flat(targets, 5);
-    assert!(two_metres.length_mm() > 2000.0);
-    assert!(!span(&two_metres).is_long());
-    assert_eq!(missed(&two_metres), 0);
+    let metre = [24.4, 270.1, 530.3, 790.2, 1024.4];
+    assert!(flat(&metre, 5).length_mm() > 1000.0);
+    assert_eq!(missed(&metre, 5), 0);
+    assert!(conditions(&flat(&metre, 5))[0].asked.ends_with("here 5 or more"));
+    let two = [48.3, 270.1, 530.3, 790.2, 1024.4, 1200.0, 1400.0, 1600.0, 1800.0, 2048.3];
+    let runs = flat(&two, 5);
+    assert!(runs.length_mm() > 2000.0);
+    assert!(!span(&runs).is_long());
+    assert_eq!(missed(&two, 5), 0);
 }
 
 #[test]
 fn one_direction_is_labelled_as_such() {
-    let um = vec![vec![0.0; 5]; 5];
-    let targets = vec![0.0, 101.0, 199.0, 305.0, 400.0];
-    for (up, down, word) in [(Some(um.clone()), None, "down"), (None, Some(um.clone()), "up")] {
-        let runs = Runs::new(targets.clone(), up, down).unwrap();
+    let um = Some(vec![vec![0.0; 5]; 5]);
+    for (up, down, word) in [(um.clone(), None, "down"), (None, um, "up")] {
+        let runs = Runs::new(UNEVEN.to_vec(), up, down).unwrap();
         let expected = format!(
             "NOT according to ISO 230-2: unidirectional figures only: moving {word} was not \
              measured (see the conditions)"
@@ -310,22 +314,20 @@ fn one_direction_is_labelled_as_such() {
 
 #[test]
 fn targets_in_a_heap_are_found() {
-    let heap = flat(vec![0.0, 1.0, 2.2, 3.0, 990.0], 5);
+    let heap = flat(&[0.0, 1.0, 2.2, 3.0, 990.0], 5);
     let words = Condition::missed(&conditions(&heap));
     assert_eq!(words, ["largest gap 987.0 mm, mean distance 247.5 mm"]);
-    let long: Vec<f64> = (0..11).map(f64::from).chain([2400.0]).collect();
-    assert_eq!(missed(&flat(long, 1)), 1, "above 2 m, every 218 mm on average");
+    let long = [even(11, 1.0), vec![2400.0]].concat();
+    assert_eq!(missed(&long, 1), 1, "above 2 m, every 218 mm on average");
     // r of half a distance to either side: the widest that P_i = (i - 1)p + r can give.
-    let widest = flat(vec![0.0, 50.0, 250.0, 300.0, 400.0], 5);
-    assert_eq!(missed(&widest), 0);
+    assert_eq!(missed(&[0.0, 50.0, 250.0, 300.0, 400.0], 5), 0);
 }
 
 /// Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
 #[test]
 fn above_two_metres_one_run_is_asked_for() {
-    let targets: Vec<f64> = (0..10).map(|i| 250.0 * f64::from(i)).collect();
-    assert_eq!(missed(&flat(targets.clone(), 1)), 0);
-    let runs = flat(targets, 5);
+    assert_eq!(missed(&even(10, 250.0), 1), 0);
+    let runs = flat(&even(10, 250.0), 5);
     let label = iso_230_2::label(&conditions(&runs));
     assert!(label.contains("5 runs up, 5 down"), "{label}");
     let remarks = iso_230_2::remarks(&runs, span(&runs));
@@ -335,7 +337,7 @@ fn above_two_metres_one_run_is_asked_for() {
 /// The conditions are about the travel: where it is stated, it is judged.
 #[test]
 fn a_stated_travel_is_judged_in_place_of_the_targets() {
-    let runs = flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 5);
+    let runs = flat(&UNEVEN, 5);
     let missed = |mm| {
         let travel = Travel::of(&runs, Some(mm)).unwrap();
         Condition::missed(&iso_230_2::conditions(&runs, travel))
@@ -354,7 +356,7 @@ fn a_stated_travel_is_judged_in_place_of_the_targets() {
 /// Each condition names the editions that ask for it, and how surely that is known.
 #[test]
 fn conditions_are_stated_by_edition() {
-    let all = conditions(&flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 5));
+    let all = conditions(&flat(&UNEVEN, 5));
     let by: Vec<&[u16]> = all.iter().map(|of| of.editions).collect();
     assert_eq!(by[..7], [&[1997, 2006, 2014][..]; 7]);
     assert_eq!(by[7], [2014], "uncertainty");
@@ -364,18 +366,17 @@ fn conditions_are_stated_by_edition() {
 /// Straight runs carry the name of ISO 230-6 only if they meet what is known of its conditions.
 #[test]
 fn conditions_of_the_diagonals_are_tested() {
-    let runs = flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 3);
+    let runs = flat(&UNEVEN, 3);
     let four = DIAGONALS.map(|name| (name, &runs));
     let straight = |of: &[(&str, &Runs)]| diagonal(of, DiagonalMotion::StraightRuns).label;
     assert_eq!(straight(&four), "after ISO 230-6 (likely)");
     assert_eq!(straight(&four[..3]), "NOT after ISO 230-6: PPP, NPP, PNP");
-    let few = flat(vec![0.0, 100.0], 3);
+    let few = flat(&[0.0, 100.0], 3);
     let mut with_few = four;
     with_few[1].1 = &few;
     let label = straight(&with_few);
     assert_eq!(label, "NOT after ISO 230-6: NPP: 2 targets on 100 mm");
-    let um = vec![vec![0.0; 3]; 5];
-    let one_way = Runs::new(runs.targets_mm().to_vec(), Some(um), None).unwrap();
+    let one_way = Runs::new(UNEVEN.to_vec(), Some(vec![vec![0.0; 3]; 5]), None).unwrap();
     with_few[1].1 = &one_way;
     assert!(straight(&with_few).ends_with("moving down was not measured"));
     let found = diagonal(&four, DiagonalMotion::StepDiagonalCellEnds);
@@ -489,9 +490,7 @@ proptest! {
         near(b.b_mean_um, -a.b_mean_um.unwrap());
         near(b.b_um, a.b_um.unwrap());
         for (a, b) in [(a.a, b.a), (a.e, b.e), (a.r, b.r)] {
-            near(b.up_um, a.down_um.unwrap());
-            near(b.down_um, a.up_um.unwrap());
-            near(b.both_um, a.both_um.unwrap());
+            all_near(b, [a.down_um, a.up_um, a.both_um].map(Option::unwrap));
         }
     }
 

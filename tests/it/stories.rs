@@ -8,26 +8,19 @@ use std::fs;
 use std::io::Write;
 use std::process::Stdio;
 
-const JOB: &str = r#"
-schema = 1
-
+const JOB: &str = r#"schema = 1
 [machine]
 name = "VMC 100"
-
 [machine.axes.x]
 travel_mm = [0.0, 101.6]
 reference_mm = 0.0
-
 [measurement]
 errors = "errors.csv"
 active_while_measuring = "none"
-
 [compensation]
 controller = "siemens-840d-sl"
-
 [compensation.axes.x]
 spacing_mm = 50.8
-
 [acceptance]
 max_deviation_um = 5.0
 "#;
@@ -151,14 +144,11 @@ fn a_job_on_standard_input() {
 }
 
 #[test]
-fn a_table_as_a_spreadsheet_of_another_country_writes_it() {
+fn a_table_as_a_spreadsheet_of_another_country_and_a_job_of_windows() {
+    let kit = kit_of(JOB, TABLE);
     let semicolons = TABLE.replace(',', ";").replace('.', ",").replace('\n', "\r\n");
-    assert_eq!(kit_of(JOB, &format!("\u{feff}{semicolons}")), kit_of(JOB, TABLE));
-}
-
-#[test]
-fn a_job_with_windows_line_ends() {
-    assert_eq!(kit_of(&JOB.replace('\n', "\r\n"), TABLE), kit_of(JOB, TABLE));
+    assert_eq!(kit_of(JOB, &format!("\u{feff}{semicolons}")), kit, "decimal commas");
+    assert_eq!(kit_of(&JOB.replace('\n', "\r\n"), TABLE), kit, "line ends of Windows");
 }
 
 #[test]

@@ -4,28 +4,17 @@
 use crate::support::visit::{Ran, Visit};
 use std::fs;
 
-/// A control that loads `loaded.csv`, in a layout that no reader takes; `{keys}` = more of its keys.
-const PROFILE: &str = r#"schema = 1
-id = "shop-csv"
-name = "Shop control"
-based_on = "generic"
-
-[[files]]
-role = "table"
-path = "shop.csv"
-template = "generic.csv.tera"
-
-[[files]]
-role = "report"
-path = "loaded.csv"
-template = "loaded.csv.tera"
-{keys}
-
-[[files]]
-role = "checklist"
-path = "checklist.md"
-template = "checklist.md.tera"
-"#;
+/// A control that loads `loaded.csv`, in a layout that no reader takes, with more of its keys.
+fn profile(keys: &str) -> String {
+    let file = |role: &str, path: &str, template: &str| {
+        format!("[[files]]\nrole = \"{role}\"\npath = \"{path}\"\ntemplate = \"{template}\"\n")
+    };
+    let head = "schema = 1\nid = \"shop-csv\"\nname = \"Shop control\"\nbased_on = \"generic\"\n";
+    let table = file("table", "shop.csv", "generic.csv.tera");
+    let loaded = file("report", "loaded.csv", "loaded.csv.tera");
+    let checklist = file("checklist", "checklist.md", "checklist.md.tera");
+    format!("{head}{table}{loaded}{keys}\n{checklist}")
+}
 
 const TEMPLATE: &str = "place;value\n{% for row in rows -%}\n{{ row.position_mm }};{{ row.correction_um }}\n{% endfor -%}\n";
 
@@ -39,7 +28,7 @@ fn kit(keys: &str) -> (Visit, Ran) {
     let visit = Visit::with_job("nine_errors_900/generic.toml");
     visit
         .edit("job.toml", "controller = \"generic\"", "controller = \"shop.toml\"")
-        .put("shop.toml", PROFILE.replace("{keys}", keys))
+        .put("shop.toml", profile(keys))
         .put("loaded.csv.tera", TEMPLATE);
     let ran = visit.run("generate job.toml -o kit");
     (visit, ran)

@@ -147,10 +147,13 @@ fn kinds(after: &Value) -> Vec<&str> {
     causes(after).filter_map(|cause| cause["kind"].as_str()).collect()
 }
 
-/// What the page says of the cause of this kind.
-fn words_of(after: &Value, kind: &str) -> String {
+/// The words of the cause of this kind, among them those given.
+#[track_caller]
+fn is_named(after: &Value, kind: &str, holds: &str) -> String {
     let own = causes(after).find(|cause| cause["kind"] == kind);
-    own.map_or_else(String::new, |cause| cause["words"].to_string())
+    let words = own.map_or_else(String::new, |cause| cause["words"].to_string());
+    assert!(words.contains(holds), "expected {kind}, `{holds}`: {after:#}");
+    words
 }
 
 /// The readings of two diagonals, each under the name of the other.
@@ -179,9 +182,8 @@ fn exchanged_names_are_named(pairs: [[&str; 2]; 3]) {
     let right = visit.read("readings.csv");
     for [a, b] in pairs {
         let after = judged_with(&visit, &exchanged(&right, a, b));
-        let words = words_of(&after, "names exchanged");
         let pair = format!("the readings of {a} and {b} of the first measurement were saved");
-        assert!(words.contains(&pair), "{a}, {b}: {after:#}");
+        let words = is_named(&after, "names exchanged", &pair);
         assert!(!words.contains(", or "), "{words}");
         let others = kinds(&after);
         assert!(others.len() <= 2, "{others:?}");
@@ -231,8 +233,7 @@ fn another_order_is_named(orders: &[&str]) {
         assert_eq!(kinds(&after), ["wrong order"], "{order}: {after:#}");
         let letters: Vec<String> = order.chars().map(String::from).collect();
         let went = format!("the steps of the first measurement went {}", letters.join(", "));
-        let words = words_of(&after, "wrong order");
-        assert!(words.contains(&went), "{words}");
+        is_named(&after, "wrong order", &went);
     }
 }
 
@@ -247,8 +248,7 @@ fn names_exchanged_while_tables_were_active_are_named() {
     let right = visit.read("readings.csv");
     let after = judged_with(&visit, &exchanged(&right, "NPP", "PNP"));
     assert_eq!(kinds(&after), ["names exchanged"], "{after:#}");
-    let words = words_of(&after, "names exchanged");
-    assert!(words.contains("NPP and PNP"), "{words}");
+    is_named(&after, "names exchanged", "NPP and PNP");
     let after = judged_with(&visit, &right);
     assert!(kinds(&after).is_empty(), "{after:#}");
 }
@@ -477,12 +477,9 @@ fn the_figures_of_paper_004_are_those_of_the_page() {
     let page = page("docs/accuracy.md");
     let section = page.split("paper 004 rehearsed").nth(1).expect("a section");
     let rows = section.lines().filter(|line| line.starts_with("| ")).skip(2);
-    let printed: Vec<Vec<String>> = rows
-        .take(columns[0].len())
-        .map(|row| row.split('|').skip(2).take(2).map(|c| c.trim().to_string()).collect())
-        .collect();
-    let found: Vec<Vec<String>> = (0..columns[0].len())
-        .map(|row| columns.iter().map(|c| format!("{:.1}", c[row])).collect())
-        .collect();
+    let cells = |row: &str| row.split('|').skip(2).take(2).map(|c| c.trim().to_string()).collect();
+    let printed: Vec<Vec<String>> = rows.take(columns[0].len()).map(cells).collect();
+    let row = |row| columns.iter().map(|c| format!("{:.1}", c[row])).collect();
+    let found: Vec<Vec<String>> = (0..columns[0].len()).map(row).collect();
     assert_eq!(printed, found, "the table in docs/accuracy.md; found: {found:#?}");
 }

@@ -198,13 +198,10 @@ fn figure_2_comes_out_in_every_chain() {
         ];
         // 13sqr · t, 12sqr · m, 23sqr · t: slopes of the third and second axis.
         let squareness = [(0, 2, 63.35), (0, 1, -231.0), (1, 2, 8.05)];
-        let positions = PerAxis::from_fn(|axis| match order.iter().position(|a| *a == axis) {
-            Some(0) => vec![0.0, 9000.0],
-            Some(1) => vec![0.0, 3500.0],
-            _ => vec![0.0, 1350.0],
-        });
+        let role = |axis: Axis| order.iter().position(|a| *a == axis).unwrap();
+        let positions = PerAxis::from_fn(|axis| vec![0.0, [9000.0, 3500.0, 1350.0][role(axis)]]);
         let values = PerAxis::from_fn(|along| {
-            let role = order.iter().position(|a| *a == along).unwrap();
+            let role = role(along);
             let mut last = [0.0; 6];
             for (direction, row) in FIGURE_2.iter().enumerate() {
                 let lines = squareness.iter().filter(|s| s.0 == direction && s.1 == role);
