@@ -457,11 +457,6 @@ fn same(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < DUST)
 }
 
-fn changed(um: &[Vec<f64>], change: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
-    let of_target = |of: &Vec<f64>| of.iter().copied().map(&change).collect();
-    um.iter().map(of_target).collect()
-}
-
 proptest! {
     #![proptest_config(ProptestConfig {
         cases: 256,
@@ -473,7 +468,9 @@ proptest! {
     #[test]
     fn a_constant_moves_means_and_nothing_else((up, down) in any_runs(), constant in -100.0..100.0_f64) {
         let before = runs_of(&up, &down);
-        let add = |um: &[Vec<f64>]| changed(um, |x| x + constant);
+        let add = |um: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            um.iter().map(|of| of.iter().map(|x| x + constant).collect()).collect()
+        };
         let after = runs_of(&add(&up), &add(&down));
         prop_assert!(same(&all_figures(&before), &all_figures(&after)));
         let pairs = (iso_230_2::figures(&before), iso_230_2::figures(&after));

@@ -139,18 +139,14 @@ fn the_way_of_the_targets_turns_directions_and_deviations() {
 
 const X_AXIS: &str = "standards/x_axis.csv";
 
+/// Above 2 m the document names the figures that the standard does not know.
 #[test]
-fn a_stated_travel_is_in_the_document() {
+fn a_stated_travel_is_in_the_document_and_marks_figures_beside_the_standard() {
     let stated = document(X_AXIS, "--travel-mm 1000");
     assert_eq!(stated["travel_mm"], 1000.0);
     assert_eq!(stated["iso_230_2"]["condition_missed"], false);
     assert_eq!(stated["iso_230_2"]["editions"], json!([1997, 2006, 2014]));
     assert_eq!(document(X_AXIS, "")["travel_mm"], Value::Null);
-}
-
-/// Above 2 m the document names the figures that the standard does not know.
-#[test]
-fn figures_beside_the_standard_are_marked() {
     let long = document(X_AXIS, "--travel-mm 2500");
     assert_eq!(long["iso_230_2"]["not_in_the_standard"], json!(["A", "R"]));
     assert_eq!(long["iso_230_2"]["condition_missed"], true);

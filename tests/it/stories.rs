@@ -52,10 +52,12 @@ fn kit_of(job: &str, table: &str) -> Tree {
 }
 
 #[test]
-fn a_kit_within_its_acceptance_is_a_yes() {
+fn a_kit_within_its_acceptance_is_a_yes_and_its_manifest_the_json() {
     let visit = machine(JOB, TABLE);
     visit.yes(GENERATE);
     assert!(visit.at("kit/manifest.json").is_file());
+    let printed = visit.yes("generate job.toml -o other --format json");
+    assert_eq!(printed, visit.read("other/manifest.json"));
 }
 
 #[test]
@@ -111,13 +113,6 @@ fn a_place_that_cannot_be_written_leaves_nothing() {
     let ran = visit.run("generate job.toml -o blocked/kit").ends(2);
     assert_eq!(names(&visit), ["blocked", "errors.csv", "job.toml"]);
     assert!(ran.err.starts_with("problem: "), "{}", ran.err);
-}
-
-#[test]
-fn json_on_standard_output_is_the_manifest() {
-    let visit = machine(JOB, TABLE);
-    let printed = visit.yes("generate job.toml -o kit --format json");
-    assert_eq!(printed, visit.read("kit/manifest.json"));
 }
 
 #[test]

@@ -30,11 +30,9 @@ fn one_axis(uncertainty: &str, lines: &str) -> String {
 }
 
 fn wave(to: u32, size: f64) -> String {
-    let mut csv = String::from("axis,position_mm,ex_um\n");
-    for x in (0..=to).step_by(30) {
-        csv += &format!("x,{x},{:.4}\n", size * (f64::from(x) / 100.0).sin());
-    }
-    csv
+    let row = |x| format!("x,{x},{:.4}\n", size * (f64::from(x) / 100.0).sin());
+    let rows: String = (0..=to).step_by(30).map(row).collect();
+    format!("axis,position_mm,ex_um\n{rows}")
 }
 
 const NOISE: &str = "[measurement.uncertainty]\nnoise_um = 0.5\n";
@@ -310,12 +308,7 @@ fn another_backlash_policy_leaves_what_was_said_of_it() {
 fn it_is_offered_beside_active_tables_too() {
     let visit = given(&lost_motion_job("\"forward-only\""), BOTH_WAYS);
     visit.run("generate job.toml -o old");
-    let active = "active_while_measuring = ";
-    let job = replaced(
-        &lost_motion_job("\"mean\""),
-        &format!("{active}\"none\"\n"),
-        &format!("{active}\"old\"\n"),
-    );
+    let job = replaced(&lost_motion_job("\"mean\""), "\"none\"\n", "\"old\"\n");
     // Without the old parameter, what replaces it is refused, so it is not offered.
     assert!(second_run_gives_what_was_offered(&visit, &job, "\"mean\"", 0).is_empty());
     let known = replaced(&job, "\"old\"\n", "\"old\"\nactive_backlash_um = { x = 1.5 }\n");

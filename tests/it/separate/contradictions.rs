@@ -3,17 +3,12 @@
 use super::*;
 
 /// Case B with parts of its job replaced.
-fn changed(replacements: &[(&str, &str)]) -> Visit {
+#[track_caller]
+fn disagrees(replacements: &[(&str, &str)]) {
     let visit = case("case_b_setup");
     for (old, new) in replacements {
         visit.edit("job.toml", old, new);
     }
-    visit
-}
-
-#[track_caller]
-fn disagrees(replacements: &[(&str, &str)]) {
-    let visit = changed(replacements);
     visit.run("separate job.toml --trials 0 -v").ends(1).says("they DISAGREE");
     let page = separated(&visit, 1);
     let redundancy = &page["redundancy"];
