@@ -1,17 +1,20 @@
 //! Figures by standard: against an independent computation on measured stages (read where they
 //! lie, not part of this repository), against figures made by hand, and their laws.
-use crate::support::skipped;
+use crate::support::tree::skipped;
+use crate::support::visit::{Ran, Visit, fixtures, number, page, program};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
-use nonius::machine::standards::{Condition, DiagonalMotion, Diagonals, Met, diagonal, vdi_3441};
+use nonius::machine::standards::{
+    ByDirection, Condition, DiagonalMotion, Diagonals, Met, diagonal, vdi_3441,
+};
 use nonius::quantity::axis::Direction;
 use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use std::path::Path;
-use std::process::Command;
+use serde_json::Value;
+use std::fs;
 
 mod files;
 
@@ -20,10 +23,9 @@ mod files;
 
 /// A file of the reference data, or the end of the test, told in one line.
 fn reference(path: &str) -> Option<String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
-    let text = std::fs::read_to_string(folder.join(path)).ok();
+    let text = fs::read_to_string(fixtures("../../shared/data").join(path)).ok();
     if text.is_none() {
-        skipped::skipped();
+        skipped("../shared is not here");
     }
     text
 }
@@ -69,55 +71,33 @@ fn measured_stages_give_the_figures_of_an_independent_computation() {
         let runs = Runs::read(&source, stated).unwrap();
         let um = by_name(&iso_230_2::figures(&runs).axis, cells[1]).unwrap();
         let mm: f64 = cells[2].parse().unwrap();
-        assert!(
-            (um / 1000.0 - mm).abs() <= half_a_digit(cells[2]),
-            "{line}: got {} mm",
-            um / 1000.0
-        );
+        assert!((um / 1000.0 - mm).abs() <= half_a_digit(cells[2]), "{line}: got {um} µm");
         compared += 1;
     }
     assert_eq!(compared, 48);
 }
 
-/// Cell ends of the four diagonals: every third node, forward = up.
-fn cell_ends(readings: &str, length_mm: f64, steps: usize) -> Vec<(String, Runs)> {
-    let rows: Vec<Vec<&str>> = readings
-        .lines()
-        .filter(|line| !line.starts_with('#'))
-        .skip(1)
-        .map(|line| line.split(',').collect())
-        .collect();
+const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
+
+/// From the cell ends of the four diagonals of 900 × 720 × 720 mm: every third node, forward = up.
+fn step_diagonals(readings: &str, steps: usize) -> Diagonals {
+    let rows: Vec<Vec<&str>> = readings.lines().map(|line| line.split(',').collect()).collect();
     let of = |name: &str, direction: &str| {
-        let at = |node: usize| -> Vec<f64> {
-            rows.iter()
-                .filter(|row| row[0] == name && row[2] == direction && row[3] == node.to_string())
-                .map(|row| row[5].parse().unwrap())
-                .collect()
+        let at = |cell: usize| -> Vec<f64> {
+            let node = (3 * cell).to_string();
+            let is_it = |row: &&Vec<&str>| row[0] == name && row[2] == direction && row[3] == node;
+            rows.iter().filter(is_it).map(|row| row[5].parse().unwrap()).collect()
         };
-        let um: Vec<Vec<f64>> = (0..=steps).map(|cell| at(3 * cell)).collect();
+        let um: Vec<Vec<f64>> = (0..=steps).map(at).collect();
         (!um[0].is_empty()).then_some(um)
     };
-    let targets: Vec<f64> =
-        (0..=steps).map(|cell| length_mm * cell as f64 / steps as f64).collect();
-    ["PPP", "NPP", "PNP", "PPN"]
-        .into_iter()
-        .map(|name| {
-            let (up, down) = (of(name, "forward"), of(name, "reverse"));
-            let runs = Runs::new(targets.clone(), up, down).unwrap();
-            (name.to_string(), runs)
-        })
-        .collect()
-}
-
-fn step_diagonals(diagonals: &[(String, Runs)]) -> Diagonals {
-    let named: Vec<(&str, &Runs)> =
-        diagonals.iter().map(|(name, runs)| (name.as_str(), runs)).collect();
+    let length_mm = (900.0_f64.powi(2) + 720.0_f64.powi(2) * 2.0).sqrt();
+    let target = |cell| length_mm * cell as f64 / steps as f64;
+    let targets: Vec<f64> = (0..=steps).map(target).collect();
+    let runs = DIAGONALS
+        .map(|name| Runs::new(targets.clone(), of(name, "forward"), of(name, "reverse")).unwrap());
+    let named: Vec<(&str, &Runs)> = DIAGONALS.into_iter().zip(&runs).collect();
     diagonal(&named, DiagonalMotion::StepDiagonalCellEnds)
-}
-
-/// A body diagonal of 900 × 720 × 720 mm.
-fn length_mm() -> f64 {
-    (900.0_f64.powi(2) + 720.0_f64.powi(2) * 2.0).sqrt()
 }
 
 /// Figures of the simulation are exact to rounding of the readings (1e-9 µm).
@@ -129,9 +109,9 @@ fn diagonals_of_the_golden_machine_in_both_directions() {
         return;
     };
     let expected = reference("case_d_bidirectional/expected.json").unwrap();
-    let expected: serde_json::Value = serde_json::from_str(&expected).unwrap();
+    let expected: Value = serde_json::from_str(&expected).unwrap();
     let expected = expected["iso230_6"].as_object().unwrap();
-    let found = step_diagonals(&cell_ends(&readings, length_mm(), 10));
+    let found = step_diagonals(&readings, 10);
     assert_eq!(found.label, "from step-diagonal cell ends, not ISO 230-6");
     for (key, value) in expected {
         let um = match key.as_str() {
@@ -143,7 +123,7 @@ fn diagonals_of_the_golden_machine_in_both_directions() {
                 by_name(&of.figures, figure)
             }
         };
-        let difference = um.unwrap() - value.as_f64().unwrap();
+        let difference = um.unwrap() - number(value);
         assert!(difference.abs() <= SIMULATION_UM, "{key}: {um:?}, expected {value}");
     }
     assert_eq!(expected.len(), 34);
@@ -154,15 +134,14 @@ fn ranges_of_the_golden_machine_in_one_direction() {
     let Some(readings) = reference("case_a_ideal/readings.csv") else {
         return;
     };
-    let found = step_diagonals(&cell_ends(&readings, length_mm(), 30));
+    let found = step_diagonals(&readings, 30);
     let close = |um: Option<f64>, expected: f64| {
         assert!((um.unwrap() - expected).abs() <= 1e-6, "{um:?}, expected {expected}");
     };
     close(found.largest_range_um, 21.457424184);
     close(found.range_over_all_um, 30.825471466);
-    for (of, expected) in
-        found.diagonals.iter().zip([18.543452999, 12.715510628, 13.843169661, 21.457424184])
-    {
+    let ranges = [18.543452999, 12.715510628, 13.843169661, 21.457424184];
+    for (of, expected) in found.diagonals.iter().zip(ranges) {
         close(of.range_um, expected);
     }
     assert_eq!((found.e_d_um, found.b_d_um), (None, None));
@@ -171,18 +150,31 @@ fn ranges_of_the_golden_machine_in_one_direction() {
 // ---------------------------------------------------------------------------------------------
 // By hand
 
+/// Two runs over two targets.
+fn two_targets(up: Option<[[f64; 2]; 2]>, down: Option<[[f64; 2]; 2]>) -> Runs {
+    let [up, down] = [up, down].map(|way| way.map(|um| um.map(Vec::from).to_vec()));
+    Runs::new(vec![0.0, 100.0], up, down).unwrap()
+}
+
 /// Means up 0 and 4, down 3 and 3; s up √2 and √2, down 0 and √8.
 fn by_hand() -> Runs {
-    let up = vec![vec![-1.0, 1.0], vec![3.0, 5.0]];
-    let down = vec![vec![3.0, 3.0], vec![1.0, 5.0]];
-    Runs::new(vec![0.0, 100.0], Some(up), Some(down)).unwrap()
+    two_targets(Some([[-1.0, 1.0], [3.0, 5.0]]), Some([[3.0, 3.0], [1.0, 5.0]]))
 }
 
 const DUST: f64 = 1e-9;
 
+#[track_caller]
 fn near(found: Option<f64>, expected: f64) {
     let found = found.expect("a figure");
     assert!((found - expected).abs() < DUST, "{found}, expected {expected}");
+}
+
+/// A figure moving up, moving down, and of both.
+#[track_caller]
+fn all_near(found: ByDirection, [up, down, both]: [f64; 3]) {
+    near(found.up_um, up);
+    near(found.down_um, down);
+    near(found.both_um, both);
 }
 
 #[test]
@@ -190,36 +182,25 @@ fn figures_of_iso_230_2_by_hand() {
     let s = 2.0_f64.sqrt();
     let figures = iso_230_2::figures(&by_hand());
     let axis = figures.axis;
-    near(axis.e.up_um, 4.0);
-    near(axis.e.down_um, 0.0);
-    near(axis.e.both_um, 4.0);
+    all_near(axis.e, [4.0, 0.0, 4.0]);
     near(axis.m_um, 2.0); // 3.5 − 1.5
     near(axis.b_um, 3.0);
     near(axis.b_mean_um, -1.0); // (−3 + 1)/2
-    near(axis.r.up_um, 4.0 * s);
-    near(axis.r.down_um, 8.0 * s);
     // Target 1: 2√2 + 0 + 3 = 5.83; 5.66; 0. Target 2: 2√2 + 4√2 + 1 = 9.49; 5.66; 11.31.
     near(figures.targets[0].r.both_um, 2.0 * s + 3.0);
     near(figures.targets[1].r.both_um, 8.0 * s);
-    near(axis.r.both_um, 8.0 * s);
-    near(axis.a.up_um, 4.0 + 4.0 * s);
-    near(axis.a.down_um, 8.0 * s); // 3 + 4√2 to 3 − 4√2
-    near(axis.a.both_um, 3.0 + 6.0 * s); // 3 + 4√2 down to 0 − 2√2 up
+    all_near(axis.r, [4.0 * s, 8.0 * s, 8.0 * s]);
+    // A down: 3 + 4√2 to 3 − 4√2; of both: 3 + 4√2 down to 0 − 2√2 up.
+    all_near(axis.a, [4.0 + 4.0 * s, 8.0 * s, 3.0 + 6.0 * s]);
 }
 
 /// The two common mistakes: E of one direction only, and R without the reversal.
 #[test]
 fn e_is_of_both_directions_and_r_holds_the_reversal() {
-    let up = vec![vec![0.0, 0.0], vec![1.0, 1.0]];
-    let down = vec![vec![10.0, 10.0], vec![11.0, 11.0]];
-    let runs = Runs::new(vec![0.0, 100.0], Some(up), Some(down)).unwrap();
+    let runs = two_targets(Some([[0.0; 2], [1.0; 2]]), Some([[10.0; 2], [11.0; 2]]));
     let axis = iso_230_2::figures(&runs).axis;
-    near(axis.e.up_um, 1.0);
-    near(axis.e.down_um, 1.0);
-    near(axis.e.both_um, 11.0);
-    near(axis.r.up_um, 0.0);
-    near(axis.r.down_um, 0.0);
-    near(axis.r.both_um, 10.0);
+    all_near(axis.e, [1.0, 1.0, 11.0]);
+    all_near(axis.r, [0.0, 0.0, 10.0]);
 }
 
 #[test]
@@ -236,21 +217,13 @@ fn figures_of_vdi_3441_by_hand() {
 
 #[test]
 fn one_direction_has_its_own_figures_only() {
-    let up = vec![vec![0.0, 1.0], vec![2.0, 3.0]];
-    let runs = Runs::new(vec![0.0, 100.0], None, Some(up)).unwrap();
+    let runs = two_targets(None, Some([[0.0, 1.0], [2.0, 3.0]]));
     let axis = iso_230_2::figures(&runs).axis;
     near(axis.e.down_um, 2.0);
     assert!(axis.r.down_um.is_some() && axis.a.down_um.is_some());
-    let absent = [
-        axis.e.up_um,
-        axis.e.both_um,
-        axis.r.both_um,
-        axis.a.both_um,
-        axis.m_um,
-        axis.b_um,
-        axis.b_mean_um,
-    ];
-    assert_eq!(absent, [None; 7]);
+    let both = [axis.e.both_um, axis.r.both_um, axis.a.both_um];
+    assert_eq!((axis.e.up_um, both), (None, [None; 3]));
+    assert_eq!([axis.m_um, axis.b_um, axis.b_mean_um], [None; 3]);
     assert_eq!(vdi_3441::figures(&runs), None);
     let remarks = iso_230_2::remarks(&runs, span(&runs));
     assert_eq!(remarks[0], StandardFinding::OneWay { way: "up" }.into());
@@ -258,23 +231,31 @@ fn one_direction_has_its_own_figures_only() {
 
 #[test]
 fn one_run_has_no_scatter_and_says_so() {
-    let um = vec![vec![0.0], vec![2.0]];
-    let runs = Runs::new(vec![0.0, 100.0], Some(um.clone()), Some(um)).unwrap();
+    let um = Some(vec![vec![0.0], vec![2.0]]);
+    let runs = Runs::new(vec![0.0, 100.0], um.clone(), um).unwrap();
     let axis = iso_230_2::figures(&runs).axis;
     near(axis.e.both_um, 2.0);
     near(axis.b_um, 0.0);
     near(axis.m_um, 2.0);
-    assert_eq!(axis.r, Default::default());
-    assert_eq!(axis.a, Default::default());
+    assert_eq!([axis.r, axis.a], [ByDirection::default(); 2]);
     let vdi = vdi_3441::figures(&runs).unwrap();
     assert_eq!((vdi.p_um, vdi.p_s_um), (None, None));
     let remarks = iso_230_2::remarks(&runs, span(&runs));
     assert!(matches!(remarks[0].kind(), Some(StandardFinding::OneRun { .. })));
 }
 
-fn flat(targets_mm: Vec<f64>, count: usize) -> Runs {
+/// Five targets on 400 mm as the standard asks for them.
+const UNEVEN: [f64; 5] = [0.0, 101.0, 199.0, 305.0, 400.0];
+
+/// Runs without any deviation.
+fn flat(targets_mm: &[f64], count: usize) -> Runs {
     let um = vec![vec![0.0; count]; targets_mm.len()];
-    Runs::new(targets_mm, Some(um.clone()), Some(um)).unwrap()
+    Runs::new(targets_mm.to_vec(), Some(um.clone()), Some(um)).unwrap()
+}
+
+/// So many targets in equal distances.
+fn even(count: u32, step_mm: f64) -> Vec<f64> {
+    (0..count).map(|i| step_mm * f64::from(i)).collect()
 }
 
 /// From the first to the last target: nothing was stated.
@@ -286,48 +267,43 @@ fn conditions(runs: &Runs) -> Vec<Condition> {
     iso_230_2::conditions(runs, span(runs))
 }
 
-fn missed(runs: &Runs) -> usize {
-    Condition::missed(&conditions(runs)).len()
+fn missed(targets_mm: &[f64], count: usize) -> usize {
+    Condition::missed(&conditions(&flat(targets_mm, count))).len()
 }
 
 #[test]
 fn conditions_are_judged_by_length() {
-    let uneven = vec![0.0, 101.0, 199.0, 305.0, 400.0];
-    assert_eq!(missed(&flat(uneven.clone(), 5)), 0);
-    assert_eq!(missed(&flat(uneven.clone(), 3)), 1, "three runs");
-    assert_eq!(missed(&flat(uneven[..4].to_vec(), 5)), 1, "four targets");
-    let even = (0..5).map(|i| 100.0 * f64::from(i)).collect();
-    assert_eq!(missed(&flat(even, 5)), 1, "equal distances");
-    let metre_and_a_half = vec![0.0, 301.0, 602.0, 901.0, 1202.0, 1500.0];
-    assert_eq!(missed(&flat(metre_and_a_half, 5)), 1, "six targets on 1.5 m");
-    let long: Vec<f64> = (0..13).map(|i| 250.0 * f64::from(i)).collect();
-    assert_eq!(missed(&flat(long.clone(), 1)), 0, "one run above 2 m");
-    assert_eq!(missed(&flat(long.into_iter().step_by(2).collect(), 1)), 1, "every 500 mm");
-    let label = iso_230_2::label(&conditions(&flat(uneven, 3)));
+    assert_eq!(missed(&UNEVEN, 5), 0);
+    assert_eq!(missed(&UNEVEN, 3), 1, "three runs");
+    assert_eq!(missed(&UNEVEN[..4], 5), 1, "four targets");
+    assert_eq!(missed(&even(5, 100.0), 5), 1, "equal distances");
+    let metre_and_a_half = [0.0, 301.0, 602.0, 901.0, 1202.0, 1500.0];
+    assert_eq!(missed(&metre_and_a_half, 5), 1, "six targets on 1.5 m");
+    assert_eq!(missed(&even(13, 250.0), 1), 0, "one run above 2 m");
+    assert_eq!(missed(&even(7, 500.0), 1), 1, "every 500 mm");
+    let label = iso_230_2::label(&conditions(&flat(&UNEVEN, 3)));
     assert!(label.starts_with("NOT according to ISO 230-2: 3 runs up, 3 down"), "{label}");
 }
 
 /// 24.4 to 1024.4 mm is 1000.0000000000001 mm in binary, and 48.3 to 2048.3 mm is more than 2 m.
 #[test]
 fn lengths_are_judged_without_the_dust_of_binary_fractions() {
-    let metre = flat(vec![24.4, 270.1, 530.3, 790.2, 1024.4], 5);
-    assert!(metre.length_mm() > 1000.0);
-    assert_eq!(missed(&metre), 0);
-    assert!(conditions(&metre)[0].asked.ends_with("here 5 or more"));
-    let mut targets = vec![48.3, 270.1, 530.3, 790.2, 1024.4];
-    targets.extend([1200.0, 1400.0, 1600.0, 1800.0, 2048.3]);
-    let two_metres = flat(targets, 5);
-    assert!(two_metres.length_mm() > 2000.0);
-    assert!(!span(&two_metres).is_long());
-    assert_eq!(missed(&two_metres), 0);
+    let metre = [24.4, 270.1, 530.3, 790.2, 1024.4];
+    assert!(flat(&metre, 5).length_mm() > 1000.0);
+    assert_eq!(missed(&metre, 5), 0);
+    assert!(conditions(&flat(&metre, 5))[0].asked.ends_with("here 5 or more"));
+    let two = [48.3, 270.1, 530.3, 790.2, 1024.4, 1200.0, 1400.0, 1600.0, 1800.0, 2048.3];
+    let runs = flat(&two, 5);
+    assert!(runs.length_mm() > 2000.0);
+    assert!(!span(&runs).is_long());
+    assert_eq!(missed(&two, 5), 0);
 }
 
 #[test]
 fn one_direction_is_labelled_as_such() {
-    let um = vec![vec![0.0; 5]; 5];
-    let targets = vec![0.0, 101.0, 199.0, 305.0, 400.0];
-    for (up, down, word) in [(Some(um.clone()), None, "down"), (None, Some(um.clone()), "up")] {
-        let runs = Runs::new(targets.clone(), up, down).unwrap();
+    let um = Some(vec![vec![0.0; 5]; 5]);
+    for (up, down, word) in [(um.clone(), None, "down"), (None, um, "up")] {
+        let runs = Runs::new(UNEVEN.to_vec(), up, down).unwrap();
         let expected = format!(
             "NOT according to ISO 230-2: unidirectional figures only: moving {word} was not \
              measured (see the conditions)"
@@ -338,22 +314,20 @@ fn one_direction_is_labelled_as_such() {
 
 #[test]
 fn targets_in_a_heap_are_found() {
-    let heap = flat(vec![0.0, 1.0, 2.2, 3.0, 990.0], 5);
+    let heap = flat(&[0.0, 1.0, 2.2, 3.0, 990.0], 5);
     let words = Condition::missed(&conditions(&heap));
     assert_eq!(words, ["largest gap 987.0 mm, mean distance 247.5 mm"]);
-    let long: Vec<f64> = (0..11).map(f64::from).chain([2400.0]).collect();
-    assert_eq!(missed(&flat(long, 1)), 1, "above 2 m, every 218 mm on average");
+    let long = [even(11, 1.0), vec![2400.0]].concat();
+    assert_eq!(missed(&long, 1), 1, "above 2 m, every 218 mm on average");
     // r of half a distance to either side: the widest that P_i = (i - 1)p + r can give.
-    let widest = flat(vec![0.0, 50.0, 250.0, 300.0, 400.0], 5);
-    assert_eq!(missed(&widest), 0);
+    assert_eq!(missed(&[0.0, 50.0, 250.0, 300.0, 400.0], 5), 0);
 }
 
 /// Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
 #[test]
 fn above_two_metres_one_run_is_asked_for() {
-    let targets: Vec<f64> = (0..10).map(|i| 250.0 * f64::from(i)).collect();
-    assert_eq!(missed(&flat(targets.clone(), 1)), 0);
-    let runs = flat(targets, 5);
+    assert_eq!(missed(&even(10, 250.0), 1), 0);
+    let runs = flat(&even(10, 250.0), 5);
     let label = iso_230_2::label(&conditions(&runs));
     assert!(label.contains("5 runs up, 5 down"), "{label}");
     let remarks = iso_230_2::remarks(&runs, span(&runs));
@@ -363,7 +337,7 @@ fn above_two_metres_one_run_is_asked_for() {
 /// The conditions are about the travel: where it is stated, it is judged.
 #[test]
 fn a_stated_travel_is_judged_in_place_of_the_targets() {
-    let runs = flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 5);
+    let runs = flat(&UNEVEN, 5);
     let missed = |mm| {
         let travel = Travel::of(&runs, Some(mm)).unwrap();
         Condition::missed(&iso_230_2::conditions(&runs, travel))
@@ -382,7 +356,7 @@ fn a_stated_travel_is_judged_in_place_of_the_targets() {
 /// Each condition names the editions that ask for it, and how surely that is known.
 #[test]
 fn conditions_are_stated_by_edition() {
-    let all = conditions(&flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 5));
+    let all = conditions(&flat(&UNEVEN, 5));
     let by: Vec<&[u16]> = all.iter().map(|of| of.editions).collect();
     assert_eq!(by[..7], [&[1997, 2006, 2014][..]; 7]);
     assert_eq!(by[7], [2014], "uncertainty");
@@ -392,18 +366,17 @@ fn conditions_are_stated_by_edition() {
 /// Straight runs carry the name of ISO 230-6 only if they meet what is known of its conditions.
 #[test]
 fn conditions_of_the_diagonals_are_tested() {
-    let runs = flat(vec![0.0, 101.0, 199.0, 305.0, 400.0], 3);
-    let four = ["PPP", "NPP", "PNP", "PPN"].map(|name| (name, &runs));
+    let runs = flat(&UNEVEN, 3);
+    let four = DIAGONALS.map(|name| (name, &runs));
     let straight = |of: &[(&str, &Runs)]| diagonal(of, DiagonalMotion::StraightRuns).label;
     assert_eq!(straight(&four), "after ISO 230-6 (likely)");
     assert_eq!(straight(&four[..3]), "NOT after ISO 230-6: PPP, NPP, PNP");
-    let few = flat(vec![0.0, 100.0], 3);
+    let few = flat(&[0.0, 100.0], 3);
     let mut with_few = four;
     with_few[1].1 = &few;
     let label = straight(&with_few);
     assert_eq!(label, "NOT after ISO 230-6: NPP: 2 targets on 100 mm");
-    let um = vec![vec![0.0; 3]; 5];
-    let one_way = Runs::new(runs.targets_mm().to_vec(), Some(um), None).unwrap();
+    let one_way = Runs::new(UNEVEN.to_vec(), Some(vec![vec![0.0; 3]; 5]), None).unwrap();
     with_few[1].1 = &one_way;
     assert!(straight(&with_few).ends_with("moving down was not measured"));
     let found = diagonal(&four, DiagonalMotion::StepDiagonalCellEnds);
@@ -413,10 +386,9 @@ fn conditions_of_the_diagonals_are_tested() {
 #[test]
 fn machine_figures_need_four_diagonals() {
     let runs = by_hand();
-    let three = [("PPP", &runs), ("NPP", &runs), ("PNP", &runs)];
-    let found = diagonal(&three, DiagonalMotion::StraightRuns);
+    let four = DIAGONALS.map(|name| (name, &runs));
+    let found = diagonal(&four[..3], DiagonalMotion::StraightRuns);
     assert_eq!((found.e_d_um, found.largest_range_um), (None, None));
-    let four = [three[0], three[1], three[2], ("PPN", &runs)];
     let found = diagonal(&four, DiagonalMotion::StraightRuns);
     near(found.e_d_um, 4.0);
     near(found.b_d_um, 3.0);
@@ -429,20 +401,14 @@ fn machine_figures_need_four_diagonals() {
 /// docs/standards.md shows what the program prints.
 #[test]
 fn the_page_shows_what_the_program_prints() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .current_dir(folder)
-        .args(["standards", "fixtures/standards/x_axis.csv"])
-        .output()
-        .unwrap();
-    assert!(output.status.success());
-    let printed = String::from_utf8(output.stdout).unwrap();
-    let page = std::fs::read_to_string(folder.join("docs/standards.md")).unwrap();
+    let command = "standards fixtures/standards/x_axis.csv";
+    let output = program(&fixtures(".."), command).output().unwrap();
+    let printed = Ran::of(command, &output).ends(0).out;
+    let page = page("docs/standards.md");
     let behind = page.split("checked by tests/it/standards.rs").nth(1).unwrap();
-    let shown = behind.split("```").nth(1).unwrap();
-    let shown = shown.trim_start_matches("text").trim().replace('\r', "");
+    let shown = behind.split("```").nth(1).unwrap().trim_start_matches("text").trim();
     assert!(
-        !shown.is_empty() && printed.replace('\r', "").contains(&shown),
+        !shown.is_empty() && printed.contains(shown),
         "the page shows\n{shown}\n\nthe program prints\n{printed}"
     );
 }
@@ -450,21 +416,15 @@ fn the_page_shows_what_the_program_prints() {
 /// Every number of the document names its unit, and absent figures are `null`.
 #[test]
 fn the_json_names_units_and_leaves_absent_figures_null() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("runs.csv");
-    std::fs::write(&file, "target_mm,up1_mm\n0,0.001\n100,100.003\n").unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(["standards", "--format", "json"])
-        .arg(file)
-        .output()
-        .unwrap();
-    let document: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let visit = Visit::new();
+    visit.put("runs.csv", "target_mm,up1_mm\n0,0.001\n100,100.003\n");
+    let document = visit.run("standards --format json runs.csv").json();
     assert_eq!(document["schema"], 1);
     assert_eq!(document["iso_230_2"]["E_up_um"], 2.0);
-    assert_eq!(document["iso_230_2"]["E_um"], serde_json::Value::Null);
-    assert_eq!(document["iso_230_2"]["R_up_um"], serde_json::Value::Null);
+    assert_eq!(document["iso_230_2"]["E_um"], Value::Null);
+    assert_eq!(document["iso_230_2"]["R_up_um"], Value::Null);
     assert_eq!(document["iso_230_2"]["condition_missed"], true);
-    assert_eq!(document["vdi_dgq_3441"], serde_json::Value::Null);
+    assert_eq!(document["vdi_dgq_3441"], Value::Null);
 }
 
 // ---------------------------------------------------------------------------------------------
@@ -497,11 +457,6 @@ fn same(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < DUST)
 }
 
-fn changed(um: &[Vec<f64>], change: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
-    let of_target = |of: &Vec<f64>| of.iter().copied().map(&change).collect();
-    um.iter().map(of_target).collect()
-}
-
 proptest! {
     #![proptest_config(ProptestConfig {
         cases: 256,
@@ -513,7 +468,9 @@ proptest! {
     #[test]
     fn a_constant_moves_means_and_nothing_else((up, down) in any_runs(), constant in -100.0..100.0_f64) {
         let before = runs_of(&up, &down);
-        let add = |um: &[Vec<f64>]| changed(um, |x| x + constant);
+        let add = |um: &[Vec<f64>]| -> Vec<Vec<f64>> {
+            um.iter().map(|of| of.iter().map(|x| x + constant).collect()).collect()
+        };
         let after = runs_of(&add(&up), &add(&down));
         prop_assert!(same(&all_figures(&before), &all_figures(&after)));
         let pairs = (iso_230_2::figures(&before), iso_230_2::figures(&after));
@@ -530,23 +487,17 @@ proptest! {
         near(b.b_mean_um, -a.b_mean_um.unwrap());
         near(b.b_um, a.b_um.unwrap());
         for (a, b) in [(a.a, b.a), (a.e, b.e), (a.r, b.r)] {
-            near(b.up_um, a.down_um.unwrap());
-            near(b.down_um, a.up_um.unwrap());
-            near(b.both_um, a.both_um.unwrap());
+            all_near(b, [a.down_um, a.up_um, a.both_um].map(Option::unwrap));
         }
     }
 
     #[test]
     fn the_order_of_the_runs_does_not_matter((up, down) in any_runs(), by in 0..5_usize) {
         let turned = |um: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            let turn = |of: &Vec<f64>| {
-                let mut of = of.clone();
+            um.iter().map(|of| {
                 let by = by % of.len();
-                of.rotate_left(by);
-                of.reverse();
-                of
-            };
-            um.iter().map(turn).collect()
+                of[..by].iter().rev().chain(of[by..].iter().rev()).copied().collect()
+            }).collect()
         };
         let after = runs_of(&turned(&up), &turned(&down));
         prop_assert!(same(&all_figures(&runs_of(&up, &down)), &all_figures(&after)));

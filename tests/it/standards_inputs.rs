@@ -1,41 +1,26 @@
 //! What `nonius standards` takes beside tables of runs: readings of the body diagonals, jobs that
 //! name them, and `.rtl` files.
-use serde_json::Value;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use crate::support::visit::{Ran, Visit, fixture, fixtures, number};
+use serde_json::{Value, json};
 
-fn fixture(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(path)
+/// Runs it on a file of the fixtures, or on that of an absolute path.
+fn standards(file: &str, options: &str) -> Ran {
+    Visit::new().run(&format!("standards \"{}\" {options}", fixtures(file).display()))
 }
 
-fn standards(file: &Path, options: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .arg("standards")
-        .arg(file)
-        .args(options)
-        .output()
-        .unwrap()
+#[track_caller]
+fn document(file: &str, options: &str) -> Value {
+    standards(file, &format!("{options} --format json")).ends(0).json()
 }
 
-fn document(file: &Path, options: &[&str]) -> Value {
-    let options = [options, &["--format", "json"]].concat();
-    let output = standards(file, &options);
-    assert!(output.status.success(), "{}", said(&output));
-    serde_json::from_slice(&output.stdout).unwrap()
-}
-
-fn said(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
+#[track_caller]
 fn near(found: &Value, expected: f64) {
-    let um = found.as_f64().unwrap();
+    let um = number(found);
     assert!((um - expected).abs() < 1e-3, "{um}, expected {expected}");
 }
 
 /// Golden figures of case D, to the digits of the reference.
-fn golden(document: &Value) {
-    let part = &document["iso_230_6"];
+fn golden(part: &Value) {
     assert_eq!(part["label"], "from step-diagonal cell ends, not ISO 230-6");
     near(&part["E_d_um"], 28.9797);
     near(&part["B_d_um"], 9.1463);
@@ -53,9 +38,9 @@ fn golden(document: &Value) {
 
 #[test]
 fn a_job_with_readings_gives_the_figures_of_its_diagonals() {
-    let document = document(&fixture("diagonals/case_d_bidirectional/job.toml"), &[]);
-    golden(&document);
-    let targets = &document["iso_230_6"]["conditions"]["list"][2];
+    let part = &document("diagonals/case_d_bidirectional/job.toml", "")["iso_230_6"];
+    golden(part);
+    let targets = &part["conditions"]["list"][2];
     assert_eq!(targets["outcome"], "met");
     assert_eq!(targets["found"], "11 targets on 1358.97 mm");
 }
@@ -63,21 +48,16 @@ fn a_job_with_readings_gives_the_figures_of_its_diagonals() {
 /// No figure depends on the box; what does is named as not tested.
 #[test]
 fn readings_alone_give_the_same_figures() {
-    let readings = fixture("diagonals/case_d_bidirectional/readings.csv");
-    let document = document(&readings, &[]);
-    golden(&document);
-    let targets = &document["iso_230_6"]["conditions"]["list"][2];
-    assert_eq!(targets["outcome"], "not tested");
-    let text = String::from_utf8(standards(&readings, &[]).stdout).unwrap();
-    for words in ["E up  E down", "no job: the readings are taken", "E_d"] {
-        assert!(text.contains(words), "{text}");
-    }
+    let readings = "diagonals/case_d_bidirectional/readings.csv";
+    let part = &document(readings, "")["iso_230_6"];
+    golden(part);
+    assert_eq!(part["conditions"]["list"][2]["outcome"], "not tested");
+    standards(readings, "").says("E up  E down").says("no job: the readings are taken").says("E_d");
 }
 
 #[test]
 fn one_direction_has_no_figures_of_the_machine() {
-    let document = document(&fixture("diagonals/case_a_ideal/readings.csv"), &[]);
-    let part = &document["iso_230_6"];
+    let part = &document("diagonals/case_a_ideal/readings.csv", "")["iso_230_6"];
     assert_eq!(part["E_d_um"], Value::Null);
     near(&part["largest_range_um"], 21.4574);
     near(&part["range_over_all_um"], 30.8255);
@@ -88,25 +68,19 @@ fn one_direction_has_no_figures_of_the_machine() {
 /// The forward runs of case A, and each of them walked back under its own name (NNN …): numbered,
 /// signed and zeroed from the far corner.
 fn with_own_reverse_runs(readings: &str) -> String {
-    let rows: Vec<Vec<&str>> = readings
-        .lines()
-        .filter(|line| !line.starts_with('#'))
-        .map(|line| line.split(',').collect())
-        .collect();
+    let rows: Vec<Vec<&str>> = readings.lines().map(|line| line.split(',').collect()).collect();
     let mut text = "diagonal,node,moved,deviation_um\n".to_string();
-    let mut add = |name: &str, node: usize, moved: &str, um: f64| {
-        text += &format!("{name},{node},{moved},{um:.9}\n");
-    };
     for (name, back) in [("PPP", "NNN"), ("NPP", "PNN"), ("PNP", "NPN"), ("PPN", "NNP")] {
-        let walk: Vec<&Vec<&str>> = rows.iter().filter(|row| row[0] == name).collect();
-        let um = |node: usize| walk[node][5].parse::<f64>().unwrap();
+        let own = rows.iter().filter(|row| row[0] == name);
+        let walk: Vec<(&str, f64)> = own.map(|row| (row[4], row[5].parse().unwrap())).collect();
         let last = walk.len() - 1;
-        for (node, row) in walk.iter().enumerate() {
-            add(name, node, row[4], um(node));
+        for (node, (moved, um)) in walk.iter().enumerate() {
+            text += &format!("{name},{node},{moved},{um:.9}\n");
         }
         for node in 0..=last {
-            let moved = if node == 0 { "" } else { walk[last + 1 - node][4] };
-            add(back, node, moved, um(last) - um(last - node));
+            let moved = if node == 0 { "" } else { walk[last + 1 - node].0 };
+            let um = walk[last].1 - walk[last - node].1;
+            text += &format!("{back},{node},{moved},{um:.9}\n");
         }
     }
     text
@@ -115,31 +89,27 @@ fn with_own_reverse_runs(readings: &str) -> String {
 /// The offset of such a run to the forward run is not known, so it has no part in E and B.
 #[test]
 fn runs_under_the_name_of_a_reverse_run_are_left_out_and_named() {
-    let forward = fixture("diagonals/case_a_ideal/readings.csv");
-    let text = std::fs::read_to_string(&forward).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let both = folder.path().join("readings.csv");
-    std::fs::write(&both, with_own_reverse_runs(&text)).unwrap();
-    let (alone, both) = (document(&forward, &[]), document(&both, &[]));
+    let forward = "diagonals/case_a_ideal/readings.csv";
+    let visit = Visit::new();
+    visit.put("readings.csv", with_own_reverse_runs(&fixture(forward)));
+    let both = document(&visit.at("readings.csv").display().to_string(), "");
     let figures = |of: &Value| of["iso_230_6"]["diagonals"].clone();
-    assert_eq!(figures(&alone), figures(&both));
+    assert_eq!(figures(&document(forward, "")), figures(&both));
     let notes = both["iso_230_6"]["notes"].to_string();
     assert!(notes.contains("NNN …"), "{notes}");
 }
 
 /// Figures of an `.rtl` file that notes a temperature of the material.
-fn of_rtl(sign: &str, targets_run: &str) -> Value {
-    let file = fixture("formats/rtl_linear_bidirectional_selfmade.rtl");
-    let way = ["--sign", sign, "--targets-run", targets_run];
-    let material = ["--material-corrected", "not-stated"];
-    document(&file, &[&way[..], &material[..]].concat())
+fn of_rtl(sign: &str, way: &str) -> Value {
+    let stated = format!("--sign {sign} --targets-run {way} --material-corrected not-stated");
+    document("formats/rtl_linear_bidirectional_selfmade.rtl", &stated)
 }
 
 /// Two runs out, two back; by hand from the first and the last target of the file.
 #[test]
 fn the_runs_of_an_rtl_file_keep_their_scatter() {
     let document = of_rtl("as-error", "+");
-    assert_eq!(document["runs"], serde_json::json!({ "up": 2, "down": 2 }));
+    assert_eq!(document["runs"], json!({ "up": 2, "down": 2 }));
     let iso = &document["iso_230_2"];
     let first = &iso["targets"][0];
     assert_eq!(first["target_mm"], -200.0);
@@ -153,41 +123,32 @@ fn the_runs_of_an_rtl_file_keep_their_scatter() {
 /// Against the axis, the directions change places and every deviation changes its sign.
 #[test]
 fn the_way_of_the_targets_turns_directions_and_deviations() {
-    let of = |way| of_rtl("as-error", way);
-    let (plus, minus) = (of("+"), of("-"));
-    let (plus, minus) = (&plus["iso_230_2"], &minus["iso_230_2"]);
+    let [plus, minus] = ["+", "-"].map(|way| of_rtl("as-error", way)["iso_230_2"].clone());
     for (here, there) in
         [("E_um", "E_um"), ("R_um", "R_um"), ("A_um", "A_um"), ("E_up_um", "E_down_um")]
     {
-        near(&minus[there], plus[here].as_f64().unwrap());
+        near(&minus[there], number(&plus[here]));
     }
     let (first, last) = (&minus["targets"][0], &plus["targets"][8]);
-    near(&first["target_mm"], -last["target_mm"].as_f64().unwrap());
-    near(&first["mean_down_um"], -last["mean_up_um"].as_f64().unwrap());
-    near(&first["B_um"], last["B_um"].as_f64().unwrap());
+    near(&first["target_mm"], -number(&last["target_mm"]));
+    near(&first["mean_down_um"], -number(&last["mean_up_um"]));
+    near(&first["B_um"], number(&last["B_um"]));
     let turned = of_rtl("as-correction", "+");
     near(&turned["iso_230_2"]["B_mean_um"], -1.55);
 }
 
-#[test]
-fn a_stated_travel_is_in_the_document() {
-    let file = fixture("standards/x_axis.csv");
-    let stated = document(&file, &["--travel-mm", "1000"]);
-    assert_eq!(stated["travel_mm"], 1000.0);
-    assert_eq!(stated["iso_230_2"]["condition_missed"], false);
-    assert_eq!(stated["iso_230_2"]["editions"], serde_json::json!([1997, 2006, 2014]));
-    assert_eq!(document(&file, &[])["travel_mm"], Value::Null);
-}
+const X_AXIS: &str = "standards/x_axis.csv";
 
 /// Above 2 m the document names the figures that the standard does not know.
 #[test]
-fn figures_beside_the_standard_are_marked() {
-    let file = fixture("standards/x_axis.csv");
-    let long = document(&file, &["--travel-mm", "2500"]);
-    let marked = &long["iso_230_2"]["not_in_the_standard"];
-    assert_eq!(*marked, serde_json::json!(["A", "R"]));
+fn a_stated_travel_is_in_the_document_and_marks_figures_beside_the_standard() {
+    let stated = document(X_AXIS, "--travel-mm 1000");
+    assert_eq!(stated["travel_mm"], 1000.0);
+    assert_eq!(stated["iso_230_2"]["condition_missed"], false);
+    assert_eq!(stated["iso_230_2"]["editions"], json!([1997, 2006, 2014]));
+    assert_eq!(document(X_AXIS, "")["travel_mm"], Value::Null);
+    let long = document(X_AXIS, "--travel-mm 2500");
+    assert_eq!(long["iso_230_2"]["not_in_the_standard"], json!(["A", "R"]));
     assert_eq!(long["iso_230_2"]["condition_missed"], true);
-    let text = standards(&file, &["--travel-mm", "2500"]).stdout;
-    let text = String::from_utf8(text).unwrap();
-    assert!(text.contains("repeatability, not in the standard above 2 m"), "{text}");
+    standards(X_AXIS, "--travel-mm 2500").says("repeatability, not in the standard above 2 m");
 }

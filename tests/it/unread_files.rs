@@ -1,160 +1,101 @@
 //! What a control loads is protected whatever its role: files that no reader takes (role `report`)
 //! get no *pass*, and changed, deleted or unlisted they fail.
 
+use crate::support::visit::{Ran, Visit};
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
-use tempfile::TempDir;
 
-/// A control that loads `loaded.csv`, in a layout that no reader takes; `{keys}` = more of its keys.
-const PROFILE: &str = r#"schema = 1
-id = "shop-csv"
-name = "Shop control"
-based_on = "generic"
-
-[[files]]
-role = "table"
-path = "shop.csv"
-template = "generic.csv.tera"
-
-[[files]]
-role = "report"
-path = "loaded.csv"
-template = "loaded.csv.tera"
-{keys}
-
-[[files]]
-role = "checklist"
-path = "checklist.md"
-template = "checklist.md.tera"
-"#;
+/// A control that loads `loaded.csv`, in a layout that no reader takes, with more of its keys.
+fn profile(keys: &str) -> String {
+    let file = |role: &str, path: &str, template: &str| {
+        format!("[[files]]\nrole = \"{role}\"\npath = \"{path}\"\ntemplate = \"{template}\"\n")
+    };
+    let head = "schema = 1\nid = \"shop-csv\"\nname = \"Shop control\"\nbased_on = \"generic\"\n";
+    let table = file("table", "shop.csv", "generic.csv.tera");
+    let loaded = file("report", "loaded.csv", "loaded.csv.tera");
+    let checklist = file("checklist", "checklist.md", "checklist.md.tera");
+    format!("{head}{table}{loaded}{keys}\n{checklist}")
+}
 
 const TEMPLATE: &str = "place;value\n{% for row in rows -%}\n{{ row.position_mm }};{{ row.correction_um }}\n{% endfor -%}\n";
 
 /// The sentence of a verdict that rests on a file without reader.
 const UNREAD: &str = "`loaded.csv` is not read back (role `report`)";
-
-/// Status, and what was printed.
-fn nonius(directory: &Path, arguments: &[&str]) -> (i32, String) {
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(arguments)
-        .current_dir(directory)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    let told = text(&output.stdout) + &text(&output.stderr);
-    (output.status.code().expect("it ends by itself"), told)
-}
+const CHANGED: &str = "`loaded.csv` was changed after it was made";
+const VERIFY: &str = "verify job.toml --tables kit";
 
 /// A fresh kit of the shop's control, and what `generate` said.
-fn kit(keys: &str) -> (TempDir, PathBuf, (i32, String)) {
-    let directory = tempfile::tempdir().expect("a temporary directory can be made");
-    let fixture = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
-    let errors = fs::read(fixture.join("errors.csv")).expect("the fixture is there");
-    let job = fs::read_to_string(fixture.join("generic.toml")).expect("the fixture is there");
-    let job = job.replace("controller = \"generic\"", "controller = \"shop.toml\"");
-    let profile = PROFILE.replace("{keys}", keys);
-    let write = |name: &str, bytes: &[u8]| {
-        fs::write(directory.path().join(name), bytes).expect("an input can be written");
-    };
-    write("errors.csv", &errors);
-    write("job.toml", job.as_bytes());
-    write("shop.toml", profile.as_bytes());
-    write("loaded.csv.tera", TEMPLATE.as_bytes());
-    let said = nonius(directory.path(), &["generate", "job.toml", "-o", "kit"]);
-    let kit = directory.path().join("kit");
-    (directory, kit, said)
-}
-
-fn verify(directory: &TempDir) -> (i32, String) {
-    nonius(directory.path(), &["verify", "job.toml", "--tables", "kit"])
+fn kit(keys: &str) -> (Visit, Ran) {
+    let visit = Visit::with_job("nine_errors_900/generic.toml");
+    visit
+        .edit("job.toml", "controller = \"generic\"", "controller = \"shop.toml\"")
+        .put("shop.toml", profile(keys))
+        .put("loaded.csv.tera", TEMPLATE);
+    let ran = visit.run("generate job.toml -o kit");
+    (visit, ran)
 }
 
 #[test]
 fn a_file_that_no_reader_takes_gets_no_pass() {
-    let (directory, kit, (status, told)) = kit("");
-    assert_eq!(status, 1, "{told}");
-    assert!(told.contains("verdict: undecided") && told.contains(UNREAD), "{told}");
-    let manifest = fs::read_to_string(kit.join("manifest.json")).expect("it was written");
-    assert!(manifest.contains(UNREAD), "the manifest says so too");
-    let checklist = fs::read_to_string(kit.join("checklist.md")).expect("it was written");
-    assert!(checklist.contains(UNREAD), "the checklist says so too");
-    let (status, told) = verify(&directory);
-    assert_eq!(status, 1, "{told}");
-    assert!(told.contains("job and tables agree"), "{told}");
-    assert!(told.contains("verdict: undecided") && told.contains(UNREAD), "{told}");
+    let (visit, ran) = kit("");
+    ran.ends(1).says("verdict: undecided").says(UNREAD);
+    for page in ["manifest.json", "checklist.md"] {
+        assert!(visit.read(&format!("kit/{page}")).contains(UNREAD), "{page} says so too");
+    }
+    let ran = visit.run(VERIFY).ends(1).says("job and tables agree");
+    ran.says("verdict: undecided").says(UNREAD);
 }
 
 #[test]
 fn without_its_manifest_such_a_kit_gets_no_pass_either() {
-    let (directory, kit, _) = kit("");
-    fs::remove_file(kit.join("manifest.json")).expect("it was written");
-    let (status, told) = verify(&directory);
-    assert_eq!(status, 1, "{told}");
-    assert!(told.contains("verdict: undecided") && told.contains(UNREAD), "{told}");
+    let (visit, _) = kit("");
+    fs::remove_file(visit.at("kit/manifest.json")).unwrap();
+    visit.run(VERIFY).ends(1).says("verdict: undecided").says(UNREAD);
 }
 
 #[test]
 fn a_sheet_that_no_control_loads_is_stated_as_such() {
-    let (directory, _, (status, told)) = kit("loaded = false");
-    assert_eq!(status, 0, "{told}");
-    let (status, told) = verify(&directory);
-    assert_eq!(status, 0, "{told}");
-    assert!(told.contains("verdict: pass") && !told.contains(UNREAD), "{told}");
+    let (visit, ran) = kit("loaded = false");
+    ran.ends(0);
+    visit.run(VERIFY).ends(0).says("verdict: pass").omits(UNREAD);
 }
 
 /// Every change of a kit that no reader would find, and what `verify` says of it.
 #[test]
 fn a_file_that_no_reader_takes_fails_turned_deleted_or_unlisted() {
     for keys in ["", "loaded = false"] {
-        let (directory, kit, _) = kit(keys);
-        let path = kit.join("loaded.csv");
-        let good = fs::read_to_string(&path).expect("it was written");
-        let expect = |what: &str, says: &str| {
-            let (status, told) = verify(&directory);
-            assert_eq!(status, 1, "{what}\n{told}");
-            assert!(told.contains("verdict: fail") && told.contains(says), "{what}\n{told}");
-            assert!(!told.contains("what differs is something else"), "{what}\n{told}");
+        let (visit, _) = kit(keys);
+        let good = visit.read("kit/loaded.csv");
+        let fails = |says: &str| {
+            let ran = visit.run(VERIFY).ends(1).says("verdict: fail").says(says);
+            ran.omits("what differs is something else");
         };
-        fs::write(&path, good.replace(";-", ";")).expect("it can be written");
-        expect("its signs turned", "`loaded.csv` was changed after it was made");
-        fs::remove_file(&path).expect("it can be removed");
-        expect("deleted", "`loaded.csv` is listed in manifest.json but missing");
-        fs::write(&path, good).expect("it can be written");
-        let manifest = kit.join("manifest.json");
-        let text = fs::read_to_string(&manifest).expect("it was written");
-        let unlisted = text.replace("\"loaded.csv\"", "\"shop.csv\"");
-        assert_ne!(text, unlisted, "the manifest was changed");
-        fs::write(&manifest, unlisted).expect("it can be written");
-        expect("not listed", "`loaded.csv` is not listed in manifest.json");
+        // Its signs turned.
+        visit.put("kit/loaded.csv", good.replace(";-", ";"));
+        fails(CHANGED);
+        fs::remove_file(visit.at("kit/loaded.csv")).unwrap();
+        fails("`loaded.csv` is listed in manifest.json but missing");
+        visit.put("kit/loaded.csv", good);
+        visit.edit("kit/manifest.json", "\"loaded.csv\"", "\"shop.csv\"");
+        fails("`loaded.csv` is not listed in manifest.json");
     }
 }
 
 #[test]
 fn notes_in_the_checklist_stay_a_note() {
-    let (directory, kit, _) = kit("loaded = false");
-    let path = kit.join("checklist.md");
-    let page = fs::read_to_string(&path).expect("it was written");
-    fs::write(&path, page + "done, A.B.\n").expect("it can be written");
-    let (status, told) = verify(&directory);
-    assert_eq!(status, 0, "{told}");
-    assert!(told.contains("`checklist.md` was changed after it was made"), "{told}");
+    let (visit, _) = kit("loaded = false");
+    visit.put("kit/checklist.md", visit.read("kit/checklist.md") + "done, A.B.\n");
+    visit.run(VERIFY).ends(0).says("`checklist.md` was changed after it was made");
 }
 
 #[test]
 fn a_kit_with_a_changed_file_is_no_predecessor_whatever_its_role() {
-    let (directory, kit, _) = kit("");
-    fs::write(kit.join("loaded.csv"), "place;value\n").expect("it can be written");
-    let (status, told) = nonius(directory.path(), &["history", "kit"]);
-    assert_eq!(status, 1, "{told}");
-    assert!(told.contains("`loaded.csv` was changed after it was made"), "{told}");
-    let job = directory.path().join("job.toml");
-    let text = fs::read_to_string(&job).expect("it was written");
-    let after =
-        text.replace("active_while_measuring = \"none\"", "active_while_measuring = \"kit\"");
-    fs::write(&job, after).expect("it can be written");
-    let (status, told) = nonius(directory.path(), &["generate", "job.toml", "-o", "new"]);
-    assert_eq!(status, 2, "{told}");
-    assert!(told.contains("`loaded.csv` of the kit `kit` was changed after it was made"), "{told}");
+    let (visit, _) = kit("");
+    visit.put("kit/loaded.csv", "place;value\n");
+    visit.run("history kit").ends(1).says(CHANGED);
+    let active = "active_while_measuring = \"none\"";
+    visit.edit("job.toml", active, "active_while_measuring = \"kit\"");
+    visit
+        .run("generate job.toml -o new")
+        .ends(2)
+        .says("`loaded.csv` of the kit `kit` was changed after it was made");
 }

@@ -1,15 +1,16 @@
 //! The model of 21 errors: against matrices, against paper 002, and against itself.
 
-use nalgebra::{Matrix4, Vector4};
+use crate::support::visit::fixture;
+use nalgebra::{Matrix4, Rotation3, Vector3, Vector4};
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
 use nonius::machine::model::ErrorModel;
 use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use nonius::quantity::chain::Chain;
+use nonius::quantity::units::Millimetres;
 use nonius::text::document::Source;
 use nonius::volume::definitions::{self, Definitions};
 use nonius::volume::volume_model::{Component, Nodes, VolumeModel};
-use std::fmt::Write;
 
 /// Numbers between −1 and 1 that look random and are the same everywhere.
 struct Numbers(u64);
@@ -34,15 +35,10 @@ struct Machine {
 }
 
 impl Machine {
-    fn random(chain: Chain, numbers: &mut Numbers, nodes: usize, size: f64) -> Machine {
-        let positions = PerAxis::from_fn(|axis| {
-            let step = match axis {
-                Axis::X => 700.0,
-                Axis::Y => 450.0,
-                Axis::Z => 310.0,
-            };
-            (0..nodes).map(|k| step * f64::from(u32::try_from(k).unwrap())).collect()
-        });
+    fn random(chain: Chain, numbers: &mut Numbers, nodes: u32, size: f64) -> Machine {
+        let positions = PerAxis { x: 700.0, y: 450.0, z: 310.0 };
+        let positions =
+            PerAxis::from_fn(|axis| (0..nodes).map(|k| positions[axis] * f64::from(k)).collect());
         let values = PerAxis::from_fn(|_| {
             let row = |_| std::array::from_fn(|_| size * numbers.next());
             (0..nodes).map(row).collect()
@@ -53,43 +49,43 @@ impl Machine {
     fn model(&self) -> VolumeModel {
         let mut table = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\n".to_string();
         let mut page = format!("schema = 1\n[machine]\nname = \"M\"\nchain = \"{}\"\n", self.chain);
-        for axis in Axis::ALL {
-            let (positions, values) = (&self.positions[axis], &self.values[axis]);
-            for (position, v) in positions.iter().zip(values) {
+        for (axis, positions) in self.positions.iter() {
+            let key = axis.key();
+            for (position, v) in positions.iter().zip(&self.values[axis]) {
                 let cells: Vec<String> = v.iter().map(|v| format!("{v:?}")).collect();
-                writeln!(table, "{},{position:?},{}", axis.key(), cells.join(",")).unwrap();
+                table += &format!("{key},{position:?},{}\n", cells.join(","));
             }
             let (low, high) = (positions[0], positions[positions.len() - 1]);
-            writeln!(
-                page,
-                "[machine.axes.{}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = {low:?}",
-                axis.key()
-            )
-            .unwrap();
+            page += &format!("[machine.axes.{key}]\ntravel_mm = [{low:?}, {high:?}]\n");
+            page += &format!("reference_mm = {low:?}\n");
         }
-        writeln!(
-            page,
-            "[measurement]\nerrors = \"e.csv\"\n{}\n[compensation]\ncontroller = \"generic\"",
-            self.measurement
-        )
-        .unwrap();
-        let job =
-            Job::read(Source::from_bytes("job.toml", page.as_bytes()).unwrap()).expect("a job");
-        let table = ErrorTable::read(Source::from_bytes("e.csv", table.as_bytes()).unwrap())
-            .expect("a table");
-        let model = ErrorModel::build(&job, &table).expect("a model");
-        VolumeModel::build(&job, &model).expect("a volume")
+        page += &format!("[measurement]\nerrors = \"e.csv\"\n{}\n", self.measurement);
+        volume(&format!("{page}[compensation]\ncontroller = \"generic\"\n"), &table)
     }
 
     /// The row of an axis at a node, deviations relative to the first.
     fn row(&self, axis: Axis, node: usize) -> [f64; 6] {
         let values = &self.values[axis];
-        std::array::from_fn(
-            |k| {
-                if k < 3 { values[node][k] - values[0][k] } else { values[node][k] }
-            },
-        )
+        let zero = |k: usize| if k < 3 { values[0][k] } else { 0.0 };
+        std::array::from_fn(|k| values[node][k] - zero(k))
     }
+}
+
+/// The model of a job and its table.
+fn volume(job: &str, table: &str) -> VolumeModel {
+    let source = |text: &str| Source::from_bytes("text", text.as_bytes()).unwrap();
+    let job = Job::read(source(job)).expect("a job");
+    let table = ErrorTable::read(source(table)).expect("a table");
+    VolumeModel::build(&job, &ErrorModel::build(&job, &table).expect("a model")).expect("a volume")
+}
+
+/// Place of an axis in X, Y, Z.
+fn index(axis: Axis) -> usize {
+    Axis::ALL.iter().position(|a| *a == axis).unwrap()
+}
+
+fn per_axis(xyz: [f64; 3]) -> PerAxis<f64> {
+    PerAxis::from_fn(|axis| xyz[index(axis)])
 }
 
 /// All figures at some nodes.
@@ -102,14 +98,13 @@ fn axis_vector(axis: Axis, length: f64) -> [f64; 3] {
 }
 
 fn translation(v: [f64; 3]) -> Matrix4<f64> {
-    Matrix4::new_translation(&nalgebra::Vector3::from(v))
+    Matrix4::new_translation(&Vector3::from(v))
 }
 
 /// The small motion of errors in µm and µrad, as an exact rotation; lengths in mm.
-fn error_matrix(row: [f64; 6]) -> Matrix4<f64> {
-    let angles = nalgebra::Vector3::new(row[3], row[4], row[5]) * 1e-6;
-    let turn = nalgebra::Rotation3::new(angles).to_homogeneous();
-    translation([row[0] * 1e-3, row[1] * 1e-3, row[2] * 1e-3]) * turn
+fn error_matrix([x, y, z, a, b, c]: [f64; 6]) -> Matrix4<f64> {
+    let turn = Rotation3::new(Vector3::new(a, b, c) * 1e-6).to_homogeneous();
+    translation([x, y, z].map(|um| um * 1e-3)) * turn
 }
 
 /// Places of the offsets and of the tool point in the tests with matrices.
@@ -122,37 +117,25 @@ fn by_matrices(machine: &Machine, node: [usize; 3]) -> PerAxis<f64> {
     let mut chain = Matrix4::identity();
     let mut nominal = TOOL;
     for axis in machine.chain.order() {
-        let index = Axis::ALL.iter().position(|a| *a == axis).unwrap();
-        let arm = machine.positions[axis][node[index]] - OFFSETS[index];
+        let own = index(axis);
+        let arm = machine.positions[axis][node[own]] - OFFSETS[own];
         let travel = translation(axis_vector(axis, arm));
-        let error = error_matrix(machine.row(axis, node[index]));
+        let error = error_matrix(machine.row(axis, node[own]));
         chain *= if machine.chain.moves_workpiece(axis) { error * travel } else { travel * error };
-        nominal[index] += arm;
+        nominal[own] += arm;
     }
     let actual = chain * Vector4::new(TOOL[0], TOOL[1], TOOL[2], 1.0);
-    PerAxis {
-        x: (actual[0] - nominal[0]) * 1e3,
-        y: (actual[1] - nominal[1]) * 1e3,
-        z: (actual[2] - nominal[2]) * 1e3,
-    }
+    per_axis([0, 1, 2].map(|k| (actual[k] - nominal[k]) * 1e3))
 }
 
 /// Largest difference of model and matrices over all nodes of a machine, µm.
 fn largest_gap(machine: &Machine) -> f64 {
     let model = machine.model();
     let mut largest = 0.0_f64;
-    for x in 0..3 {
-        for y in 0..3 {
-            for z in 0..3 {
-                let place = PerAxis {
-                    x: machine.positions.x[x],
-                    y: machine.positions.y[y],
-                    z: machine.positions.z[z],
-                };
-                let gap = model.error_at(place).minus(by_matrices(machine, [x, y, z]));
-                largest = largest.max(gap.length());
-            }
-        }
+    for node in (0..27).map(|n| [n / 9, n / 3 % 3, n % 3]) {
+        let place = PerAxis::from_fn(|axis| machine.positions[axis][node[index(axis)]]);
+        let gap = model.error_at(place).minus(by_matrices(machine, node));
+        largest = largest.max(gap.length());
     }
     largest
 }
@@ -167,15 +150,12 @@ fn every_chain_agrees_with_matrices_to_second_order() {
         machine.measurement = format!(
             "offsets_mm = {{ x = {x}, y = {y}, z = {z} }}\ntool_offset_mm = {{ x = {tx}, y = {ty}, z = {tz} }}"
         );
-        let optics: Vec<String> = Axis::ALL
-            .iter()
-            .zip(OFFSETS)
-            .filter(|(axis, _)| chain.moves_workpiece(**axis))
-            .map(|(axis, place)| format!("{} = {place}", axis.key()))
-            .collect();
+        let tables = Axis::ALL.into_iter().filter(|axis| chain.moves_workpiece(*axis));
+        let optics: Vec<String> =
+            tables.map(|axis| format!("{} = {}", axis.key(), OFFSETS[index(axis)])).collect();
         if !optics.is_empty() {
-            writeln!(machine.measurement, "\nstraightness_optic_mm = {{ {} }}", optics.join(", "))
-                .unwrap();
+            machine.measurement +=
+                &format!("\nstraightness_optic_mm = {{ {} }}\n", optics.join(", "));
         }
         let mut tenth = machine.clone();
         for axis in Axis::ALL {
@@ -218,34 +198,23 @@ fn figure_2_comes_out_in_every_chain() {
         ];
         // 13sqr · t, 12sqr · m, 23sqr · t: slopes of the third and second axis.
         let squareness = [(0, 2, 63.35), (0, 1, -231.0), (1, 2, 8.05)];
-        let positions = PerAxis::from_fn(|axis| match order.iter().position(|a| *a == axis) {
-            Some(0) => vec![0.0, 9000.0],
-            Some(1) => vec![0.0, 3500.0],
-            _ => vec![0.0, 1350.0],
-        });
+        let role = |axis: Axis| order.iter().position(|a| *a == axis).unwrap();
+        let positions = PerAxis::from_fn(|axis| vec![0.0, [9000.0, 3500.0, 1350.0][role(axis)]]);
         let values = PerAxis::from_fn(|along| {
-            let role = order.iter().position(|a| *a == along).unwrap();
+            let role = role(along);
             let mut last = [0.0; 6];
             for (direction, row) in FIGURE_2.iter().enumerate() {
-                let index = Axis::ALL.iter().position(|a| *a == order[direction]).unwrap();
                 let lines = squareness.iter().filter(|s| s.0 == direction && s.1 == role);
-                last[index] = row[role] + lines.map(|s| s.2).sum::<f64>();
+                last[index(order[direction])] = row[role] + lines.map(|s| s.2).sum::<f64>();
             }
             for (rotation, urad) in angles.iter().filter(|(r, _)| r.along == along) {
-                let index = Axis::ALL.iter().position(|a| *a == rotation.about).unwrap();
-                last[3 + index] = *urad;
+                last[3 + index(rotation.about)] = *urad;
             }
             vec![[0.0; 6], last]
         });
-        let offsets: Vec<String> = [(1, 500.0), (2, 1000.0)]
-            .map(|(role, mm): (usize, f64)| format!("{} = {mm}", order[role].key()))
-            .to_vec();
-        let machine = Machine {
-            chain,
-            measurement: format!("offsets_mm = {{ {} }}", offsets.join(", ")),
-            positions: positions.clone(),
-            values,
-        };
+        let measurement =
+            format!("offsets_mm = {{ {} = 500, {} = 1000 }}", order[1].key(), order[2].key());
+        let machine = Machine { chain, measurement, positions: positions.clone(), values };
         let e = machine.model().error_at(PerAxis::from_fn(|axis| positions[axis][1]));
         for (role, total) in FIGURE_2_TOTALS.into_iter().enumerate() {
             let got = e[order[role]];
@@ -258,15 +227,7 @@ fn figure_2_comes_out_in_every_chain() {
 /// Machine H goes through figure 2 at (9, 3.5, 1.35) m, term by term.
 #[test]
 fn machine_h_goes_through_figure_2() {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/machine_h");
-    let read = |name: &str| {
-        let bytes = std::fs::read(format!("{folder}/{name}")).unwrap();
-        Source::from_bytes(name, &bytes).unwrap()
-    };
-    let job = Job::read(read("job.toml")).expect("a job");
-    let table = ErrorTable::read(read("errors.csv")).expect("a table");
-    let model = ErrorModel::build(&job, &table).expect("a model");
-    let volume = VolumeModel::build(&job, &model).expect("a volume");
+    let volume = volume(&fixture("machine_h/job.toml"), &fixture("machine_h/errors.csv"));
     // Z 1350 lies between two nodes of the table, where the curve is a straight line: the terms
     // of Z are off their closed form there, all others are the paper's.
     let place = PerAxis { x: 9000.0, y: 3500.0, z: 1350.0 };
@@ -310,7 +271,6 @@ fn other_names_of_the_axes_are_the_same_machine() {
         let named = figures(&machine.model(), &machine.model().own_nodes());
         for permutation in permutations {
             let even = matches!(permutation, [1, 2, 0] | [2, 0, 1]);
-            let index = |axis: Axis| Axis::ALL.iter().position(|a| *a == axis).unwrap();
             let renamed = |axis: Axis| Axis::ALL[permutation[index(axis)]];
             let text: String = chain
                 .to_string()
@@ -356,8 +316,7 @@ fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
             let carried = chain.carried_by(axis);
             let lever = PerAxis::from_fn(|a| if carried.contains(&a) { shift[a] } else { 0.0 });
             for row in &mut moved.values[axis] {
-                let r = PerAxis { x: row[3], y: row[4], z: row[5] };
-                let more = r.cross(lever).times(1e-3);
+                let more = per_axis([row[3], row[4], row[5]]).cross(lever).times(1e-3);
                 row[0] += more.x;
                 row[1] += more.y;
                 row[2] += more.z;
@@ -383,8 +342,8 @@ fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
 fn the_figures_keep_their_order_and_the_parts_their_sum() {
     let mut numbers = Numbers(3);
     let chains: Vec<Chain> = Chain::all().collect();
-    for (count, chain) in chains.into_iter().cycle().take(200).enumerate() {
-        let nodes = 2 + count % 3;
+    let nodes = [2, 3, 4].into_iter().cycle();
+    for (chain, nodes) in chains.into_iter().cycle().zip(nodes).take(200) {
         let machine = Machine::random(chain, &mut numbers, nodes, 50.0);
         let model = machine.model();
         let own = model.own_nodes();
@@ -420,13 +379,8 @@ fn four_angles_need_a_tool_offset() {
             let nodes = model.own_nodes();
             let whole = model.map(&nodes).expect("a map");
             let same = |rotation: Rotation| {
-                let map = model.map_of(&nodes, |c| c != Component::Rotation(rotation));
-                let map = map.expect("a map");
-                let gap = |(a, b): (_, (_, PerAxis<f64>))| {
-                    let (_, a): (PerAxis<f64>, PerAxis<f64>) = a;
-                    a.minus(b.1).length()
-                };
-                whole.points().zip(map.points()).map(gap).all(|um| um < 1e-12)
+                let map = model.map_of(&nodes, |c| c != Component::Rotation(rotation)).unwrap();
+                whole.points().zip(map.points()).all(|(a, b)| a.1.minus(b.1).length() < 1e-12)
             };
             let idle = Rotation::all().filter(|r| chain.effects(*r).is_empty());
             idle.filter(|r| same(*r)).count()
@@ -440,23 +394,20 @@ fn four_angles_need_a_tool_offset() {
 /// What is missing is named with its levers, and a term without effect is not.
 #[test]
 fn a_machine_without_angles_says_what_it_leaves_out() {
-    let text = "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,800,1,2,3\ny,0,0,0,0\ny,600,1,2,3\nz,0,0,,0\nz,500,1,,3\n";
-    let text = text.replace("z,0,0,,0\nz,500,1,,3\n", "z,0,0,0,0\nz,500,1,2,3\n");
-    let page = "schema = 1\n[machine]\nname = \"M\"\n[machine.axes.x]\ntravel_mm = [0.0, 900.0]\nreference_mm = 0.0\n[machine.axes.y]\ntravel_mm = [0.0, 600.0]\nreference_mm = 0.0\n[machine.axes.z]\ntravel_mm = [0.0, 500.0]\nreference_mm = 100.0\n[measurement]\nerrors = \"e.csv\"\n[compensation]\ncontroller = \"generic\"\n";
-    let job = Job::read(Source::from_bytes("job.toml", page.as_bytes()).unwrap()).expect("a job");
-    let table =
-        ErrorTable::read(Source::from_bytes("e.csv", text.as_bytes()).unwrap()).expect("a table");
-    let model = ErrorModel::build(&job, &table).expect("a model");
-    let volume = VolumeModel::build(&job, &model).expect("a volume");
+    let table = "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,800,1,2,3\ny,0,0,0,0\ny,600,1,2,3\nz,0,0,0,0\nz,500,1,2,3\n";
+    let mut job = "schema = 1\n[machine]\nname = \"M\"\n".to_string();
+    for (axis, high, reference) in [("x", 900.0, 0.0), ("y", 600.0, 0.0), ("z", 500.0, 100.0)] {
+        job += &format!("[machine.axes.{axis}]\ntravel_mm = [0.0, {high:?}]\n");
+        job += &format!("reference_mm = {reference:?}\n");
+    }
+    job += "[measurement]\nerrors = \"e.csv\"\n[compensation]\ncontroller = \"generic\"\n";
+    let volume = volume(&job, table);
     let missing = volume.missing();
     let names: Vec<String> = missing.iter().map(|m| m.component.to_string()).collect();
     assert_eq!(names, ["EAX", "EBX", "ECX", "EAY", "EBY"]);
     assert_eq!(missing[1].consequence, "up to 0.400 µm in X for each µrad (lever 400 mm in Z)");
-    assert!(
-        volume.labels.iter().any(|l| l.to_string().contains("X is judged from 0 to 800 mm")),
-        "{:?}",
-        volume.labels
-    );
+    let judged = |l: &dyn ToString| l.to_string().contains("X is judged from 0 to 800 mm");
+    assert!(volume.labels.iter().any(|l| judged(l)), "{:?}", volume.labels);
     let deviation = volume.deviation(ErrorTerm { of: Axis::X, along: Axis::Z }).expect("measured");
-    assert!(deviation.at(nonius::quantity::units::Millimetres::new(100.0)).um().abs() < 1e-12);
+    assert!(deviation.at(Millimetres::new(100.0)).um().abs() < 1e-12);
 }
