@@ -24,7 +24,10 @@ struct Kit(Visit);
 
 impl Kit {
     fn of(control: &str) -> Kit {
-        let visit = Visit::with_job(&format!("nine_errors_900/{control}.toml"));
+        Kit::made(Visit::with_job(&format!("nine_errors_900/{control}.toml")))
+    }
+
+    fn made(visit: Visit) -> Kit {
         visit.yes("generate job.toml -o kit");
         Kit(visit)
     }
