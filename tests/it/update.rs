@@ -21,7 +21,7 @@ use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::units::Millimetres;
 use nonius::read::KitFile;
-use nonius::read::emulate::{Emulator, Response};
+use nonius::read::emulate::Emulator;
 use nonius::text::finding::{Finding, Severity, of_severity};
 use nonius::text::problem::Problems;
 use nonius::write::findings::TableFinding;
