@@ -86,16 +86,13 @@ fn features_of(case: &Case<'_>) -> Vec<&'static str> {
     let tables = &case.kit.plan.tables;
     let unit = |term: ErrorTerm| case.machine.axis(term.of).unit_um;
     let mut placements = case.kit.compiled.placements.iter();
-    let is = |there: bool, name: &'static str| there.then_some(name);
-    [
-        is(tables.iter().any(|t| t.direction.is_some()), "tables for one direction"),
-        is(!case.kit.plan.omitted.is_empty(), "terms without a table"),
-        is(case.kit.plan.backlash_um.iter().any(|(_, b)| b.is_some()), "backlash parameter"),
-        is(placements.any(|p| p.count_um > 1.5 * unit(p.term).unwrap_or(1e9)), "magnified"),
-    ]
-    .into_iter()
-    .flatten()
-    .collect()
+    let all = [
+        (tables.iter().any(|t| t.direction.is_some()), "tables for one direction"),
+        (!case.kit.plan.omitted.is_empty(), "terms without a table"),
+        (case.kit.plan.backlash_um.iter().any(|(_, b)| b.is_some()), "backlash parameter"),
+        (placements.any(|p| p.count_um > 1.5 * unit(p.term).unwrap_or(1e9)), "magnified"),
+    ];
+    all.into_iter().filter_map(|(there, name)| there.then_some(name)).collect()
 }
 
 fn check(profile: &Profile, machine: &Machine) -> Seen {
@@ -104,14 +101,8 @@ fn check(profile: &Profile, machine: &Machine) -> Seen {
     let tables = support::loaded(profile, &kit);
     let control = support::control(profile, &kit);
     let turned = support::control(&support::with_signs_turned(profile), &kit);
-    let case = Case {
-        machine,
-        profile,
-        inputs: &inputs,
-        kit: &kit,
-        control: control.as_ref(),
-        tables: &tables,
-    };
+    let (inputs, kit, control, tables) = (&inputs, &kit, control.as_ref(), &tables);
+    let case = Case { machine, profile, inputs, kit, control, tables };
     assert_eq!(case.inputs.model.measured().count(), machine.terms.len());
     let (mut doubled, mut compensated) = (0, 0);
     for term in &machine.terms {
@@ -135,7 +126,7 @@ fn check(profile: &Profile, machine: &Machine) -> Seen {
             has_no_effect(&case, term);
         }
     }
-    if let Tables::Fanuc(memory) = &tables {
+    if let Tables::Fanuc(memory) = tables {
         numbers_are_legal(&case, memory);
     }
     diagonals_hold(&case);

@@ -10,37 +10,27 @@ use nonius::quantity::curve::{ErrorCurve, Interpolation};
 use nonius::quantity::units::{Deviation, Millimetres};
 use std::fmt::Write;
 
-#[derive(Clone, Debug)]
-enum Shape {
-    Lines(Lines),
-    Cubic(Lines, ErrorCurve),
-}
-
 /// Deviation of one term in one direction as measured, µm over mm, plus a squareness.
 #[derive(Clone, Debug)]
 pub(crate) struct Errors {
-    shape: Shape,
+    points: Lines,
+    /// What goes through the points where that is no straight line.
+    cubic: Option<ErrorCurve>,
     pub(crate) slope_um_per_m: f64,
 }
 
 impl Errors {
     pub(crate) fn new(mm: Vec<f64>, um: Vec<f64>, kind: Interpolation) -> Errors {
-        let lines = Lines { mm, um };
-        let shape = if kind == Interpolation::Linear {
-            Shape::Lines(lines)
-        } else {
-            let positions: Vec<_> = lines.mm.iter().copied().map(Millimetres::new).collect();
-            let values: Vec<_> = lines.um.iter().copied().map(Deviation::from_um).collect();
-            let curve = ErrorCurve::through(&positions, &values, kind);
-            Shape::Cubic(lines, curve)
-        };
-        Errors { shape, slope_um_per_m: 0.0 }
+        let cubic = (kind != Interpolation::Linear).then(|| {
+            let positions: Vec<_> = mm.iter().copied().map(Millimetres::new).collect();
+            let values: Vec<_> = um.iter().copied().map(Deviation::from_um).collect();
+            ErrorCurve::through(&positions, &values, kind)
+        });
+        Errors { points: Lines { mm, um }, cubic, slope_um_per_m: 0.0 }
     }
 
     pub(crate) fn points(&self) -> &Lines {
-        match &self.shape {
-            Shape::Lines(lines) | Shape::Cubic(lines, _) => lines,
-        }
+        &self.points
     }
 
     pub(crate) fn range(&self) -> (f64, f64) {
@@ -50,10 +40,8 @@ impl Errors {
 
     pub(crate) fn at(&self, x: f64) -> f64 {
         let (low, high) = self.range();
-        let base = match &self.shape {
-            Shape::Lines(lines) => lines.at(x),
-            Shape::Cubic(_, curve) => curve.at(Millimetres::new(x)).um(),
-        };
+        let cubic = self.cubic.as_ref().map(|curve| curve.at(Millimetres::new(x)).um());
+        let base = cubic.unwrap_or_else(|| self.points.at(x));
         base + self.slope_um_per_m / 1000.0 * x.clamp(low, high)
     }
 }
@@ -214,6 +202,13 @@ impl Machine {
 
 const POLICIES: [&str; 4] = ["mean", "two-tables", "forward-only", "curve-and-parameter"];
 
+const CURVES: [(Interpolation, &str); 4] = [
+    (Interpolation::Linear, "linear"),
+    (Interpolation::Linear, "linear"),
+    (Interpolation::Pchip, "pchip"),
+    (Interpolation::NaturalSpline, "natural-spline"),
+];
+
 /// The machine number `seed` for a profile.
 pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let own: u64 = profile.id.bytes().map(u64::from).sum();
@@ -234,23 +229,13 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     // Cycled, so that every value meets the others; the rest is drawn.
     let directions = seed % 7; // 0, 1: undirected · 2 … 5: both, one policy each · 6: one way
     let policy = (2..=5).contains(&directions).then(|| POLICIES[directions - 2]);
-    let kind = [
-        Interpolation::Linear,
-        Interpolation::Linear,
-        Interpolation::Pchip,
-        Interpolation::NaturalSpline,
-    ][(seed / 7) % 4];
+    let (kind, curve) = CURVES[(seed / 7) % 4];
     let fit = ["sample", "sample", "least-squares", "minimax"][(seed / 3) % 4];
     let inch = seed % 5 == 3;
     let steep = seed % 6 == 1;
     let nine = !random.once_in(3);
     features.push(policy.unwrap_or(if directions == 6 { "one way" } else { "undirected" }));
     features.push(fit);
-    let curve = match kind {
-        Interpolation::Linear => "linear",
-        Interpolation::Pchip => "pchip",
-        Interpolation::NaturalSpline => "natural-spline",
-    };
     features.push(curve);
     features.extend(inch.then_some("inch"));
     features.extend(steep.then_some("steep"));

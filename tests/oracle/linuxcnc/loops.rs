@@ -8,7 +8,6 @@ use nonius::control::controller::Role;
 use nonius::kit::Kit;
 use nonius::quantity::axis::Direction;
 use nonius::read::emulate::{Emulator, Response};
-use std::fmt::Write;
 
 /// What the emulator may differ from the control, µm; the rounding of what is printed comes on top.
 const EMULATOR_UM: f64 = 1e-3;
@@ -88,7 +87,7 @@ impl Case {
     /// The job of the machine.
     pub(crate) fn job(&self) -> String {
         let own = "terms = [\"EXX\", \"EYY\", \"EZZ\"]\n";
-        let mut job = format!(
+        let job = format!(
             "schema = 1\n[machine]\nname = \"{}\"\n[measurement]\nerrors = \"errors.csv\"\n\
              active_while_measuring = \"none\"\n[compensation]\ncontroller = \"{}\"\ncontrol_unit = \"{}\"\n\
              backlash = \"two-tables\"\n{}[acceptance]\nmax_deviation_um = 10.0\n",
@@ -97,17 +96,9 @@ impl Case {
             self.unit,
             if self.has_cross_tables() { "" } else { own },
         );
-        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let [low, high] = self.machine.travel[axis];
-            let spacing = (high - low) / (self.points - 1) as f64;
-            write!(
-                job,
-                "[machine.axes.{name}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = 0.0\nreference_direction = \"+\"\n\
-                 [compensation.axes.{name}]\nspacing_mm = {spacing:?}\n"
-            )
-            .unwrap();
-        }
-        job
+        let sections = (self.points - 1) as f64;
+        let spacing = self.machine.travel.map(|[low, high]| (high - low) / sections);
+        job + &self.machine.axes_of_job(spacing)
     }
 
     /// Every servo cycle of the control with exactly the files of the kit, in mm.

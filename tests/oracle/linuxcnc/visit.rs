@@ -76,7 +76,7 @@ fn displacements(nominal: &[[f64; 3]], reached: &[[f64; 3]]) -> Vec<f64> {
 }
 
 fn job(machine: &Machine, readings: &str, active: &str) -> String {
-    let mut job = format!(
+    let job = format!(
         "schema = 1\n[machine]\nname = \"{}\"\n[measurement]\nreadings = \"{readings}\"\n\
          active_while_measuring = \"{active}\"\n\
          [measurement.step_diagonal]\nstart_mm = {{ x = 10.0, y = 10.0, z = -190.0 }}\n\
@@ -86,17 +86,7 @@ fn job(machine: &Machine, readings: &str, active: &str) -> String {
          terms = [\"EXX\", \"EYY\", \"EZZ\"]\n[acceptance]\nmax_deviation_um = 2.0\n",
         machine.name
     );
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        let [low, high] = machine.travel[axis];
-        let spacing = [38.0, 28.0, 18.0][axis];
-        write!(
-            job,
-            "[machine.axes.{name}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = 0.0\nreference_direction = \"+\"\n\
-             [compensation.axes.{name}]\nspacing_mm = {spacing:?}\n"
-        )
-        .unwrap();
-    }
-    job
+    job + &machine.axes_of_job([38.0, 28.0, 18.0])
 }
 
 /// The visit; returns what `verify --after` says.
