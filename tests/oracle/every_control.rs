@@ -1,38 +1,20 @@
 //! One machine on every control: the table of docs/controllers.md is what `generate` and `verify` say.
-use crate::support::run::ended;
+use crate::support::visit::{Visit, number, page};
 use nonius::control::controller::builtin;
 use serde_json::Value;
 use std::fs;
-use std::path::{Path, PathBuf};
 
 const BEGIN: &str = "<!-- tests/oracle/every_control.rs writes the table: NONIUS_UPDATE=1 -->\n";
 const END: &str = "<!-- end -->";
 
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
-
-/// The golden machine of 900 mm with another control; a detection unit of 1 µm where one is asked for.
-fn visit(id: &str) -> tempfile::TempDir {
-    let from = root().join("fixtures/nine_errors_900");
-    let directory = tempfile::tempdir().unwrap();
-    fs::copy(from.join("errors.csv"), directory.path().join("errors.csv")).unwrap();
-    let job = fs::read_to_string(from.join("fanuc-30i.toml")).unwrap();
-    fs::write(directory.path().join("job.toml"), job.replace("fanuc-30i", id)).unwrap();
-    directory
-}
-
-/// The kit, which has to be read back as what the job asks for.
-fn kit(id: &str, directory: &Path) -> Value {
-    let (_, text, said) = ended(directory, "generate job.toml -o kit --format json");
-    let kit: Value = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{id}: {said}"));
-    let (_, verified, said) = ended(directory, "verify job.toml --tables kit");
-    assert!(verified.contains("job and tables agree"), "{id}: {verified}{said}");
-    kit
-}
-
-fn number(value: &Value) -> f64 {
-    value.as_f64().unwrap()
+/// The golden machine of 900 mm with another control, a detection unit of 1 µm where one is asked
+/// for; and its kit, which has to be read back as what the job asks for.
+fn visit(id: &str) -> (Visit, Value) {
+    let visit = Visit::with_job("nine_errors_900/fanuc-30i.toml");
+    visit.edit("job.toml", "fanuc-30i", id);
+    let kit = visit.run("generate job.toml -o kit --format json").json();
+    visit.run("verify job.toml --tables kit").says("job and tables agree");
+    (visit, kit)
 }
 
 fn texts<'a>(values: &'a Value, key: &str) -> Vec<&'a str> {
@@ -50,35 +32,32 @@ fn signs(id: &str, kit: &Value) -> String {
         let evidence = serde_json::to_value(own.evidence).unwrap();
         format!("`{sign}` {}", evidence.as_str().unwrap())
     };
-    match proofs.is_empty() {
-        true => "no sign proof".to_string(),
-        false => proofs.iter().map(evidence).collect::<Vec<_>>().join(", "),
+    if proofs.is_empty() {
+        return "no sign proof".to_string();
     }
+    proofs.iter().map(evidence).collect::<Vec<_>>().join(", ")
 }
 
 fn row(id: &str) -> String {
-    let directory = visit(id);
-    let kit = kit(id, directory.path());
-    let forecast = kit["forecast"]["terms"].as_object().unwrap();
+    let (visit, kit) = visit(id);
     let mut served = texts(&kit["tables"], "term");
     served.dedup();
-    let after = |term: &&str| number(&forecast[*term]["after_um"]);
+    let after = |term: &&str| number(&kit["forecast"]["terms"][*term]["after_um"]);
     let left = served.iter().map(after).fold(0.0, f64::max);
     let all = number(&kit["forecast"]["max_residual_um"]);
-    let points = kit["tables"].as_array().unwrap().iter();
-    let points: u64 = points.map(|table| table["points"].as_u64().unwrap()).sum();
+    let tables = kit["tables"].as_array().unwrap();
+    let points: u64 = tables.iter().map(|table| table["points"].as_u64().unwrap()).sum();
     let loaded = texts(&kit["files"], "path").into_iter().zip(texts(&kit["files"], "role"));
     let loaded = loaded.filter(|(_, role)| ["table", "parameters"].contains(role));
-    let bytes = loaded
-        .map(|(path, _)| fs::metadata(directory.path().join("kit").join(path)).unwrap().len());
-    let bytes: u64 = bytes.sum();
+    let bytes = |(path, _)| fs::metadata(visit.at("kit").join::<&str>(path)).unwrap().len();
+    let bytes: u64 = loaded.map(bytes).sum();
     let served = match served.len() {
         9 => "all nine".to_string(),
         _ => served.join(" "),
     };
     format!(
         "| `{id}` | {served} | {left:.3} | {all:.3} | {} | {points} | {bytes} | {} |",
-        kit["tables"].as_array().unwrap().len(),
+        tables.len(),
         signs(id, &kit)
     )
 }
@@ -92,12 +71,12 @@ fn the_table_of_one_machine_is_what_every_control_gives() {
     for id in builtin::ids() {
         table += &(row(id) + "\n");
     }
-    let page = root().join("docs/controllers.md");
-    let text = fs::read_to_string(&page).unwrap();
+    let text = page("docs/controllers.md");
     let (before, rest) = text.split_once(BEGIN).unwrap();
     let (written, after) = rest.split_once(END).unwrap();
     if std::env::var_os("NONIUS_UPDATE").is_some() {
-        fs::write(&page, format!("{before}{BEGIN}{table}{END}{after}")).unwrap();
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/controllers.md");
+        fs::write(path, format!("{before}{BEGIN}{table}{END}{after}")).unwrap();
         return;
     }
     assert_eq!(written, table, "docs/controllers.md: NONIUS_UPDATE=1");
@@ -107,9 +86,8 @@ fn the_table_of_one_machine_is_what_every_control_gives() {
 #[test]
 fn a_checklist_begins_with_the_work() {
     for id in builtin::ids() {
-        let directory = visit(id);
-        kit(id, directory.path());
-        let sheet = fs::read_to_string(directory.path().join("kit/checklist.md")).unwrap();
+        let (visit, _) = visit(id);
+        let sheet = visit.read("kit/checklist.md");
         let (work, annex) = sheet.split_once("\n## Annex").unwrap();
         let (above, _) = work.split_once("\n1. [ ] ").unwrap();
         let bullets = above.lines().filter(|line| line.starts_with("- ")).count();
@@ -117,11 +95,9 @@ fn a_checklist_begins_with_the_work() {
         let compared = work.contains("what the annex lists under this number");
         let found = sheet.contains("; found: ________") || work.contains(": found ________");
         assert_eq!(compared, found, "{id}");
-        let page = fs::read_to_string(directory.path().join("kit/checklist.html")).unwrap();
-        assert!(
-            page.contains(".annex li:has(.blank){font-size:9.6pt"),
-            "{id}: a blank of the annex is printed in a size to write on"
-        );
+        // A blank of the annex is printed in a size to write on.
+        let page = visit.read("kit/checklist.html");
+        assert!(page.contains(".annex li:has(.blank){font-size:9.6pt"), "{id}");
         // What is overwritten or moves an axis is not hidden in the annex.
         for harm in ["must be free", "moves the axis", "moves axes"] {
             let mut hidden = annex.lines().filter(|line| line.contains("; found: "));

@@ -7,13 +7,13 @@ mod canonical;
 mod own;
 mod real;
 
+use crate::support::visit::{Visit, number};
 use canonical::{Walked, walked};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 use std::sync::{Mutex, PoisonError};
-use tempfile::TempDir;
 
 /// Part of the length by which the two may differ.
 const LENGTH_PART: f64 = 2e-4;
@@ -31,54 +31,30 @@ fn tool_mm(number: u32) -> f64 {
     25.4 * f64::from(number)
 }
 
-/// A directory with job, error table, tool table and parameters of both.
-struct Bench {
-    directory: TempDir,
-}
+/// A folder with job, error table, tool table and parameters of both.
+struct Bench(Visit);
 
 impl Bench {
     fn new() -> Bench {
-        let bench = Bench { directory: tempfile::tempdir().unwrap() };
         let rows = ["x", "y", "z"]
             .map(|axis| format!("{axis},-{TRAVEL_MM},0,0,0\n{axis},{TRAVEL_MM},0,0,0\n"));
-        let errors = format!("axis,position_mm,ex_um,ey_um,ez_um\n{}", rows.concat());
-        bench.write("errors.csv", &errors);
+        let visit = Visit::new();
+        visit.put("errors.csv", format!("axis,position_mm,ex_um,ey_um,ez_um\n{}", rows.concat()));
         let tools: String =
             (1..=9).map(|n| format!("T{n} P{n} Z{:.6}\n", tool_mm(n) / MM_PER_INCH)).collect();
-        bench.write("tool.tbl", &tools);
-        bench
-    }
-
-    fn path(&self) -> &Path {
-        self.directory.path()
-    }
-
-    fn write(&self, name: &str, text: &str) {
-        fs::write(self.path().join(name), text).unwrap();
-    }
-
-    fn run(&self, program: &str, arguments: &[&str]) -> Output {
-        Command::new(program)
-            .args(arguments)
-            .current_dir(self.path())
-            .output()
-            .expect("the program starts")
+        visit.put("tool.tbl", tools);
+        Bench(visit)
     }
 
     /// What `path` makes of a program, or what it says.
     fn ours(&self, program: &[u8], keys: &str) -> Result<Walked, String> {
-        self.write("job.toml", &job(keys));
-        fs::write(self.path().join("part.nc"), program).unwrap();
-        let nonius = env!("CARGO_BIN_EXE_nonius");
-        let arguments = ["path", "job.toml", "part.nc", "--format", "json"];
-        let output = self.run(nonius, &arguments);
-        if !output.status.success() {
-            return Err(String::from_utf8_lossy(&output.stderr).into_owned());
+        self.0.put("job.toml", job(keys)).put("part.nc", program);
+        let ran = self.0.run("path job.toml part.nc --format json");
+        if ran.status != Some(0) {
+            return Err(ran.err);
         }
-        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-        let length_mm = found["length_mm"].as_f64().unwrap();
-        let rows = self.run(nonius, &["path", "job.toml", "part.nc", "-o", "-"]);
-        Ok(Walked { length_mm, reach_mm: box_of(&String::from_utf8(rows.stdout).unwrap()) })
+        let rows = self.0.run("path job.toml part.nc -o -").out;
+        Ok(Walked { length_mm: number(&ran.json()["length_mm"]), reach_mm: box_of(&rows) })
     }
 
     /// What LinuxCNC makes of it, or what it says.
@@ -86,12 +62,12 @@ impl Bench {
         // The tools of all that run at once lie in one place of the home directory.
         static ONE: Mutex<()> = Mutex::new(());
         let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-        self.write("theirs.ngc", &between_percents(program, inch));
-        self.write("theirs.var", &parameters());
-        let _ = fs::remove_file(self.path().join("out.txt"));
+        self.0.put("theirs.ngc", between_percents(program, inch)).put("theirs.var", parameters());
+        let _ = fs::remove_file(self.0.at("out.txt"));
         let arguments = ["-g", "-v", "theirs.var", "-t", "tool.tbl", "theirs.ngc", "out.txt"];
-        let output = self.run("rs274", &arguments);
-        let calls = fs::read_to_string(self.path().join("out.txt")).unwrap_or_default();
+        let output = Command::new("rs274").args(arguments).current_dir(self.0.folder()).output();
+        let output = output.expect("the program starts");
+        let calls = fs::read_to_string(self.0.at("out.txt")).unwrap_or_default();
         if output.status.success() && calls.contains("PROGRAM_END") {
             return Ok(walked(&calls));
         }
@@ -109,10 +85,10 @@ fn job(keys: &str) -> String {
     text += "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[path]\n";
     text += "sample_mm = 1000.0\nsecond_reference_mm = { x = 0.0, y = 0.0, z = 0.0 }\n";
     text += keys;
-    let mut names: Vec<(String, u32)> = (1..=6).map(|n| (format!("G{}", 53 + n), n)).collect();
-    names.extend((7..=9).map(|n| (format!("G59.{}", n - 6), n)));
-    names.extend([("G500".to_string(), 1), ("G505".to_string(), 5)]); // as G54, G58
-    for (name, system) in names {
+    let plain = (1..=6).map(|n| (format!("G{}", 53 + n), n));
+    let more = (7..=9).map(|n| (format!("G59.{}", n - 6), n));
+    let siemens = [("G500".to_string(), 1), ("G505".to_string(), 5)]; // as G54, G58
+    for (name, system) in plain.chain(more).chain(siemens) {
         let [x, y, z] = zero_mm(system);
         let zero = format!("x_mm = {x:?}\ny_mm = {y:?}\nz_mm = {z:?}\n");
         let _ = write!(text, "\n[[path.offset]]\nsystem = \"{name}\"\n{zero}");
@@ -144,10 +120,9 @@ fn parameters() -> String {
 
 /// The program with its unit before it and M2 behind it, which LinuxCNC asks for.
 fn between_percents(program: &str, inch: bool) -> String {
-    let mut parts = program.split('\n').map(|line| line.trim_end_matches('\r'));
     let mut lines: Vec<&str> = Vec::new();
     let mut begun = false;
-    for line in &mut parts {
+    for line in program.split('\n').map(|line| line.trim_end_matches('\r')) {
         if line.starts_with('%') {
             if std::mem::replace(&mut begun, true) {
                 break;
@@ -177,10 +152,8 @@ fn box_of(rows: &str) -> [[f64; 2]; 3] {
 /// Whether both went the same way, else in words what they did.
 fn compare(ours: &Walked, theirs: &Walked) -> Result<(), String> {
     let length = (ours.length_mm - theirs.length_mm).abs();
-    let box_mm = (0..3).flat_map(|axis| [0, 1].map(|end| (axis, end)));
-    let box_mm = box_mm
-        .map(|(axis, end)| (ours.reach_mm[axis][end] - theirs.reach_mm[axis][end]).abs())
-        .fold(0.0, f64::max);
+    let ends = ours.reach_mm.iter().flatten().zip(theirs.reach_mm.iter().flatten());
+    let box_mm = ends.map(|(our, their)| (our - their).abs()).fold(0.0, f64::max);
     if length <= LENGTH_PART * theirs.length_mm && box_mm <= BOX_MM {
         return Ok(());
     }
@@ -207,20 +180,15 @@ enum Unit {
 }
 
 /// What came of the comparison of a program.
-fn outcome(
-    bench: &Bench,
-    (ours, theirs): (&[u8], &str),
-    unit: Unit,
-    keys: &str,
-) -> Result<(), String> {
+fn outcome(bench: &Bench, both: (&[u8], &str), unit: Unit, keys: &str) -> Result<(), String> {
     let (inch, language) = match unit {
         Unit::Mm => ("mm", "iso"),
         Unit::Inch => ("inch", "iso"),
         Unit::Siemens => ("mm", "siemens"),
     };
     let keys = format!("program_unit = \"{inch}\"\nlanguage = \"{language}\"\n{keys}");
-    let ours = bench.ours(ours, &keys).map_err(|said| format!("refused: {said}"))?;
-    let theirs = bench.theirs(theirs, unit == Unit::Inch);
+    let ours = bench.ours(both.0, &keys).map_err(|said| format!("refused: {said}"))?;
+    let theirs = bench.theirs(both.1, unit == Unit::Inch);
     compare(&ours, &theirs.map_err(|said| format!("LinuxCNC: {said}"))?)
 }
 
@@ -260,14 +228,12 @@ fn own_programs_go_where_linuxcnc_goes() {
         return;
     }
     let bench = Bench::new();
+    let iso = own::PROGRAMS.iter().map(|(name, program)| (name, program, program, Unit::Mm));
+    let siemens = own::SIEMENS.iter();
+    let siemens = siemens.map(|(name, program, theirs)| (name, program, theirs, Unit::Siemens));
     let mut different = Vec::new();
-    for (name, program) in own::PROGRAMS {
-        if let Err(words) = outcome(&bench, (program.as_bytes(), program), Unit::Mm, "") {
-            different.push(format!("{name}: {words}"));
-        }
-    }
-    for (name, program, theirs) in own::SIEMENS {
-        if let Err(words) = outcome(&bench, (program.as_bytes(), theirs), Unit::Siemens, "") {
+    for (name, program, theirs, unit) in iso.chain(siemens) {
+        if let Err(words) = outcome(&bench, (program.as_bytes(), theirs), unit, "") {
             different.push(format!("{name}: {words}"));
         }
     }

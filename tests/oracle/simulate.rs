@@ -32,14 +32,10 @@ const GENERIC_UM: f64 = 1e-6;
 fn job(volume: &Volume, directed: bool, both_directions: bool, overrun: bool) -> String {
     let mut text = "schema = 1\n[machine]\nname = \"law\"\n".to_string();
     for axis in Axis::ALL {
-        let low = volume.start[axis].mm();
-        let high = low + volume.size[axis].mm();
-        let key = axis.key();
-        write!(
-            text,
-            "[machine.axes.{key}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = {low:?}\n"
-        )
-        .unwrap();
+        let (key, low) = (axis.key(), volume.start[axis].mm());
+        let travel = [low, low + volume.size[axis].mm()];
+        writeln!(text, "[machine.axes.{key}]\ntravel_mm = {travel:?}\nreference_mm = {low:?}")
+            .unwrap();
     }
     text += "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n";
     text += "[compensation]\ncontroller = \"generic\"\n";
@@ -71,9 +67,8 @@ fn job(volume: &Volume, directed: bool, both_directions: bool, overrun: bool) ->
 /// The error table of a machine; in both directions where it loses motion.
 fn table(machine: &Machine, directed: bool) -> String {
     let mut text = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
-    let directions: &[&str] = if directed { &["+", "-"] } else { &[""] };
     for along in Axis::ALL {
-        for direction in directions {
+        for direction in if directed { &["+", "-"][..] } else { &[""] } {
             for (index, at) in machine.volume.positions(along).iter().enumerate() {
                 let value = |of: Axis| {
                     let lost = of == along && *direction == "-";
@@ -176,12 +171,8 @@ fn plain_inputs(machine: &Machine) -> Inputs {
 }
 
 fn noisy(runs: u32, seed: u64, both_directions: bool) -> Wishes {
-    Wishes {
-        runs: Some(runs),
-        both_directions,
-        noise: Noise { um: 0.4, seed },
-        ..Wishes::default()
-    }
+    let noise = Noise { um: 0.4, seed };
+    Wishes { runs: Some(runs), both_directions, noise, ..Wishes::default() }
 }
 
 #[test]
@@ -204,15 +195,14 @@ fn noise_has_the_stated_size_and_the_first_reading_is_zero() {
     let found = simulate(&inputs, None, noisy(20, 3, false));
     let (mut sum, mut count) = (0.0, 0.0);
     for run in &found.runs {
-        let clean = exact.runs.iter().find(|r| r.diagonal == run.diagonal);
-        let clean = &clean.unwrap().deviations;
+        let clean = exact.runs.iter().find(|r| r.diagonal == run.diagonal).unwrap();
+        let clean = &clean.deviations;
         if run.number == 1 {
             assert!(run.deviations[0].um().abs() < FILE_DIGITS_UM);
         }
         // Differences of neighbours know nothing of the zero: twice the variance.
-        let off: Vec<f64> =
-            run.deviations.iter().zip(clean).map(|(a, b)| a.um() - b.um()).collect();
-        for pair in off.windows(2) {
+        let off = run.deviations.iter().zip(clean).map(|(a, b)| a.um() - b.um());
+        for pair in off.collect::<Vec<f64>>().windows(2) {
             sum += (pair[1] - pair[0]).powi(2) / 2.0;
             count += 1.0;
         }
@@ -279,22 +269,14 @@ fn the_error_table_holds_what_is_left_at_every_measured_position() {
     let inputs = inputs(&text, &table(&machine, true));
     let plain = SimulatedMachine::new(&inputs, None, 0.0);
     let note = format!("note: {SIMULATED}: a test");
-    let csv = nonius::inputs::error_table::write(&single_axes(
-        &plain,
-        1,
-        Noise::default(),
-        vec![note.clone()],
-    ));
-    let source = Source::from_bytes("after.csv", csv.as_bytes()).unwrap();
-    let found = ErrorTable::read(source).unwrap();
+    let left = single_axes(&plain, 1, Noise::default(), vec![note.clone()]);
+    let csv = nonius::inputs::error_table::write(&left);
+    let found = ErrorTable::read(Source::from_bytes("after.csv", csv.as_bytes()).unwrap()).unwrap();
     assert_eq!(found.remarks.lines(), [note]);
     for along in Axis::ALL {
         for series in found.series(along) {
-            let lost = if series.direction == Some(Direction::Minus) {
-                machine.lost_um[along]
-            } else {
-                0.0
-            };
+            let is_back = series.direction == Some(Direction::Minus);
+            let lost = if is_back { machine.lost_um[along] } else { 0.0 };
             assert_eq!(series.positions, machine.volume.positions(along));
             for of in Axis::ALL {
                 let term = ErrorTerm { of, along };

@@ -10,37 +10,27 @@ use nonius::quantity::curve::{ErrorCurve, Interpolation};
 use nonius::quantity::units::{Deviation, Millimetres};
 use std::fmt::Write;
 
-#[derive(Clone, Debug)]
-enum Shape {
-    Lines(Lines),
-    Cubic(Lines, ErrorCurve),
-}
-
 /// Deviation of one term in one direction as measured, µm over mm, plus a squareness.
 #[derive(Clone, Debug)]
 pub(crate) struct Errors {
-    shape: Shape,
+    points: Lines,
+    /// What goes through the points where that is no straight line.
+    cubic: Option<ErrorCurve>,
     pub(crate) slope_um_per_m: f64,
 }
 
 impl Errors {
     pub(crate) fn new(mm: Vec<f64>, um: Vec<f64>, kind: Interpolation) -> Errors {
-        let lines = Lines { mm, um };
-        let shape = if kind == Interpolation::Linear {
-            Shape::Lines(lines)
-        } else {
-            let positions: Vec<_> = lines.mm.iter().copied().map(Millimetres::new).collect();
-            let values: Vec<_> = lines.um.iter().copied().map(Deviation::from_um).collect();
-            let curve = ErrorCurve::through(&positions, &values, kind);
-            Shape::Cubic(lines, curve)
-        };
-        Errors { shape, slope_um_per_m: 0.0 }
+        let cubic = (kind != Interpolation::Linear).then(|| {
+            let positions: Vec<_> = mm.iter().copied().map(Millimetres::new).collect();
+            let values: Vec<_> = um.iter().copied().map(Deviation::from_um).collect();
+            ErrorCurve::through(&positions, &values, kind)
+        });
+        Errors { points: Lines { mm, um }, cubic, slope_um_per_m: 0.0 }
     }
 
     pub(crate) fn points(&self) -> &Lines {
-        match &self.shape {
-            Shape::Lines(lines) | Shape::Cubic(lines, _) => lines,
-        }
+        &self.points
     }
 
     pub(crate) fn range(&self) -> (f64, f64) {
@@ -50,10 +40,8 @@ impl Errors {
 
     pub(crate) fn at(&self, x: f64) -> f64 {
         let (low, high) = self.range();
-        let base = match &self.shape {
-            Shape::Lines(lines) => lines.at(x),
-            Shape::Cubic(_, curve) => curve.at(Millimetres::new(x)).um(),
-        };
+        let cubic = self.cubic.as_ref().map(|curve| curve.at(Millimetres::new(x)).um());
+        let base = cubic.unwrap_or_else(|| self.points.at(x));
         base + self.slope_um_per_m / 1000.0 * x.clamp(low, high)
     }
 }
@@ -94,27 +82,28 @@ impl Term {
     }
 
     pub(crate) fn mean(&self, x: f64) -> f64 {
-        let (plus, minus) = (self.plus.as_ref().unwrap(), self.minus.as_ref().unwrap());
-        let low = plus.range().0.max(minus.range().0);
-        let high = plus.range().1.min(minus.range().1);
+        let (plus, minus, (low, high)) = self.both();
         let x = x.clamp(low, high);
         (plus.at(x) + minus.at(x)) / 2.0
     }
 
-    /// ISO 230-2: mean of (moving + minus moving −) over the targets of both directions.
-    pub(crate) fn reversal(&self) -> f64 {
+    /// Both directions, and the range that they share.
+    fn both(&self) -> (&Errors, &Errors, (f64, f64)) {
         let (plus, minus) = (self.plus.as_ref().unwrap(), self.minus.as_ref().unwrap());
         let low = plus.range().0.max(minus.range().0);
-        let high = plus.range().1.min(minus.range().1);
+        (plus, minus, (low, plus.range().1.min(minus.range().1)))
+    }
+
+    /// ISO 230-2: mean of (moving + minus moving −) over the targets of both directions.
+    pub(crate) fn reversal(&self) -> f64 {
+        let (plus, minus, (low, high)) = self.both();
         let mut places: Vec<f64> =
             [&plus.points().mm[..], &minus.points().mm[..], &[low, high]].concat();
         places.retain(|x| *x >= low && *x <= high);
         places.sort_by(f64::total_cmp);
         places.dedup();
         let sum: f64 = places.iter().map(|x| plus.at(*x) - minus.at(*x)).sum();
-        #[allow(clippy::cast_precision_loss, reason = "few targets")]
-        let count = places.len() as f64;
-        sum / count
+        sum / places.len() as f64
     }
 
     /// What the table that acts in `direction` has to cancel; `two_tables`: one for each.
@@ -131,8 +120,8 @@ impl Term {
             return self.deviation(measured, x);
         }
         let from_reference = |direction: Direction| {
-            self.errors(direction).unwrap().at(x)
-                - self.errors(direction).unwrap().at(self.reference)
+            let errors = self.errors(direction).unwrap();
+            errors.at(x) - errors.at(self.reference)
         };
         match machine.policy.unwrap() {
             "forward-only" => from_reference(Direction::Plus),
@@ -213,6 +202,13 @@ impl Machine {
 
 const POLICIES: [&str; 4] = ["mean", "two-tables", "forward-only", "curve-and-parameter"];
 
+const CURVES: [(Interpolation, &str); 4] = [
+    (Interpolation::Linear, "linear"),
+    (Interpolation::Linear, "linear"),
+    (Interpolation::Pchip, "pchip"),
+    (Interpolation::NaturalSpline, "natural-spline"),
+];
+
 /// The machine number `seed` for a profile.
 pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let own: u64 = profile.id.bytes().map(u64::from).sum();
@@ -233,23 +229,14 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     // Cycled, so that every value meets the others; the rest is drawn.
     let directions = seed % 7; // 0, 1: undirected · 2 … 5: both, one policy each · 6: one way
     let policy = (2..=5).contains(&directions).then(|| POLICIES[directions - 2]);
-    let kind = [
-        Interpolation::Linear,
-        Interpolation::Linear,
-        Interpolation::Pchip,
-        Interpolation::NaturalSpline,
-    ][(seed / 7) % 4];
+    let (kind, curve) = CURVES[(seed / 7) % 4];
     let fit = ["sample", "sample", "least-squares", "minimax"][(seed / 3) % 4];
     let inch = seed % 5 == 3;
     let steep = seed % 6 == 1;
     let nine = !random.once_in(3);
     features.push(policy.unwrap_or(if directions == 6 { "one way" } else { "undirected" }));
     features.push(fit);
-    features.push(match kind {
-        Interpolation::Linear => "linear",
-        Interpolation::Pchip => "pchip",
-        Interpolation::NaturalSpline => "natural-spline",
-    });
+    features.push(curve);
     features.extend(inch.then_some("inch"));
     features.extend(steep.then_some("steep"));
     features.push(if nine { "nine terms" } else { "fewer terms" });
@@ -282,10 +269,9 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         });
         let low = random.of(&[0.0, -length, -length / 4.0, 17.5]);
         let high = low + length;
-        let (from, to) = if random.once_in(3) {
-            (low + 0.11 * length, high - 0.08 * length)
-        } else {
-            (low, high)
+        let (from, to) = match random.once_in(3) {
+            true => (low + 0.11 * length, high - 0.08 * length),
+            false => (low, high),
         };
         let reference = match random.below(6) {
             0 => low,
@@ -307,61 +293,45 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         });
         let homing = if random.once_in(2) { Direction::Minus } else { Direction::Plus };
         let homing_stated = homing == Direction::Minus || random.once_in(2);
+        let (key, travel) = (axis.key(), [low, high]);
         writeln!(
             machine_text,
-            "[machine.axes.{}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = {reference:?}",
-            axis.key()
+            "[machine.axes.{key}]\ntravel_mm = {travel:?}\nreference_mm = {reference:?}"
         )
         .unwrap();
         if homing_stated {
             writeln!(machine_text, "reference_direction = \"{homing}\"").unwrap();
         }
 
-        let default_name = &profile.axis_names.value[index];
-        let names = if gantry && index == 0 {
-            let second = if numbered {
-                "4"
-            } else if siemens {
-                "AX4"
-            } else {
-                "x2"
-            };
-            vec![default_name.clone(), second.to_string()]
-        } else {
-            vec![default_name.clone()]
-        };
+        let mut names = vec![profile.axis_names.value[index].clone()];
+        if gantry && index == 0 {
+            let other = if siemens { "AX4" } else { "x2" };
+            names.push(if numbered { "4" } else { other }.to_string());
+        }
 
         let along: Vec<ErrorTerm> = measured.iter().copied().filter(|t| t.along == axis).collect();
-        let step_limit = if along.is_empty() {
-            1.0
-        } else {
-            add_terms(
-                &mut random,
-                &along,
-                directions,
-                kind,
-                steep,
-                unit_um,
-                (from, to),
-                reference,
-                homing,
-                length,
-                &mut terms,
-                &mut csv,
-            )
+        let step_limit = match along[..] {
+            [] => 1.0,
+            _ => {
+                let measured = Measured {
+                    directions,
+                    kind,
+                    steep,
+                    unit_um,
+                    range: (from, to),
+                    reference,
+                    homing,
+                    length,
+                };
+                measured.add_terms(&mut random, &along, &mut terms, &mut csv)
+            }
         };
-        writeln!(axes_text, "[compensation.axes.{}]", axis.key()).unwrap();
+        writeln!(axes_text, "[compensation.axes.{key}]").unwrap();
         let interpolated = fanuc && random.once_in(3);
         features.extend(interpolated.then_some("interpolated"));
-        grid_text(
-            &mut random,
-            &mut axes_text,
-            length,
-            ends_on_grid,
-            step_limit,
-            fit,
-            &mut features,
-        );
+        let (feature, grid) = grid_text(&mut random, length, ends_on_grid, step_limit, fit);
+        features.extend(feature);
+        axes_text += &(grid + "\n");
         if let Some(unit) = stated_unit {
             writeln!(axes_text, "detection_unit_um = {unit:?}").unwrap();
         }
@@ -401,12 +371,11 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
             }
         }
     }
-    let squareness = if slopes.is_empty() {
-        String::new()
-    } else {
+    let mut squareness = String::new();
+    if !slopes.is_empty() {
         features.push("squareness");
-        format!("[measurement.squareness_um_per_m]\n{}\n", slopes.join("\n"))
-    };
+        squareness = format!("[measurement.squareness_um_per_m]\n{}\n", slopes.join("\n"));
+    }
 
     let reserved: Vec<[u32; 2]> = match random.below(4) {
         _ if !fanuc => Vec::new(),
@@ -415,17 +384,8 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         _ => Vec::new(),
     };
     features.extend((!reserved.is_empty()).then_some("reserved_points"));
-    let mut control = format!("controller = \"{}\"\nfit = \"{fit}\"\n", profile.id);
-    writeln!(
-        control,
-        "curve = \"{}\"",
-        match kind {
-            Interpolation::Linear => "linear",
-            Interpolation::Pchip => "pchip",
-            Interpolation::NaturalSpline => "natural-spline",
-        }
-    )
-    .unwrap();
+    let mut control =
+        format!("controller = \"{}\"\nfit = \"{fit}\"\ncurve = \"{curve}\"\n", profile.id);
     if inch {
         control.push_str("control_unit = \"inch\"\n");
     }
@@ -446,17 +406,14 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let listed = random.once_in(4) && terms.len() > 1;
     if listed {
         features.push("listed terms");
-        let names: Vec<String> = terms
-            .iter()
-            .enumerate()
-            .filter(|(index, term)| {
-                index % 2 == 0
-                    || (own_only && term.term.is_positioning())
-                    || (matches!(policy, Some("two-tables" | "curve-and-parameter"))
-                        && term.both_ways())
-            })
-            .map(|(_, term)| term.term.to_string())
-            .collect();
+        let two_ways = matches!(policy, Some("two-tables" | "curve-and-parameter"));
+        let is_listed = |(index, term): &(usize, &Term)| {
+            index % 2 == 0
+                || (own_only && term.term.is_positioning())
+                || (two_ways && term.both_ways())
+        };
+        let names = terms.iter().enumerate().filter(is_listed);
+        let names: Vec<String> = names.map(|(_, term)| term.term.to_string()).collect();
         writeln!(control, "terms = {names:?}").unwrap();
     }
     let job = format!(
@@ -480,149 +437,146 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     }
 }
 
-/// How the points of an axis are chosen.
+/// How the points of an axis are chosen: the feature that it is, and its line.
 fn grid_text(
     random: &mut Random,
-    text: &mut String,
     length: f64,
     ends_on_grid: bool,
     residual_um: f64,
     fit: &str,
-    features: &mut Vec<&'static str>,
-) {
+) -> (Option<&'static str>, String) {
     let parts = random.of(&match ends_on_grid {
         true => [4.0, 8.0, 10.0, 20.0, 40.0],
         false => [4.0, 9.0, 15.0, 30.0, 60.0],
     });
+    let dividing = format!("spacing_mm = {:?}", length / parts);
     match random.below(6) {
-        0 | 1 if ends_on_grid => {
-            features.push("points");
-            writeln!(text, "points = {}", parts + 1.0).unwrap();
-        }
-        _ if ends_on_grid => writeln!(text, "spacing_mm = {:?}", length / parts).unwrap(),
-        0 => {
-            features.push("points");
-            writeln!(text, "points = {}", 3 + random.below(50)).unwrap();
-        }
+        0 | 1 if ends_on_grid => (Some("points"), format!("points = {}", parts + 1.0)),
+        _ if ends_on_grid => (None, dividing),
+        0 => (Some("points"), format!("points = {}", 3 + random.below(50))),
         1 if fit != "minimax" => {
-            features.push("max_residual_um");
-            writeln!(text, "max_residual_um = {residual_um:.3}").unwrap();
+            (Some("max_residual_um"), format!("max_residual_um = {residual_um:.3}"))
         }
-        2 | 3 => {
-            features.push("dividing spacing");
-            writeln!(text, "spacing_mm = {:?}", length / parts).unwrap();
-        }
+        2 | 3 => (Some("dividing spacing"), dividing),
         _ => {
-            features.push("other spacing");
             let spacing = ((length / parts * 1.0417) * 1000.0).round() / 1000.0;
-            writeln!(text, "spacing_mm = {spacing:?}").unwrap();
+            (Some("other spacing"), format!("spacing_mm = {spacing:?}"))
         }
     }
 }
 
-/// Measured terms of one moving axis with their rows; gives a residual that a grid can keep.
-#[allow(clippy::too_many_arguments, reason = "one step of the generator, split for its length")]
-fn add_terms(
-    random: &mut Random,
-    along: &[ErrorTerm],
+/// How one moving axis was measured.
+struct Measured {
     directions: usize,
     kind: Interpolation,
     steep: bool,
     unit_um: f64,
-    (from, to): (f64, f64),
+    range: (f64, f64),
     reference: f64,
     homing: Direction,
     length: f64,
-    terms: &mut Vec<Term>,
-    csv: &mut String,
-) -> f64 {
-    let count = 4 + random.below(12);
-    let targets = |random: &mut Random, from: f64, to: f64| -> Vec<f64> {
-        let step = (to - from) / (count - 1) as f64;
-        let even = random.once_in(2);
-        (0..count)
-            .map(|i| match i {
-                0 => from,
-                _ if i == count - 1 => to,
-                _ if even => ((from + step * i as f64) * 1000.0).round() / 1000.0,
-                _ => {
-                    let shift = random.between(-0.3, 0.3);
-                    ((from + step * (i as f64 + shift)) * 1000.0).round() / 1000.0
+}
+
+impl Measured {
+    /// Its terms with their rows; gives a residual that a grid can keep.
+    fn add_terms(
+        self,
+        random: &mut Random,
+        along: &[ErrorTerm],
+        terms: &mut Vec<Term>,
+        csv: &mut String,
+    ) -> f64 {
+        let Measured { directions, kind, steep, unit_um, reference, homing, length, .. } = self;
+        let (from, to) = self.range;
+        let count = 4 + random.below(12);
+        let targets = |random: &mut Random, from: f64, to: f64| -> Vec<f64> {
+            let step = (to - from) / (count - 1) as f64;
+            let even = random.once_in(2);
+            let place = |i: usize| {
+                if i == 0 || i == count - 1 {
+                    return if i == 0 { from } else { to };
                 }
-            })
-            .collect()
-    };
-    let places: Vec<(Option<Direction>, Vec<f64>)> = match directions {
-        0 | 1 => vec![(None, targets(random, from, to))],
-        6 => {
-            let direction = random.of(&Direction::BOTH);
-            vec![(Some(direction), targets(random, from, to))]
-        }
-        _ => {
-            let plus = targets(random, from, to);
-            let minus = if random.once_in(3) {
-                let shorter = ((to - 0.04 * length) * 1000.0).round() / 1000.0;
-                targets(random, from, shorter)
-            } else {
-                plus.clone()
+                let shift = if even { 0.0 } else { random.between(-0.3, 0.3) };
+                ((from + step * (i as f64 + shift)) * 1000.0).round() / 1000.0
             };
-            vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
-        }
-    };
-    let mut largest = 0.0_f64;
-    let mut columns: Vec<Vec<Option<Vec<f64>>>> = vec![vec![None; 3]; places.len()];
-    for term in along {
-        let size = random.of(&[0.0, 2.0, 12.0, 12.0, 45.0]);
-        let offset = random.between(-3.0, 3.0);
-        let tilt =
-            if steep && random.once_in(2) { if unit_um < 0.5 { 0.08 } else { 0.25 } } else { 0.0 };
-        let waves = 1.0 + random.below(3) as f64;
-        let reversal = if size > 0.0 { random.between(-8.0, 4.0) } else { 0.0 };
-        let mut curves: Vec<Errors> = Vec::new();
-        let of = Axis::ALL.iter().position(|a| *a == term.of).unwrap();
-        for (index, (direction, mm)) in places.iter().enumerate() {
-            let um: Vec<f64> = mm
-                .iter()
-                .map(|x| {
-                    let part = (x - from) / (to - from);
-                    let wave = (part * waves * std::f64::consts::TAU).sin() * size / 2.0;
-                    let noise = random.between(-0.04, 0.04) * size;
-                    let lost = if *direction == Some(Direction::Minus) { -reversal } else { 0.0 };
-                    if size > 0.0 || tilt > 0.0 {
-                        offset + wave + noise + tilt * (x - from) + lost
-                    } else {
-                        0.0
-                    }
-                })
-                .collect();
-            largest = um.iter().fold(largest, |most, um| most.max(um.abs()));
-            columns[index][of] = Some(um.clone());
-            curves.push(Errors::new(mm.clone(), um, kind));
-        }
-        let (plus, minus) = match (&places[0].0, curves.len()) {
-            (None, _) => (Some(curves[0].clone()), Some(curves[0].clone())),
-            (Some(Direction::Plus), 1) => (Some(curves[0].clone()), None),
-            (Some(Direction::Minus), 1) => (None, Some(curves[0].clone())),
-            _ => (Some(curves[0].clone()), Some(curves[1].clone())),
+            (0..count).map(place).collect()
         };
-        terms.push(Term {
-            term: *term,
-            directed: places[0].0.is_some(),
-            plus,
-            minus,
-            reference,
-            homing,
-        });
-    }
-    for ((direction, mm), columns) in places.iter().zip(&columns) {
-        let sign = direction.map_or("", Direction::symbol);
-        for (row, x) in mm.iter().enumerate() {
-            let cells: Vec<String> = columns
-                .iter()
-                .map(|c| c.as_ref().map_or(String::new(), |um| format!("{:?}", um[row])))
-                .collect();
-            writeln!(csv, "{},{sign},{x:?},{}", along[0].along.key(), cells.join(",")).unwrap();
+        let places: Vec<(Option<Direction>, Vec<f64>)> = match directions {
+            0 | 1 => vec![(None, targets(random, from, to))],
+            6 => {
+                let direction = random.of(&Direction::BOTH);
+                vec![(Some(direction), targets(random, from, to))]
+            }
+            _ => {
+                let plus = targets(random, from, to);
+                let minus = if random.once_in(3) {
+                    let shorter = ((to - 0.04 * length) * 1000.0).round() / 1000.0;
+                    targets(random, from, shorter)
+                } else {
+                    plus.clone()
+                };
+                vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
+            }
+        };
+        let mut largest = 0.0_f64;
+        let mut columns: Vec<Vec<Option<Vec<f64>>>> = vec![vec![None; 3]; places.len()];
+        for term in along {
+            let size = random.of(&[0.0, 2.0, 12.0, 12.0, 45.0]);
+            let offset = random.between(-3.0, 3.0);
+            let tilt = if steep && random.once_in(2) {
+                if unit_um < 0.5 { 0.08 } else { 0.25 }
+            } else {
+                0.0
+            };
+            let waves = 1.0 + random.below(3) as f64;
+            let reversal = if size > 0.0 { random.between(-8.0, 4.0) } else { 0.0 };
+            let mut curves: Vec<Errors> = Vec::new();
+            let of = Axis::ALL.iter().position(|a| *a == term.of).unwrap();
+            for (index, (direction, mm)) in places.iter().enumerate() {
+                let um: Vec<f64> = mm
+                    .iter()
+                    .map(|x| {
+                        let part = (x - from) / (to - from);
+                        let wave = (part * waves * std::f64::consts::TAU).sin() * size / 2.0;
+                        let noise = random.between(-0.04, 0.04) * size;
+                        let lost =
+                            if *direction == Some(Direction::Minus) { -reversal } else { 0.0 };
+                        if size > 0.0 || tilt > 0.0 {
+                            offset + wave + noise + tilt * (x - from) + lost
+                        } else {
+                            0.0
+                        }
+                    })
+                    .collect();
+                largest = um.iter().fold(largest, |most, um| most.max(um.abs()));
+                columns[index][of] = Some(um.clone());
+                curves.push(Errors::new(mm.clone(), um, kind));
+            }
+            let (plus, minus) = match (&places[0].0, curves.len()) {
+                (None, _) => (Some(curves[0].clone()), Some(curves[0].clone())),
+                (Some(Direction::Plus), 1) => (Some(curves[0].clone()), None),
+                (Some(Direction::Minus), 1) => (None, Some(curves[0].clone())),
+                _ => (Some(curves[0].clone()), Some(curves[1].clone())),
+            };
+            terms.push(Term {
+                term: *term,
+                directed: places[0].0.is_some(),
+                plus,
+                minus,
+                reference,
+                homing,
+            });
         }
+        for ((direction, mm), columns) in places.iter().zip(&columns) {
+            let sign = direction.map_or("", Direction::symbol);
+            for (row, x) in mm.iter().enumerate() {
+                let cells: Vec<String> = columns
+                    .iter()
+                    .map(|c| c.as_ref().map_or(String::new(), |um| format!("{:?}", um[row])))
+                    .collect();
+                writeln!(csv, "{},{sign},{x:?},{}", along[0].along.key(), cells.join(",")).unwrap();
+            }
+        }
+        (0.12 * largest).max(0.05)
     }
-    (0.12 * largest).max(0.05)
 }

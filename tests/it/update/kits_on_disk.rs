@@ -1,81 +1,48 @@
 //! Kits that follow each other, as the program reads and writes them.
 
 use super::*;
+use crate::support::visit::{Ran, Visit};
 
-/// Runs the program in a directory: exit status and standard output.
-fn nonius(directory: &std::path::Path, arguments: &str) -> (i32, String) {
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(arguments.split_whitespace())
-        .current_dir(directory)
-        .output()
-        .unwrap();
-    let text = String::from_utf8(output.stdout).unwrap();
-    (output.status.code().unwrap(), text)
+/// A job measured under the tables of `active`.
+fn job(active: &str) -> String {
+    siemens(&format!("active_while_measuring = \"{active}\""))
 }
 
 #[test]
 fn the_history_of_a_kit_is_followed_and_its_breaks_are_named() {
-    let directory = tempfile::tempdir().unwrap();
-    let at = directory.path();
-    let job = |active: &str, errors: &str| {
-        small(
-            "siemens-840d-sl",
-            &format!("active_while_measuring = \"{active}\""),
-            "",
-            SIEMENS_AXES,
-        )
-        .replace("errors.csv", errors)
-    };
-    std::fs::write(at.join("1.toml"), job("none", "1.csv")).unwrap();
-    std::fs::write(at.join("2.toml"), job("kit1", "2.csv")).unwrap();
-    std::fs::write(at.join("1.csv"), FULL).unwrap();
-    std::fs::write(at.join("2.csv"), FULL.replace(",8,-3", ",1,1")).unwrap();
-    for number in ["1", "2"] {
-        let (status, text) = nonius(at, &format!("generate {number}.toml -o kit{number}"));
-        assert_eq!(status, 0, "{text}");
+    let visit = Visit::new();
+    visit.put("1.toml", job("none").replace("errors.csv", "1.csv"));
+    visit.put("2.toml", job("kit1").replace("errors.csv", "2.csv"));
+    visit.put("1.csv", FULL).put("2.csv", FULL.replace(",8,-3", ",1,1"));
+    for number in [1, 2] {
+        visit.yes(&format!("generate {number}.toml -o kit{number}"));
         // What a person notes in it changes neither the update nor the chain.
-        let checklist = at.join(format!("kit{number}/checklist.md"));
-        let page = std::fs::read_to_string(&checklist).unwrap();
-        std::fs::write(&checklist, format!("{page}\nMD32450 was 0.003\n")).unwrap();
+        let checklist = format!("kit{number}/checklist.md");
+        visit.put(&checklist, visit.read(&checklist) + "\nMD32450 was 0.003\n");
     }
-    let (status, text) = nonius(at, "verify 2.toml --tables kit2");
-    assert!(status == 0 && text.contains("job and tables agree"), "{text}");
-    let (status, text) = nonius(at, "history kit2");
-    assert!(status == 0 && text.contains("1  kit1") && text.contains("begins here"), "{text}");
-    std::fs::rename(at.join("kit1"), at.join("kit1.previous")).unwrap();
-    assert_eq!(nonius(at, "history kit2").0, 0, "`--force` leaves it there");
-    std::fs::rename(at.join("kit1.previous"), at.join("elsewhere")).unwrap();
-    let (status, text) = nonius(at, "history kit2");
-    assert!(
-        status == 1 && text.contains("BREAKS here: the predecessor `kit1` is not found"),
-        "{text}"
-    );
-    std::fs::rename(at.join("elsewhere"), at.join("kit1")).unwrap();
-    std::fs::write(at.join("kit1/NONIUS_EEC.MPF"), "M30\n").unwrap();
-    let (status, text) = nonius(at, "history kit2 --format json");
-    assert!(status == 1 && text.contains("was changed after it was made"), "{text}");
+    visit.run("verify 2.toml --tables kit2").ends(0).says("job and tables agree");
+    let history = || -> Ran { visit.run("history kit2") };
+    let rename = |from: &str, to: &str| std::fs::rename(visit.at(from), visit.at(to)).unwrap();
+    history().ends(0).says("1  kit1").says("begins here");
+    rename("kit1", "kit1.previous"); // `--force` leaves it there
+    history().ends(0);
+    rename("kit1.previous", "elsewhere");
+    history().ends(1).says("BREAKS here: the predecessor `kit1` is not found");
+    rename("elsewhere", "kit1");
+    visit.put("kit1/NONIUS_EEC.MPF", "M30\n");
+    visit.run("history kit2 --format json").ends(1).says("was changed after it was made");
 }
 
 #[test]
 fn tables_that_a_kit_contains_are_not_removed_by_force() {
-    let directory = tempfile::tempdir().unwrap();
-    let at = directory.path();
-    let job = |active: &str| {
-        let measurement = format!("active_while_measuring = \"{active}\"");
-        small("siemens-840d-sl", &measurement, "", SIEMENS_AXES)
-    };
-    std::fs::write(at.join("errors.csv"), FULL).unwrap();
-    std::fs::write(at.join("1.toml"), job("none")).unwrap();
-    std::fs::write(at.join("2.toml"), job("kit.previous")).unwrap();
-    for kit in ["kit.previous", "kit"] {
-        assert_eq!(nonius(at, &format!("generate 1.toml -o {kit}")).0, 0);
-    }
-    let read = || std::fs::read(at.join("kit.previous/manifest.json")).unwrap();
-    let before = read();
+    let visit = Visit::new();
+    visit.put("errors.csv", FULL).put("1.toml", job("none")).put("2.toml", job("kit.previous"));
+    visit.yes("generate 1.toml -o kit.previous");
+    visit.yes("generate 1.toml -o kit");
+    let before = visit.read("kit.previous/manifest.json");
     for (kit, expected) in [("kit", 0), ("kit/", 0), ("kit.previous", 2)] {
-        let (status, _) = nonius(at, &format!("generate 2.toml -o {kit} --force"));
-        assert_eq!(status, expected, "{kit}");
-        assert_eq!(read(), before, "{kit}");
+        visit.run(&format!("generate 2.toml -o {kit} --force")).ends(expected);
+        assert_eq!(visit.read("kit.previous/manifest.json"), before, "{kit}");
     }
-    assert_eq!(nonius(at, "generate 2.toml -o other --force").0, 0);
+    visit.yes("generate 2.toml -o other --force");
 }

@@ -1,8 +1,6 @@
 //! The way back on a Siemens control, from what was read out of it.
 
 use super::*;
-use nonius::control::controller::{Profile, Role};
-use nonius::control::table::Tables;
 use nonius::control::table::siemens::{CecDirection, LecTable, SiemensTables};
 use nonius::read::siemens::MachineValue;
 use nonius::read::{ReadBack, read, read_apart};
@@ -36,16 +34,16 @@ impl Control {
         }
     }
 
+    fn set(&mut self, datum: &str, value: f64) {
+        self.data.insert(datum.to_string(), value);
+    }
+
     fn is_on(&self, switch: String) -> bool {
         self.data.get(&switch).is_some_and(|value| *value > 0.0)
     }
 
     /// What acts on AX1 and AX2.
-    fn acts(
-        &self,
-        profile: &Profile,
-        state: &nonius::control::control_state::ControlState,
-    ) -> Vec<f64> {
+    fn acts(&self, profile: &Profile, state: &ControlState) -> Vec<f64> {
         let mut on = self.tables.clone();
         on.lec.retain(|t| {
             t.axis != "AX4" && self.is_on(format!("MA_ENC_COMP_ENABLE[{},{}]", t.encoder, t.axis))
@@ -60,9 +58,7 @@ impl Control {
             let key = format!("MA_BACKLASH[0,{}]", axis.name);
             axis.backlash_um = self.data.get(&key).map_or(0.0, |mm| mm * 1000.0);
         }
-        let control = kit::emulator(profile, &Tables::Siemens(on), &state)
-            .unwrap_or_else(|reason| panic!("{}", reason.0));
-        super::acts(control.as_ref(), ["AX1", "AX2"])
+        super::acts(profile, &Tables::Siemens(on), &state, ["AX1", "AX2"])
     }
 
     /// The control as an archive writes it, with what has nothing to do with it.
@@ -87,14 +83,12 @@ impl Control {
             for (index, value) in t.values.iter().enumerate() {
                 writeln!(text, "$AN_CEC[{n},{index}]={}", value.unwrap()).unwrap();
             }
-            let (g, direction) = (
-                t.grid,
-                match t.direction {
-                    CecDirection::Both => 0,
-                    CecDirection::Plus => 1,
-                    CecDirection::Minus => -1,
-                },
-            );
+            let g = t.grid;
+            let direction = match t.direction {
+                CecDirection::Both => 0,
+                CecDirection::Plus => 1,
+                CecDirection::Minus => -1,
+            };
             writeln!(text, "$AN_CEC_INPUT_AXIS[{n}]=({})\n$AN_CEC_OUTPUT_AXIS[{n}]=({})\n$AN_CEC_STEP[{n}]={}\n$AN_CEC_MIN[{n}]={}\n$AN_CEC_MAX[{n}]={}\n$AN_CEC_DIRECTION[{n}]={direction}", t.input_axis, t.output_axis, g.step, g.min, g.max).unwrap();
         }
         text.push_str("M17\n");
@@ -105,23 +99,22 @@ impl Control {
 /// A control that holds the tables of `old`, ENC_COMP and CEC tables that are switched off, tables
 /// of other axes, and its machine data.
 fn before(old: &Kit, policy: &str) -> Control {
-    let profile = nonius::control::controller::builtin::profile("siemens-840d-sl").unwrap();
+    let profile = builtin::profile("siemens-840d-sl").unwrap();
     let mut control = Control::default();
-    let none = "active_while_measuring = \"none\"";
-    let mean = small("siemens-840d-sl", none, "backlash = \"mean\"", SIEMENS_AXES);
+    let mean = small("siemens-840d-sl", NONE, "backlash = \"mean\"", SIEMENS_AXES);
     let (_, mean) = generate(&mean, BOTH_WAYS);
-    control.load(read(&profile, &files_of(&mean, Role::Table)).unwrap());
-    control.load(read(&profile, &files_of(old, Role::Table)).unwrap());
+    for kit in [&mean, old] {
+        control.load(shown(read(&profile, &files_of(kit, Role::Table))));
+    }
     // The numbers of the CEC tables that other policies use: there, and switched off.
     for number in 0..8 {
-        if !control.tables.cec.iter().any(|t| t.number == number) {
+        let is_used = control.tables.cec.iter().any(|t| t.number == number);
+        if !is_used {
             let mut spare = control.tables.cec[0].clone();
             (spare.number, spare.input_axis) = (number, "AX1".to_string());
             control.tables.cec.push(spare);
-            control.data.insert(format!("SN_CEC_TABLE_ENABLE[{number}]"), 0.0);
-        } else {
-            control.data.insert(format!("SN_CEC_TABLE_ENABLE[{number}]"), 1.0);
         }
+        control.set(&format!("SN_CEC_TABLE_ENABLE[{number}]"), f64::from(u8::from(is_used)));
     }
     let mut foreign = control.tables.cec[0].clone();
     (foreign.number, foreign.input_axis, foreign.output_axis) = (9, "AX4".into(), "AX5".into());
@@ -132,17 +125,17 @@ fn before(old: &Kit, policy: &str) -> Control {
     control.tables.lec[0].values[1] = Some(0.004_123_456_78); // more digits than a profile writes
     let lec_on = f64::from(u8::from(policy == "mean"));
     for axis in ["AX1", "AX2"] {
-        control.data.insert(format!("MA_ENC_COMP_ENABLE[0,{axis}]"), lec_on);
-        control.data.insert(format!("MA_CEC_ENABLE[{axis}]"), 1.0);
-        control.data.insert(format!("MA_CEC_MAX_SUM[{axis}]"), 0.5);
-        control.data.insert(format!("MA_BACKLASH[0,{axis}]"), 0.003);
+        control.set(&format!("MA_ENC_COMP_ENABLE[0,{axis}]"), lec_on);
+        control.set(&format!("MA_CEC_ENABLE[{axis}]"), 1.0);
+        control.set(&format!("MA_CEC_MAX_SUM[{axis}]"), 0.5);
+        control.set(&format!("MA_BACKLASH[0,{axis}]"), 0.003);
     }
-    control.data.insert("MA_ENC_COMP_ENABLE[0,AX4]".into(), 1.0);
-    control.data.insert("MA_CEC_ENABLE[AX5]".into(), 1.0);
     for number in 0..10 {
-        control.data.insert(format!("SN_CEC_TABLE_WEIGHT[{number}]"), 1.0);
+        control.set(&format!("SN_CEC_TABLE_WEIGHT[{number}]"), 1.0);
     }
-    control.data.insert("SN_CEC_TABLE_ENABLE[9]".into(), 1.0);
+    for on in ["MA_ENC_COMP_ENABLE[0,AX4]", "MA_CEC_ENABLE[AX5]", "SN_CEC_TABLE_ENABLE[9]"] {
+        control.set(on, 1.0);
+    }
     control
 }
 
@@ -158,49 +151,51 @@ fn do_by_hand(control: &mut Control, new: &Kit) {
         };
         let key = rest.split(" and ").next().unwrap().to_string();
         if !key.contains(", ") && control.data.contains_key(&key) {
-            control.data.insert(key, value);
+            control.set(&key, value);
         }
     }
 }
 
 #[test]
 fn the_way_back_on_siemens_brings_back_what_acted() {
-    let profile = nonius::control::controller::builtin::profile("siemens-840d-sl").unwrap();
+    let profile = builtin::profile("siemens-840d-sl").unwrap();
     for way in WAYS.into_iter().filter(|way| *way != ("mean", "two-tables")) {
+        println!("{way:?}");
         let (old, job, left) = old_and_new("siemens-840d-sl", SIEMENS_AXES, way);
         let before = before(&old, way.0);
-        let found =
-            read_out(&job, &left, &before.archive("")).unwrap_or_else(|p| panic!("{way:?}\n{p}"));
-        let new = kit::generate(&found).unwrap_or_else(|p| panic!("{way:?}\n{}", p.render()));
-        let state = &found.active.as_ref().unwrap().state;
-        let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
-        assert!(!page.contains("not in the rollback files"), "{way:?}\n{page}");
+        let found = taken(&job, &left, &before.archive(""));
+        let new = shown(kit::generate(&found));
+        let page = checklist(&new);
+        assert!(!page.contains("not in the rollback files"), "{page}");
         let mut control = before.clone();
+        let load = |control: &mut Control, role: Role| {
+            control.load(shown(read(&profile, &files_of(&new, role))));
+        };
         for role in [Role::Disable, Role::Table, Role::Enable] {
-            control.load(read(&profile, &files_of(&new, role)).unwrap());
+            load(&mut control, role);
         }
         do_by_hand(&mut control, &new);
-        assert_ne!(control.acts(&profile, state), before.acts(&profile, state), "{way:?}");
-        control.load(read(&profile, &files_of(&new, Role::Disable)).unwrap());
+        let acts =
+            |control: &Control| control.acts(&profile, &found.active.as_ref().unwrap().state);
+        assert_ne!(acts(&control), acts(&before));
+        load(&mut control, Role::Disable);
         let files = files_of(&new, Role::Rollback);
-        control.load(read_apart(&profile, &files, Role::Rollback).unwrap());
-        assert_eq!(control, before, "{way:?}");
-        assert_eq!(control.acts(&profile, state), before.acts(&profile, state), "{way:?}");
+        control.load(shown(read_apart(&profile, &files, Role::Rollback)));
+        assert_eq!(control, before);
+        assert_eq!(acts(&control), acts(&before));
     }
 }
 
 #[test]
 fn what_no_file_holds_is_left_to_a_person_and_named() {
-    let (old, job, left) =
-        old_and_new("siemens-840d-sl", SIEMENS_AXES, ("mean", "curve-and-parameter"));
+    let way = ("mean", "curve-and-parameter");
+    let (old, job, left) = old_and_new("siemens-840d-sl", SIEMENS_AXES, way);
     let mut before = before(&old, "mean");
     let job =
         job.replace(ACTIVE, &format!("{ACTIVE}\nactive_backlash_um = {{ x = 3.0, y = 3.0 }}"));
     let page = |control: &Control, more: &str| {
-        let found = read_out(&job, &left, &control.archive(more)).unwrap_or_else(|p| panic!("{p}"));
-        let new = kit::generate(&found).unwrap();
-        let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
-        page + &words(&new.manifest.notes).join("\n")
+        let new = shown(kit::generate(&taken(&job, &left, &control.archive(more))));
+        checklist(&new) + &words(&new.manifest.notes).join("\n")
     };
     for gone in ["MA_ENC_COMP_ENABLE[0,AX1]", "SN_CEC_TABLE_ENABLE[1]", "MA_BACKLASH[0,AX2]"] {
         before.data.remove(gone);
@@ -212,25 +207,17 @@ fn what_no_file_holds_is_left_to_a_person_and_named() {
         "SD41300 $SN_CEC_TABLE_ENABLE[1]: not in the rollback files; switch on what was on",
         "MD32450 $MA_BACKLASH[0,AX2]: not in the rollback files. A precondition may make you change it",
     ] {
-        assert!(words.contains(lacking), "{lacking}\n{words}");
+        said_in(&words, lacking);
     }
     assert!(!words.contains("[0,AX2]: not in the rollback files. The files"), "{words}");
     // A table that the control only reserves: off, it may keep the new values; on, it may not.
     before.tables.lec.retain(|t| t.axis != "AX2");
     let reserved = "$AA_ENC_COMP_STEP[0,AX2]=0\n$AA_ENC_COMP[0,0,AX2]=0\n";
-    let on = page(&before, reserved);
-    assert!(
-        on.contains("missing: ENC_COMP[0,AX2] (read out without a grid, and not as switched off)"),
-        "{on}"
-    );
-    before.data.insert("MA_ENC_COMP_ENABLE[0,AX2]".into(), 0.0);
-    let off = page(&before, reserved);
-    assert!(
-        off.contains(
-            "ENC_COMP[0,AX2] was reserved without a grid: the values of this kit stay in it"
-        ),
-        "{off}"
-    );
+    let on = "missing: ENC_COMP[0,AX2] (read out without a grid, and not as switched off)";
+    said_in(&page(&before, reserved), on);
+    before.set("MA_ENC_COMP_ENABLE[0,AX2]", 0.0);
+    let off = "ENC_COMP[0,AX2] was reserved without a grid: the values of this kit stay in it";
+    said_in(&page(&before, reserved), off);
 }
 
 #[test]
@@ -241,18 +228,15 @@ fn a_way_back_that_moves_an_axis_at_its_reference_says_so() {
         *value += 0.005;
     }
     let job = job.replace(ACTIVE, &format!("{ACTIVE}\nactive_reference = \"rezero\""));
-    let found = read_out(&job, &left, &before.archive("")).unwrap_or_else(|p| panic!("{p}"));
-    let new = kit::generate(&found).unwrap();
-    let page = String::from_utf8_lossy(files_of(&new, Role::Checklist)[0].bytes).into_owned();
+    let new = shown(kit::generate(&taken(&job, &left, &before.archive(""))));
     let words =
         "at the reference point X (AX1) moves by 5.000 µm towards −X when the old tables act again";
-    assert!(page.contains(words), "{page}");
+    said_in(&checklist(&new), words);
     for file in files_of(&new, Role::Rollback) {
         let text = String::from_utf8_lossy(file.bytes);
         assert!(!text.contains("contained in these"), "{text}");
         if text.contains("$AA_ENC_COMP") {
-            let held = ", but for\n;   ENC_COMP[0,AX1]: 0.005000 mm\n";
-            assert!(text.contains(held), "{text}");
+            said_in(&text, ", but for\n;   ENC_COMP[0,AX1]: 0.005000 mm\n");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! A kit under test, and what the control holds of it.
+//! A kit under test, what the control holds of it, and how far off it may be where.
 
 use crate::support::machine::{Machine, Term};
 use nonius::control::controller::{Dialect, Profile, StraightnessForm};
@@ -6,8 +6,19 @@ use nonius::control::table::Tables;
 use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
 use nonius::kit::{Inputs, Kit};
 use nonius::quantity::axis::{Direction, ErrorTerm};
+use nonius::quantity::curve::Interpolation;
+use nonius::quantity::units::power_of_ten;
 use nonius::read::emulate::{Emulator, Response};
 use nonius::write::findings::TableFinding;
+
+/// Positions of a dense look along an axis: straight lines bend at known places, cubics peak.
+const DENSE: [usize; 2] = [240, 2000];
+/// Beside a jump, mm: near enough that no curve moves by more than [`NEAR_UM`].
+const BESIDE_MM: f64 = 1e-7;
+/// What a curve moves within [`BESIDE_MM`], µm.
+pub(crate) const NEAR_UM: f64 = 1e-5;
+/// Steepest slope that the generator makes, µm/mm.
+pub(crate) const STEEPEST_UM_PER_MM: f64 = 20.0;
 
 /// A kit under test, with the control that loaded its bytes.
 pub(crate) struct Case<'a> {
@@ -17,6 +28,137 @@ pub(crate) struct Case<'a> {
     pub(crate) kit: &'a Kit,
     pub(crate) control: &'a dyn Emulator,
     pub(crate) tables: &'a Tables,
+}
+
+impl Case<'_> {
+    /// Size of a count in the control's file, from the bytes where they tell, µm.
+    pub(crate) fn count_um(&self, term: ErrorTerm, output: &str) -> f64 {
+        match (&self.profile.dialect, self.tables) {
+            // The sixth decimal of an inch, of a millimetre.
+            (Dialect::Siemens(_) | Dialect::Linuxcnc(_), _) if self.machine.inch => 0.0254,
+            (Dialect::Siemens(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_), _) => 0.001,
+            (Dialect::Declared(facts), _) => crate::support::count_um(facts),
+            (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
+                let unit = self.machine.axis(term.of).unit_um.unwrap();
+                let output: u32 = output.parse().unwrap();
+                if term.is_positioning() {
+                    unit * integer(memory, 3623, Some(output))
+                } else if facts.straightness_form.value == StraightnessForm::FourPoint {
+                    unit
+                } else {
+                    let set = self.set_of(memory, term, output);
+                    unit * integer(memory, 13381 + set, None)
+                }
+            }
+            _ => self.machine.axis(term.of).unit_um.unwrap_or(0.0),
+        }
+    }
+
+    /// Index from 0 of the straightness set of a term and an output.
+    fn set_of(&self, memory: &FanucMemory, term: ErrorTerm, output: u32) -> u32 {
+        let moving: u32 = self.machine.axis(term.along).names[0].parse().unwrap();
+        let is = |number, axis: u32| {
+            memory.parameter(number, None) == Some(ParameterValue::Integer(i64::from(axis)))
+        };
+        let mut sets = 0..6;
+        let own = sets.find(|set| is(5711 + set, moving) && is(5721 + set, output));
+        own.unwrap_or_else(|| panic!("no set for {term} on {output}"))
+    }
+
+    pub(crate) fn is_compensated(&self, term: ErrorTerm) -> bool {
+        self.kit.plan.tables.iter().any(|table| table.term == term)
+    }
+
+    /// Whether each direction has a table of its own. Where the policy asks for it and the control
+    /// could hold it, anything else has to be said.
+    pub(crate) fn two_tables(&self, term: &Term) -> bool {
+        let mut own = self.kit.plan.tables.iter().filter(|t| t.term == term.term);
+        let directed = own.any(|t| t.direction.is_some());
+        let asked = self.machine.policy == Some("two-tables") && term.both_ways();
+        if asked && !directed && term.takes_directions(self.profile) {
+            let kinds = self.kit.plan.notes.iter().filter_map(|note| note.kind());
+            let says = |is_it: fn(&TableFinding, ErrorTerm) -> bool| {
+                kinds.clone().any(|kind| is_it(kind, term.term))
+            };
+            let is_mean = says(
+                |kind, own| matches!(kind, TableFinding::MeanOnly { term, .. } if *term == own),
+            );
+            let says_equal = says(|kind, own| match kind {
+                TableFinding::OfTarget { terms, note } => {
+                    terms.contains(&own)
+                        && note == "both directions are equal, so one table is written"
+                }
+                _ => false,
+            });
+            let is_equal = || {
+                let grid = self.kit.plan.grids[term.term.along].unwrap();
+                (grid.first..=grid.last).all(|node| {
+                    let at = grid.position(node).mm();
+                    let [plus, minus] = Direction::BOTH.map(|way| term.deviation(way, at));
+                    (plus - minus).abs() < 1e-6
+                })
+            };
+            assert!(is_mean || says_equal && is_equal());
+        }
+        directed
+    }
+
+    /// Half the last digit of positions in the control's files, mm.
+    pub(crate) fn half_position_digit(&self) -> f64 {
+        match &self.profile.dialect {
+            Dialect::Declared(facts) => {
+                0.5e-3 * facts.position_size.value.um / power_of_ten(facts.position_decimals.value)
+            }
+            Dialect::Siemens(_) | Dialect::Linuxcnc(_) if self.machine.inch => 0.5e-6 * 25.4,
+            Dialect::Fanuc(_) => 0.0,
+            _ => 0.5e-6,
+        }
+    }
+
+    /// Where the deviation of a term or its correction bends, and where the correction jumps.
+    pub(crate) fn bends_and_jumps(&self, term: &Term, held: &Held) -> (Vec<f64>, Vec<f64>) {
+        let mut bends = term.knots();
+        bends.extend(&held.mm);
+        let mut jumps = Vec::new();
+        if matches!(self.profile.dialect, Dialect::Fanuc(_)) {
+            jumps.extend(held.mm.windows(2).map(|p| (p[0] + p[1]) / 2.0));
+            let unit = self.machine.axis(term.term.of).unit_um.unwrap();
+            for (pair, um) in held.mm.windows(2).zip(held.um.windows(2)) {
+                let pulses = ((um[1] - um[0]) / unit).abs().round();
+                let mut pulse = 0.5;
+                while pulse < pulses {
+                    jumps.push(pair[0] + (pair[1] - pair[0]) * pulse / pulses);
+                    pulse += 1.0;
+                }
+            }
+        }
+        (bends, jumps)
+    }
+
+    /// Where to look along an axis.
+    pub(crate) fn places(&self, term: &Term, held: &Held, from: f64, to: f64) -> Vec<f64> {
+        let dense = DENSE[usize::from(self.machine.kind != Interpolation::Linear)];
+        let (mut places, jumps) = self.bends_and_jumps(term, held);
+        places.extend(jumps.iter().flat_map(|x| [x - BESIDE_MM, x + BESIDE_MM]));
+        places.extend((0..=dense).map(|i| from + (to - from) * i as f64 / dense as f64));
+        places.retain(|x| *x >= from && *x <= to);
+        places
+    }
+
+    /// Largest distance of what a control puts out from the straight line between its nodes.
+    pub(crate) fn jump_um(&self, term: &Term, held: &Held, x: f64) -> f64 {
+        let Dialect::Fanuc(facts) = &self.profile.dialect else {
+            return 0.0;
+        };
+        let half_step = held.increment_at(x) / 2.0;
+        let pulses = self.machine.axis(term.term.along).interpolated
+            && (term.term.is_positioning()
+                || facts.straightness_form.value == StraightnessForm::FourPoint);
+        match pulses {
+            true => half_step.min(self.machine.axis(term.term.of).unit_um.unwrap() / 2.0),
+            false => half_step,
+        }
+    }
 }
 
 /// One table as the control holds it: nodes with the corrections there.
@@ -58,29 +200,6 @@ impl Held {
     }
 }
 
-/// Size of a count in the control's file, from the bytes where they tell, µm.
-pub(crate) fn count_um(case: &Case<'_>, term: ErrorTerm, output: &str) -> f64 {
-    match (&case.profile.dialect, case.tables) {
-        // The sixth decimal of an inch, of a millimetre.
-        (Dialect::Siemens(_) | Dialect::Linuxcnc(_), _) if case.machine.inch => 0.0254,
-        (Dialect::Siemens(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_), _) => 0.001,
-        (Dialect::Declared(facts), _) => crate::support::count_um(facts),
-        (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
-            let unit = case.machine.axis(term.of).unit_um.unwrap();
-            let output: u32 = output.parse().unwrap();
-            if term.is_positioning() {
-                unit * integer(memory, 3623, Some(output))
-            } else if facts.straightness_form.value == StraightnessForm::FourPoint {
-                unit
-            } else {
-                let set = set_of(case, memory, term, output);
-                unit * integer(memory, 13381 + set, None)
-            }
-        }
-        _ => case.machine.axis(term.of).unit_um.unwrap_or(0.0),
-    }
-}
-
 pub(crate) fn integer(memory: &FanucMemory, number: u32, axis: Option<u32>) -> f64 {
     match memory.parameter(number, axis) {
         Some(ParameterValue::Integer(value)) => value as f64,
@@ -90,51 +209,4 @@ pub(crate) fn integer(memory: &FanucMemory, number: u32, axis: Option<u32>) -> f
 
 pub(crate) fn whole(memory: &FanucMemory, number: u32, axis: Option<u32>) -> u32 {
     format!("{}", integer(memory, number, axis)).parse().unwrap()
-}
-
-/// Index from 0 of the straightness set of a term and an output.
-fn set_of(case: &Case<'_>, memory: &FanucMemory, term: ErrorTerm, output: u32) -> u32 {
-    let moving: u32 = case.machine.axis(term.along).names[0].parse().unwrap();
-    let is = |number, axis: u32| {
-        memory.parameter(number, None) == Some(ParameterValue::Integer(i64::from(axis)))
-    };
-    (0..6)
-        .find(|set| is(5711 + set, moving) && is(5721 + set, output))
-        .unwrap_or_else(|| panic!("no set for {term} on {output}"))
-}
-
-pub(crate) fn is_compensated(case: &Case<'_>, term: ErrorTerm) -> bool {
-    case.kit.plan.tables.iter().any(|table| table.term == term)
-}
-
-/// Whether each direction has a table of its own. Where the policy asks for it and the control
-/// could hold it, anything else has to be said.
-pub(crate) fn two_tables(case: &Case<'_>, term: &Term) -> bool {
-    let mut own = case.kit.plan.tables.iter().filter(|t| t.term == term.term);
-    let directed = own.any(|t| t.direction.is_some());
-    let asked = case.machine.policy == Some("two-tables") && term.both_ways();
-    if asked && !directed && term.takes_directions(case.profile) {
-        let notes = &case.kit.plan.notes;
-        let is_mean = notes.iter().any(|note| match note.kind() {
-            Some(TableFinding::MeanOnly { term: own, .. }) => *own == term.term,
-            _ => false,
-        });
-        let says_equal = notes.iter().any(|note| match note.kind() {
-            Some(TableFinding::OfTarget { terms, note }) => {
-                terms.contains(&term.term)
-                    && note == "both directions are equal, so one table is written"
-            }
-            _ => false,
-        });
-        let is_equal = || {
-            let grid = case.kit.plan.grids[term.term.along].unwrap();
-            (grid.first..=grid.last).all(|node| {
-                let at = grid.position(node).mm();
-                let [plus, minus] = Direction::BOTH.map(|way| term.deviation(way, at));
-                (plus - minus).abs() < 1e-6
-            })
-        };
-        assert!(is_mean || says_equal && is_equal());
-    }
-    directed
 }

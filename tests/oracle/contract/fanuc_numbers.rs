@@ -2,7 +2,7 @@
 
 use super::case::{Case, whole};
 use nonius::control::controller::{Dialect, NumberRange, StraightnessForm};
-use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
+use nonius::control::table::fanuc::FanucMemory;
 
 /// (h) Numbers of points: in order, apart, none reserved, none left over; increments legal.
 pub(crate) fn numbers_are_legal(case: &Case<'_>, memory: &FanucMemory) {
@@ -10,40 +10,32 @@ pub(crate) fn numbers_are_legal(case: &Case<'_>, memory: &FanucMemory) {
         panic!("a memory of another control");
     };
     let mut runs: Vec<(String, NumberRange)> = Vec::new();
-    let axes: Vec<u32> =
-        memory.parameters.keys().filter(|k| k.number == 3620).map(|k| k.axis.unwrap()).collect();
-    let count = |axis: u32| whole(memory, 3622, Some(axis)) - whole(memory, 3621, Some(axis)) + 1;
-    for axis in &axes {
-        let [reference, first, last] = [3620, 3621, 3622].map(|n| whole(memory, n, Some(*axis)));
+    let mut add = |name: String, run: NumberRange, blocks: &[NumberRange]| {
+        let lies_in = |block: &NumberRange| block.contains(run.first) && block.contains(run.last);
+        assert!(blocks.iter().any(lies_in), "{name}: {run:?}");
+        runs.push((name, run));
+    };
+    let of = |axis: u32, number| whole(memory, number, Some(axis));
+    let as_long_as = |axis: u32, first: u32| NumberRange {
+        first,
+        last: first + of(axis, 3622) - of(axis, 3621),
+    };
+    for key in memory.parameters.keys().filter(|k| k.number == 3620) {
+        let axis = key.axis.unwrap();
+        let [reference, first, last] = [3620, 3621, 3622].map(|number| of(axis, number));
         assert!(first <= reference && reference < last, "{first} {reference} {last}");
-        let run = NumberRange { first, last };
-        assert!(
-            facts.pitch_points.value.iter().any(|b| b.contains(first) && b.contains(last)),
-            "{run:?}"
-        );
-        runs.push((format!("axis {axis}"), run));
-        if memory.parameter(3626, Some(*axis)).is_some() {
-            let first = whole(memory, 3626, Some(*axis));
-            let last = first + count(*axis) - 1;
-            assert!(facts.minus_points.value.iter().any(|b| b.contains(first) && b.contains(last)));
-            runs.push((format!("axis {axis}, -"), NumberRange { first, last }));
+        add(format!("axis {axis}"), NumberRange { first, last }, &facts.pitch_points.value);
+        if memory.parameter(3626, Some(axis)).is_some() {
+            let run = as_long_as(axis, of(axis, 3626));
+            add(format!("axis {axis}, -"), run, &facts.minus_points.value);
         }
     }
     for set in 0..6 {
-        let Some(ParameterValue::Integer(moving)) = memory.parameter(5711 + set, None) else {
-            continue;
-        };
-        if facts.straightness_form.value == StraightnessForm::PerPoint {
+        let moving = memory.parameter(5711 + set, None).is_some();
+        if moving && facts.straightness_form.value == StraightnessForm::PerPoint {
             let first = whole(memory, 13391 + set, None);
-            let last = first + count(u32::try_from(moving).unwrap()) - 1;
-            assert!(
-                facts
-                    .straightness_points
-                    .value
-                    .iter()
-                    .any(|b| b.contains(first) && b.contains(last))
-            );
-            runs.push((format!("set {set}"), NumberRange { first, last }));
+            let run = as_long_as(whole(memory, 5711 + set, None), first);
+            add(format!("set {set}"), run, &facts.straightness_points.value);
         }
     }
     for (index, (name, run)) in runs.iter().enumerate() {
@@ -57,10 +49,8 @@ pub(crate) fn numbers_are_legal(case: &Case<'_>, memory: &FanucMemory) {
     }
     for (point, value) in &memory.points {
         assert!((-7..=7).contains(value), "point {point} is {value}");
-        assert!(
-            runs.iter().any(|(_, run)| run.contains(*point)),
-            "point {point} belongs to nobody"
-        );
+        let is_owned = runs.iter().any(|(_, run)| run.contains(*point));
+        assert!(is_owned, "point {point} belongs to nobody");
     }
     let owned: u32 = runs.iter().map(|(_, run)| run.last - run.first + 1).sum();
     assert_eq!(memory.points.len(), owned as usize, "every point is written");

@@ -1,7 +1,6 @@
 //! The forecast against looks and walks of the test's own.
 
-use super::case::{Case, Held, is_compensated};
-use super::places::{NEAR_UM, bends_and_jumps, places};
+use super::case::{Case, Held, NEAR_UM};
 use crate::support::machine::{Errors, Term};
 use crate::support::{self, DUST_UM, um_at};
 use nonius::judge::forecast::TermForecast;
@@ -24,27 +23,27 @@ pub(crate) fn forecast_holds(case: &Case<'_>, term: &Term, forecast: &TermForeca
                 Some(_) => Held::of(&response),
                 None => Held { mm: vec![from, to], um: vec![0.0, 0.0] },
             };
-            for x in places(case, term, &held, from, to) {
+            for x in case.places(term, &held, from, to) {
                 let deviation = term.deviation(direction, x);
                 before = before.max(deviation.abs());
                 after = after.max((deviation + um_at(&response, x)).abs());
             }
         }
     }
-    let name = || term.term.to_string();
+    let name = term.term;
     let linear = machine.kind == Interpolation::Linear;
     for (what, said, seen) in
         [("before", forecast.change.before_um, before), ("after", forecast.change.after_um, after)]
     {
         let near = if linear { NEAR_UM } else { 0.02 * before + 0.01 };
-        assert!(said >= seen - DUST_UM, "{}: {what} {said} µm, but {seen} µm was seen", name());
-        assert!(said <= seen + near, "{}: {what} {said} µm, but only {seen} µm was seen", name());
+        assert!(said >= seen - DUST_UM, "{name}: {what} {said} µm, but {seen} µm was seen");
+        assert!(said <= seen + near, "{name}: {what} {said} µm, but only {seen} µm was seen");
     }
-    assert_eq!(forecast.compensated, is_compensated(case, term.term), "{}", name());
+    assert_eq!(forecast.compensated, case.is_compensated(name), "{name}");
 }
 
 /// Body diagonals of the forecast against walks of the test's own.
-pub(crate) fn diagonals_hold(case: &Case<'_>) {
+pub(crate) fn diagonals_hold<'a>(case: &Case<'a>) {
     let machine = case.machine;
     if machine.terms.len() < 9 {
         assert!(case.kit.forecast.diagonals.is_empty());
@@ -52,44 +51,32 @@ pub(crate) fn diagonals_hold(case: &Case<'_>) {
     }
     let corner = |axis: Axis| {
         let terms = machine.terms.iter().filter(|t| t.term.along == axis);
-        let ranges = terms.flat_map(|t| {
-            Direction::BOTH.into_iter().filter_map(|d| t.errors(d).map(Errors::range))
-        });
-        ranges.fold((f64::NEG_INFINITY, f64::INFINITY), |(l, h), (low, high)| {
-            (l.max(low), h.min(high))
-        })
+        let errors = terms.flat_map(|t| Direction::BOTH.map(|way| t.errors(way)));
+        let ranges = errors.flatten().map(Errors::range);
+        let all = (f64::NEG_INFINITY, f64::INFINITY);
+        ranges.fold(all, |(l, h), (low, high)| (l.max(low), h.min(high)))
     };
     let ends = Axis::ALL.map(corner);
     let length = ends.iter().map(|(l, h)| (h - l) * (h - l)).sum::<f64>().sqrt();
     let place = |axis: Axis| Axis::ALL.iter().position(|a| *a == axis).unwrap();
     for diagonal in &case.kit.forecast.diagonals {
-        let signs: Vec<f64> =
-            diagonal.name.chars().map(|c| if c == 'P' { 1.0 } else { -1.0 }).collect();
+        let sign = |letter| if letter == 'P' { 1.0 } else { -1.0 };
+        let signs: Vec<f64> = diagonal.name.chars().map(sign).collect();
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for reverse in [false, true] {
             // Of every term: cosine, its place, and the response in the direction of the walk.
-            let walk: Vec<OnWalk<'_>> = machine
-                .terms
-                .iter()
-                .filter_map(|term| {
-                    let (of, along) = (place(term.term.of), place(term.term.along));
-                    let direction = if (signs[along] > 0.0) == reverse {
-                        Direction::Minus
-                    } else {
-                        Direction::Plus
-                    };
-                    term.errors(direction)?;
-                    let (base, output) = machine.pairs(term.term)[0];
-                    let cosine = signs[of] * (ends[of].1 - ends[of].0) / length;
-                    Some((
-                        term,
-                        direction,
-                        along,
-                        cosine,
-                        support::response(case.control, base, output, direction),
-                    ))
-                })
-                .collect();
+            let on_walk = |term: &'a Term| {
+                let own = term.term;
+                let (of, along) = (place(own.of), place(own.along));
+                let plus = (signs[along] > 0.0) != reverse;
+                let direction = if plus { Direction::Plus } else { Direction::Minus };
+                term.errors(direction)?;
+                let (base, output) = machine.pairs(own)[0];
+                let cosine = signs[of] * (ends[of].1 - ends[of].0) / length;
+                let response = support::response(case.control, base, output, direction);
+                Some((term, direction, along, cosine, response))
+            };
+            let walk: Vec<OnWalk<'_>> = machine.terms.iter().filter_map(on_walk).collect();
             for t in steps_of_walk(case, &walk, &ends, &signs) {
                 let mut sums = [0.0; 2];
                 for (term, direction, along, cosine, response) in &walk {
@@ -109,10 +96,9 @@ pub(crate) fn diagonals_hold(case: &Case<'_>) {
         for (said, seen) in said.iter().zip(seen) {
             let name = format!("{}: said {said}, seen {seen}", diagonal.name);
             assert!(*said >= seen - DUST_UM, "{name}");
-            let near = if machine.kind == Interpolation::Linear {
-                1e-3
-            } else {
-                0.05 * said + 0.02 // the top of a cubic lies between two steps
+            let near = match machine.kind {
+                Interpolation::Linear => 1e-3,
+                _ => 0.05 * said + 0.02, // the top of a cubic lies between two steps
             };
             assert!(*said <= seen + near, "{name}");
         }
@@ -134,7 +120,7 @@ fn steps_of_walk(
     for (term, _, along, _, response) in walk {
         let (low, high) = ends[*along];
         let (bends, jumps) = match response.tables().first() {
-            Some(_) => bends_and_jumps(case, term, &Held::of(response)),
+            Some(_) => case.bends_and_jumps(term, &Held::of(response)),
             None => (term.knots(), Vec::new()),
         };
         for x in bends.iter().chain(&jumps) {

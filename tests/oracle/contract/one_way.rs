@@ -1,20 +1,25 @@
-//! (a), (b), (d), (e): node by node and in between, one term, one output, one direction after the other.
+//! (a) to (e): node by node and in between, one term, one output, one direction after the other.
 
-use super::case::{Case, Held, count_um, two_tables};
-use super::places::{STEEPEST_UM_PER_MM, half_position_digit, jump_um, places};
+use super::case::{Case, Held, STEEPEST_UM_PER_MM};
 use crate::support::machine::{MachineAxis, Term};
 use crate::support::{self, DUST_UM, Lines, um_at};
 use nonius::control::controller::Dialect;
 use nonius::quantity::axis::Direction;
 use nonius::quantity::curve::Interpolation;
-use nonius::read::emulate::Response;
+use nonius::read::emulate::{Emulator, Response};
 use nonius::write::compensation::Placement;
 use nonius::write::plan::PlannedTable;
 
-/// Every claim on what one term gets, in both directions.
-pub(crate) fn cancels(case: &Case<'_>, term: &Term, base: &str, output: &str) {
+/// Every claim on what one term gets, in both directions; of how many tables the sign was turned.
+pub(crate) fn cancels(
+    case: &Case<'_>,
+    term: &Term,
+    pair: (&str, &str),
+    turned: &dyn Emulator,
+) -> usize {
+    let mut doubled = 0;
     for direction in Direction::BOTH {
-        let way = OneWay::of(case, term, (base, output), direction);
+        let way = OneWay::of(case, term, pair, direction);
         way.count_is_as_printed();
         way.nodes_lie_on_the_grid();
         way.nodes_cover_the_travel();
@@ -22,7 +27,10 @@ pub(crate) fn cancels(case: &Case<'_>, term: &Term, base: &str, output: &str) {
         way.places_between_nodes_cancel();
         way.reference_is_zero();
         way.parameter_holds_the_reversal();
+        let turned = support::response(turned, pair.0, pair.1, direction);
+        doubled += usize::from(way.turned_sign_doubles(&Held::of(&turned)));
     }
+    doubled
 }
 
 /// What one output axis gets while the moving axis travels one way.
@@ -74,7 +82,7 @@ impl<'a> OneWay<'a> {
 
     /// The deviation that the table has to cancel.
     fn target(&self, x: f64) -> f64 {
-        let two = two_tables(self.case, self.term);
+        let two = self.case.two_tables(self.term);
         self.term.target(self.case.machine, two, self.direction, x)
     }
 
@@ -98,12 +106,12 @@ impl<'a> OneWay<'a> {
 
     /// What the rounding of a position moves a correction by, at most.
     fn place_um(&self) -> f64 {
-        half_position_digit(self.case) * STEEPEST_UM_PER_MM
+        self.case.half_position_digit() * STEEPEST_UM_PER_MM
     }
 
     /// Half a count, or what the fit of a four-point line leaves.
     fn half_um(&self) -> f64 {
-        let half = count_um(self.case, self.term.term, self.output) / 2.0;
+        let half = self.case.count_um(self.term.term, self.output) / 2.0;
         self.placement.fit_residual_um.unwrap_or(half) + self.float_um()
     }
 
@@ -138,29 +146,21 @@ impl<'a> OneWay<'a> {
     }
 
     fn count_is_as_printed(&self) {
-        let count = count_um(self.case, self.term.term, self.output);
+        let count = self.case.count_um(self.term.term, self.output);
         let printed = self.placement.count_um;
         assert!((printed - count).abs() < 1e-12, "{}: count {printed} ≠ {count}", self.name());
     }
 
     /// Nodes lie on the grid anchored on the reference, and every point of it is a node.
     fn nodes_lie_on_the_grid(&self) {
-        let half_digit = half_position_digit(self.case);
+        let half_digit = self.case.half_position_digit();
         for (x, exact) in self.held.mm.iter().zip(self.anchored()) {
-            assert!(
-                (x - exact).abs() <= half_digit + 1e-9,
-                "{}: node {x} is not at {exact}",
-                self.name()
-            );
+            let off = (x - exact).abs();
+            assert!(off <= half_digit + 1e-9, "{}: node {x} is not at {exact}", self.name());
         }
         let nodes = self.held.mm.iter().filter(|x| self.is_on_grid(**x));
-        assert_eq!(
-            nodes.count(),
-            self.planned.grid.count(),
-            "{}: nodes {:?}",
-            self.name(),
-            self.held.mm
-        );
+        let (name, all) = (self.name(), &self.held.mm);
+        assert_eq!(nodes.count(), self.planned.grid.count(), "{name}: nodes {all:?}");
     }
 
     /// They cover the travel, but for the rounding of the written spacing.
@@ -168,7 +168,7 @@ impl<'a> OneWay<'a> {
         let digit = match &self.case.profile.dialect {
             Dialect::Fanuc(_) if self.case.machine.inch => 1e-4 * 25.4,
             Dialect::Fanuc(_) => 1e-3,
-            _ => 2.0 * half_position_digit(self.case),
+            _ => 2.0 * self.case.half_position_digit(),
         };
         let short = digit * self.held.mm.len() as f64 / 2.0 + 1e-6 * self.held.step();
         let (first, last) = self.range();
@@ -177,11 +177,8 @@ impl<'a> OneWay<'a> {
 
     /// Table and constant: what the tables themselves do at a point.
     fn nodes_cancel(&self) {
-        let constant = match self.has_parameter() {
-            true => 0.0,
-            // The reversal of two tables in a constant (Fanuc 3627) belongs to the table.
-            false => self.constant_um,
-        };
+        // The reversal of two tables in a constant (Fanuc 3627) belongs to the table.
+        let constant = if self.has_parameter() { 0.0 } else { self.constant_um };
         let bound = self.half_um() + DUST_UM + self.place_um();
         let nodes = self.held.mm.iter().zip(&self.held.um).zip(self.wanted());
         for ((x, um), wanted) in nodes.filter(|((x, _), _)| self.is_on_grid(**x)) {
@@ -198,17 +195,14 @@ impl<'a> OneWay<'a> {
     fn places_between_nodes_cancel(&self) {
         let (first, last) = self.range();
         let table = Lines { mm: self.anchored(), um: self.wanted() };
-        let parameter = match self.has_parameter() {
-            true => self.constant_um,
-            false => 0.0,
-        };
+        let parameter = if self.has_parameter() { self.constant_um } else { 0.0 };
         let (half, place_um) = (self.half_um(), self.place_um());
         let mut worst_grid = 0.0_f64;
-        for x in places(self.case, self.term, &self.held, self.axis.low, self.axis.high) {
+        for x in self.case.places(self.term, &self.held, self.axis.low, self.axis.high) {
             let target = self.target(x);
             let own = (target - table.at(x.clamp(first, last))).abs();
             worst_grid = worst_grid.max(own);
-            let jump = jump_um(self.case, self.term, &self.held, x);
+            let jump = self.case.jump_um(self.term, &self.held, x);
             let correction = um_at(&self.response, x) - parameter;
             let left = target + correction;
             let bound = half + own + jump + place_um + DUST_UM;
@@ -228,11 +222,9 @@ impl<'a> OneWay<'a> {
             Interpolation::Linear => room,
             _ => 0.02 * printed + 0.01,
         };
-        assert!(
-            printed >= seen - room && printed <= seen + near,
-            "{}: grid residual {printed}, seen {seen}",
-            self.name()
-        );
+        let name = self.name();
+        assert!(printed >= seen - room, "{name}: grid residual {printed}, seen {seen}");
+        assert!(printed <= seen + near, "{name}: grid residual {printed}, seen {seen}");
     }
 
     /// Zero at the reference; the other direction carries the reversal.
@@ -247,20 +239,15 @@ impl<'a> OneWay<'a> {
         if self.direction == self.term.homing || !(has_two || self.has_parameter()) {
             let node = self.held.um[self.held.node_at(reference)];
             let dust = if self.adds_up() { DUST_UM } else { 0.0 };
-            assert!(
-                node.abs() <= dust && self.constant_um.abs() < DUST_UM,
-                "{name}: {node} at the reference"
-            );
-            assert!(
-                at_reference.abs() <= place_um + DUST_UM,
-                "{name}: {at_reference} at the reference"
-            );
+            let constant = self.constant_um.abs();
+            assert!(node.abs() <= dust && constant < DUST_UM, "{name}: {node} at the reference");
+            let room = place_um + DUST_UM;
+            assert!(at_reference.abs() <= room, "{name}: {at_reference} at the reference");
         } else if has_two {
             let reversal = self.target(reference);
-            assert!(
-                (at_reference + reversal).abs() <= self.half_um() + place_um + DUST_UM,
-                "{name}: {at_reference} at the reference, deviation there {reversal}"
-            );
+            let left = (at_reference + reversal).abs();
+            let room = self.half_um() + place_um + DUST_UM;
+            assert!(left <= room, "{name}: {at_reference} at the reference, there {reversal}");
         }
     }
 
@@ -281,25 +268,46 @@ impl<'a> OneWay<'a> {
             (false, Direction::Plus) => self.term.reversal(),
             (false, Direction::Minus) => -self.term.reversal(),
         };
-        let constant = self.constant_um;
-        assert!(
-            (constant - expected).abs() <= self.parameter_digit_um() / 2.0 + 1e-6,
-            "{}: constant {constant}, expected {expected}",
-            self.name()
-        );
+        let (name, constant) = (self.name(), self.constant_um);
+        let room = self.parameter_digit_um() / 2.0 + 1e-6;
+        let off = (constant - expected).abs();
+        assert!(off <= room, "{name}: constant {constant}, expected {expected}");
     }
 
     /// Last digit of the backlash parameter, µm.
     fn parameter_digit_um(&self) -> f64 {
         match self.case.profile.dialect {
             Dialect::Siemens(_) if self.case.machine.inch => 0.254,
-            Dialect::Siemens(_)
-            | Dialect::Generic(_)
-            | Dialect::Declared(_)
-            | Dialect::Isg(_)
-            | Dialect::Klipper(_)
-            | Dialect::Linuxcnc(_) => 0.1,
             Dialect::Fanuc(_) => self.case.machine.axis(self.term.term.of).unit_um.unwrap(),
+            _ => 0.1,
         }
+    }
+
+    /// (c) On a control that takes every sign the other way round the residual doubles. Whether the
+    /// deviation is large enough to see that.
+    fn turned_sign_doubles(&self, turned: &Held) -> bool {
+        let generic = matches!(self.case.profile.dialect, Dialect::Generic(_));
+        for (a, b) in self.held.um.iter().zip(&turned.um) {
+            assert!(generic || (a + b).abs() < DUST_UM, "the sign acts on every node");
+        }
+        let reference = self.axis.reference;
+        let zero = self.target(reference);
+        let at_reference = self.held.um[self.held.node_at(reference)];
+        let (mut deviation, mut left) = (0.0_f64, 0.0_f64);
+        let nodes = self.held.mm.iter().zip(&self.held.um);
+        for (x, um) in nodes.filter(|(x, _)| self.is_on_grid(**x)) {
+            let own = self.target(*x) - zero;
+            deviation = deviation.max(own.abs());
+            left = left.max((own - (um - at_reference)).abs());
+        }
+        // The table of a fit may leave the curve, a four-point line does.
+        let count = self.case.count_um(self.term.term, self.output);
+        let is_sampled = self.case.machine.fit == "sample";
+        let slack = count.max(self.placement.fit_residual_um.unwrap_or(0.0))
+            + if is_sampled { 0.0 } else { self.placement.grid_residual_um };
+        let is_seen = deviation > 12.0 * slack && deviation > 0.1;
+        let name = self.name();
+        assert!(!is_seen || left >= 1.9 * deviation, "{name}: {deviation}, turned {left}");
+        is_seen
     }
 }

@@ -8,7 +8,6 @@ use nonius::control::controller::Role;
 use nonius::kit::Kit;
 use nonius::quantity::axis::Direction;
 use nonius::read::emulate::{Emulator, Response};
-use std::fmt::Write;
 
 /// What the emulator may differ from the control, µm; the rounding of what is printed comes on top.
 const EMULATOR_UM: f64 = 1e-3;
@@ -32,6 +31,7 @@ pub(crate) struct Case {
 }
 
 /// What one machine showed.
+#[derive(Default)]
 pub(crate) struct Seen {
     /// Servo cycles in which a joint moved, all joints together.
     pub(crate) cycles: usize,
@@ -67,13 +67,7 @@ impl Case {
         let emulator_um =
             (0..3).map(|joint| off_emulator(&cycles, joint, control.as_ref())).fold(0.0, f64::max);
         let moving = cycles.iter().flatten().filter(|joint| joint.speed != 0.0);
-        let mut seen = Seen {
-            cycles: moving.count(),
-            emulator_um,
-            forecast_um: 0.0,
-            before_um: 0.0,
-            after_um: 0.0,
-        };
+        let mut seen = Seen { cycles: moving.count(), emulator_um, ..Seen::default() };
         self.against_forecast(&kit, &cycles, &mut seen);
         let limit = |um: f64, figures: f64| um + figures * self.printed_um();
         let name = self.machine.name;
@@ -93,7 +87,7 @@ impl Case {
     /// The job of the machine.
     pub(crate) fn job(&self) -> String {
         let own = "terms = [\"EXX\", \"EYY\", \"EZZ\"]\n";
-        let mut job = format!(
+        let job = format!(
             "schema = 1\n[machine]\nname = \"{}\"\n[measurement]\nerrors = \"errors.csv\"\n\
              active_while_measuring = \"none\"\n[compensation]\ncontroller = \"{}\"\ncontrol_unit = \"{}\"\n\
              backlash = \"two-tables\"\n{}[acceptance]\nmax_deviation_um = 10.0\n",
@@ -102,17 +96,9 @@ impl Case {
             self.unit,
             if self.has_cross_tables() { "" } else { own },
         );
-        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-            let [low, high] = self.machine.travel[axis];
-            let spacing = (high - low) / (self.points - 1) as f64;
-            write!(
-                job,
-                "[machine.axes.{name}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = 0.0\nreference_direction = \"+\"\n\
-                 [compensation.axes.{name}]\nspacing_mm = {spacing:?}\n"
-            )
-            .unwrap();
-        }
-        job
+        let sections = (self.points - 1) as f64;
+        let spacing = self.machine.travel.map(|[low, high]| (high - low) / sections);
+        job + &self.machine.axes_of_job(spacing)
     }
 
     /// Every servo cycle of the control with exactly the files of the kit, in mm.
@@ -149,24 +135,20 @@ impl Case {
             };
             seen.before_um = seen.before_um.max(before);
             seen.after_um = seen.after_um.max(after);
-            seen.is_forecast(machine, &of.term, after, of.change.after_um);
+            let what = format!("{}: {}", machine.name, of.term);
+            seen.is_forecast(&what, after, of.change.after_um);
         }
         for of in &kit.forecast.diagonals {
             let left = left_along_diagonal(machine, cycles, of.name);
-            seen.is_forecast(machine, &of.name, left, of.change.after_um);
+            let what = format!("{}: {}", machine.name, of.name);
+            seen.is_forecast(&what, left, of.change.after_um);
         }
     }
 }
 
 impl Seen {
-    fn is_forecast(
-        &mut self,
-        machine: &Machine,
-        what: &dyn std::fmt::Display,
-        left: f64,
-        forecast: f64,
-    ) {
-        println!("{}: {what} {left:.4} µm, forecast {forecast:.4}", machine.name);
+    fn is_forecast(&mut self, what: &str, left: f64, forecast: f64) {
+        println!("{what} {left:.4} µm, forecast {forecast:.4}");
         self.forecast_um = self.forecast_um.max((left - forecast).abs());
     }
 }
@@ -211,12 +193,8 @@ pub(crate) fn path(machine: &Machine, places: usize, unit_mm: f64) -> String {
         program += &format!("G1{}\nG4 P0.1\n", at([part; 3]));
     }
     for [x, y, z] in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
-        program += &format!(
-            "G0{}\nG1{}\nG1{}\n",
-            at([x, y, z]),
-            at([1.0 - x, 1.0 - y, 1.0 - z]),
-            at([x, y, z])
-        );
+        let (from, to) = (at([x, y, z]), at([1.0 - x, 1.0 - y, 1.0 - z]));
+        program += &format!("G0{from}\nG1{to}\nG1{from}\n");
     }
     for axis in 0..3 {
         let alone = |at: f64| words([0, 1, 2].map(|own| if own == axis { at } else { 0.0 }));
@@ -302,8 +280,8 @@ fn largest(largest: [f64; 2], of: [f64; 2]) -> [f64; 2] {
 fn left_along_diagonal(machine: &Machine, cycles: &[Cycle], name: &str) -> f64 {
     let size = machine.travel.map(|[low, high]| high - low);
     let length = size.iter().map(|side| side * side).sum::<f64>().sqrt();
-    let signs: Vec<f64> =
-        name.chars().map(|letter| if letter == 'P' { 1.0 } else { -1.0 }).collect();
+    let sign = |letter| if letter == 'P' { 1.0 } else { -1.0 };
+    let signs: Vec<f64> = name.chars().map(sign).collect();
     let is_on = |cycle: &&Cycle| {
         let way = cycle[0].speed.signum() * signs[0];
         let part = |joint: usize| {
@@ -325,21 +303,17 @@ fn left_along_diagonal(machine: &Machine, cycles: &[Cycle], name: &str) -> f64 {
         (0..3).map(axis).sum()
     };
     let on_it = cycles.iter().filter(is_on).map(along);
-    let [low, high] = on_it
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], um| [low.min(um), high.max(um)]);
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    let [low, high] = on_it.fold(none, |[low, high], um| [low.min(um), high.max(um)]);
     high - low
 }
 
 impl Joint {
     fn times(self, factor: f64) -> Joint {
-        Joint {
-            command: self.command * factor,
-            drive: self.drive * factor,
-            speed: self.speed * factor,
-            offset: self.offset * factor,
-            table: self.table * factor,
-            added: self.added * factor,
-        }
+        let Joint { command, drive, speed, offset, table, added } = self;
+        let [command, drive, speed] = [command, drive, speed].map(|figure| figure * factor);
+        let [offset, table, added] = [offset, table, added].map(|figure| figure * factor);
+        Joint { command, drive, speed, offset, table, added }
     }
 
     /// What is added to the joint besides its own table, µm, of a joint in mm.

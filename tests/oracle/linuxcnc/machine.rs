@@ -46,6 +46,18 @@ impl Machine {
         [0, 1, 2].map(sum)
     }
 
+    /// The sections of a job for the axes, the reference points of which are approached upwards.
+    pub(crate) fn axes_of_job(&self, spacing: [f64; 3]) -> String {
+        let axis = |axis: usize| {
+            let (name, travel, spacing) = (["x", "y", "z"][axis], self.travel[axis], spacing[axis]);
+            format!(
+                "[machine.axes.{name}]\ntravel_mm = {travel:?}\nreference_mm = 0.0\nreference_direction = \"+\"\n\
+                 [compensation.axes.{name}]\nspacing_mm = {spacing:?}\n"
+            )
+        };
+        [0, 1, 2].map(axis).concat()
+    }
+
     /// The rows of an error table with `points` positions of each axis, both directions.
     pub(crate) fn error_table(&self, points: usize) -> String {
         let mut rows = String::from("axis,position_mm,direction,ex_um,ey_um,ez_um\n");

@@ -4,10 +4,9 @@
 use super::control::Run;
 use super::loops::path;
 use super::machine::{Machine, Stand, stands};
-use super::proof::{Tables, drive, nonius, signs_are_proved};
+use super::proof::{Tables, drive, signs_are_proved};
+use crate::support::visit::Visit;
 use std::fmt::Write;
-use std::fs;
-use std::path::Path;
 
 /// The diagonals in the order of the programs.
 const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
@@ -70,17 +69,14 @@ fn displacements(nominal: &[[f64; 3]], reached: &[[f64; 3]]) -> Vec<f64> {
         |places: &[[f64; 3]], n: usize| [0, 1, 2].map(|axis| places[n][axis] - places[0][axis]);
     let length = |of: [f64; 3]| of.iter().map(|part| part * part).sum::<f64>().sqrt();
     let all = 0..nominal.len();
-    let far = all
-        .clone()
-        .map(|n| from(nominal, n))
-        .max_by(|a, b| length(*a).total_cmp(&length(*b)))
-        .unwrap();
+    let ways = all.clone().map(|n| from(nominal, n));
+    let far = ways.max_by(|a, b| length(*a).total_cmp(&length(*b))).unwrap();
     let along = |of: [f64; 3]| of.iter().zip(&far).map(|(a, b)| a * b).sum::<f64>() / length(far);
     all.map(|n| along(from(reached, n))).collect()
 }
 
 fn job(machine: &Machine, readings: &str, active: &str) -> String {
-    let mut job = format!(
+    let job = format!(
         "schema = 1\n[machine]\nname = \"{}\"\n[measurement]\nreadings = \"{readings}\"\n\
          active_while_measuring = \"{active}\"\n\
          [measurement.step_diagonal]\nstart_mm = {{ x = 10.0, y = 10.0, z = -190.0 }}\n\
@@ -90,49 +86,37 @@ fn job(machine: &Machine, readings: &str, active: &str) -> String {
          terms = [\"EXX\", \"EYY\", \"EZZ\"]\n[acceptance]\nmax_deviation_um = 2.0\n",
         machine.name
     );
-    for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
-        let [low, high] = machine.travel[axis];
-        let spacing = [38.0, 28.0, 18.0][axis];
-        write!(
-            job,
-            "[machine.axes.{name}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = 0.0\nreference_direction = \"+\"\n\
-             [compensation.axes.{name}]\nspacing_mm = {spacing:?}\n"
-        )
-        .unwrap();
-    }
-    job
+    job + &machine.axes_of_job([38.0, 28.0, 18.0])
 }
 
 /// The visit; returns what `verify --after` says.
 pub(crate) fn visit(machine: &Machine) -> String {
-    let place = tempfile::tempdir().unwrap();
-    let folder = place.path();
-    let write = |name: &str, text: &str| fs::write(folder.join(name), text).unwrap();
-    let read = |name: &str| fs::read_to_string(folder.join(name)).unwrap();
+    let visit = Visit::new();
     let measure = |tables| {
-        let programs = DIAGONALS.map(|diagonal| read(&format!("run/NONIUS_{diagonal}.ngc")));
-        let seen = drive(folder, machine, tables, programs.to_vec());
-        Laser { machine }.fill(&read("run/positions.csv"), &read("run/readings.csv"), &seen)
+        let programs = DIAGONALS.map(|diagonal| visit.read(&format!("run/NONIUS_{diagonal}.ngc")));
+        let seen = drive(&visit, machine, tables, programs.to_vec());
+        let [positions, readings] =
+            ["positions", "readings"].map(|name| visit.read(&format!("run/{name}.csv")));
+        Laser { machine }.fill(&positions, &readings, &seen)
     };
-    write("job.toml", &job(machine, "readings.csv", "none"));
-    nonius(folder, "program job.toml -o run", 0);
-    write("readings.csv", &measure(Tables::None));
-    nonius(folder, "separate job.toml", 0);
-    nonius(folder, "generate job.toml -o kit", 0);
-    signs_are_proved(folder, machine, &["EXX"]);
-    write("after.csv", &measure(Tables::Kit("kit")));
-    write("after.toml", &job(machine, "after.csv", "kit"));
-    let said = nonius(folder, "verify job.toml --tables kit --after after.toml", 0);
-    updated_and_rolled_back(folder, machine);
+    visit.put("job.toml", job(machine, "readings.csv", "none"));
+    visit.yes("program job.toml -o run");
+    visit.put("readings.csv", measure(Tables::None));
+    visit.yes("separate job.toml");
+    visit.yes("generate job.toml -o kit");
+    signs_are_proved(&visit, machine, &["EXX"]);
+    visit.put("after.csv", measure(Tables::Kit("kit")));
+    visit.put("after.toml", job(machine, "after.csv", "kit"));
+    let said = visit.run("verify job.toml --tables kit --after after.toml").ends(0).all();
+    updated_and_rolled_back(&visit, machine);
     said
 }
 
 /// New tables from the second measurement leave less than the first ones; after the rollback the machine is as it was.
-fn updated_and_rolled_back(folder: &Path, machine: &Machine) {
-    nonius(folder, "generate after.toml -o update", 0);
+fn updated_and_rolled_back(visit: &Visit, machine: &Machine) {
+    visit.yes("generate after.toml -o update");
     let left = |tables| {
-        let programs = vec![path(machine, 6, 1.0)];
-        let seen = drive(folder, machine, tables, programs);
+        let seen = drive(visit, machine, tables, vec![path(machine, 6, 1.0)]);
         let of = |stand: &Stand| {
             let errors = machine.errors_um(stand.drive, stand.upwards);
             let axis = |axis: usize| {
