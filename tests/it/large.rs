@@ -99,7 +99,7 @@ fn refused(control: &str, name: &str, text: &str, command: &str, says: &str) {
 }
 
 #[test]
-fn the_work_of_a_refusal_grows_with_the_input_not_with_its_square() {
+fn the_work_of_refusing_an_input_grows_with_it_not_with_its_square() {
     let flaws = lines(LARGEST_PAGE / 20, |n, text| write!(text, "k{n} {n}"));
     refused("generic", "job.toml", &flaws, GENERATE, "not valid TOML");
     let unknown = lines(LARGEST_PAGE / 20, |n, text| write!(text, "k{n} = {n}"));
@@ -114,9 +114,12 @@ fn the_work_of_a_refusal_grows_with_the_input_not_with_its_square() {
     refused("generic", "a.txt", &names, ETALON, "unknown parameter `Q0`");
     let sections = lines(MOST_LINES * 10, |n, text| write!(text, "S{n}::"));
     refused("generic", "a.rtl", &sections, RTL, "lines, too many");
+}
+
+#[test]
+fn the_work_of_refusing_a_read_out_grows_with_it_not_with_its_square() {
     let axes = lines(MOST_ROWS - 10, |n, text| write!(text, "EXX,A{n},A{n},,0,0,0,0,"));
     refused("generic", "out/table.csv", &format!("{ROWS}{axes}"), READ_OUT, "is another axis");
-
     let good = "N06000Q1A1P40\n".repeat(300_000);
     let bad = "N03620Q1A1X5\n".repeat(5000);
     let text = format!("%\n{good}{bad}%\n");
@@ -227,7 +230,7 @@ fn nothing_is_written_that_would_be_refused_when_it_is_read() {
     }
 
     let doubts = "# doubt: it was a windy day in the hall\n".repeat(LARGEST_PAGE / 30);
-    visit.put("errors.csv", doubts + &visit.read("errors.csv"));
+    visit.put("errors.csv", doubts + &visit.read("errors.csv")).put("job.toml", &job);
     run(&visit, "generate job.toml -o doubtful").ends(2).says("`manifest.json` holds more than");
     assert!(!visit.has("doubtful"));
 }
