@@ -68,69 +68,57 @@ fn old_path(visit: &Visit) {
     old_file(visit);
 }
 
-/// A command that writes, below its fixture and what lies there besides.
-struct Scene {
-    fixture: &'static str,
-    arrange: fn(&Visit),
-    command: &'static str,
-}
-
-impl Scene {
-    /// Where it writes.
-    fn output(&self) -> &'static str {
-        let (_, output) = self.command.split_once("-o ").unwrap();
-        output.split(' ').next().unwrap()
-    }
-}
-
-const fn scene(fixture: &'static str, arrange: fn(&Visit), command: &'static str) -> Scene {
-    Scene { fixture, arrange, command }
-}
-
 const ERRORS: &str = "start/errors";
 const READINGS: &str = "diagonals/case_b_setup";
 const IMPORT: &str = "import isg_component_errors_selfmade.csv -o put.csv --sign as-error --force";
 
-const SCENES: [Scene; 12] = [
-    scene(ERRORS, nothing, "generate job.toml -o new/deep/kit"),
-    scene(ERRORS, old_kit, "generate job.toml -o kit --force"),
-    scene(ERRORS, older_kit, "generate job.toml -o kit --force --format json"),
-    scene(ERRORS, with_program, "program job.toml -o kit"),
-    scene(ERRORS, old_run, "program job.toml -o kit --force"),
-    scene(ERRORS, nothing, "simulate job.toml --errors -o put.csv"),
-    scene(ERRORS, old_file, "simulate job.toml --errors -o put.csv --force"),
-    scene(READINGS, nothing, "separate job.toml -o put.csv"),
-    scene(READINGS, old_file, "separate job.toml -o put.csv --force"),
-    scene("formats", old_file, IMPORT),
-    scene(ERRORS, with_part_program, "path job.toml part.nc -o put.csv"),
-    scene(ERRORS, old_path, "path job.toml part.nc -o put.csv --force"),
+/// Fixtures, what lies there besides, and commands that write.
+const SCENES: [(&str, fn(&Visit), &str); 12] = [
+    (ERRORS, nothing, "generate job.toml -o new/deep/kit"),
+    (ERRORS, old_kit, "generate job.toml -o kit --force"),
+    (ERRORS, older_kit, "generate job.toml -o kit --force --format json"),
+    (ERRORS, with_program, "program job.toml -o kit"),
+    (ERRORS, old_run, "program job.toml -o kit --force"),
+    (ERRORS, nothing, "simulate job.toml --errors -o put.csv"),
+    (ERRORS, old_file, "simulate job.toml --errors -o put.csv --force"),
+    (READINGS, nothing, "separate job.toml -o put.csv"),
+    (READINGS, old_file, "separate job.toml -o put.csv --force"),
+    ("formats", old_file, IMPORT),
+    (ERRORS, with_part_program, "path job.toml part.nc -o put.csv"),
+    (ERRORS, old_path, "path job.toml part.nc -o put.csv --force"),
 ];
 
 /// A scene with what it is before, and after a run that nothing disturbs.
 struct Played {
-    scene: &'static Scene,
+    command: &'static str,
+    /// Where it writes.
+    output: &'static str,
     before: Tree,
     after: Tree,
     said: Ran,
     calls: Vec<Call>,
 }
 
-static PLAYED: LazyLock<Vec<Played>> = LazyLock::new(|| SCENES.iter().map(Played::new).collect());
+static PLAYED: LazyLock<Vec<Played>> =
+    LazyLock::new(|| SCENES.into_iter().map(Played::new).collect());
 
 impl Played {
-    fn new(scene: &'static Scene) -> Played {
-        let visit = Visit::of(scene.fixture);
-        (scene.arrange)(&visit);
+    fn new((fixture, arrange, command): (&str, fn(&Visit), &'static str)) -> Played {
+        let (_, output) = command.split_once("-o ").unwrap();
+        let output = output.split(' ').next().unwrap();
+        let visit = Visit::of(fixture);
+        arrange(&visit);
         let before = visit.files();
-        let (said, log) = traced(&visit, &["-y"], scene.command);
+        let (said, log) = traced(&visit, &["-y"], command);
         let after = visit.files();
-        assert!(after.contains_key(scene.output()), "{}", scene.command);
-        Played { scene, before, after, said: said.answers(), calls: calls(&log, scene) }
+        assert!(after.contains_key(output), "{command}");
+        let calls = calls(&log, output);
+        Played { command, output, before, after, said: said.answers(), calls }
     }
 
     /// What lies at the output is old, new, or was and is nothing, and all else is as it was.
     fn whole(&self, found: &Tree) -> Result<(), String> {
-        let output = self.scene.output();
+        let output = self.output;
         let now = at(found, output);
         if now != at(&self.before, output) && now != at(&self.after, output) {
             return Err("the output is neither old nor new".to_string());
@@ -151,7 +139,7 @@ impl Played {
 
     /// No half kit lies at DIR.previous, and the old one with a user's file lies somewhere.
     fn kept(&self, found: &Tree) -> Result<(), String> {
-        let output = self.scene.output();
+        let output = self.output;
         let old = at(&self.before, output);
         let previous = format!("{output}.previous");
         let known = [old.clone(), at(&self.before, &previous), at(&self.after, output)];
@@ -170,8 +158,7 @@ impl Played {
 
     /// The new thing is in its place.
     fn written(&self, found: &Tree) -> Result<(), String> {
-        let output = self.scene.output();
-        let is_new = at(found, output) == at(&self.after, output);
+        let is_new = at(found, self.output) == at(&self.after, self.output);
         is_new.then_some(()).ok_or_else(|| "the output is not the new one".to_string())
     }
 
@@ -182,7 +169,7 @@ impl Played {
 
     /// A run that nothing disturbs writes the new thing and removes what a killed one left, by name.
     fn next_run(&self, visit: &Visit, left: &Tree) -> Result<(), String> {
-        let command = self.scene.command.replace(" --force", "");
+        let command = self.command.replace(" --force", "");
         let Ran { status, err, .. } = visit.run(&format!("{command} --force"));
         if status != self.said.status {
             return Err(format!("the next run: {err}"));
@@ -190,7 +177,7 @@ impl Played {
         let found = visit.files();
         self.complete(&found).map_err(|why| format!("after the next run {why}"))?;
         // With `--force` on a file the old one is replaced.
-        let is_file = matches!(self.after.get(self.scene.output()), Some(Entry::File(_)));
+        let is_file = matches!(self.after.get(self.output), Some(Entry::File(_)));
         if copies(&self.before, USERS_OWN) > copies(&found, USERS_OWN) && !is_file {
             return Err("the next run lost a user's file".to_string());
         }
@@ -260,9 +247,9 @@ fn has_strace() -> bool {
 }
 
 /// The system calls of a scene, from the first that names its output on.
-fn calls(text: &str, scene: &Scene) -> Vec<Call> {
+fn calls(text: &str, output: &str) -> Vec<Call> {
     let first = text.split_whitespace().next().unwrap();
-    let output = scene.output().trim_start_matches("new/deep/");
+    let output = output.trim_start_matches("new/deep/");
     let mut seen = BTreeMap::new();
     let mut calls = Vec::new();
     let (mut touched, mut listed) = (false, "");
@@ -288,7 +275,7 @@ fn calls(text: &str, scene: &Scene) -> Vec<Call> {
             listed = handle;
         }
     }
-    assert!(calls.len() > 20, "{}: {text}", scene.command);
+    assert!(calls.len() > 20, "{output}: {text}");
     calls
 }
 
@@ -309,50 +296,34 @@ fn traced(visit: &Visit, options: &[&str], command: &str) -> (Ran, String) {
 }
 
 /// What happens at a system call.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     /// Killed: nothing can be tidied up.
     Kill,
     /// Ended by Ctrl-C, the end of the session or `kill`.
-    End(&'static str),
+    End,
     /// The system refuses the call.
-    Refuse(&'static str),
+    Refuse,
 }
 
-const SIGNALS: [Fault; 2] = [Fault::End("SIGTERM"), Fault::End("SIGINT")];
-const REFUSALS: [Fault; 5] = [
-    Fault::Refuse("ENOSPC"),
-    Fault::Refuse("EIO"),
-    Fault::Refuse("EACCES"),
-    Fault::Refuse("EINTR"),
-    Fault::Refuse("EINVAL"),
-];
-
-fn disturbed(played: &Played, call: &Call, fault: Fault) -> Result<(), String> {
+fn disturbed(played: &Played, call: &Call, fault: Fault, how: &str) -> Result<(), String> {
     let visit = place(&played.before);
-    let what = match fault {
-        Fault::Kill => "signal=SIGKILL".to_string(),
-        Fault::End(signal) => format!("signal={signal}"),
-        Fault::Refuse(error) => format!("error={error}"),
-    };
     let Call { name, number, .. } = call;
     let only = format!("trace={name}");
-    let inject = format!("inject={name}:{what}:when={number}");
-    let (ran, log) = traced(&visit, &["-e", &only, "-e", &inject], played.scene.command);
+    let inject = format!("inject={name}:{how}:when={number}");
+    let (ran, log) = traced(&visit, &["-e", &only, "-e", &inject], played.command);
     let found = visit.files();
     // The removal of what is not needed any more may have been refused; it is tried again.
     let has_next = match fault {
         Fault::Kill => true,
-        Fault::End(_) => false,
-        Fault::Refuse(_) => !partials(&found).is_empty(),
+        Fault::End => false,
+        Fault::Refuse => !partials(&found).is_empty(),
     };
     let next = |()| if has_next { played.next_run(&visit, &found) } else { Ok(()) };
     judge(played, fault, &ran, &found).and_then(next).map_err(|why| {
         let line = log.lines().find(|line| line.contains("INJECTED")).unwrap_or_default();
         let Ran { command, status, err, .. } = ran;
-        format!(
-            "{command}: {fault:?} at {name} {number}: {why}\n  status {status:?}, {line}\n  {err}"
-        )
+        format!("{command}: {how} at {name} {number}: {why}\n  status {status:?}, {line}\n  {err}")
     })
 }
 
@@ -363,41 +334,38 @@ fn judge(played: &Played, fault: Fault, ran: &Ran, found: &Tree) -> Result<(), S
     let changed = || Err(format!("changed: {}", difference(&played.before, found)));
     match (fault, ran.status) {
         (Fault::Kill, None) => Ok(()),
-        (Fault::End(_), Some(2) | None) => match tidy(found) {
+        (Fault::End, Some(2) | None) => match tidy(found) {
             Ok(()) if *found != played.before && played.complete(found).is_err() => changed(),
             tidy => tidy,
         },
-        (Fault::Refuse(_), Some(2)) if *found == played.before => Ok(()),
-        (Fault::Refuse(_), Some(2)) => changed(),
-        (Fault::Refuse(_), Some(_)) if done => played.written(found),
+        (Fault::Refuse, Some(2)) if *found == played.before => Ok(()),
+        (Fault::Refuse, Some(2)) => changed(),
+        (Fault::Refuse, Some(_)) if done => played.written(found),
         (_, Some(_)) if done => played.complete(found),
         // The library panics where the end of a list of files is refused (docs/security.md §3): nothing is half.
-        (Fault::Refuse(_), Some(101)) if is_end_of_a_list => played.kept(found),
+        (Fault::Refuse, Some(101)) if is_end_of_a_list => played.kept(found),
         _ => Err("it ended in another way".to_string()),
     }
 }
 
 /// Tries faults at the system calls of all scenes: every `step`th of each scene, or all.
-fn try_faults(faults: &[Fault], step: usize) {
+fn try_faults(fault: Fault, ways: &[&str], step: usize) {
     if !has_strace() {
         return skipped("strace is not here, or may not trace");
     }
     let step = if is_whole() { 1 } else { step };
     let (mut cases, mut all) = (Vec::new(), 0);
     for (number, played) in PLAYED.iter().enumerate() {
-        let is_tried =
-            |call: &&Call, fault: &Fault| !matches!(fault, Fault::Refuse(_)) || call.is_refusable;
-        let calls = played.calls.iter();
-        let of_scene: Vec<_> = calls
-            .flat_map(|call| faults.iter().map(move |fault| (played, call, *fault)))
-            .filter(|(_, call, fault)| is_tried(call, fault))
-            .collect();
+        let is_tried = |call: &&Call| fault != Fault::Refuse || call.is_refusable;
+        let calls = played.calls.iter().filter(is_tried);
+        let of_scene: Vec<_> =
+            calls.flat_map(|call| ways.iter().map(move |how| (played, call, *how))).collect();
         all += of_scene.len();
         // Each scene begins at another place; one case of each is taken at least.
         let first = (number * step / SCENES.len()) % of_scene.len();
         cases.extend(of_scene.into_iter().skip(first).step_by(step));
     }
-    let failures = in_parallel(&cases, |(played, call, fault)| disturbed(played, call, *fault));
+    let failures = in_parallel(&cases, |(played, call, how)| disturbed(played, call, fault, how));
     told(&format!("{} of {all} cases", cases.len()));
     let shown = failures.iter().take(40).map(String::as_str).collect::<Vec<_>>().join("\n");
     assert!(failures.is_empty(), "{} of {} cases:\n{shown}", failures.len(), cases.len());
@@ -423,17 +391,18 @@ fn in_parallel<T: Sync>(
 
 #[test]
 fn killed_at_any_system_call_nothing_is_half_and_the_next_run_tidies_up() {
-    try_faults(&[Fault::Kill], 97);
+    try_faults(Fault::Kill, &["signal=SIGKILL"], 97);
 }
 
 #[test]
 fn ended_at_any_system_call_nothing_unfinished_is_left() {
-    try_faults(&SIGNALS, 211);
+    try_faults(Fault::End, &["signal=SIGTERM", "signal=SIGINT"], 211);
 }
 
 #[test]
 fn refused_at_any_system_call_everything_is_written_or_nothing() {
-    try_faults(&REFUSALS, 211);
+    let errors = ["ENOSPC", "EIO", "EACCES", "EINTR", "EINVAL"].map(|e| format!("error={e}"));
+    try_faults(Fault::Refuse, &errors.each_ref().map(String::as_str), 211);
 }
 
 /// A small memory disk; unmounted at the end.

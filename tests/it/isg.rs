@@ -1,6 +1,6 @@
 //! The volumetric compensation of the ISG kernel from a job to its files and back: angles and what they do away
 //! from the lines of measurement, both forms of the parameter file, what is refused.
-use super::joints::uncommented;
+use super::joints::ensure_second_measurement_judged;
 use crate::support::visit::{Visit, number, replaced};
 
 /// X rolls, pitches and yaws; Y yaws. Positions of X from its rest, 100 mm.
@@ -212,15 +212,7 @@ fn old_tables_are_part_of_the_new_ones_unless_they_hold_angles() {
     again.ends(2).says("the active tables hold angles (EAX)");
 }
 
-/// A second measurement as the emulated control would give it; one without tables misses.
 #[test]
 fn a_second_measurement_is_judged() {
-    let visit = plain();
-    let simulate = "simulate job.toml --errors --noise-um 0.05 --seed 3 --force -o after.csv";
-    for (tables, expected) in [("--tables kit", "pass"), ("--without-tables", "fail")] {
-        visit.yes(&format!("{simulate} {tables}"));
-        visit.put("after.csv", uncommented(&visit.read("after.csv")));
-        let page = visit.json("verify job.toml --tables kit --after after.csv");
-        assert_eq!(page["verdict"], expected, "{tables} {page:#}");
-    }
+    ensure_second_measurement_judged(&plain(), "0.05");
 }

@@ -155,24 +155,26 @@ fn old_tables_are_part_of_the_new_ones() {
     assert_eq!(visit.read("again/joint-0.comp"), rows);
 }
 
-/// A second measurement as the emulated control would give it; one without tables misses.
 #[test]
 fn a_second_measurement_is_judged() {
     let visit = kit(NONE, TWO);
-    let simulate = "simulate job.toml --errors --noise-um 0.1 --seed 3 --force -o after.csv";
+    visit.edit("job.toml", "max_deviation_um = 100", "max_deviation_um = 10");
+    ensure_second_measurement_judged(&visit, "0.1");
+}
+
+/// As the emulated control would give it; one without tables misses.
+#[track_caller]
+pub(super) fn ensure_second_measurement_judged(visit: &Visit, noise_um: &str) {
+    let simulate = format!("simulate job.toml --errors --noise-um {noise_um} --seed 3 --force");
     for (tables, expected) in [("--tables kit", "pass"), ("--without-tables", "fail")] {
-        visit.put("job.toml", job(NONE, TWO));
-        visit.yes(&format!("{simulate} {tables}"));
-        visit.put("after.csv", uncommented(&visit.read("after.csv")));
-        visit.edit("job.toml", "max_deviation_um = 100", "max_deviation_um = 10");
+        visit.yes(&format!("{simulate} {tables} -o after.csv"));
+        // Without the remarks that say it was simulated.
+        let table = visit.read("after.csv");
+        let rows: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
+        visit.put("after.csv", rows.join("\n") + "\n");
         let page = visit.json("verify job.toml --tables kit --after after.csv");
         assert_eq!(page["verdict"], expected, "{tables} {page:#}");
     }
-}
-
-/// A table without the remarks that say it was simulated.
-pub(crate) fn uncommented(table: &str) -> String {
-    table.lines().filter(|line| !line.starts_with('#')).map(|line| format!("{line}\n")).collect()
 }
 
 /// Positions reached in place of values to add: another file, the same effect.
