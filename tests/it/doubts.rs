@@ -78,20 +78,14 @@ fn accusation(found: &Separation) -> Option<String> {
 fn readings_under_each_others_name_are_told() {
     use Diagonal::{Npp, Pnp, Ppn, Ppp};
     let [some, repeats] = [&[(1, 3), (2, 1), (3, 3)][..], &[(3, 3)]];
+    let ring = "readings named PPP, NPP, PNP were those of PNP, PPP, NPP:";
+    let pairs = "readings named PPP, NPP, PNP, PPN were those of NPP, PPP, PPN, PNP:";
     for (names, campaigns, said) in [
         ([Ppp, Npp, Ppn, Pnp], some, "readings of PNP and PPN were exchanged"),
         ([Npp, Ppp, Pnp, Ppn], some, "readings of PPP and NPP were exchanged"),
         ([Ppp, Ppn, Pnp, Npp], some, "readings of NPP and PPN were exchanged"),
-        (
-            [Npp, Pnp, Ppp, Ppn],
-            repeats,
-            "readings named PPP, NPP, PNP were those of PNP, PPP, NPP:",
-        ),
-        (
-            [Npp, Ppp, Ppn, Pnp],
-            repeats,
-            "readings named PPP, NPP, PNP, PPN were those of NPP, PPP, PPN, PNP:",
-        ),
+        ([Npp, Pnp, Ppp, Ppn], repeats, ring),
+        ([Npp, Ppp, Ppn, Pnp], repeats, pairs),
     ] {
         for (seed, count) in campaigns {
             let mut runs = repeated(*seed, *count);

@@ -72,8 +72,10 @@ const ERRORS: &str = "start/errors";
 const READINGS: &str = "diagonals/case_b_setup";
 const IMPORT: &str = "import isg_component_errors_selfmade.csv -o put.csv --sign as-error --force";
 
-/// Fixtures, what lies there besides, and commands that write.
-const SCENES: [(&str, fn(&Visit), &str); 12] = [
+/// A fixture, what lies there besides, and a command that writes.
+type Scene = (&'static str, fn(&Visit), &'static str);
+
+const SCENES: [Scene; 12] = [
     (ERRORS, nothing, "generate job.toml -o new/deep/kit"),
     (ERRORS, old_kit, "generate job.toml -o kit --force"),
     (ERRORS, older_kit, "generate job.toml -o kit --force --format json"),
@@ -103,7 +105,7 @@ static PLAYED: LazyLock<Vec<Played>> =
     LazyLock::new(|| SCENES.into_iter().map(Played::new).collect());
 
 impl Played {
-    fn new((fixture, arrange, command): (&str, fn(&Visit), &'static str)) -> Played {
+    fn new((fixture, arrange, command): Scene) -> Played {
         let (_, output) = command.split_once("-o ").unwrap();
         let output = output.split(' ').next().unwrap();
         let visit = Visit::of(fixture);

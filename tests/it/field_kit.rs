@@ -163,8 +163,10 @@ fn as_known(profile: &Profile, fact: &str) -> &'static str {
     }
 }
 
-fn has_no_proof(note: &&Finding) -> bool {
-    matches!(note.kind(), Some(TableFinding::NoSignProof { .. }))
+/// How many mechanisms have a reason in place of a proof.
+fn unproved(kit: &Kit) -> usize {
+    let is_reason = |note: &&Finding| matches!(note.kind(), Some(TableFinding::NoSignProof { .. }));
+    kit.compiled.notes.iter().filter(is_reason).count()
 }
 
 fn contract_of(id: &str) {
@@ -174,14 +176,14 @@ fn contract_of(id: &str) {
         let machine = machine(&profile, seed);
         let (inputs, kit) = support::generate(&machine.job, &machine.csv);
         let proofs = &kit.manifest.sign_proofs;
-        let unproved = kit.compiled.notes.iter().filter(has_no_proof).count();
+        let unproved = unproved(&kit);
         assert!(
             proofs.len() + unproved > 0,
             "{id} {seed}: every mechanism has a proof or a reason"
         );
         let names = proofs.iter().flat_map(|p| p["files"].as_array().unwrap());
         assert_eq!(names.count(), files_of(&kit, Role::SignProof).len());
-        let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
+        let page = checklist(&kit);
         for proof in proofs {
             let name = format!("{id}, machine {seed}, {proof}");
             ensure_legal(&name, &inputs, &kit, proof);
@@ -231,7 +233,7 @@ fn without_a_read_out_the_first_step_is_to_read_out() {
     for id in builtin::ids() {
         let kit = kit_of(id);
         assert!(files_of(&kit, Role::Rollback).is_empty(), "{id}");
-        let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
+        let page = checklist(&kit);
         let first = page.lines().find(|line| line.starts_with("1. ")).unwrap();
         assert!(first.contains("keep") && first.contains("rollback"), "{id}: {first}");
         // A note may show braces, as it shows what to write into a job.
@@ -334,8 +336,7 @@ fn no_legal_place_is_said_and_nothing_is_written() {
     let kit = kit_of_x("siemens-840d-sl", "x,400,1,1,1\n", limits);
     let proofs = files_of(&kit, Role::SignProof);
     assert!(proofs.is_empty(), "4.9 µm in one section, and two sections do not fit");
-    let notes = kit.compiled.notes.iter().filter(has_no_proof);
-    assert_eq!(notes.count(), 2, "ENC_COMP and CEC: {:?}", kit.compiled.notes);
+    assert_eq!(unproved(&kit), 2, "ENC_COMP and CEC: {:?}", kit.compiled.notes);
 }
 
 #[test]

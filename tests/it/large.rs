@@ -3,7 +3,7 @@
 //! would be refused when it is read.
 
 use crate::support::tree::Entry;
-use crate::support::visit::{Ran, Visit, fixture, page, program};
+use crate::support::visit::{Ran, Visit, fixture, page, program, replaced};
 use nonius::text::document::{LARGEST_PAGE, MOST_LINES, MOST_ROWS};
 use nonius::text::problem::LONGEST_LINE_BYTES;
 use std::fmt::Write as _;
@@ -215,8 +215,7 @@ fn nothing_is_written_that_would_be_refused_when_it_is_read() {
     let visit = with_job("generic");
     let job = visit.read("job.toml");
     let with_spacing = |mm: f64| {
-        let job = job.replace("spacing_mm = 30.000000", &format!("spacing_mm = {mm}"));
-        visit.put("job.toml", job.replace("spacing_mm = 24.000000", &format!("spacing_mm = {mm}")));
+        visit.put("job.toml", replaced(&job, "spacing_mm = ", &format!("spacing_mm = {mm} # ")));
     };
     with_spacing(0.01);
     run(&visit, "generate job.toml -o kit")
