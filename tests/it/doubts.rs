@@ -1,13 +1,11 @@
 //! What the readings say against a result reaches every output: `separate`, its table, the kit
 //! made from the readings, and the kit made from the table.
-use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, campaign, measurement, naive, runs, volume, with_noise, words,
+    Machine, campaign, measurement, naive, normal, runs, solved, volume, with_noise, words,
 };
-use crate::support::run::nonius;
+use crate::support::visit::{Ran, Visit, number};
 use nonius::inputs::job::{Frame, SetUp};
-use nonius::machine::separation::noise::NoiseSource;
-use nonius::machine::separation::noise::ReadingPlace;
+use nonius::machine::separation::noise::{NoiseSource, ReadingPlace};
 use nonius::machine::separation::{Separation, separate};
 use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
@@ -15,9 +13,6 @@ use nonius::quantity::units::Deviation;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde_json::Value;
-use std::fs;
-use std::path::Path;
-use std::process::Output;
 
 mod in_every_output;
 
@@ -73,66 +68,39 @@ fn a_disturbed_reading_of_three_runs_is_named_with_its_run() {
     }
 }
 
-/// Runs under other names: `walked` is the diagonal whose readings stand under a name.
-fn renamed(mut runs: Vec<Run>, name_of: impl Fn(Diagonal) -> Diagonal) -> Vec<Run> {
-    for run in &mut runs {
-        run.diagonal = name_of(run.diagonal);
-    }
-    runs
-}
-
 fn accusation(found: &Separation) -> Option<String> {
     words(&found.doubts).into_iter().find(|doubt| doubt.starts_with("as if"))
 }
 
-/// The four programs are alike: a file under another diagonal's name is complete and plausible.
+/// The four programs are alike: a file under another diagonal's name is complete and plausible. Two names
+/// exchanged, three passed on in a ring, and two pairs at once: what `names` gives for PPP, NPP, PNP, PPN.
 #[test]
 fn readings_under_each_others_name_are_told() {
-    let pairs = [
-        (Diagonal::Pnp, Diagonal::Ppn),
-        (Diagonal::Ppp, Diagonal::Npp),
-        (Diagonal::Npp, Diagonal::Ppn),
-    ];
-    for (one, other) in pairs {
-        for (seed, count) in [(1, 3), (2, 1), (3, 3)] {
-            let exchanged = |diagonal| match diagonal {
-                diagonal if diagonal == one => other,
-                diagonal if diagonal == other => one,
-                diagonal => diagonal,
-            };
-            let found = naive(&box_30(), &renamed(repeated(seed, count), exchanged));
-            let said = format!("as if the readings of {one} and {other} were exchanged");
-            assert!(words(&found.doubts)[0].starts_with(&said), "{:?}", words(&found.doubts));
+    use Diagonal::{Npp, Pnp, Ppn, Ppp};
+    let [some, repeats] = [&[(1, 3), (2, 1), (3, 3)][..], &[(3, 3)]];
+    let ring = "readings named PPP, NPP, PNP were those of PNP, PPP, NPP:";
+    let pairs = "readings named PPP, NPP, PNP, PPN were those of NPP, PPP, PPN, PNP:";
+    for (names, campaigns, said) in [
+        ([Ppp, Npp, Ppn, Pnp], some, "readings of PNP and PPN were exchanged"),
+        ([Npp, Ppp, Pnp, Ppn], some, "readings of PPP and NPP were exchanged"),
+        ([Ppp, Ppn, Pnp, Npp], some, "readings of NPP and PPN were exchanged"),
+        ([Npp, Pnp, Ppp, Ppn], repeats, ring),
+        ([Npp, Ppp, Ppn, Pnp], repeats, pairs),
+    ] {
+        for (seed, count) in campaigns {
+            let mut runs = repeated(*seed, *count);
+            for run in &mut runs {
+                let walked = Diagonal::ALL.iter().position(|walked| *walked == run.diagonal);
+                run.diagonal = names[walked.unwrap()];
+            }
+            let doubts = words(&naive(&box_30(), &runs).doubts);
+            assert!(doubts[0].starts_with(&format!("as if the {said}")), "{said}: {doubts:?}");
         }
     }
     for seed in 0..20 {
         let found = naive(&box_30(), &repeated(seed, 1));
         assert_eq!(accusation(&found), None);
     }
-}
-
-/// Three names passed on in a ring, and two pairs at once.
-#[test]
-fn more_than_one_exchange_is_named_as_it_happened() {
-    use Diagonal::{Npp, Pnp, Ppn, Ppp};
-    let ring = |diagonal| match diagonal {
-        Ppp => Npp,
-        Npp => Pnp,
-        Pnp => Ppp,
-        Ppn => Ppn,
-    };
-    let found = naive(&box_30(), &renamed(repeated(3, 3), ring));
-    let said = "as if the readings named PPP, NPP, PNP were those of PNP, PPP, NPP:";
-    assert!(words(&found.doubts)[0].starts_with(said), "{:?}", words(&found.doubts));
-    let pairs = |diagonal| match diagonal {
-        Ppp => Npp,
-        Npp => Ppp,
-        Pnp => Ppn,
-        Ppn => Pnp,
-    };
-    let found = naive(&box_30(), &renamed(repeated(3, 3), pairs));
-    let said = "as if the readings named PPP, NPP, PNP, PPN were those of NPP, PPP, PPN, PNP:";
-    assert!(words(&found.doubts)[0].starts_with(said), "{:?}", words(&found.doubts));
 }
 
 /// A walk whose steps went in another order than the job records, read against its own nominal list.
@@ -203,9 +171,8 @@ fn a_scatter_far_above_the_noise_is_a_finding() {
         words(&separate(&campaign, &all).doubts).join("\n")
     };
     let said = found(50.0, None, 1);
-    for words in
-        ["from the scatter of the closure: above the 1 µm that are assumed", "state `noise_um`"]
-    {
+    let above = "from the scatter of the closure: above the 1 µm that are assumed";
+    for words in [above, "state `noise_um`"] {
         assert!(said.contains(words), "{said}");
     }
     assert!(found(1000.0, None, 1).contains("above the 1 µm"));
@@ -228,21 +195,6 @@ fn with_two_runs_either_may_be_the_disturbed_one() {
     assert_eq!(found.closure.outliers.len(), 1, "the closure names it once more");
 }
 
-#[test]
-fn sound_readings_are_rarely_doubted() {
-    for count in [1, 3] {
-        let doubted = (0..200)
-            .filter(|seed| {
-                let mut runs = repeated(5000 + seed, count);
-                // Frame and set-up are right, so only the tests of noise can speak.
-                runs.truncate(4 * usize::try_from(count).unwrap());
-                !naive(&box_30(), &runs).doubts.is_empty()
-            })
-            .count();
-        assert!(doubted <= 10, "{doubted} of 200 with {count} run(s)");
-    }
-}
-
 /// Readings of a perfect machine whose X rolls evenly by `urad` over its travel, the levers alone:
 /// a step of Y or Z made at x is turned by the roll there.
 fn rolling(volume: &Volume, urad: f64) -> PerDiagonal<Vec<f64>> {
@@ -255,15 +207,10 @@ fn rolling(volume: &Volume, urad: f64) -> PerDiagonal<Vec<f64>> {
                 volume.along_mm(axis, from_low)
             };
             let roll = urad * place(Axis::X, 0) / volume.size.x.mm();
-            let error = PerAxis {
-                x: 0.0,
-                y: -roll * place(Axis::Z, 2) / 1000.0,
-                z: roll * place(Axis::Y, 1) / 1000.0,
-            };
-            Axis::ALL
-                .into_iter()
-                .map(|axis| d.sign(axis) * volume.cosine(axis) * error[axis])
-                .sum::<f64>()
+            let y = -roll * place(Axis::Z, 2) / 1000.0;
+            let z = roll * place(Axis::Y, 1) / 1000.0;
+            let along = |axis: Axis, um: f64| d.sign(axis) * volume.cosine(axis) * um;
+            along(Axis::Y, y) + along(Axis::Z, z)
         };
         (0..=3 * n).map(|node| at(node) - at(0)).collect()
     })
@@ -290,40 +237,9 @@ fn roll_makes_ramps_and_accuses_no_reading() {
     }
 }
 
-#[test]
-fn means_and_single_w_scatter_as_expected() {
-    let volume = box_30();
-    let perfect = Machine::perfect(&volume).readings(None);
-    let mut random = ChaCha8Rng::seed_from_u64(12);
-    let (mut single, mut mean, mut ramp, mut count) = (0.0, 0.0, 0.0, 0.0);
-    let mut last = None;
-    for _ in 0..200 {
-        let readings = with_noise(&perfect, SIGMA_UM, &mut random);
-        let found = naive(&volume, &runs(1, Pass::Forward, &readings));
-        for axis in Axis::ALL {
-            single += found.closure.by_interval[axis][7].powi(2);
-            mean += found.closure.mean[axis].powi(2);
-            ramp += found.closure.ramps.as_ref().unwrap().change_um[axis].powi(2);
-            count += 1.0;
-        }
-        last = Some(found.closure);
-    }
-    let closure = last.unwrap();
-    let expected = 2.0 * std::f64::consts::SQRT_2;
-    assert!((closure.scatter.x - expected).abs() < 1e-12);
-    let near = |sum: f64, wanted: f64, what: &str| {
-        let found = (sum / count).sqrt();
-        assert!((found / wanted - 1.0).abs() < 0.1, "{what}: {found}, expected {wanted}");
-    };
-    near(single, expected * SIGMA_UM, "w");
-    near(mean, closure.u_mean_um(Axis::X, SIGMA_UM), "mean");
-    let u: f64 = closure.ramps.unwrap().u.iter().map(|(_, u)| u * u).sum();
-    near(ramp, SIGMA_UM * (u / 3.0).sqrt(), "ramp");
-}
-
 fn stated_noise(noise_um: f64) -> Separation {
-    let measurement = simulated::measurement(&box_30(), SetUp::AssumePerfect, Frame::AsMeasured);
-    let mut campaign = simulated::campaign(&measurement, Vec::new());
+    let measurement = measurement(&box_30(), SetUp::AssumePerfect, Frame::AsMeasured);
+    let mut campaign = campaign(&measurement, Vec::new());
     campaign.stated.noise_um = Some(noise_um);
     separate(&campaign, &repeated(1, 1))
 }
@@ -352,18 +268,9 @@ fn the_scatter_is_tested_to_both_sides() {
 fn a_perfect_set_up_is_contradicted_by_the_mean_of_the_closure() {
     let mut machine = Machine::perfect(&box_30());
     machine.lean[Diagonal::Npp] = PerAxis { x: 0.0, y: 50e-6, z: -50e-6 };
-    let found = naive(&box_30(), &runs(1, Pass::Forward, &machine.readings(None)));
-    assert!(
-        words(&found.doubts)[0].contains("set-up is assumed perfect"),
-        "{:?}",
-        words(&found.doubts)
-    );
-    let solved = simulated::solved(
-        &box_30(),
-        machine.lines(&Axis::ALL, Some(0.5)),
-        &runs(1, Pass::Forward, &machine.readings(None)),
-    );
+    let runs = runs(1, Pass::Forward, &machine.readings(None));
+    let doubts = words(&naive(&box_30(), &runs).doubts);
+    assert!(doubts[0].contains("set-up is assumed perfect"), "{doubts:?}");
+    let solved = solved(&box_30(), machine.lines(&Axis::ALL, Some(0.5)), &runs);
     assert!(solved.stands(), "{:?}", solved.doubts);
 }
-
-// As a user runs it.

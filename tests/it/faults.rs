@@ -2,218 +2,125 @@
 //! full at any size: what lies at the output is the old thing, the new one or nothing, each whole; no
 //! input is changed and nothing of a user's is lost.
 //!
-//! Of the system calls a sample is taken; `NONIUS_FAULTS=all cargo test --test faults` takes all. They
-//! need Linux with `strace`, full disks need root; where that is missing, the tests say so.
+//! Of the system calls of every command a sample is taken; `NONIUS_FAULTS=all cargo test --test it faults`
+//! takes all. They need Linux with `strace`, full disks need root; where that is missing, the tests say so.
 
-use crate::support::tree::{
-    Entry, Tree, below, copies, copy_of, difference, lay, skipped, told, tree,
-};
+use super::lost::PROGRAM;
+use crate::support::tree::{Entry, Tree, below, copies, difference, lay, skipped, told, tree};
+use crate::support::visit::{Ran, Visit};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output, Stdio};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use tempfile::TempDir;
-
-/// A command that writes, with what lies around it.
-struct Scene {
-    name: &'static str,
-    fixture: &'static str,
-    /// What lies there besides the fixture.
-    arrange: fn(&Path),
-    command: &'static str,
-    /// Where it writes.
-    output: &'static str,
-}
+use std::process::{Command, Stdio};
+use std::sync::LazyLock;
+use tempfile::{NamedTempFile, TempDir};
 
 /// In an old kit or at the place of a file: gone, it would be lost.
 const USERS_OWN: &[u8] = b"what a person wrote\n";
 
-fn put(path: &Path, text: impl AsRef<[u8]>) {
-    fs::write(path, text).expect("a file can be written");
-}
+fn nothing(_: &Visit) {}
 
-fn append(path: &Path, text: &str) {
-    let old = fs::read_to_string(path).expect("a file");
-    put(path, old + text);
+fn append(visit: &Visit, name: &str, text: &str) {
+    visit.put(name, visit.read(name) + text);
 }
-
-fn run(at: &Path, command: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(command.split_whitespace())
-        .current_dir(at)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts")
-}
-
-fn nothing(_: &Path) {}
 
 /// An old kit with a user's file in it, made from another table.
-fn old_kit(at: &Path) {
-    let table = fs::read_to_string(at.join("errors.csv")).expect("a table");
-    put(&at.join("errors.csv"), table.replace("1.43", "1.53"));
-    run(at, "generate job.toml -o kit");
-    put(&at.join("errors.csv"), table);
-    put(&at.join("kit/archive.arc"), USERS_OWN);
+fn old_kit(visit: &Visit) {
+    let table = visit.read("errors.csv");
+    visit.edit("errors.csv", "x,400,8,", "x,400,9,");
+    visit.run("generate job.toml -o kit");
+    visit.put("errors.csv", table).put("kit/archive.arc", USERS_OWN);
 }
 
 /// An old kit, and an older one as it was made.
-fn older_kit(at: &Path) {
-    old_kit(at);
-    fs::remove_file(at.join("kit/archive.arc")).expect("it is there");
-    fs::rename(at.join("kit"), at.join("kit.previous")).expect("a kit can be moved");
-    old_kit(at);
+fn older_kit(visit: &Visit) {
+    old_kit(visit);
+    fs::remove_file(visit.at("kit/archive.arc")).unwrap();
+    fs::rename(visit.at("kit"), visit.at("kit.previous")).unwrap();
+    old_kit(visit);
 }
 
-fn old_file(at: &Path) {
-    put(&at.join("put.csv"), USERS_OWN);
+fn old_file(visit: &Visit) {
+    visit.put("put.csv", USERS_OWN);
 }
 
-fn with_program(at: &Path) {
-    let program = "\n[program]\nwhat = \"single-axis\"\nbidirectional = false\nsteps = 5
-start_mm = { x = 10.0, y = 10.0, z = -190.0 }\nsize_mm = { x = 300.0, y = 200.0, z = 100.0 }\n";
-    append(&at.join("job.toml"), program);
+fn with_program(visit: &Visit) {
+    append(visit, "job.toml", PROGRAM);
 }
 
 /// An old folder of a measuring run with readings.
-fn old_run(at: &Path) {
-    with_program(at);
-    run(at, "program job.toml -o kit");
-    put(&at.join("kit/readings.csv"), USERS_OWN);
+fn old_run(visit: &Visit) {
+    with_program(visit);
+    visit.run("program job.toml -o kit");
+    visit.put("kit/readings.csv", USERS_OWN);
 }
 
 /// 0.6 MB of samples.
-fn with_part_program(at: &Path) {
+fn with_part_program(visit: &Visit) {
     let offset = "\n[[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n";
-    append(&at.join("job.toml"), offset);
+    append(visit, "job.toml", offset);
     let there_and_back = "X400.\nX0.\n".repeat(8);
-    put(&at.join("part.nc"), format!("G21 G90 G1 F1000\n{there_and_back}M30\n"));
+    visit.put("part.nc", format!("G21 G90 G1 F1000\n{there_and_back}M30\n"));
 }
 
-fn old_path(at: &Path) {
-    with_part_program(at);
-    old_file(at);
+fn old_path(visit: &Visit) {
+    with_part_program(visit);
+    old_file(visit);
 }
 
-const SCENES: &[Scene] = &[
-    Scene {
-        name: "a first kit",
-        fixture: "start/errors",
-        arrange: nothing,
-        command: "generate job.toml -o new/deep/kit",
-        output: "new/deep/kit",
-    },
-    Scene {
-        name: "a kit over one with a user's file",
-        fixture: "start/errors",
-        arrange: old_kit,
-        command: "generate job.toml -o kit --force",
-        output: "kit",
-    },
-    Scene {
-        name: "a kit over two old ones",
-        fixture: "start/errors",
-        arrange: older_kit,
-        command: "generate job.toml -o kit --force --format json",
-        output: "kit",
-    },
-    Scene {
-        name: "a measuring run",
-        fixture: "start/errors",
-        arrange: with_program,
-        command: "program job.toml -o kit",
-        output: "kit",
-    },
-    Scene {
-        name: "a measuring run over one with readings",
-        fixture: "start/errors",
-        arrange: old_run,
-        command: "program job.toml -o kit --force",
-        output: "kit",
-    },
-    Scene {
-        name: "simulated readings",
-        fixture: "start/errors",
-        arrange: nothing,
-        command: "simulate job.toml --errors -o put.csv",
-        output: "put.csv",
-    },
-    Scene {
-        name: "simulated readings over a file",
-        fixture: "start/errors",
-        arrange: old_file,
-        command: "simulate job.toml --errors -o put.csv --force",
-        output: "put.csv",
-    },
-    Scene {
-        name: "separated errors",
-        fixture: "diagonals/case_b_setup",
-        arrange: nothing,
-        command: "separate job.toml -o put.csv",
-        output: "put.csv",
-    },
-    Scene {
-        name: "separated errors over a file",
-        fixture: "diagonals/case_b_setup",
-        arrange: old_file,
-        command: "separate job.toml -o put.csv --force",
-        output: "put.csv",
-    },
-    Scene {
-        name: "an imported table over a file",
-        fixture: "formats",
-        arrange: old_file,
-        command: "import isg_component_errors_selfmade.csv -o put.csv --sign as-error --force",
-        output: "put.csv",
-    },
-    Scene {
-        name: "samples of a path",
-        fixture: "start/errors",
-        arrange: with_part_program,
-        command: "path job.toml part.nc -o put.csv",
-        output: "put.csv",
-    },
-    Scene {
-        name: "samples of a path over a file",
-        fixture: "start/errors",
-        arrange: old_path,
-        command: "path job.toml part.nc -o put.csv --force",
-        output: "put.csv",
-    },
+const ERRORS: &str = "start/errors";
+const READINGS: &str = "diagonals/case_b_setup";
+const IMPORT: &str = "import isg_component_errors_selfmade.csv -o put.csv --sign as-error --force";
+
+/// A fixture, what lies there besides, and a command that writes.
+type Scene = (&'static str, fn(&Visit), &'static str);
+
+const SCENES: [Scene; 12] = [
+    (ERRORS, nothing, "generate job.toml -o new/deep/kit"),
+    (ERRORS, old_kit, "generate job.toml -o kit --force"),
+    (ERRORS, older_kit, "generate job.toml -o kit --force --format json"),
+    (ERRORS, with_program, "program job.toml -o kit"),
+    (ERRORS, old_run, "program job.toml -o kit --force"),
+    (ERRORS, nothing, "simulate job.toml --errors -o put.csv"),
+    (ERRORS, old_file, "simulate job.toml --errors -o put.csv --force"),
+    (READINGS, nothing, "separate job.toml -o put.csv"),
+    (READINGS, old_file, "separate job.toml -o put.csv --force"),
+    ("formats", old_file, IMPORT),
+    (ERRORS, with_part_program, "path job.toml part.nc -o put.csv"),
+    (ERRORS, old_path, "path job.toml part.nc -o put.csv --force"),
 ];
 
 /// A scene with what it is before, and after a run that nothing disturbs.
 struct Played {
-    scene: &'static Scene,
+    command: &'static str,
+    /// Where it writes.
+    output: &'static str,
     before: Tree,
     after: Tree,
-    said: Output,
+    said: Ran,
+    calls: Vec<Call>,
 }
 
-impl Played {
-    fn new(scene: &'static Scene) -> Played {
-        let place = copy_of(scene.fixture);
-        (scene.arrange)(place.path());
-        let before = tree(place.path());
-        let said = run(place.path(), scene.command);
-        assert_ne!(said.status.code(), Some(2), "{}: {said:?}", scene.name);
-        let after = tree(place.path());
-        assert!(after.contains_key(scene.output), "{}", scene.name);
-        Played { scene, before, after, said }
-    }
+static PLAYED: LazyLock<Vec<Played>> =
+    LazyLock::new(|| SCENES.into_iter().map(Played::new).collect());
 
-    /// A fresh place, as it is before.
-    fn place(&self) -> TempDir {
-        let place = tempfile::tempdir().expect("a temporary directory can be made");
-        lay(&self.before, place.path());
-        place
+impl Played {
+    fn new((fixture, arrange, command): Scene) -> Played {
+        let (_, output) = command.split_once("-o ").unwrap();
+        let output = output.split(' ').next().unwrap();
+        let visit = Visit::of(fixture);
+        arrange(&visit);
+        let before = visit.files();
+        let (said, log) = traced(&visit, &["-y"], command);
+        let after = visit.files();
+        assert!(after.contains_key(output), "{command}");
+        let calls = calls(&log, output);
+        Played { command, output, before, after, said: said.answers(), calls }
     }
 
     /// What lies at the output is old, new, or was and is nothing, and all else is as it was.
     fn whole(&self, found: &Tree) -> Result<(), String> {
-        let output = self.scene.output;
+        let output = self.output;
         let now = at(found, output);
         if now != at(&self.before, output) && now != at(&self.after, output) {
             return Err("the output is neither old nor new".to_string());
@@ -234,7 +141,7 @@ impl Played {
 
     /// No half kit lies at DIR.previous, and the old one with a user's file lies somewhere.
     fn kept(&self, found: &Tree) -> Result<(), String> {
-        let output = self.scene.output;
+        let output = self.output;
         let old = at(&self.before, output);
         let previous = format!("{output}.previous");
         let known = [old.clone(), at(&self.before, &previous), at(&self.after, output)];
@@ -244,7 +151,7 @@ impl Played {
                 return Err(format!("{name} is no whole kit"));
             }
         }
-        let is_directory = matches!(self.before.get(output), Some(Entry::Directory));
+        let is_directory = self.before.get(output) == Some(&Entry::Directory);
         if is_directory && !directories(found).any(|name| at(found, name) == old) {
             return Err("the old kit is gone".to_string());
         }
@@ -253,45 +160,41 @@ impl Played {
 
     /// The new thing is in its place.
     fn written(&self, found: &Tree) -> Result<(), String> {
-        match at(found, self.scene.output) == at(&self.after, self.scene.output) {
-            true => Ok(()),
-            false => Err("the output is not the new one".to_string()),
-        }
+        let is_new = at(found, self.output) == at(&self.after, self.output);
+        is_new.then_some(()).ok_or_else(|| "the output is not the new one".to_string())
     }
 
     /// So it is, and nothing unfinished is there.
     fn complete(&self, found: &Tree) -> Result<(), String> {
-        self.written(found)?;
-        match partials(found).first() {
-            Some(left) => Err(format!("{left} was left")),
-            None => Ok(()),
-        }
+        self.written(found).and_then(|()| tidy(found))
     }
 
     /// A run that nothing disturbs writes the new thing and removes what a killed one left, by name.
-    fn next_run(&self, place: &Path, left: &Tree) -> Result<(), String> {
-        let command = self.scene.command.replace(" --force", "");
-        let next = run(place, &format!("{command} --force"));
-        let talk = String::from_utf8_lossy(&next.stderr);
-        if next.status != self.said.status {
-            return Err(format!("the next run: {talk}"));
+    fn next_run(&self, visit: &Visit, left: &Tree) -> Result<(), String> {
+        let command = self.command.replace(" --force", "");
+        let Ran { status, err, .. } = visit.run(&format!("{command} --force"));
+        if status != self.said.status {
+            return Err(format!("the next run: {err}"));
         }
-        let found = tree(place);
+        let found = visit.files();
         self.complete(&found).map_err(|why| format!("after the next run {why}"))?;
-        if copies(&self.before, USERS_OWN) > copies(&found, USERS_OWN) && !self.is_file() {
+        // With `--force` on a file the old one is replaced.
+        let is_file = matches!(self.after.get(self.output), Some(Entry::File(_)));
+        if copies(&self.before, USERS_OWN) > copies(&found, USERS_OWN) && !is_file {
             return Err("the next run lost a user's file".to_string());
         }
-        let is_named = |name: &&String| talk.contains(name.as_str());
-        match partials(left).iter().find(|name| !is_named(name)) {
-            Some(name) => Err(format!("{name} is removed without a word: {talk}")),
+        match partials(left).iter().find(|name| !err.contains(name.as_str())) {
+            Some(name) => Err(format!("{name} is removed without a word: {err}")),
             None => Ok(()),
         }
     }
+}
 
-    /// With `--force` on a file the old one is replaced.
-    fn is_file(&self) -> bool {
-        matches!(self.after.get(self.scene.output), Some(Entry::File(_)))
-    }
+/// A fresh folder with everything of a tree.
+fn place(before: &Tree) -> Visit {
+    let visit = Visit::new();
+    lay(before, visit.folder());
+    visit
 }
 
 /// A file or everything in a directory; `None` where nothing is.
@@ -301,8 +204,7 @@ fn at(tree: &Tree, name: &str) -> Option<Tree> {
 }
 
 fn directories(tree: &Tree) -> impl Iterator<Item = &String> {
-    let is_directory = |(_, entry): &(&String, &Entry)| **entry == Entry::Directory;
-    tree.iter().filter(is_directory).map(|(name, _)| name)
+    tree.iter().filter(|(_, entry)| **entry == Entry::Directory).map(|(name, _)| name)
 }
 
 /// The outermost names of what is unfinished.
@@ -314,8 +216,12 @@ fn partials(tree: &Tree) -> Vec<&String> {
     tree.keys().filter(is_outermost).collect()
 }
 
+/// Nothing unfinished is there.
+fn tidy(found: &Tree) -> Result<(), String> {
+    partials(found).first().map_or(Ok(()), |left| Err(format!("{left} was left")))
+}
+
 /// A system call of a run: its name, and which one of that name it is.
-#[derive(Clone)]
 struct Call {
     name: String,
     number: usize,
@@ -326,39 +232,10 @@ struct Call {
 /// Calls that concern memory, time, threads and signals: the system refuses them nowhere, so they are
 /// places to be killed at only. So is the end of listing a directory, whose failure (seen nowhere) makes
 /// Rust's library panic.
-const NO_FILE: &[&str] = &[
-    "arch_prctl",
-    "brk",
-    "clock_gettime",
-    "clone",
-    "clone3",
-    "exit",
-    "exit_group",
-    "futex",
-    "getrandom",
-    "gettid",
-    "getpid",
-    "madvise",
-    "mmap",
-    "mprotect",
-    "mremap",
-    "munmap",
-    "prctl",
-    "prlimit64",
-    "restart_syscall",
-    "rseq",
-    "rt_sigaction",
-    "rt_sigprocmask",
-    "rt_sigreturn",
-    "sched_getaffinity",
-    "sched_yield",
-    "set_robust_list",
-    "set_tid_address",
-    "sigaltstack",
-    "tgkill",
-];
-
-const ERRORS: &[&str] = &["ENOSPC", "EIO", "EACCES", "EINTR", "EINVAL"];
+const NO_FILE: &str = "arch_prctl brk clock_gettime clone clone3 exit exit_group futex getrandom gettid \
+    getpid madvise mmap mprotect mremap munmap prctl prlimit64 restart_syscall rseq rt_sigaction \
+    rt_sigprocmask rt_sigreturn sched_getaffinity sched_yield set_robust_list set_tid_address \
+    sigaltstack tgkill";
 
 /// Whether all faults are asked for.
 fn is_whole() -> bool {
@@ -366,26 +243,20 @@ fn is_whole() -> bool {
 }
 
 fn has_strace() -> bool {
-    let traced = Command::new("strace")
-        .args(["-f", "-o", "/dev/null", "true"])
-        .stderr(Stdio::null())
-        .status();
+    let mut strace = Command::new("strace");
+    let traced = strace.args(["-f", "-o", "/dev/null", "true"]).stderr(Stdio::null()).status();
     traced.is_ok_and(|status| status.success())
 }
 
 /// The system calls of a scene, from the first that names its output on.
-fn calls(played: &Played) -> Vec<Call> {
-    let place = played.place();
-    let log = tempfile::NamedTempFile::new().expect("a place for the log");
-    traced(place.path(), log.path(), &["-y"], played.scene.command);
-    let text = fs::read_to_string(log.path()).expect("a log");
-    let first = text.split_whitespace().next().expect("a process");
-    let output = played.scene.output.trim_start_matches("new/deep/");
+fn calls(text: &str, output: &str) -> Vec<Call> {
+    let first = text.split_whitespace().next().unwrap();
+    let output = output.trim_start_matches("new/deep/");
     let mut seen = BTreeMap::new();
     let mut calls = Vec::new();
     let (mut touched, mut listed) = (false, "");
     for line in text.lines() {
-        let (process, rest) = line.split_once(char::is_whitespace).expect("a process");
+        let (process, rest) = line.split_once(char::is_whitespace).unwrap();
         let Some((name, words)) = rest.trim_start().split_once('(') else {
             continue;
         };
@@ -394,212 +265,165 @@ fn calls(played: &Played) -> Vec<Call> {
         if process != first || !name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_') {
             continue;
         }
-        let number = seen.entry(name.to_string()).or_insert(0);
+        let number = seen.entry(name).or_insert(0);
         *number += 1;
         touched |= name != "execve" && rest.contains(output);
         if touched {
-            calls.push(Call {
-                name: name.to_string(),
-                number: *number,
-                is_refusable: !NO_FILE.contains(&name) && (name != "close" || handle != listed),
-            });
+            let concerns_files = !NO_FILE.split_whitespace().any(|other| other == name);
+            let is_refusable = concerns_files && (name != "close" || handle != listed);
+            calls.push(Call { name: name.to_string(), number: *number, is_refusable });
         }
         if name == "getdents64" {
             listed = handle;
         }
     }
-    assert!(calls.len() > 20, "{}: {text}", played.scene.name);
+    assert!(calls.len() > 20, "{output}: {text}");
     calls
 }
 
-fn traced(at: &Path, log: &Path, options: &[&str], command: &str) -> Output {
-    Command::new("strace")
+/// A run under `strace`, and what that wrote.
+fn traced(visit: &Visit, options: &[&str], command: &str) -> (Ran, String) {
+    let log = NamedTempFile::new().unwrap();
+    let output = Command::new("strace")
         .args(["-f", "-e", "signal=none", "-o"])
-        .arg(log)
+        .arg(log.path())
         .args(options)
         .arg(env!("CARGO_BIN_EXE_nonius"))
         .args(command.split_whitespace())
-        .current_dir(at)
+        .current_dir(visit.folder())
         .stdin(Stdio::null())
         .output()
-        .expect("strace starts")
+        .unwrap();
+    (Ran::of(command, &output), fs::read_to_string(log.path()).unwrap())
 }
 
 /// What happens at a system call.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     /// Killed: nothing can be tidied up.
     Kill,
     /// Ended by Ctrl-C, the end of the session or `kill`.
-    End(&'static str),
+    End,
     /// The system refuses the call.
-    Refuse(&'static str),
+    Refuse,
 }
 
-impl Fault {
-    fn words(self) -> String {
-        match self {
-            Fault::Kill => "signal=SIGKILL".to_string(),
-            Fault::End(signal) => format!("signal={signal}"),
-            Fault::Refuse(error) => format!("error={error}"),
-        }
-    }
-}
-
-fn disturbed(played: &Played, call: &Call, fault: Fault) -> Result<(), String> {
-    let place = played.place();
-    let log = tempfile::NamedTempFile::new().expect("a place for the log");
+fn disturbed(played: &Played, call: &Call, fault: Fault, how: &str) -> Result<(), String> {
+    let visit = place(&played.before);
     let Call { name, number, .. } = call;
-    let inject = format!("inject={name}:{}:when={number}", fault.words());
     let only = format!("trace={name}");
-    let options = ["-e", only.as_str(), "-e", inject.as_str()];
-    let output = traced(place.path(), log.path(), &options, played.scene.command);
-    let found = tree(place.path());
-    judge(played, fault, &output, &found)
-        .and_then(|()| match fault {
-            Fault::Kill => played.next_run(place.path(), &found),
-            // The removal of what is not needed any more was refused; it is tried again.
-            Fault::Refuse(_) if !partials(&found).is_empty() => {
-                played.next_run(place.path(), &found)
-            }
-            _ => Ok(()),
-        })
-        .map_err(|why| {
-            let log = fs::read_to_string(log.path()).expect("a log");
-            let line = log.lines().find(|line| line.contains("INJECTED"));
-            format!(
-                "{}: {fault:?} at {name} {number}: {why}\n  status {:?}, {}\n  {}",
-                played.scene.name,
-                output.status.code(),
-                line.unwrap_or_default(),
-                String::from_utf8_lossy(&output.stderr).lines().next().unwrap_or_default(),
-            )
-        })
+    let inject = format!("inject={name}:{how}:when={number}");
+    let (ran, log) = traced(&visit, &["-e", &only, "-e", &inject], played.command);
+    let found = visit.files();
+    // The removal of what is not needed any more may have been refused; it is tried again.
+    let has_next = match fault {
+        Fault::Kill => true,
+        Fault::End => false,
+        Fault::Refuse => !partials(&found).is_empty(),
+    };
+    let next = |()| if has_next { played.next_run(&visit, &found) } else { Ok(()) };
+    judge(played, fault, &ran, &found).and_then(next).map_err(|why| {
+        let line = log.lines().find(|line| line.contains("INJECTED")).unwrap_or_default();
+        let Ran { command, status, err, .. } = ran;
+        format!("{command}: {how} at {name} {number}: {why}\n  status {status:?}, {line}\n  {err}")
+    })
 }
 
-fn is_end_of_a_list(output: &Output) -> bool {
-    let said = String::from_utf8_lossy(&output.stderr);
-    said.contains("unexpected error during closedir")
-}
-
-fn judge(played: &Played, fault: Fault, output: &Output, found: &Tree) -> Result<(), String> {
+fn judge(played: &Played, fault: Fault, ran: &Ran, found: &Tree) -> Result<(), String> {
     played.whole(found)?;
-    let done = output.status == played.said.status;
-    match (fault, output.status.code()) {
+    let done = ran.status == played.said.status;
+    let is_end_of_a_list = ran.err.contains("unexpected error during closedir");
+    let changed = || Err(format!("changed: {}", difference(&played.before, found)));
+    match (fault, ran.status) {
         (Fault::Kill, None) => Ok(()),
-        (Fault::End(_), Some(2) | None) => match partials(found).first() {
-            Some(left) => Err(format!("{left} was left")),
-            None if *found == played.before || played.complete(found).is_ok() => Ok(()),
-            None => Err(format!("changed: {}", difference(&played.before, found))),
+        (Fault::End, Some(2) | None) => match tidy(found) {
+            Ok(()) if *found != played.before && played.complete(found).is_err() => changed(),
+            tidy => tidy,
         },
-        (Fault::Refuse(_), Some(2)) if *found == played.before => Ok(()),
-        (Fault::Refuse(_), Some(2)) => {
-            Err(format!("status 2, but changed: {}", difference(&played.before, found)))
-        }
-        (Fault::Refuse(_), Some(_)) if done => played.written(found),
+        (Fault::Refuse, Some(2)) if *found == played.before => Ok(()),
+        (Fault::Refuse, Some(2)) => changed(),
+        (Fault::Refuse, Some(_)) if done => played.written(found),
         (_, Some(_)) if done => played.complete(found),
         // The library panics where the end of a list of files is refused (docs/security.md §3): nothing is half.
-        (Fault::Refuse(_), Some(101)) if is_end_of_a_list(output) => played.kept(found),
+        (Fault::Refuse, Some(101)) if is_end_of_a_list => played.kept(found),
         _ => Err("it ended in another way".to_string()),
     }
 }
 
-/// Tries faults at the system calls of all scenes: every `step`th, or all.
-fn try_faults(faults: impl Fn(&Call) -> Vec<Fault>, step: usize) {
+/// Tries faults at the system calls of all scenes: every `step`th of each scene, or all.
+fn try_faults(fault: Fault, ways: &[&str], step: usize) {
     if !has_strace() {
         return skipped("strace is not here, or may not trace");
     }
-    let played: Vec<Played> = SCENES.iter().map(Played::new).collect();
-    let mut cases = Vec::new();
-    for scene in &played {
-        for call in calls(scene) {
-            let faults = faults(&call);
-            cases.extend(faults.into_iter().map(|fault| (scene, call.clone(), fault)));
-        }
-    }
-    let all = cases.len();
     let step = if is_whole() { 1 } else { step };
-    let cases: Vec<_> = cases.into_iter().step_by(step).collect();
-    let failures = in_parallel(&cases, |(scene, call, fault)| disturbed(scene, call, *fault));
+    let (mut cases, mut all) = (Vec::new(), 0);
+    for (number, played) in PLAYED.iter().enumerate() {
+        let is_tried = |call: &&Call| fault != Fault::Refuse || call.is_refusable;
+        let calls = played.calls.iter().filter(is_tried);
+        let of_scene: Vec<_> =
+            calls.flat_map(|call| ways.iter().map(move |how| (played, call, *how))).collect();
+        all += of_scene.len();
+        // Each scene begins at another place; one case of each is taken at least.
+        let first = (number * step / SCENES.len()) % of_scene.len();
+        cases.extend(of_scene.into_iter().skip(first).step_by(step));
+    }
+    let failures = in_parallel(&cases, |(played, call, how)| disturbed(played, call, fault, how));
     told(&format!("{} of {all} cases", cases.len()));
-    let shown: Vec<&str> = failures.iter().take(40).map(String::as_str).collect();
-    assert!(
-        failures.is_empty(),
-        "{} of {} cases:\n{}",
-        failures.len(),
-        cases.len(),
-        shown.join("\n")
-    );
+    let shown = failures.iter().take(40).map(String::as_str).collect::<Vec<_>>().join("\n");
+    assert!(failures.is_empty(), "{} of {} cases:\n{shown}", failures.len(), cases.len());
 }
 
-/// What went wrong, in the order of the cases.
+/// What went wrong, of every third case the first, of every third the second, and so on.
 fn in_parallel<T: Sync>(
     cases: &[T],
     test: impl Fn(&T) -> Result<(), String> + Sync,
 ) -> Vec<String> {
-    let next = AtomicUsize::new(0);
-    let failures = Mutex::new(Vec::new());
-    std::thread::scope(|scope| {
-        for _ in 0..3 {
-            scope.spawn(|| {
-                while let Some((index, case)) = {
-                    let index = next.fetch_add(1, Ordering::Relaxed);
-                    cases.get(index).map(|case| (index, case))
-                } {
-                    if let Err(why) = test(case) {
-                        failures.lock().expect("no test panics").push((index, why));
-                    }
-                }
-            });
+    let test = &test;
+    let of = |first: usize| {
+        move || {
+            let of_thread = cases.iter().skip(first).step_by(3);
+            of_thread.filter_map(|case| test(case).err()).collect::<Vec<_>>()
         }
-    });
-    let mut failures = failures.into_inner().expect("no test panics");
-    failures.sort();
-    failures.into_iter().map(|(_, why)| why).collect()
+    };
+    std::thread::scope(|scope| {
+        let threads = [0, 1, 2].map(|first| scope.spawn(of(first)));
+        threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
+    })
 }
 
 #[test]
 fn killed_at_any_system_call_nothing_is_half_and_the_next_run_tidies_up() {
-    try_faults(|_| vec![Fault::Kill], 23);
+    try_faults(Fault::Kill, &["signal=SIGKILL"], 97);
 }
 
 #[test]
 fn ended_at_any_system_call_nothing_unfinished_is_left() {
-    let signals = vec![Fault::End("SIGTERM"), Fault::End("SIGINT")];
-    try_faults(|_| signals.clone(), 53);
+    try_faults(Fault::End, &["signal=SIGTERM", "signal=SIGINT"], 211);
 }
 
 #[test]
 fn refused_at_any_system_call_everything_is_written_or_nothing() {
-    let faults = |call: &Call| match call.is_refusable {
-        true => ERRORS.iter().map(|error| Fault::Refuse(error)).collect(),
-        false => Vec::new(),
-    };
-    try_faults(faults, 53);
+    let errors = ["ENOSPC", "EIO", "EACCES", "EINTR", "EINVAL"].map(|e| format!("error={e}"));
+    try_faults(Fault::Refuse, &errors.each_ref().map(String::as_str), 211);
 }
 
 /// A small memory disk; unmounted at the end.
-struct Stick {
-    folder: TempDir,
-}
+struct Stick(TempDir);
 
 impl Stick {
     /// `None` where none can be mounted.
     fn new(size: &str) -> Option<Stick> {
-        let folder = tempfile::tempdir().expect("a temporary directory can be made");
-        let mounted = Command::new("mount")
-            .args(["-t", "tmpfs", "-o", size, "tmpfs"])
-            .arg(folder.path())
-            .stderr(Stdio::null())
-            .status();
-        let is_mounted = mounted.is_ok_and(|status| status.success());
-        is_mounted.then(|| Stick { folder })
+        let folder = tempfile::tempdir().unwrap();
+        let mut mount = Command::new("mount");
+        mount.args(["-t", "tmpfs", "-o", size, "tmpfs"]).arg(folder.path());
+        let mounted = mount.stderr(Stdio::null()).status();
+        mounted.is_ok_and(|status| status.success()).then(|| Stick(folder))
     }
 }
 
 impl Drop for Stick {
     fn drop(&mut self) {
-        let unmounted = Command::new("umount").arg("-l").arg(self.folder.path()).status();
+        let unmounted = Command::new("umount").arg("-l").arg(self.0.path()).status();
         assert!(unmounted.is_ok_and(|status| status.success()));
     }
 }
@@ -618,9 +442,9 @@ fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
     if Stick::new("size=4k").is_none() {
         return skipped("a small memory disk cannot be mounted here");
     }
-    let place = copy_of("start/errors");
-    with_program(place.path());
-    with_part_program(place.path());
+    let visit = Visit::of("start/errors");
+    with_program(&visit);
+    with_part_program(&visit);
     let mut refused = 0;
     for (words, output) in [
         ("generate job.toml --force", "new/kit"),
@@ -628,48 +452,33 @@ fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
         ("simulate job.toml --errors --force", "put.csv"),
         ("path job.toml part.nc --force", "put.csv"),
     ] {
-        let plenty = Stick::new("size=8m").expect("it was possible before");
-        let new = filled(place.path(), words, plenty.folder.path(), output);
-        assert_ne!(new.0.status.code(), Some(2), "{words}: {:?}", new.0);
+        let onto = |stick: &Path| {
+            let ran = visit.run(&format!("{words} -o {}/{output}", stick.display()));
+            (ran, tree(stick))
+        };
+        let plenty = Stick::new("size=8m").unwrap();
+        let (new, after) = onto(plenty.0.path());
+        let new = new.answers();
         for size in sizes() {
-            let stick = Stick::new(&size).expect("it was possible before");
-            refused += fill(place.path(), words, stick.folder.path(), output, &new)
-                .unwrap_or_else(|why| panic!("{words}, {size}: {why}"));
+            let stick = Stick::new(&size).unwrap();
+            let mut before = tree(stick.0.path());
+            // Twice onto the same.
+            for _ in 0..2 {
+                let (ran, found) = onto(stick.0.path());
+                let (is_refused, what) = (ran.status == Some(2), ran.all());
+                if is_refused {
+                    let difference = difference(&before, &found);
+                    assert!(found == before, "{words}, {size}: {difference}: {what}");
+                    assert!(ran.err.contains("no space left"), "{words}, {size}: {what}");
+                } else {
+                    let is_new = at(&found, output) == at(&after, output);
+                    let is_whole = ran.status == new.status && is_new && tidy(&found).is_ok();
+                    assert!(is_whole, "{words}, {size}: {what}");
+                }
+                refused += usize::from(is_refused);
+                before = found;
+            }
         }
     }
     assert!(refused > 8, "{refused}");
-}
-
-/// Runs the command; what it said, and what lies on the stick.
-fn filled(at: &Path, words: &str, stick: &Path, output: &str) -> (Output, Tree) {
-    let said = run(at, &format!("{words} -o {}/{output}", stick.display()));
-    (said, tree(stick))
-}
-
-/// Writes twice onto the stick; how often it was refused.
-fn fill(
-    place: &Path,
-    words: &str,
-    stick: &Path,
-    output: &str,
-    new: &(Output, Tree),
-) -> Result<usize, String> {
-    let mut refused = 0;
-    let mut before = tree(stick);
-    for _ in 0..2 {
-        let (said, found) = filled(place, words, stick, output);
-        let talk = String::from_utf8_lossy(&said.stderr);
-        if said.status.code() != Some(2) {
-            let is_whole = said.status == new.0.status && at(&found, output) == at(&new.1, output);
-            if !is_whole || !partials(&found).is_empty() {
-                return Err(format!("not whole: {talk}"));
-            }
-        } else if found != before || !talk.contains("no space left") {
-            return Err(format!("{}: {talk}", difference(&before, &found)));
-        } else {
-            refused += 1;
-        }
-        before = found;
-    }
-    Ok(refused)
 }

@@ -1,31 +1,65 @@
 //! The field kit: what a sign proof does, that a rollback is what was read out, what the checklist
 //! says, and what is refused.
 use crate::support;
+use crate::support::visit::{fixture, replaced};
 use crate::support::{machine::machine, um_at};
 use nonius::control::controller::{Dialect, Evidence, Profile, Role, builtin};
 use nonius::control::table::Tables;
 use nonius::inputs::job::{ActiveTables, Job};
-use nonius::judge::active::{Origin, from_read_out};
+use nonius::judge::active::{Origin, ReadOutFor, from_read_out};
 use nonius::kit::findings::FieldFault;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::{Direction, ErrorTerm};
-use nonius::read::emulate::Emulator;
+use nonius::read::emulate::{Emulator, Response};
 use nonius::read::{KitFile, read_apart};
 use nonius::text::document::Source;
 use nonius::text::finding::Finding;
 use nonius::write::findings::TableFinding;
 use nonius::write::plan::axis_pairs;
 use serde_json::Value;
-use std::path::Path;
 
-const MACHINES: usize = 40;
 /// Places of an inch control are rounded to its last digit; less than a nanometre on a bump.
 const DUST_UM: f64 = 1e-3;
+const TWO_TABLES: &str = "backlash = \"two-tables\"\n";
+
+/// Random machines of a control: 40 where simulations are asked for, or a quarter.
+fn machines() -> usize {
+    if std::env::var_os("NONIUS_SIMULATIONS").is_some() { 40 } else { 10 }
+}
 
 fn five_points(profile: &str) -> (String, String) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/machines/five_points");
-    let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let text = |name: &str| fixture(&format!("machines/five_points/{name}"));
     (text(&format!("{profile}.toml")), text("errors.csv"))
+}
+
+/// The kit of five points, its job with something else in it.
+#[track_caller]
+fn kit_with(profile: &str, old: &str, new: &str) -> Kit {
+    let (job, errors) = five_points(profile);
+    support::generate(&replaced(&job, old, new), &errors).1
+}
+
+fn kit_of(profile: &str) -> Kit {
+    kit_with(profile, "", "")
+}
+
+/// The kit of inputs that may hold what was read out.
+fn kit_from(inputs: &Inputs) -> Kit {
+    kit::generate(inputs).unwrap_or_else(|p| panic!("{}", p.render()))
+}
+
+fn text_of<'a>(kit: &'a Kit, path: &str) -> &'a str {
+    let file = kit.files.iter().find(|file| file.path == path).unwrap();
+    str::from_utf8(&file.bytes).unwrap()
+}
+
+fn checklist(kit: &Kit) -> &str {
+    text_of(kit, "checklist.md")
+}
+
+#[track_caller]
+fn ensure_told(page: &str, words: &str) {
+    assert!(page.contains(words), "expected `{words}` in\n{page}");
 }
 
 fn files_of(kit: &Kit, role: Role) -> Vec<KitFile<'_>> {
@@ -44,8 +78,8 @@ fn proving(profile: &Profile, kit: &Kit) -> Box<dyn Emulator> {
         }
         (_, tables) => tables,
     };
-    kit::emulator(profile, &tables, &kit.compiled.state)
-        .unwrap_or_else(|reason| panic!("{}", reason.0))
+    let made = kit::emulator(profile, &tables, &kit.compiled.state);
+    made.unwrap_or_else(|reason| panic!("{}", reason.0))
 }
 
 fn number(proof: &Value, key: &str) -> f64 {
@@ -74,6 +108,7 @@ fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
     }
     let control = proving(&inputs.profile, kit);
     let other = proving(&support::with_signs_turned(&inputs.profile), kit);
+    let limit = inputs.job.limits.max_slope_um_per_mm * spacing + DUST_UM;
     for (base, output) in axis_pairs(&kit.plan.names, term) {
         for direction in Direction::BOTH {
             let response = support::response(control.as_ref(), base, output, direction);
@@ -83,39 +118,36 @@ fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
             assert!((to - from).abs() < DUST_UM, "{name}");
             let [from, peak, _] = places.map(|place| um_at(&turned, place));
             assert!((peak - from - number(proof, "other_sign_um")).abs() < DUST_UM, "{name}");
-            let nodes: Vec<_> = response.tables()[0].nodes().collect();
-            let limit = inputs.job.limits.max_slope_um_per_mm * spacing + DUST_UM;
-            for pair in nodes.windows(2) {
-                let change = (pair[1].1.um() - pair[0].1.um()).abs();
-                assert!(change <= limit, "{name}: {change} µm in one section");
-            }
+            let change = steepest(&response);
+            assert!(change <= limit, "{name}: {change} µm in one section");
         }
     }
+}
+
+/// The largest change from one point of a table to the next, µm.
+fn steepest(response: &Response) -> f64 {
+    let nodes: Vec<f64> = response.tables()[0].nodes().map(|(_, c)| c.um()).collect();
+    nodes.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
 }
 
 /// Nothing but the bumps: every other term is constant, and so is the term beside its bump.
 fn ensure_zero_elsewhere(name: &str, inputs: &Inputs, kit: &Kit, proofs: &[Value]) {
     let control = proving(&inputs.profile, kit);
     for planned in &kit.plan.tables {
-        let own = proofs.iter().find(|proof| term_of(proof) == planned.term);
-        for (base, output) in axis_pairs(&kit.plan.names, planned.term) {
-            let Ok(response) =
-                control.response(base, output, planned.direction.unwrap_or(Direction::Plus))
-            else {
+        let (term, grid) = (planned.term, &planned.grid);
+        let bump = proofs.iter().find(|proof| term_of(proof) == term);
+        let bump = bump.map(|proof| (number(proof, "from_mm"), number(proof, "to_mm")));
+        let direction = planned.direction.unwrap_or(Direction::Plus);
+        for (base, output) in axis_pairs(&kit.plan.names, term) {
+            let Ok(response) = control.response(base, output, direction) else {
                 continue;
             };
-            let zero = um_at(&response, planned.grid.reference.mm());
-            for index in planned.grid.first..=planned.grid.last {
-                let place = planned.grid.position(index).mm();
-                let inside = own.is_some_and(|proof| {
-                    number(proof, "from_mm") < place - 1e-6 && place + 1e-6 < number(proof, "to_mm")
-                });
+            let zero = um_at(&response, grid.reference.mm());
+            for place in (grid.first..=grid.last).map(|index| grid.position(index).mm()) {
+                let inside =
+                    bump.is_some_and(|(from, to)| from < place - 1e-6 && place + 1e-6 < to);
                 let um = um_at(&response, place) - zero;
-                assert!(
-                    inside || um.abs() < DUST_UM,
-                    "{name}: {} at {place} mm: {um}",
-                    planned.term
-                );
+                assert!(inside || um.abs() < DUST_UM, "{name}: {term} at {place} mm: {um}");
             }
         }
     }
@@ -131,91 +163,77 @@ fn as_known(profile: &Profile, fact: &str) -> &'static str {
     }
 }
 
-fn has_no_proof(note: &&Finding) -> bool {
-    matches!(note.kind(), Some(TableFinding::NoSignProof { .. }))
+/// How many mechanisms have a reason in place of a proof.
+fn unproved(kit: &Kit) -> usize {
+    let is_reason = |note: &&Finding| matches!(note.kind(), Some(TableFinding::NoSignProof { .. }));
+    kit.compiled.notes.iter().filter(is_reason).count()
 }
 
 fn contract_of(id: &str) {
     let profile = builtin::profile(id).unwrap();
     let mut proved = 0;
-    for seed in 0..MACHINES {
+    for seed in 0..machines() {
         let machine = machine(&profile, seed);
         let (inputs, kit) = support::generate(&machine.job, &machine.csv);
         let proofs = &kit.manifest.sign_proofs;
-        let mechanisms = proofs.len() + kit.compiled.notes.iter().filter(has_no_proof).count();
-        assert!(mechanisms > 0, "{id} {seed}: every mechanism has a proof or a reason");
+        let unproved = unproved(&kit);
+        assert!(
+            proofs.len() + unproved > 0,
+            "{id} {seed}: every mechanism has a proof or a reason"
+        );
         let names = proofs.iter().flat_map(|p| p["files"].as_array().unwrap());
         assert_eq!(names.count(), files_of(&kit, Role::SignProof).len());
+        let page = checklist(&kit);
         for proof in proofs {
             let name = format!("{id}, machine {seed}, {proof}");
             ensure_legal(&name, &inputs, &kit, proof);
-            let page = files_of(&kit, Role::Checklist)[0].bytes;
-            let term = term_of(proof);
             let words = format!(
                 "with the compensation on, less the same with it off: −{:.1} µm if the sign is {}; +{:.1} µm",
                 number(proof, "shows_um").abs(),
                 as_known(&profile, proof["sign"].as_str().unwrap()),
                 number(proof, "other_sign_um"),
             );
-            let page = std::str::from_utf8(page).unwrap();
             assert!(page.contains(&words), "{name}: {words}");
-            let gauge = format!("µm towards −{}, or", term.of);
+            let gauge = format!("µm towards −{}, or", term_of(proof).of);
             let restarts = !id.starts_with("siemens") && id != "isg-volcomp";
             assert_eq!(page.contains(&gauge), !restarts, "{name}");
             proved += 1;
         }
-        if kit.compiled.notes.iter().all(|n| !has_no_proof(&n)) {
+        if unproved == 0 {
             ensure_zero_elsewhere(&format!("{id} {seed}"), &inputs, &kit, proofs);
         }
     }
-    assert!(proved > MACHINES / 4, "{id}: only {proved} proofs");
+    assert!(proved > machines() / 4, "{id}: only {proved} proofs");
 }
 
 #[test]
 fn sign_proofs_of_siemens() {
-    contract_of("siemens-840d-sl");
-    contract_of("siemens-828d");
+    ["siemens-840d-sl", "siemens-828d"].into_iter().for_each(contract_of);
 }
 
 #[test]
 fn sign_proofs_of_fanuc() {
-    contract_of("fanuc-30i");
-    contract_of("fanuc-0i-f");
-    contract_of("fanuc-16i");
+    ["fanuc-30i", "fanuc-0i-f", "fanuc-16i"].into_iter().for_each(contract_of);
 }
 
 #[test]
 fn sign_proofs_of_declared_controls() {
-    for id in builtin::ids() {
-        let profile = builtin::profile(id).unwrap();
-        if matches!(profile.dialect, Dialect::Declared(_)) {
-            contract_of(id);
-        }
-    }
+    let is_declared =
+        |id: &&str| matches!(builtin::profile(id).unwrap().dialect, Dialect::Declared(_));
+    builtin::ids().into_iter().filter(is_declared).for_each(contract_of);
 }
 
 #[test]
-fn sign_proofs_of_linuxcnc() {
-    contract_of("linuxcnc");
-}
-
-#[test]
-fn sign_proofs_of_linuxcnc_hal() {
-    contract_of("linuxcnc-hal");
-}
-
-#[test]
-fn sign_proofs_of_isg() {
-    contract_of("isg-volcomp");
+fn sign_proofs_of_linuxcnc_and_isg() {
+    ["linuxcnc", "linuxcnc-hal", "isg-volcomp"].into_iter().for_each(contract_of);
 }
 
 #[test]
 fn without_a_read_out_the_first_step_is_to_read_out() {
     for id in builtin::ids() {
-        let (job, errors) = five_points(id);
-        let (_, kit) = support::generate(&job, &errors);
+        let kit = kit_of(id);
         assert!(files_of(&kit, Role::Rollback).is_empty(), "{id}");
-        let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
+        let page = checklist(&kit);
         let first = page.lines().find(|line| line.starts_with("1. ")).unwrap();
         assert!(first.contains("keep") && first.contains("rollback"), "{id}: {first}");
         // A note may show braces, as it shows what to write into a job.
@@ -228,22 +246,16 @@ fn without_a_read_out_the_first_step_is_to_read_out() {
 fn with_read_out(id: &str) -> (Inputs, Tables) {
     let (job, errors) = five_points(id);
     let profile = builtin::profile(id).unwrap();
-    let (_, before) = support::generate(&job, &errors.replace("8,", "4,"));
+    let (_, before) = support::generate(&job, &replaced(&errors, "8,", "4,"));
     let tables = support::loaded(&profile, &before);
-    let kept = |file: &&nonius::write::emit::RenderedFile| {
-        matches!(file.role, Role::Table | Role::Enable)
-            || matches!(profile.dialect, Dialect::Fanuc(_)) && file.role == Role::Parameters
+    let is_fanuc = matches!(profile.dialect, Dialect::Fanuc(_));
+    let is_kept = |role: Role| {
+        matches!(role, Role::Table | Role::Enable) || is_fanuc && role == Role::Parameters
     };
-    let files = before.files.iter().filter(kept);
+    let files = before.files.iter().filter(|file| is_kept(file.role));
     let files = files.map(|f| (f.path.clone(), f.bytes.clone())).collect();
     let mut inputs = support::inputs(&job, &errors);
-    let active = from_read_out(
-        &inputs.job,
-        &profile,
-        "read-out",
-        files,
-        nonius::judge::active::ReadOutFor::OldTables,
-    );
+    let active = from_read_out(&inputs.job, &profile, "read-out", files, ReadOutFor::OldTables);
     inputs.active = Some(active.unwrap_or_else(|p| panic!("{}", p.render())));
     (inputs, tables)
 }
@@ -252,16 +264,15 @@ fn with_read_out(id: &str) -> (Inputs, Tables) {
 fn rollback_is_what_was_read_out() {
     for id in ["siemens-840d-sl", "siemens-828d", "fanuc-30i", "fanuc-0i-f", "fanuc-16i"] {
         let (inputs, tables) = with_read_out(id);
-        let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}", p.render()));
+        let kit = kit_from(&inputs);
         let files = files_of(&kit, Role::Rollback);
         let read = read_apart(&inputs.profile, &files, Role::Rollback).unwrap();
         assert_eq!(read.tables, tables, "{id}");
         assert_ne!(support::loaded(&inputs.profile, &kit), tables, "{id}: nothing to go back to");
-        let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
         for file in &files {
-            assert!(page.contains(file.path), "{id}: {}", file.path);
+            ensure_told(checklist(&kit), file.path);
         }
-        assert!(!page.contains("no rollback file"), "{id}");
+        assert!(!checklist(&kit).contains("no rollback file"), "{id}");
         let set = read.machine_data.iter().flat_map(|file| &file.data).count();
         assert_eq!(set > 0, id.starts_with("siemens"), "{id}: switches as found");
     }
@@ -274,38 +285,31 @@ fn an_incomplete_read_out_gives_no_rollback() {
     else {
         unreachable!("it was read out");
     };
-    match &mut held.tables {
-        Tables::Siemens(tables) => tables.cec[3].values[2] = None,
-        _ => unreachable!("it is a Siemens control"),
-    }
-    let kit = kit::generate(&inputs).unwrap();
+    let Tables::Siemens(tables) = &mut held.tables else {
+        unreachable!("it is a Siemens control");
+    };
+    tables.cec[3].values[2] = None;
+    let kit = kit_from(&inputs);
     assert!(files_of(&kit, Role::Rollback).is_empty());
-    let page = std::str::from_utf8(files_of(&kit, Role::Checklist)[0].bytes).unwrap();
     let words = "do not hold all that this kit overwrites; missing: CEC table 3\n";
-    assert!(page.contains(words), "{page}");
+    ensure_told(checklist(&kit), words);
 }
 
 #[test]
 fn a_changed_sign_proof_is_found_and_does_not_reach_the_tables() {
     let (job, errors) = five_points("siemens-840d-sl");
-    let (inputs, kit) = support::generate(&job, &errors);
-    let judged = |changed: &[u8]| {
-        let files: Vec<KitFile<'_>> = kit
-            .files
-            .iter()
-            .map(|file| KitFile {
-                path: &file.path,
-                role: file.role,
-                bytes: if file.path == "NONIUS_SIGN_EEC.MPF" { changed } else { &file.bytes },
-            })
-            .collect();
-        kit::verify(&inputs, &files, None, Vec::new()).unwrap()
+    let (inputs, mut kit) = support::generate(&job, &errors);
+    let mut judged = |old: &str, new: &str| {
+        let mut files = kit.files.iter_mut();
+        let proof = files.find(|file| file.path == "NONIUS_SIGN_EEC.MPF").unwrap();
+        proof.bytes = replaced(str::from_utf8(&proof.bytes).unwrap(), old, new).into_bytes();
+        let files = kit.files.iter();
+        let files = files.map(|f| KitFile { path: &f.path, role: f.role, bytes: &f.bytes });
+        kit::verify(&inputs, &files.collect::<Vec<_>>(), None, Vec::new()).unwrap()
     };
-    let proof = files_of(&kit, Role::SignProof)[0].bytes;
-    let text = std::str::from_utf8(proof).unwrap();
-    let same = judged(proof);
+    let same = judged("", "");
     assert!(same.agrees(), "{:?}", same.disagreements());
-    let higher = judged(text.replace("=0.020000", "=0.200000").as_bytes());
+    let higher = judged("=0.020000", "=0.200000");
     let file = "NONIUS_SIGN_EEC.MPF".to_string();
     assert_eq!(higher.disagreements(), [FieldFault::OtherProof { file }.into()]);
     assert_eq!(higher.forecast, same.forecast);
@@ -320,92 +324,82 @@ fn a_bump_over_the_limit_is_refused() {
     assert!(problems.contains("max_bump_um") && problems.contains("20"), "{problems}");
 }
 
-#[test]
-fn no_legal_place_is_said_and_nothing_is_written() {
-    let (job, errors) = five_points("siemens-840d-sl");
-    let page = format!("{job}\n[limits]\nmax_slope_um_per_mm = 0.049\n");
-    let page = page.replace("backlash = \"two-tables\"\n", "");
-    let inputs =
-        support::inputs(&page, "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,400,1,1,1\n");
-    let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}\n{errors}", p.render()));
-    let proofs = files_of(&kit, Role::SignProof);
-    assert!(proofs.is_empty(), "4.9 µm in one section, and two sections do not fit");
-    let notes = kit.compiled.notes.iter().filter(has_no_proof);
-    assert_eq!(notes.count(), 2, "ENC_COMP and CEC: {:?}", kit.compiled.notes);
+/// The kit of X alone, measured in one direction, with limits of one's own.
+fn kit_of_x(profile: &str, rows: &str, limits: &str) -> Kit {
+    let job = replaced(&five_points(profile).0, TWO_TABLES, "") + limits;
+    support::generate(&job, &format!("axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\n{rows}")).1
 }
 
-fn text_of(kit: &Kit, path: &str) -> String {
-    let file = kit.files.iter().find(|file| file.path == path).unwrap();
-    String::from_utf8(file.bytes.clone()).unwrap()
+#[test]
+fn no_legal_place_is_said_and_nothing_is_written() {
+    let limits = "\n[limits]\nmax_slope_um_per_mm = 0.049\n";
+    let kit = kit_of_x("siemens-840d-sl", "x,400,1,1,1\n", limits);
+    let proofs = files_of(&kit, Role::SignProof);
+    assert!(proofs.is_empty(), "4.9 µm in one section, and two sections do not fit");
+    assert_eq!(unproved(&kit), 2, "ENC_COMP and CEC: {:?}", kit.compiled.notes);
 }
 
 #[test]
 fn what_moves_counts_the_reversal_that_is_switched_with_the_tables() {
     for id in ["siemens-840d-sl", "fanuc-30i"] {
-        let (job, errors) = five_points(id);
-        let (_, kit) = support::generate(&job, &errors);
-        let page = text_of(&kit, "checklist.md");
         // X−: 3 µm at 0 mm (CEC table, 3627) and 11 µm at 400 mm; EXY 2 µm, EXZ 4 µm at most
         let there = "): at most 3.000 µm at the reference point, up to 17.0 µm elsewhere";
-        assert!(page.contains(there), "{id}: {page}");
+        ensure_told(checklist(&kit_of(id)), there);
     }
 }
 
 #[test]
 fn a_backlash_parameter_is_not_switched_with_the_tables() {
-    let (job, errors) = five_points("fanuc-30i");
-    let page = job.replace("two-tables", "curve-and-parameter");
-    let (_, kit) = support::generate(&page, &errors);
+    let kit = kit_with("fanuc-30i", "two-tables", "curve-and-parameter");
     assert!(kit.compiled.state.axes[0].backlash_um > 0.0);
-    let page = text_of(&kit, "checklist.md");
-    assert!(page.contains("X (1): at most 0.000 µm at the reference"), "{page}");
+    ensure_told(checklist(&kit), "X (1): at most 0.000 µm at the reference");
 }
 
 #[test]
 fn the_limit_of_the_sum_lets_the_bump_through() {
-    let (job, _) = five_points("siemens-840d-sl");
-    let small = "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,200,1,1,1\nx,400,1,1,1\n";
-    let (_, kit) = support::generate(&job.replace("backlash = \"two-tables\"\n", ""), small);
+    let kit = kit_of_x("siemens-840d-sl", "x,200,1,1,1\nx,400,1,1,1\n", "");
     let list = &kit.compiled.preconditions;
     let found = list.iter().find(|p| p.what.contains("MD32720")).unwrap();
     assert_eq!(found.value, "at least 0.020 mm", "{}", found.why);
-    assert!(found.why.contains("up to 0.001 mm"), "{}", found.why);
+    ensure_told(&found.why, "up to 0.001 mm");
+}
+
+/// The bump of a straightness, which is 20 µm high.
+fn cross_proof(kit: &Kit) -> &Value {
+    let mut proofs = kit.manifest.sign_proofs.iter();
+    let proof = proofs.find(|proof| term_of(proof).is_cross()).unwrap();
+    assert!((number(proof, "shows_um") + 20.0).abs() < DUST_UM, "{proof}");
+    proof
+}
+
+fn nine_errors(job: &str) -> String {
+    fixture(&format!("nine_errors_900/{job}"))
 }
 
 #[test]
 fn a_bump_of_four_points_rises_like_one_of_pitch_points() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
-    let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
-    let (inputs, kit) = support::generate(&text("fanuc-0i-f.toml"), &text("errors.csv"));
-    let mut proofs = kit.manifest.sign_proofs.iter();
-    let proof = proofs.find(|proof| term_of(proof).is_cross()).unwrap();
-    assert!((number(proof, "shows_um") + 20.0).abs() < DUST_UM, "{proof}");
+    let (inputs, kit) =
+        support::generate(&nine_errors("fanuc-0i-f.toml"), &nine_errors("errors.csv"));
+    let term = term_of(cross_proof(&kit));
     let control = proving(&inputs.profile, &kit);
-    let term = term_of(proof);
     let (base, output) = axis_pairs(&kit.plan.names, term)[0];
     let response = support::response(control.as_ref(), base, output, Direction::Plus);
-    let nodes: Vec<f64> = response.tables()[0].nodes().map(|(_, c)| c.um()).collect();
-    let most = nodes.windows(2).map(|p| (p[1] - p[0]).abs()).fold(0.0, f64::max);
+    let most = steepest(&response);
     assert!(most <= 7.0, "{most} µm in one section");
 }
 
+/// Seven units of 0.1 µm in one of two sections would be 0.7 µm, which no gauge shows.
 #[test]
 fn a_bump_of_four_points_is_steeper_only_where_there_is_no_room() {
-    let (job, errors) = five_points("fanuc-0i-f");
-    // seven units of 0.1 µm in one of two sections would be 0.7 µm, which no gauge shows
-    let fine = job.replace("detection_unit_um = 1.0", "detection_unit_um = 0.1");
-    assert_ne!(fine, job);
-    let (_, kit) = support::generate(&fine, &errors);
-    let mut proofs = kit.manifest.sign_proofs.iter();
-    let proof = proofs.find(|proof| term_of(proof).is_cross()).unwrap();
-    assert!((number(proof, "shows_um") + 20.0).abs() < DUST_UM, "{proof}");
+    let unit = "detection_unit_um =";
+    cross_proof(&kit_with("fanuc-0i-f", &format!("{unit} 1.0"), &format!("{unit} 0.1")));
 }
 
 #[test]
 fn headers_say_only_what_their_file_holds() {
     let (mut inputs, _) = with_read_out("siemens-840d-sl");
     inputs.job.measurement.active = ActiveTables::Path("read-out".to_string());
-    let kit = kit::generate(&inputs).unwrap_or_else(|p| panic!("{}", p.render()));
+    let kit = kit_from(&inputs);
     let contained = "compensation active while measuring: yes, the tables of this kit contain it";
     let mut seen = 0;
     for file in kit.files.iter().filter(|file| file.role != Role::Checklist) {
@@ -428,99 +422,87 @@ fn a_rehearsal_and_doubts_are_seen_in_the_files() {
     let (job, errors) = five_points("siemens-840d-sl");
     let remarks = "# note: SIMULATED, not measured: predicted\n# doubt: a reading is disturbed\n";
     let (_, kit) = support::generate(&job, &format!("{remarks}{errors}"));
-    let page = text_of(&kit, "checklist.md");
-    let head = page.split("## ").next().unwrap();
-    assert!(head.contains("**SIMULATED, not measured: predicted**"), "{head}");
-    assert!(head.contains("**DOUBTFUL:** a reading is disturbed"), "{head}");
-    assert!(head.contains("**undecided**"), "{head}");
+    let head = checklist(&kit).split("## ").next().unwrap();
+    ensure_told(head, "**SIMULATED, not measured: predicted**");
+    ensure_told(head, "**DOUBTFUL:** a reading is disturbed");
+    ensure_told(head, "**undecided**");
     for file in &kit.files {
-        assert!(text_of(&kit, &file.path).contains("SIMULATED"), "{}", file.path);
+        ensure_told(text_of(&kit, &file.path), "SIMULATED");
     }
 }
 
 #[test]
 fn a_checklist_names_what_misses_the_acceptance() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
-    let text = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
-    let job = text("siemens-840d-sl.toml").replace("spacing_mm = 30.0", "spacing_mm = 450.0");
-    let job = job.replace("max_deviation_um = 10.0", "max_deviation_um = 2.0");
-    let (_, kit) = support::generate(&job, &text("errors.csv"));
-    let page = text_of(&kit, "checklist.md");
+    let job = nine_errors("siemens-840d-sl.toml");
+    let job = replaced(&job, "spacing_mm = 30.0", "spacing_mm = 450.0");
+    let job = replaced(&job, "max_deviation_um = 10.0", "max_deviation_um = 2.0");
+    let (_, kit) = support::generate(&job, &nine_errors("errors.csv"));
     // Points at 0, 450 and 900 mm: 3.978 µm is the largest distance of EXX from the lines between.
     let words = "of the job, over the whole travel, places up to 30 mm apart: **fail**.\n- EXX leaves 3.978 µm (U not stated), the limit is 2 µm: fail\n\nMachine";
-    assert!(page.contains(words), "{page}");
+    ensure_told(checklist(&kit), words);
 }
 
 #[test]
 fn the_display_is_asked_for_with_values_of_the_files() {
-    let (job, errors) = five_points("siemens-840d-sl");
-    let (_, kit) = support::generate(&job, &errors);
-    let page = text_of(&kit, "checklist.md");
+    let kit = kit_of("siemens-840d-sl");
     for words in [
         "ENC_COMP[0,AX2]: -0.006 mm with AX2 at 200 mm; 0 mm with AX2 at its reference point\n",
         "CEC table 1 on AX1: 0.011 mm with AX1 at 400 mm, having come there in -; 0.003 mm with AX1 at its reference point, having come there in -\n",
     ] {
-        assert!(page.contains(words), "{words}\n{page}");
+        ensure_told(checklist(&kit), words);
     }
 }
 
 #[test]
 fn how_to_switch_off_by_hand_stands_there_without_a_sign_proof() {
     for (id, words) in [("fanuc-30i", "13381 for set 1"), ("fanuc-0i-f", "5711 for set 1")] {
-        let (job, errors) = five_points(id);
-        let page =
-            format!("{job}\n[limits]\nmax_slope_um_per_mm = 0.049\nmax_correction_um = 4.0\n");
-        let few = "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,400,1,1,1\n";
-        let page = page.replace("backlash = \"two-tables\"\n", "");
-        let (_, kit) = support::generate(&page, few);
-        assert!(files_of(&kit, Role::SignProof).is_empty(), "{id}: {errors}");
-        let page = text_of(&kit, "checklist.md");
-        assert!(page.contains("note 3623 of each axis, set it to 0"), "{id}: {page}");
-        assert!(page.contains(words), "{id}: {page}");
-        assert!(page.contains("## Rollback"), "{id}: {page}");
+        let limits = "\n[limits]\nmax_slope_um_per_mm = 0.049\nmax_correction_um = 4.0\n";
+        let kit = kit_of_x(id, "x,400,1,1,1\n", limits);
+        assert!(files_of(&kit, Role::SignProof).is_empty(), "{id}");
+        for words in ["note 3623 of each axis, set it to 0", words, "## Rollback"] {
+            ensure_told(checklist(&kit), words);
+        }
     }
 }
 
+/// Controls that refuse points beyond the travel: tests/it/declared.rs.
 #[test]
 fn a_reference_point_off_the_travel_is_noted() {
+    std::thread::scope(|scope| {
+        for id in support::any_grid_ids() {
+            scope.spawn(|| ensure_reference_noted(id));
+        }
+    });
+}
+
+fn ensure_reference_noted(id: &str) {
     let words = "mm outside the travel of the job";
-    for id in support::positioning_ids() {
-        let (job, errors) = five_points(id);
-        let profile = nonius::control::controller::builtin::profile(id).unwrap();
-        if let nonius::control::controller::Dialect::Declared(facts) = &profile.dialect
-            && !facts.points_beyond_travel.value
-        {
-            continue; // refused: tests/it/declared.rs
-        }
-        for (reference, beyond) in [
-            ("460.0", Some("460 mm, lies 60.00")),
-            ("-0.02", Some("-0.02 mm, lies 0.02")),
-            ("400.009", None),
-            ("400.0", None),
-        ] {
-            let line = format!("reference_mm = {reference}");
-            let job = job.replacen("reference_mm = 0.0", &line, 1);
-            let (_, kit) = support::generate(&job, &errors);
-            let notes = support::words(&kit.manifest.notes).join("\n");
-            let told = beyond.map(|beyond| {
-                format!("the reference point of X, {beyond} {words}, 0 to 400 mm: compare")
-            });
-            let checklist = text_of(&kit, "checklist.md");
-            let (work, _) = checklist.split_once("## Annex").unwrap();
-            let boxed = told.as_ref().map(|told| format!("- [ ] {told}"));
-            assert!(boxed.is_none_or(|boxed| work.contains(&boxed)), "{id}: {work}");
-            match told {
-                Some(told) => assert!(notes.contains(&told), "{id}: {told}\n{notes}"),
-                None => assert!(!notes.contains(words), "{id}, {reference}\n{notes}"),
+    let (job, errors) = five_points(id);
+    // No table is looked up along an axis that was not measured.
+    let others = errors.lines().filter(|line| !line.starts_with("x,"));
+    let others = others.collect::<Vec<_>>().join("\n");
+    for (reference, beyond) in [
+        ("460.0", Some("460 mm, lies 60.00")),
+        ("-0.02", Some("-0.02 mm, lies 0.02")),
+        ("400.009", None),
+        ("400.0", None),
+    ] {
+        let job = job.replacen("reference_mm = 0.0", &format!("reference_mm = {reference}"), 1);
+        let (_, kit) = support::generate(&job, &errors);
+        let notes = support::words(&kit.manifest.notes).join("\n");
+        match beyond {
+            Some(beyond) => {
+                let told =
+                    format!("the reference point of X, {beyond} {words}, 0 to 400 mm: compare");
+                assert!(notes.contains(&told), "{id}: {told}\n{notes}");
+                let (work, _) = checklist(&kit).split_once("## Annex").unwrap();
+                assert!(work.contains(&format!("- [ ] {told}")), "{id}: {work}");
             }
-            // No table is looked up along an axis that was not measured.
-            let is_other = |line: &&str| !line.starts_with("x,");
-            let others: Vec<&str> = errors.lines().filter(is_other).collect();
-            let job = job.replace("backlash = \"two-tables\"\n", "");
-            let (_, kit) = support::generate(&job, &others.join("\n"));
-            let notes = support::words(&kit.manifest.notes).join("\n");
-            assert!(!notes.contains(words), "{id}, {reference}\n{notes}");
+            None => assert!(!notes.contains(words), "{id}, {reference}\n{notes}"),
         }
+        let (_, kit) = support::generate(&job.replace(TWO_TABLES, ""), &others);
+        let notes = support::words(&kit.manifest.notes).join("\n");
+        assert!(!notes.contains(words), "{id}, {reference}\n{notes}");
     }
 }
 
@@ -528,36 +510,29 @@ fn a_reference_point_off_the_travel_is_noted() {
 fn a_checklist_tells_what_the_screen_told() {
     let (job, errors) = five_points("siemens-840d-sl");
     let longer = job.replacen("travel_mm = [0.0, 400.0]", "travel_mm = [0.0, 500.0]", 1);
-    assert_ne!(longer, job);
     let (_, kit) = support::generate(&longer, &errors);
-    let page = text_of(&kit, "checklist.md");
     let words = "\n- not measured: X from 400 to 500 mm; the table holds the end value there\n";
-    assert!(page.contains(words), "{page}");
+    ensure_told(checklist(&kit), words);
 }
 
 #[test]
 fn a_backlash_value_is_entered_with_the_tables_and_put_back() {
     for id in ["siemens-840d-sl", "fanuc-30i", "generic"] {
-        let (job, errors) = five_points(id);
-        let page = job.replace("two-tables", "curve-and-parameter");
-        let kit = kit::generate(&support::inputs(&page, &errors)).unwrap();
-        let checklist = text_of(&kit, "checklist.md");
+        let kit = kit_with(id, "two-tables", "curve-and-parameter");
         let of = |part: &str| {
-            let (_, rest) = checklist.split_once(part).unwrap();
-            rest.split("\n## ").next().unwrap().to_string()
+            let (_, rest) = checklist(&kit).split_once(part)?;
+            rest.split("\n## ").next()
         };
-        assert!(of("## Before anything").contains("found ________"), "{id}");
-        let (load, back) = (of("## The real tables"), of("## Rollback"));
-        let entered = load.lines().filter(|line| line.contains(": enter "));
-        let entered: Vec<&str> = entered.collect();
+        ensure_told(of("## Before anything").unwrap(), "found ________");
+        let (load, back) = (of("## The real tables").unwrap(), of("## Rollback").unwrap());
+        let entered: Vec<&str> = load.lines().filter(|line| line.contains(": enter ")).collect();
         assert_eq!(entered.len(), 1, "{id}: X alone has a reversal\n{load}");
         let what = entered[0].split(": enter ").next().unwrap();
         let put_back = format!("{what}: enter what was found");
-        assert!(back.contains(&put_back), "{id}\n{back}");
+        ensure_told(back, &put_back);
         // Where a person switches the compensation off, its backlash goes too.
-        if checklist.contains("\n## Switching off and on, by hand") {
-            let off = of("## Switching off and on, by hand");
-            assert!(off.contains(&put_back), "{id}\n{off}");
+        if let Some(off) = of("\n## Switching off and on, by hand") {
+            ensure_told(off, &put_back);
         }
         let stop = back.split("To stop this compensation").nth(1);
         assert!(stop.is_none_or(|stop| stop.contains("backlash")), "{id}\n{back}");
@@ -583,7 +558,7 @@ fn the_printed_checklist_has_every_line_of_the_other_in_its_order() {
         let (_, kit) = support::generate(&job, &format!("# doubt: <b>\"a\" & 'b'; *c\n{errors}"));
         let page = text_of(&kit, "checklist.html");
         let steps = page.matches("class=\"box\"").count();
-        let (text, checklist) = (seen(&page), text_of(&kit, "checklist.md"));
+        let (text, checklist) = (seen(page), checklist(&kit));
         let boxes = checklist.matches(" [ ] ").count();
         assert!(steps == boxes && boxes > 5, "{id}: {steps} of {boxes} boxes");
         let plain = |text: &str| text.replace(['*', '`'], "");

@@ -1,105 +1,94 @@
 //! Lists of captures into a form: all of them, one too few, one too many, of diagonals and of one axis.
-use crate::support::run::ended;
 use crate::support::skipped;
+use crate::support::visit::{Visit, fixture};
 use nonius::inputs::import::stated::{Counting, Stated};
 use nonius::inputs::import::{List, Measurement, fill};
 use nonius::quantity::diagonal::Diagonal;
 use nonius::text::document::Source;
-use std::fs::{read_to_string, write};
+use std::fs::read_to_string;
 use std::path::Path;
 
 /// The captures of case D in the order in which they are taken: three runs forth and back, scatter 0.2 µm.
 /// Each with what stands before its value in a form.
-fn case_d(diagonal: &str) -> Vec<(String, f64)> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let path = path.join("fixtures/diagonals/case_d_bidirectional/readings.csv");
-    let table = read_to_string(path).expect("it is there");
-    let mut rows: Vec<(String, f64)> = Vec::new();
-    for line in table.lines().filter(|line| line.starts_with(diagonal)) {
-        let (cells, value) = line.rsplit_once(',').expect("cells");
-        rows.push((cells.to_string(), value.parse().expect("a number")));
-    }
-    let node = |row: &(String, f64)| row.0.split(',').nth(3).unwrap().parse::<i32>().unwrap();
-    let key = |row: &(String, f64)| {
-        let cells: Vec<&str> = row.0.split(',').collect();
-        let back = cells[2] == "reverse";
-        (cells[1].to_string(), back, if back { -node(row) } else { node(row) })
-    };
-    rows.sort_by_key(key);
-    rows
+fn case_d(diagonal: &str) -> (Vec<String>, Vec<f64>) {
+    let table = fixture("diagonals/case_d_bidirectional/readings.csv");
+    let rows = table.lines().filter(|line| line.starts_with(diagonal));
+    let mut rows: Vec<_> = rows.map(|line| line.rsplit_once(',').unwrap()).collect();
+    rows.sort_by_key(|(cells, _)| {
+        let cells: Vec<&str> = cells.split(',').collect();
+        let (node, back) = (cells[3].parse::<i32>().unwrap(), cells[2] == "reverse");
+        (cells[1], back, if back { -node } else { node })
+    });
+    let parsed = |(cells, value): (&str, &str)| (cells.to_string(), value.parse::<f64>().unwrap());
+    rows.into_iter().map(parsed).unzip()
 }
 
 const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
 
-fn form() -> String {
-    let rows = DIAGONALS.iter().flat_map(|diagonal| case_d(diagonal));
-    let rows: String = rows.map(|(cells, _)| format!("{cells},\n")).collect();
-    format!("diagonal,run,direction,node,moved,deviation_um\n{rows}")
-}
-
 fn list(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value}\n")).collect()
-}
-
-/// What comes of lists of all diagonals, the first one being `own`.
-fn filled(own: &[f64], counting: Counting, columns: &str) -> Result<String, String> {
-    let texts: Vec<String> = DIAGONALS
-        .iter()
-        .map(|name| {
-            let values: Vec<f64> = case_d(name).iter().map(|(_, value)| *value).collect();
-            match (*name == "PPP", counting) {
-                (true, _) => list(own),
-                (false, Counting::Cumulative) => list(&values),
-                (false, Counting::Incremental) => list(&increments(&values)),
-            }
-        })
-        .collect();
-    let lists: Vec<List<'_>> = Diagonal::ALL
-        .into_iter()
-        .zip(&texts)
-        .map(|(diagonal, text)| {
-            let file = Measurement {
-                path: "list.txt",
-                name: "list.txt",
-                sha256: "0",
-                bytes: text.as_bytes(),
-            };
-            (Some(diagonal), file)
-        })
-        .collect();
-    let stated = Stated {
-        columns: Some(columns.to_string()),
-        captures: Some(counting),
-        ..Stated::default()
-    };
-    let form = Source::from_bytes("form.csv", form().as_bytes()).unwrap();
-    fill(&form, &lists, None, &stated).map_err(|problems| problems.render())
 }
 
 fn increments(values: &[f64]) -> Vec<f64> {
     values.windows(2).map(|pair| pair[1] - pair[0]).collect()
 }
 
-fn own() -> (Vec<String>, Vec<f64>) {
-    case_d("PPP").into_iter().unzip()
+/// A form filled from lists with one column.
+fn fill_form(
+    form: &str,
+    lists: &[(Option<Diagonal>, String)],
+    counting: Counting,
+    column: &str,
+) -> Result<String, String> {
+    let (path, name, sha256) = ("list.txt", "list.txt", "0");
+    let file = |text| Measurement { path, name, sha256, bytes: str::as_bytes(text) };
+    let lists = lists.iter().map(|(diagonal, text)| (*diagonal, file(text)));
+    let lists: Vec<List<'_>> = lists.collect();
+    let columns = Some(format!("#1={column}"));
+    let stated = Stated { columns, captures: Some(counting), ..Stated::default() };
+    let form = Source::from_bytes("form.csv", form.as_bytes()).unwrap();
+    fill(&form, &lists, None, &stated).map_err(|problems| problems.render())
+}
+
+/// What comes of lists of all diagonals, the first one being `own`.
+fn filled(own: &[f64], counting: Counting, column: &str) -> Result<String, String> {
+    let mut form = "diagonal,run,direction,node,moved,deviation_um\n".to_string();
+    let lists = Diagonal::ALL.into_iter().zip(DIAGONALS).map(|(diagonal, name)| {
+        let (cells, values) = case_d(name);
+        form.extend(cells.iter().map(|cells| format!("{cells},\n")));
+        let text = match (name, counting) {
+            ("PPP", _) => list(own),
+            (_, Counting::Cumulative) => list(&values),
+            (_, Counting::Incremental) => list(&increments(&values)),
+        };
+        (Some(diagonal), text)
+    });
+    let lists: Vec<_> = lists.collect();
+    fill_form(&form, &lists, counting, column)
+}
+
+/// With one value taken out.
+fn without(values: &[f64], place: usize) -> Vec<f64> {
+    let mut values = values.to_vec();
+    values.remove(place);
+    values
 }
 
 #[test]
 fn as_many_values_as_captures_fill_the_form() {
-    let (cells, values) = own();
-    for (counting, own) in
-        [(Counting::Cumulative, values.clone()), (Counting::Incremental, increments(&values))]
-    {
-        let text = filled(&own, counting, "#1=deviation_um").expect("they fit");
+    let (cells, values) = case_d("PPP");
+    // The first capture of case D is not zero; increments count from it.
+    for (counting, own, zero) in [
+        (Counting::Cumulative, values.clone(), 0.0),
+        (Counting::Incremental, increments(&values), values[0]),
+    ] {
+        let text = filled(&own, counting, "deviation_um").unwrap();
         let rows = text.lines().filter(|line| line.starts_with("PPP"));
         for (row, (cells, value)) in rows.zip(cells.iter().zip(&values)) {
-            let (before, found) = row.rsplit_once(',').expect("cells");
-            let found: f64 = found.parse().expect("a number");
-            // The first capture of case D is not zero; increments count from it.
-            let expected =
-                if counting == Counting::Cumulative { *value } else { value - values[0] };
+            let (before, found) = row.rsplit_once(',').unwrap();
+            let found: f64 = found.parse().unwrap();
             assert_eq!(before, cells);
-            assert!((found - expected).abs() < 1e-6, "{row}: {expected}");
+            assert!((found - (value - zero)).abs() < 1e-6, "{row}: {value} - {zero}");
         }
     }
 }
@@ -114,13 +103,11 @@ fn name(cells: &str) -> String {
 /// Deviations alone, without the steps, are the hard case: what shows is that the runs no longer repeat.
 #[test]
 fn among_deviations_the_missing_capture_lies_where_it_is_said_to() {
-    let (cells, values) = own();
+    let (cells, values) = case_d("PPP");
     let (mut told, mut narrow) = (0, 0);
     for place in (0..values.len()).step_by(3) {
-        let mut values = values.clone();
-        values.remove(place);
-        let said =
-            filled(&values, Counting::Cumulative, "#1=deviation_um").expect_err("one is missing");
+        let own = without(&values, place);
+        let said = filled(&own, Counting::Cumulative, "deviation_um").unwrap_err();
         assert!(said.contains("expected 186 as in the form: one is missing"), "{said}");
         let is_named = |at: &usize| said.contains(&name(&cells[*at]));
         let named: Vec<usize> = (0..cells.len()).filter(is_named).collect();
@@ -137,7 +124,7 @@ fn among_deviations_the_missing_capture_lies_where_it_is_said_to() {
 
 #[test]
 fn with_displacements_every_missing_or_doubled_capture_is_named() {
-    let (cells, values) = own();
+    let (cells, values) = case_d("PPP");
     let node = |cells: &String| cells.split(',').nth(3).unwrap().parse::<usize>().unwrap();
     // Projections of steps of 90, 72 and 72 mm on the diagonal of the box.
     let (steps, length) = ([90.0, 72.0, 72.0_f64], 900.0_f64.hypot(720.0).hypot(720.0));
@@ -146,15 +133,12 @@ fn with_displacements_every_missing_or_doubled_capture_is_named() {
     let whole: Vec<f64> =
         cells.iter().zip(&values).map(|(cells, um)| nominal(node(cells)) + um / 1000.0).collect();
     for place in (0..whole.len()).step_by(3) {
-        let mut values = whole.clone();
-        values.remove(place);
-        let said = filled(&values, Counting::Cumulative, "#1=displacement_mm")
-            .expect_err("one is missing");
+        let filled = |own: &[f64]| filled(own, Counting::Cumulative, "displacement_mm");
+        let said = filled(&without(&whole, place)).unwrap_err();
         assert!(said.contains(&name(&cells[place])), "{place}: {said}");
         let mut values = whole.clone();
         values.insert(place, whole[place] + 0.000_1);
-        let said = filled(&values, Counting::Cumulative, "#1=displacement_mm")
-            .expect_err("one is too many");
+        let said = filled(&values).unwrap_err();
         let named =
             [place + 1, place + 2].iter().any(|value| said.contains(&format!("value {value}")));
         assert!(named && said.contains("more than 10⁹ : 1"), "{place}: {said}");
@@ -163,51 +147,34 @@ fn with_displacements_every_missing_or_doubled_capture_is_named() {
 
 #[test]
 fn what_lists_do_not_carry_has_to_be_stated() {
-    let place = tempfile::tempdir().expect("a place to write to");
-    let at = place.path();
-    let travel = "--travel 400,300,200";
-    let (status, ..) = ended(at, &format!("new --controller generic {travel} --readings -o visit"));
-    assert_eq!(status, Some(0));
-    let form = read_to_string(at.join("visit/readings.csv")).expect("a form");
+    let visit = Visit::new();
+    visit.yes("new --controller generic --travel 400,300,200 --readings -o visit");
+    let form = visit.read("visit/readings.csv");
     for name in DIAGONALS {
         let count = form.lines().filter(|line| line.starts_with(name)).count();
         let values: String = (0..count).map(|k| format!("{k},5\n")).collect();
-        write(at.join(format!("{name}.txt")), format!("Reading\n{values}"))
-            .expect("it can be written");
+        visit.put(&format!("{name}.txt"), format!("Reading\n{values}"));
     }
     let lists = "--ppp PPP.txt --npp NPP.txt --pnp PNP.txt --ppn PPN.txt";
-    let command = format!("import --form visit/readings.csv {lists} -o visit/readings.csv --force");
+    let import = |more: &str| {
+        let form = "--form visit/readings.csv -o visit/readings.csv --force";
+        visit.run(&format!("import {form} {lists} {more}"))
+    };
+    let steps = "--columns #1=displacement_mm --captures cumulative";
     for (more, says) in [
         ("", "`--columns` is not stated"),
         ("", "`--captures` is not stated"),
-        ("--columns #1=displacement_mm --captures cumulative", "`--decimal` is not stated"),
+        (steps, "`--decimal` is not stated"),
         ("--columns #1=length_mm --captures cumulative", "names no readings"),
-        (
-            "--columns #1=displacement_mm --captures cumulative --term EXX",
-            "`--term` has no meaning",
-        ),
+        (&format!("{steps} --term EXX"), "`--term` has no meaning"),
         ("--columns #1=displacement_mm --captures incremental --decimal comma", "one is too many"),
     ] {
-        let (status, _, said) = ended(at, &format!("{command} {more}"));
-        assert_eq!(status, Some(2), "{more}");
-        assert!(said.contains(says), "{more}: {said}");
-        assert_eq!(read_to_string(at.join("visit/readings.csv")).unwrap(), form);
+        import(more).ends(2).says(says);
+        assert_eq!(visit.read("visit/readings.csv"), form);
     }
-    let (status, page, said) = ended(
-        at,
-        &format!(
-            "{command} --columns Reading=displacement_mm --captures cumulative --decimal comma"
-        ),
-    );
-    assert_eq!(status, Some(0), "{said}");
-    assert!(page.contains("every capture of the form has its value"), "{page}");
-    let again = ended(
-        at,
-        &format!(
-            "{command} --columns Reading=displacement_mm --captures cumulative --decimal comma"
-        ),
-    );
-    assert!(again.2.contains("holds a value already"), "{}", again.2);
+    let named = "--columns Reading=displacement_mm --captures cumulative --decimal comma";
+    import(named).ends(0).says("every capture of the form has its value");
+    import(named).ends(2).says("holds a value already");
 }
 
 /// Real bidirectional runs of a stage, as a list in the order of its captures.
@@ -221,7 +188,8 @@ fn a_list_of_a_real_axis_misses_the_capture_that_was_taken_out() {
     let rows = table.lines().filter(|line| !line.starts_with(['#', 'i']));
     let rows: Vec<Vec<f64>> =
         rows.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();
-    let (mut form, mut names, mut whole) = (String::new(), Vec::new(), Vec::new());
+    let mut form = "target_mm,run,direction,deviation_um\n".to_string();
+    let (mut names, mut whole) = (Vec::new(), Vec::new());
     for run in 1..=5 {
         let up = rows.iter().map(|row| (row[1], "+", row[1 + run]));
         let down = rows.iter().rev().map(|row| (row[1], "-", row[6 + run]));
@@ -231,44 +199,33 @@ fn a_list_of_a_real_axis_misses_the_capture_that_was_taken_out() {
             whole.push(at - rows[0][1]);
         }
     }
-    let form = format!("target_mm,run,direction,deviation_um\n{form}");
     let filled = |values: &[f64]| {
-        let text = list(values);
-        let file =
-            Measurement { path: "x.txt", name: "x.txt", sha256: "0", bytes: text.as_bytes() };
-        let stated = Stated {
-            columns: Some("#1=displacement_mm".to_string()),
-            captures: Some(Counting::Cumulative),
-            ..Stated::default()
-        };
-        let form = Source::from_bytes("form.csv", form.as_bytes()).unwrap();
-        let filled = fill(&form, &[(None, file)], None, &stated);
-        filled.map_err(|problems| problems.render())
+        fill_form(&form, &[(None, list(values))], Counting::Cumulative, "displacement_mm")
     };
-    let text = filled(&whole).expect("they fit");
+    let text = filled(&whole).unwrap();
     let first: f64 = text.lines().last().unwrap().rsplit(',').next().unwrap().parse().unwrap();
     assert!((first - (rows[0][11] - rows[0][1]) * 1000.0).abs() < 1e-6, "{first}");
     for (place, name) in names.iter().enumerate() {
-        let mut values = whole.clone();
-        values.remove(place);
-        let said = filled(&values).expect_err("one is missing");
+        let said = filled(&without(&whole, place)).unwrap_err();
         assert!(said.contains(name), "{name}: {said}");
     }
 }
 
-/// `cargo test --features excel --test lists`: a sheet of a workbook is a text with columns.
+/// `cargo test --features excel --test it lists`: a sheet of a workbook is a text with columns.
 #[cfg(feature = "excel")]
 #[test]
 fn a_sheet_of_a_workbook_is_mapped_like_a_text() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let book = "import fixtures/formats/workbook_selfmade.xlsx --axis x --direction both --sign as-error -o -";
-    let columns = "--columns #1=position_mm,Dev[um]=ex_um";
-    let (status, _, said) = ended(root, &format!("{book} {columns}"));
-    assert_eq!(status, Some(2), "the first sheet holds no table: {said}");
-    let (status, _, said) = ended(root, &format!("{book} {columns} --sheet Other"));
-    assert!(status == Some(2) && said.contains("its sheets: Notes, Readings"), "{said}");
-    let (status, table, said) = ended(root, &format!("{book} {columns} --sheet Readings"));
-    assert_eq!(status, Some(0), "{said}");
+    let visit = Visit::new();
+    visit.copy("formats/workbook_selfmade.xlsx", "book.xlsx");
+    let import = |more: &str| {
+        let stated = "--axis x --direction both --sign as-error -o -";
+        let columns = "--columns #1=position_mm,Dev[um]=ex_um";
+        visit.run(&format!("import book.xlsx {stated} {columns} {more}"))
+    };
+    // The first sheet holds no table.
+    import("").ends(2);
+    import("--sheet Other").ends(2).says("its sheets: Notes, Readings");
+    let table = import("--sheet Readings").ends(0).out;
     let rows: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
     assert_eq!(rows, ["axis,position_mm,ex_um", "x,0,0", "x,100,1.25", "x,200,-0.5"]);
 }

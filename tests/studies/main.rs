@@ -20,6 +20,7 @@ mod agreement;
 mod causes;
 mod coverage;
 mod coverage_bounds;
+mod doubts;
 mod exchanged;
 mod plan;
 mod properties;

@@ -2,89 +2,82 @@
 
 use super::*;
 
-fn fixture(case: &str) -> std::path::PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/diagonals").join(case)
+/// The job and the readings of a case.
+fn of_case(case: &str) -> Visit {
+    Visit::of(&format!("diagonals/{case}"))
 }
 
-fn copy(
-    case: &str,
-    job: impl Fn(String) -> String,
-    readings: impl Fn(String) -> String,
-) -> tempfile::TempDir {
-    let directory = tempfile::tempdir().unwrap();
-    let read = |name: &str| fs::read_to_string(fixture(case).join(name)).unwrap();
-    let put = |name: &str, text: String| fs::write(directory.path().join(name), text).unwrap();
-    put("readings.csv", readings(read("readings.csv")));
-    put("job.toml", job(read("job.toml")));
-    directory
+/// A case with a policy for its reversals.
+fn with_policy(case: &str, policy: &str) -> Visit {
+    let visit = of_case(case);
+    let line = format!("[compensation]\nbacklash = \"{policy}\"\n");
+    visit.edit("job.toml", "[compensation]\n", &line);
+    visit
 }
 
-fn said(output: &Output, status: i32) -> String {
-    let text = String::from_utf8(output.stdout.clone()).unwrap();
-    let talk = String::from_utf8(output.stderr.clone()).unwrap();
-    assert_eq!(output.status.code(), Some(status), "{text}{talk}");
-    text + &talk
+/// A job without what stands from a table up to `[compensation]`.
+fn without(job: &str, table: &str) -> String {
+    let (before, rest) = job.split_once(table).unwrap();
+    let (_, after) = rest.split_once("[compensation]").unwrap();
+    format!("{before}[compensation]{after}")
 }
 
-fn json(output: &Output, status: i32) -> Value {
-    said(output, status);
-    serde_json::from_slice(&output.stdout).unwrap()
+/// Writes the table and the job of what it holds.
+#[track_caller]
+fn two_step(visit: &Visit, status: i32) -> Ran {
+    let ran = visit.run("separate job.toml -o errors.csv").ends(status);
+    let job = without(&visit.read("job.toml"), "[measurement.step_diagonal]");
+    visit.put("nine.toml", job.replace("readings = \"readings.csv\"", "errors = \"errors.csv\""));
+    ran
 }
 
-fn manifest(directory: &Path, kit: &str) -> Value {
-    serde_json::from_slice(&fs::read(directory.join(kit).join("manifest.json")).unwrap()).unwrap()
-}
-
-/// The job of the table that `separate -o errors.csv` wrote.
-fn two_step(directory: &Path) {
-    let job = fs::read_to_string(directory.join("job.toml")).unwrap();
-    let (before, after) = job.split_once("[measurement.step_diagonal]").unwrap();
-    let (_, after) = after.split_once("[compensation]").unwrap();
-    let before = before.replace("readings = \"readings.csv\"", "errors = \"errors.csv\"");
-    let job = format!("{before}[compensation]{after}");
-    fs::write(directory.join("nine.toml"), job).unwrap();
+/// A kit from the readings, and one from the table: what is said, and its manifest.
+#[track_caller]
+fn kits(visit: &Visit) -> [(Ran, Value); 2] {
+    ["job", "nine"].map(|job| {
+        let ran = visit.run(&format!("generate {job}.toml -o kit-{job}")).ends(1);
+        (ran.says("verdict: undecided"), visit.document(&format!("kit-{job}/manifest.json")))
+    })
 }
 
 /// Case B with 0.3 µm noise and one reading 20 µm off.
-fn disturbed_case_b() -> tempfile::TempDir {
-    let spoil = |text: String| {
-        let mut random = ChaCha8Rng::seed_from_u64(20);
-        let mut out = String::new();
-        for line in text.lines().filter(|line| !line.starts_with('#')) {
-            let (before, um) = line.rsplit_once(',').unwrap();
-            let Ok(um) = um.parse::<f64>() else {
-                out += &format!("{line}\n");
-                continue;
-            };
-            let off = if before == "PPP,1,forward,58,x" { 20.0 } else { 0.0 };
-            let noise = SIGMA_UM * simulated::normal(&mut random);
-            let um = if before.contains(",0,") { um } else { um + noise + off };
-            out += &format!("{before},{um:.6}\n");
-        }
-        out
+fn disturbed_case_b() -> Visit {
+    let mut random = ChaCha8Rng::seed_from_u64(20);
+    let mut spoilt = |line: &str| {
+        let (before, um) = line.rsplit_once(',').unwrap();
+        let Ok(um) = um.parse::<f64>() else {
+            return format!("{line}\n");
+        };
+        let off = if before == "PPP,1,forward,58,x" { 20.0 } else { 0.0 };
+        let noise = SIGMA_UM * normal(&mut random);
+        let um = if before.contains(",0,") { um } else { um + noise + off };
+        format!("{before},{um:.6}\n")
     };
-    copy("case_b_setup", |job| job, spoil)
+    let visit = of_case("case_b_setup");
+    let readings = visit.read("readings.csv");
+    let rows = readings.lines().filter(|line| !line.starts_with('#'));
+    visit.put("readings.csv", rows.map(&mut spoilt).collect::<String>());
+    visit
 }
 
 #[test]
 fn a_disturbed_reading_reaches_every_output() {
-    let directory = disturbed_case_b();
+    let visit = disturbed_case_b();
     let words = "PPP forward node 58";
-    let text = said(&nonius(directory.path(), "separate job.toml -o errors.csv"), 1);
-    assert!(text.contains("DOUBTFUL") && text.contains(words), "{text}");
-    let page = json(&nonius(directory.path(), "separate job.toml --format json"), 1);
+    two_step(&visit, 1).says("DOUBTFUL").says(words);
+    let page = visit.run("separate job.toml --format json").ends(1).json();
     assert!(page["doubts"].to_string().contains(words), "{page}");
-    let csv = fs::read_to_string(directory.path().join("errors.csv")).unwrap();
+    let csv = visit.read("errors.csv");
     assert!(csv.lines().any(|l| l.starts_with("# doubt:") && l.contains(words)), "{csv}");
-    two_step(directory.path());
-    for (job, kit) in [("job.toml", "one"), ("nine.toml", "two")] {
-        let text = said(&nonius(directory.path(), &format!("generate {job} -o {kit}")), 1);
+    for (ran, page) in kits(&visit) {
+        let text = ran.all();
         let (_, verdict) = text.split_once("verdict: undecided").unwrap();
         assert!(verdict.contains(words), "{text}");
-        let page = manifest(directory.path(), kit);
         assert!(page["doubts"].to_string().contains(words), "{page}");
-        let verify = format!("verify {job} --tables {kit} --format json");
-        let page = json(&nonius(directory.path(), &verify), 1);
+    }
+    for job in ["job", "nine"] {
+        let verify = format!("verify {job}.toml --tables kit-{job} --format json");
+        let page = visit.run(&verify).ends(1).json();
         assert_eq!(page["verdict"], "undecided");
         assert!(page["causes"].to_string().contains(words), "{page}");
     }
@@ -92,78 +85,53 @@ fn a_disturbed_reading_reaches_every_output() {
 
 #[test]
 fn a_kit_without_scales_is_undecided_and_says_what_is_missing() {
-    let without = |job: String| {
-        let (before, after) = job.split_once("[[measurement.step_diagonal.linear]]").unwrap();
-        let (_, after) = after.split_once("[compensation]").unwrap();
-        format!("{before}[compensation]{after}")
-    };
-    let directory = copy("case_b_setup", without, |readings| readings);
-    let text = said(&nonius(directory.path(), "separate job.toml -o errors.csv"), 1);
-    assert!(text.contains("Determined: 6 of 9 errors"), "{text}");
-    two_step(directory.path());
-    for (job, kit) in [("job.toml", "one"), ("nine.toml", "two")] {
-        let text = said(&nonius(directory.path(), &format!("generate {job} -o {kit}")), 1);
-        assert!(text.contains("verdict: undecided"), "{text}");
-        assert!(text.contains("EXX   not determined"), "{text}");
-        assert!(text.contains("no table for EXX, EYY, EZZ: not determined by the measurement: scale of X, Y and Z can be traded"), "{text}");
-        let omitted = manifest(directory.path(), kit)["omitted"].clone();
-        let terms = omitted.as_array().unwrap().iter().map(|o| o["term"].as_str().unwrap());
-        assert_eq!(terms.collect::<Vec<_>>(), ["EXX", "EYY", "EZZ"]);
+    let visit = of_case("case_b_setup");
+    let table = "[[measurement.step_diagonal.linear]]";
+    visit.put("job.toml", without(&visit.read("job.toml"), table));
+    two_step(&visit, 1).says("Determined: 6 of 9 errors");
+    for (ran, page) in kits(&visit) {
+        ran.says("EXX   not determined").says("no table for EXX, EYY, EZZ: not determined by the measurement: scale of X, Y and Z can be traded");
+        let omitted = page["omitted"].as_array().unwrap();
+        let terms: Vec<_> = omitted.iter().map(|o| o["term"].as_str().unwrap()).collect();
+        assert_eq!(terms, ["EXX", "EYY", "EZZ"]);
     }
     // Whoever asks for the six alone misses nothing.
-    let asked = |job: String| {
-        without(job).replace(
-            "[compensation]\n",
-            "[compensation]\nterms = [\"EYX\", \"EZX\", \"EXY\", \"EZY\", \"EXZ\", \"EYZ\"]\n",
-        )
-    };
-    let directory = copy("case_b_setup", asked, |readings| readings);
-    let text = said(&nonius(directory.path(), "generate job.toml -o kit"), 0);
-    assert!(!text.contains("DOUBTFUL"), "{text}");
-}
-
-fn with_policy(policy: &str) -> impl Fn(String) -> String + '_ {
-    move |job| {
-        job.replace("[compensation]\n", &format!("[compensation]\nbacklash = \"{policy}\"\n"))
-    }
+    let asked = "[compensation]\nterms = [\"EYX\", \"EZX\", \"EXY\", \"EZY\", \"EXZ\", \"EYZ\"]\n";
+    visit.edit("job.toml", "[compensation]\n", asked);
+    visit.run("generate job.toml -o six").ends(0).omits("DOUBTFUL");
 }
 
 #[test]
 fn readings_in_both_directions_need_a_word_on_the_reversal() {
-    let directory = copy("case_d_bidirectional", |job| job, |readings| readings);
-    let text = said(&nonius(directory.path(), "generate job.toml -o kit"), 2);
-    assert!(text.contains("`backlash` is not stated"), "{text}");
+    let case = "case_d_bidirectional";
+    of_case(case).run("generate job.toml -o kit").ends(2).says("`backlash` is not stated");
+    let page = of_case(case).run("separate job.toml --format json").ends(0).json();
+    let wanted = |name: &str| number(&page["errors"][name]["deviation_um"][10]);
     let end = |policy: &str| {
-        let directory = copy("case_d_bidirectional", with_policy(policy), |readings| readings);
-        said(&nonius(directory.path(), "separate job.toml -o errors.csv"), 0);
-        let csv = fs::read_to_string(directory.path().join("errors.csv")).unwrap();
+        let visit = with_policy(case, policy);
+        visit.yes("separate job.toml -o errors.csv");
+        let csv = visit.read("errors.csv");
         let last = csv.lines().rfind(|line| line.starts_with("x,")).unwrap();
         let cell = last.split(',').nth(last.matches(",+,").count() + 2).unwrap();
         cell.parse::<f64>().unwrap()
     };
-    let page =
-        json(&nonius(&fixture("case_d_bidirectional"), "separate job.toml --format json"), 0);
-    let wanted = |name: &str| page["errors"][name]["deviation_um"][10].as_f64().unwrap();
-    assert!((end("mean") - wanted("EXX")).abs() < 1e-5);
-    assert!((end("forward-only") - wanted("EXX+")).abs() < 1e-5);
-    assert!((end("forward-only") - end("mean")).abs() > 0.5);
+    let [mean, forward] = ["mean", "forward-only"].map(end);
+    assert!((mean - wanted("EXX")).abs() < 1e-5);
+    assert!((forward - wanted("EXX+")).abs() < 1e-5);
+    assert!((forward - mean).abs() > 0.5);
 }
 
 #[test]
 fn a_reversal_that_no_curve_holds_is_said_beside_the_figures() {
     for policy in ["mean", "forward-only"] {
-        let directory = copy("case_d_bidirectional", with_policy(policy), |readings| readings);
-        said(&nonius(directory.path(), "separate job.toml -o errors.csv"), 0);
-        two_step(directory.path());
-        for (job, kit) in [("job.toml", "one"), ("nine.toml", "two")] {
-            let text = said(&nonius(directory.path(), &format!("generate {job} -o {kit}")), 1);
-            assert!(text.contains("verdict: undecided"), "{text}");
-            assert!(!text.contains("reversal not measured"), "{text}");
-            let marked =
-                text.lines().find(|line| line.starts_with("EXX  ") && line.contains("without"));
+        let visit = with_policy("case_d_bidirectional", policy);
+        two_step(&visit, 0);
+        for (ran, page) in kits(&visit) {
+            let text = ran.omits("reversal not measured").all();
+            let is_marked = |line: &&str| line.starts_with("EXX  ") && line.contains("without");
+            let marked = text.lines().find(is_marked);
             // B_d of the reference is 9.146 µm.
             assert!(marked.unwrap().contains("without reversal (about 9.146 µm"), "{text}");
-            let page = manifest(directory.path(), kit);
             assert_eq!(page["forecast"]["without_reversal_um"], 9.146);
         }
     }
@@ -171,83 +139,69 @@ fn a_reversal_that_no_curve_holds_is_said_beside_the_figures() {
 
 #[test]
 fn an_assumed_set_up_is_said_of_the_kit_made_from_the_table() {
-    let directory = copy("case_a_ideal", |job| job, |readings| readings);
-    said(&nonius(directory.path(), "separate job.toml -o errors.csv"), 0);
-    two_step(directory.path());
-    let text = said(&nonius(directory.path(), "generate nine.toml -o kit --explain"), 0);
+    let visit = of_case("case_a_ideal");
+    two_step(&visit, 0);
+    let mut ran = visit.run("generate nine.toml -o kit --explain").ends(0);
+    let notes = visit.document("kit/manifest.json")["notes"].to_string();
     for words in [
         "set-up assumed perfect",
         "reversal is mixed into the curves",
         "angular errors without a measurement, counted as zero",
     ] {
-        assert!(text.contains(&format!("note: {words}")) || text.contains(words), "{text}");
-        let notes = manifest(directory.path(), "kit")["notes"].to_string();
+        ran = ran.says(words);
         assert!(notes.contains(words), "{notes}");
     }
 }
 
 #[test]
 fn where_nothing_is_asked_nothing_is_judged_and_worse_is_said() {
-    let no_limit = |job: String| {
-        let (before, _) = job.split_once("[acceptance]").unwrap();
-        // A count of 20 µm: the tables cannot follow the curves.
-        before
-            .replace("siemens-840d-sl", "generic")
-            .replace("[compensation.axes.x]\n", "[compensation.axes.x]\ndetection_unit_um = 20.0\n")
-    };
-    let directory = copy("case_b_setup", no_limit, |readings| readings);
-    let text = said(&nonius(directory.path(), "generate job.toml -o kit"), 0);
-    assert!(
-        text.contains("no acceptance is stated in the job, so there is nothing to judge"),
-        "{text}"
-    );
-    assert!(!text.contains("verdict: pass"), "{text}");
-    assert!(
-        text.contains("WARNING: diagonal PPP becomes larger with the tables: 18.543 →"),
-        "{text}"
-    );
-    let notes = manifest(directory.path(), "kit")["notes"].to_string();
+    let visit = of_case("case_b_setup");
+    let job = visit.read("job.toml");
+    visit.put("job.toml", job.split("[acceptance]").next().unwrap());
+    visit.edit("job.toml", "siemens-840d-sl", "generic");
+    // A count of 20 µm: the tables cannot follow the curves.
+    let x = "[compensation.axes.x]\n";
+    visit.edit("job.toml", x, &format!("{x}detection_unit_um = 20.0\n"));
+    visit
+        .run("generate job.toml -o kit")
+        .ends(0)
+        .says("no acceptance is stated in the job, so there is nothing to judge")
+        .omits("verdict: pass")
+        .says("WARNING: diagonal PPP becomes larger with the tables: 18.543 →");
+    let notes = visit.document("kit/manifest.json")["notes"].to_string();
     assert!(notes.contains("diagonal PPP becomes larger"), "{notes}");
 }
 
-/// A thousandth of the golden errors: values in mm under a column in µm.
+/// A thousandth of the errors: values in mm under a column in µm.
 #[test]
 fn values_in_mm_under_a_column_in_um_are_doubted() {
-    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
-    let table = fs::read_to_string(golden.join("errors.csv")).unwrap();
-    let thousandth = |cell: &str| cell.parse::<f64>().map(|um| (um / 1000.0).to_string());
+    let visit = Visit::of("start/errors");
     let slipped = |line: &str| -> String {
         let cells = line.split(',').enumerate().map(|(column, cell)| {
-            let is_value = column > 1;
-            thousandth(cell).ok().filter(|_| is_value).unwrap_or_else(|| cell.to_string())
+            let um = cell.parse::<f64>().ok().filter(|_| column > 1);
+            um.map_or(cell.to_string(), |um| (um / 1000.0).to_string())
         });
         cells.collect::<Vec<_>>().join(",") + "\n"
     };
-    let directory = tempfile::tempdir().unwrap();
-    let put = |name: &str, text: String| fs::write(directory.path().join(name), text).unwrap();
-    put("errors.csv", table.lines().map(slipped).collect());
-    let job = fs::read_to_string(golden.join("generic.toml")).unwrap();
-    put("job.toml", job.clone());
-    let words = "no error exceeds 0.018 µm, and a machine tool below 0.1 µm throughout is unlikely";
+    let table = visit.read("errors.csv");
+    visit.put("errors.csv", table.lines().map(slipped).collect::<String>());
+    let words = "no error exceeds 0.008 µm, and a machine tool below 0.1 µm throughout is unlikely";
     for command in ["generate job.toml -o kit", "verify job.toml --tables kit"] {
-        let text = said(&nonius(directory.path(), command), 1);
-        assert!(text.contains("verdict: undecided"), "{text}");
-        assert!(text.contains(&format!("DOUBTFUL: {words}")), "{text}");
+        let ran = visit.run(command).ends(1).says("verdict: undecided");
+        ran.says(&format!("DOUBTFUL: {words}"));
     }
-    let text = said(&nonius(directory.path(), "assess job.toml"), 0);
-    assert!(text.contains(&format!("doubt: {words}")), "{text}");
+    visit.run("assess job.toml").ends(0).says(&format!("doubt: {words}"));
+    let stated = |noise_um: &str| {
+        let job = visit.read("job.toml");
+        visit.put("stated.toml", job);
+        let noise = format!("[measurement]\nuncertainty = {{ noise_um = {noise_um} }}\n");
+        visit.edit("stated.toml", "[measurement]\n", &noise);
+        visit.run(&format!("generate stated.toml -o kit-{noise_um}"))
+    };
     // Whoever states a noise below the errors means them.
-    let noise = "date = \"2026-11-20\"\nuncertainty = { noise_um = 0.002 }\n";
-    put("fine.toml", job.replace("date = \"2026-11-20\"\n", noise));
-    let text = said(&nonius(directory.path(), "generate fine.toml -o fine"), 0);
-    assert!(!text.contains("DOUBTFUL"), "{text}");
+    stated("0.002").ends(0).omits("DOUBTFUL");
     // A noise above them says nothing of their unit.
-    let coarse = job.replace("date = \"2026-11-20\"\n", &noise.replace("0.002", "0.5"));
-    put("coarse.toml", coarse);
-    let text = said(&nonius(directory.path(), "generate coarse.toml -o coarse"), 1);
-    assert!(text.contains("or state a `noise_um` below it"), "{text}");
-    let tiny = "axis,position_mm,ex_um\nx,0,0\nx,900,0.00042\n";
-    put("errors.csv", tiny.to_string());
-    let text = said(&nonius(directory.path(), "generate job.toml -o tiny"), 1);
-    assert!(text.contains("no error exceeds 0.00042 µm"), "{text}");
+    stated("0.5").ends(1).says("or state a `noise_um` below it");
+    visit.put("errors.csv", "axis,position_mm,ex_um\nx,0,0\nx,400,0.00042\n");
+    visit.run("generate job.toml -o tiny").ends(1).says("no error exceeds 0.00042 µm");
 }
