@@ -2,6 +2,9 @@
 use crate::support::positioning_ids;
 use crate::support::visit::{Ran, Visit};
 use nonius::control::controller::{Dialect, builtin};
+use nonius::inputs::error_table::ErrorTable;
+use nonius::quantity::axis::Axis;
+use nonius::text::document::Source;
 use std::mem::discriminant;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -129,23 +132,17 @@ fn box_ends(at: &Visit) -> [[f64; 2]; 3] {
 
 /// Slopes of the positioning in an error table between the ends of a box, µm/m, mean of the directions.
 fn slopes(page: &str, ends: &[[f64; 2]; 3]) -> [f64; 3] {
-    let mut lines = page.lines().filter(|line| !line.starts_with('#'));
-    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
-    let cell = |row: &[&'_ str], name: &str| -> String {
-        row[head.iter().position(|cell| *cell == name).unwrap()].to_string()
-    };
-    let number = |row: &[&str], name: &str| cell(row, name).parse::<f64>().unwrap();
-    [0, 1, 2].map(|axis| {
-        let own = format!("e{}_um", AXES[axis]);
+    let source = Source::from_bytes("linear.csv", page.as_bytes()).unwrap();
+    let table = ErrorTable::read(source).unwrap_or_else(|p| panic!("{}", p.render()));
+    Axis::ALL.map(|axis| {
         let at = |end: f64| {
-            let here = rows.iter().filter(|row| cell(row, "axis") == AXES[axis]);
-            let here = here.filter(|row| (number(row, "position_mm") - end).abs() < 1e-6);
-            let values: Vec<f64> = here.map(|row| number(row, &own)).collect();
-            assert!(!values.is_empty(), "{own} at {end}: {page}");
-            values.iter().sum::<f64>() / values.len() as f64
+            let values = table.series(axis).iter().map(|own| {
+                let place = own.positions.iter().position(|at| (at.mm() - end).abs() < 1e-6);
+                own.deviations[axis].as_ref().unwrap()[place.unwrap()].um()
+            });
+            values.sum::<f64>() / table.series(axis).len() as f64
         };
-        let [low, high] = ends[axis];
+        let [low, high] = ends[axis as usize];
         1000.0 * (at(high) - at(low)) / (high - low)
     })
 }
