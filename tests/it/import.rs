@@ -200,13 +200,6 @@ fn mapped_runs_are_averaged() {
 }
 
 #[test]
-fn corrections_are_turned_once() {
-    let rows_as = |sign| rows(&table(RTL, file(RTL), &Stated { sign: Some(sign), ..of_rtl() }));
-    assert!(rows_as(TableSign::AsError).contains("x,+,-200,0.5,0.1"));
-    assert!(rows_as(TableSign::AsCorrection).contains("x,+,-200,-0.5,0.1"));
-}
-
-#[test]
 fn a_straightness_keeps_its_sense_when_the_targets_run_the_other_way() {
     let stated = Stated {
         first_target_at_mm: Some(0.0),
@@ -242,16 +235,6 @@ fn spelling_of_the_header_does_not_matter() {
 }
 
 #[test]
-fn fields_of_the_user_text_may_share_a_line() {
-    let shared = rtl("0001\r\nDate", "0001 Date");
-    let shared = replaced(&shared, "By:example\r\nAxis:X", "By:example Axis:X");
-    let text = table(RTL, shared, &of_rtl());
-    for field in ["Serial No: 0001", "By: example", "Axis: X"] {
-        assert!(text.contains(&format!("# the file says: {field}\n")), "{text}");
-    }
-}
-
-#[test]
 fn ten_targets_fill_two_lines_of_five() {
     let targets: Vec<String> = (0..10).map(|n| format!("{}", n * 10)).collect();
     let deviations: Vec<String> = (1..=10).map(|n| format!("1 {n} {n}.5")).collect();
@@ -266,6 +249,24 @@ fn ten_targets_fill_two_lines_of_five() {
     assert!(text.ends_with("x,+,90,10.5"), "{text}");
 }
 
+#[test]
+fn fields_of_the_user_text_may_share_a_line() {
+    let shared = rtl("0001\r\nDate", "0001 Date");
+    let shared = replaced(&shared, "By:example\r\nAxis:X", "By:example Axis:X");
+    let said = ["Serial No: 0001", "By: example", "Axis: X"];
+    let said = said.map(|field| format!("# the file says: {field}\n"));
+    holds(&table(RTL, shared, &of_rtl()), &said.each_ref().map(String::as_str), "");
+}
+
+#[test]
+fn corrections_are_turned_once() {
+    for (sign, row) in
+        [(TableSign::AsError, "x,+,-200,0.5,0.1"), (TableSign::AsCorrection, "x,+,-200,-0.5,0.1")]
+    {
+        holds(&table(RTL, file(RTL), &Stated { sign: Some(sign), ..of_rtl() }), &[row], "");
+    }
+}
+
 /// Every deviation of the return runs 2 and 4 as zero.
 fn never_returned(text: &str) -> String {
     let zeros = text.lines().map(|line| match line.split_whitespace().collect::<Vec<_>>()[..] {
@@ -275,22 +276,27 @@ fn never_returned(text: &str) -> String {
     zeros.collect::<Vec<_>>().join("\n")
 }
 
-#[test]
-fn return_runs_that_were_never_made_are_left_out_and_said() {
-    let zeros = never_returned(&rtl("Flags: 0 0 2 0", "Flags: 0 1 2 0"));
-    let text = table(RTL, zeros, &of_rtl());
-    assert!(text.contains("runs 2, 4 hold only zeros"), "{text}");
-    assert!(!text.contains("x,-,"), "{text}");
-    assert!(text.contains("x,+,200,4.7,0.1"), "{text}");
+/// The table holds all of these words, and not those.
+#[track_caller]
+fn holds(text: &str, words: &[&str], others: &str) {
+    assert!(words.iter().all(|words| text.contains(words)), "{words:?}: {text}");
+    assert!(others.is_empty() || !text.contains(others), "{others}: {text}");
 }
 
+/// Zeros of return runs are left out where none was made; a run goes out where that is stated.
 #[test]
-fn every_run_goes_out_where_it_is_stated() {
-    let stated = Stated { runs: Some(Runs::Unidirectional), ..of_rtl() };
-    let text = table(RTL, rtl("Flags: 0 0 2 0", "Flags: 0 1 2 0"), &stated);
-    assert!(text.contains("runs: 4 moving +;"), "{text}");
+fn return_runs_mean_what_is_stated() {
+    let runs = |runs| Stated { runs: Some(runs), ..of_rtl() };
+    let both = rtl("Flags: 0 0 2 0", "Flags: 0 1 2 0");
+    let left_out = ["runs 2, 4 hold only zeros", "x,+,200,4.7,0.1"];
+    holds(&table(RTL, never_returned(&both), &of_rtl()), &left_out, "x,-,");
     // Target 1: 0.4, -1.1, 0.6, -1.0 µm.
-    assert!(text.contains("x,+,-200,-0.275,"), "{text}");
+    let all_out = ["runs: 4 moving +;", "x,+,-200,-0.275,"];
+    holds(&table(RTL, &both, &runs(Runs::Unidirectional)), &all_out, "");
+    let zeros = never_returned(&file(RTL));
+    assert!(run("x.rtl", &zeros, &of_rtl(), None).is_err());
+    holds(&table("x.rtl", &zeros, &runs(Runs::Unidirectional)), &[], "x,-,");
+    holds(&table("x.rtl", &zeros, &runs(Runs::Bidirectional)), &["x,-,200,0,0"], "");
 }
 
 #[test]
@@ -397,15 +403,12 @@ fn a_comma_is_read_as_decimal_where_it_shows_or_is_stated() {
     becomes("x.csv", "Pos;Dev\n0;0,125\n5;1,000\n", &two_columns(None), expected);
 }
 
+/// A column may be named by its number; a mapped text may have any ending.
 #[test]
-fn a_column_may_be_named_by_its_number() {
+fn columns_are_found_by_number_and_in_any_text() {
+    let numbered = mapped("Pos=position_mm,#3=ex_um", Axis::X);
     let expected = "axis,position_mm,ex_um\nx,0,11\nx,5,12";
-    let stated = mapped("Pos=position_mm,#3=ex_um", Axis::X);
-    becomes("x.csv", "Pos;Dev;Dev\n0;1;11\n5;2;12\n", &stated, expected);
-}
-
-#[test]
-fn a_mapped_text_may_have_any_ending() {
+    becomes("x.csv", "Pos;Dev;Dev\n0;1;11\n5;2;12\n", &numbered, expected);
     let expected = "axis,position_mm,ex_um\nx,0,1\nx,5,2";
     becomes("x.pos", "Pos;Dev\n0;1\n5;2\n", &two_columns(None), expected);
 }
@@ -416,17 +419,6 @@ fn angles_over_several_runs_state_no_uncertainty() {
     let expected = "axis,position_mm,ea_urad\nx,0,1.25\nx,9,2.25";
     let text = becomes("a.csv", "t;a;run\n0;1;1\n9;2;1\n0;1.5;2\n9;2.5;2\n", &stated, expected);
     assert!(text.contains("their mean, no u is written for angles"), "{text}");
-}
-
-#[test]
-fn zeros_of_every_return_run_mean_what_is_stated() {
-    let zeros = never_returned(&file(RTL));
-    assert!(run("x.rtl", &zeros, &of_rtl(), None).is_err());
-    let as_stated = |runs| table("x.rtl", &zeros, &Stated { runs: Some(runs), ..of_rtl() });
-    let never = as_stated(Runs::Unidirectional);
-    assert!(!never.contains("x,-,"), "{never}");
-    let measured = as_stated(Runs::Bidirectional);
-    assert!(measured.contains("x,-,200,0,0"), "{measured}");
 }
 
 #[test]

@@ -14,21 +14,16 @@ const TRAVEL: [[f64; 2]; 3] = [[0.0, 800.0], [0.0, 500.0], [-400.0, 0.0]];
 const MEASURED: [&str; 4] =
     ["date", "active_while_measuring", "active_backlash_um", "slope_um_per_m"];
 
-/// The names of the axes on a control; of one's own profile they are numbers.
-fn axis_ids(controller: Option<&str>) -> [String; 3] {
-    let profile = controller.map(|id| builtin::profile(id).unwrap());
-    [0, 1, 2].map(|axis| match profile.as_ref().map(|own| (&own.dialect, own)) {
-        Some((Dialect::Declared(_), own)) => own.axis_names.value[axis].clone(),
-        Some((Dialect::Siemens(_), _)) => format!("AX{}", axis + 1),
-        _ => (axis + 1).to_string(),
-    })
-}
-
 /// Fills in the `""` of a job but those of `later`, and changes nothing else.
 fn fill_in(at: &Visit, job: &str, slopes: [f64; 3], later: &[&str]) {
     let page = at.read(job);
     let named = |id: &&str| page.contains(&format!("controller = \"{id}\""));
-    let ids = axis_ids(builtin::ids().into_iter().find(named));
+    let own = builtin::ids().into_iter().find(named).map(|id| builtin::profile(id).unwrap());
+    let id = |axis: usize| match own.as_ref().map(|own| (&own.dialect, &own.axis_names)) {
+        Some((Dialect::Declared(_), names)) => format!("\"{}\"", names.value[axis]),
+        Some((Dialect::Siemens(_), _)) => format!("\"AX{}\"", axis + 1),
+        _ => format!("\"{}\"", axis + 1),
+    };
     let mut axis = 0;
     let filled = page.lines().map(|line| {
         let begins = |name: &&str| {
@@ -41,7 +36,7 @@ fn fill_in(at: &Visit, job: &str, slopes: [f64; 3], later: &[&str]) {
         if !is_key || !line.contains("= \"\"") || later.contains(&key) {
             return line.to_string();
         }
-        let (slope, id) = (slopes[axis].to_string(), format!("\"{}\"", ids[axis]));
+        let (slope, id) = (slopes[axis].to_string(), id(axis));
         let value = match key {
             "name" => "\"VMC 800\"",
             "date" => "\"2026-11-20\"",
@@ -72,10 +67,8 @@ const SLOPES: [f64; 3] = [20.0, -15.0, 25.0];
 
 /// Deviations while an axis moves: a scale that is off, and a bow on both other axes.
 fn deviations(axis: usize, at_mm: f64, is_back: bool) -> [f64; 3] {
-    let bow = 4e-5 * at_mm * at_mm;
-    let lost = if is_back { -3.0 } else { 0.0 };
-    let mut deviations = [bow, -0.5 * bow, 0.3 * bow];
-    deviations[axis] = SLOPES[axis] * at_mm / 1000.0 + lost;
+    let mut deviations = [1.0, -0.5, 0.3].map(|bow| 4e-5 * bow * at_mm * at_mm);
+    deviations[axis] = SLOPES[axis] * at_mm / 1000.0 - if is_back { 3.0 } else { 0.0 };
     deviations
 }
 
@@ -113,7 +106,7 @@ fn kit_of(at: &Visit, id: &str) -> Ran {
     let profile = builtin::profile(id).unwrap();
     for assumed in manifest["assumptions"].as_array().unwrap() {
         let fact = assumed["fact"].as_str().unwrap();
-        let is_of_profile = profile.statements.iter().any(|s| s.fact == fact);
+        let is_of_profile = profile.statements.iter().any(|stated| stated.fact == fact);
         assert!(is_of_profile || fact.starts_with("pitch_compensation_of_axis"), "{id}: {fact}");
     }
     ran

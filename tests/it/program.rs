@@ -212,6 +212,7 @@ fn is_found(case: &Case, from: &str, to: &str, words: &str) {
 
 #[test]
 fn the_walk_finds_what_is_wrong_with_a_program() {
+    let too_low = "before X and Y are there, or with them";
     for (from, to, found) in [
         ("N3 G4 F3.0\n", "", "of 14 readings are taken"),
         ("N3 G4 F3.0", "N3 G4 F0.3", "the standstill is 0.3 s"),
@@ -221,15 +222,11 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("G710", "", "before mm or inch is chosen"),
         ("SUPA G90 G0", "G90 G0", "this is neither"),
         ("SUPA G91 G1", "G91 G1", "this is neither"),
-        (
-            "G90 G0 X97.000 Y-77.000\nSUPA G90 G0 Z-57.000",
-            "G90 G0 X97.000 Y-77.000 Z-57.000",
-            "before X and Y are there, or with them",
-        ),
+        ("Y-77.000\nSUPA G90 G0 Z-57.000", "Y-77.000 Z-57.000", too_low),
         (
             "SUPA G90 G0 X97.000 Y-77.000\nSUPA G90 G0 Z-57.000",
             "SUPA G90 G0 Z-57.000\nSUPA G90 G0 X97.000 Y-77.000",
-            "before X and Y are there, or with them",
+            too_low,
         ),
         ("SUPA G90 G0 Z-57.000\n", "", "before all three axes are at machine coordinates"),
         ("SUPA G91 G1 Z55.000", "SUPA G91 G1 Z54.000", "is read at Z"),
@@ -343,11 +340,13 @@ fn the_job_must_not_describe_another_turn_than_the_run() {
         let job = read_job(&replaced(&case.job(), "order = \"ZXY\"", &stated));
         make(&job, &builtin::profile(case.control).unwrap(), &[])
     };
-    let said = turn("false", "").unwrap_err().render();
-    let words = "`overrun` is false, but this run goes 2 mm past the end point";
-    assert!(said.contains(words), "{said}");
-    let said = turn("true", "overrun_mm = 0").unwrap_err().render();
-    assert!(said.contains("`overrun` is true, but this run turns at the last node"), "{said}");
+    for (overrun, keys, words) in [
+        ("false", "", "`overrun` is false, but this run goes 2 mm past the end point"),
+        ("true", "overrun_mm = 0", "`overrun` is true, but this run turns at the last node"),
+    ] {
+        let said = turn(overrun, keys).unwrap_err().render();
+        assert!(said.contains(words), "{said}");
+    }
     assert_eq!(turn("true", "").unwrap().manifest["overrun"], true);
     assert_eq!(turn("false", "overrun_mm = 0").unwrap().manifest["overrun"], false);
     assert!(turn("false", "bidirectional = false").unwrap().manifest["overrun"].is_null());
