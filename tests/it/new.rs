@@ -1,70 +1,65 @@
 //! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
-use crate::support::run::ended;
+use crate::support::positioning_ids;
+use crate::support::visit::{Ran, Visit};
 use nonius::control::controller::{Dialect, builtin};
-use serde_json::Value;
-use std::fs::{read_to_string, write};
-use std::path::Path;
+use nonius::inputs::error_table::ErrorTable;
+use nonius::quantity::axis::Axis;
+use nonius::text::document::Source;
+use std::mem::discriminant;
 
-/// What a person fills in; of an axis by its place.
-fn value_of(key: &str, axis: usize, is_siemens: bool) -> String {
-    match key {
-        "name" => "\"VMC 800\"".to_string(),
-        "date" => "\"2026-11-20\"".to_string(),
-        "active_while_measuring" => "\"none\"".to_string(),
-        "reference_mm" => "0.0".to_string(),
-        "reference_direction" => "\"+\"".to_string(),
-        "active_backlash_um" => "{ x = 0.0, y = 0.0, z = 0.0 }".to_string(),
-        "u_um_per_m" => "0.5".to_string(),
-        "control_unit" => "\"mm\"".to_string(),
-        "first_table" => "0".to_string(),
-        "first_set" | "measuring_system" => "1".to_string(),
-        "reserved_points" => "[]".to_string(),
-        "id" if is_siemens => format!("\"AX{}\"", axis + 1),
-        "id" => format!("\"{}\"", axis + 1),
-        "detection_unit_um" => "1.0".to_string(),
-        "backlash" => "\"mean\"".to_string(),
-        "max_deviation_um" => "10.0".to_string(),
-        other => panic!("nobody said what `{other}` is"),
-    }
-}
+const AXES: [&str; 3] = ["x", "y", "z"];
+const TRAVEL: [[f64; 2]; 3] = [[0.0, 800.0], [0.0, 500.0], [-400.0, 0.0]];
 
 /// Keys that nobody knows before the measurement.
 const MEASURED: [&str; 4] =
     ["date", "active_while_measuring", "active_backlash_um", "slope_um_per_m"];
 
 /// Fills in the `""` of a job but those of `later`, and changes nothing else.
-fn fill_in_job(job: &Path, is_siemens: bool, slopes: [f64; 3], later: &[&str]) {
-    let page = read_to_string(job).expect("a job");
+fn fill_in(at: &Visit, job: &str, slopes: [f64; 3], later: &[&str]) {
+    let page = at.read(job);
     let named = |id: &&str| page.contains(&format!("controller = \"{id}\""));
-    let own = builtin::ids()
-        .into_iter()
-        .find(named)
-        .map(|id| builtin::profile(id).expect("it is built in"));
-    let own = own.filter(|own| matches!(own.dialect, Dialect::Declared(_)));
+    let own = builtin::ids().into_iter().find(named).map(|id| builtin::profile(id).unwrap());
+    let id = |axis: usize| match own.as_ref().map(|own| (&own.dialect, &own.axis_names)) {
+        Some((Dialect::Declared(_), names)) => format!("\"{}\"", names.value[axis]),
+        Some((Dialect::Siemens(_), _)) => format!("\"AX{}\"", axis + 1),
+        _ => format!("\"{}\"", axis + 1),
+    };
     let mut axis = 0;
     let filled = page.lines().map(|line| {
-        let found = |key: &str| line.starts_with('[') && line.contains(key);
-        axis = match [".x]", ".y]", ".z]"].iter().position(|end| found(end)) {
-            Some(place) => place,
-            None if line.starts_with("axis = ") => usize::from(line.as_bytes()[8] - b'x'),
-            None => axis,
+        let begins = |name: &&str| {
+            line.starts_with('[') && line.contains(&format!(".{name}]"))
+                || line.starts_with(&format!("axis = \"{name}\""))
         };
-        let key = line.split(" = ").next().expect("a line");
-        let is_empty =
-            line.starts_with(|c: char| c.is_ascii_lowercase()) && line.contains("= \"\"");
-        match key {
-            key if !is_empty || later.contains(&key) => line.to_string(),
-            "slope_um_per_m" => line.replacen("\"\"", &slopes[axis].to_string(), 1),
-            "id" if own.is_some() => {
-                let names = own.as_ref().map(|own| own.axis_names.value.clone());
-                let name = names.expect("a declared control")[axis].clone();
-                line.replacen("\"\"", &format!("\"{name}\""), 1)
-            }
-            key => line.replacen("\"\"", &value_of(key, axis, is_siemens), 1),
+        axis = AXES.iter().position(begins).unwrap_or(axis);
+        let key = line.split(" = ").next().unwrap();
+        let is_key = line.starts_with(|c: char| c.is_ascii_lowercase());
+        if !is_key || !line.contains("= \"\"") || later.contains(&key) {
+            return line.to_string();
         }
+        let (slope, id) = (slopes[axis].to_string(), id(axis));
+        let value = match key {
+            "name" => "\"VMC 800\"",
+            "date" => "\"2026-11-20\"",
+            "active_while_measuring" => "\"none\"",
+            "reference_mm" => "0.0",
+            "reference_direction" => "\"+\"",
+            "active_backlash_um" => "{ x = 0.0, y = 0.0, z = 0.0 }",
+            "slope_um_per_m" => &slope,
+            "u_um_per_m" => "0.5",
+            "control_unit" => "\"mm\"",
+            "first_table" => "0",
+            "first_set" | "measuring_system" => "1",
+            "reserved_points" => "[]",
+            "id" => &id,
+            "detection_unit_um" => "1.0",
+            "backlash" => "\"mean\"",
+            "max_deviation_um" => "10.0",
+            other => panic!("nobody said what `{other}` is"),
+        };
+        line.replacen("\"\"", value, 1)
     });
     let filled: Vec<String> = filled.collect();
-    write(job, filled.join("\n")).expect("it can be written");
+    at.put(job, filled.join("\n"));
 }
 
 /// Positioning of X, Y and Z, µm/m.
@@ -72,255 +67,228 @@ const SLOPES: [f64; 3] = [20.0, -15.0, 25.0];
 
 /// Deviations while an axis moves: a scale that is off, and a bow on both other axes.
 fn deviations(axis: usize, at_mm: f64, is_back: bool) -> [f64; 3] {
-    let bow = 4e-5 * at_mm * at_mm;
-    let lost = if is_back { -3.0 } else { 0.0 };
-    let mut deviations = [bow, -0.5 * bow, 0.3 * bow];
-    deviations[axis] = SLOPES[axis] * at_mm / 1000.0 + lost;
+    let mut deviations = [1.0, -0.5, 0.3].map(|bow| 4e-5 * bow * at_mm * at_mm);
+    deviations[axis] = SLOPES[axis] * at_mm / 1000.0 - if is_back { 3.0 } else { 0.0 };
     deviations
 }
 
-/// Fills in the cells of an error table.
-fn fill_in_errors(at: &Path) {
-    let table = read_to_string(at.join("errors.csv")).expect("a table");
-    let filled = table.lines().map(|line| {
-        let cells: Vec<&str> = line.split(',').collect();
-        let (Some(axis), Ok(mm)) = (
-            ["x", "y", "z"].iter().position(|name| *name == cells[0]),
-            cells.get(1).unwrap_or(&"").parse::<f64>(),
-        ) else {
-            return line.to_string();
-        };
-        let direction = cells.get(5);
-        let [x, y, z] = deviations(axis, mm, direction == Some(&"-"));
-        let direction = direction.map_or(String::new(), |sign| format!(",{sign}"));
-        format!("{},{},{x},{y},{z}{direction}", cells[0], cells[1])
-    });
-    let filled: Vec<String> = filled.collect();
-    write(at.join("errors.csv"), filled.join("\n")).expect("it can be written");
+/// The invented machine as an error table, with rows at the ends of a box of diagonals too.
+fn machine(at: &Visit, steps: u32, both: bool, box_ends: &[[f64; 2]; 3]) {
+    let (head, ways) = if both { (",direction", &[",+", ",-"][..]) } else { ("", &[""][..]) };
+    let mut table = format!("axis,position_mm,ex_um,ey_um,ez_um{head}\n");
+    for (axis, ([low, high], ends)) in TRAVEL.into_iter().zip(box_ends).enumerate() {
+        let node = |node: u32| low + (high - low) * f64::from(node) / f64::from(steps);
+        let mut places: Vec<f64> = (0..=steps).map(node).chain(*ends).collect();
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        for way in ways {
+            for mm in &places {
+                let [x, y, z] = deviations(axis, *mm, *way == ",-");
+                table += &format!("{},{mm},{x},{y},{z}{way}\n", AXES[axis]);
+            }
+        }
+    }
+    at.put("machine.csv", table);
 }
 
-fn begun(at: &Path, id: &str, more: &str) {
-    begun_as(at, id, more, "visit");
-}
-
-fn begun_as(at: &Path, id: &str, more: &str, name: &str) {
+/// A visit that was begun in the folder `visit`.
+fn begun(at: &Visit, id: &str, more: &str) {
     let travel = "--travel 800,500,-400:0";
-    let command = format!("new --controller {id} {travel} {more} -o {name}");
-    let (status, page, said) = ended(at, &command);
-    assert_eq!(status, Some(0), "{id}: {said}");
-    assert!(page.contains("Z -400 … 0 mm"), "{page}");
-    assert!(said.contains("/job.toml") || cfg!(windows), "{said}");
+    let ran = at.run(&format!("new --controller {id} {travel} {more} -o visit")).ends(0);
+    assert!(ran.out.contains("Z -400 … 0 mm"), "{}", ran.out);
+    assert!(ran.err.contains("/job.toml") || cfg!(windows), "{}", ran.err);
 }
 
 /// The kit of a visit that was filled in: made, and nothing assumed that its job could have stated.
-fn kit_of(at: &Path, id: &str) -> i32 {
-    let (status, _, said) = ended(at, "generate visit/job.toml -o visit/kit");
-    assert!(matches!(status, Some(0 | 1)), "{id}: {said}");
-    let manifest = read_to_string(at.join("visit/kit/manifest.json")).expect("a kit");
-    let manifest: Value = serde_json::from_str(&manifest).expect("it is JSON");
-    let profile = builtin::profile(id).expect("it is built in");
-    let facts: Vec<&str> = profile.statements.iter().map(|s| s.fact.as_str()).collect();
-    for assumed in manifest["assumptions"].as_array().expect("a list") {
-        let fact = assumed["fact"].as_str().expect("a name");
-        assert!(
-            facts.contains(&fact) || fact.starts_with("pitch_compensation_of_axis"),
-            "{id}: {fact}"
-        );
+fn kit_of(at: &Visit, id: &str) -> Ran {
+    let ran = at.run("generate visit/job.toml -o visit/kit").answers();
+    let manifest = at.document("visit/kit/manifest.json");
+    let profile = builtin::profile(id).unwrap();
+    for assumed in manifest["assumptions"].as_array().unwrap() {
+        let fact = assumed["fact"].as_str().unwrap();
+        let is_of_profile = profile.statements.iter().any(|stated| stated.fact == fact);
+        assert!(is_of_profile || fact.starts_with("pitch_compensation_of_axis"), "{id}: {fact}");
     }
-    status.unwrap_or(2)
-}
-
-/// The invented machine as an error table, with rows at the ends of a box of diagonals too.
-fn machine(at: &Path, more: &str, box_ends: &[[f64; 2]; 3]) {
-    begun_as(at, "generic", more, "machine");
-    let table = at.join("machine/errors.csv");
-    let page = read_to_string(&table).expect("a table");
-    let (mut rows, mut others): (Vec<String>, Vec<String>) =
-        page.lines().map(str::to_string).partition(|row| row.contains(",,,"));
-    for (axis, ends) in ["x", "y", "z"].iter().zip(box_ends) {
-        let both = more.contains("--both-directions");
-        let directions: &[&str] = if both { &[",+", ",-"] } else { &[""] };
-        for (end, direction) in ends.iter().flat_map(|e| directions.iter().map(move |d| (e, d))) {
-            rows.push(format!("{axis},{end},,,{direction}"));
-        }
-    }
-    let key = |row: &String| {
-        let cells: Vec<&str> = row.split(',').collect();
-        let mm: f64 = cells[1].parse().expect("a position");
-        let direction = cells.get(5).copied().unwrap_or("").to_string();
-        (cells[0].to_string(), direction, (1e6 * (mm + 1e4)).round().to_bits())
-    };
-    rows.sort_by_key(key);
-    rows.dedup_by_key(|row| key(row));
-    others.extend(rows);
-    write(&table, others.join("\n")).expect("it can be written");
-    fill_in_errors(&at.join("machine"));
+    ran
 }
 
 /// The ends of the box that a job with readings describes.
-fn box_ends(job: &Path) -> [[f64; 2]; 3] {
-    let job = read_to_string(job).expect("a job");
-    let numbers = |key: &str| -> Vec<f64> {
-        let line = job.lines().find(|line| line.starts_with(key));
-        let inside = line.and_then(|line| line.split(['{', '}']).nth(1));
-        let parts = inside.expect("a place").split(',');
-        let parts = parts.map(|part| part.split('=').nth(1).expect("a number").trim());
-        parts.map(|part| part.parse().expect("a number")).collect()
+fn box_ends(at: &Visit) -> [[f64; 2]; 3] {
+    let job = at.read("visit/job.toml");
+    let of = |key: &str, axis: &str| -> f64 {
+        let line = job.lines().find(|line| line.starts_with(key)).unwrap();
+        let (_, value) = line.split_once(&format!("{axis} = ")).unwrap();
+        value.split([',', ' ']).next().unwrap().parse().unwrap()
     };
-    let (start, size) = (numbers("start_mm"), numbers("size_mm"));
-    [0, 1, 2].map(|axis| [start[axis], start[axis] + size[axis]])
+    AXES.map(|axis| [of("start_mm", axis), of("start_mm", axis) + of("size_mm", axis)])
 }
 
 /// Slopes of the positioning in an error table between the ends of a box, µm/m, mean of the directions.
-fn slopes(table: &Path, ends: &[[f64; 2]; 3]) -> [f64; 3] {
-    let page = read_to_string(table).expect("a table");
-    let mut lines = page.lines().filter(|line| !line.starts_with('#'));
-    let head: Vec<&str> = lines.next().expect("a header").split(',').collect();
-    let column = |name: &str| head.iter().position(|cell| *cell == name);
-    let column = |name: &str| column(name).unwrap_or_else(|| panic!("no {name} in {page}"));
-    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
-    let number = |row: &Vec<&str>, name: &str| -> f64 {
-        row[column(name)].parse().expect("a number in the cell")
-    };
-    [0, 1, 2].map(|axis| {
-        let (name, own) = (["x", "y", "z"][axis], ["ex_um", "ey_um", "ez_um"][axis]);
+fn slopes(page: &str, ends: &[[f64; 2]; 3]) -> [f64; 3] {
+    let source = Source::from_bytes("linear.csv", page.as_bytes()).unwrap();
+    let table = ErrorTable::read(source).unwrap_or_else(|p| panic!("{}", p.render()));
+    Axis::ALL.map(|axis| {
         let at = |end: f64| {
-            let here = rows.iter().filter(|row| row[column("axis")] == name);
-            let here = here.filter(|row| (number(row, "position_mm") - end).abs() < 1e-6);
-            let values: Vec<f64> = here.map(|row| number(row, own)).collect();
-            assert!(!values.is_empty(), "{name} at {end}: {page}");
-            values.iter().sum::<f64>() / values.len() as f64
+            let values = table.series(axis).iter().map(|own| {
+                let place = own.positions.iter().position(|at| (at.mm() - end).abs() < 1e-6);
+                own.deviations[axis].as_ref().unwrap()[place.unwrap()].um()
+            });
+            values.sum::<f64>() / table.series(axis).len() as f64
         };
-        let [low, high] = ends[axis];
+        let [low, high] = ends[axis as usize];
         1000.0 * (at(high) - at(low)) / (high - low)
     })
 }
 
-/// Runs a command that has to end with one of these statuses; what it prints.
-fn done(at: &Path, command: &str, statuses: &[i32]) -> String {
-    let (status, page, said) = ended(at, command);
-    let is_fine = status.is_some_and(|status| statuses.contains(&status));
-    assert!(is_fine, "{command}: {status:?}\n{page}\n{said}");
-    page + &said
+/// How far a visit is followed.
+#[derive(Clone, Copy, PartialEq, PartialOrd)]
+enum Until {
+    /// The kit is verified.
+    Kit,
+    /// It is measured again.
+    After,
+    Report,
 }
 
-/// A visit of one control, from `new` to the report, its tables filled in by `simulate`.
-fn visit(id: &str, more: &str) {
-    let place = tempfile::tempdir().expect("a place to write to");
-    let (at, visit) = (place.path(), place.path().join("visit"));
-    let (job, is_siemens) = (visit.join("job.toml"), id.starts_with("siemens"));
+/// A visit of one control from `new` on, its tables filled in by `simulate`.
+fn walk(id: &str, more: &str, until: Until) {
+    println!("{id} {more}");
+    let at = &Visit::new();
     let are_readings = more.contains("--readings");
-    begun_as(at, id, more, "visit");
-    let ends = match are_readings {
-        true => box_ends(&job),
-        false => [[0.0, 800.0], [0.0, 500.0], [-400.0, 0.0]],
+    let both = more.contains("--both-directions");
+    begun(at, id, more);
+    let ends = if are_readings { box_ends(at) } else { TRAVEL };
+    let steps = more.split_once("--steps ").map_or(16, |(_, steps)| steps.parse().unwrap());
+    machine(at, steps, both, &ends);
+    let form = match are_readings {
+        true if both => "--both-directions",
+        true => "",
+        false => "--errors",
     };
-    machine(at, &more.replace("--readings", ""), &ends);
-    let both =
-        if more.contains("--both-directions") && are_readings { "--both-directions" } else { "" };
-    let form = if are_readings { both } else { "--errors" };
     let simulate = |tables: &str, output: &str| {
-        let machine = "--machine machine/errors.csv";
-        let command = format!("simulate visit/job.toml {machine} {tables} -o {output} --force");
-        done(at, &command, &[0])
+        let machine = "--machine machine.csv";
+        at.yes(&format!("simulate visit/job.toml {machine} {tables} -o {output} --force"));
     };
-    let refused = done(at, "generate visit/job.toml -o visit/kit", &[2]);
-    assert!(refused.contains("keys are empty, expected a value of each"), "{refused}");
+    let refused = at.run("generate visit/job.toml -o visit/kit").ends(2);
+    let refused = refused.says("keys are empty, expected a value of each");
     if are_readings {
-        before(at, id, is_siemens);
+        before(at, id);
     } else {
-        assert!(refused.contains("the table holds no deviation"), "{refused}");
+        refused.says("the table holds no deviation");
     }
-    fill_in_job(&job, is_siemens, SLOPES, &[]);
+    fill_in(at, "visit/job.toml", SLOPES, &[]);
     let table = if are_readings { "readings.csv" } else { "errors.csv" };
     simulate(&format!("--without-tables {form}"), &format!("visit/{table}"));
     if are_readings {
-        done(at, "separate visit/job.toml --trials 0", &[0]);
+        at.yes("separate visit/job.toml --trials 0");
     }
-    let status = kit_of(at, id);
+    let kit = kit_of(at, id);
     let takes_all = ["generic", "siemens-840d-sl"].contains(&id);
-    assert!(status == 0 || !takes_all || are_readings, "{id} {more}");
-    done(at, "verify visit/job.toml --tables visit/kit", &[0, 1]);
-    let refused = done(at, "verify visit/job.toml --tables visit", &[2]);
-    assert!(refused.contains("it is no kit"), "{id}: {refused}");
-    assert_eq!(refused.matches("problem:").count(), 1, "{id}: {refused}");
-    done(at, "report visit/job.toml --tables visit/kit -o first.html", &[0, 1]);
+    assert!(kit.status == Some(0) || !takes_all || are_readings, "{id} {more}");
+    at.run("verify visit/job.toml --tables visit/kit").answers();
+    let refused = at.run("verify visit/job.toml --tables visit").ends(2).says("it is no kit");
+    assert_eq!(refused.all().matches("problem:").count(), 1, "{id}: {}", refused.all());
+    if until == Until::Kit {
+        return;
+    }
     simulate(&format!("--tables visit/kit {form}"), "visit/after.csv");
     if are_readings {
         simulate("--tables visit/kit --errors", "linear.csv");
-        let slopes = slopes(&at.join("linear.csv"), &ends);
-        fill_in_job(&visit.join("after.toml"), is_siemens, slopes, &[]);
+        fill_in(at, "visit/after.toml", slopes(&at.read("linear.csv"), &ends), &[]);
     }
     let after = if are_readings { "after.toml" } else { "after.csv" };
     let tables = format!("visit/job.toml --tables visit/kit --after visit/{after}");
-    let page = done(at, &format!("verify {tables}"), &[0, 1]);
-    assert!(page.contains("REHEARSAL") && !page.contains("NOT AS FORECAST"), "{id} {more}: {page}");
-    done(at, &format!("report {tables} -o visit/report.html"), &[0, 1]);
-    let reports = ["first.html", "visit/report.html"].map(|name| read_to_string(at.join(name)));
-    let [first, second] = reports.map(|report| report.expect("a report"));
-    assert!(first.contains("VMC 800") && second.contains("SIMULATED"), "{id} {more}");
+    let verified = at.run(&format!("verify {tables}")).answers();
+    verified.says("REHEARSAL").omits("NOT AS FORECAST");
+    if until == Until::After {
+        return;
+    }
+    at.run(&format!("report {tables} -o visit/report.html")).answers();
+    let page = at.read("visit/report.html");
+    assert!(page.contains("VMC 800") && page.contains("SIMULATED"), "{id} {more}");
+    if !are_readings {
+        at.run("report visit/job.toml --tables visit/kit -o first.html").answers();
+        assert!(at.read("first.html").contains("VMC 800"), "{id} {more}");
+    }
 }
 
 /// What comes before the readings asks for nothing that is known only after them.
-fn before(at: &Path, id: &str, is_siemens: bool) {
-    let visit = at.join("visit");
-    fill_in_job(&visit.join("job.toml"), is_siemens, SLOPES, &MEASURED);
-    done(at, "plan visit/job.toml", &[0, 1]);
-    if builtin::profile(id).expect("built in").program.is_some() {
-        let said = done(at, "program visit/job.toml -o visit/programs", &[0]);
-        assert!(said.contains("readings.csv, which the job names"), "{said}");
-        assert!(!said.contains("an end of the travel"), "{said}");
-        assert!(!visit.join("programs/readings.csv").exists());
+fn before(at: &Visit, id: &str) {
+    fill_in(at, "visit/job.toml", SLOPES, &MEASURED);
+    at.run("plan visit/job.toml").answers();
+    if builtin::profile(id).unwrap().program.is_some() {
+        at.run("program visit/job.toml -o visit/programs")
+            .ends(0)
+            .says("readings.csv, which the job names")
+            .omits("an end of the travel");
+        assert!(!at.has("visit/programs/readings.csv"));
     }
-    let refused = done(at, "separate visit/job.toml", &[2]);
-    for line in
-        ["keys are empty, expected a value of each", "slope_um_per_m", "active_while_measuring"]
-    {
-        assert!(refused.contains(line), "{refused}");
-    }
-    assert!(!refused.contains("detection_unit_um"), "{refused}");
-    assert!(refused.contains("`displacement_mm` is empty, expected a number"), "{refused}");
+    at.run("separate visit/job.toml")
+        .ends(2)
+        .says("keys are empty, expected a value of each")
+        .says("slope_um_per_m")
+        .says("active_while_measuring")
+        .omits("detection_unit_um")
+        .says("`displacement_mm` is empty, expected a number");
+}
+
+/// Controls, one of each family first: with its second measurement and its report.
+fn controls() -> impl Iterator<Item = (&'static str, bool)> {
+    let mut families = Vec::new();
+    positioning_ids().map(move |id| {
+        let family = discriminant(&builtin::profile(id).unwrap().dialect);
+        let is_first = !families.contains(&family);
+        families.push(family);
+        (id, is_first)
+    })
 }
 
 #[test]
 fn every_control_gets_from_an_empty_folder_to_a_report() {
-    for id in builtin::ids().into_iter().filter(|id| *id != "klipper-skew") {
-        visit(id, "");
-        visit(id, "--both-directions --steps 8");
+    for (id, is_first) in controls() {
+        walk(id, "", Until::After);
+        walk(
+            id,
+            "--both-directions --steps 8",
+            if is_first { Until::Report } else { Until::After },
+        );
     }
 }
 
+/// Few steps: a second measurement of many takes seconds.
 #[test]
 fn every_control_gets_from_an_empty_folder_to_a_report_by_readings() {
-    for id in builtin::ids().into_iter().filter(|id| *id != "klipper-skew") {
-        visit(id, "--readings");
-        visit(id, "--readings --both-directions");
+    for (id, is_first) in controls() {
+        let [one_way, both] =
+            if is_first { [Until::After, Until::Report] } else { [Until::Kit; 2] };
+        walk(id, "--readings --steps 4", one_way);
+        walk(id, "--readings --both-directions --steps 2", both);
     }
 }
 
 #[test]
 fn the_slopes_of_the_first_job_copied_to_the_second_are_blamed_on_nobody_else() {
-    let place = tempfile::tempdir().expect("a place to write to");
-    let (at, visit) = (place.path(), place.path().join("visit"));
-    begun_as(at, "generic", "--readings", "visit");
-    machine(at, "", &box_ends(&visit.join("job.toml")));
-    fill_in_job(&visit.join("job.toml"), false, SLOPES, &[]);
-    fill_in_job(&visit.join("after.toml"), false, SLOPES, &[]);
-    let simulate = "simulate visit/job.toml --machine machine/errors.csv --force";
-    done(at, &format!("{simulate} --without-tables -o visit/readings.csv"), &[0]);
-    done(at, "generate visit/job.toml -o visit/kit", &[0, 1]);
-    done(at, &format!("{simulate} --tables visit/kit -o visit/after.csv"), &[0]);
-    let verify = "verify visit/job.toml --tables visit/kit --after visit/after.toml";
-    let page = done(at, verify, &[1]);
-    assert!(page.contains("`slope_um_per_m` of XYZ afterwards is that of the first job"), "{page}");
-    assert!(page.starts_with("REHEARSAL") && page.contains("verdict: undecided"), "{page}");
-    assert!(!page.contains("TEMPERATURE"), "{page}");
+    let at = &Visit::new();
+    begun(at, "generic", "--readings");
+    machine(at, 16, false, &box_ends(at));
+    fill_in(at, "visit/job.toml", SLOPES, &[]);
+    fill_in(at, "visit/after.toml", SLOPES, &[]);
+    let simulate = "simulate visit/job.toml --machine machine.csv --force";
+    at.yes(&format!("{simulate} --without-tables -o visit/readings.csv"));
+    at.run("generate visit/job.toml -o visit/kit").answers();
+    at.yes(&format!("{simulate} --tables visit/kit -o visit/after.csv"));
+    let verified = at.run("verify visit/job.toml --tables visit/kit --after visit/after.toml");
+    let verified = verified
+        .ends(1)
+        .says("`slope_um_per_m` of XYZ afterwards is that of the first job")
+        .says("verdict: undecided")
+        .omits("TEMPERATURE");
+    assert!(verified.out.starts_with("REHEARSAL"), "{}", verified.out);
 }
 
 #[test]
 fn what_is_there_stays_and_a_slip_of_the_options_is_refused() {
-    let place = tempfile::tempdir().expect("a place to write to");
-    let at = place.path();
+    let at = &Visit::new();
     begun(at, "generic", "");
     for (options, says) in [
         ("--controller generic --travel 1,2,3 -o visit", "visit"),
@@ -330,29 +298,21 @@ fn what_is_there_stays_and_a_slip_of_the_options_is_refused() {
         ("--controller generic --travel 5,400,400 --readings -o other", "too short for"),
         ("--controller fanuc-31i --travel 1,2,3 -o other", "did you mean `fanuc-30i`"),
     ] {
-        let (status, _, said) = ended(at, &format!("new {options}"));
-        assert_eq!(status, Some(2), "{options}");
-        assert!(said.contains(says), "{options}: {said}");
-        assert!(!at.join("other").exists(), "{options}");
+        at.run(&format!("new {options}")).ends(2).says(says);
+        assert!(!at.has("other"), "{options}");
     }
-    let (status, document, _) =
-        ended(at, "new --controller generic --travel 1,2,3 -o visit --force --format json");
-    assert_eq!(status, Some(0));
-    let document: Value = serde_json::from_str(&document).expect("it is JSON");
-    assert_eq!(document["steps"], 10);
-    assert!(at.join("visit.previous/job.toml").exists());
+    let forced = "new --controller generic --travel 1,2,3 -o visit --force --format json";
+    assert_eq!(at.run(forced).ends(0).json()["steps"], 10);
+    assert!(at.has("visit.previous/job.toml"));
 }
 
 #[test]
 fn a_profile_of_ones_own_is_named_from_inside_the_visit() {
-    let place = tempfile::tempdir().expect("a place to write to");
-    let at = place.path();
-    let page = "schema = 1\nid = \"shop\"\nname = \"shop\"\nbased_on = \"fanuc-30i\"\n";
-    write(at.join("shop.toml"), page).expect("it can be written");
+    let at = &Visit::new();
+    at.put("shop.toml", "schema = 1\nid = \"shop\"\nname = \"shop\"\nbased_on = \"fanuc-30i\"\n");
     begun(at, "shop.toml", "");
-    let visit = at.join("visit");
-    fill_in_job(&visit.join("job.toml"), false, SLOPES, &[]);
-    fill_in_errors(&visit);
-    let (status, _, said) = ended(at, "generate visit/job.toml -o visit/kit");
-    assert!(matches!(status, Some(0 | 1)), "{said}");
+    fill_in(at, "visit/job.toml", SLOPES, &[]);
+    machine(at, 16, false, &TRAVEL);
+    at.yes("simulate visit/job.toml --machine machine.csv --without-tables --errors -o visit/errors.csv --force");
+    at.run("generate visit/job.toml -o visit/kit").answers();
 }

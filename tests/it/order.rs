@@ -1,31 +1,33 @@
 //! The order of the rooms is the order of `src/lib.rs`: an import points backwards only, and inside a room
 //! no files stand in a ring. What reads a control's files knows nothing of what writes them, and files are touched by the command line alone.
+use crate::support::tree::{Entry, tree};
+use crate::support::visit::{fixtures, page};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+
+/// The texts of a folder of the repository whose names end in this way.
+fn texts(folder: &str, end: &str) -> Vec<(String, String)> {
+    let files = tree(&fixtures("..").join(folder)).into_iter();
+    let texts = files.filter_map(|(name, entry)| match entry {
+        Entry::File(bytes) if name.ends_with(end) => {
+            Some((name, String::from_utf8(bytes).unwrap()))
+        }
+        _ => None,
+    });
+    texts.collect()
+}
 
 /// The code of every file under src/ without comments and test modules: path, room, lines.
 fn sources() -> Vec<(String, String, Vec<String>)> {
-    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    for path in glob::glob(&format!("{}/**/*.rs", src.display())).unwrap() {
-        let path = path.unwrap();
-        let name = path.strip_prefix(&src).unwrap().to_str().unwrap();
-        let name = name.replace('\\', "/");
-        if name == "main.rs" || name == "lib.rs" || name.contains("tests") {
-            continue;
-        }
-        let room = name.split(['/', '.']).next().unwrap().to_string();
-        let text = std::fs::read_to_string(&path).unwrap();
-        let code = text
-            .lines()
-            .take_while(|line| *line != "mod tests {")
-            .filter(|line| !line.trim_start().starts_with("//"))
-            .map(str::to_string)
-            .collect();
-        files.push((name, room, code));
-    }
+    let mut files = texts("src", ".rs");
+    files.retain(|(name, _)| name != "main.rs" && name != "lib.rs" && !name.contains("tests"));
     assert!(files.len() > 40, "only {} files were found", files.len());
-    files
+    let parted = files.into_iter().map(|(name, text)| {
+        let room = name.split(['/', '.']).next().unwrap().to_string();
+        let code = text.lines().take_while(|line| *line != "mod tests {");
+        let code = code.filter(|line| !line.trim_start().starts_with("//")).map(str::to_string);
+        (name, room, code.collect())
+    });
+    parted.collect()
 }
 
 /// Rooms that a line names as `crate::…`.
@@ -37,10 +39,8 @@ fn named(line: &str) -> Vec<String> {
 }
 
 fn rooms() -> Vec<String> {
-    let lib = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs"));
-    let lines = lib.unwrap();
-    let names = lines.lines();
-    let names = names.filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'));
+    let lib = page("src/lib.rs");
+    let names = lib.lines().filter_map(|line| line.strip_prefix("pub mod ")?.strip_suffix(';'));
     names.map(str::to_string).collect()
 }
 
@@ -117,23 +117,20 @@ fn module(file: &str, lines: &[String]) -> (Route, Module) {
     let (mut found, mut code, mut imports) = (Module::default(), String::new(), Vec::new());
     let mut lines = lines.iter().map(|line| line.trim());
     while let Some(line) = lines.next() {
-        let bare = line
-            .split_once(") ")
-            .filter(|_| line.starts_with("pub("))
-            .map_or(line, |(_, rest)| rest);
-        let bare = bare.trim_start_matches("pub ");
+        let limited = line.split_once(") ").filter(|_| line.starts_with("pub("));
+        let bare = limited.map_or(line, |(_, rest)| rest).trim_start_matches("pub ");
         if let Some(child) = bare.strip_prefix("mod ").and_then(|line| line.strip_suffix(';')) {
             found.names.insert(child.to_string(), [&here[..], &[child.to_string()]].concat());
         } else if let Some(tree) = bare.strip_prefix("use ") {
-            let more: Vec<&str> = if tree.ends_with(';') {
-                Vec::new()
-            } else {
-                lines.by_ref().take_while(|line| *line != "};").collect()
+            let tree = match tree.strip_suffix(';') {
+                Some(tree) => tree.to_string(),
+                None => {
+                    let more = lines.by_ref().take_while(|line| *line != "};");
+                    format!("{tree}{}}}", more.collect::<String>())
+                }
             };
-            let close = if more.is_empty() { "" } else { "}" };
-            let tree = format!("{}{}{close}", tree.trim_end_matches(';'), more.concat());
-            imports
-                .extend(spread(&tree).into_iter().map(|(path, name)| (path, name, bare == line)));
+            let is_private = bare == line;
+            imports.extend(spread(&tree).into_iter().map(|(path, name)| (path, name, is_private)));
         } else {
             let (before, after) = line.split_once("pub(in ").unwrap_or((line, ""));
             let after = after.split_once(')').map_or("", |(_, rest)| rest);
@@ -208,18 +205,12 @@ fn rings() -> Vec<Vec<(String, Vec<String>)>> {
 
 #[test]
 fn no_files_of_a_room_stand_in_a_ring() {
-    let mut wrong = String::new();
-    let rings = rings();
-    for room in rooms() {
-        let found = rings.iter().filter(|ring| words(&ring[0].0)[0] == room);
-        let found: Vec<_> = found.flatten().collect();
-        if !found.is_empty() {
-            let lines = found.iter();
-            let lines = lines.map(|(from, to)| format!("{from} -> {}\n", to.join(" ")));
-            wrong.push_str(&format!("{} files:\n{}", found.len(), lines.collect::<String>()));
-        }
-    }
-    assert!(wrong.is_empty(), "files that use each other:\n{wrong}");
+    let rooms = rooms();
+    let inside = |ring: &Vec<(String, _)>| rooms.contains(&words(&ring[0].0)[0]);
+    let found: Vec<_> = rings().into_iter().filter(inside).flatten().collect();
+    let lines = found.iter().map(|(from, to)| format!("{from} -> {}\n", to.join(" ")));
+    let wrong: String = lines.collect();
+    assert!(found.is_empty(), "{} files use each other:\n{wrong}", found.len());
 }
 
 #[test]
@@ -256,25 +247,21 @@ fn only_the_command_line_touches_files_environment_and_terminal() {
 
 #[test]
 fn templates_lay_out_and_do_not_compute() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("templates");
     let computing = ["|", "round", " + ", " - ", " * ", " / ", " % ", "set ", "macro"];
-    let mut templates = 0;
-    for path in glob::glob(&format!("{}/*.tera", folder.display())).unwrap() {
-        let path = path.unwrap();
-        templates += 1;
-        let text = std::fs::read_to_string(&path).unwrap();
-        let mut tags: Vec<&str> = Vec::new();
-        for (open, close) in [("{{", "}}"), ("{%", "%}")] {
+    let templates = texts("templates", ".tera");
+    for (name, text) in &templates {
+        let tags = [("{{", "}}"), ("{%", "%}")].iter().flat_map(|(open, close)| {
             let parts = text.split(open).skip(1);
-            tags.extend(parts.map(|part| part.split(close).next().unwrap()));
-        }
-        assert!(!tags.is_empty(), "{} has no tag", path.display());
+            parts.map(move |part| part.split(close).next().unwrap())
+        });
+        let tags: Vec<&str> = tags.collect();
+        assert!(!tags.is_empty(), "{name} has no tag");
         for tag in tags {
             let inside = tag.trim_matches(['-', ' ']);
             for word in computing {
-                assert!(!inside.contains(word), "{}: {tag}", path.display());
+                assert!(!inside.contains(word), "{name}: {tag}");
             }
         }
     }
-    assert!(templates > 5, "only {templates} templates were found");
+    assert!(templates.len() > 5, "only {} templates were found", templates.len());
 }

@@ -1,18 +1,16 @@
 //! Every built-in profile: its facts have a source, what is assumed has a consequence, its files
 //! can be made.
-use crate::support;
+use crate::support::{self, visit::fixtures};
 use nonius::control::controller::{
-    Dialect, EmittedFile, Evidence, FileFormat, Mechanism, Profile, ProfileSource, Role,
+    Dialect, EmittedFile, Evidence, FileFormat, Mechanism, Profile, ProfileSource, Role, Statement,
     StraightnessForm, builtin, load,
 };
 use nonius::text::document::Source;
 use std::collections::BTreeSet;
 
 fn all() -> Vec<Profile> {
-    builtin::ids()
-        .into_iter()
-        .map(|id| builtin::profile(id).unwrap_or_else(|p| panic!("{id}: {}", p.render())))
-        .collect()
+    let read = |id| builtin::profile(id).unwrap_or_else(|p| panic!("{id}: {}", p.render()));
+    builtin::ids().into_iter().map(read).collect()
 }
 
 #[test]
@@ -20,40 +18,26 @@ fn every_built_in_profile_loads_under_its_own_id() {
     let ids: Vec<String> = all().into_iter().map(|profile| profile.id).collect();
     assert_eq!(ids, builtin::ids());
     assert!(all().iter().all(|profile| profile.origin == ProfileSource::BuiltIn));
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("controllers");
-    let pages = glob::glob(&format!("{}/*.toml", folder.display())).unwrap();
+    let pages = glob::glob(&fixtures("../controllers/*.toml").display().to_string()).unwrap();
     assert_eq!(pages.count(), ids.len(), "a page in controllers/ is not built in");
 }
 
+/// It is stated once, has a source, and says what happens if it is assumed and wrong.
 #[test]
 fn every_fact_has_a_source() {
     for profile in all() {
-        assert!(!profile.statements.is_empty(), "{}", profile.id);
-        for fact in &profile.statements {
+        let facts = &profile.statements;
+        assert!(!facts.is_empty(), "{}", profile.id);
+        for fact in facts {
             let name = format!("{}: {}", profile.id, fact.fact);
             assert!(!fact.source.trim().is_empty(), "{name} has no source");
             assert!(!fact.value.trim().is_empty(), "{name} has no value");
-        }
-    }
-}
-
-#[test]
-fn every_assumed_fact_says_what_happens_if_it_is_wrong() {
-    for profile in all() {
-        let assumed =
-            |fact: &&nonius::control::controller::Statement| fact.evidence == Evidence::Assumed;
-        for fact in profile.statements.iter().filter(assumed) {
             let consequence = fact.consequence.as_deref().unwrap_or("").trim();
-            assert!(!consequence.is_empty(), "{}: {}", profile.id, fact.fact);
+            let is_assumed = fact.evidence == Evidence::Assumed;
+            assert!(!is_assumed || !consequence.is_empty(), "{name} has no consequence");
         }
-    }
-}
-
-#[test]
-fn a_fact_is_stated_once() {
-    for profile in all() {
-        let names: BTreeSet<&str> = profile.statements.iter().map(|s| s.fact.as_str()).collect();
-        assert_eq!(names.len(), profile.statements.len(), "{}", profile.id);
+        let names: BTreeSet<&str> = facts.iter().map(|s| s.fact.as_str()).collect();
+        assert_eq!(names.len(), facts.len(), "{}", profile.id);
     }
 }
 
@@ -97,14 +81,11 @@ fn every_template_renders() {
                 assert!(!others.contains(['\r', '\n']), "{name} mixes line ends");
             }
         }
-        let missing: Vec<String> = profile
-            .files
-            .iter()
-            .filter(|file| file.role != Role::Rollback && is_of_its_form(&profile, file))
-            .filter(|file| !rendered.iter().any(|path| file.is_called(path)))
-            .map(|file| file.path.clone())
-            .collect();
-        assert!(missing.is_empty(), "{}: {missing:?} were not rendered", profile.id);
+        for file in &profile.files {
+            let is_meant = file.role != Role::Rollback && is_of_its_form(&profile, file);
+            let is_there = rendered.iter().any(|path| file.is_called(path));
+            assert!(is_there || !is_meant, "{}: {} was not rendered", profile.id, file.path);
+        }
     }
 }
 
@@ -155,19 +136,16 @@ fn a_page_is_laid_over_the_one_it_builds_on() {
     assert!(base.files.iter().all(|file| !file.path.ends_with(".INI")));
     assert_eq!(own.checklist, base.checklist);
     assert_eq!(own.program.as_ref().unwrap().extension, "SPF");
-    let fact = |profile: &Profile, name: &str| {
-        let stated = profile.statements.iter().find(|s| s.fact == name);
-        stated.cloned().unwrap()
-    };
-    let names = |profile: &Profile| {
-        let names = profile.statements.iter().map(|s| s.fact.clone());
-        names.collect::<Vec<String>>()
-    };
-    assert_eq!(names(&own), names(&base));
-    let sign = fact(&own, "cec_sign");
-    assert_eq!((sign.value.as_str(), sign.consequence), ("as_correction", None));
-    assert_eq!(sign.mechanism, fact(&base, "cec_sign").mechanism);
-    assert_eq!(fact(&own, "cec_tables"), fact(&base, "cec_tables"));
+    let named = |(own, base): (&Statement, &Statement)| own.fact == base.fact;
+    assert_eq!(own.statements.len(), base.statements.len());
+    assert!(own.statements.iter().zip(&base.statements).all(named));
+    let [sign, tables] = ["cec_sign", "cec_tables"].map(|name| {
+        let place = base.statements.iter().position(|s| s.fact == name).unwrap();
+        (&own.statements[place], &base.statements[place])
+    });
+    assert_eq!((sign.0.value.as_str(), &sign.0.consequence), ("as_correction", &None));
+    assert_eq!(sign.0.mechanism, sign.1.mechanism);
+    assert_eq!(tables.0, tables.1);
 }
 
 /// Whether a control of this profile takes the file: one form of straightness has points.
@@ -191,18 +169,16 @@ fn is_of_its_form(profile: &Profile, file: &EmittedFile) -> bool {
 }
 
 fn job(controller: &str, policy: &str) -> String {
-    let axes: String = ["x", "y", "z"]
-        .iter()
-        .map(|axis| {
-            format!(
-                "[machine.axes.{axis}]\ntravel_mm = [0.0, 100.0]\nreference_mm = 0.0\n\
-                 [compensation.axes.{axis}]\nspacing_mm = 25.0\ndetection_unit_um = 1.0\n"
-            )
-        })
-        .collect();
-    format!(
+    let mut page = format!(
         "schema = 1\n[machine]\nname = \"VMC 100\"\n[measurement]\nerrors = \"errors.csv\"\n\
          active_while_measuring = \"none\"\n[compensation]\ncontroller = \"{controller}\"\n\
-         backlash = \"{policy}\"\n{axes}"
-    )
+         backlash = \"{policy}\"\n"
+    );
+    for axis in ["x", "y", "z"] {
+        page += &format!(
+            "[machine.axes.{axis}]\ntravel_mm = [0.0, 100.0]\nreference_mm = 0.0\n\
+             [compensation.axes.{axis}]\nspacing_mm = 25.0\ndetection_unit_um = 1.0\n"
+        );
+    }
+    page
 }

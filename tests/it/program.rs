@@ -1,7 +1,8 @@
 //! Part programs of measuring runs: what the operator gets, and that every program is walked by
 //! code that knows nothing of how it was written.
+use crate::support::visit::replaced;
 use nonius::control::controller::builtin;
-use nonius::inputs::job::{Job, MeasuredData};
+use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
 use nonius::inputs::readings::Readings;
 use nonius::inputs::target_runs::{Runs, Stated};
 use nonius::kit::program_kit::{ProgramKit, judge, make};
@@ -13,7 +14,7 @@ use nonius::write::program::RunTask;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
-const AXES: [&str; 3] = ["x", "y", "z"];
+const STEP: &str = "what = \"step-diagonal\"";
 
 /// A machine with its box, in mm, and the keys of [program].
 #[derive(Clone, Debug)]
@@ -45,34 +46,40 @@ impl Case {
         }
     }
 
+    /// The box of a paper, X 0 … 900, in a travel of −50 … 1000.
+    fn large(keys: &str, [y, z]: [f64; 2]) -> Case {
+        Case {
+            low: [-50.0; 3],
+            high: [1000.0; 3],
+            start: [0.0; 3],
+            size: [900.0, y, z],
+            steps: 30,
+            order: "XYZ",
+            ..Case::small("siemens-840d-sl", keys)
+        }
+    }
+
     fn job(&self) -> String {
-        let place = |p: [f64; 3]| format!("{{ x = {:?}, y = {:?}, z = {:?} }}", p[0], p[1], p[2]);
-        let axes: String = (0..3)
-            .map(|i| {
-                format!(
-                    "axes.{} = {{ travel_mm = [{:?}, {:?}], reference_mm = {:?}, max_feed_mm_per_min = 9000 }}\n",
-                    AXES[i], self.low[i], self.high[i], self.low[i]
-                )
-            })
-            .collect();
-        format!(
-            "schema = 1\n[machine]\nname = \"VMC\"\nserial = \"7\"\n{axes}[measurement]\nreadings = \"readings.csv\"\n\
-             [measurement.step_diagonal]\nstart_mm = {}\nsize_mm = {}\nsteps = {}\norder = \"{}\"\n\
-             [compensation]\ncontroller = \"{}\"\ncontrol_unit = \"{}\"\n[program]\n{}\n",
-            place(self.start),
-            place(self.size),
-            self.steps,
-            self.order,
-            self.control,
-            self.unit,
-            self.keys
+        let place = |[x, y, z]: [f64; 3]| format!("{{ x = {x:?}, y = {y:?}, z = {z:?} }}");
+        let (start, size) = (place(self.start), place(self.size));
+        let Case { control, unit, steps, order, keys, .. } = self;
+        let mut page = "schema = 1\n[machine]\nname = \"VMC\"\nserial = \"7\"\n".to_string();
+        for (axis, (low, high)) in ["x", "y", "z"].iter().zip(self.low.iter().zip(self.high)) {
+            page += &format!(
+                "axes.{axis} = {{ travel_mm = [{low:?}, {high:?}], reference_mm = {low:?}, \
+                 max_feed_mm_per_min = 9000 }}\n"
+            );
+        }
+        page + &format!(
+            "[measurement]\nreadings = \"readings.csv\"\n[measurement.step_diagonal]\n\
+             start_mm = {start}\nsize_mm = {size}\nsteps = {steps}\norder = \"{order}\"\n\
+             [compensation]\ncontroller = \"{control}\"\ncontrol_unit = \"{unit}\"\n\
+             [program]\n{keys}\n"
         )
     }
 
     fn read(&self) -> Job {
-        let text = self.job();
-        Job::read(Source::from_bytes("job.toml", text.as_bytes()).unwrap())
-            .unwrap_or_else(|p| panic!("{}\n{text}", p.render()))
+        read_job(&self.job())
     }
 
     fn made(&self) -> Result<ProgramKit, Problems> {
@@ -90,46 +97,50 @@ impl Case {
     }
 }
 
+/// A step diagonal on one of two controls, with further keys.
+fn siemens(keys: &str) -> Case {
+    Case::small("siemens-840d-sl", &format!("{STEP}\n{keys}"))
+}
+
+fn fanuc(keys: &str) -> Case {
+    Case::small("fanuc-30i", &format!("{STEP}\n{keys}"))
+}
+
+fn read_job(text: &str) -> Job {
+    let job = Job::read(Source::from_bytes("job.toml", text.as_bytes()).unwrap());
+    job.unwrap_or_else(|p| panic!("{}\n{text}", p.render()))
+}
+
+/// The text of a file of the kit.
 fn text(kit: &ProgramKit, path: &str) -> String {
     let file = kit.files.iter().find(|file| file.path == path);
     let bytes = file.unwrap_or_else(|| panic!("there is no {path}")).bytes.clone();
     String::from_utf8(bytes).unwrap().replace('\r', "")
 }
 
-#[test]
-fn a_siemens_program_of_two_steps() {
-    let kit = Case::small("siemens-840d-sl", "what = \"step-diagonal\"").kit();
-    insta::with_settings!({
-        description => "ZXY, X travels negative: approach 2 mm behind node 0, the sum of the forward steps is -90, 70, 110",
-        omit_expression => true,
-    }, {
-        insta::assert_snapshot!("siemens_npp", text(&kit, "NONIUS_NPP.MPF"));
+/// Compares with the snapshot; `why` says how it was checked by hand.
+fn is_as_checked(snapshot: &str, why: &str, text: &str) {
+    insta::with_settings!({ description => why, omit_expression => true }, {
+        insta::assert_snapshot!(snapshot, text);
     });
 }
 
 #[test]
-fn a_fanuc_program_of_two_steps() {
-    let keys = "what = \"step-diagonal\"\nreturn = \"diagonal\"\nruns = 2\nalignment_pass = false\nnumber = 4001";
-    let kit = Case::small("fanuc-30i", keys).kit();
-    insta::with_settings!({
-        description => "PPN, forward only, two runs, straight back along the diagonal to 2 mm behind node 0",
-        omit_expression => true,
-    }, {
-        insta::assert_snapshot!("fanuc_ppn", text(&kit, "O4004.NC"));
-    });
+fn programs_of_two_steps() {
+    let why = "ZXY, X travels negative: approach 2 mm behind node 0, the sum of the forward steps is -90, 70, 110";
+    let kit = siemens("").kit();
+    is_as_checked("siemens_npp", why, &text(&kit, "NONIUS_NPP.MPF"));
+    let why = "PPN, forward only, two runs, straight back along the diagonal to 2 mm behind node 0";
+    let kit = fanuc("return = \"diagonal\"\nruns = 2\nalignment_pass = false\nnumber = 4001").kit();
+    is_as_checked("fanuc_ppn", why, &text(&kit, "O4004.NC"));
 }
 
 #[test]
 fn positions_stand_in_the_order_of_the_readings() {
-    let kit = Case::small("siemens-840d-sl", "what = \"step-diagonal\"").kit();
-    let all = text(&kit, "positions.csv");
+    let all = text(&siemens("").kit(), "positions.csv");
     let two: Vec<&str> = all.lines().take(15).collect();
-    insta::with_settings!({
-        description => "PPP of the same machine: R = 158.43 mm; node 1 moves Z by 55: 55*110/R = 38.188",
-        omit_expression => true,
-    }, {
-        insta::assert_snapshot!("positions", two.join("\n"));
-    });
+    let why = "PPP of the same machine: R = 158.43 mm; node 1 moves Z by 55: 55*110/R = 38.188";
+    is_as_checked("positions", why, &two.join("\n"));
     assert_eq!(all.lines().count(), 1 + 4 * 14);
 }
 
@@ -137,41 +148,31 @@ fn positions_stand_in_the_order_of_the_readings() {
 fn offset_targets_of_a_single_axis() {
     let keys = "what = \"single-axis\"\naxes = [\"x\"]\ntargets = \"offset\"\nruns = 1\nalignment_pass = false\nsteps = 5";
     let kit = Case::small("fanuc-0i-f", keys).kit();
-    insta::with_settings!({
-        description => "r_i = 4.5*(2*frac(0.618(i+1)) - 1) around 5, 23, 41, 59, 77, 95; first and last shifted inwards",
-        omit_expression => true,
-    }, {
-        insta::assert_snapshot!("offset_targets", text(&kit, "positions.csv"));
-    });
+    let why = "r_i = 4.5*(2*frac(0.618(i+1)) - 1) around 5, 23, 41, 59, 77, 95; first and last shifted inwards";
+    is_as_checked("offset_targets", why, &text(&kit, "positions.csv"));
 }
 
 #[test]
 fn what_is_not_stated_has_its_default() {
     let asked = |keys: &str| Case::small("generic", keys).read().program.unwrap();
-    let steps = asked("what = \"step-diagonal\"");
+    let steps = asked(STEP);
     assert_eq!((steps.feed_mm_per_min, steps.dwell_s), (1000.0, 3.0));
     assert_eq!((steps.overrun.mm(), steps.preload.mm()), (2.0, 2.0));
     assert_eq!((steps.runs, steps.bidirectional), (1, true));
     assert_eq!((steps.volume.steps, steps.size_path), (2, "measurement.step_diagonal.size_mm"));
     assert_eq!(asked("what = \"single-axis\"").runs, 5);
-    let forward = asked("what = \"step-diagonal\"\nreturn = \"diagonal\"\nsteps = 3");
+    let forward = asked(&format!("{STEP}\nreturn = \"diagonal\"\nsteps = 3"));
     assert!(!forward.bidirectional);
     assert_eq!(forward.volume.steps, 3);
-    let turning = asked("what = \"step-diagonal\"\noverrun_mm = 0");
+    let turning = asked(&format!("{STEP}\noverrun_mm = 0"));
     assert_eq!((turning.overrun.mm(), turning.preload.mm()), (0.0, 2.0));
 }
 
 /// Golden: step·√(1 − (V/R)²) of reference step-diagonal §1.1 for 900×720×720, n = 30.
 #[test]
 fn the_mirror_of_the_paper() {
-    let mut case = Case::small(
-        "siemens-840d-sl",
-        "what = \"step-diagonal\"\npreload_mm = 0.01\noverrun_mm = 0",
-    );
-    (case.low, case.high) = ([-50.0; 3], [1000.0; 3]);
-    (case.start, case.size) = ([0.0; 3], [900.0, 720.0, 720.0]);
-    (case.steps, case.order) = (30, "XYZ");
-    let mirror = case.kit().run.mirror.unwrap();
+    let keys = format!("{STEP}\npreload_mm = 0.01\noverrun_mm = 0");
+    let mirror = Case::large(&keys, [720.0; 2]).kit().run.mirror.unwrap();
     let r2 = 900.0_f64.powi(2) + 2.0 * 720.0_f64.powi(2);
     let first = 30.0 * (1.0 - 900.0_f64.powi(2) / r2).sqrt();
     let second = 24.0 * (1.0 - 720.0_f64.powi(2) / r2).sqrt();
@@ -185,19 +186,10 @@ fn the_mirror_of_the_paper() {
 
 #[test]
 fn offset_targets_sample_every_phase_of_a_screw() {
-    let mut case = Case::small(
-        "siemens-840d-sl",
-        "what = \"single-axis\"\naxes = [\"x\"]\ntargets = \"offset\"",
-    );
-    (case.low, case.high) = ([-50.0; 3], [1000.0; 3]);
-    (case.start, case.size, case.steps) = ([0.0; 3], [900.0; 3], 30);
-    let kit = case.kit();
-    let targets: Vec<f64> = kit.run.programs[0]
-        .readings
-        .iter()
-        .take(31)
-        .map(|reading| kit.run.resolution.mm(reading.place.x))
-        .collect();
+    let keys = "what = \"single-axis\"\naxes = [\"x\"]\ntargets = \"offset\"";
+    let kit = Case::large(keys, [900.0; 2]).kit();
+    let readings = kit.run.programs[0].readings.iter().take(31);
+    let targets: Vec<f64> = readings.map(|r| kit.run.resolution.mm(r.place.x)).collect();
     assert!(targets.windows(2).all(|pair| pair[0] < pair[1]));
     assert!(targets[0] >= 0.0 && targets[30] <= 900.0);
     // Equal targets 30 mm apart meet a screw of 10 mm at one phase; these meet each tenth of it.
@@ -208,22 +200,20 @@ fn offset_targets_sample_every_phase_of_a_screw() {
     }
 }
 
-/// A program that somebody, or a template, spoilt.
-fn spoilt(case: &Case, spoil: impl Fn(&str) -> String) -> String {
+/// A program that somebody, or a template, spoilt is found out.
+#[track_caller]
+fn is_found(case: &Case, from: &str, to: &str, words: &str) {
     let mut files = case.kit().files;
     let before = String::from_utf8(files[1].bytes.clone()).unwrap();
-    let after = spoil(&before);
-    assert_ne!(before, after, "nothing was spoilt");
-    files[1].bytes = after.into_bytes();
-    let problems = case.judged(&files).expect_err("the walk must find it");
-    problems.render()
+    files[1].bytes = replaced(&before, from, to).into_bytes();
+    let said = case.judged(&files).expect_err("the walk must find it").render();
+    assert!(said.contains(words), "{from} -> {to}:\n{said}");
 }
 
 #[test]
 fn the_walk_finds_what_is_wrong_with_a_program() {
-    let siemens = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
-    let fanuc = Case::small("fanuc-30i", "what = \"step-diagonal\"");
-    let wrong: &[(&str, &str, &str)] = &[
+    let too_low = "before X and Y are there, or with them";
+    for (from, to, found) in [
         ("N3 G4 F3.0\n", "", "of 14 readings are taken"),
         ("N3 G4 F3.0", "N3 G4 F0.3", "the standstill is 0.3 s"),
         ("N3 G4", "N4 G4", "has another number"),
@@ -232,15 +222,11 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("G710", "", "before mm or inch is chosen"),
         ("SUPA G90 G0", "G90 G0", "this is neither"),
         ("SUPA G91 G1", "G91 G1", "this is neither"),
-        (
-            "G90 G0 X97.000 Y-77.000\nSUPA G90 G0 Z-57.000",
-            "G90 G0 X97.000 Y-77.000 Z-57.000",
-            "before X and Y are there, or with them",
-        ),
+        ("Y-77.000\nSUPA G90 G0 Z-57.000", "Y-77.000 Z-57.000", too_low),
         (
             "SUPA G90 G0 X97.000 Y-77.000\nSUPA G90 G0 Z-57.000",
             "SUPA G90 G0 Z-57.000\nSUPA G90 G0 X97.000 Y-77.000",
-            "before X and Y are there, or with them",
+            too_low,
         ),
         ("SUPA G90 G0 Z-57.000\n", "", "before all three axes are at machine coordinates"),
         ("SUPA G91 G1 Z55.000", "SUPA G91 G1 Z54.000", "is read at Z"),
@@ -259,12 +245,16 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("MSG()", "M3 S100", "`M3` is not a word"),
         ("X-45.000", "X-45.000 X-45.000", "is given twice"),
         ("ZERO THE LASER", "NULL \u{c4} LASER", "not ASCII"),
-    ];
-    for (from, to, found) in wrong {
-        let said = spoilt(&siemens, |text| text.replace(from, to));
-        assert!(said.contains(found), "{from} -> {to}:\n{said}");
+        // Two moves for one step.
+        (
+            "SUPA G91 G1 Z55.000 F1000.0",
+            "SUPA G91 G1 Z27.500 F1000.0\nSUPA G91 G1 Z27.500 F1000.0",
+            "not reached by one move of its own",
+        ),
+    ] {
+        is_found(&siemens(""), from, to, found);
     }
-    let wrong: &[(&str, &str, &str)] = &[
+    for (from, to, found) in [
         ("G91 G01", "G90 G01", "this is neither"),
         ("G53 ", "", "this is neither"),
         ("G40 G49 G80", "G40 G80", "before ToolLength is cancelled"),
@@ -274,43 +264,31 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("(NPP RUN 1 REVERSE)", "(NPP (RUN 1)", "brackets"),
         ("M30", "M30\n%", "between two"),
         ("O1002", "%\nO1002", "outside the two"),
-    ];
-    for (from, to, found) in wrong {
-        let said = spoilt(&fanuc, |text| text.replace(from, to));
-        assert!(said.contains(found), "{from} -> {to}:\n{said}");
+    ] {
+        is_found(&fanuc(""), from, to, found);
     }
 }
 
 #[test]
-fn two_moves_for_one_step_are_found() {
-    let case = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
-    let halves = "SUPA G91 G1 Z27.500 F1000.0\nSUPA G91 G1 Z27.500 F1000.0";
-    let said = spoilt(&case, |text| text.replace("SUPA G91 G1 Z55.000 F1000.0", halves));
-    assert!(said.contains("not reached by one move of its own"), "{said}");
-}
-
-#[test]
 fn positions_of_another_job_are_found() {
-    let case = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
-    let mut files = case.kit().files;
-    let of_role = |role| files.iter().position(|file| file.role == role).unwrap();
-    let (positions, form) = (of_role(FileRole::Positions), of_role(FileRole::Readings));
-    let text = String::from_utf8(files[form].bytes.clone()).unwrap();
-    let mut other = files.clone();
-    other[form].bytes = text.replacen("1,forward,2,x,", "1,forward,2,y,", 1).into_bytes();
-    let said = case.judged(&other).unwrap_err().render();
-    assert!(said.contains("has other rows than positions.csv"), "{said}");
-    let text = String::from_utf8(files[positions].bytes.clone()).unwrap();
-    files[positions].bytes = text.replace("50,-40,", "50,-41,").into_bytes();
-    let said = case.judged(&files).unwrap_err().render();
-    assert!(said.contains("is not where the job has it"), "{said}");
+    let case = siemens("");
+    for (role, from, to, words) in [
+        (FileRole::Readings, ",2,x,", ",2,y,", "has other rows than positions.csv"),
+        (FileRole::Positions, "50,-40,", "50,-41,", "is not where the job has it"),
+    ] {
+        let mut files = case.kit().files;
+        let file = files.iter_mut().find(|file| file.role == role).unwrap();
+        let text = String::from_utf8(file.bytes.clone()).unwrap();
+        file.bytes = text.replacen(from, to, 1).into_bytes();
+        assert_ne!(file.bytes, text.as_bytes(), "{from}");
+        let said = case.judged(&files).unwrap_err().render();
+        assert!(said.contains(words), "{said}");
+    }
 }
 
 #[test]
 fn a_turn_without_overrun_is_walked() {
-    let keys = "what = \"step-diagonal\"\noverrun_mm = 0";
-    let kit = Case::small("siemens-840d-sl", keys).kit();
-    let text = text(&kit, "NONIUS_PPP.MPF");
+    let text = text(&siemens("overrun_mm = 0").kit(), "NONIUS_PPP.MPF");
     assert!(text.contains("N7 G4 F3.0\n; PPP RUN 1 REVERSE\nN8 G4 F3.0\n"), "{text}");
 }
 
@@ -324,26 +302,32 @@ fn filled<'a>(form: &ProgramFile, cell: impl Fn(usize) -> &'a str) -> String {
     text.lines().enumerate().map(line).collect()
 }
 
+/// Readings as the reader of measurements takes them.
+fn as_readings(form: &str, measurement: &DiagonalMeasurement) -> Result<Readings, String> {
+    let source = Source::from_bytes("readings.csv", form.as_bytes()).unwrap();
+    Readings::read(source, measurement).map_err(|p| p.render())
+}
+
+/// Runs along one axis as the reader of measurements takes them.
+fn as_runs(form: &str) -> Result<Runs, String> {
+    let source = Source::from_bytes("readings-y.csv", form.as_bytes()).unwrap();
+    Runs::read(&source, Stated::default()).map_err(|p| p.render())
+}
+
 #[test]
 fn a_reading_that_is_not_filled_in_is_refused_as_missing() {
-    let case = Case::small("siemens-840d-sl", "what = \"step-diagonal\"");
-    let job = case.read();
-    let MeasuredData::Diagonals(measurement) = &job.measurement.data else { panic!() };
+    let case = siemens("");
+    let MeasuredData::Diagonals(measurement) = case.read().measurement.data else { panic!() };
     let form = text(&case.kit(), "readings.csv");
-    assert!(form.starts_with("diagonal,run,direction,node,moved,displacement_mm\nPPP,1,forward,0,,\nPPP,1,forward,1,z,\n"), "{form}");
-    let source = Source::from_bytes("readings.csv", form.as_bytes()).unwrap();
-    let said = Readings::read(source, measurement).unwrap_err().render();
+    let head = "diagonal,run,direction,node,moved,displacement_mm\nPPP,1,forward,0,,\nPPP,1,forward,1,z,\n";
+    assert!(form.starts_with(head), "{form}");
+    let said = as_readings(&form, &measurement).unwrap_err();
     assert!(said.contains("a missing reading is never filled in"), "{said}");
     let case = Case::small("fanuc-30i", "what = \"single-axis\"\nruns = 1");
     let form = text(&case.kit(), "readings-y.csv");
-    assert!(
-        form.starts_with(
-            "target_mm,run,direction,deviation_um\n-75,1,+,\n-40,1,+,\n-5,1,+,\n-5,1,-,\n"
-        ),
-        "{form}"
-    );
-    let source = Source::from_bytes("readings-y.csv", form.as_bytes()).unwrap();
-    let said = Runs::read(&source, Stated::default()).unwrap_err().render();
+    let head = "target_mm,run,direction,deviation_um\n-75,1,+,\n-40,1,+,\n-5,1,+,\n-5,1,-,\n";
+    assert!(form.starts_with(head), "{form}");
+    let said = as_runs(&form).unwrap_err();
     assert!(said.contains("`deviation_um` is empty, expected a number"), "{said}");
 }
 
@@ -351,20 +335,18 @@ fn a_reading_that_is_not_filled_in_is_refused_as_missing() {
 #[test]
 fn the_job_must_not_describe_another_turn_than_the_run() {
     let turn = |overrun: &str, keys: &str| {
-        let case = Case::small("siemens-840d-sl", &format!("what = \"step-diagonal\"\n{keys}"));
+        let case = siemens(keys);
         let stated = format!("order = \"ZXY\"\noverrun = {overrun}");
-        let text = case.job().replace("order = \"ZXY\"", &stated);
-        let job = Job::read(Source::from_bytes("job.toml", text.as_bytes()).unwrap());
-        let job = job.unwrap_or_else(|p| panic!("{}\n{text}", p.render()));
+        let job = read_job(&replaced(&case.job(), "order = \"ZXY\"", &stated));
         make(&job, &builtin::profile(case.control).unwrap(), &[])
     };
-    let said = turn("false", "").unwrap_err().render();
-    assert!(
-        said.contains("`overrun` is false, but this run goes 2 mm past the end point"),
-        "{said}"
-    );
-    let said = turn("true", "overrun_mm = 0").unwrap_err().render();
-    assert!(said.contains("`overrun` is true, but this run turns at the last node"), "{said}");
+    for (overrun, keys, words) in [
+        ("false", "", "`overrun` is false, but this run goes 2 mm past the end point"),
+        ("true", "overrun_mm = 0", "`overrun` is true, but this run turns at the last node"),
+    ] {
+        let said = turn(overrun, keys).unwrap_err().render();
+        assert!(said.contains(words), "{said}");
+    }
     assert_eq!(turn("true", "").unwrap().manifest["overrun"], true);
     assert_eq!(turn("false", "overrun_mm = 0").unwrap().manifest["overrun"], false);
     assert!(turn("false", "bidirectional = false").unwrap().manifest["overrun"].is_null());
@@ -380,8 +362,7 @@ fn a_dwell_is_read_by_the_address_of_the_profile() {
     let facts = profile.program.as_mut().unwrap();
     facts.axis_letters.value = ["U", "V", "W"].map(String::from).to_vec();
     facts.cancel.value.pop();
-    let case = Case::small("fanuc-30i", "what = \"step-diagonal\"");
-    let kit = make(&case.read(), &profile, &[]).unwrap_or_else(|p| panic!("{}", p.render()));
+    let kit = make(&fanuc("").read(), &profile, &[]).unwrap_or_else(|p| panic!("{}", p.render()));
     let program = text(&kit, "O1001.NC");
     assert!(program.contains("N1 G04 X3.0\n") && program.contains("G91 G01 W55.000"), "{program}");
     assert!(program.ends_with("\nG90 G64\nM30\n%\n"), "{program}");
@@ -389,12 +370,11 @@ fn a_dwell_is_read_by_the_address_of_the_profile() {
 
 #[test]
 fn numbers_that_may_be_protected_are_noted() {
-    let note = |number: &str| {
-        let keys = format!("what = \"step-diagonal\"\nnumber = {number}");
-        let notes = Case::small("fanuc-30i", &keys).kit().run.notes;
+    let is_noted = |number: u32| {
+        let notes = fanuc(&format!("number = {number}")).kit().run.notes;
         notes.iter().any(|note| matches!(note.kind(), Some(RunFinding::ProtectedNumber { .. })))
     };
-    assert!(note("7997") && note("9001") && !note("7996"));
+    assert_eq!([7996, 7997, 9001].map(is_noted), [false, true, true]);
 }
 
 #[test]
@@ -406,27 +386,17 @@ fn the_axes_that_rest_keep_their_part_of_the_proposed_box() {
 }
 
 fn cases() -> impl Strategy<Value = Case> {
-    let controls = prop_oneof![
-        Just("siemens-840d-sl"),
-        Just("siemens-828d"),
-        Just("fanuc-30i"),
-        Just("fanuc-0i-f"),
-        Just("fanuc-16i"),
-    ];
-    let kinds = prop_oneof![
-        Just("what = \"step-diagonal\""),
-        Just("what = \"straight-diagonal\""),
-        Just("what = \"single-axis\""),
-        Just("what = \"single-axis\"\ntargets = \"offset\"\naxes = [\"z\", \"x\"]"),
-    ];
-    let ways = prop_oneof![
-        Just(""),
-        Just("return = \"diagonal\""),
-        Just("bidirectional = false"),
-        Just("alignment_pass = false"),
-    ];
-    let orders =
-        prop_oneof![Just("XYZ"), Just("XZY"), Just("YXZ"), Just("YZX"), Just("ZXY"), Just("ZYX"),];
+    let of = |list: &'static [&'static str]| prop::sample::select(list);
+    let controls = of(&["siemens-840d-sl", "siemens-828d", "fanuc-30i", "fanuc-0i-f", "fanuc-16i"]);
+    let kinds = of(&[
+        STEP,
+        "what = \"straight-diagonal\"",
+        "what = \"single-axis\"",
+        "what = \"single-axis\"\ntargets = \"offset\"\naxes = [\"z\", \"x\"]",
+    ]);
+    let ways =
+        of(&["", "return = \"diagonal\"", "bidirectional = false", "alignment_pass = false"]);
+    let orders = of(&["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]);
     let edge = (-2_000_000_i32..2_000_000, 500_i32..100_000, 0_i32..5_000);
     (
         (controls, any::<bool>(), kinds, ways, orders),
@@ -439,10 +409,9 @@ fn cases() -> impl Strategy<Value = Case> {
                 let scale = if inch { 254.0 } else { 100.0 };
                 f64::from(count) * scale / 100_000.0
             };
-            let overrun = if way.is_empty() || way.starts_with("align") {
-                format!("overrun_mm = {:?}\n", digit(margin))
-            } else {
-                String::new()
+            let overrun = match way {
+                "" | "alignment_pass = false" => format!("overrun_mm = {:?}\n", digit(margin)),
+                _ => String::new(),
             };
             let count = i32::try_from(steps).unwrap();
             Case {
@@ -475,9 +444,8 @@ proptest! {
         let kind = job.program.as_ref().unwrap().what.path();
         let Some(kind) = kind else {
             for form in kit.files.iter().filter(|file| file.role == FileRole::Readings) {
-                let source = Source::from_bytes(&form.path, filled(form, |_| "0").as_bytes()).unwrap();
-                let runs = Runs::read(&source, Stated::default());
-                prop_assert!(runs.is_ok(), "{}", runs.unwrap_err().render());
+                let runs = as_runs(&filled(form, |_| "0"));
+                prop_assert!(runs.is_ok(), "{}: {}", form.path, runs.unwrap_err());
             }
             return Ok(());
         };
@@ -486,10 +454,8 @@ proptest! {
         let positions = text(&kit, "positions.csv");
         let nominal: Vec<&str> = positions.lines().map(|row| row.split(',').nth(5).unwrap()).collect();
         let form = kit.files.iter().find(|file| file.role == FileRole::Readings).unwrap();
-        let readings = filled(form, |line| nominal[line]);
-        let source = Source::from_bytes("readings.csv", readings.as_bytes()).unwrap();
-        let read = Readings::read(source, &measurement);
-        let read = read.unwrap_or_else(|p| panic!("{}\n{}", p.render(), case.job()));
+        let read = as_readings(&filled(form, |line| nominal[line]), &measurement);
+        let read = read.unwrap_or_else(|said| panic!("{said}\n{}", case.job()));
         for run in &read.runs {
             // Nominal displacements are no deviations; positions.csv has 1e-6 mm.
             prop_assert!(run.deviations.iter().all(|d| d.um().abs() < 1e-3));
@@ -520,32 +486,29 @@ fn a_run_says_what_it_leaves_open() {
     use nonius::write::program::{Open, left_open};
     let kinds = |keys: &str, linear: usize| {
         let mut page = Case::small("siemens-840d-sl", keys).job();
-        for axis in &AXES[..linear] {
+        for axis in &["x", "y", "z"][..linear] {
             page += &format!(
                 "[[measurement.step_diagonal.linear]]\naxis = \"{axis}\"\nslope_um_per_m = 1.0\n"
             );
         }
-        let job = Job::read(Source::from_bytes("job.toml", page.as_bytes()).unwrap())
-            .unwrap_or_else(|p| panic!("{}", p.render()));
+        let job = read_job(&page);
         let open = left_open(&job, job.program.as_ref().unwrap());
         let kinds = open.iter().map(|found| found.kind::<Open>().unwrap().clone());
         kinds.collect::<Vec<Open>>()
     };
-    let step = "what = \"step-diagonal\"";
-    let turning = format!("{step}\noverrun_mm = 0");
-    let forward = format!("{step}\nbidirectional = false");
-    for given in [0, 1] {
-        let scales = Open::Scales { given };
-        assert_eq!(kinds(&turning, given), [scales, Open::Angles]);
-    }
-    assert_eq!(kinds(&turning, 2), [Open::Angles]);
-    assert_eq!(kinds(step, 3), [Open::Angles, Open::ReversalOfAnAxis]);
-    assert_eq!(kinds(&forward, 3), [Open::Angles, Open::Reversal]);
+    let turning = &format!("{STEP}\noverrun_mm = 0");
+    let forward = &format!("{STEP}\nbidirectional = false");
     let straight = "what = \"straight-diagonal\"\nbidirectional = false";
-    assert_eq!(kinds(straight, 0), [Open::NineErrors, Open::Reversal]);
-    let axes = "XY".to_string();
-    assert_eq!(
-        kinds("what = \"single-axis\"\naxes = [\"x\", \"y\"]", 0),
-        [Open::Straightness { axes }]
-    );
+    let straightness = Open::Straightness { axes: "XY".to_string() };
+    for (keys, linear, open) in [
+        (turning.as_str(), 0, vec![Open::Scales { given: 0 }, Open::Angles]),
+        (turning, 1, vec![Open::Scales { given: 1 }, Open::Angles]),
+        (turning, 2, vec![Open::Angles]),
+        (STEP, 3, vec![Open::Angles, Open::ReversalOfAnAxis]),
+        (forward, 3, vec![Open::Angles, Open::Reversal]),
+        (straight, 0, vec![Open::NineErrors, Open::Reversal]),
+        ("what = \"single-axis\"\naxes = [\"x\", \"y\"]", 0, vec![straightness]),
+    ] {
+        assert_eq!(kinds(keys, linear), open, "{keys}, {linear}");
+    }
 }

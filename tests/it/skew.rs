@@ -1,30 +1,23 @@
 //! Klipper's skew correction against its formula: whatever leans, and wherever the machine homes, the bytes take off
 //! the lean, and nothing else.
-use crate::support;
-use crate::support::run::ended;
-use crate::support::{Random, um_at};
+use crate::support::visit::{Visit, number};
+use crate::support::{self, Random, um_at};
 use nonius::control::controller::{Dialect, TableSign, builtin};
 use nonius::quantity::axis::{Direction, ErrorTerm};
-use serde_json::Value;
-use std::fs;
-use std::path::Path;
 
 /// A printer that leans by so many µm in 100 mm: X by Y, X by Z, Y by Z; Z bends by `bent` µm in the middle of Y.
 fn texts(lean: [f64; 3], bent: f64, reference: [f64; 3]) -> (String, String) {
     let [xy, xz, yz] = lean;
     let mut errors =
-        String::from("axis,position_mm,ex_um,ey_um,ez_um\nx,0,5,0,0\nx,100,9,0,0\nx,200,15,0,0\n");
+        "axis,position_mm,ex_um,ey_um,ez_um\nx,0,5,0,0\nx,100,9,0,0\nx,200,15,0,0\n".to_string();
     for (mm, part) in [(0.0, 0.0), (100.0, 1.0), (200.0, 0.0)] {
         errors += &format!("y,{mm:?},{:?},0,{:?}\n", xy * mm / 100.0, bent * part);
-    }
-    for mm in [0.0, 100.0, 200.0] {
         errors += &format!("z,{mm:?},{:?},{:?},0\n", xz * mm / 100.0, yz * mm / 100.0);
     }
-    let mut job = String::from(
-        "schema = 1\n[machine]\nname = \"P\"\n[measurement]\nerrors = \"errors.csv\"\n\
+    let mut job = "schema = 1\n[machine]\nname = \"P\"\n[measurement]\nerrors = \"errors.csv\"\n\
          active_while_measuring = \"none\"\n[compensation]\ncontroller = \"klipper-skew\"\n\
-         [limits]\nmax_slope_um_per_mm = 20\nmax_correction_um = 5000\n[acceptance]\nmax_deviation_um = 50\n",
-    );
+         [limits]\nmax_slope_um_per_mm = 20\nmax_correction_um = 5000\n[acceptance]\nmax_deviation_um = 50\n"
+        .to_string();
     for (axis, reference) in ["x", "y", "z"].iter().zip(reference) {
         job += &format!(
             "[machine.axes.{axis}]\ntravel_mm = [0, 200]\nreference_mm = {reference:?}\n\
@@ -67,9 +60,9 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
         for (base, output, index) in [("y", "x", 1), ("z", "x", 2), ("z", "y", 2)] {
             let of = usize::from(output == "y");
             for mm in [0.0, 37.0, 200.0] {
-                let (mut at, mut zero) = (reference, reference);
-                (at[index], zero[index]) = (mm, reference[index]);
-                let expected = klipper(factors, at)[of] - klipper(factors, zero)[of];
+                let mut at = reference;
+                at[index] = mm;
+                let expected = klipper(factors, at)[of] - klipper(factors, reference)[of];
                 for direction in Direction::BOTH {
                     let response = support::response(right.as_ref(), base, output, direction);
                     let um = um_at(&response, mm);
@@ -82,8 +75,7 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
         // What it cannot hold is as it was; what it holds leaves the product of two leans.
         let left = |name: &str| {
             let term = ErrorTerm::from_name(name).unwrap();
-            let terms = kit.forecast.terms.iter();
-            let own = terms.clone().find(|own| own.term == term).unwrap();
+            let own = kit.forecast.terms.iter().find(|own| own.term == term).unwrap();
             (own.change.before_um, own.change.after_um)
         };
         let far = (200.0 - reference[2]).max(reference[2]);
@@ -97,45 +89,35 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
     }
 }
 
-fn place(job: &str, errors: &str) -> tempfile::TempDir {
-    let directory = tempfile::tempdir().unwrap();
-    fs::write(directory.path().join("job.toml"), job).unwrap();
-    fs::write(directory.path().join("errors.csv"), errors).unwrap();
-    directory
-}
-
-fn json(at: &Path, arguments: &str) -> Value {
-    let (_, page, said) = ended(at, arguments);
-    serde_json::from_str(&page).unwrap_or_else(|_| panic!("{said}"))
+fn visit((job, errors): (String, String)) -> Visit {
+    let visit = Visit::new();
+    visit.put("job.toml", job).put("errors.csv", errors);
+    visit
 }
 
 /// Home at 200 mm of Z: Klipper adds -(2e-5 * 200 mm) = -4 um to X there, and says so as a shift.
 #[test]
 fn a_correction_that_is_not_zero_at_the_reference_is_named() {
-    let (job, errors) = texts([0.0, 2.0, 0.0], 0.0, [0.0, 0.0, 200.0]);
-    let job = job.replace("[limits]", "terms = [\"EXZ\"]\n[limits]");
-    let directory = place(&job, &errors);
-    let kit = json(directory.path(), "generate job.toml -o kit --format json");
+    let visit = visit(texts([0.0, 2.0, 0.0], 0.0, [0.0, 0.0, 200.0]));
+    visit.edit("job.toml", "[limits]", "terms = [\"EXZ\"]\n[limits]");
+    let kit = visit.run("generate job.toml -o kit --format json").json();
     let notes = kit["notes"].to_string();
     assert!(notes.contains("adds -4.0 µm to X"), "{notes}");
     let proof = &kit["sign_proofs"][0];
     // From 200 to 0 mm, where the file pretends +20 um.
     assert_eq!((&proof["from_mm"], &proof["peak_mm"]), (&200.0.into(), &0.0.into()));
-    assert!((proof["shows_um"].as_f64().unwrap() + 20.0).abs() < 0.001);
-    let sign = fs::read_to_string(directory.path().join("kit/nonius-sign-skew.cfg")).unwrap();
+    assert!((number(&proof["shows_um"]) + 20.0).abs() < 0.001);
+    let sign = visit.read("kit/nonius-sign-skew.cfg");
     assert!(sign.contains("xz_skew = -0.000100000"), "{sign}");
 }
 
 /// Somebody's changes are found; factors that acted are part of the new ones.
 #[test]
 fn files_are_judged_and_old_factors_are_added() {
-    let (job, errors) = texts([10.0, -20.0, 5.0], 8.0, [0.0; 3]);
-    let directory = place(&job, &errors);
-    let at = directory.path();
-    assert_eq!(ended(at, "generate job.toml -o kit").0, Some(0));
-    assert_eq!(ended(at, "verify job.toml --tables kit").0, Some(0));
-    fs::create_dir(at.join("out")).unwrap();
-    let own = fs::read_to_string(at.join("kit/nonius-skew.cfg")).unwrap();
+    let visit = visit(texts([10.0, -20.0, 5.0], 8.0, [0.0; 3]));
+    visit.yes("generate job.toml -o kit");
+    visit.yes("verify job.toml --tables kit");
+    let own = visit.read("kit/nonius-skew.cfg");
     let saved: String = own.lines().map(|line| format!("#*# {line}\n")).collect();
     let saved = format!("[printer]\nkinematics = corexy\n{saved}");
     for (from, to, expected, words) in [
@@ -143,17 +125,13 @@ fn files_are_judged_and_old_factors_are_added() {
         ("0.000100000", "-0.000100000", 1, "EXY"),
         ("[skew_correction nonius]", "[skew_correction other]", 0, "agree"),
     ] {
-        fs::write(at.join("out/printer.cfg"), saved.replace(from, to)).unwrap();
-        let (status, said, more) = ended(at, "verify job.toml --tables out --explain");
-        assert_eq!(status, Some(expected), "{to}: {said}{more}");
-        assert!(said.contains(words), "{to}: {said}");
+        visit.put("out/printer.cfg", saved.replace(from, to));
+        visit.run("verify job.toml --tables out --explain").ends(expected).says(words);
     }
-    fs::write(at.join("out/printer.cfg"), &saved).unwrap();
-    let again = job.replace("\"none\"", "\"out\"\nactive_terms_not_measured = \"keep\"");
-    fs::write(at.join("job.toml"), again).unwrap();
-    let (status, _, said) = ended(at, "generate job.toml -o new");
-    assert_eq!(status, Some(0), "{said}");
-    let new = fs::read_to_string(at.join("new/nonius-skew.cfg")).unwrap();
+    visit.put("out/printer.cfg", &saved);
+    visit.edit("job.toml", "\"none\"", "\"out\"\nactive_terms_not_measured = \"keep\"");
+    visit.yes("generate job.toml -o new");
+    let new = visit.read("new/nonius-skew.cfg");
     for line in ["xy_skew = 0.000200000", "yz_skew = 0.000100000"] {
         assert!(new.contains(line), "{new}");
     }
