@@ -128,10 +128,7 @@ fn what_was_not_measured_again_is_named_and_decides_nothing() {
         .says("causes", "not measured afterwards")
         .says("causes", "EYX");
     assert!(found.page["terms"]["EYX"]["after_um"].is_null());
-}
-
-#[test]
-fn a_shorter_range_leaves_it_undecided() {
+    // A shorter range.
     judged(&table(&[[0.0, 0.0, 0.0], [50.0, 0.1, 0.0]], 0.1))
         .is("undecided")
         .says("causes", "less than nine tenths decide nothing");
@@ -190,22 +187,17 @@ fn after_job(active: &str, more: &str) -> String {
     job.replace("[compensation]\n", &format!("{more}[compensation]\n"))
 }
 
+/// A copy of the kit in another folder is the same kit: what it does is compared.
 #[test]
 fn a_second_job_that_does_not_say_what_was_active_is_warned_about() {
     let visit = visit(LEFT);
+    visit.run("generate job.toml -o archive").answers();
     visit.put("after.toml", after_job("", ""));
     again(&visit, "after.toml").says("notes", "does not state `active_while_measuring`");
-    visit.put("after.toml", after_job(KIT_ACTIVE, ""));
-    again(&visit, "after.toml").is("pass").omits("notes", "does not state");
-}
-
-/// A copy of the kit in another folder is the same kit: what it does is compared.
-#[test]
-fn a_second_job_may_name_the_same_tables_elsewhere() {
-    let visit = visit(LEFT);
-    visit.run("generate job.toml -o archive").answers();
-    visit.put("after.toml", after_job("active_while_measuring = \"archive\"", ""));
-    again(&visit, "after.toml").is("pass");
+    for active in [KIT_ACTIVE, "active_while_measuring = \"archive\""] {
+        visit.put("after.toml", after_job(active, ""));
+        again(&visit, "after.toml").is("pass").omits("notes", "does not state");
+    }
 }
 
 #[test]
@@ -300,6 +292,12 @@ fn lost_motion_that_the_first_measurement_could_not_see_is_named() {
 }
 
 #[test]
+fn a_limit_missed_without_a_stated_uncertainty_says_so() {
+    judged("axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,2,0\nx,100,0,0\n")
+        .says("causes", "EXX leaves 2.000 µm (U not stated)");
+}
+
+#[test]
 fn without_limits_a_turned_sign_is_undecided() {
     let visit = visit("axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,12,6\nx,100,32,-8\n");
     visit.edit("job.toml", "[acceptance]\nmax_deviation_um = 1.0\n", "");
@@ -313,12 +311,6 @@ fn what_is_off_the_forecast_is_named_though_it_passes() {
     let words =
         "both measurements explain (99.9 %, all positions together): EXX 0.600 µm (U = 0.376 µm)";
     again(&visit, "after.csv").is("pass").says("notes", words).omits("notes", "EYX");
-}
-
-#[test]
-fn a_limit_missed_without_a_stated_uncertainty_says_so() {
-    judged("axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,2,0\nx,100,0,0\n")
-        .says("causes", "EXX leaves 2.000 µm (U not stated)");
 }
 
 /// Slopes of cross terms that were separated hold another rotation than those of a given table.
