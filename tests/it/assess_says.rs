@@ -255,14 +255,7 @@ fn the_job_of_the_documentation_is_complete() {
     let text = page("docs/volumetric.md");
     let (_, rest) = text.split_once("```toml\n").expect("there is a job");
     let (job, _) = rest.split_once("```").expect("it ends");
-    let table = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad
-x,0,0,0,0,0,0,0
-x,800,8,1,2,5,-4,3
-y,0,0,0,0,0,0,0
-y,500,1,6,0,2,1,0
-z,-450,-3,2,-4,1,1,1
-z,0,0,0,0,0,0,0
-";
+    let table = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\nx,0,0,0,0,0,0,0\nx,800,8,1,2,5,-4,3\ny,0,0,0,0,0,0,0\ny,500,1,6,0,2,1,0\nz,-450,-3,2,-4,1,1,1\nz,0,0,0,0,0,0,0\n";
     let options = "--grid 17,11,10 --window 300,200,200 --histogram 5";
     let found = document(&visit(job, table), &format!("assess job.toml {options}"));
     assert_eq!(found["errors_measured"], 21);

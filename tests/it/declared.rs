@@ -3,6 +3,8 @@
 
 use crate::support::visit::{Visit, page, replaced};
 
+const NO_PATTERN: &str = "no pattern of the profile takes this line";
+
 /// The fenced block behind a marker of the page, without its indent.
 fn block(marker: &str) -> String {
     let page = page("docs/controllers.md");
@@ -62,7 +64,7 @@ fn what_was_read_out_is_judged() {
     ran.says("EYY").says("200.0000 mm");
     visit.put("foreign/READ.TXT", replaced(&text, "\r\nEND", "\r\nWEIGHT 2\r\nEND"));
     let ran = visit.run("verify job.toml --tables foreign").ends(2);
-    ran.says("no pattern of the profile takes this line").says("READ.TXT:9:1");
+    ran.says(NO_PATTERN).says("READ.TXT:9:1");
 }
 
 #[test]
@@ -105,16 +107,8 @@ fn a_mistake_in_the_profile_has_its_line() {
     let profile = visit.read("norden.toml");
     for (right, wrong, says) in [
         ("(?<value>", "(?<vaule>", "did you mean `value`?"),
-        (
-            "order = { value = \"ascending\"",
-            "order = { value = \"upwards\"",
-            "expected one of `ascending`, `descending`",
-        ),
-        (
-            "(?<point>\\d+) (?<value>",
-            "(?<point>\\d+),(?<value>",
-            "no pattern of the profile takes this line",
-        ),
+        ("\"ascending\"", "\"upwards\"", "expected one of `ascending`, `descending`"),
+        ("\\d+) (?<value>", "\\d+),(?<value>", NO_PATTERN),
     ] {
         visit.put("norden.toml", replaced(&profile, right, wrong));
         visit.run("controllers check norden.toml").ends(2).says(says).says("-->");
@@ -151,19 +145,14 @@ fn a_short_table_is_refused_where_outside_is_not_known() {
 /// What is written has no point behind an end of the travel; a table that was read out with one is refused.
 #[test]
 fn a_table_beyond_the_travel_is_refused_where_the_control_uses_no_point_there() {
-    const X: &str = "travel_mm = [0.0, 400.0]\nreference_mm = 0.0";
-    const OUTSIDE: &str = "travel_mm = [0.0, 400.0]\nreference_mm = -50.0";
     let visit = Visit::with_job("machines/five_points/weihong.toml");
     let job = visit.read("job.toml");
+    let fits = "`spacing_mm = 50` has points at both ends of the travel and none beyond";
     let no_fit = "no spacing has points at both ends of this travel";
     for (right, wrong, says) in [
-        (
-            "[compensation.axes.y]\nspacing_mm = 100.0",
-            "[compensation.axes.y]\nspacing_mm = 75.0",
-            "`spacing_mm = 50` has points at both ends of the travel and none beyond",
-        ),
+        ("axes.y]\nspacing_mm = 100.0", "axes.y]\nspacing_mm = 75.0", fits),
         ("[0.0, 400.0]", "[0.0, 399.9995]", no_fit),
-        (X, OUTSIDE, no_fit),
+        ("400.0]\nreference_mm = 0.0", "400.0]\nreference_mm = -50.0", no_fit),
     ] {
         visit.put("job.toml", replaced(&job, right, wrong));
         let ran = visit.run("generate job.toml -o kit").ends(2);
@@ -186,13 +175,9 @@ fn a_profile_adds_steps_to_the_checklist_of_its_base() {
     visit.run("generate job.toml -o kit").answers();
     let list = visit.read("kit/checklist.md");
     let at = |words: &str| list.find(words).unwrap_or_else(|| panic!("{words}: {list}"));
-    let order = [
-        "whoever keeps the profile",
-        "`Screw error compensation`",
-        "Call the owner.",
-        "## Sign proof",
-    ];
-    assert!(order.map(at).is_sorted(), "{list}");
+    let own = at("Call the owner.");
+    let (keeper, switch) = (at("whoever keeps the profile"), at("`Screw error compensation`"));
+    assert!([keeper, switch, own, at("## Sign proof")].is_sorted(), "{list}");
     visit.edit("own.toml", "Before anything", "Before all");
     let ran = visit.run("generate job.toml -o other").ends(2);
     ran.says("the checklist has no part `Before all is loaded`")
@@ -222,15 +207,14 @@ fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it() {
     visit.run(verify).ends(0).says("job and tables agree");
     let x = whole("X");
     visit.put("out/X.mp", &x).run(verify).ends(2).says("`X.mp` is not text in UTF-16");
-    let foreign = "no pattern of the profile takes this line";
     for (right, wrong, says) in [
         ("MM  ", "INCH", "the file is in `INCH`"),
-        ("DATA/POSERROR 2", "DATA/POSEROR 2", foreign),
+        ("DATA/POSERROR 2", "DATA/POSEROR 2", NO_PATTERN),
         ("POSERROR 2", "POSERROR 3", "a second `forward` here"),
-        ("LSCRWCOMP ;ON", "LSCRWCOMP ;OFF", foreign),
-        ("BIDIR ;YES", "BIDIR ;NO", foreign),
-        ("LSCRWDATA/BIDIR", "LSCRWDATA/TYPE", foreign),
-        ("BACKLASH ;0.0000", "BACKLASH ;0.0500", foreign),
+        ("LSCRWCOMP ;ON", "LSCRWCOMP ;OFF", NO_PATTERN),
+        ("BIDIR ;YES", "BIDIR ;NO", NO_PATTERN),
+        ("LSCRWDATA/BIDIR", "LSCRWDATA/TYPE", NO_PATTERN),
+        ("BACKLASH ;0.0000", "BACKLASH ;0.0500", NO_PATTERN),
         ("NPOINTS ;5", "NPOINTS ;2", "the file says 2 here, its points make it 5"),
     ] {
         println!("{wrong}");
