@@ -46,12 +46,10 @@ fn reports(visit: &Visit) -> [&'static str; 6] {
         run(visit, command).answers();
     }
     let pictures = pictures(visit, after).concat();
-    visit.put(
-        "pictures.html",
-        format!(
-            "<!DOCTYPE html><html lang=\"en\"><head><title>pictures</title></head><body style=\"margin:0\"><div class=\"wide\" style=\"overflow-x:auto\">{pictures}</div></body></html>"
-        ),
+    let page = format!(
+        "<!DOCTYPE html><html lang=\"en\"><head><title>pictures</title></head><body style=\"margin:0\"><div class=\"wide\" style=\"overflow-x:auto\">{pictures}</div></body></html>"
     );
+    visit.put("pictures.html", page);
     visit.put("checklist.html", visit.read("kit/checklist.html"));
     visit.put("tables.html", visit.read("typed/tables.html"));
     ["checklist.html", "tables.html", "readings.html", "german.html", "left.html", "pictures.html"]

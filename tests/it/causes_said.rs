@@ -62,11 +62,8 @@ fn wavy(row: &Row) -> f64 {
 /// A straight line and a bow: a shift moves it little.
 fn gentle(row: &Row) -> f64 {
     let bow = |mm: f64| 2.0 * (mm / 220.0).sin();
-    if row.is_positioning() {
-        0.02 * row.mm + bow(row.mm) - bow(0.0)
-    } else {
-        0.3 * (bow(row.mm) - bow(0.0))
-    }
+    let (slope, part) = if row.is_positioning() { (0.02, 1.0) } else { (0.0, 0.3) };
+    slope * row.mm + part * (bow(row.mm) - bow(0.0))
 }
 
 fn places(machine: &Machine, high: f64) -> Vec<f64> {

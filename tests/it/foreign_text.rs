@@ -37,13 +37,6 @@ fn with_name(job: &str, name: &str) -> String {
     replaced(job, "name = \"VMC 400\"", &format!("name = {name}"))
 }
 
-/// A profile with another name of its file.
-fn with_path(path: &str) -> String {
-    format!(
-        "schema = 1\nid = \"shop\"\nname = \"shop\"\nbased_on = \"generic\"\n[[files]]\nrole = \"table\"\npath = \"{path}\"\ntemplate = \"generic.csv.tera\"\n"
-    )
-}
-
 #[test]
 fn of_a_manifest() {
     let visit = start();
@@ -118,7 +111,8 @@ fn no_profile_names_a_file_that_a_laptop_or_shell_takes_for_something_else() {
     let visit = start();
     visit.edit("job.toml", "siemens-840d-sl", "./shop.toml");
     for name in ["CON", "nul.csv", "Com1.MPF", "LPT9", "-rf", "A.", "..", "a/b", "a:b", "a b"] {
-        visit.put("shop.toml", with_path(name));
+        let shop = "schema = 1\nid = \"shop\"\nname = \"shop\"\nbased_on = \"generic\"\n[[files]]\nrole = \"table\"\ntemplate = \"generic.csv.tera\"\n";
+        visit.put("shop.toml", format!("{shop}path = \"{name}\"\n"));
         let ran = told(&visit, "generate job.toml -o kit").ends(2);
         assert!(ran.all().contains("is no file name"), "{name}\n{}", ran.all());
     }
