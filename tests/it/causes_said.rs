@@ -1,11 +1,8 @@
 //! What `verify --after` says of single faults: the number, the place to look at, the words, and
 //! what is refused. How often faults are named at all stands in tests/studies/causes.rs.
 use crate::support::Random;
-use crate::support::run::ended;
+use crate::support::visit::{Visit, number};
 use serde_json::Value;
-use std::fmt::Write;
-use std::fs;
-use std::path::Path;
 
 /// Noise of both measurements, µm.
 const NOISE_UM: f64 = 0.2;
@@ -20,6 +17,8 @@ struct Machine {
     both_ways: bool,
     spacing_mm: f64,
     error_um: fn(&Row) -> f64,
+    /// Noise of the second measurement.
+    seed: u64,
 }
 
 /// One value of a table: this error at this place, coming from there.
@@ -47,6 +46,7 @@ const SIEMENS: Machine = Machine {
     both_ways: false,
     spacing_mm: 30.0,
     error_um: wavy,
+    seed: 2,
 };
 
 const HIGH_MM: [(char, f64); 2] = [('x', 900.0), ('y', 720.0)];
@@ -62,21 +62,13 @@ fn wavy(row: &Row) -> f64 {
 /// A straight line and a bow: a shift moves it little.
 fn gentle(row: &Row) -> f64 {
     let bow = |mm: f64| 2.0 * (mm / 220.0).sin();
-    if row.is_positioning() {
-        0.02 * row.mm + bow(row.mm) - bow(0.0)
-    } else {
-        0.3 * (bow(row.mm) - bow(0.0))
-    }
+    let (slope, part) = if row.is_positioning() { (0.02, 1.0) } else { (0.0, 0.3) };
+    slope * row.mm + part * (bow(row.mm) - bow(0.0))
 }
 
 fn places(machine: &Machine, high: f64) -> Vec<f64> {
-    let mut mm = Vec::new();
-    let mut at = 0.0;
-    while at <= high {
-        mm.push(at);
-        at += machine.spacing_mm;
-    }
-    mm
+    let places = (0..).map(|index| machine.spacing_mm * f64::from(index));
+    places.take_while(|mm| *mm <= high).collect()
 }
 
 fn table(machine: &Machine, seed: u64, value: impl Fn(Row) -> f64) -> String {
@@ -87,9 +79,8 @@ fn table(machine: &Machine, seed: u64, value: impl Fn(Row) -> f64) -> String {
     for (along, high) in HIGH_MM {
         for way in ways {
             for mm in places(machine, high) {
-                let row = |of| Row { along, of, way, mm };
-                let (ex, ey) = (value(row('x')) + noise(), value(row('y')) + noise());
-                writeln!(csv, "{along},{way},{mm},{ex:.6},{ey:.6},{NOISE_UM},{NOISE_UM}").unwrap();
+                let [ex, ey] = ['x', 'y'].map(|of| value(Row { along, of, way, mm }) + noise());
+                csv += &format!("{along},{way},{mm},{ex:.6},{ey:.6},{NOISE_UM},{NOISE_UM}\n");
             }
         }
     }
@@ -97,76 +88,66 @@ fn table(machine: &Machine, seed: u64, value: impl Fn(Row) -> f64) -> String {
 }
 
 fn job(machine: &Machine, errors: &str, active: &str) -> String {
-    let mut text = String::from("schema = 1\n[machine]\nname = \"mill\"\n");
-    for (axis, high) in HIGH_MM {
-        write!(text, "[machine.axes.{axis}]\ntravel_mm = [0.0, {high:?}]\nreference_mm = 0.0\n")
-            .unwrap();
-    }
-    write!(
-        text,
-        "[measurement]\nerrors = \"{errors}\"\nactive_while_measuring = \"{active}\"\n[compensation]\ncontroller = \"{}\"\n{}\n",
-        machine.controller, machine.policy
+    let unit = match machine.controller.starts_with("fanuc") {
+        true => "detection_unit_um = 0.5\n",
+        false => "",
+    };
+    let axes = HIGH_MM.map(|(axis, high)| {
+        format!(
+            "[machine.axes.{axis}]\ntravel_mm = [0.0, {high:?}]\nreference_mm = 0.0\n[compensation.axes.{axis}]\nspacing_mm = {:?}\n{unit}",
+            machine.spacing_mm
+        )
+    });
+    format!(
+        "schema = 1\n[machine]\nname = \"mill\"\n[measurement]\nerrors = \"{errors}\"\nactive_while_measuring = \"{active}\"\n[compensation]\ncontroller = \"{}\"\n{}\n{}[acceptance]\nmax_deviation_um = 10.0\n",
+        machine.controller,
+        machine.policy,
+        axes.concat()
     )
-    .unwrap();
-    for (axis, _) in HIGH_MM {
-        write!(text, "[compensation.axes.{axis}]\nspacing_mm = {:?}\n", machine.spacing_mm)
-            .unwrap();
-        if machine.controller.starts_with("fanuc") {
-            text.push_str("detection_unit_um = 0.5\n");
-        }
-    }
-    text + "[acceptance]\nmax_deviation_um = 10.0\n"
 }
 
 /// The machine measured and its kit made.
-fn visit(machine: &Machine) -> tempfile::TempDir {
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path();
-    fs::write(path.join("errors.csv"), table(machine, 1, |row| (machine.error_um)(&row))).unwrap();
-    fs::write(path.join("job.toml"), job(machine, "errors.csv", "none")).unwrap();
-    made(path, "job.toml", "kit");
-    directory
+fn visit(machine: &Machine) -> Visit {
+    let visit = Visit::new();
+    visit.put("errors.csv", table(machine, 1, |row| (machine.error_um)(&row)));
+    visit.put("job.toml", job(machine, "errors.csv", "none"));
+    visit.run("generate job.toml -o kit").answers();
+    visit
 }
 
-fn made(path: &Path, job: &str, kit: &str) {
-    let (_, _, said) = ended(path, &format!("generate {job} -o {kit}"));
-    assert!(path.join(kit).join("manifest.json").is_file(), "{said}");
+/// What is said of a second measurement.
+struct Found {
+    kinds: Vec<String>,
+    words: Vec<String>,
+    /// The look at the control that decides between the causes.
+    decides: String,
+    page: Value,
 }
 
-/// The diagnosis of a second measurement.
-fn diagnosis(path: &Path, job: &str, kit: &str, after: &str) -> Value {
-    let command = format!("verify {job} --tables {kit} --after {after} --format json");
-    let (_, text, said) = ended(path, &command);
-    let document: Value = serde_json::from_str(&text).unwrap_or_else(|_| panic!("{said}"));
-    document["diagnosis"].clone()
+/// The diagnosis of a second measurement: `job.toml --tables kit --after after.csv`.
+fn diagnosis(visit: &Visit, arguments: &str) -> Found {
+    let page = visit.json(&format!("verify {arguments}"))["diagnosis"].clone();
+    println!("{page:#}");
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_string();
+    let of = |key: &str| page["causes"].as_array().unwrap().iter().map(|c| text(&c[key])).collect();
+    Found { kinds: of("kind"), words: of("words"), decides: text(&page["decides"]), page }
 }
 
-fn after(machine: &Machine, left: impl Fn(Row) -> f64) -> Value {
-    after_with_noise(machine, 2, left)
+fn after(machine: &Machine, left: impl Fn(Row) -> f64) -> Found {
+    let visit = visit(machine);
+    visit.put("after.csv", table(machine, machine.seed, left));
+    diagnosis(&visit, "job.toml --tables kit --after after.csv")
 }
 
-fn after_with_noise(machine: &Machine, seed: u64, left: impl Fn(Row) -> f64) -> Value {
-    let directory = visit(machine);
-    let path = directory.path();
-    fs::write(path.join("after.csv"), table(machine, seed, left)).unwrap();
-    diagnosis(path, "job.toml", "kit", "after.csv")
-}
-
-fn kinds(found: &Value) -> Vec<&str> {
-    let causes = found["causes"].as_array().unwrap();
-    causes.iter().map(|cause| cause["kind"].as_str().unwrap()).collect()
-}
-
-fn words(found: &Value) -> Vec<&str> {
-    let causes = found["causes"].as_array().unwrap();
-    causes.iter().map(|cause| cause["words"].as_str().unwrap()).collect()
-}
-
-fn decides(found: &Value) -> &str {
-    found["decides"].as_str().unwrap_or_else(|| panic!("{found:#}"))
+#[track_caller]
+fn has(text: &str, words: &[&str]) {
+    for words in words {
+        assert!(text.contains(words), "expected `{words}` in\n{text}");
+    }
 }
 
 /// The two numbers before ` µm if <what>`.
+#[track_caller]
 fn amounts(decides: &str, what: &str) -> (f64, f64) {
     let (before, _) =
         decides.split_once(&format!(" µm if {what}")).unwrap_or_else(|| panic!("{decides}"));
@@ -175,26 +156,19 @@ fn amounts(decides: &str, what: &str) -> (f64, f64) {
     (number(3), number(1))
 }
 
-/// The number after `<before> ` and the one after `± `.
-fn fitted_mm(words: &str) -> (f64, f64) {
-    let (_, rest) = words.split_once(" act ").unwrap();
-    let parts: Vec<&str> = rest.split_whitespace().collect();
-    assert_eq!(parts[1], "±", "{words}");
-    (parts[0].parse().unwrap(), parts[2].parse().unwrap())
+/// The reversal of the machine, left where its axes move in -.
+fn reversal(row: Row) -> f64 {
+    if row.way == "-" && row.is_positioning() { REVERSAL_UM } else { 0.0 }
 }
 
 #[test]
 fn a_reversal_without_parameter_shows_where_the_parameter_acts() {
-    let machine =
-        Machine { policy: "backlash = \"curve-and-parameter\"", both_ways: true, ..SIEMENS };
-    let reversal = |row: Row| {
-        if row.way == "-" && row.is_positioning() { REVERSAL_UM } else { 0.0 }
-    };
-    let found = after(&machine, reversal);
-    assert_eq!(kinds(&found), ["backlash not"], "{found:#}");
-    assert!(words(&found)[0].contains("the backlash parameter is 0"), "{found:#}");
-    let said = decides(&found);
-    assert!(said.contains("coming there moving + / moving -"), "{said}");
+    let policy = "backlash = \"curve-and-parameter\"";
+    let found = after(&Machine { policy, both_ways: true, ..SIEMENS }, reversal);
+    assert_eq!(found.kinds, ["backlash not"]);
+    has(&found.words[0], &["the backlash parameter is 0"]);
+    let said = &found.decides;
+    has(said, &["coming there moving + / moving -"]);
     let (files, fault) = (amounts(said, "the control"), amounts(said, "backlash not"));
     assert!((files.0 - fault.0).abs() < 1e-9, "+ is as planned: {said}");
     assert!(((files.1 - fault.1).abs() - REVERSAL_UM).abs() < 0.3, "- is not: {said}");
@@ -202,48 +176,42 @@ fn a_reversal_without_parameter_shows_where_the_parameter_acts() {
 
 #[test]
 fn one_table_in_both_directions_is_either_table() {
-    let machine = Machine { policy: "backlash = \"two-tables\"", both_ways: true, ..SIEMENS };
-    let found =
-        after(
-            &machine,
-            |row| {
-                if row.way == "-" && row.is_positioning() { REVERSAL_UM } else { 0.0 }
-            },
-        );
-    let said = words(&found).join("\n");
-    assert!(kinds(&found).iter().all(|kind| *kind == "backlash not"), "{found:#}");
-    assert!(
-        said.contains("the table for + acts in both")
-            && said.contains("the table for - acts in both"),
-        "{said}"
-    );
-    let said = decides(&found);
-    let (files, plus) =
-        (amounts(said, "the control"), amounts(said, "backlash not (every axis: table of +"));
+    let policy = "backlash = \"two-tables\"";
+    let found = after(&Machine { policy, both_ways: true, ..SIEMENS }, reversal);
+    assert!(found.kinds.iter().all(|kind| *kind == "backlash not"));
+    let words = ["the table for + acts in both", "the table for - acts in both"];
+    has(&found.words.join("\n"), &words);
+    let said = &found.decides;
+    let files = amounts(said, "the control");
+    let plus = amounts(said, "backlash not (every axis: table of +");
     assert!((files.0 - plus.0).abs() < 1e-9 && (files.1 - plus.1).abs() > 5.0, "{said}");
 }
 
+/// A turned measurement stands beside what it looks like.
 #[test]
 fn amounts_are_those_of_the_file_and_its_sign_is_left_open() {
-    let found = after(&SIEMENS, |row| -wavy(&row));
-    let said = decides(&found);
-    assert!(said.contains("service display") && said.contains("ENC_COMP"), "{said}");
-    assert!(said.contains("the other axes at their reference points"), "{said}");
-    assert!(said.contains("its sign on the display is not documented"), "{said}");
+    let twice = after(&SIEMENS, |row| -wavy(&row));
+    assert_eq!(twice.kinds, ["applied twice", "measurement turned"]);
+    let said = &twice.decides;
+    has(said, &["service display", "ENC_COMP", "the other axes at their reference points"]);
+    has(said, &["its sign on the display is not documented", "whether the laser counts in +"]);
     assert!(!said.contains("is -") && !said.contains("is +"), "{said}");
     let turned = after(&SIEMENS, |row| 2.0 * wavy(&row));
-    assert_eq!(kinds(&turned), ["sign turned"]);
-    assert!(decides(&turned).contains("bump of at most 20 µm"), "{turned:#}");
+    assert_eq!(turned.kinds, ["sign turned"]);
+    has(&turned.decides, &["bump of at most 20 µm"]);
+    let three = after(&SIEMENS, |row| -2.0 * wavy(&row));
+    assert_eq!(three.kinds, ["measurement turned", "other factor"]);
+    has(&three.words[0], &["the first measurement has the wrong sign"]);
 }
 
 #[test]
 fn no_display_is_invented_for_a_control_without_one() {
     for controller in ["fanuc-30i", "fanuc-0i-f", "fanuc-16i", "generic"] {
+        println!("{controller}");
         let machine = Machine { controller, spacing_mm: 60.0, ..SIEMENS };
-        let found = after(&machine, |row| -wavy(&row));
-        let said = decides(&found);
-        assert!(said.contains("no display of the correction is known"), "{controller}: {said}");
-        assert!(!said.contains("service display"), "{controller}: {said}");
+        let said = after(&machine, |row| -wavy(&row)).decides;
+        has(&said, &["no display of the correction is known"]);
+        assert!(!said.contains("service display"), "{said}");
     }
 }
 
@@ -251,11 +219,9 @@ fn no_display_is_invented_for_a_control_without_one() {
 fn the_place_lies_where_was_measured() {
     // Nodes every 130 mm from the reference pass the end of the travel (900 mm).
     let machine = Machine { spacing_mm: 130.0, ..SIEMENS };
-    let found = after(&machine, |row| -wavy(&row));
-    let said = decides(&found);
+    let said = after(&machine, |row| -wavy(&row)).decides;
     let (_, place) = said.split_once("added: ").unwrap();
-    let words: Vec<&str> = place.split_whitespace().collect();
-    let mm: f64 = words[2].parse().unwrap();
+    let mm: f64 = place.split_whitespace().nth(2).unwrap().parse().unwrap();
     let most = places(&machine, 900.0).into_iter().fold(0.0, f64::max);
     assert!((0.0..=most).contains(&mm), "{said}");
 }
@@ -272,8 +238,12 @@ fn a_shift_of_a_control_that_corrects_in_steps_lies_within_its_uncertainty() {
         let found = after(&machine, |row| {
             wavy(&row) - steps(row, if row.along == 'x' { shift } else { 0.0 })
         });
-        assert_eq!(kinds(&found), ["shifted"], "{shift}: {found:#}");
-        let (mm, u) = fitted_mm(words(&found)[0]);
+        assert_eq!(found.kinds, ["shifted"], "{shift}");
+        // `… act <mm> ± <u> mm …`
+        let (_, fitted) = found.words[0].split_once(" act ").unwrap();
+        let parts: Vec<&str> = fitted.split_whitespace().collect();
+        let [mm, u]: [f64; 2] = [0, 2].map(|place| parts[place].parse().unwrap());
+        assert_eq!(parts[1], "±", "{fitted}");
         assert!((mm - shift).abs() <= u, "{mm} ± {u}, injected {shift}");
         assert!((10.0..40.0).contains(&u), "half a spacing is not known: {u}");
     }
@@ -281,52 +251,40 @@ fn a_shift_of_a_control_that_corrects_in_steps_lies_within_its_uncertainty() {
 
 #[test]
 fn a_shift_by_two_points_that_moves_a_term_by_some_micrometres_is_named() {
-    let machine =
-        Machine { controller: "fanuc-30i", spacing_mm: 50.0, error_um: gentle, ..SIEMENS };
+    let controller = "fanuc-30i";
+    let machine = Machine { controller, spacing_mm: 50.0, error_um: gentle, ..SIEMENS };
     let found = after(&machine, |row| {
         let shift = if row.along == 'x' { 100.0 } else { 0.0 };
         gentle(&row) - gentle(&row.at((row.mm - shift).max(0.0)))
     });
-    assert_eq!(found["as_forecast"], false, "{found:#}");
-    assert!(kinds(&found).contains(&"shifted"), "{found:#}");
+    assert_eq!(found.page["as_forecast"], false);
+    assert!(found.kinds.contains(&"shifted".to_string()));
 }
 
 #[test]
 fn after_an_update_the_old_tables_are_tried() {
-    let directory = visit(&SIEMENS);
-    let path = directory.path();
+    let visit = visit(&SIEMENS);
     let residual = |row: Row| {
         4.0 * (row.mm / 110.0).sin() + if row.is_positioning() { 0.004 * row.mm } else { 0.0 }
     };
-    fs::write(path.join("residual.csv"), table(&SIEMENS, 3, residual)).unwrap();
-    fs::write(path.join("update.toml"), job(&SIEMENS, "residual.csv", "kit")).unwrap();
-    made(path, "update.toml", "new");
-    let named = |name: &str, left: &dyn Fn(Row) -> f64| {
-        fs::write(path.join(name), table(&SIEMENS, 4, left)).unwrap();
-        let found = diagnosis(path, "update.toml", "new", name);
-        kinds(&found).join(", ")
+    visit.put("residual.csv", table(&SIEMENS, 3, residual));
+    visit.put("update.toml", job(&SIEMENS, "residual.csv", "kit"));
+    visit.run("generate update.toml -o new").answers();
+    let named = |left: &dyn Fn(Row) -> f64| {
+        visit.put("left.csv", table(&SIEMENS, 4, left));
+        diagnosis(&visit, "update.toml --tables new --after left.csv").kinds.join(", ")
     };
-    assert_eq!(named("old.csv", &residual), "old tables active");
-    assert_eq!(named("beside.csv", &|row| -wavy(&row)), "old beside new");
-    assert!(named("none.csv", &|row| wavy(&row) + residual(row)).starts_with("not active"));
-    assert_eq!(named("clean.csv", &|_| 0.0), "");
-}
-
-#[test]
-fn a_turned_measurement_stands_beside_what_it_looks_like() {
-    let twice = after(&SIEMENS, |row| -wavy(&row));
-    assert_eq!(kinds(&twice), ["applied twice", "measurement turned"]);
-    assert!(decides(&twice).contains("whether the laser counts in +"));
-    let three = after(&SIEMENS, |row| -2.0 * wavy(&row));
-    assert_eq!(kinds(&three), ["measurement turned", "other factor"]);
-    assert!(words(&three)[0].contains("the first measurement has the wrong sign"));
+    assert_eq!(named(&residual), "old tables active");
+    assert_eq!(named(&|row| -wavy(&row)), "old beside new");
+    assert!(named(&|row| wavy(&row) + residual(row)).starts_with("not active"));
+    assert_eq!(named(&|_| 0.0), "");
 }
 
 #[test]
 fn plain_causes_stand_first() {
     for seed in 2..8 {
-        let found = after_with_noise(&SIEMENS, seed, |row| wavy(&row));
-        assert_eq!(kinds(&found)[..2], ["not active", "wrong unit"], "{found:#}");
+        let found = after(&Machine { seed, ..SIEMENS }, |row| wavy(&row));
+        assert_eq!(found.kinds[..2], ["not active", "wrong unit"], "{seed}");
     }
 }
 
@@ -334,14 +292,11 @@ fn plain_causes_stand_first() {
 fn millimetres_under_a_heading_for_micrometres_are_refused() {
     let turned = |row: Row| 2.0 * wavy(&row) / 1000.0;
     for left in [&turned as &dyn Fn(Row) -> f64, &|_| 0.0] {
-        let directory = visit(&SIEMENS);
-        let path = directory.path();
+        let visit = visit(&SIEMENS);
         // The noise, too, is in mm.
-        let text = table(&SIEMENS, 2, |row| 1000.0 * left(row));
-        fs::write(path.join("after.csv"), in_mm(&text)).unwrap();
-        let (status, _, said) = ended(path, "verify job.toml --tables kit --after after.csv");
-        assert_eq!(status, Some(2), "{said}");
-        assert!(said.contains("a slip of their unit"), "{said}");
+        visit.put("after.csv", in_mm(&table(&SIEMENS, 2, |row| 1000.0 * left(row))));
+        let ran = visit.run("verify job.toml --tables kit --after after.csv").ends(2);
+        ran.says("a slip of their unit");
     }
 }
 
@@ -365,9 +320,9 @@ fn what_nothing_explains_is_named_with_its_place() {
         let bumped = row.along == 'x' && row.of == 'x' && (row.mm - 450.0).abs() < 1.0;
         if bumped { 5.0 } else { 0.0 }
     });
-    assert_eq!(found["as_forecast"], false, "{found:#}");
-    assert!(kinds(&found).is_empty(), "{found:#}");
-    let by_term = found["by_term"].as_array().unwrap();
+    assert_eq!(found.page["as_forecast"], false);
+    assert!(found.kinds.is_empty());
+    let by_term = &found.page["by_term"];
     let exx = by_term[0].as_str().unwrap();
     assert!(exx.starts_with("EXX: +") && exx.contains(" µm off the forecast at 450 mm"), "{exx}");
     assert_eq!(by_term[1], "EYX: as forecast");
@@ -380,74 +335,57 @@ fn exchanged_axes_are_said_once() {
         let other = Row { along: swap(row.along), of: swap(row.of), ..row };
         wavy(&row) - wavy(&other.at(row.mm.min(720.0)))
     });
-    assert!(kinds(&found).contains(&"wrong axis"), "{found:#}");
-    let said = words(&found).join("\n");
-    assert!(said.contains("were made for X, Y, Z and act on Y, X, Z"), "{said}");
+    assert!(found.kinds.contains(&"wrong axis".to_string()));
+    let said = found.words.join("\n");
+    has(&said, &["were made for X, Y, Z and act on Y, X, Z"]);
     assert!(!said.contains(",,") && !said.contains("µm um"), "{said}");
 }
 
 #[test]
 fn a_scale_that_does_not_grow_stays() {
-    let start = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/start/readings");
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path();
-    fs::copy(start.join("readings.csv"), path.join("readings.csv")).unwrap();
-    let job = fs::read_to_string(start.join("job.toml")).unwrap();
-    let scale = |alpha: &str| format!("{{ alpha_per_k = {alpha}, temperature_c = 20.0 }}");
-    let material = format!(
-        "\n[measurement.step_diagonal.material]\nmaterial_corrected = false\nair_corrected = true\nx = {}\ny = {}\nz = {}\n",
-        scale("0.0"),
-        scale("11.5e-6"),
-        scale("8.0e-6")
-    );
-    fs::write(path.join("job.toml"), job + &material).unwrap();
-    made(path, "job.toml", "kit");
+    let visit = Visit::of("start/readings");
+    let material = [("x", "0.0"), ("y", "11.5e-6"), ("z", "8.0e-6")].map(|(axis, alpha)| {
+        format!("{axis} = {{ alpha_per_k = {alpha}, temperature_c = 20.0 }}\n")
+    });
+    let head = "\n[measurement.step_diagonal.material]\nmaterial_corrected = false\nair_corrected = true\n";
+    visit.put("job.toml", visit.read("job.toml") + head + &material.concat());
+    visit.run("generate job.toml -o kit").answers();
     let mut csv = String::from("axis,position_mm,ex_um,ey_um,ez_um,u_ex_um,u_ey_um,u_ez_um\n");
     let kelvin = 4.0;
-    for (axis, low, step, um_per_m) in
-        [("x", 0.0, 100.0, 0.0), ("y", 0.0, 75.0, 11.5), ("z", -200.0, 50.0, 8.0)]
-    {
-        for index in 0..=4 {
-            let mm = low + step * f64::from(index);
-            let um = kelvin * um_per_m * mm / 1000.0 + 0.05 * (f64::from(index) * 2.3).sin();
-            let wave = 0.02 * f64::from(index).sin();
-            let [mut ex, mut ey, mut ez] = [0.02 + wave, -0.03 - wave, 0.01 + wave];
-            match axis {
-                "x" => ex = um,
-                "y" => ey = um,
-                _ => ez = um,
-            }
-            writeln!(csv, "{axis},{mm},{ex:.4},{ey:.4},{ez:.4},0.1,0.1,0.1").unwrap();
+    let axes = [("x", 0.0, 100.0, 0.0), ("y", 0.0, 75.0, 11.5), ("z", -200.0, 50.0, 8.0)];
+    for (place, (axis, low, step, um_per_m)) in axes.into_iter().enumerate() {
+        for index in (0..=4).map(f64::from) {
+            let mm = low + step * index;
+            let wave = 0.02 * index.sin();
+            let mut e = [0.02 + wave, -0.03 - wave, 0.01 + wave];
+            e[place] = kelvin * um_per_m * mm / 1000.0 + 0.05 * (index * 2.3).sin();
+            csv += &format!("{axis},{mm},{:.4},{:.4},{:.4},0.1,0.1,0.1\n", e[0], e[1], e[2]);
         }
     }
-    fs::write(path.join("after.csv"), csv).unwrap();
-    let found = diagnosis(path, "job.toml", "kit", "after.csv");
-    let said = words(&found).join("\n");
-    assert!(kinds(&found).contains(&"temperature"), "{found:#}");
-    assert!(said.contains("X does not grow (0e-6 per K)"), "{said}");
-    assert!(said.contains("K at 11.5e-6 per K") && said.contains("K at 8.0e-6 per K"), "{said}");
+    visit.put("after.csv", csv);
+    let found = diagnosis(&visit, "job.toml --tables kit --after after.csv");
+    assert!(found.kinds.contains(&"temperature".to_string()));
+    let words = ["X does not grow (0e-6 per K)", "K at 11.5e-6 per K", "K at 8.0e-6 per K"];
+    has(&found.words.join("\n"), &words);
 }
 
 #[test]
 fn a_machine_that_became_warmer_by_one_kelvin_is_named() {
-    let link = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/paper_004/jobs_link");
-    let directory = tempfile::tempdir().unwrap();
-    let path = directory.path();
-    for name in ["machine.toml", "job.toml", "after.toml", "truth.csv"] {
-        fs::copy(link.join(name), path.join(name)).unwrap();
-    }
-    for command in [
-        "simulate machine.toml --without-tables --noise-um 0.3 --seed 11 -o readings.csv",
-        "simulate machine.toml --without-tables --noise-um 0.3 --seed 12 --errors -o linear.csv",
-        "generate job.toml -o kit",
-        "simulate machine.toml --tables kit --noise-um 0.3 --seed 13 --scale-um-per-m 11.5 -o after.csv",
-        "simulate machine.toml --tables kit --noise-um 0.3 --seed 14 --scale-um-per-m 11.5 --errors -o linear-after.csv",
+    let visit = Visit::of("paper_004/jobs_link");
+    for (seed, rest) in [
+        (11, "--without-tables -o readings.csv"),
+        (12, "--without-tables --errors -o linear.csv"),
+        (13, "--tables kit --scale-um-per-m 11.5 -o after.csv"),
+        (14, "--tables kit --scale-um-per-m 11.5 --errors -o linear-after.csv"),
     ] {
-        let (status, _, said) = ended(path, command);
-        assert!(status < Some(2), "{command}: {said}");
+        if seed == 13 {
+            visit.run("generate job.toml -o kit").answers();
+        }
+        let command = format!("simulate machine.toml --noise-um 0.3 --seed {seed} {rest}");
+        visit.run(&command).answers();
     }
-    let found = diagnosis(path, "job.toml", "kit", "after.toml");
-    assert_eq!(kinds(&found)[0], "temperature", "{found:#}");
-    let kelvin = found["causes"][0]["fitted"][0].as_f64().unwrap();
+    let found = diagnosis(&visit, "job.toml --tables kit --after after.toml");
+    assert_eq!(found.kinds[0], "temperature");
+    let kelvin = number(&found.page["causes"][0]["fitted"][0]);
     assert!((kelvin - 1.0).abs() < 0.1, "{kelvin} K, 1 K was injected");
 }

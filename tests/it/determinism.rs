@@ -1,16 +1,10 @@
 //! The same bytes everywhere: files and standard output depend on the inputs and the command only, not
-//! on language, time zone, cores, working directory or environment, and not on how the program was
-//! compiled.
-//!
-//! `cargo build --release && NONIUS_OTHER=target/release/nonius cargo test --test determinism` compares
-//! another build with this one, which checks every overflow, on all fixtures.
+//! on language, time zone, cores, working directory or environment.
 
-use crate::support::refusals;
-use crate::support::tree::{Tree, copy_of, difference, lay, skipped, told, tree};
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
+use crate::support::tree::{Tree, difference, skipped};
+use crate::support::visit::Visit;
+use std::path::Path;
 use std::process::{Command, Stdio};
-use tempfile::TempDir;
 
 /// Fixtures and commands that between them write kits, tables, pages and documents; `{}` = the path of
 /// the fixture, with a separator at its end.
@@ -18,10 +12,12 @@ const COMMANDS: &[(&str, &str)] = &[
     ("start/errors", "generate {}job.toml -o {}kit --format json"),
     ("nine_errors_900", "generate {}siemens-840d-sl.toml -o {}kit"),
     ("nine_errors_900", "generate {}fanuc-30i.toml -o {}kit"),
-    ("nine_errors_900", "assess {}generic.toml --format json"),
+    // The pairs of its histogram are counted on all cores.
+    ("machine_h", "assess {}job.toml --window 6000,2000,1000 --histogram 50 --format json"),
     ("diagonals/case_b_setup", "generate {}job.toml -o {}kit"),
+    // Trials are done in blocks of 64 on all cores.
     ("diagonals/case_b_setup", "separate {}job.toml -o {}e.csv --trials 100 --format json"),
-    ("diagonals/case_b_setup", "separate {}job.toml"),
+    ("diagonals/case_b_setup", "separate {}job.toml --trials 200"),
     ("start/errors", "simulate {}job.toml --errors -o {}after.csv"),
     ("formats", "import {}isg_component_errors_selfmade.csv -o {}e.csv --sign as-error"),
     ("standards", "standards {}x_axis.csv"),
@@ -30,23 +26,23 @@ const COMMANDS: &[(&str, &str)] = &[
 /// Exit status, standard output and the files afterwards.
 type Made = (Option<i32>, String, Tree);
 
-/// Runs a command in `from`; the fixture is called `called`.
-fn make(program: &mut Command, fixture: &TempDir, from: &Path, called: &str, words: &str) -> Made {
+/// Runs a command in `from`; the folder of the visit is called `called`.
+fn make(program: &mut Command, visit: &Visit, from: &Path, called: &str, words: &str) -> Made {
     let words = words.replace("{}", called);
-    let output = program
-        .args(words.split_whitespace())
-        .current_dir(from)
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts");
+    let program = program.args(words.split_whitespace()).current_dir(from).stdin(Stdio::null());
+    let output = program.output().expect("the program starts");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
-    (output.status.code(), said, tree(fixture.path()))
+    (output.status.code(), said, visit.files())
 }
 
-fn plain((fixture, words): (&str, &str)) -> Made {
-    let place = copy_of(fixture);
-    let mut program = Command::new(env!("CARGO_BIN_EXE_nonius"));
-    make(&mut program, &place, place.path(), "", words)
+fn nonius() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_nonius"))
+}
+
+/// Runs a command where its fixture is.
+fn made_by(mut program: Command, (fixture, words): (&str, &str)) -> Made {
+    let visit = Visit::of(fixture);
+    make(&mut program, &visit, visit.folder(), "", words)
 }
 
 fn expect_same(what: &str, words: &str, expected: &Made, found: &Made) {
@@ -69,15 +65,14 @@ fn language_time_zone_and_environment_change_no_byte() {
         &[], // cleared
     ];
     for command in COMMANDS {
-        let expected = plain(*command);
+        let expected = made_by(nonius(), *command);
         for setting in settings {
-            let place = copy_of(command.0);
-            let mut program = Command::new(env!("CARGO_BIN_EXE_nonius"));
+            let mut program = nonius();
             if setting.is_empty() {
                 program.env_clear();
             }
             program.envs(setting.iter().copied());
-            let found = make(&mut program, &place, place.path(), "", command.1);
+            let found = made_by(program, *command);
             expect_same(&format!("{setting:?}"), command.1, &expected, &found);
         }
     }
@@ -86,142 +81,34 @@ fn language_time_zone_and_environment_change_no_byte() {
 #[cfg(target_os = "linux")]
 #[test]
 fn one_core_or_all_change_no_byte() {
-    let can_choose = Command::new("taskset")
-        .args(["-c", "0", "true"])
-        .stderr(Stdio::null())
-        .status()
-        .is_ok_and(|status| status.success());
-    if !can_choose {
+    let tried = Command::new("taskset").args(["-c", "0", "true"]).output();
+    if !tried.is_ok_and(|output| output.status.success()) {
         return skipped("taskset is not here");
     }
     for command in COMMANDS {
-        let place = copy_of(command.0);
         let mut program = Command::new("taskset");
         program.args(["-c", "0", env!("CARGO_BIN_EXE_nonius")]);
-        let found = make(&mut program, &place, place.path(), "", command.1);
-        expect_same("one core", command.1, &plain(*command), &found);
+        let found = made_by(program, *command);
+        expect_same("one core", command.1, &made_by(nonius(), *command), &found);
     }
 }
 
 /// The manifest names inputs as the job does, so where one stands does not matter either.
 #[test]
 fn working_directory_and_kind_of_path_change_no_byte_of_a_file() {
-    for command in COMMANDS {
-        let expected = plain(*command);
-        let place = copy_of(command.0);
-        let name = place.path().file_name().expect("a name").to_string_lossy();
-        let above = place.path().parent().expect("it lies in one").to_path_buf();
-        let whole = format!("{}/", place.path().display());
-        for (from, called) in [
-            (above.clone(), format!("{name}/")),
-            (place.path().to_path_buf(), whole),
-            (above.clone(), format!("./{name}/../{name}/")),
-        ] {
-            let place = emptied(&place, &tree(copy_of(command.0).path()));
-            let mut program = Command::new(env!("CARGO_BIN_EXE_nonius"));
-            let found = make(&mut program, place, &from, &called, command.1);
+    for (fixture, words) in COMMANDS {
+        let expected = made_by(nonius(), (*fixture, *words));
+        for kind in ["NAME/", "FOLDER/", "./NAME/../NAME/"] {
+            let visit = Visit::of(fixture);
+            let (folder, above) = (visit.folder(), visit.folder().parent().expect("a folder"));
+            let name = folder.file_name().expect("a name").to_string_lossy();
+            let called =
+                kind.replace("NAME", &name).replace("FOLDER", &folder.display().to_string());
+            let from = if kind == "FOLDER/" { folder } else { above };
+            let (status, said, files) = make(&mut nonius(), &visit, from, &called, words);
             // Pages name files as they were called.
-            let found = (found.0, found.1.replace(&called, ""), found.2);
-            expect_same(&called, command.1, &expected, &found);
+            let found = (status, said.replace(&called, ""), files);
+            expect_same(kind, words, &expected, &found);
         }
     }
-}
-
-/// The same directory with other content.
-fn emptied<'a>(place: &'a TempDir, content: &Tree) -> &'a TempDir {
-    for entry in std::fs::read_dir(place.path()).expect("a directory") {
-        let path = entry.expect("an entry").path();
-        let removed = match path.is_dir() {
-            true => std::fs::remove_dir_all(path),
-            false => std::fs::remove_file(path),
-        };
-        removed.expect("it can be removed");
-    }
-    lay(content, place.path());
-    place
-}
-
-/// Inputs and a command for them.
-struct Asked {
-    name: String,
-    inputs: Tree,
-    words: String,
-}
-
-/// Every folder of the fixtures with a job, and every refusal, with the commands that they may be meant for.
-fn all_commands() -> Vec<Asked> {
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
-    let pattern = format!("{}/**/*.toml", fixtures.display());
-    let jobs = glob::glob(&pattern).expect("a pattern");
-    let folder = |path: PathBuf| path.parent().expect("a folder").to_path_buf();
-    let folders: BTreeSet<PathBuf> = jobs.map(|path| folder(path.expect("a file"))).collect();
-    let of_folder = |folder: &PathBuf| for_jobs(&folder.display().to_string(), &tree(folder));
-    let mut commands: Vec<Asked> = folders.iter().flat_map(of_folder).collect();
-    for case in refusals::all(&fixtures) {
-        let place = tempfile::tempdir().expect("a temporary directory can be made");
-        case.lay_out(place.path());
-        let (name, inputs, words) = (case.name, tree(place.path()), case.command);
-        commands.extend(for_jobs(&name, &inputs));
-        commands.push(Asked { name, inputs, words });
-    }
-    commands
-}
-
-/// What may be asked of the jobs among some inputs.
-fn for_jobs(name: &str, inputs: &Tree) -> Vec<Asked> {
-    let jobs = inputs.keys().filter(|file| file.ends_with(".toml") && !file.contains('/'));
-    let asked = |job: &String| {
-        [
-            "generate JOB -o out.kit",
-            "separate JOB -o out.csv --trials 100 --format json",
-            "assess JOB --format json",
-            "program JOB -o out.run",
-            "simulate JOB --errors -o out.sim.csv --format json",
-            "context JOB",
-        ]
-        .map(|words| Asked {
-            name: name.to_string(),
-            inputs: inputs.clone(),
-            words: words.replace("JOB", job),
-        })
-    };
-    jobs.flat_map(asked).collect()
-}
-
-fn made_by(program: &Path, asked: &Asked) -> (Made, String) {
-    let place = tempfile::tempdir().expect("a temporary directory can be made");
-    lay(&asked.inputs, place.path());
-    let output = Command::new(program)
-        .args(asked.words.split_whitespace())
-        .current_dir(place.path())
-        .stdin(Stdio::null())
-        .output()
-        .expect("the program starts");
-    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    let made = (output.status.code(), text(&output.stdout), tree(place.path()));
-    (made, text(&output.stderr))
-}
-
-#[test]
-fn another_build_makes_the_same_bytes_of_all_fixtures() {
-    let Some(other) = std::env::var_os("NONIUS_OTHER") else {
-        return skipped("NONIUS_OTHER names no other build");
-    };
-    let other = Path::new(env!("CARGO_MANIFEST_DIR")).join(other);
-    let own = Path::new(env!("CARGO_BIN_EXE_nonius"));
-    let commands = all_commands();
-    let mut differing = Vec::new();
-    let mut written = 0;
-    for asked in &commands {
-        let (made, talk) = made_by(own, asked);
-        let said = format!("{}: {}", asked.name, asked.words);
-        assert!(made.0.is_some_and(|status| status < 3), "{said}\n{talk}");
-        written += usize::from(made.0 != Some(2));
-        if (made, talk) != made_by(&other, asked) {
-            differing.push(said);
-        }
-    }
-    assert!(differing.is_empty(), "{}", differing.join("\n"));
-    let all = commands.len();
-    told(&format!("{all} commands, {written} of them with a result: the same bytes"));
 }

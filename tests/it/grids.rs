@@ -31,19 +31,24 @@ fn grid_of(control: usize, [low, high]: [f64; 2], reference: f64, request: &str)
          [limits]\nmax_correction_um = 1000.0\nmax_slope_um_per_mm = 1000.0\n"
     );
     let at = |part: f64| low + part * (high - low);
+    let (third, rest) = (at(0.3), at(0.7));
     let errors = format!(
-        "axis,position_mm,ex_um\nx,{low:?},0\nx,{:?},7\nx,{:?},-3\nx,{high:?},11\n",
-        at(0.3),
-        at(0.7)
+        "axis,position_mm,ex_um\nx,{low:?},0\nx,{third:?},7\nx,{rest:?},-3\nx,{high:?},11\n"
     );
     let inputs = support::inputs(&job, &errors);
     let task = Task { job: &inputs.job, profile: &inputs.profile, model: &inputs.model };
     plan(task).ok()?.grids[Axis::X]
 }
 
-fn covers(grid: &Grid, [low, high]: [f64; 2]) -> bool {
+/// First and last point, mm.
+fn ends(grid: &Grid) -> [f64; 2] {
     let (first, last) = grid.range();
-    first.mm() <= low + DUST_MM && last.mm() >= high - DUST_MM
+    [first.mm(), last.mm()]
+}
+
+fn covers(grid: &Grid, [low, high]: [f64; 2]) -> bool {
+    let [first, last] = ends(grid);
+    first <= low + DUST_MM && last >= high - DUST_MM
 }
 
 proptest! {
@@ -78,13 +83,11 @@ proptest! {
             1 => format!("points = {:.0}", 3.0 + (size * 60.0).round()),
             _ => format!("max_residual_um = {:?}", 0.2 + 4.0 * size),
         };
-        let grid = grid_of(control, [low, high], reference, &request);
-        if let Some(grid) = grid {
-            let (first, last) = grid.range();
+        if let Some(grid) = grid_of(control, [low, high], reference, &request) {
             prop_assert!(
                 covers(&grid, [low, high]),
-                "{:?} {request}, reference {reference}: {} … {} mm for {low} … {high} mm",
-                CONTROLS[control], first.mm(), last.mm()
+                "{:?} {request}, reference {reference}: {:?} for {low} … {high} mm",
+                CONTROLS[control], ends(&grid)
             );
         }
     }
@@ -95,10 +98,8 @@ proptest! {
 #[test]
 fn a_grid_by_its_residual_does_not_end_short_of_a_long_travel() {
     for request in ["max_residual_um = 30.0", "points = 2"] {
-        let travel = [0.0, 5000.0];
-        let grid = grid_of(0, travel, 0.0, request).unwrap();
-        let (_, last) = grid.range();
-        assert!(covers(&grid, travel), "{request}: ends at {} mm", last.mm());
+        let grid = grid_of(0, [0.0, 5000.0], 0.0, request).unwrap();
+        assert!(covers(&grid, [0.0, 5000.0]), "{request}: {:?}", ends(&grid));
     }
 }
 
@@ -106,6 +107,5 @@ fn a_grid_by_its_residual_does_not_end_short_of_a_long_travel() {
 fn a_job_that_says_where_the_table_ends_gets_what_it_says() {
     let request = "spacing_mm = 50.0\nstart_mm = 100.0\nend_mm = 400.0";
     let grid = grid_of(0, [0.0, 500.0], 200.0, request).unwrap();
-    let (first, last) = grid.range();
-    assert_eq!((first.mm(), last.mm()), (100.0, 400.0));
+    assert_eq!(ends(&grid), [100.0, 400.0]);
 }

@@ -2,47 +2,31 @@
 //! that failed, was ended or was killed.
 
 #![cfg(unix)]
+use crate::support::tree::below;
+use crate::support::visit::{Ran, Visit, program, replaced};
 use std::fs::{self, File};
 use std::os::unix::fs::PermissionsExt;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
 
-/// A fresh directory with a job, its errors, and readings of the diagonals.
-fn place() -> tempfile::TempDir {
-    let directory = tempfile::tempdir().expect("a temporary directory can be made");
-    let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
-    for (from, to) in [
-        ("nine_errors_900/siemens-840d-sl.toml", "job.toml"),
-        ("nine_errors_900/errors.csv", "errors.csv"),
-        ("diagonals/case_b_setup/job.toml", "diagonals.toml"),
-        ("diagonals/case_b_setup/readings.csv", "readings.csv"),
-    ] {
-        fs::copy(fixtures.join(from), directory.path().join(to)).expect("a fixture");
-    }
-    directory
+/// A job, its errors, and readings of the diagonals.
+fn start() -> Visit {
+    let visit = Visit::with_job("nine_errors_900/siemens-840d-sl.toml");
+    visit.copy("diagonals/case_b_setup/job.toml", "diagonals.toml");
+    visit.copy("diagonals/case_b_setup/readings.csv", "readings.csv");
+    visit
 }
 
 /// The program by way of a shell: `$N` is the program.
-fn shell(at: &Path, command: &str) -> Output {
-    Command::new("sh")
-        .args(["-c", command])
-        .env("N", env!("CARGO_BIN_EXE_nonius"))
-        .current_dir(at)
-        .output()
-        .expect("a shell")
+fn by_shell(visit: &Visit, line: &str) -> Command {
+    let mut command = Command::new("sh");
+    command.args(["-c", line]).env("N", env!("CARGO_BIN_EXE_nonius")).current_dir(visit.folder());
+    command
 }
 
-fn told(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-fn names(at: &Path) -> Vec<String> {
-    let entries = fs::read_dir(at).expect("a directory");
-    let name = |entry: std::io::Result<fs::DirEntry>| entry.expect("an entry").file_name();
-    let mut names: Vec<String> =
-        entries.map(|entry| name(entry).to_string_lossy().into_owned()).collect();
-    names.sort();
-    names
+fn shell(visit: &Visit, line: &str) -> Ran {
+    Ran::of(line, &by_shell(visit, line).output().expect("a shell"))
 }
 
 /// Commands that write something, with what they write; each succeeds.
@@ -60,221 +44,177 @@ fn where_standard_output_fails_nothing_is_written() {
     if !Path::new("/dev/full").exists() {
         return;
     }
-    let place = place();
-    let at = place.path();
-    let before = names(at);
+    let visit = start();
+    let before = visit.files();
     for (command, _) in WRITING {
-        let output = shell(at, &format!("$N {command} > /dev/full"));
-        assert_eq!(output.status.code(), Some(2), "{command}");
-        assert!(told(&output).contains("standard output cannot be written"));
-        assert!(!told(&output).contains("wrote"), "{}", told(&output));
-        assert_eq!(names(at), before, "{command}");
+        shell(&visit, &format!("$N {command} > /dev/full"))
+            .ends(2)
+            .says("standard output cannot be written")
+            .omits("wrote");
+        assert!(visit.files() == before, "{command}");
     }
-    shell(at, "$N generate job.toml -o kit");
-    let kept = names(&at.join("kit"));
-    let output = shell(at, "$N generate job.toml -o kit --force > /dev/full");
-    assert_eq!(output.status.code(), Some(2));
-    assert_eq!(names(&at.join("kit")), kept);
-    assert!(!at.join("kit.previous").exists());
+    shell(&visit, "$N generate job.toml -o kit");
+    let kept = visit.files();
+    shell(&visit, "$N generate job.toml -o kit --force > /dev/full").ends(2);
+    assert!(visit.files() == kept);
 }
 
 #[test]
 fn a_reader_that_goes_away_is_no_failure() {
     for (command, made) in WRITING {
-        let place = place();
-        let script = format!("{{ $N {command}; echo $? > status; }} | true; cat status");
-        let output = shell(place.path(), &script);
+        let visit = start();
+        let ran = shell(&visit, &format!("{{ $N {command}; echo $? > status; }} | true"));
         // 1 = made, but the answer is no.
-        let status = String::from_utf8_lossy(&output.stdout).trim().to_string();
-        assert!(status == "0" || status == "1", "{command}: {status}");
-        assert!(told(&output).contains("wrote"), "{}", told(&output));
-        assert!(place.path().join(made).exists(), "{command}");
+        let status = visit.read("status");
+        assert!(["0", "1"].contains(&status.trim()), "{command}: {status}");
+        assert!(ran.err.contains("wrote"), "{command}: {}", ran.err);
+        assert!(visit.has(made), "{command}");
     }
 }
 
 #[test]
 fn a_run_that_fails_leaves_no_directory_behind() {
-    let place = place();
-    let at = place.path();
-    let before = names(at);
+    let visit = start();
+    let before = visit.files();
     // A name of a file in the kit that is longer than a name may be.
-    let profile = format!(
-        "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"generic\"\n[[files]]\nrole = \"table\"\npath = \"{}.CSV\"\ntemplate = \"generic.csv.tera\"\n",
-        "A".repeat(300)
-    );
-    let folder = tempfile::tempdir().expect("a place");
-    fs::write(folder.path().join("own.toml"), profile).expect("a profile");
-    let job = fs::read_to_string(at.join("job.toml")).expect("the job");
-    let own = folder.path().join("own.toml").display().to_string();
-    let job = job.replace("siemens-840d-sl", &own);
-    let job = job.replace("errors.csv", &at.join("errors.csv").display().to_string());
-    fs::write(folder.path().join("job.toml"), job).expect("a job");
-    let from = folder.path().join("job.toml");
-    let output = shell(at, &format!("$N generate {} -o a/b/kit", from.display()));
-    assert_eq!(output.status.code(), Some(2), "{}", told(&output));
-    assert!(told(&output).contains("cannot write"), "{}", told(&output));
-    assert_eq!(names(at), before);
+    let path = "A".repeat(300);
+    let from = Visit::new();
+    from.put("own.toml", format!("schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"generic\"\n[[files]]\nrole = \"table\"\npath = \"{path}.CSV\"\ntemplate = \"generic.csv.tera\"\n"));
+    let at = |visit: &Visit, name: &str| visit.at(name).display().to_string();
+    let job = replaced(&visit.read("job.toml"), "siemens-840d-sl", &at(&from, "own.toml"));
+    from.put("job.toml", replaced(&job, "errors.csv", &at(&visit, "errors.csv")));
+    let line = format!("$N generate {} -o a/b/kit", at(&from, "job.toml"));
+    shell(&visit, &line).ends(2).says("cannot write");
+    assert!(visit.files() == before);
 }
 
 #[test]
 fn what_is_written_has_the_permissions_that_the_users_mask_leaves() {
-    let place = place();
-    let at = place.path();
+    let visit = start();
     for mask in [0o022, 0o077, 0o002] {
         let kit = format!("kit-{mask:o}");
-        let script = format!(
-            "umask {mask:o}; $N generate job.toml -o {kit} && $N simulate job.toml --errors -o {kit}.csv"
-        );
-        assert!(shell(at, &script).status.success());
-        let mode = |path: PathBuf| {
-            let found = fs::metadata(path).expect("it was written");
-            found.permissions().mode() & 0o777
-        };
-        assert_eq!(mode(at.join(&kit)), 0o777 & !mask);
-        assert_eq!(mode(at.join(&kit).join("manifest.json")), 0o666 & !mask);
-        assert_eq!(mode(at.join(format!("{kit}.csv"))), 0o666 & !mask);
+        let write =
+            format!("$N generate job.toml -o {kit} && $N simulate job.toml --errors -o {kit}.csv");
+        shell(&visit, &format!("umask {mask:o}; {write}")).ends(0);
+        for (name, mode) in [("", 0o777), ("/manifest.json", 0o666), (".csv", 0o666)] {
+            let path = visit.at(&format!("{kit}{name}"));
+            let found = fs::metadata(path).expect("it was written").permissions().mode();
+            assert_eq!(found & 0o777, mode & !mask, "{kit}{name}");
+        }
     }
 }
 
 /// A part program that takes long.
-fn long_program(at: &Path, repeats: usize) {
+fn long_program(visit: &Visit, repeats: usize) {
     let block = "G1 X100 Y50 F500\nX0 Y0\n".repeat(repeats);
-    fs::write(at.join("long.nc"), format!("G21 G90\n{block}M30\n")).expect("a program");
-    let job = fs::read_to_string(at.join("job.toml")).expect("the job");
+    visit.put("long.nc", format!("G21 G90\n{block}M30\n"));
     let zero = "[[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n";
-    fs::write(at.join("path.toml"), format!("{job}\n{zero}")).expect("a job");
+    visit.put("path.toml", format!("{}\n{zero}", visit.read("job.toml")));
 }
 
-fn partials(at: &Path) -> Vec<String> {
-    let mut names = names(at);
+/// Names of files that are being written, or were.
+fn partials(visit: &Visit) -> Vec<String> {
+    let entries = fs::read_dir(visit.folder()).expect("a folder");
+    let names = entries.map(|entry| entry.expect("an entry").file_name());
+    let mut names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
     names.retain(|name| name.contains(".partial-"));
+    names.sort();
     names
 }
 
-/// Starts a run that writes for long, and waits until it does.
-fn started(at: &Path) -> std::process::Child {
-    let before = partials(at);
-    let mut child = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(["path", "path.toml", "long.nc", "-o", "points.csv"])
-        .current_dir(at)
-        .stdout(Stdio::null())
-        .stderr(File::create(at.join("talk")).expect("a file"))
-        .spawn()
-        .expect("the program starts");
-    while partials(at).iter().all(|name| before.contains(name)) {
+/// Starts a run that writes for long, after a word to the shell, and waits until it writes.
+fn started(visit: &Visit, first: &str) -> Child {
+    let before = partials(visit);
+    let mut child =
+        by_shell(visit, &format!("{first} exec $N path path.toml long.nc -o points.csv"))
+            .stdout(Stdio::null())
+            .stderr(File::create(visit.at("talk")).expect("a file"))
+            .spawn()
+            .expect("a shell");
+    while partials(visit).iter().all(|name| before.contains(name)) {
         let ended = child.try_wait().expect("it can be asked");
         assert!(ended.is_none(), "the run ended too early: {ended:?}");
-        std::thread::sleep(std::time::Duration::from_millis(1));
+        std::thread::sleep(Duration::from_millis(1));
     }
     child
 }
 
-fn signal(child: &std::process::Child, name: &str) {
-    let sent = Command::new("kill").args([format!("-{name}"), child.id().to_string()]).status();
+/// Sends a signal, and waits for the end.
+fn ended_by(mut child: Child, signal: &str) -> Option<i32> {
+    let sent = Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status();
     assert!(sent.is_ok_and(|sent| sent.success()));
+    child.wait().expect("it ends").code()
 }
 
 #[test]
 fn a_run_that_is_ended_cleans_up() {
-    let place = place();
-    let at = place.path();
-    long_program(at, 200_000);
+    let visit = start();
+    long_program(&visit, 200_000);
     for name in ["INT", "TERM", "HUP"] {
-        let mut child = started(at);
-        signal(&child, name);
-        let status = child.wait().expect("it ends");
-        assert_eq!(status.code(), Some(2), "{name}");
-        assert_eq!(partials(at), Vec::<String>::new(), "{name}");
-        assert!(!at.join("points.csv").exists());
+        assert_eq!(ended_by(started(&visit, ""), name), Some(2), "{name}");
+        assert_eq!(partials(&visit), Vec::<String>::new(), "{name}");
+        assert!(!visit.has("points.csv"));
     }
 }
 
 #[test]
 fn what_a_killed_run_left_is_named_and_removed_by_the_next_but_not_what_is_at_work() {
-    let place = place();
-    let at = place.path();
-    long_program(at, 200_000);
-    let mut killed = started(at);
-    signal(&killed, "KILL");
-    killed.wait().expect("it ends");
-    let left = partials(at);
+    let visit = start();
+    long_program(&visit, 200_000);
+    ended_by(started(&visit, ""), "KILL");
+    let left = partials(&visit);
     assert_eq!(left.len(), 1);
     // A name that a person chose is nobody's left-over.
-    fs::write(at.join("points.csv.partial-backup"), "mine").expect("a file");
-    let mut working = started(at);
-    let of_the_working: Vec<String> = partials(at)
-        .into_iter()
-        .filter(|name| !left.contains(name) && !name.ends_with("backup"))
-        .collect();
-    let talk = fs::read_to_string(at.join("talk")).expect("what it said");
+    visit.put("points.csv.partial-backup", "mine");
+    let working = started(&visit, "");
+    let mut of_the_working = partials(&visit);
+    of_the_working.retain(|name| !left.contains(name) && !name.ends_with("backup"));
+    let talk = visit.read("talk");
     let words = format!("removed {}, left by a run that was killed", left[0]);
     assert!(talk.contains(&words), "{talk}");
-    fs::write(at.join("short.nc"), "G21 G90\nG1 X1 F100\nM30\n").expect("a program");
-    let output = shell(at, "$N path path.toml short.nc -o points.csv");
-    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+    visit.put("short.nc", "G21 G90\nG1 X1 F100\nM30\n");
+    let ran = visit.run("path path.toml short.nc -o points.csv").ends(0);
     assert_eq!(of_the_working.len(), 1);
-    assert!(at.join(&of_the_working[0]).exists(), "{}", told(&output));
-    signal(&working, "TERM");
-    working.wait().expect("it ends");
-    assert_eq!(partials(at), ["points.csv.partial-backup"]);
+    assert!(visit.has(&of_the_working[0]), "{}", ran.err);
+    ended_by(working, "TERM");
+    assert_eq!(partials(&visit), ["points.csv.partial-backup"]);
 }
 
 /// `nohup`, and a shell's `&`.
 #[cfg(target_os = "linux")]
 #[test]
 fn signals_that_the_run_was_started_to_ignore_stay_ignored() {
-    let place = place();
-    let at = place.path();
-    long_program(at, 5_000);
-    let script = "trap '' HUP; exec $N path path.toml long.nc -o points.csv";
-    let mut child = Command::new("sh")
-        .args(["-c", script])
-        .env("N", env!("CARGO_BIN_EXE_nonius"))
-        .current_dir(at)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("a shell");
-    while partials(at).is_empty() {
-        std::thread::sleep(std::time::Duration::from_millis(1));
-    }
-    signal(&child, "HUP");
-    let status = child.wait().expect("it ends");
-    assert_eq!(status.code(), Some(0));
-    assert!(at.join("points.csv").exists());
+    let visit = start();
+    long_program(&visit, 2_000);
+    assert_eq!(ended_by(started(&visit, "trap '' HUP;"), "HUP"), Some(0));
+    assert!(visit.has("points.csv"));
 }
 
 /// A program that holds the folder's lock for its own reasons does not hold the run up.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_lock_on_the_folder_is_not_waited_for() {
-    let place = place();
-    let at = place.path();
-    let folder = File::open(at).expect("the folder");
+    let visit = start();
+    let folder = File::open(visit.folder()).expect("the folder");
     folder.lock().expect("its lock");
-    let output = shell(at, "$N generate job.toml -o kit");
-    assert_eq!(output.status.code(), Some(0), "{}", told(&output));
+    visit.yes("generate job.toml -o kit");
 }
 
 #[test]
 fn the_directory_is_never_absent_while_it_is_replaced() {
-    let place = place();
-    let at = place.path();
-    assert!(shell(at, "$N generate job.toml -o kit").status.success());
-    let manifest = at.join("kit/manifest.json");
+    let visit = start();
+    visit.yes("generate job.toml -o kit");
     for _ in 0..10 {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_nonius"))
-            .args(["generate", "job.toml", "-o", "kit", "--force"])
-            .current_dir(at)
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .spawn()
-            .expect("the program starts");
+        let mut command = program(visit.folder(), "generate job.toml -o kit --force");
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = command.spawn().expect("the program starts");
         while child.try_wait().expect("it can be asked").is_none() {
             if cfg!(target_os = "linux") {
-                assert!(manifest.exists(), "the kit is absent");
+                assert!(visit.has("kit/manifest.json"), "the kit is absent");
             }
         }
     }
-    assert_eq!(names(&at.join("kit")), names(&at.join("kit.previous")));
+    let files = visit.files();
+    let names = |kit: &str| below(&files, kit).expect("a kit").into_keys().collect::<Vec<_>>();
+    assert_eq!(names("kit"), names("kit.previous"));
 }
