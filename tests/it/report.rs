@@ -16,7 +16,7 @@ fn with_kit(job: &str) -> Visit {
 /// The page of `report` with these arguments.
 #[track_caller]
 fn page(visit: &Visit, arguments: &str) -> String {
-    visit.run(&format!("report {arguments} -o -")).answers().out
+    visit.run(&format!("report {arguments} -o -")).answers().omits("\u{fffd}").out
 }
 
 #[track_caller]
