@@ -1,19 +1,12 @@
 //! Whole files as a control gets them, of a machine of five points an axis with round numbers.
 //! A snapshot shows that nothing changed; each one was checked by hand when it was accepted.
 use crate::support;
+use crate::support::visit::{Visit, fixture};
 use nonius::control::controller::{Role, builtin};
 use nonius::kit::Kit;
-use std::path::Path;
-use std::process::Command;
-
-const FOLDER: &str = "fixtures/machines/five_points";
 
 fn kit(profile: &str) -> Kit {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(FOLDER);
-    let read = |name: &str| {
-        let text = std::fs::read_to_string(folder.join(name)).unwrap();
-        text.replace("\r\n", "\n")
-    };
+    let read = |name: &str| fixture(&format!("machines/five_points/{name}")).replace('\r', "");
     support::generate(&read(&format!("{profile}.toml")), &read("errors.csv")).1
 }
 
@@ -136,12 +129,13 @@ fn by_hand(profile: &str, path: &str, role: Role) -> &'static str {
     }
 }
 
-fn settings(description: &str) -> insta::Settings {
+/// Compares with the snapshot of a name, which says how it was checked by hand.
+fn is_as_checked(name: &str, checked: &str, text: &str) {
     let mut settings = insta::Settings::clone_current();
     settings.set_prepend_module_to_snapshot(false);
     settings.set_omit_expression(true);
-    settings.set_description(description);
-    settings
+    settings.set_description(checked);
+    settings.bind(|| insta::assert_snapshot!(name, text));
 }
 
 /// The printed checklist holds what the other one holds (tests/it/field_kit.rs): one shows its layout.
@@ -149,127 +143,35 @@ fn is_kept(profile: &str, path: &str) -> bool {
     path != "checklist.html" || profile == "generic"
 }
 
-fn files_of(profile: &str) {
-    let kit = kit(profile);
-    for file in kit.files.iter().filter(|file| is_kept(profile, &file.path)) {
-        let name = format!("{profile}-{}", file.path);
-        settings(by_hand(profile, &file.path, file.role))
-            .bind(|| insta::assert_snapshot!(name, visible(&file.bytes)));
+/// A file without a snapshot differs too. All that differ are named at the end.
+#[test]
+fn every_file_of_every_profile_is_as_it_was_checked() {
+    let mut differ = Vec::new();
+    for profile in builtin::ids() {
+        for file in kit(profile).files.iter().filter(|file| is_kept(profile, &file.path)) {
+            let name = format!("{profile}-{}", file.path);
+            let checked = by_hand(profile, &file.path, file.role);
+            let compare = || is_as_checked(&name, checked, &visible(&file.bytes));
+            if std::panic::catch_unwind(compare).is_err() {
+                differ.push(name);
+            }
+        }
     }
-}
-
-#[test]
-fn siemens_840d_sl() {
-    files_of("siemens-840d-sl");
-}
-
-#[test]
-fn siemens_828d() {
-    files_of("siemens-828d");
-}
-
-#[test]
-fn fanuc_30i() {
-    files_of("fanuc-30i");
-}
-
-#[test]
-fn fanuc_0i_f() {
-    files_of("fanuc-0i-f");
-}
-
-#[test]
-fn fanuc_16i() {
-    files_of("fanuc-16i");
-}
-
-#[test]
-fn linuxcnc() {
-    files_of("linuxcnc");
-}
-
-#[test]
-fn linuxcnc_hal() {
-    files_of("linuxcnc-hal");
-}
-
-#[test]
-fn weihong() {
-    files_of("weihong");
-}
-
-#[test]
-fn klipper_skew() {
-    files_of("klipper-skew");
-}
-
-#[test]
-fn isg_volcomp() {
-    files_of("isg-volcomp");
-}
-
-#[test]
-fn aerotech() {
-    files_of("aerotech");
-}
-
-#[test]
-fn isg_axis() {
-    files_of("isg-axis");
-}
-
-#[test]
-fn fagor_8055() {
-    files_of("fagor-8055");
-}
-
-#[test]
-fn fagor_8065() {
-    files_of("fagor-8065");
-}
-
-#[test]
-fn heidenhain_com() {
-    files_of("heidenhain-com");
-}
-
-#[test]
-fn gsk() {
-    files_of("gsk");
-}
-
-#[test]
-fn generic() {
-    files_of("generic");
+    assert!(differ.is_empty(), "{differ:#?}");
 }
 
 #[test]
 fn manifest() {
     let bytes = kit("fanuc-0i-f").manifest_bytes().unwrap();
-    let description = "before_um: largest deviation of errors.csv relative to the reference (EXX: \
+    let checked = "before_um: largest deviation of errors.csv relative to the reference (EXX: \
         X- at 400 mm, 11 um). Three of six cross terms have a straightness set, the others are \
         listed as omitted";
-    settings(description)
-        .bind(|| insta::assert_snapshot!("fanuc-0i-f-manifest.json", visible(&bytes)));
+    is_as_checked("fanuc-0i-f-manifest.json", checked, &visible(&bytes));
 }
 
 #[test]
 fn list_of_controllers() {
-    let output =
-        Command::new(env!("CARGO_BIN_EXE_nonius")).args(["controllers", "list"]).output().unwrap();
-    assert!(output.status.success());
-    settings("facts = manual + assumed + executed in every row")
-        .bind(|| insta::assert_snapshot!("controllers-list", visible(&output.stdout)));
-}
-
-#[test]
-fn every_profile_has_its_snapshots() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/snapshots");
-    for profile in builtin::ids() {
-        let kit = kit(profile);
-        for file in kit.files.iter().filter(|file| is_kept(profile, &file.path)) {
-            let name = format!("{profile}-{}.snap", file.path);
-            assert!(folder.join(&name).exists(), "{name} is missing");
-        }
-    }
+    let list = Visit::new().yes("controllers list");
+    let checked = "facts = manual + assumed + executed in every row";
+    is_as_checked("controllers-list", checked, &list);
 }
