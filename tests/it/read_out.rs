@@ -86,14 +86,14 @@ impl Control {
 /// The job states that 0 µm acted while measuring; the parameter that is asked for is another.
 #[test]
 fn the_backlash_parameter_is_judged_as_it_is_now() {
+    let of_siemens: fn(f64) -> String =
+        |um| format!("N32450 $MA_BACKLASH[0,AX1]={:.4}", um / 1000.0);
+    let of_fanuc = |um: f64| format!("N01851Q1A1P{um:.0}A2P0\nN01852Q1A1P{um:.0}A2P0");
     for (policy, asked) in [("curve-and-parameter", LOST_UM), ("two-tables", 0.0)] {
-        let of_siemens = |um: f64| format!("N32450 $MA_BACKLASH[0,AX1]={:.4}", um / 1000.0);
-        let of_fanuc = |um: f64| format!("N01851Q1A1P{um:.0}A2P0\nN01852Q1A1P{um:.0}A2P0");
-        let controls: [(Control, &dyn Fn(f64) -> String, &str); 2] = [
-            (siemens(policy), &of_siemens, "MD32450) of axis AX1"),
-            (fanuc(policy), &of_fanuc, "1851) of axis 1"),
-        ];
-        for (control, held, name) in controls {
+        for (control, held, name) in [
+            (siemens(policy), of_siemens, "MD32450) of axis AX1"),
+            (fanuc(policy), of_fanuc, "1851) of axis 1"),
+        ] {
             control.agrees(&held(asked));
             let wrong = format!("the control holds 9 µm, the job asks for {asked} µm");
             control.expect(&held(9.0), "fail", &wrong);

@@ -9,7 +9,6 @@ use crate::support::visit::{Visit, fixtures, program};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A search that finds nothing must not pass.
 const LEAST_CASES: usize = 500;
@@ -29,7 +28,7 @@ fn every_refusal_says_what_is_wrong_and_writes_nothing() {
     let pages = pages();
     let cases: Vec<&Case> = pages.iter().flat_map(|(_, _, cases)| cases).collect();
     assert!(cases.len() >= LEAST_CASES, "only {} cases found", cases.len());
-    let told = on_all_cores(&cases, said);
+    let told = on_all_cores(&cases);
     if std::env::var_os("NONIUS_UPDATE").is_some() {
         let mut told = told.into_iter();
         for (path, page, cases) in &pages {
@@ -55,20 +54,19 @@ fn every_refusal_says_what_is_wrong_and_writes_nothing() {
     );
 }
 
-/// What is said of each case, in their order; every core takes the next one that is left.
-fn on_all_cores(cases: &[&Case], of: impl Fn(&Case) -> String + Sync) -> Vec<String> {
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let numbers = std::iter::repeat_with(|| next.fetch_add(1, Ordering::Relaxed));
-        let own = numbers.map_while(|n| Some((n, of(cases.get(n)?))));
-        own.collect::<Vec<(usize, String)>>()
-    };
+/// What is said of each case, in their order.
+fn on_all_cores(cases: &[&Case]) -> Vec<String> {
     let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    let told: BTreeMap<usize, String> = std::thread::scope(|threads| {
-        let all: Vec<_> = (0..cores).map(|_| threads.spawn(work)).collect();
+    let parts = cases.chunks(cases.len().div_ceil(cores));
+    std::thread::scope(|threads| {
+        let work = |part| threads.spawn(move || said_of(part));
+        let all: Vec<_> = parts.map(work).collect();
         all.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
-    });
-    told.into_values().collect()
+    })
+}
+
+fn said_of(cases: &[&Case]) -> Vec<String> {
+    cases.iter().map(|case| said(case)).collect()
 }
 
 /// Exit status, standard error, then standard output of a case, which writes nothing.

@@ -166,7 +166,7 @@ fn runs_of_an_axis_are_shown_by_standard() {
 fn a_volume_that_cannot_be_computed_is_told() {
     let visit = Visit::with_job("machines/five_points/generic.toml");
     with_column(&visit, ",ec_urad", ",1");
-    without_line(&visit, "chain");
+    visit.edit("job.toml", "\nchain = ", "\n# chain = ");
     assert!(items(&page(&visit, "job.toml"), "volume")[0].contains("`machine.chain` is missing"));
 }
 
@@ -181,27 +181,18 @@ fn with_column(visit: &Visit, name: &str, value: &str) {
     visit.put("errors.csv", rows.collect::<String>());
 }
 
-/// The job without the lines that begin so.
-fn without_line(visit: &Visit, begin: &str) {
-    let job = visit.read("job.toml");
-    let lines = job.lines().filter(|line| !line.starts_with(begin));
-    visit.put("job.toml", lines.map(|line| format!("{line}\n")).collect::<String>());
+/// A job that does not say what acted while measuring, with a key that nothing uses.
+fn doubted(visit: &Visit) {
+    visit.edit("job.toml", "active_while_measuring = \"none\"\n", "");
+    let unused = "[measurement.uncertainty]\ntemperature_k = 0.3\n\n[acceptance]\n";
+    visit.edit("job.toml", "[acceptance]\n", unused);
 }
-
-/// More lines at the end of the job.
-fn with_lines(visit: &Visit, more: &str) {
-    visit.put("job.toml", visit.read("job.toml") + more);
-}
-
-/// A key that nothing uses.
-const UNUSED: &str = "\n[measurement.uncertainty]\ntemperature_k = 0.3\n";
 
 /// What both measurements find stands once.
 #[test]
 fn a_finding_stands_once() {
     let visit = Visit::with_job(SIEMENS);
-    without_line(&visit, "active_while_measuring");
-    with_lines(&visit, UNUSED);
+    doubted(&visit);
     visit.run("generate job.toml -q -o kit").answers();
     let verify = visit.json("verify job.toml --tables kit --after job.toml");
     let is_unused = |words: &str| words.starts_with("`temperature_k`");
@@ -362,10 +353,9 @@ fn text_of(part: &str) -> String {
 fn undecided() -> Visit {
     let visit = Visit::with_job(SIEMENS);
     with_column(&visit, ",u_ex_um,u_ey_um,u_ez_um", ",3.2,3.2,3.2");
-    without_line(&visit, "active_while_measuring");
+    doubted(&visit);
     let limits = "max_deviation_um = 4.0\nmax_diagonal_um = 6.0\nrange_mm = { x = [0.0, 850.0] }";
     visit.edit("job.toml", "max_deviation_um = 10.0", limits);
-    with_lines(&visit, UNUSED);
     visit
 }
 
