@@ -103,12 +103,6 @@ fn the_backlash_parameter_is_judged_as_it_is_now() {
 }
 
 #[test]
-fn a_parameter_that_the_job_does_not_set_is_told() {
-    let says = "MD32450) of axis AX1 is 7 µm; the job does not set it";
-    siemens("mean").expect("$MA_BACKLASH[0,AX1]=0.007", "pass", says);
-}
-
-#[test]
 fn what_stands_around_siemens_tables_is_judged() {
     let control = siemens("mean");
     // A control writes a checksum behind each machine datum, if MD11230 asks for it.
@@ -127,6 +121,8 @@ fn what_stands_around_siemens_tables_is_judged() {
     let with = |converts: u8| format!("{inch}$MN_CONVERT_SCALING_SYSTEM={converts}");
     control.expect(&with(1), "fail", "MD32711 of AX2 is 0, the job has its CEC tables in mm");
     control.agrees(&with(0));
+    let says = "MD32450) of axis AX1 is 7 µm; the job does not set it";
+    control.expect("$MA_BACKLASH[0,AX1]=0.007", "pass", says);
 }
 
 #[test]
@@ -198,6 +194,10 @@ fn functions_that_are_not_used_do_nothing() {
     control.agrees(&idle);
     let used = replaced(&idle, "N10800Q1P0", "N10800Q1P5");
     control.expect(&used, "fail", "three-dimensional error compensation is not emulated");
+    // Cs axes have point numbers by spindle, also in the space of the compensation.
+    control.agrees("N03666Q1S1P0S2P0\nN03671Q1S1P0\nN03676Q1S1P0S2P0\nN05861Q1S1P0");
+    let says = "3666 of S2 = 5: a spindle corrects no axis of the job, ignored";
+    control.expect("N03666Q1S1P0S2P5", "pass", says);
 }
 
 #[test]
@@ -304,24 +304,6 @@ fn a_commissioning_archive_is_read_as_it_is() {
     control.verify("out", "pass").says("part programs were ignored (8)");
     control.0.put("out/test.arc", &bytes[..3000]);
     control.verify("out", "refused").says("the archive `test.arc` is damaged or cut off");
-}
-
-/// Cs axes have point numbers by spindle, also in the space of the compensation.
-#[test]
-fn parameters_of_spindles_correct_no_axis() {
-    let control = fanuc("mean");
-    control.agrees("N03666Q1S1P0S2P0\nN03671Q1S1P0\nN03676Q1S1P0S2P0\nN05861Q1S1P0");
-    let says = "3666 of S2 = 5: a spindle corrects no axis of the job, ignored";
-    control.expect("N03666Q1S1P0S2P5", "pass", says);
-}
-
-/// Points alone tell neither axis nor grid.
-#[test]
-fn points_without_their_parameters_leave_it_undecided() {
-    let control = fanuc("mean");
-    control
-        .judge("fail", &[("points.txt", &control.0.read("kit/PITCH.TXT"))])
-        .says("no parameter 3620 to 3624, so which axes they correct is not known");
 }
 
 /// A file of another kind has the same mistake in each line: it is said once, and reading stops.
@@ -486,6 +468,18 @@ fn a_control_file_among_files_of_a_kit_is_judged() {
         .says("`CNC-PARA.TXT` holds far more than a kit, so it is the control's own");
 }
 
+/// Points alone tell neither axis nor grid; the checklist is for people, and nothing else needs it.
+#[test]
+fn a_kit_of_which_a_part_is_missing_is_judged_by_the_rest() {
+    let control = fanuc("mean");
+    control
+        .judge("fail", &[("points.txt", &control.0.read("kit/PITCH.TXT"))])
+        .says("no parameter 3620 to 3624, so which axes they correct is not known");
+    fs::remove_file(control.0.at("kit/checklist.md")).unwrap();
+    let says = "note: `checklist.md` is listed in manifest.json but missing";
+    control.verify("kit", "pass").says(says);
+}
+
 #[test]
 fn rows_of_a_foreign_axis_are_passed_over_or_doubted() {
     let axes = "[compensation.axes.x]\nspacing_mm = 50\n[compensation.axes.y]\nspacing_mm = 50\n";
@@ -501,13 +495,4 @@ fn rows_of_a_foreign_axis_are_passed_over_or_doubted() {
         .judge("pass", &[("table.csv", &rows("EZX,x,a"))])
         .says("(a while x moves) belongs to axes that the job does not have");
     control.judge("undecided", &[("table.csv", &rows("EYZ,a,y"))]);
-}
-
-/// The checklist is for people: without it nothing is missing that the control reads.
-#[test]
-fn a_missing_checklist_is_a_note() {
-    let control = fanuc("mean");
-    fs::remove_file(control.0.at("kit/checklist.md")).unwrap();
-    let says = "note: `checklist.md` is listed in manifest.json but missing";
-    control.verify("kit", "pass").says(says);
 }
