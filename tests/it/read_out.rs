@@ -73,13 +73,13 @@ impl Control {
 
     /// `more` beside the tables, the verdict, and words that the page has to hold.
     #[track_caller]
-    fn expect(&self, more: &str, verdict: &str, says: &str) {
+    fn is(&self, more: &str, verdict: &str, says: &str) {
         self.judge(verdict, &[("all.txt", &self.archive(more))]).says(says);
     }
 
     #[track_caller]
     fn agrees(&self, more: &str) {
-        self.expect(more, "pass", AGREE);
+        self.is(more, "pass", AGREE);
     }
 }
 
@@ -90,94 +90,90 @@ fn the_backlash_parameter_is_judged_as_it_is_now() {
         |um| format!("N32450 $MA_BACKLASH[0,AX1]={:.4}", um / 1000.0);
     let of_fanuc = |um: f64| format!("N01851Q1A1P{um:.0}A2P0\nN01852Q1A1P{um:.0}A2P0");
     for (policy, asked) in [("curve-and-parameter", LOST_UM), ("two-tables", 0.0)] {
-        for (control, held, name) in [
+        for (cnc, held, name) in [
             (siemens(policy), of_siemens, "MD32450) of axis AX1"),
             (fanuc(policy), of_fanuc, "1851) of axis 1"),
         ] {
-            control.agrees(&held(asked));
+            cnc.agrees(&held(asked));
             let wrong = format!("the control holds 9 µm, the job asks for {asked} µm");
-            control.expect(&held(9.0), "fail", &wrong);
-            control.expect("", "pass", &format!("{name}: taken as the job asks, {asked} µm"));
+            cnc.is(&held(9.0), "fail", &wrong);
+            cnc.is("", "pass", &format!("{name}: taken as the job asks, {asked} µm"));
         }
     }
 }
 
 #[test]
 fn what_stands_around_siemens_tables_is_judged() {
-    let control = siemens("mean");
+    let cnc = siemens("mean");
     // A control writes a checksum behind each machine datum, if MD11230 asks for it.
-    control.agrees(
+    cnc.agrees(
         "N10240 $MN_SCALING_SYSTEM_IS_METRIC=1 '2F34\nN32450 $MA_BACKLASH[0,AX1]=0 'A0b1 ;x",
     );
-    control.agrees("$MN_SCALING_SYSTEM_IS_METRIC=TRUE");
-    control.expect("$MN_SCALING_SYSTEM_IS_METRIC=0", "fail", "counts in inch");
-    control.expect("$MN_SCALING_SYSTEM_IS_METRIC=2", "refused", "write 0 or 1");
-    control.agrees("$MA_CEC_MAX_SUM[AX2]=0.1");
-    control.agrees("$MA_CEC_MAX_SUM[AX2]=0.004"); // as much as the tables hold
-    control.agrees("$MA_CEC_MAX_SUM[AX1]=0.001"); // no CEC table corrects AX1
-    control.expect("$MA_CEC_MAX_SUM[AX2]=0.001", "fail", "may add up to 0.0040");
+    cnc.agrees("$MN_SCALING_SYSTEM_IS_METRIC=TRUE");
+    cnc.is("$MN_SCALING_SYSTEM_IS_METRIC=0", "fail", "counts in inch");
+    cnc.is("$MN_SCALING_SYSTEM_IS_METRIC=2", "refused", "write 0 or 1");
+    cnc.agrees("$MA_CEC_MAX_SUM[AX2]=0.1");
+    cnc.agrees("$MA_CEC_MAX_SUM[AX2]=0.004"); // as much as the tables hold
+    cnc.agrees("$MA_CEC_MAX_SUM[AX1]=0.001"); // no CEC table corrects AX1
+    cnc.is("$MA_CEC_MAX_SUM[AX2]=0.001", "fail", "may add up to 0.0040");
     let inch = "$MA_CEC_SCALING_SYSTEM_METRIC[AX2]=0\n";
-    control.expect(inch, "undecided", "it counts where MD10260 = 1");
+    cnc.is(inch, "undecided", "it counts where MD10260 = 1");
     let with = |converts: u8| format!("{inch}$MN_CONVERT_SCALING_SYSTEM={converts}");
-    control.expect(&with(1), "fail", "MD32711 of AX2 is 0, the job has its CEC tables in mm");
-    control.agrees(&with(0));
+    cnc.is(&with(1), "fail", "MD32711 of AX2 is 0, the job has its CEC tables in mm");
+    cnc.agrees(&with(0));
     let says = "MD32450) of axis AX1 is 7 µm; the job does not set it";
-    control.expect("$MA_BACKLASH[0,AX1]=0.007", "pass", says);
+    cnc.is("$MA_BACKLASH[0,AX1]=0.007", "pass", says);
 }
 
 #[test]
 fn a_table_that_follows_a_foreign_axis_decides_nothing() {
-    let control = siemens("mean");
+    let cnc = siemens("mean");
     let says = "DOUBTFUL: $AN_CEC[9] (AX7 → AX2) follows axis AX7";
     let off = cec("AX7", "AX2", "");
-    control.expect(&off, "undecided", says);
+    cnc.is(&off, "undecided", says);
     let says = "$AN_CEC[9] (AX2 → AX7) belongs to axes that the job does not have: ignored";
-    control.expect(&cec("AX2", "AX7", ""), "pass", says);
+    cnc.is(&cec("AX2", "AX7", ""), "pass", says);
     let switch = ("b.txt", "$SN_CEC_TABLE_ENABLE[9]=0\nM30\n");
-    control.judge("pass", &[("a.txt", &control.archive(&off)), switch]);
+    cnc.judge("pass", &[("a.txt", &cnc.archive(&off)), switch]);
     let says = "straightness set 2 (axis 2 while axis 4 moves) follows axis 4";
-    fanuc("mean").expect("N05712Q1P4\nN05722Q1P2", "undecided", says);
+    fanuc("mean").is("N05712Q1P4\nN05722Q1P2", "undecided", says);
 }
 
 #[test]
 fn switches_are_named_by_what_they_do_now() {
-    let control = siemens("mean");
-    let archive = control.archive("");
+    let cnc = siemens("mean");
+    let archive = cnc.archive("");
     let off = "$MA_ENC_COMP_ENABLE[0,AX1]=0\nM30\n";
-    control
-        .judge("fail", &[("a.txt", &archive), ("b.txt", off)])
+    cnc.judge("fail", &[("a.txt", &archive), ("b.txt", off)])
         .says("$AA_ENC_COMP[0,AX1] is switched off (MD32700 = 0), so it does nothing");
     let on = "$MA_ENC_COMP_ENABLE[0,AX1]=1\nM30\n";
-    control
-        .judge("fail", &[("a.txt", &archive), ("b.txt", off), ("c.txt", on)])
+    cnc.judge("fail", &[("a.txt", &archive), ("b.txt", off), ("c.txt", on)])
         .says("$MA_ENC_COMP_ENABLE[0,AX1] has several values in the files, so which")
         .omits("the way back");
 }
 
 #[test]
 fn what_stands_around_fanuc_points_is_judged() {
-    let control = fanuc("mean");
-    control.expect("", "pass", "no file holds 3605 of axis 1");
-    control.agrees("N03605Q1A1P00000000A2P00000000");
-    let says = "3605#1 of axis 1 is 1, the job is for 0";
-    control.expect("N03605Q1A1P00000010A2P00000000", "fail", says);
-    control.expect("N01240Q1A1P12.0A2P0.0", "fail", "1240 of axis 1 is 12 mm");
-    control.agrees("N01240Q1A1M0.0A2M0.0");
-    control.expect("N01240Q1A1I0.0A2P0.0", "refused", "has the letter `I`");
-    let control = fanuc("two-tables");
-    control.agrees("N03605Q1A1P00000001");
-    control.expect("N03605Q1A1P00000000", "fail", "3605#0 of axis 1 is 0, the job is for 1");
-    let control = fanuc("curve-and-parameter");
-    control.agrees("N01851Q1A1P4\nN01852Q1A1P4");
-    let says = "1852 of axis 1 is 0, 1851 is 4";
-    control.expect("N01851Q1A1P4\nN01852Q1A1P0", "undecided", says);
-    control.expect("N01852Q1A1P4", "undecided", "1852 of axis 1 is 4, 1851 is in no file");
+    let cnc = fanuc("mean");
+    cnc.is("", "pass", "no file holds 3605 of axis 1");
+    cnc.agrees("N03605Q1A1P00000000A2P00000000");
+    cnc.is("N03605Q1A1P00000010A2P00000000", "fail", "3605#1 of axis 1 is 1, the job is for 0");
+    cnc.is("N01240Q1A1P12.0A2P0.0", "fail", "1240 of axis 1 is 12 mm");
+    cnc.agrees("N01240Q1A1M0.0A2M0.0");
+    cnc.is("N01240Q1A1I0.0A2P0.0", "refused", "has the letter `I`");
+    let cnc = fanuc("two-tables");
+    cnc.agrees("N03605Q1A1P00000001");
+    cnc.is("N03605Q1A1P00000000", "fail", "3605#0 of axis 1 is 0, the job is for 1");
+    let cnc = fanuc("curve-and-parameter");
+    cnc.agrees("N01851Q1A1P4\nN01852Q1A1P4");
+    cnc.is("N01851Q1A1P4\nN01852Q1A1P0", "undecided", "1852 of axis 1 is 0, 1851 is 4");
+    cnc.is("N01852Q1A1P4", "undecided", "1852 of axis 1 is 4, 1851 is in no file");
 }
 
 /// A control writes every parameter it has; what does nothing must not stop the reading.
 #[test]
 fn functions_that_are_not_used_do_nothing() {
-    let control = fanuc("mean");
+    let cnc = fanuc("mean");
     let mut idle =
         "N01006Q1A1P00000000A2P00000000A3P00000000\nN03602Q1P00000000\nN08135Q1P00000000\n"
             .to_string();
@@ -191,79 +187,76 @@ fn functions_that_are_not_used_do_nothing() {
     ] {
         idle.extend(numbers.map(|number| format!("N{number:05}Q1{zeros}\n")));
     }
-    control.agrees(&idle);
+    cnc.agrees(&idle);
     let used = replaced(&idle, "N10800Q1P0", "N10800Q1P5");
-    control.expect(&used, "fail", "three-dimensional error compensation is not emulated");
+    cnc.is(&used, "fail", "three-dimensional error compensation is not emulated");
     // Cs axes have point numbers by spindle, also in the space of the compensation.
-    control.agrees("N03666Q1S1P0S2P0\nN03671Q1S1P0\nN03676Q1S1P0S2P0\nN05861Q1S1P0");
+    cnc.agrees("N03666Q1S1P0S2P0\nN03671Q1S1P0\nN03676Q1S1P0S2P0\nN05861Q1S1P0");
     let says = "3666 of S2 = 5: a spindle corrects no axis of the job, ignored";
-    control.expect("N03666Q1S1P0S2P5", "pass", says);
+    cnc.is("N03666Q1S1P0S2P5", "pass", says);
 }
 
 #[test]
 fn each_axis_of_a_gantry_is_judged_by_its_own_parameter() {
     let gantry = replaced(SIEMENS, "id = \"AX1\"", "ids = [\"AX1\", \"AX4\"]");
-    let control = Control::new("siemens-840d-sl", "curve-and-parameter", &gantry);
+    let cnc = Control::new("siemens-840d-sl", "curve-and-parameter", &gantry);
     let one = "$MA_BACKLASH[0,AX1]=0.004\n";
-    control.expect(one, "pass", "MD32450) of axis AX4: taken as the job asks, 4 µm");
+    cnc.is(one, "pass", "MD32450) of axis AX4: taken as the job asks, 4 µm");
     let both = |um: &str| format!("{one}$MA_BACKLASH[0,AX4]={um}");
-    control.agrees(&both("0.004"));
-    let wrong = "axis AX4: the control holds 0 µm, the job asks for 4 µm";
-    control.expect(&both("0"), "fail", wrong);
+    cnc.agrees(&both("0.004"));
+    cnc.is(&both("0"), "fail", "axis AX4: the control holds 0 µm, the job asks for 4 µm");
     // Two screws may have two lost motions, and nothing changes them.
-    let control = Control::new("siemens-840d-sl", "mean", &gantry);
-    control.expect(&both("0.005"), "pass", "of axis AX4 is 5 µm; the job does not set it");
+    let cnc = Control::new("siemens-840d-sl", "mean", &gantry);
+    cnc.is(&both("0.005"), "pass", "of axis AX4 is 5 µm; the job does not set it");
 }
 
 /// What the profile calls Z is an axis of others where the machine of the job has none.
 #[test]
 fn an_axis_of_a_usual_name_that_the_job_does_not_have_belongs_to_others() {
-    let control = fanuc("mean");
+    let cnc = fanuc("mean");
     let z = "N01006Q1A1P00000000A2P00000000A3P00000000\nN03620Q1A3P500\nN03621Q1A3P500\nN03622Q1A3P510\nN03623Q1A3P1\nN03624Q1A3P10.0";
-    let says = "axis 3 (points 500 to 510) belongs to an axis that the job does not have";
-    control.expect(z, "pass", says);
-    control.expect("N05712Q1P3\nN05722Q1P2", "undecided", "follows axis 3");
-    let control = siemens("mean");
+    cnc.is(z, "pass", "axis 3 (points 500 to 510) belongs to an axis that the job does not have");
+    cnc.is("N05712Q1P3\nN05722Q1P2", "undecided", "follows axis 3");
+    let cnc = siemens("mean");
     let lec = "$AA_ENC_COMP[0,0,AX3]=0\n$AA_ENC_COMP[0,1,AX3]=0.01\n$AA_ENC_COMP_STEP[0,AX3]=100\n$AA_ENC_COMP_MIN[0,AX3]=0\n$AA_ENC_COMP_MAX[0,AX3]=100";
-    let says = "$AA_ENC_COMP[0,AX3] belongs to an axis that the job does not have";
-    control.expect(lec, "pass", says);
-    control.expect(&cec("AX3", "AX2", ""), "undecided", "follows axis AX3");
-    control.expect(&cec("AX2", "AX3", ""), "pass", "ignored");
+    cnc.is(lec, "pass", "$AA_ENC_COMP[0,AX3] belongs to an axis that the job does not have");
+    cnc.is(&cec("AX3", "AX2", ""), "undecided", "follows axis AX3");
+    cnc.is(&cec("AX2", "AX3", ""), "pass", "ignored");
 }
 
 /// A switch at 1 says that a table acts; which one, only the table does.
 #[test]
 fn switches_of_tables_that_were_not_read_out_leave_it_undecided() {
-    let control = siemens("mean");
+    let cnc = siemens("mean");
     let lec = "$MA_ENC_COMP_ENABLE[0,AX2]=1";
     let says =
         "MD32700 $MA_ENC_COMP_ENABLE[0,AX2] is 1, so an ENC_COMP table acts, and no file holds it";
-    control.expect(lec, "undecided", says);
+    cnc.is(lec, "undecided", says);
     let cec = "$SN_CEC_TABLE_ENABLE[7]=1";
     let says = "SD41300 $SN_CEC_TABLE_ENABLE of CEC table 7 is 1, and no file holds it";
-    control.expect(cec, "undecided", says);
-    control.agrees(&format!("{lec}\n$MA_MM_ENC_COMP_MAX_POINTS[0,AX2]=0"));
-    control.agrees(&format!("{lec}\n$AA_ENC_COMP_STEP[0,AX2]=0"));
-    control.agrees("$MA_ENC_COMP_ENABLE[0,AX7]=1");
-    control.agrees(&format!("{cec}\n$MN_MM_CEC_MAX_POINTS[7]=0"));
-    control.agrees(&format!("{cec}\n$AN_CEC_STEP[7]=0"));
+    cnc.is(cec, "undecided", says);
+    cnc.agrees(&format!("{lec}\n$MA_MM_ENC_COMP_MAX_POINTS[0,AX2]=0"));
+    cnc.agrees(&format!("{lec}\n$AA_ENC_COMP_STEP[0,AX2]=0"));
+    cnc.agrees("$MA_ENC_COMP_ENABLE[0,AX7]=1");
+    cnc.agrees(&format!("{cec}\n$MN_MM_CEC_MAX_POINTS[7]=0"));
+    cnc.agrees(&format!("{cec}\n$AN_CEC_STEP[7]=0"));
 }
 
 /// The forms that a real 840D sl writes: the unit, reserved points behind MAX, numbers of the NCU, tables
 /// that nobody filled.
 #[test]
 fn what_a_control_writes_around_its_tables_does_not_stop_the_reading() {
-    let control = siemens("mean");
-    control.agrees("\nMETRIC\n\nCHANDATA(1)");
-    control.expect("INCH", "fail", "is written in inch (`INCH`), the job counts in mm");
-    control.agrees("$AA_ENC_COMP[0,3,AX1]=0\n$AA_ENC_COMP[0,4,AX1]=0.5\n$AN_CEC[0,3]=0\n$AN_CEC_INPUT_NCU[0]=1\n$AN_CEC_OUTPUT_NCU[0]=1\n$AN_CEC_TYPE[0]=0");
+    let cnc = siemens("mean");
+    cnc.agrees("\nMETRIC\n\nCHANDATA(1)");
+    cnc.is("INCH", "fail", "is written in inch (`INCH`), the job counts in mm");
+    cnc.agrees("$AA_ENC_COMP[0,3,AX1]=0\n$AA_ENC_COMP[0,4,AX1]=0.5\n$AN_CEC[0,3]=0\n$AN_CEC_INPUT_NCU[0]=1\n$AN_CEC_OUTPUT_NCU[0]=1\n$AN_CEC_TYPE[0]=0");
     let zeros = zeros("AX1", "AX7", "$AN_CEC_INPUT_NCU[9]=1\n$AN_CEC[9,2]=0");
-    control.expect(&replaced(&zeros, "MAX[9]=10", "MAX[9]=85"), "pass", "ignored");
+    cnc.is(&replaced(&zeros, "MAX[9]=10", "MAX[9]=85"), "pass", "ignored");
     let unused = replaced(&zeros, "MAX[9]=10", "MAX[9]=-5");
-    control.expect(&unused, "pass", "AN_CEC[9]: zeros without a usable grid, ignored");
+    cnc.is(&unused, "pass", "AN_CEC[9]: zeros without a usable grid, ignored");
     let open = cec("AX1", "AX2", "$AN_CEC[9,2]=0.4\n");
     let says = "$AN_CEC[9] behind 10 mm, where MAX lies between two points: the value of point 1 is taken to be held; if the control goes on towards point 2, the correction differs by up to 100.0 µm there";
-    control.expect(&replaced(&open, "MAX[9]=10", "MAX[9]=15"), "fail", says);
+    cnc.is(&replaced(&open, "MAX[9]=10", "MAX[9]=15"), "fail", says);
 }
 
 /// A header of an archive: 512 bytes with name, size, the sum of its other bytes, and folder.
@@ -282,17 +275,17 @@ fn header(name: &str, size: usize, folder: &str) -> Vec<u8> {
 
 #[test]
 fn a_commissioning_archive_is_read_as_it_is() {
-    let control = siemens("mean");
+    let cnc = siemens("mean");
     let active = "\\_NC_ACT.DIR\\";
     let initial = "METRIC\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n".to_string();
     let definitions = "REDEF $MA_CEC_ENABLE APR 7 APW 7\n".to_string();
     let mut files = vec![
         ("_N_INITIAL_INI".to_string(), active, initial),
-        ("_N_AX_EEC_INI".to_string(), active, control.archive("METRIC")),
+        ("_N_AX_EEC_INI".to_string(), active, cnc.archive("METRIC")),
         ("_N_MACCESS_DEF".to_string(), "\\DEF.DIR\\", definitions),
         ("@@_N_IBN_SS".to_string(), active, String::new()),
     ];
-    let other = replaced(&control.archive(""), "=0.016", "=0.055");
+    let other = replaced(&cnc.archive(""), "=0.016", "=0.055");
     files.extend((0..8).map(|k| (format!("_N_P{k}_MPF"), "\\MPF.DIR\\", other.clone())));
     let mut bytes = header("@@MMCIBN.002", 0, "");
     for (name, folder, text) in &files {
@@ -300,10 +293,10 @@ fn a_commissioning_archive_is_read_as_it_is() {
         bytes.extend(text.as_bytes());
         bytes.resize(bytes.len().next_multiple_of(512), 0);
     }
-    control.0.put("out/test.arc", &bytes);
-    control.verify("out", "pass").says("part programs were ignored (8)");
-    control.0.put("out/test.arc", &bytes[..3000]);
-    control.verify("out", "refused").says("the archive `test.arc` is damaged or cut off");
+    cnc.0.put("out/test.arc", &bytes);
+    cnc.verify("out", "pass").says("part programs were ignored (8)");
+    cnc.0.put("out/test.arc", &bytes[..3000]);
+    cnc.verify("out", "refused").says("the archive `test.arc` is damaged or cut off");
 }
 
 /// A file of another kind has the same mistake in each line: it is said once, and reading stops.
@@ -329,43 +322,41 @@ fn zeros(input: &str, output: &str, more: &str) -> String {
 
 #[test]
 fn tables_of_others_that_reach_into_the_own_ones_are_told() {
-    let control = siemens("mean");
+    let cnc = siemens("mean");
     let factor = cec("AX2", "AX7", "$AN_CEC_MULT_BY_TABLE[9]=1");
-    control.expect(&factor, "undecided", "multiplies by $AN_CEC[0] of the job");
-    control.expect(&zeros("AX7", "AX2", ""), "pass", "ignored");
+    cnc.is(&factor, "undecided", "multiplies by $AN_CEC[0] of the job");
+    cnc.is(&zeros("AX7", "AX2", ""), "pass", "ignored");
     let says = "SD41310 $SN_CEC_TABLE_WEIGHT[0] is 0.5, expected 1";
-    control.expect("$SN_CEC_TABLE_WEIGHT[0]=0.5", "fail", says);
-    control.agrees("$SN_CEC_TABLE_WEIGHT[6]=0.5");
-    let control = fanuc("mean");
+    cnc.is("$SN_CEC_TABLE_WEIGHT[0]=0.5", "fail", says);
+    cnc.agrees("$SN_CEC_TABLE_WEIGHT[6]=0.5");
+    let cnc = fanuc("mean");
     let shared = "N03620Q1A4P1\nN03621Q1A4P0\nN03622Q1A4P2\nN03623Q1A4P1\nN03624Q1A4P50.0";
-    let says = "axis 4, which the job does not have, takes points of axis 1";
-    control.expect(shared, "undecided", says);
-    let parameters = control.0.read("kit/CNC-PARA.TXT");
+    cnc.is(shared, "undecided", "axis 4, which the job does not have, takes points of axis 1");
+    let parameters = cnc.0.read("kit/CNC-PARA.TXT");
     let slave = ["03620", "03621", "03622", "03623", "03624"].map(|number| {
         let (_, rest) = parameters.split_once(&format!("N{number}Q1A1P")).unwrap();
         let value = rest.split(['A', '\r', '\n']).next().unwrap();
         format!("N{number}Q1A4P{value}\n")
     });
-    let says = "takes the points of axis 1, as the slave of a gantry does";
-    control.expect(&slave.concat(), "pass", says);
+    cnc.is(&slave.concat(), "pass", "takes the points of axis 1, as the slave of a gantry does");
     let own = "N03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN03626Q1A4P1\n";
-    control.expect(own, "undecided", "takes points of axis 1");
-    control.expect(&format!("{own}N03605Q1A4P00000000"), "pass", "points 500 to 510");
+    cnc.is(own, "undecided", "takes points of axis 1");
+    cnc.is(&format!("{own}N03605Q1A4P00000000"), "pass", "points 500 to 510");
     let says = "belongs to axes that the job does not have";
     let huge = "N05712Q1P4\nN05722Q1P4\nN13392Q1P4294967295\nN03621Q1A4P0\nN03622Q1A4P10";
-    control.expect(huge, "pass", says);
-    control.expect("N05712Q1P4\nN05722Q1P2\nN13382Q1P0", "pass", says);
+    cnc.is(huge, "pass", says);
+    cnc.is("N05712Q1P4\nN05722Q1P2\nN13382Q1P0", "pass", says);
 }
 
 /// An archive holds part programs beside the active data; they do nothing before they are run.
 #[test]
 fn part_programs_in_an_archive_are_no_state() {
-    let control = siemens("mean");
-    let bare = control.archive("");
+    let cnc = siemens("mean");
+    let bare = cnc.archive("");
     let program = format!("%_N_NEW_EEC_MPF\n;$PATH=/_N_MPF_DIR\n{bare}");
     let active = program.replace("NEW_EEC_MPF", "AX_EEC_INI").replace("_MPF_", "_NC_ACT_");
     let old = replaced(&active, "=0.016", "=0.055");
-    let judge = |verdict: &str, text: &str| control.judge(verdict, &[("all.arc", text)]);
+    let judge = |verdict: &str, text: &str| cnc.judge(verdict, &[("all.arc", text)]);
     let ignored = "part programs were ignored (NEW_EEC_MPF)";
     judge("fail", &format!("{old}{program}")).says(ignored);
     judge("fail", &format!("{program}{old}")).says(ignored);
@@ -377,12 +368,11 @@ fn part_programs_in_an_archive_are_no_state() {
     // A program in a file of its own is no more a state than one in the archive.
     let data = "%_N_COMPLETE_TEA_INI\n$MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n";
     for name in ["P.MPF", "P"] {
-        control
-            .judge("fail", &[("TEA.INI", data), (name, &program)])
+        cnc.judge("fail", &[("TEA.INI", data), (name, &program)])
             .says("missing: the tables hold nothing for it");
-        control.judge("pass", &[("ALL.ARC", &active), (name, &program)]);
+        cnc.judge("pass", &[("ALL.ARC", &active), (name, &program)]);
     }
-    control.judge("fail", &[("ALL.ARC", &old), ("NEW.MPF", &bare)]);
+    cnc.judge("fail", &[("ALL.ARC", &old), ("NEW.MPF", &bare)]);
     // Cut before the switch: what goes on behind the end word is not complete.
     let cut = format!("{active}%_N_COMPLETE_TEA_INI\nN32000 $MA_MAX_AX_VELO[AX1]=10000\n");
     judge("refused", &cut);
@@ -390,7 +380,7 @@ fn part_programs_in_an_archive_are_no_state() {
 
 #[test]
 fn two_values_in_one_file_are_a_cause() {
-    let control = siemens("mean");
+    let cnc = siemens("mean");
     for (variable, one, other) in [
         ("$MA_ENC_COMP_ENABLE[0,AX1]", "0", "1"),
         ("$MN_SCALING_SYSTEM_IS_METRIC", "0", "1"),
@@ -398,101 +388,96 @@ fn two_values_in_one_file_are_a_cause() {
         ("$AA_ENC_COMP[0,1,AX1]", "9.0", "0.006"),
     ] {
         let says = format!("{variable} has several values in the files");
-        control.expect(&format!("{variable}={one}\n{variable}={other}"), "fail", &says);
+        cnc.is(&format!("{variable}={one}\n{variable}={other}"), "fail", &says);
     }
     let others = "$MA_BACKLASH[0,AX7]=1\n$MA_BACKLASH[0,AX7]=2\n$MA_BACKLASH[1,AX1]=1\n$MA_BACKLASH[1,AX1]=2";
-    control.expect(others, "pass", "$MA_BACKLASH[0,AX7], of others, has several values");
+    cnc.is(others, "pass", "$MA_BACKLASH[0,AX7], of others, has several values");
     let steps = cec("AX1", "AX2", "$AN_CEC_STEP[9]=0").replace("STEP[9]=10", "STEP[9]=50");
     let steps = steps.replace("MAX[9]=10", "MAX[9]=50");
-    control.expect(&steps, "fail", "$AN_CEC_STEP[9] has several values in the files");
+    cnc.is(&steps, "fail", "$AN_CEC_STEP[9] has several values in the files");
     let hidden = "IF R1==1 $MA_ENC_COMP_ENABLE[0,AX1]=0";
-    control.expect(hidden, "refused", "does not belong here");
-    let control = fanuc("curve-and-parameter");
+    cnc.is(hidden, "refused", "does not belong here");
+    let cnc = fanuc("curve-and-parameter");
     let says = "parameter 1851 of axis 1 has another value here";
-    control.expect("N01851Q1A1P8\nN01851Q1A1P4", "refused", says);
-    control.agrees("N03602Q1L1P00000000L2P00000001\nN01851Q1A1P4");
+    cnc.is("N01851Q1A1P8\nN01851Q1A1P4", "refused", says);
+    cnc.agrees("N03602Q1L1P00000000L2P00000001\nN01851Q1A1P4");
 }
 
 /// Comments and messages of a control may be in one byte for each character.
 #[test]
 fn latin_1_and_a_byte_order_mark_do_not_stop_the_reading() {
-    let control = siemens("mean");
-    let text = control.archive("CHANDATA(1) ;~berwachung");
+    let cnc = siemens("mean");
+    let text = cnc.archive("CHANDATA(1) ;~berwachung");
     let bytes: Vec<u8> = text.bytes().map(|b| if b == b'~' { 0xDC } else { b }).collect();
-    control.0.put("out/all.arc", bytes);
-    control.verify("out", "pass");
+    cnc.0.put("out/all.arc", bytes);
+    cnc.verify("out", "pass");
     // An editor may have put its mark before the header of a program.
-    let program = format!("\u{feff}%_N_NEW_MPF\n{}", control.archive(""));
-    control.judge("undecided", &[("all.arc", &program)]);
+    let program = format!("\u{feff}%_N_NEW_MPF\n{}", cnc.archive(""));
+    cnc.judge("undecided", &[("all.arc", &program)]);
 }
 
 #[test]
 fn the_measuring_system_that_the_job_does_not_name_is_told() {
     let other = "$AA_ENC_COMP[1,0,AX1]=0\n$AA_ENC_COMP[1,1,AX1]=0.066\n$AA_ENC_COMP_STEP[1,AX1]=100\n$AA_ENC_COMP_MIN[1,AX1]=0\n$AA_ENC_COMP_MAX[1,AX1]=100\n";
-    let says = "which of the two is active: state `measuring_system`";
-    siemens("mean").expect(other, "undecided", says);
+    siemens("mean").is(other, "undecided", "which of the two is active: state `measuring_system`");
     let off = format!("{other}$MA_ENC_COMP_ENABLE[1,AX1]=0");
     let says = "for the other measuring system and switched off: ignored";
-    siemens("two-tables").expect(&off, "pass", says); // in CEC alone
+    siemens("two-tables").is(&off, "pass", says); // in CEC alone
 }
 
 #[test]
 fn the_reference_point_is_judged_within_half_a_digit() {
-    let control = siemens("mean");
+    let cnc = siemens("mean");
     let set =
         |mm: &str| format!("N34100 $MA_REFP_SET_POS[0,AX1]={mm}\nN34100 $MA_REFP_SET_POS[1,AX1]=7");
-    control.agrees(&set("0"));
-    control.agrees(&format!("{}\nN34200 $MA_ENC_REFP_MODE[0,AX1]=0", set("-25.0")));
-    control.expect(&set("-25.0"), "undecided", "MD34100 $MA_REFP_SET_POS[0,AX1] is -25 mm");
-    let control = fanuc("mean");
-    control.expect("N01240Q1A1P12000A2P0", "fail", "1240 of axis 1 is 12 mm");
-    control.agrees("N01240Q1A1P0.0004A2P0");
+    cnc.agrees(&set("0"));
+    cnc.agrees(&format!("{}\nN34200 $MA_ENC_REFP_MODE[0,AX1]=0", set("-25.0")));
+    cnc.is(&set("-25.0"), "undecided", "MD34100 $MA_REFP_SET_POS[0,AX1] is -25 mm");
+    let cnc = fanuc("mean");
+    cnc.is("N01240Q1A1P12000A2P0", "fail", "1240 of axis 1 is 12 mm");
+    cnc.agrees("N01240Q1A1P0.0004A2P0");
     let four_digits = Control::new("fanuc-16i", "mean", FANUC);
-    four_digits.expect("N1240A1P12000A2P0", "fail", "1240 of axis 1 is 12 mm");
+    four_digits.is("N1240A1P12000A2P0", "fail", "1240 of axis 1 is 12 mm");
     let wrong = "the control holds 9 µm, the job asks for 4 µm";
-    fanuc("curve-and-parameter").expect("N01851Q1A1P9.0", "fail", wrong);
+    fanuc("curve-and-parameter").is("N01851Q1A1P9.0", "fail", wrong);
 }
 
 #[test]
 fn a_control_file_among_files_of_a_kit_is_judged() {
-    let control = fanuc("mean");
+    let cnc = fanuc("mean");
     let others: String = (0..200).map(|k| format!("N{:05}Q1P0\n", 100 + k)).collect();
-    let whole = control.archive(&others);
-    let sign = control.0.read("kit/checklist.md");
-    control
-        .judge("pass", &[("CNC-PARA.TXT", &whole), ("checklist.md", &sign)])
+    let whole = cnc.archive(&others);
+    let sign = cnc.0.read("kit/checklist.md");
+    cnc.judge("pass", &[("CNC-PARA.TXT", &whole), ("checklist.md", &sign)])
         .says("`checklist.md` is a file of a kit that is not loaded with its tables: ignored");
-    control.0.put("kit/CNC-PARA.TXT", &whole);
-    control
-        .verify("kit", "fail")
+    cnc.0.put("kit/CNC-PARA.TXT", &whole);
+    cnc.verify("kit", "fail")
         .says("`CNC-PARA.TXT` holds far more than a kit, so it is the control's own");
 }
 
 /// Points alone tell neither axis nor grid; the checklist is for people, and nothing else needs it.
 #[test]
 fn a_kit_of_which_a_part_is_missing_is_judged_by_the_rest() {
-    let control = fanuc("mean");
-    control
-        .judge("fail", &[("points.txt", &control.0.read("kit/PITCH.TXT"))])
+    let cnc = fanuc("mean");
+    cnc.judge("fail", &[("points.txt", &cnc.0.read("kit/PITCH.TXT"))])
         .says("no parameter 3620 to 3624, so which axes they correct is not known");
-    fs::remove_file(control.0.at("kit/checklist.md")).unwrap();
+    fs::remove_file(cnc.0.at("kit/checklist.md")).unwrap();
     let says = "note: `checklist.md` is listed in manifest.json but missing";
-    control.verify("kit", "pass").says(says);
+    cnc.verify("kit", "pass").says(says);
 }
 
 #[test]
 fn rows_of_a_foreign_axis_are_passed_over_or_doubted() {
     let axes = "[compensation.axes.x]\nspacing_mm = 50\n[compensation.axes.y]\nspacing_mm = 50\n";
-    let control = Control::new("generic", "mean", axes);
-    let table = control.0.read("kit/compensation.csv");
+    let cnc = Control::new("generic", "mean", axes);
+    let table = cnc.0.read("kit/compensation.csv");
     let rows = |row: &str| {
         let own = table.lines().filter(|line| line.starts_with("EYX,"));
         let own: Vec<String> = own.map(|line| replaced(line, "EYX,x,y", row)).collect();
         assert!(own.len() > 1, "{table}");
         format!("{}\n{}\n", table.trim_end(), own.join("\n"))
     };
-    control
-        .judge("pass", &[("table.csv", &rows("EZX,x,a"))])
+    cnc.judge("pass", &[("table.csv", &rows("EZX,x,a"))])
         .says("(a while x moves) belongs to axes that the job does not have");
-    control.judge("undecided", &[("table.csv", &rows("EYZ,a,y"))]);
+    cnc.judge("undecided", &[("table.csv", &rows("EYZ,a,y"))]);
 }
