@@ -1,7 +1,8 @@
 //! Files that real controls wrote, read where they lie: not part of this repository, and nothing of
 //! them is copied here. What was understood of them is told in counts, ranges and largest values.
-use crate::support::skipped;
-use crate::support::{inputs, response, um_at};
+use crate::support::visit::fixtures;
+use crate::support::{inputs, response, tree, um_at};
+use nonius::control::controller::Role;
 use nonius::control::table::Tables;
 use nonius::control::table::siemens::SiemensGrid;
 use nonius::judge::active::{ActiveControl, ReadOutFor, from_read_out};
@@ -9,17 +10,21 @@ use nonius::kit::{self, Inputs, emulator};
 use nonius::quantity::axis::Direction;
 use nonius::read::emulate::Emulator;
 use nonius::text::finding::{Severity, of_severity};
+use nonius::text::problem::Problems;
 use std::fmt::Write;
-use std::path::Path;
 
-/// Folder, and the names of files in it.
-type Files<'a> = (&'a str, &'a [&'a str]);
+/// Names and bytes of files.
+type Files = Vec<(String, Vec<u8>)>;
 
-/// Names and bytes; `None` where the files do not lie beside the repository.
-fn real((folder, names): Files<'_>) -> Option<Vec<(String, Vec<u8>)>> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/real").join(folder);
+/// Files of a folder; `None`, told in one line, where they do not lie beside the repository.
+fn real(folder: &str, names: &[&str]) -> Option<Files> {
+    let folder = fixtures("../../shared/data/real").join(folder);
     let read = |name: &&str| Some((name.to_string(), std::fs::read(folder.join(name)).ok()?));
-    names.iter().map(read).collect()
+    let files: Option<Files> = names.iter().map(read).collect();
+    if files.is_none() {
+        tree::skipped("../shared is not here");
+    }
+    files
 }
 
 /// A job for three axes, measured with `active`; `axis` = lines of `[compensation.axes]`.
@@ -60,93 +65,62 @@ fn fanuc(active: &str) -> Inputs {
     })
 }
 
-fn read(
-    job: &Inputs,
-    files: Vec<(String, Vec<u8>)>,
-    purpose: ReadOutFor,
-) -> Result<ActiveControl, String> {
-    from_read_out(&job.job, &job.profile, "files", files, purpose).map_err(|p| p.render())
+fn read(job: &Inputs, files: Files, purpose: ReadOutFor) -> Result<ActiveControl, Problems> {
+    from_read_out(&job.job, &job.profile, "files", files, purpose)
+}
+
+#[track_caller]
+fn accepted<T>(result: Result<T, Problems>) -> T {
+    result.unwrap_or_else(|problems| panic!("{}", problems.render()))
 }
 
 /// What was active, and what a kit on top of it is judged to leave.
-fn understood(job: fn(&str) -> Inputs, files: Vec<(String, Vec<u8>)>) -> String {
+fn understood(job: fn(&str) -> Inputs, files: Files) -> String {
     let with = job("files");
-    let active =
-        read(&with, files.clone(), ReadOutFor::OldTables).unwrap_or_else(|p| panic!("{p}"));
+    let active = accepted(read(&with, files.clone(), ReadOutFor::OldTables));
     let mut said = told(&active);
     let control = emulator(&with.profile, &active.tables, &active.state).unwrap();
     said.push_str(&corrections(control.as_ref(), &with));
     for assumption in &active.assumptions {
         writeln!(said, "assumed: {} = {}", assumption.fact, assumption.value).unwrap();
     }
-    let made =
-        kit::generate(&with.with_active(active).unwrap_or_else(|p| panic!("{}", p.render())));
-    let made = made.unwrap_or_else(|p| panic!("{}", p.render()));
-    let back = made.files.iter().filter(|f| f.role == nonius::control::controller::Role::Rollback);
-    writeln!(said, "kit: {} with {} rollback files", made.verdict.word(), back.count()).unwrap();
+    let made = accepted(kit::generate(&accepted(with.with_active(active))));
+    let back = made.files.iter().filter(|f| f.role == Role::Rollback).count();
+    writeln!(said, "kit: {} with {back} rollback files", made.verdict.word()).unwrap();
     let judging = job("none");
-    let found = read(&judging, files, ReadOutFor::Judging).unwrap_or_else(|p| panic!("{p}"));
-    let judged =
-        kit::verify_read_out(&judging, &found).unwrap_or_else(|p| panic!("{}", p.render()));
-    writeln!(
-        said,
-        "verify: {} causes, {} doubts",
-        judged.disagreements().len(),
-        of_severity(&judged.findings, Severity::Doubt).len()
-    )
-    .unwrap();
+    let found = accepted(read(&judging, files, ReadOutFor::Judging));
+    let judged = accepted(kit::verify_read_out(&judging, &found));
+    let causes = judged.disagreements().len();
+    let doubts = of_severity(&judged.findings, Severity::Doubt).len();
+    writeln!(said, "verify: {causes} causes, {doubts} doubts").unwrap();
     said
 }
 
 /// Tables and what was ignored, in numbers.
 fn told(active: &ActiveControl) -> String {
-    let mut said = format!(
-        "{} notes, CEC tables of others {:?}\n",
-        of_severity(&active.findings, Severity::Note).len(),
-        active.others.cec_tables
-    );
-    let range = |grid: SiemensGrid| format!("{} to {} by {}", grid.min, grid.max, grid.step);
+    let notes = of_severity(&active.findings, Severity::Note).len();
+    let mut said = format!("{notes} notes, CEC tables of others {:?}\n", active.others.cec_tables);
+    let range = |grid: SiemensGrid, values: usize| {
+        format!("{values} points, {} to {} by {}", grid.min, grid.max, grid.step)
+    };
     match &active.tables {
         Tables::Siemens(tables) => {
             for table in &tables.lec {
-                writeln!(
-                    said,
-                    "ENC_COMP[{},{}]: {} points, {}",
-                    table.encoder,
-                    table.axis,
-                    table.values.len(),
-                    range(table.grid)
-                )
-                .unwrap();
+                let range = range(table.grid, table.values.len());
+                writeln!(said, "ENC_COMP[{},{}]: {range}", table.encoder, table.axis).unwrap();
             }
             for table in &tables.cec {
-                writeln!(
-                    said,
-                    "CEC {}: {} -> {}, {} points, {}",
-                    table.number,
-                    table.input_axis,
-                    table.output_axis,
-                    table.values.len(),
-                    range(table.grid)
-                )
-                .unwrap();
+                let (from, to) = (&table.input_axis, &table.output_axis);
+                let range = range(table.grid, table.values.len());
+                writeln!(said, "CEC {}: {from} -> {to}, {range}", table.number).unwrap();
             }
         }
         Tables::Fanuc(memory) => {
             let own = memory.parameters.keys().filter(|key| key.number == 3623);
-            writeln!(
-                said,
-                "{} points, pitch of axes {:?}",
-                memory.points.len(),
-                own.filter_map(|key| key.axis).collect::<Vec<_>>()
-            )
-            .unwrap();
-            writeln!(
-                said,
-                "points of others: {:?}",
-                active.others.points.iter().map(|p| (p.first, p.last)).collect::<Vec<_>>()
-            )
-            .unwrap();
+            let axes: Vec<_> = own.filter_map(|key| key.axis).collect();
+            writeln!(said, "{} points, pitch of axes {axes:?}", memory.points.len()).unwrap();
+            let others = active.others.points.iter().map(|p| (p.first, p.last));
+            writeln!(said, "points of others: {:?}", others.collect::<Vec<_>>()).unwrap();
         }
         Tables::Generic(_)
         | Tables::Declared(_)
@@ -178,12 +152,9 @@ fn corrections(control: &dyn Emulator, job: &Inputs) -> String {
 
 #[test]
 fn a_five_axis_840d_sl_is_understood_from_its_archive_or_its_files() {
-    let (Some(archive), Some(files)) = (
-        real(("siemens", &["test.arc"])),
-        real(("siemens", &["AX_EEC.INI", "INITIAL.INI", "NC_CEC.INI"])),
-    ) else {
-        return skipped::skipped();
-    };
+    let Some(archive) = real("siemens", &["test.arc"]) else { return };
+    let names = ["AX_EEC.INI", "INITIAL.INI", "NC_CEC.INI"];
+    let Some(files) = real("siemens", &names) else { return };
     let said = understood(siemens, archive);
     insta::assert_snapshot!("real-siemens", said);
     let with_other_notes = |text: &str| text.split_once(" notes").map(|(_, rest)| rest.to_string());
@@ -193,25 +164,22 @@ fn a_five_axis_840d_sl_is_understood_from_its_archive_or_its_files() {
 #[test]
 fn each_file_of_tables_is_accepted_as_it_is() {
     for name in ["AX_EEC.INI", "NC_CEC.INI"] {
-        let Some(files) = real(("siemens", &[name])) else {
-            return skipped::skipped();
-        };
+        println!("{name}");
+        let Some(files) = real("siemens", &[name]) else { return };
         let job = siemens("files");
-        let active = read(&job, files, ReadOutFor::OldTables).unwrap_or_else(|p| panic!("{p}"));
+        let active = accepted(read(&job, files, ReadOutFor::OldTables));
         let other = if name == "AX_EEC.INI" { "CEC" } else { "ENC_COMP" };
         let is_other = |fact: &str| fact.starts_with(other);
         assert!(active.assumptions.iter().any(|a| is_other(&a.fact)), "{name}");
-        let with = job.with_active(active).unwrap_or_else(|p| panic!("{name}\n{}", p.render()));
-        kit::generate(&with).unwrap_or_else(|p| panic!("{name}\n{}", p.render()));
+        accepted(kit::generate(&accepted(job.with_active(active))));
     }
 }
 
 #[test]
 fn the_switches_of_a_real_control_without_its_tables_are_refused() {
-    let Some(files) = real(("siemens", &["INITIAL.INI"])) else {
-        return skipped::skipped();
-    };
-    let refused = read(&siemens("files"), files.clone(), ReadOutFor::OldTables).unwrap_err();
+    let Some(files) = real("siemens", &["INITIAL.INI"]) else { return };
+    let refused =
+        read(&siemens("files"), files.clone(), ReadOutFor::OldTables).unwrap_err().render();
     for says in [
         "$MA_ENC_COMP_ENABLE[1,AX1], [1,AX2], [1,AX3] is 1",
         "$SN_CEC_TABLE_ENABLE of CEC tables 0, 1, 2, 3, 4, 5 and 2 more is 1",
@@ -227,19 +195,16 @@ fn the_switches_of_a_real_control_without_its_tables_are_refused() {
 
 #[test]
 fn a_complete_fanuc_backup_is_understood() {
-    let backup: Files<'_> = ("fanuc", &["HM100TS_CNC-PARA.TXT", "HM100TS_PITCH.TXT"]);
-    let Some(files) = real(backup) else {
-        return skipped::skipped();
-    };
+    let names = ["HM100TS_CNC-PARA.TXT", "HM100TS_PITCH.TXT"];
+    let Some(files) = real("fanuc", &names) else { return };
+    let (parameters, points) = (files[..1].to_vec(), files[1..].to_vec());
     insta::assert_snapshot!("real-fanuc", understood(fanuc, files));
-    let parameters = real((backup.0, &backup.1[..1])).unwrap();
     let job = fanuc("files");
-    let active = read(&job, parameters, ReadOutFor::OldTables).unwrap();
+    let active = accepted(read(&job, parameters, ReadOutFor::OldTables));
     let refused = job.with_active(active).unwrap_err().render();
     assert!(refused.contains("point 1 is missing"), "{refused}");
-    let points = real((backup.0, &backup.1[1..])).unwrap();
-    let refused = read(&fanuc("files"), points, ReadOutFor::OldTables).unwrap_err();
+    let refused = read(&fanuc("files"), points, ReadOutFor::OldTables).unwrap_err().render();
     assert!(refused.contains("1536 points and no parameter 3620 to 3624"), "{refused}");
-    let short = real(("fanuc", &["Jir8taiwan_CNC-PARA.TXT"])).unwrap();
-    read(&fanuc("files"), short, ReadOutFor::Judging).unwrap();
+    let short = real("fanuc", &["Jir8taiwan_CNC-PARA.TXT"]).unwrap();
+    accepted(read(&fanuc("files"), short, ReadOutFor::Judging));
 }

@@ -1,6 +1,7 @@
 //! Files that other people's instruments and CAM systems wrote, read where they lie beside the
 //! repository: what is understood of each, and which are refused for which reason.
-use crate::support::skipped;
+use crate::support::tree;
+use crate::support::visit::{Visit, fixtures};
 use nonius::control::controller::TableSign;
 use nonius::inputs::import::stated::{MaterialCorrected, Rows, Stated};
 use nonius::inputs::import::{Component, Imported, Measurement, import};
@@ -8,25 +9,19 @@ use nonius::kit::sha256;
 use nonius::quantity::axis::{Axis, Direction};
 use nonius::text::finding::{Severity, of_severity};
 use nonius::text::problem::Problems;
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// The names and paths of the files of a folder; `None` where the data are not there.
 fn files(folder: &str) -> Option<BTreeMap<String, PathBuf>> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/real");
-    let Ok(entries) = fs::read_dir(root.join(folder)) else {
-        skipped::skipped();
+    let Ok(entries) = fs::read_dir(fixtures("../../shared/data/real").join(folder)) else {
+        tree::skipped("../shared is not here");
         return None;
     };
     let paths = entries.map(|entry| entry.unwrap().path());
-    let named = paths.map(|path| {
-        let name = path.file_name().unwrap().to_str().unwrap().to_string();
-        (name, path)
-    });
+    let named = paths.map(|path| (path.file_name().unwrap().to_str().unwrap().to_string(), path));
     Some(named.filter(|(name, _)| !name.ends_with(".tsv")).collect())
 }
 
@@ -73,16 +68,14 @@ fn understood(imported: &Imported) -> String {
         writeln!(words, "{} {way}: {count} points, {first} … {last} mm", series.axis).unwrap();
     }
     let told = ["unit", "values:", "rows:", "runs:", "not measured"];
-    let facts = of_severity(&imported.findings, Severity::Label);
-    let facts = facts
-        .iter()
-        .map(ToString::to_string)
-        .filter(|fact| told.iter().any(|t| fact.starts_with(t)));
-    facts.for_each(|fact| writeln!(words, "{fact}").unwrap());
+    for fact in of_severity(&imported.findings, Severity::Label).iter().map(ToString::to_string) {
+        if told.iter().any(|t| fact.starts_with(t)) {
+            writeln!(words, "{fact}").unwrap();
+        }
+    }
     for warning in of_severity(&imported.findings, Severity::Note) {
         let warning = warning.to_string();
-        let begin = warning.split([':', '(']).next().unwrap();
-        writeln!(words, "warning: {begin}").unwrap();
+        writeln!(words, "warning: {}", warning.split([':', '(']).next().unwrap()).unwrap();
     }
     words
 }
@@ -116,29 +109,24 @@ fn of_a_laser_export_nothing_is_guessed() {
 // Part programs
 
 /// A machine with so much travel that no program leaves it.
-fn job() -> String {
-    let axes: String = ["x", "y", "z"]
-        .iter()
-        .map(|axis| {
-            format!("[machine.axes.{axis}]\ntravel_mm = [-9000.0, 9000.0]\nreference_mm = 0.0\n")
-        })
-        .collect();
-    let offsets: String = ["G54", "G55", "G56"]
-        .iter()
-        .map(|name| {
-            format!("[[path.offset]]\nsystem = \"{name}\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n")
-        })
-        .collect();
-    let tools: String = (1..=20)
-        .map(|number| format!("[[path.tool]]\nnumber = {number}\nlength_mm = 100.0\n"))
-        .collect();
-    format!(
-        "schema = 1\n[machine]\nname = \"M\"\n{axes}[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[path]\n{offsets}{tools}"
-    )
+fn machine() -> Visit {
+    let axes = ["x", "y", "z"].map(|axis| {
+        format!("[machine.axes.{axis}]\ntravel_mm = [-9000.0, 9000.0]\nreference_mm = 0.0\n")
+    });
+    let offsets = ["G54", "G55", "G56"].map(|name| {
+        format!("[[path.offset]]\nsystem = \"{name}\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n")
+    });
+    let tool = |number| format!("[[path.tool]]\nnumber = {number}\nlength_mm = 100.0\n");
+    let mut job = "schema = 1\n[machine]\nname = \"M\"\n".to_string() + &axes.concat();
+    job += "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[path]\n";
+    job += &offsets.concat();
+    job.extend((1..=20).map(tool));
+    let errors = "axis,position_mm,ex_um,ey_um,ez_um\nx,-9000,-90,0,0\nx,9000,90,0,0\n\
+                  y,-9000,0,-90,0\ny,9000,0,90,0\nz,-9000,0,0,-90\nz,9000,0,0,90\n";
+    let visit = Visit::new();
+    visit.put("job.toml", job).put("errors.csv", errors);
+    visit
 }
-
-const ERRORS: &str = "axis,position_mm,ex_um,ey_um,ez_um
-x,-9000,-90,0,0\nx,9000,90,0,0\ny,-9000,0,-90,0\ny,9000,0,90,0\nz,-9000,0,0,-90\nz,9000,0,0,90\n";
 
 /// Why a program is refused, in one word.
 fn kind(said: &str) -> &'static str {
@@ -156,34 +144,24 @@ fn kind(said: &str) -> &'static str {
     found.map_or("other", |(_, kind)| kind)
 }
 
-/// `ran`, with the holes that were drilled, or why not.
-fn outcome(directory: &Path, program: &Path) -> String {
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .args(["path", "job.toml", "--format", "json"])
-        .arg(fs::canonicalize(program).unwrap())
-        .current_dir(directory)
-        .output()
-        .expect("the program starts");
-    let said = String::from_utf8_lossy(&output.stderr);
-    match output.status.code() {
-        Some(0) => {
-            let page: Value = serde_json::from_slice(&output.stdout).unwrap();
-            assert!(page.is_object());
+/// `ran`, or why not.
+fn outcome(visit: &Visit, program: &Path) -> String {
+    let program = fs::canonicalize(program).unwrap();
+    let ran = visit.run(&format!("path job.toml --format json \"{}\"", program.display()));
+    match ran.status {
+        Some(2) => format!("refused: {}", kind(&ran.err)),
+        _ => {
+            assert!(ran.ends(0).json().is_object());
             "ran".to_string()
         }
-        Some(2) => format!("refused: {}", kind(&said)),
-        other => panic!("{}: {other:?}\n{said}", program.display()),
     }
 }
 
 #[test]
 fn part_programs_of_others_run_or_are_refused_for_their_reason() {
     let Some(files) = files("gcode") else { return };
-    let directory = tempfile::tempdir().unwrap();
-    fs::write(directory.path().join("job.toml"), job()).unwrap();
-    fs::write(directory.path().join("errors.csv"), ERRORS).unwrap();
-    let outcomes =
-        files.iter().map(|(name, path)| format!("{name}: {}", outcome(directory.path(), path)));
+    let visit = machine();
+    let outcomes = files.iter().map(|(name, path)| format!("{name}: {}", outcome(&visit, path)));
     let list: Vec<String> = outcomes.collect();
     insta::assert_snapshot!(list.join("\n"));
 }

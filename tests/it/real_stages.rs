@@ -1,14 +1,12 @@
 //! Measured machines: three real stages (ISO 230-2 runs, read where they lie, not part of this
 //! repository), and the shipped nine errors against an independent simulation.
-use crate::support;
-use crate::support::Lines;
-use crate::support::skipped;
+use crate::support::visit::{fixture, fixtures};
+use crate::support::{self, Lines, tree};
 use nonius::control::controller::{Dialect, builtin};
 use nonius::control::table::Tables;
 use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use std::fmt::Write;
-use std::path::Path;
 
 // ---------------------------------------------------------------------------------------------
 // Three real stages
@@ -27,21 +25,18 @@ struct Stage {
 impl Stage {
     /// `None` where the measured data do not lie beside the repository.
     fn read(axis: &str) -> Option<Stage> {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-            .join("../shared/data/iso230-2")
-            .join(format!("iso230_2_ess_b02_{axis}.csv"));
-        let text = std::fs::read_to_string(path).ok()?;
-        let rows: Vec<Vec<f64>> = text
-            .lines()
-            .filter(|line| !line.starts_with('#') && !line.starts_with('i'))
-            .map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect())
-            .collect();
-        let mean = |first: usize| Lines {
-            mm: rows.iter().map(|row| row[1]).collect(),
-            um: rows
-                .iter()
-                .map(|row| (row[first..first + 5].iter().sum::<f64>() / 5.0 - row[1]) * 1000.0)
-                .collect(),
+        let path = fixtures("../../shared/data/iso230-2");
+        let text =
+            std::fs::read_to_string(path.join(format!("iso230_2_ess_b02_{axis}.csv"))).ok()?;
+        let rows = text.lines().filter(|line| !line.starts_with(['#', 'i']));
+        let cells = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let rows: Vec<Vec<f64>> = rows.map(cells).collect();
+        let mean = |first: usize| {
+            let um = |row: &Vec<f64>| row[first..first + 5].iter().sum::<f64>() / 5.0 - row[1];
+            Lines {
+                mm: rows.iter().map(|row| row[1]).collect(),
+                um: rows.iter().map(|row| um(row) * 1000.0).collect(),
+            }
         };
         Some(Stage { up: mean(2), down: mean(7) })
     }
@@ -53,12 +48,8 @@ impl Stage {
     /// The same with a target between any two, on the straight line.
     fn halved(&self) -> Stage {
         let halve = |lines: &Lines| {
-            let mm: Vec<f64> = lines
-                .mm
-                .windows(2)
-                .flat_map(|p| [p[0], (p[0] + p[1]) / 2.0])
-                .chain(lines.mm.last().copied())
-                .collect();
+            let pairs = lines.mm.windows(2).flat_map(|p| [p[0], (p[0] + p[1]) / 2.0]);
+            let mm: Vec<f64> = pairs.chain(lines.mm.last().copied()).collect();
             let um = mm.iter().map(|x| lines.at(*x)).collect();
             Lines { mm, um }
         };
@@ -71,10 +62,10 @@ impl Stage {
         [&self.up, &self.down].map(|lines| lines.um.iter().map(|um| um - zero).collect())
     }
 
-    /// Reversal B at every target.
-    fn reversal(&self) -> Vec<f64> {
+    /// Reversal B at every target, and at 0.
+    fn reversal(&self) -> (Vec<f64>, f64) {
         let pairs = self.up.um.iter().zip(&self.down.um);
-        pairs.map(|(up, down)| up - down).collect()
+        (pairs.map(|(up, down)| up - down).collect(), self.up.at(0.0) - self.down.at(0.0))
     }
 }
 
@@ -87,7 +78,7 @@ fn stages() -> Option<Vec<(Axis, Stage)>> {
     let read = |axis: Axis| Some((axis, Stage::read(axis.key())?));
     let stages: Option<Vec<_>> = Axis::ALL.into_iter().map(read).collect();
     if stages.is_none() {
-        skipped::skipped();
+        tree::skipped("../shared is not here");
     }
     stages
 }
@@ -97,11 +88,9 @@ fn errors_csv(stages: &[(Axis, Stage)]) -> String {
     for (axis, stage) in stages {
         for (sign, lines) in [("+", &stage.up), ("-", &stage.down)] {
             for (x, um) in lines.mm.iter().zip(&lines.um) {
-                let cell = |of: Axis| {
-                    if of == *axis { format!("{um:?}") } else { String::new() }
-                };
-                let cells = Axis::ALL.map(cell).join(",");
-                writeln!(csv, "{},{sign},{x:?},{cells}", axis.key()).unwrap();
+                let cells =
+                    Axis::ALL.map(|of| if of == *axis { format!("{um:?}") } else { "".into() });
+                writeln!(csv, "{},{sign},{x:?},{}", axis.key(), cells.join(",")).unwrap();
             }
         }
     }
@@ -116,38 +105,24 @@ fn job(stages: &[(Axis, Stage)], controller: &str, policy: &str) -> String {
 }
 
 fn job_with(stages: &[(Axis, Stage)], controller: &str, policy: &str, parts: f64) -> String {
-    let needs_unit = support::needs_unit(controller);
-    let mut job = String::from("schema = 1\n[machine]\nname = \"three stages\"\n");
-    for (axis, stage) in stages {
-        let mm = &stage.up.mm;
-        let (low, high) = (mm[0], mm[mm.len() - 1]);
-        writeln!(
-            job,
-            "[machine.axes.{}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = 0.0\nreference_direction = \"+\"",
-            axis.key()
-        )
-        .unwrap();
-    }
-    writeln!(
-        job,
-        "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n\
-         [compensation]\ncontroller = \"{controller}\"\nbacklash = \"{policy}\""
-    )
-    .unwrap();
-    for (axis, stage) in stages {
-        writeln!(
-            job,
-            "[compensation.axes.{}]\nspacing_mm = {:?}",
-            axis.key(),
-            stage.spacing() / parts
-        )
-        .unwrap();
-        if needs_unit {
-            writeln!(job, "detection_unit_um = {UNIT_UM:?}").unwrap();
-        }
-    }
+    let unit = match support::needs_unit(controller) {
+        true => format!("detection_unit_um = {UNIT_UM:?}\n"),
+        false => String::new(),
+    };
     // The stages are short and steep: up to 8 µm on 1 mm.
-    job.push_str("[limits]\nmax_slope_um_per_mm = 20.0\n");
+    let mut job = format!(
+        "schema = 1\n[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n\
+         [compensation]\ncontroller = \"{controller}\"\nbacklash = \"{policy}\"\n\
+         [limits]\nmax_slope_um_per_mm = 20.0\n[machine]\nname = \"three stages\"\n"
+    );
+    for (axis, stage) in stages {
+        let (axis, mm, spacing) = (axis.key(), &stage.up.mm, stage.spacing() / parts);
+        let (low, high) = (mm[0], mm[mm.len() - 1]);
+        job += &format!(
+            "[machine.axes.{axis}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = 0.0\nreference_direction = \"+\"\n\
+             [compensation.axes.{axis}]\nspacing_mm = {spacing:?}\n{unit}"
+        );
+    }
     job
 }
 
@@ -159,15 +134,11 @@ fn left_by_steps(stage: &Stage, count: f64, tables: [(&[f64], f64); 2]) -> f64 {
     let mut left = 0.0_f64;
     for (deviation, (wanted, constant)) in stage.relative().iter().zip(tables) {
         let reference = stage.up.mm.iter().position(|x| x.abs() < 1e-9).unwrap();
-        let correction: Vec<f64> = wanted
-            .iter()
-            .enumerate()
-            .map(|(node, um)| {
-                let total =
-                    if node == reference { 0.0 } else { ((-um - constant) / count).round() };
-                total * count + constant
-            })
-            .collect();
+        let correction = |(node, um): (usize, &f64)| match node == reference {
+            true => constant,
+            false => ((-um - constant) / count).round() * count + constant,
+        };
+        let correction: Vec<f64> = wanted.iter().enumerate().map(correction).collect();
         for section in 1..deviation.len() {
             let (a, b) = (deviation[section - 1], deviation[section]);
             let middle = (a + b) / 2.0;
@@ -188,100 +159,72 @@ fn magnification(memory: &FanucMemory, axis: u32) -> f64 {
 /// Largest error of the forecast's figures: they are sums of a few rounded numbers.
 const FIGURE_UM: f64 = 1e-6;
 
-fn check_stages(policy: &str) {
-    let Some(stages) = stages() else {
-        return;
-    };
+/// Table points on the targets: what is left of each is known to half a count.
+#[test]
+fn three_stages_with_the_mean_of_both_directions_or_a_table_for_each() {
+    let Some(stages) = stages() else { return };
     for id in support::positioning_ids() {
-        let profile = builtin::profile(id).unwrap();
-        let (_, kit) = support::generate(&job(&stages, id, policy), &errors_csv(&stages));
-        let tables = support::loaded(&profile, &kit);
-        for ((axis, stage), number) in stages.iter().zip(1..) {
-            let forecasts = kit.forecast.terms.iter();
-            let term = forecasts
-                .clone()
-                .find(|t| t.term == ErrorTerm { of: *axis, along: *axis })
-                .unwrap();
-            let name = format!("{id} {} {policy}", term.term);
-            let deviation = stage.relative();
-            let before = largest(deviation.iter().flatten());
-            assert!(
-                (term.change.before_um - before).abs() <= FIGURE_UM,
-                "{name}: before {}, expected {before}",
-                term.change.before_um
-            );
-
-            // One table with the mean leaves half the reversal in each direction, shifted by half
-            // the reversal at the reference, where moving up is zero:
-            //   up:   d_up − m + m(0) = +B/2 − B(0)/2;   down: −B/2 − B(0)/2
-            // so the larger of the two is (|B| + |B(0)|)/2. Two tables leave nothing.
-            let reversal = stage.reversal();
-            let at_zero = stage.up.at(0.0) - stage.down.at(0.0);
-            let two = support::has_two_directions(&profile);
-            let ideal = match policy {
-                _ if !two => (largest(&reversal) + at_zero.abs()) / 2.0,
-                "mean" => (largest(&reversal) + at_zero.abs()) / 2.0,
-                _ => 0.0,
-            };
-            let (after, near) = match (&profile.dialect, &tables) {
-                (Dialect::Generic(_), _) => {
-                    let half = if support::needs_unit(id) { UNIT_UM / 2.0 } else { 0.0 };
-                    (ideal, half + FIGURE_UM)
-                }
-                (Dialect::Declared(facts), _) => {
-                    (ideal, support::count_um(facts) / 2.0 + FIGURE_UM)
-                }
-                (Dialect::Siemens(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_), _) => {
-                    (ideal, HALF_COUNT_UM + FIGURE_UM)
-                }
-                (Dialect::Fanuc(_), Tables::Fanuc(memory)) => {
-                    let count = UNIT_UM * magnification(memory, number);
-                    let fine = stage.halved();
-                    let deviation = fine.relative();
-                    let mean: Vec<f64> = deviation[0]
-                        .iter()
-                        .zip(&deviation[1])
-                        .map(|(up, down)| (up + down - (0.0 - at_zero)) / 2.0)
-                        .collect();
-                    let constant = (at_zero / UNIT_UM).round() * UNIT_UM;
-                    let tables: [(&[f64], f64); 2] = match policy {
-                        "mean" => [(&mean, 0.0), (&mean, 0.0)],
-                        _ => [(&deviation[0], 0.0), (&deviation[1], constant)],
-                    };
-                    (left_by_steps(&fine, count, tables), FIGURE_UM)
-                }
-                _ => panic!("{name}: tables of another control"),
-            };
-            assert!(
-                (term.change.after_um - after).abs() <= near,
-                "{name}: after {}, expected {after}",
-                term.change.after_um
-            );
-            assert!(term.change.after_um < before, "{name} helps");
+        for policy in ["mean", "two-tables"] {
+            check_stages(&stages, id, policy);
         }
     }
 }
 
-#[test]
-fn three_stages_with_the_mean_of_both_directions() {
-    check_stages("mean");
-}
+fn check_stages(stages: &[(Axis, Stage)], id: &str, policy: &str) {
+    let profile = builtin::profile(id).unwrap();
+    let (_, kit) = support::generate(&job(stages, id, policy), &errors_csv(stages));
+    let tables = support::loaded(&profile, &kit);
+    for ((axis, stage), number) in stages.iter().zip(1..) {
+        let own = ErrorTerm { of: *axis, along: *axis };
+        let term = kit.forecast.terms.iter().find(|t| t.term == own).unwrap();
+        let name = format!("{id} {own} {policy}");
+        let before = largest(stage.relative().iter().flatten());
+        let (found, left) = (term.change.before_um, term.change.after_um);
+        assert!((found - before).abs() <= FIGURE_UM, "{name}: before {found}, expected {before}");
 
-#[test]
-fn three_stages_with_a_table_for_each_direction() {
-    check_stages("two-tables");
+        // One table with the mean leaves half the reversal in each direction, shifted by half
+        // the reversal at the reference, where moving up is zero:
+        //   up:   d_up − m + m(0) = +B/2 − B(0)/2;   down: −B/2 − B(0)/2
+        // so the larger of the two is (|B| + |B(0)|)/2. Two tables leave nothing.
+        let (reversal, at_zero) = stage.reversal();
+        let ideal = match support::has_two_directions(&profile) && policy != "mean" {
+            true => 0.0,
+            false => (largest(&reversal) + at_zero.abs()) / 2.0,
+        };
+        let (after, near) = match (&profile.dialect, &tables) {
+            (Dialect::Generic(_), _) if support::needs_unit(id) => (ideal, UNIT_UM / 2.0),
+            (Dialect::Generic(_), _) => (ideal, 0.0),
+            (Dialect::Declared(facts), _) => (ideal, support::count_um(facts) / 2.0),
+            (Dialect::Siemens(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_), _) => {
+                (ideal, HALF_COUNT_UM)
+            }
+            (Dialect::Fanuc(_), Tables::Fanuc(memory)) => {
+                let count = UNIT_UM * magnification(memory, number);
+                let fine = stage.halved();
+                let [up, down] = fine.relative();
+                let pairs = up.iter().zip(&down);
+                let mean: Vec<f64> = pairs.map(|(up, down)| (up + down + at_zero) / 2.0).collect();
+                let constant = (at_zero / UNIT_UM).round() * UNIT_UM;
+                let tables: [(&[f64], f64); 2] = match policy {
+                    "mean" => [(&mean, 0.0), (&mean, 0.0)],
+                    _ => [(&up, 0.0), (&down, constant)],
+                };
+                (left_by_steps(&fine, count, tables), 0.0)
+            }
+            _ => panic!("{name}: tables of another control"),
+        };
+        let near = near + FIGURE_UM;
+        assert!((left - after).abs() <= near, "{name}: after {left}, expected {after}");
+        assert!(left < before, "{name} helps");
+    }
 }
 
 /// The refusal names the direction's table that is too steep, not the other one.
 #[test]
 fn a_stage_too_steep_for_the_control_is_refused_with_its_figure() {
-    let Some(stages) = stages() else {
-        return;
-    };
-    let changes = |lines: &Lines| {
-        let changes: Vec<f64> = lines.um.windows(2).map(|p| p[1] - p[0]).collect();
-        largest(&changes)
-    };
+    let Some(stages) = stages() else { return };
+    let changes =
+        |lines: &Lines| largest(&lines.um.windows(2).map(|p| p[1] - p[0]).collect::<Vec<f64>>());
     let stage = &stages[1].1;
     let steepest = changes(&stage.up).max(changes(&stage.down));
     assert!(steepest > 70.0, "the stage is no longer too steep");
@@ -295,9 +238,7 @@ fn a_stage_too_steep_for_the_control_is_refused_with_its_figure() {
 /// Ordinary lost motion: moving down the machine lags, it stands too far in +.
 #[test]
 fn the_emulated_stages_stand_where_they_should() {
-    let Some(stages) = stages() else {
-        return;
-    };
+    let Some(stages) = stages() else { return };
     for id in support::positioning_ids().filter(|id| !id.starts_with("fanuc")) {
         let profile = builtin::profile(id).unwrap();
         if !support::has_two_directions(&profile) {
@@ -315,14 +256,11 @@ fn the_emulated_stages_stand_where_they_should() {
                 [(Direction::Plus, &stage.up), (Direction::Minus, &stage.down)]
             {
                 let response = support::response(control.as_ref(), name, name, direction);
+                let (low, high) = (lines.mm[0], lines.mm[lines.mm.len() - 1]);
                 for part in 0..=500 {
-                    let (low, high) = (lines.mm[0], lines.mm[lines.mm.len() - 1]);
                     let x = low + (high - low) * f64::from(part) / 500.0;
-                    let left = lines.at(x) - zero + support::um_at(&response, x);
-                    assert!(
-                        left.abs() <= half + FIGURE_UM,
-                        "{id} {name}{direction} at {x}: {left}"
-                    );
+                    let left = (lines.at(x) - zero + support::um_at(&response, x)).abs();
+                    assert!(left <= half + FIGURE_UM, "{id} {name}{direction} at {x}: {left}");
                 }
             }
         }
@@ -339,19 +277,14 @@ const DIAGONALS_UM: [(&str, f64); 4] =
 const SQUARENESS_UM_PER_M: [(Axis, Axis, f64); 3] =
     [(Axis::X, Axis::Y, 19.166666667), (Axis::X, Axis::Z, -13.055555556), (Axis::Y, Axis::Z, 12.5)];
 
-const GOLDEN: &str = include_str!("../../fixtures/nine_errors_900/generic.toml");
-const GOLDEN_FANUC: &str = include_str!("../../fixtures/nine_errors_900/fanuc-30i.toml");
-const GOLDEN_ERRORS: &str = include_str!("../../fixtures/nine_errors_900/errors.csv");
-
 #[test]
 fn nine_errors_of_the_900_mm_machine_on_every_control() {
+    let errors = fixture("nine_errors_900/errors.csv");
     for id in support::positioning_ids() {
-        let job = if support::needs_unit(id) {
-            GOLDEN_FANUC.replace("\"fanuc-30i\"", &format!("\"{id}\""))
-        } else {
-            GOLDEN.replace("\"generic\"", &format!("\"{id}\""))
-        };
-        let (inputs, kit) = support::generate(&job, GOLDEN_ERRORS);
+        let example = if support::needs_unit(id) { "fanuc-30i" } else { "generic" };
+        let job = fixture(&format!("nine_errors_900/{example}.toml"));
+        let job = job.replace(&format!("\"{example}\""), &format!("\"{id}\""));
+        let (inputs, kit) = support::generate(&job, &errors);
         assert_eq!(kit.manifest.controller, id);
         for (first, second, expected) in SQUARENESS_UM_PER_M {
             let phi = inputs.model.squareness_um_per_m(first, second).unwrap();
@@ -360,36 +293,23 @@ fn nine_errors_of_the_900_mm_machine_on_every_control() {
         assert_eq!(kit.forecast.diagonals.len(), 4);
         for (diagonal, (name, before)) in kit.forecast.diagonals.iter().zip(DIAGONALS_UM) {
             assert_eq!(diagonal.name, name);
-            assert!(
-                (diagonal.change.before_um - before).abs() <= FIGURE_UM,
-                "{id} {name}: {}",
-                diagonal.change.before_um
-            );
+            let (found, left) = (diagonal.change.before_um, diagonal.change.after_um);
+            assert!((found - before).abs() <= FIGURE_UM, "{id} {name}: {found}");
             // Without its straightness and squareness a diagonal may become larger.
-            assert!(
-                diagonal.change.after_um < before || !kit.plan.omitted.is_empty(),
-                "{id} {name}: {} after",
-                diagonal.change.after_um
-            );
+            assert!(left < before || !kit.plan.omitted.is_empty(), "{id} {name}: {left} after");
             // Table points lie on the measured ones: nothing but rounding is left.
             let exact = match id {
                 "generic" => FIGURE_UM,
                 "siemens-840d-sl" => 9.0 * HALF_COUNT_UM,
                 _ => continue,
             };
-            assert!(
-                diagonal.change.after_um <= 2.0 * exact,
-                "{id} {name}: {} after",
-                diagonal.change.after_um
-            );
+            assert!(left <= 2.0 * exact, "{id} {name}: {left} after");
         }
-        let omitted = kit.plan.omitted.len();
         let expected = match id {
-            "fanuc-0i-f" | "fanuc-16i" => 3,
-            "isg-axis" => 3, // one for each axis
+            "fanuc-0i-f" | "fanuc-16i" | "isg-axis" => 3, // ISG has one for each axis
             _ if support::has_cross_terms(&inputs.profile) => 0,
             _ => 6, // no table moves another axis
         };
-        assert_eq!(omitted, expected, "{id}: terms without a table");
+        assert_eq!(kit.plan.omitted.len(), expected, "{id}: terms without a table");
     }
 }

@@ -2,63 +2,81 @@
 //!
 //! The real program runs in a fresh directory that holds the inputs of the case only. It must end
 //! with status 2, say exactly what the case expects, and leave the directory as it was.
-//! `NONIUS_UPDATE=1 cargo test --test refuses` rewrites the expectations (fixtures/cases/README.md).
+//! `NONIUS_UPDATE=1 cargo test --test it refuses` rewrites the expectations (fixtures/cases/README.md).
 
-use crate::support::refusals;
-use crate::support::refusals::Case;
-use crate::support::run;
-use crate::support::tree;
+use crate::support::refusals::{self, Case};
+use crate::support::visit::{Visit, fixtures, program};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::PathBuf;
 
 /// A search that finds nothing must not pass.
 const LEAST_CASES: usize = 500;
 
-fn fixtures() -> &'static Path {
-    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures"))
+/// Every page: its path, its text, its cases.
+fn pages() -> Vec<(PathBuf, String, Vec<Case>)> {
+    let read = |path: PathBuf| {
+        let page = fs::read_to_string(&path).unwrap().replace('\r', "");
+        let cases = refusals::cases(&fixtures(""), &page);
+        (path, page, cases)
+    };
+    refusals::pages(&fixtures("")).into_iter().map(read).collect()
 }
 
 #[test]
 fn every_refusal_says_what_is_wrong_and_writes_nothing() {
-    let (mut failures, mut count) = (Vec::new(), 0);
-    for path in refusals::pages(fixtures()) {
-        let page = fs::read_to_string(&path).expect("it is text");
-        let cases = refusals::cases(fixtures(), &page);
-        count += cases.len();
-        let said: Vec<String> = cases.iter().map(said).collect();
-        if std::env::var_os("NONIUS_UPDATE").is_some() {
-            let written = refusals::with_expectations(&page, &said);
-            if written != page {
-                fs::write(&path, written).expect("the page can be written");
+    let pages = pages();
+    let cases: Vec<&Case> = pages.iter().flat_map(|(_, _, cases)| cases).collect();
+    assert!(cases.len() >= LEAST_CASES, "only {} cases found", cases.len());
+    let told = on_all_cores(&cases);
+    if std::env::var_os("NONIUS_UPDATE").is_some() {
+        let mut told = told.into_iter();
+        for (path, page, cases) in &pages {
+            let said: Vec<String> = told.by_ref().take(cases.len()).collect();
+            let written = refusals::with_expectations(page, &said);
+            if written != *page {
+                fs::write(path, written).unwrap();
             }
-        } else {
-            failures.extend(cases.iter().zip(&said).filter_map(differs));
         }
+        return;
     }
-    assert!(count >= LEAST_CASES, "only {count} cases found");
+    let differs = |(case, said): (&&Case, &String)| {
+        let (name, expected) = (&case.name, &case.expected);
+        (expected != said).then(|| format!("{name}:\n--- expected\n{expected}--- got\n{said}"))
+    };
+    let failures: Vec<String> = cases.iter().zip(&told).filter_map(differs).collect();
     assert!(
         failures.is_empty(),
-        "{} of {count} cases differ; if the new words are meant, run with NONIUS_UPDATE=1\n\n{}",
+        "{} of {} cases differ; if the new words are meant, run with NONIUS_UPDATE=1\n\n{}",
         failures.len(),
+        cases.len(),
         failures.join("\n\n")
     );
 }
 
-fn differs((case, said): (&Case, &String)) -> Option<String> {
-    let (name, expected) = (&case.name, &case.expected);
-    (expected != said).then(|| format!("{name}:\n--- expected\n{expected}--- got\n{said}"))
+/// What is said of each case, in their order.
+fn on_all_cores(cases: &[&Case]) -> Vec<String> {
+    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
+    let parts = cases.chunks(cases.len().div_ceil(cores));
+    std::thread::scope(|threads| {
+        let work = |part| threads.spawn(move || said_of(part));
+        let all: Vec<_> = parts.map(work).collect();
+        all.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
+    })
+}
+
+fn said_of(cases: &[&Case]) -> Vec<String> {
+    cases.iter().map(|case| said(case)).collect()
 }
 
 /// Exit status, standard error, then standard output of a case, which writes nothing.
 fn said(case: &Case) -> String {
-    let place = tempfile::tempdir().expect("a temporary directory can be made");
-    case.lay_out(place.path());
-    let before = tree::tree(place.path());
-    let output = run::nonius(place.path(), &case.command);
-    assert_eq!(before, tree::tree(place.path()), "{}: written", case.name);
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("the program prints UTF-8");
-    let told = text(output.stderr) + &text(output.stdout);
+    let visit = Visit::new();
+    case.lay_out(visit.folder());
+    let before = visit.files();
+    let output = program(visit.folder(), &case.command).output().unwrap();
+    assert_eq!(before, visit.files(), "{}: written", case.name);
+    let told = String::from_utf8([output.stderr, output.stdout].concat()).unwrap();
     let told = told.replace('\r', "").replace("nonius.exe", "nonius");
     assert_eq!(output.status.code(), Some(2), "{}: {told}", case.name);
     format!("exit status 2\n{told}")
@@ -68,7 +86,7 @@ fn said(case: &Case) -> String {
 #[test]
 fn every_case_has_a_name_of_its_own() {
     let mut times: BTreeMap<String, usize> = BTreeMap::new();
-    for case in refusals::all(fixtures()) {
+    for case in pages().into_iter().flat_map(|(_, _, cases)| cases) {
         *times.entry(case.name).or_default() += 1;
     }
     times.retain(|_, times| *times > 1);
@@ -78,10 +96,7 @@ fn every_case_has_a_name_of_its_own() {
 /// What `NONIUS_UPDATE=1` writes of expectations that hold is the file as it was.
 #[test]
 fn expectations_are_written_as_they_stand() {
-    for path in refusals::pages(fixtures()) {
-        let page = fs::read_to_string(&path).expect("it is text");
-        let page = page.replace('\r', "");
-        let cases = refusals::cases(fixtures(), &page);
+    for (_, page, cases) in pages() {
         let said: Vec<String> = cases.into_iter().map(|case| case.expected).collect();
         assert_eq!(refusals::with_expectations(&page, &said), page);
     }
@@ -90,7 +105,7 @@ fn expectations_are_written_as_they_stand() {
 #[test]
 fn lines_are_replaced_where_they_stand_once() {
     let page = "\n== a\n@ b.csv CR LF\n+ 1\n+ 2\n+ 1\n@ b.csv\n  2\n- 1\n+ \\u{202e}\n> c\n>\n";
-    let case = refusals::cases(fixtures(), page).remove(0);
+    let case = refusals::cases(&fixtures(""), page).remove(0);
     assert_eq!(case.files["b.csv"], "1\r\n2\r\n\u{202e}\r\n".as_bytes());
     assert_eq!(case.expected, "c\n\n");
     assert_eq!(case.command, "generate job.toml -o kit");
@@ -99,5 +114,5 @@ fn lines_are_replaced_where_they_stand_once() {
 #[test]
 #[should_panic(expected = "times that these lines are found")]
 fn lines_that_stand_twice_are_not_replaced() {
-    refusals::cases(fixtures(), "\n== a\n@ b.csv\n+ 1\n+ 1\n@ b.csv\n- 1\n> c\n");
+    refusals::cases(&fixtures(""), "\n== a\n@ b.csv\n+ 1\n+ 1\n@ b.csv\n- 1\n> c\n");
 }

@@ -1,345 +1,287 @@
 //! The page that is handed over: its figures are those of the commands, its bytes are the same twice, text of
 //! others is harmless, and a browser shows it without anything cut off.
+use crate::support::visit::{Ran, Visit, number, page as repository_page, replaced};
 use serde_json::Value;
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
-fn nonius(arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
-    let command = command.current_dir(env!("CARGO_MANIFEST_DIR")).args(arguments);
-    command.output().expect("the program runs")
+const SIEMENS: &str = "nine_errors_900/siemens-840d-sl.toml";
+
+/// A job as `job.toml` with its kit in `kit`.
+fn with_kit(job: &str) -> Visit {
+    let visit = Visit::with_job(job);
+    visit.run("generate job.toml -q -o kit").answers();
+    visit
 }
 
-fn document(arguments: &[&str]) -> Value {
-    let output = nonius(&[arguments, &["--format", "json"]].concat());
-    let words = String::from_utf8_lossy(&output.stderr);
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{arguments:?}: {words}"))
+/// The page of `report` with these arguments.
+#[track_caller]
+fn page(visit: &Visit, arguments: &str) -> String {
+    visit.run(&format!("report {arguments} -o -")).answers().omits("\u{fffd}").out
 }
 
-fn page(arguments: &[&str]) -> String {
-    let output = nonius(&[&["report"], arguments, &["-o", "-"]].concat());
-    assert_ne!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
-    String::from_utf8(output.stdout).expect("the page is text")
+#[track_caller]
+fn holds(page: &str, words: &[&str]) {
+    for word in words {
+        assert!(page.contains(word), "`{word}` is not on the page");
+    }
+}
+
+#[track_caller]
+fn lacks(page: &str, words: &[&str]) {
+    for word in words {
+        assert!(!page.contains(word), "`{word}` is on the page");
+    }
 }
 
 /// Every figure of a page: its number, the command, the place in the document, what is shown.
-fn figures(page: &str) -> Vec<(f64, String, String, String)> {
-    let figures = page.split("<span data-value=\"").skip(1).map(|rest| {
-        let (number, rest) = rest.split_once("\" data-of=\"").expect("where it is from");
-        let (of, rest) = rest.split_once("\">").expect("the end of the mark");
-        let (shown, _) = rest.split_once("</span>").expect("what is shown");
-        let (command, at) = of.split_once(' ').expect("command and place");
-        let number = number.parse().expect("a number");
-        (number, command.to_string(), at.to_string(), shown.to_string())
-    });
-    figures.collect()
+fn figures(page: &str) -> impl Iterator<Item = (f64, &str, &str, &str)> {
+    page.split("<span data-value=\"").skip(1).map(|rest| {
+        let (number, rest) = rest.split_once("\" data-of=\"").unwrap();
+        let (of, rest) = rest.split_once("\">").unwrap();
+        let (shown, _) = rest.split_once("</span>").unwrap();
+        let (command, at) = of.split_once(' ').unwrap();
+        (number.parse().unwrap(), command, at, shown)
+    })
 }
 
-fn kit(folder: &Path, job: &str) -> PathBuf {
-    let kit = folder.join("kit");
-    let output = nonius(&["generate", job, "-q", "-o", kit.to_str().expect("a name")]);
-    assert_ne!(output.status.code(), Some(2), "{}", String::from_utf8_lossy(&output.stderr));
-    kit
-}
-
-/// Compares every figure of a page with the documents of the commands that it names.
-fn check_figures(page: &str, job: &str, kit: &Path, after: Option<&str>) {
-    let tables = kit.to_str().expect("a name");
-    let mut verify = vec!["verify", job, "--tables", tables];
-    verify.extend(after.into_iter().flat_map(|after| ["--after", after]));
-    let manifest = std::fs::read(kit.join("manifest.json")).expect("a manifest");
+/// Compares every figure of the page of a job with its kit with the documents of the commands that it names.
+fn check_figures(visit: &Visit, page: &str, after: &str) {
     let documents = [
-        ("verify", document(&verify)),
-        ("assess", document(&["assess", job, "--tables", tables, "--grid", "11,11,11"])),
-        ("kit", serde_json::from_slice(&manifest).expect("a manifest is JSON")),
+        ("verify", visit.json(&format!("verify job.toml --tables kit {after}"))),
+        ("assess", visit.json("assess job.toml --tables kit --grid 11,11,11")),
+        ("kit", visit.document("kit/manifest.json")),
     ];
     check_documents(page, &documents, 30);
 }
 
 /// Compares every figure with the document that it names; there are more than `least` of them.
 fn check_documents(page: &str, documents: &[(&str, Value)], least: usize) {
-    let figures = figures(page);
-    assert!(figures.len() > least, "only {} figures", figures.len());
-    for (number, command, at, shown) in figures {
+    assert!(figures(page).count() > least, "only {} figures", figures(page).count());
+    for (number, command, at, shown) in figures(page) {
         let found = documents.iter().find(|(name, _)| *name == command);
         let (_, document) = found.unwrap_or_else(|| panic!("{command} is no command"));
-        let value = document.pointer(&at).and_then(Value::as_f64);
+        let value = document.pointer(at).and_then(Value::as_f64);
         assert_eq!(value, Some(number), "{command} {at}");
         let shown = shown.replace('\u{2212}', "-").replace(',', ".");
         let decimals = shown.split_once('.').map_or(0, |(_, after)| after.len());
-        let read: f64 = shown.parse().expect("a figure is a number");
-        let digits = u32::try_from(decimals).expect("few decimals");
+        let digits = u32::try_from(decimals).unwrap();
         let half = 0.5 / nonius::quantity::units::power_of_ten(digits);
-        assert!((read - number).abs() <= half * 1.001, "{command} {at}: {shown} for {number}");
+        let off = (shown.parse::<f64>().unwrap() - number).abs();
+        assert!(off <= half * 1.001, "{command} {at}: {shown} for {number}");
     }
 }
 
 /// The sentences of a part.
 fn items(page: &str, part: &str) -> Vec<String> {
-    let (_, rest) = page.split_once(&format!("<section id=\"{part}\"")).expect("the part");
-    let (part, _) = rest.split_once("</section>").expect("the end of the part");
+    let (_, rest) = page.split_once(&format!("<section id=\"{part}\"")).unwrap();
+    let (part, _) = rest.split_once("</section>").unwrap();
     let items = part.split("<li>").skip(1);
-    let items = items.map(|item| item.split("</li>").next().expect("an item").to_string());
-    items.collect()
-}
-
-/// A job of a folder without what it says of tables.
-fn without_tables(folder: &Path, job: &str) -> String {
-    let text = std::fs::read_to_string(job).expect("a job");
-    let (before, after) = text.split_once("[compensation]").expect("tables");
-    let acceptance = after.find("[acceptance]").map_or("", |at| &after[at..]);
-    let path = folder.join("job.toml");
-    std::fs::write(&path, format!("{before}{acceptance}")).expect("a job");
-    path.to_str().expect("a name").to_string()
+    items.map(|item| item.split("</li>").next().unwrap().to_string()).collect()
 }
 
 /// Largest |value − value at the reference| of a column, µm, by hand.
 fn largest(table: &str, axis: &str, column: usize) -> f64 {
     let rows = table.lines().filter(|line| line.starts_with(axis));
-    let value = |line: &str| line.split(',').nth(column)?.parse().ok();
-    let values: Vec<f64> = rows.filter_map(value).collect();
-    let from_first = values.iter().map(|um| (um - values[0]).abs());
-    from_first.fold(0.0, f64::max)
+    let values: Vec<f64> =
+        rows.filter_map(|line| line.split(',').nth(column)?.parse().ok()).collect();
+    values.iter().map(|um| (um - values[0]).abs()).fold(0.0, f64::max)
 }
 
 /// Machine H states no tables: each error as found, diagonals, volume, and no word of a forecast.
 #[test]
 fn without_tables_it_shows_the_machine_as_found() {
-    let job = "fixtures/machine_h/job.toml";
-    let assess = document(&["assess", job, "--grid", "11,11,11"]);
-    let english = page(&[job]);
+    let visit = Visit::with_job("machine_h/job.toml");
+    let assess = visit.json("assess job.toml --grid 11,11,11");
+    let english = page(&visit, "job.toml");
     check_documents(&english, &[("assess", assess.clone())], 18);
-    let table = std::fs::read_to_string("fixtures/machine_h/errors.csv").expect("a table");
+    let table = visit.read("errors.csv");
     for (term, axis, column) in [("EXX", "x", 2), ("EYY", "y", 3), ("EZZ", "z", 4)] {
-        let found = &assess["terms"][term]["before_um"];
-        let um = found.as_f64().expect("a figure");
+        let um = number(&assess["terms"][term]["before_um"]);
         assert!((um - largest(&table, axis, column)).abs() < 1e-6, "{term} {um}");
     }
-    assert!(english.contains("AS FOUND") && english.contains("no tables are given"));
-    for word in ["Forecast", "As left", "PASS", "Tables of the control", "Rollback"] {
-        assert!(!english.contains(word), "{word}");
-    }
-    assert!(english.contains("/definitions/diagonals_um/PNP") && english.contains("EYX"));
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let place = folder.path().join("page.html");
-    let place = place.to_str().expect("a name");
-    let output = nonius(&["report", job, "-o", place, "--format", "json"]);
-    let said: Value = serde_json::from_slice(&output.stdout).expect("a document");
-    assert_eq!((&said["verdict"], output.status.code()), (&"as-found".into(), Some(0)));
+    holds(&english, &["AS FOUND", "no tables are given", "/definitions/diagonals_um/PNP", "EYX"]);
+    lacks(&english, &["Forecast", "As left", "PASS", "Tables of the control", "Rollback"]);
+    let said = visit.run("report job.toml -o page.html --format json").ends(0).json();
+    assert_eq!(said["verdict"], "as-found");
 }
 
 /// Of an error table alone nobody knows the machine; U is that of a value known to 1 µm: 1.96 µm (95 %).
 #[test]
 fn an_error_table_alone_will_do() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let table = folder.path().join("errors.csv");
-    let rows = "axis,position_mm,ex_um,u_ex_um\nx,0,0,0\nx,100,2,0.1\nx,200,50,1\n";
-    std::fs::write(&table, rows).expect("a table");
-    let table = table.to_str().expect("a name");
-    let found = page(&[table]);
-    let assess = document(&["assess", table, "--grid", "11,1,1"]);
-    let terms = &assess["terms"]["EXX"];
-    assert_eq!(terms["before_um"].as_f64(), Some(50.0));
-    let expanded = terms["expanded_um"].as_f64().expect("U");
+    let visit = Visit::new();
+    visit.put("errors.csv", "axis,position_mm,ex_um,u_ex_um\nx,0,0,0\nx,100,2,0.1\nx,200,50,1\n");
+    let found = page(&visit, "errors.csv");
+    let terms = &visit.json("assess errors.csv --grid 11,1,1")["terms"]["EXX"];
+    assert_eq!(terms["before_um"], 50.0);
+    let expanded = number(&terms["expanded_um"]);
     assert!((expanded - 1.95996).abs() < 0.0001, "{expanded}");
-    assert!(found.contains("errors.csv") && found.contains("<code>"), "its hash");
-    assert!(!found.contains("/definitions/diagonals_um"), "one error makes no diagonal");
+    holds(&found, &["errors.csv", "<code>"]); // its hash
+    lacks(&found, &["/definitions/diagonals_um"]); // one error makes no diagonal
     assert!(items(&found, "missing_found").iter().any(|item| item.starts_with("EYY")));
 }
 
 /// Readings without tables: figures of the diagonals, squareness from the totals with its U, the doubt first.
 #[test]
 fn readings_without_tables_keep_their_doubts() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let case_d = Path::new("fixtures/diagonals/case_d_bidirectional");
-    std::fs::copy(case_d.join("readings.csv"), folder.path().join("readings.csv"))
-        .expect("readings");
-    let job = case_d.join("job.toml");
-    let job = without_tables(folder.path(), job.to_str().expect("a name"));
-    let found = page(&[&job]);
-    let separate = document(&["separate", &job, "--trials", "0"]);
-    let assess = document(&["assess", &job, "--grid", "11,11,11"]);
+    let visit = Visit::of("diagonals/case_d_bidirectional");
+    let job = visit.read("job.toml");
+    let (before, after) = job.split_once("[compensation]").unwrap();
+    let acceptance = after.find("[acceptance]").map_or("", |at| &after[at..]);
+    visit.put("job.toml", format!("{before}{acceptance}"));
+    let found = page(&visit, "job.toml");
+    let separate = visit.json("separate job.toml --trials 0");
+    let assess = visit.json("assess job.toml --grid 11,11,11");
     for plane in ["xy", "xz", "yz"] {
         let squareness = &assess["squareness"][plane];
         assert_eq!(squareness["before_um_per_m"], separate["squareness_um_per_m"][plane]);
-        let u = separate["u_squareness_um_per_m"][plane].as_f64().expect("u");
-        let expanded = squareness["expanded_um_per_m"].as_f64().expect("U");
+        let u = number(&separate["u_squareness_um_per_m"][plane]);
+        let expanded = number(&squareness["expanded_um_per_m"]);
         assert!((1.9..2.1).contains(&(expanded / u)), "{plane}: {expanded}, u {u}");
     }
-    let standards = document(&["standards", &job]);
+    let standards = visit.json("standards job.toml");
     check_documents(&found, &[("assess", assess), ("standards", standards)], 30);
-    let (verdict, _) = found.split_once("Largest deviation").expect("the first page");
-    assert!(verdict.contains("reversal"), "the reversal that no curve holds is a doubt");
-    assert!(!verdict.contains('\u{2264}'), "a limit that nothing was judged by");
+    let (verdict, _) = found.split_once("Largest deviation").unwrap();
+    holds(verdict, &["reversal"]); // the reversal that no curve holds is a doubt
+    lacks(verdict, &["\u{2264}"]); // a limit that nothing was judged by
 }
 
 #[test]
 fn runs_of_an_axis_are_shown_by_standard() {
-    let job = "fixtures/machine_h/job.toml";
-    let runs = "fixtures/standards/x_axis.csv";
-    let found = page(&[job, "--linear", runs, "--linear", runs]);
-    let documents = [
-        ("assess", document(&["assess", job, "--grid", "11,11,11"])),
-        ("standards:1", document(&["standards", runs])),
-        ("standards:2", document(&["standards", runs])),
-    ];
+    let visit = Visit::with_job("machine_h/job.toml");
+    visit.copy("standards/x_axis.csv", "runs.csv");
+    let found = page(&visit, "job.toml --linear runs.csv --linear runs.csv");
+    let runs = visit.json("standards runs.csv");
+    let assess = visit.json("assess job.toml --grid 11,11,11");
+    let documents = [("assess", assess), ("standards:1", runs.clone()), ("standards:2", runs)];
     check_documents(&found, &documents, 40);
-    assert!(found.contains("standards:2 /iso_230_2/A_um"));
-    assert!(found.contains("the travel is not stated") && !found.contains("--travel-mm"));
-    let output =
-        nonius(&["report", job, "--linear", "fixtures/formats/sample_synthetic.rtl", "-o", "-"]);
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(
-        output.status.code() == Some(2) && words.contains("expected runs of one axis (CSV)"),
-        "{words}"
-    );
+    holds(&found, &["standards:2 /iso_230_2/A_um", "the travel is not stated"]);
+    lacks(&found, &["--travel-mm"]);
+    visit.copy("formats/sample_synthetic.rtl", "runs.rtl");
+    let refused = visit.run("report job.toml --linear runs.rtl -o -").ends(2);
+    refused.says("expected runs of one axis (CSV)");
 }
 
 /// Angles need the order of the axes: without it the page says why it has no figures of the volume.
 #[test]
 fn a_volume_that_cannot_be_computed_is_told() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let from = Path::new("fixtures/machines/five_points");
-    let table = std::fs::read_to_string(from.join("errors.csv")).expect("a table");
-    let with_angle = table.lines().map(|line| match line {
-        line if line.starts_with('#') => line.to_string(),
-        line if line.starts_with("axis") => format!("{line},ec_urad"),
-        line => format!("{line},1"),
+    let visit = Visit::with_job("machines/five_points/generic.toml");
+    with_column(&visit, ",ec_urad", ",1");
+    visit.edit("job.toml", "\nchain = ", "\n# chain = ");
+    assert!(items(&page(&visit, "job.toml"), "volume")[0].contains("`machine.chain` is missing"));
+}
+
+/// One more column of the error table.
+fn with_column(visit: &Visit, name: &str, value: &str) {
+    let table = visit.read("errors.csv");
+    let rows = table.lines().map(|line| match line.as_bytes()[0] {
+        b'#' => format!("{line}\n"),
+        b'a' => format!("{line}{name}\n"),
+        _ => format!("{line}{value}\n"),
     });
-    let table = with_angle.collect::<Vec<_>>().join("\n");
-    std::fs::write(folder.path().join("errors.csv"), table).expect("a table");
-    let job = std::fs::read_to_string(from.join("generic.toml")).expect("a job");
-    let job = job.lines().filter(|line| !line.starts_with("chain"));
-    let job = job.collect::<Vec<_>>().join("\n");
-    let place = folder.path().join("job.toml");
-    std::fs::write(&place, job).expect("a job");
-    let page = page(&[place.to_str().expect("a name")]);
-    assert!(items(&page, "volume")[0].contains("`machine.chain` is missing"));
+    visit.put("errors.csv", rows.collect::<String>());
+}
+
+/// A job that does not say what acted while measuring, with a key that nothing uses.
+fn doubted(visit: &Visit) {
+    visit.edit("job.toml", "active_while_measuring = \"none\"\n", "");
+    let unused = "[measurement.uncertainty]\ntemperature_k = 0.3\n\n[acceptance]\n";
+    visit.edit("job.toml", "[acceptance]\n", unused);
 }
 
 /// What both measurements find stands once.
 #[test]
 fn a_finding_stands_once() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let from = Path::new("fixtures/nine_errors_900");
-    std::fs::copy(from.join("errors.csv"), folder.path().join("errors.csv")).expect("a copy");
-    let job = std::fs::read_to_string(from.join("siemens-840d-sl.toml")).expect("a job");
-    let job = job.lines().filter(|line| !line.starts_with("active_while_measuring"));
-    let job = job.collect::<Vec<_>>().join("\n");
-    let place = folder.path().join("job.toml");
-    let unused = "[measurement.uncertainty]\ntemperature_k = 0.3\n";
-    std::fs::write(&place, format!("{job}\n{unused}")).expect("a job");
-    let job = place.to_str().expect("a name");
-    let kit = kit(folder.path(), job);
-    let tables = kit.to_str().expect("a name");
-    let verify = document(&["verify", job, "--tables", tables, "--after", job]);
-    let notes = verify["notes"].as_array().expect("notes").iter();
+    let visit = Visit::with_job(SIEMENS);
+    doubted(&visit);
+    visit.run("generate job.toml -q -o kit").answers();
+    let verify = visit.json("verify job.toml --tables kit --after job.toml");
     let is_unused = |words: &str| words.starts_with("`temperature_k`");
+    let notes = verify["notes"].as_array().unwrap().iter();
     let both = notes.filter(|note| is_unused(note.as_str().unwrap_or_default()));
     assert_eq!(both.count(), 2, "one of each measurement");
-    let left = page(&[job, "--tables", tables, "--after", job]);
+    let left = page(&visit, "job.toml --tables kit --after job.toml");
     let once = items(&left, "findings").into_iter().filter(|item| is_unused(item));
     assert_eq!(once.count(), 1);
 }
 
 #[test]
 fn every_figure_is_that_of_its_command() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let job = "fixtures/nine_errors_900/siemens-840d-sl.toml";
-    let kit = kit(folder.path(), job);
-    let tables = kit.to_str().expect("a name");
-    check_figures(&page(&[job, "--tables", tables]), job, &kit, None);
-    check_figures(&page(&[job, "--tables", tables, "--language", "de"]), job, &kit, None);
+    let visit = with_kit(SIEMENS);
+    check_figures(&visit, &page(&visit, "job.toml --tables kit"), "");
+    check_figures(&visit, &page(&visit, "job.toml --tables kit --language de"), "");
     // As left: the same machine measured with the tables, which the simulation predicts.
-    let after = folder.path().join("after.csv");
-    let after = after.to_str().expect("a name");
-    let made = nonius(&["simulate", job, "--tables", tables, "--errors", "-o", after]);
-    assert!(made.status.success(), "{}", String::from_utf8_lossy(&made.stderr));
-    let left = page(&[job, "--tables", tables, "--after", after]);
-    assert!(left.contains("/terms/EXX/after_um") && left.contains("As left"));
-    assert!(left.contains("REHEARSAL") && left.contains("the values afterwards were simulated"));
-    check_figures(&left, job, &kit, Some(after));
+    visit.yes("simulate job.toml --tables kit --errors -o after.csv");
+    let left = page(&visit, "job.toml --tables kit --after after.csv");
+    holds(&left, &["/terms/EXX/after_um", "As left"]);
+    holds(&left, &["REHEARSAL", "the values afterwards were simulated"]);
+    check_figures(&visit, &left, "--after after.csv");
     // Who measured it again, and with what, where a second job says so.
-    let text = std::fs::read_to_string(job).expect("a job");
-    let text = text.replace("\"errors.csv\"", "\"after.csv\"");
-    let text = text.replace("= \"none\"", "= \"kit\"");
-    let text = text.replace("2026-11-20", "2026-11-23");
-    let text =
-        format!("{text}\n[measurement.protocol]\nby = \"A. Person\"\ntripod = \"granite\"\n");
-    let second = folder.path().join("after.toml");
-    std::fs::write(&second, text).expect("a job");
-    let second = second.to_str().expect("a name");
-    let left = page(&[job, "--tables", tables, "--after", second]);
-    for said in
-        ["As found: 2026-11-20; As left: 2026-11-23", "As left: A. Person", "As left: granite"]
-    {
-        assert!(left.contains(said), "{said}");
-    }
+    let second = replaced(&visit.read("job.toml"), "\"errors.csv\"", "\"after.csv\"");
+    let second = replaced(&second, "= \"none\"", "= \"kit\"");
+    let second = replaced(&second, "2026-11-20", "2026-11-23");
+    let protocol = "\n[measurement.protocol]\nby = \"A. Person\"\ntripod = \"granite\"\n";
+    visit.put("after.toml", second + protocol);
+    let left = page(&visit, "job.toml --tables kit --after after.toml");
+    let dates = "As found: 2026-11-20; As left: 2026-11-23";
+    holds(&left, &[dates, "As left: A. Person", "As left: granite"]);
 }
 
 /// Each family, with a second measurement: its page is as long as it gets.
 #[test]
 fn it_works_for_every_control() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    for id in ["siemens-828d", "fanuc-30i", "fanuc-0i-f", "fanuc-16i", "generic"] {
-        let job = format!("fixtures/nine_errors_900/{id}.toml");
-        let kit = kit(&folder.path().join(id), &job);
-        let after = "fixtures/nine_errors_900/errors.csv";
-        let tables = kit.to_str().expect("a name");
-        let left = page(&[&job, "--tables", tables, "--after", after]);
-        check_figures(&left, &job, &kit, Some(after));
-    }
+    std::thread::scope(|threads| {
+        for id in ["siemens-828d", "fanuc-30i", "fanuc-0i-f", "fanuc-16i", "generic"] {
+            let judge = move || {
+                let visit = with_kit(&format!("nine_errors_900/{id}.toml"));
+                let left = page(&visit, "job.toml --tables kit --after errors.csv");
+                check_figures(&visit, &left, "--after errors.csv");
+            };
+            let thread = std::thread::Builder::new().name(id.to_string());
+            thread.spawn_scoped(threads, judge).unwrap();
+        }
+    });
 }
 
 /// What was not measured, or is not known without a manifest, is not said to be complete.
 #[test]
 fn nothing_is_called_complete_that_is_not_known() {
-    let folder = tempfile::tempdir().expect("a place to write to");
+    let visit = with_kit(SIEMENS);
     let complete = "All nine errors were measured";
-    let job = "fixtures/nine_errors_900/siemens-840d-sl.toml";
-    let kit = kit(folder.path(), job);
-    let tables = kit.to_str().expect("a name");
-    assert!(page(&[job, "--tables", tables]).contains(complete));
-    std::fs::remove_file(kit.join("manifest.json")).expect("a manifest");
-    let page = page(&[job, "--tables", tables]);
-    assert!(!page.contains(complete) && !page.contains("No file of this kit disables"));
-    assert!(page.contains("has no manifest.json"));
-    assert!(page.contains("U is not stated and counted as 0"), "what the verdict rests on");
+    holds(&page(&visit, "job.toml --tables kit"), &[complete]);
+    std::fs::remove_file(visit.at("kit/manifest.json")).unwrap();
+    let page = page(&visit, "job.toml --tables kit");
+    lacks(&page, &[complete, "No file of this kit disables"]);
+    // The last is what the verdict rests on.
+    holds(&page, &["has no manifest.json", "U is not stated and counted as 0"]);
 }
 
 #[test]
 fn it_works_from_errors_or_readings_alone_in_every_language() {
-    for job in ["fixtures/start/errors/job.toml", "fixtures/start/readings/job.toml"] {
+    for job in ["start/errors", "start/readings"] {
+        let visit = Visit::of(job);
         for language in ["en", "de", "zh"] {
-            let page = page(&[job, "--language", language]);
-            assert!(page.contains(&format!("<html lang=\"{language}\">")));
+            let page = page(&visit, &format!("job.toml --language {language}"));
+            holds(&page, &[&format!("<html lang=\"{language}\">")]);
             assert!(page.len() < 1_000_000, "{job}: {} bytes", page.len());
-            assert!(
-                !page.contains("<script")
-                    && !page.contains("http://")
-                    && !page.contains("https://")
-            );
+            lacks(&page, &["<script", "http://", "https://"]);
         }
     }
 }
 
 #[test]
 fn inches_are_shown_and_the_document_stays_in_micrometres() {
-    let page = page(&["fixtures/start/errors/job.toml", "--unit", "inch"]);
-    let (number, .., shown) = figures(&page)
-        .into_iter()
-        .find(|(number, _, at, _)| at.ends_with("before_um") && *number > 1.0)
-        .expect("an error");
-    let read: f64 = shown.parse().expect("a figure");
-    assert!((read - number / 0.0254).abs() < 0.0501, "{shown} for {number} µm");
-    assert!(page.contains("µin"));
+    let page = page(&Visit::of("start/errors"), "job.toml --unit inch");
+    let is_error =
+        |(um, _, at, _): &(f64, &str, &str, &str)| at.ends_with("before_um") && *um > 1.0;
+    let (um, .., shown) = figures(&page).find(is_error).unwrap();
+    let read: f64 = shown.parse().unwrap();
+    assert!((read - um / 0.0254).abs() < 0.0501, "{shown} for {um} µm");
+    holds(&page, &["µin"]);
 }
 
 /// What stands in the pictures of a page, and what a reader who cannot see them is told.
 fn drawn(page: &str) -> Vec<String> {
-    let pictures = page.split("<svg ").skip(1);
-    let pictures = pictures.map(|rest| rest.split("</svg>").next().expect("a picture"));
+    let pictures = page.split("<svg ").skip(1).map(|rest| rest.split("</svg>").next().unwrap());
     let texts = pictures.flat_map(|picture| {
         let texts = picture.split('<').filter_map(|rest| {
             let (tag, words) = rest.split_once('>')?;
@@ -352,20 +294,19 @@ fn drawn(page: &str) -> Vec<String> {
     texts.map(str::to_string).collect()
 }
 
-/// Pictures of every kind that stands on a page: curves with tables and as left, runs, diagonals, volume.
-fn pages_with_pictures(folder: &Path, options: &[&str]) -> String {
-    let job = "fixtures/nine_errors_900/siemens-840d-sl.toml";
-    let kit = kit(folder, job);
-    let tables = kit.to_str().expect("a name");
-    let after = folder.join("after.csv");
-    let after = after.to_str().expect("a name");
-    nonius(&["simulate", job, "--tables", tables, "--errors", "-o", after]);
-    let runs = "fixtures/standards/x_axis.csv";
-    let left = [job, "--tables", tables, "--after", after, "--linear", runs];
-    let readings = ["fixtures/start/readings/job.toml"];
-    let found = ["fixtures/machine_h/job.toml"];
-    let pages = [&left[..], &readings, &found];
-    pages.map(|of| page(&[of, options].concat())).concat()
+/// What pictures of every kind that stands on a page are made from.
+fn with_pictures() -> [Visit; 3] {
+    let visit = with_kit(SIEMENS);
+    visit.yes("simulate job.toml --tables kit --errors -o after.csv");
+    visit.copy("standards/x_axis.csv", "x_axis.csv");
+    [visit, Visit::of("start/readings"), Visit::with_job("machine_h/job.toml")]
+}
+
+/// Their pages: curves with tables and as left, runs, diagonals, volume.
+fn pages_with_pictures([left, readings, found]: &[Visit; 3], options: &str) -> String {
+    let of_left = "job.toml --tables kit --after after.csv --linear x_axis.csv";
+    let as_found = [readings, found].map(|visit| page(visit, &format!("job.toml {options}")));
+    page(left, &format!("{of_left} {options}")) + &as_found.concat()
 }
 
 /// Words of four letters or more, as they are written.
@@ -374,26 +315,26 @@ fn words(texts: &[String]) -> BTreeSet<&str> {
     words.filter(|word| word.chars().count() > 3).collect()
 }
 
+/// No word of the English texts is left in others but names; nothing is left to fill in.
+fn is_translated(language: &str, texts: &[String], english: &[String], names: &[&str]) {
+    let (own, english) = (words(texts), words(english));
+    let left: Vec<_> = own.intersection(&english).filter(|word| !names.contains(word)).collect();
+    assert!(left.is_empty(), "{language}: {left:?}");
+    assert!(texts.iter().all(|text| !text.contains('{')), "{texts:?}");
+}
+
 #[test]
 fn pictures_speak_the_language_of_their_page() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let drawn_in = |language| {
-        let folder = folder.path().join(language);
-        drawn(&pages_with_pictures(&folder, &["--language", language]))
-    };
-    let english = drawn_in("en");
-    let english_words = words(&english);
-    assert!(english_words.len() > 40, "{english:?}");
+    let visits = with_pictures();
+    let drawn_in =
+        |language| drawn(&pages_with_pictures(&visits, &format!("--language {language}")));
+    let [english, german, chinese] = ["en", "de", "zh"].map(drawn_in);
+    assert!(words(&english).len() > 40, "{english:?}");
     // Names of machines, controls and files.
     let names = ["golden", "SINUMERIK", "Siemens", "axis", "machine"];
-    let [german, chinese] = ["de", "zh"].map(drawn_in);
     for (language, texts) in [("de", &german), ("zh", &chinese)] {
         assert_eq!(texts.len(), english.len(), "{language}");
-        let own = words(texts);
-        let left = own.intersection(&english_words).copied();
-        let left: Vec<&str> = left.filter(|word| !names.contains(word)).collect();
-        assert!(left.is_empty(), "{language}: {left:?}");
-        assert!(texts.iter().all(|text| !text.contains('{')), "{texts:?}");
+        is_translated(language, texts, &english, &names);
     }
     let is_point = |w: &[u8]| w[0].is_ascii_digit() && w[1] == b'.' && w[2].is_ascii_digit();
     let point = |text: &&String| text.as_bytes().windows(3).any(is_point);
@@ -409,74 +350,55 @@ fn text_of(part: &str) -> String {
 }
 
 /// Machine 900, of which nothing is decided: U is large, a limit for the diagonals, keys without use, a doubt.
-fn undecided(folder: &Path) -> String {
-    let from = Path::new("fixtures/nine_errors_900");
-    let table = std::fs::read_to_string(from.join("errors.csv")).expect("a table");
-    let rows = table.lines().map(|line| match line.as_bytes()[0] {
-        b'#' => line.to_string(),
-        b'a' => format!("{line},u_ex_um,u_ey_um,u_ez_um"),
-        _ => format!("{line},3.2,3.2,3.2"),
-    });
-    let table = rows.collect::<Vec<_>>().join("\n");
-    std::fs::write(folder.join("errors.csv"), table).expect("a table");
-    let job = std::fs::read_to_string(from.join("siemens-840d-sl.toml")).expect("a job");
-    let job = job.replace("active_while_measuring = \"none\"\n", "");
+fn undecided() -> Visit {
+    let visit = Visit::with_job(SIEMENS);
+    with_column(&visit, ",u_ex_um,u_ey_um,u_ez_um", ",3.2,3.2,3.2");
+    doubted(&visit);
     let limits = "max_deviation_um = 4.0\nmax_diagonal_um = 6.0\nrange_mm = { x = [0.0, 850.0] }";
-    let job = job.replace("max_deviation_um = 10.0", limits);
-    let place = folder.join("job.toml");
-    let unused = "[measurement.uncertainty]\ntemperature_k = 0.3\n";
-    std::fs::write(&place, format!("{job}\n{unused}")).expect("a job");
-    place.to_str().expect("a name").to_string()
+    visit.edit("job.toml", "max_deviation_um = 10.0", limits);
+    visit
 }
 
 /// Everything on the first page is in the reader's language; the program's own sentences stand behind it, under
 /// words that say so.
 #[test]
 fn the_first_page_speaks_the_readers_language() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let job = undecided(folder.path());
+    let visit = undecided();
     let first = |language| {
-        let page = page(&[&job, "--language", language]);
-        let (_, body) = page.split_once("<body>").expect("a body");
-        let (first, behind) = body.split_once("</section>").expect("the first page");
+        let page = page(&visit, &format!("job.toml --language {language}"));
+        let (_, body) = page.split_once("<body>").unwrap();
+        let (first, behind) = body.split_once("</section>").unwrap();
         let lists = behind.split("<ul lang=\"en\">");
         let said: Vec<bool> = lists.map(|before| before.trim_end().ends_with("</p>")).collect();
-        let (_, said) = said.split_last().expect("a list of findings");
+        let (_, said) = said.split_last().unwrap();
         let is_english = language == "en";
         assert!(!said.is_empty() && said.iter().all(|is| *is != is_english), "{language}");
-        text_of(first)
+        [text_of(first)]
     };
-    let english = vec![first("en")];
-    let english = words(&english);
-    assert!(english.contains("temperature_k") || english.contains("temperature"), "{english:?}");
+    let english = first("en");
+    let found = words(&english);
+    assert!(found.contains("temperature_k") || found.contains("temperature"), "{found:?}");
     let names = ["golden", "SINUMERIK", "Siemens", "temperature", "Position", "Name"];
     for language in ["de", "zh"] {
-        let own = vec![first(language)];
-        let own = words(&own);
-        let left = own.intersection(&english).copied();
-        let left: Vec<&str> = left.filter(|word| !names.contains(word)).collect();
-        assert!(left.is_empty(), "{language}: {left:?}");
-        assert!(!own.iter().any(|word| word.contains('{')));
+        is_translated(language, &first(language), &english, &names);
     }
 }
 
 /// A few lines on the first page, the worst first; all of them, with the figures of `verify`, behind it.
 #[test]
 fn nothing_that_decides_is_lost() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let job = undecided(folder.path());
-    let kit = kit(folder.path(), &job);
-    let tables = kit.to_str().expect("a name");
-    let whole = page(&[&job, "--tables", tables, "--language", "de", "--unit", "inch"]);
-    let verify = document(&["verify", &job, "--tables", tables]);
-    let causes = verify["causes"].as_array().expect("causes").iter();
-    let causes = causes.map(|cause| cause.as_str().expect("a sentence"));
-    let misses = causes.filter(|cause| cause.contains("the limit is")).count();
+    let visit = undecided();
+    visit.run("generate job.toml -q -o kit").answers();
+    let whole = page(&visit, "job.toml --tables kit --language de --unit inch");
+    let verify = visit.json("verify job.toml --tables kit");
+    let causes = verify["causes"].as_array().unwrap().iter();
+    let is_miss = |cause: &&Value| cause.as_str().unwrap().contains("the limit is");
+    let misses = causes.filter(is_miss).count();
     assert_eq!(misses, 13, "nine errors and four diagonals");
     let reasons = items(&whole, "reasons");
     assert_eq!(reasons.len(), misses);
-    let (verdict, _) = whole.split_once("</section>").expect("the first page");
-    let (_, verdict) = verdict.split_once("class=\"verdict").expect("the verdict");
+    let (verdict, _) = whole.split_once("</section>").unwrap();
+    let (_, verdict) = verdict.split_once("class=\"verdict").unwrap();
     let shown: Vec<&str> = verdict.split("<li>").skip(1).collect();
     let more = format!("{} weitere", misses - 3);
     assert!(shown.len() == 5 && shown[3].starts_with(&more), "{shown:?}");
@@ -484,26 +406,23 @@ fn nothing_that_decides_is_lost() {
     for (line, reason) in shown.iter().zip(&reasons[..3]) {
         assert!(line.starts_with(reason.as_str()), "{line} / {reason}");
     }
-    let u = verify["diagonals"]["PPP"]["expanded_um"].as_f64().expect("U");
+    let u = number(&verify["diagonals"]["PPP"]["expanded_um"]);
     let u = format!("{:.2}", u / 0.0254).replace('.', ",");
     assert!(text_of(&reasons[0]).contains(&u), "{reasons:?}: {u}");
     assert!(reasons[0].contains("236,2 µin") && !reasons[0].contains("µm "), "{reasons:?}");
-    let findings = items(&whole, "findings");
-    assert!(findings.iter().any(|words| words.contains("active_while_measuring")));
-    assert!(!findings.iter().any(|words| words.contains("the limit is")));
+    let findings = items(&whole, "findings").concat();
+    holds(&findings, &["active_while_measuring"]);
+    lacks(&findings, &["the limit is"]);
 }
 
 /// 900 mm are 35.43 in: 10 in lie at 254/900 of the axis; EXX ends at 18 µm = 708.66 µin on a scale of ±1000 µin.
 #[test]
 fn pictures_of_a_page_in_inches_are_in_inches() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let page = pages_with_pictures(folder.path(), &["--unit", "inch"]);
+    let page = pages_with_pictures(&with_pictures(), "--unit inch");
     let texts = drawn(&page);
-    let metric = texts.iter().find(|text| {
-        let units = text.split([' ', ',', ';']);
-        units.into_iter().any(|unit| unit == "mm" || unit == "µm")
-    });
-    assert_eq!(metric, None);
+    let is_metric =
+        |text: &&String| text.split([' ', ',', ';']).any(|unit| ["mm", "µm"].contains(&unit));
+    assert_eq!(texts.iter().find(is_metric), None);
     for label in ["X / in", "µin", "difference / µin", "target / in"] {
         assert!(texts.iter().any(|text| text == label), "{label}");
     }
@@ -520,77 +439,55 @@ fn pictures_of_a_page_in_inches_are_in_inches() {
 
 #[test]
 fn the_same_input_gives_the_same_bytes() {
-    let job = "fixtures/nine_errors_900/fanuc-30i.toml";
-    assert_eq!(page(&[job]), page(&[job]));
+    let visit = Visit::with_job("nine_errors_900/fanuc-30i.toml");
+    assert_eq!(page(&visit, "job.toml"), page(&visit, "job.toml"));
 }
 
 /// Names of machines, files and people may hold anything.
 #[test]
 fn text_of_others_is_shown_and_not_obeyed() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/start/errors");
-    std::fs::copy(from.join("errors.csv"), folder.path().join("errors.csv")).expect("a copy");
-    let job = std::fs::read_to_string(from.join("job.toml")).expect("a job");
+    let visit = Visit::of("start/errors");
     let evil = r#"<img src=x onerror=\"alert(1)\">&;()'"#;
     // A serial number goes into comments of the control's files, which refuse it: as found there are none.
-    let (job, _) = job.split_once("[compensation]").expect("tables");
-    let lines = job.lines().map(|line| match line.starts_with("name = ") {
-        true => format!("{line}\nserial = \"{evil}\""),
-        false => line.to_string(),
-    });
+    let job = visit.read("job.toml");
+    let (job, _) = job.split_once("[compensation]").unwrap();
     let protocol = format!("[measurement.protocol]\nby = \"{evil}\"\n\"a<b>\" = \"</section>\"");
-    let lines: Vec<String> = lines.chain([protocol]).collect();
-    let path = folder.path().join("job.toml");
-    std::fs::write(&path, lines.join("\n")).expect("a job");
-    let output = nonius(&["report", path.to_str().expect("a name"), "-o", "-"]);
-    let page = String::from_utf8_lossy(&output.stdout);
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(page.contains("&lt;img src=x onerror="), "{words}");
-    assert!(!page.contains("<img src=x") && !page.contains("a<b>"));
-    assert!(page.contains("\\3c img src\\3d x"), "in the style of the print");
+    let serial = format!("\nserial = \"{evil}\"\nname = ");
+    visit.put("job.toml", replaced(job, "\nname = ", &serial) + &protocol);
+    let page = page(&visit, "job.toml");
+    holds(&page, &["&lt;img src=x onerror="]);
+    lacks(&page, &["<img src=x", "a<b>"]);
+    holds(&page, &["\\3c img src\\3d x"]); // in the style of the print
 }
 
 #[test]
 fn a_template_and_texts_of_ones_own() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let put = |name: &str, text: &str| {
-        let path = folder.path().join(name);
-        std::fs::write(&path, text).expect("a file");
-        path.to_str().expect("a name").to_string()
-    };
-    let job = "fixtures/start/errors/job.toml";
-    let template = put("own.tera", "{{ machine.name }}: {{ verdict.word }}\n");
-    let own = page(&[job, "--template", &template]);
+    let visit = Visit::of("start/errors");
+    visit.put("own.tera", "{{ machine.name }}: {{ verdict.word }}\n");
+    let own = page(&visit, "job.toml --template own.tera");
     assert!(own.ends_with(": PASS\n"), "{own}");
-    let english = Path::new(env!("CARGO_MANIFEST_DIR")).join("templates/report/en.toml");
-    let english = std::fs::read_to_string(english).expect("the English texts");
-    let texts = put("cs.toml", &english.replace("\"PASS\"", "\"VYHOVUJE\""));
-    let own = page(&[job, "--language", &texts]);
-    assert!(own.contains("VYHOVUJE") && own.contains("<html lang=\"cs\">"));
-    for (name, text, says) in [
-        ("short.toml", "title = \"x\"\n", "lacks"),
-        ("long.toml", &format!("{english}\nother = \"x\"\n"), "unknown keys: other"),
-    ] {
-        let texts = put(name, text);
-        let output = nonius(&["report", job, "--language", &texts, "-o", "-"]);
-        let words = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert!(output.status.code() == Some(2) && words.contains(says), "{words}");
-    }
+    let english = repository_page("templates/report/en.toml");
+    visit.put("cs.toml", replaced(&english, "\"PASS\"", "\"VYHOVUJE\""));
+    let own = page(&visit, "job.toml --language cs.toml");
+    holds(&own, &["VYHOVUJE", "<html lang=\"cs\">"]);
+    visit.put("short.toml", "title = \"x\"\n");
+    visit.put("long.toml", format!("{english}\nother = \"x\"\n"));
+    let refused =
+        |texts| -> Ran { visit.run(&format!("report job.toml --language {texts} -o -")).ends(2) };
+    refused("short.toml").says("lacks");
+    refused("long.toml").says("unknown keys: other");
 }
 
 /// What each file of a kit is for, in the reader's language.
 #[test]
 fn the_purpose_of_a_file_is_no_word_of_the_manifest() {
-    let folder = tempfile::tempdir().expect("a place to write to");
-    let job = "fixtures/nine_errors_900/siemens-840d-sl.toml";
-    let kit = kit(folder.path(), job);
-    let tables = kit.to_str().expect("a name");
+    let visit = with_kit(SIEMENS);
     for (language, proof) in [("en", "sign proof"), ("de", "Vorzeichenprobe"), ("zh", "符号验证")]
     {
-        let page = page(&[job, "--tables", tables, "--language", language]);
-        let (_, files) = page.split_once("NONIUS_EEC.MPF</td>").expect("the files");
-        let files = files.split("</table>").next().expect("a table");
-        assert!(files.contains(&format!(">{proof}<")), "{language}: {files}");
-        assert!(!files.contains(">sign-proof<") && !files.contains(">table<"), "{files}");
+        let page = page(&visit, &format!("job.toml --tables kit --language {language}"));
+        let (_, files) = page.split_once("NONIUS_EEC.MPF</td>").unwrap();
+        let files = files.split("</table>").next().unwrap();
+        holds(files, &[&format!(">{proof}<")]);
+        lacks(files, &[">sign-proof<", ">table<"]);
     }
 }

@@ -1,11 +1,16 @@
 //! Controls with fewer tables than terms, and tables at the reference.
 use crate::support;
-use nonius::control::claims::Precondition;
-use nonius::control::claims::SeenTo;
+use nonius::control::claims::{Precondition, SeenTo};
 use nonius::control::controller::builtin;
+use nonius::inputs::error_table::ErrorTable;
+use nonius::inputs::job::Job;
+use nonius::kit::Kit;
+use nonius::machine::model::ErrorModel;
 use nonius::quantity::axis::ErrorTerm;
+use nonius::text::document::Source;
 use nonius::text::finding::Finding;
 use nonius::write::findings::TableFinding;
+use nonius::write::plan::{PlannedTable, Task, plan};
 use std::fmt::Write;
 
 fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
@@ -24,20 +29,27 @@ fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
     text
 }
 
+/// What is planned is what a kit holds: four whole kits of each control show it.
 #[test]
 fn every_table_is_exactly_zero_at_a_reference_between_measured_points() {
-    let table = "axis,position_mm,ey_um\nx,0,1.812\nx,50,6.457\nx,100,4.722\n";
     for id in support::any_grid_ids() {
-        let table = match support::has_cross_terms(&builtin::profile(id).unwrap()) {
-            false => table.replace("ey_um", "ex_um"),
-            true => table.to_string(),
-        };
+        let profile = builtin::profile(id).unwrap();
+        let own = if support::has_cross_terms(&profile) { "ey" } else { "ex" };
+        let table = format!("axis,position_mm,{own}_um\nx,0,1.812\nx,50,6.457\nx,100,4.722\n");
+        let source = |text: &str| Source::from_bytes("a file", text.as_bytes()).unwrap();
+        let errors = ErrorTable::read(source(&table)).unwrap();
         for reference in 1..100 {
-            let (_, kit) = support::generate(&job(id, "", f64::from(reference), 10.0), &table);
-            for planned in &kit.plan.tables {
-                let node = planned.grid.nodes().reference_node;
-                let um = planned.values[node].um();
+            let text = job(id, "", f64::from(reference), 10.0);
+            let job = Job::read(source(&text)).unwrap();
+            let model = ErrorModel::build(&job, &errors).unwrap();
+            let task = Task { job: &job, profile: &profile, model: &model };
+            let tables = plan(task).unwrap_or_else(|p| panic!("{}\n{text}", p.render())).tables;
+            for planned in &tables {
+                let um = planned.values[planned.grid.nodes().reference_node].um();
                 assert!(um == 0.0, "{id}, reference {reference} mm: {um:e} µm");
+            }
+            if reference % 30 == 7 {
+                assert_eq!(support::generate(&text, &table).1.plan.tables, tables, "{id}");
             }
         }
     }
@@ -45,10 +57,9 @@ fn every_table_is_exactly_zero_at_a_reference_between_measured_points() {
 
 #[test]
 fn errors_measured_moving_back_count_in_the_selection() {
-    let mut table = "axis,direction,position_mm,ex_um,ey_um,ez_um\n".to_string();
-    table += "x,-,0,0,0,0\nx,-,100,3,80,80\n";
-    table += "y,-,0,0,0,0\ny,-,100,3,3,3\nz,-,0,0,0,0\nz,-,100,3,3,3\n";
-    let (_, kit) = support::generate(&job("fanuc-0i-f", "", 0.0, 50.0), &table);
+    let table = "axis,direction,position_mm,ex_um,ey_um,ez_um\nx,-,0,0,0,0\nx,-,100,3,80,80\n\
+                 y,-,0,0,0,0\ny,-,100,3,3,3\nz,-,0,0,0,0\nz,-,100,3,3,3\n";
+    let (_, kit) = support::generate(&job("fanuc-0i-f", "", 0.0, 50.0), table);
     let omitted: Vec<String> = kit.plan.omitted.iter().map(|o| o.term.to_string()).collect();
     assert_eq!(omitted.len(), 3, "{omitted:?}");
     assert!(!omitted.contains(&"EYX".to_string()), "{omitted:?}");
@@ -61,45 +72,46 @@ fn both_ways() -> String {
         for (direction, reversal) in [("+", 0.0), ("-", 2.0)] {
             for row in 0..31 {
                 let x = f64::from(row) / 30.0;
-                let um = |of: usize| {
+                let [ex, ey, ez] = [0, 1, 2].map(|of| {
                     let size = 4.0 + ((index * 3 + of) * 5 % 9) as f64;
                     size * (x * (1.5 + of as f64)).sin() + reversal * (1.0 + 0.1 * of as f64)
-                };
-                let position = 100.0 * x;
-                writeln!(table, "{axis},{direction},{position},{},{},{}", um(0), um(1), um(2))
-                    .unwrap();
+                });
+                writeln!(table, "{axis},{direction},{},{ex},{ey},{ez}", 100.0 * x).unwrap();
             }
         }
     }
     table
 }
 
+/// A kit of a control with eight CEC tables, of which `more` may say that they are in use.
+fn of_828d(more: &str) -> Kit {
+    let policy = format!("backlash = \"two-tables\"\n{more}");
+    support::generate(&job("siemens-828d", &policy, 0.0, 10.0), &both_ways()).1
+}
+
 #[test]
 fn the_828d_takes_the_mean_before_it_leaves_a_term_out() {
-    let two = "backlash = \"two-tables\"";
-    let (_, kit) = support::generate(&job("siemens-828d", two, 0.0, 10.0), &both_ways());
-    let has_table = |term: ErrorTerm| kit.plan.tables.iter().any(|t| t.term == term);
-    assert!(ErrorTerm::ALL.into_iter().all(has_table), "{:?}", kit.plan.omitted);
-    let cec = |t: &&nonius::write::plan::PlannedTable| t.term.is_cross() || t.direction.is_some();
-    assert_eq!(kit.plan.tables.iter().filter(cec).count(), 8);
-    let means =
-        kit.plan.notes.iter().filter(|n| matches!(n.kind(), Some(TableFinding::MeanOnly { .. })));
-    assert_eq!(means.count(), 7, "{:?}", kit.plan.notes);
+    let plan = of_828d("").plan;
+    let has_table = |term: ErrorTerm| plan.tables.iter().any(|t| t.term == term);
+    assert!(ErrorTerm::ALL.into_iter().all(has_table), "{:?}", plan.omitted);
+    let is_cec = |t: &&PlannedTable| t.term.is_cross() || t.direction.is_some();
+    assert_eq!(plan.tables.iter().filter(is_cec).count(), 8);
+    let is_mean = |n: &&Finding| matches!(n.kind(), Some(TableFinding::MeanOnly { .. }));
+    assert_eq!(plan.notes.iter().filter(is_mean).count(), 7, "{:?}", plan.notes);
 }
 
 #[test]
 fn without_a_free_cec_table_positioning_gets_the_mean() {
-    let two = "backlash = \"two-tables\"\nfirst_table = 8";
-    let (_, kit) = support::generate(&job("siemens-828d", two, 0.0, 10.0), &both_ways());
+    let kit = of_828d("first_table = 8");
     let terms: Vec<String> = kit.plan.tables.iter().map(|t| t.term.to_string()).collect();
     assert_eq!(terms, ["EXX", "EYY", "EZZ"]);
     assert!(kit.plan.tables.iter().all(|t| t.direction.is_none()));
+    let said = "8 CEC tables, of which 8 are in use (`first_table`), for 18";
     for omission in &kit.plan.omitted {
-        let said = "8 CEC tables, of which 8 are in use (`first_table`), for 18";
         assert!(omission.reason.contains(said), "{}", omission.reason);
     }
-    let backlash = kit.compiled.preconditions.iter().filter(|p| p.what.contains("BACKLASH"));
-    assert!(backlash.into_iter().all(|p| p.value == "as during the measurement"));
+    let mut backlash = kit.compiled.preconditions.iter().filter(|p| p.what.contains("BACKLASH"));
+    assert!(backlash.all(|p| p.value == "as during the measurement"));
 }
 
 /// X and Y are the same in both directions, Z is not; only X and Z shall have two tables.
@@ -113,8 +125,7 @@ fn equal_directions_and_policies_of_their_own_get_one_table() {
         let directed = |term: &str| {
             let term = ErrorTerm::from_name(term).unwrap();
             let tables = kit.plan.tables.iter().filter(|t| t.term == term);
-            let directions: Vec<bool> = tables.map(|t| t.direction.is_some()).collect();
-            directions
+            tables.map(|t| t.direction.is_some()).collect::<Vec<bool>>()
         };
         assert_eq!(directed("EXX"), [false], "{id}");
         let profile = builtin::profile(id).unwrap();
