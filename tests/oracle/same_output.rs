@@ -5,6 +5,8 @@
 //! what is printed and all files written are compared; differences are counted by kind, with their first line.
 //! `--list` names each. Exit status: 0 equal, 1 different, 2 not compared.
 
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program of the tests")]
+
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
