@@ -470,37 +470,24 @@ fn outcome(rig: &Rig, injected: Injected, file: &str) -> Outcome {
     Outcome { plan: rig.plan, injected, named, words, verdict, decides }
 }
 
-const KINDS: [&str; 14] = [
-    "no fault",
-    "sign turned",
-    "not active",
-    "applied twice",
-    "wrong unit",
-    "other factor",
-    "shifted",
-    "wrong axis",
-    "directions exchanged",
-    "backlash twice",
-    "backlash not",
-    "temperature",
-    "measurement turned",
-    "unknown",
-];
+/// The columns of the table.
+const KINDS: &str = "no fault | sign turned | not active | applied twice | wrong unit | other factor | shifted | wrong axis | directions exchanged | backlash twice | backlash not | temperature | measurement turned | unknown";
 
 /// Rows injected, columns named.
 fn confusion(outcomes: &[Outcome]) -> String {
+    let kinds: Vec<&str> = KINDS.split(" | ").collect();
     let mut named = outcomes.iter().flat_map(|o| &o.named);
-    let other = named.find(|named| !KINDS.contains(&named.as_str()));
+    let other = named.find(|named| !kinds.contains(&named.as_str()));
     assert_eq!(other, None, "a kind without a column");
-    let columns = " ---: |".repeat(KINDS.len());
-    let mut text = format!("| injected | runs | {} |\n| --- | ---: |{columns}", KINDS.join(" | "));
-    for row in KINDS {
-        let of_row: Vec<&Outcome> = outcomes.iter().filter(|o| o.injected.kind() == row).collect();
+    let columns = " ---: |".repeat(kinds.len());
+    let mut text = format!("| injected | runs | {KINDS} |\n| --- | ---: |{columns}");
+    for row in &kinds {
+        let of_row: Vec<&Outcome> = outcomes.iter().filter(|o| o.injected.kind() == *row).collect();
         if of_row.is_empty() {
             continue;
         }
         write!(text, "\n| {row} | {} |", of_row.len()).unwrap();
-        for column in KINDS {
+        for column in &kinds {
             let has = |o: &&&Outcome| o.named.iter().any(|named| named == column);
             match of_row.iter().filter(has).count() {
                 0 => text.push_str(" – |"),
