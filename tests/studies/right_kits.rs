@@ -317,6 +317,7 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
     for (name, known, all) in &kinds {
         text += &row(name, all, *known);
     }
+    println!("{text}");
     let (least, most) = if is_whole() { (0.93, 0.01) } else { (0.80, 0.10) };
     let (mut every_held, mut every_accused, mut stating) = (0.0, 0.0, 0);
     for (name, known, all) in &kinds {
