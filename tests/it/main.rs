@@ -17,6 +17,7 @@
 mod support;
 
 mod after;
+mod agreement;
 mod assess;
 mod assess_says;
 mod browser;
@@ -42,6 +43,7 @@ mod outputs;
 mod path;
 mod profiles;
 mod program;
+mod properties;
 mod read_out;
 mod readings;
 mod readme;

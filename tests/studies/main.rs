@@ -16,13 +16,11 @@
 #[allow(dead_code, reason = "each test program uses a part of it")]
 mod support;
 
-mod agreement;
 mod causes;
 mod coverage;
 mod coverage_bounds;
 mod doubts;
 mod exchanged;
 mod plan;
-mod properties;
 mod right_kits;
 mod separation_laws;

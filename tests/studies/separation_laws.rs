@@ -1,10 +1,14 @@
 //! Laws of the separation, on machines that the test simulates with arithmetic of its own.
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, curve, index, measurement, mm, naive, runs, solved, volume, with_noise, words,
+    Machine, close, curve, index, measurement, mm, naive, normal, runs, solved, squareness_error,
+    volume, with_noise, words,
 };
+use crate::support::published::{is_held, short_or};
+use crate::support::visit::fixture;
 use nonius::inputs::error_table::ErrorTable;
-use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
+use nonius::inputs::job::{Frame, Job, Levers, MeasuredData, Reflector, SetUp};
+use nonius::inputs::readings::Readings;
 use nonius::machine::separation::corrections::{AngleModel, angle_effects};
 use nonius::machine::separation::curves::{Curve, curves, with_slope};
 use nonius::machine::separation::metric::Plane;
@@ -12,7 +16,7 @@ use nonius::machine::separation::readings::{Group, Means};
 use nonius::machine::separation::{Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use nonius::quantity::chain::Chain;
-use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use nonius::text::document::Source;
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
@@ -20,13 +24,6 @@ use rand_chacha::rand_core::SeedableRng;
 
 /// Sums of a few hundred readings of up to a millimetre.
 const DUST_UM: f64 = 1e-8;
-
-fn close(found: f64, wanted: f64, tolerance: f64, what: impl std::fmt::Display) {
-    assert!(
-        (found - wanted).abs() <= tolerance,
-        "{what}: {found}, expected {wanted} within {tolerance}"
-    );
-}
 
 fn curves_close(separation: &Separation, wanted: &PerTerm<Vec<f64>>, tolerance: f64) {
     for term in ErrorTerm::ALL {
@@ -36,27 +33,21 @@ fn curves_close(separation: &Separation, wanted: &PerTerm<Vec<f64>>, tolerance: 
     }
 }
 
-fn forward(machine: &Machine) -> Vec<nonius::quantity::diagonal::Run> {
+fn forward(machine: &Machine) -> Vec<Run> {
     runs(1, Pass::Forward, &machine.readings(None))
 }
 
 fn any_volume() -> impl Strategy<Value = Volume> {
     let edge = || 200.0..2000.0f64;
     let corner = || -1000.0..1000.0f64;
-    let orders = prop::sample::select(vec![
-        [0, 1, 2],
-        [0, 2, 1],
-        [1, 0, 2],
-        [1, 2, 0],
-        [2, 0, 1],
-        [2, 1, 0],
-    ]);
+    let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let orders = prop::sample::select(orders.to_vec());
     ((edge(), edge(), edge()), (corner(), corner(), corner()), orders, 2usize..24).prop_map(
         |(size, start, order, steps)| Volume {
             start: mm(start.0, start.1, start.2),
             size: mm(size.0, size.1, size.2),
             steps,
-            order: order.map(|index: usize| Axis::ALL[index]),
+            order: order.map(|index| Axis::ALL[index]),
         },
     )
 }
@@ -70,11 +61,7 @@ fn any_machine() -> impl Strategy<Value = (Machine, u64)> {
 
 /// X becomes Y, Y becomes Z, Z becomes X.
 fn next(axis: Axis) -> Axis {
-    match axis {
-        Axis::X => Axis::Y,
-        Axis::Y => Axis::Z,
-        Axis::Z => Axis::X,
-    }
+    Axis::ALL[(index(axis) + 1) % 3]
 }
 
 fn before(axis: Axis) -> Axis {
@@ -91,7 +78,7 @@ fn diagonal_before(diagonal: Diagonal) -> Diagonal {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(96))]
+    #![proptest_config(ProptestConfig::with_cases(short_or(32, 96)))]
 
     #[test]
     fn a_machine_comes_back((machine, _) in any_machine()) {
@@ -196,7 +183,7 @@ proptest! {
         let mut random = ChaCha8Rng::seed_from_u64(seed ^ 9);
         let mut shifted = machine.readings(Some(false));
         for d in Diagonal::ALL {
-            let offset = if own_zero { 20.0 * simulated::normal(&mut random) } else { 0.0 };
+            let offset = if own_zero { 20.0 * normal(&mut random) } else { 0.0 };
             shifted[d].iter_mut().for_each(|um| *um += offset);
         }
         all.extend(runs(1, Pass::Reverse, &shifted));
@@ -278,13 +265,10 @@ fn rank_and_words_follow_the_linear_axes() {
     for (axes, rank, wanted) in cases {
         let found = solved(&machine.volume, machine.lines(axes, Some(0.5)), &runs);
         assert_eq!(found.metric.rank, rank);
+        let undetermined = words(&found.undetermined);
         match wanted {
-            "" => assert!(found.undetermined.is_empty(), "{:?}", words(&found.undetermined)),
-            _ => assert!(
-                words(&found.undetermined)[0].starts_with(wanted),
-                "{:?}",
-                words(&found.undetermined)
-            ),
+            "" => assert!(undetermined.is_empty(), "{undetermined:?}"),
+            _ => assert!(undetermined[0].starts_with(wanted), "{undetermined:?}"),
         }
         assert_eq!(found.tilts.is_some(), rank == 6);
         for axis in Axis::ALL {
@@ -293,14 +277,7 @@ fn rank_and_words_follow_the_linear_axes() {
             assert_eq!(found.errors.mean[term].is_some(), known, "{term}");
         }
         for plane in Plane::ALL {
-            let (a, b) = plane.axes();
-            let term = ErrorTerm { of: a, along: b };
-            close(
-                found.squareness_um_per_m.of(plane).unwrap(),
-                machine.slope(term),
-                0.002,
-                plane.key(),
-            );
+            close(squareness_error(&machine, &found, plane), 0.0, 0.002, plane.key());
         }
         for term in ErrorTerm::ALL {
             let slope = machine.slope(term);
@@ -394,10 +371,8 @@ fn a_disturbed_reading_is_named_with_its_twins() {
         readings[d][node] += 7.0;
         let found = naive(&volume, &runs(1, Pass::Forward, &readings));
         let named = found.closure.outliers.iter().find(|outlier| {
-            outlier
-                .readings
-                .iter()
-                .any(|r| (r.diagonal, r.node, r.pass) == (d, node, Pass::Forward))
+            let mut readings = outlier.readings.iter();
+            readings.any(|r| (r.diagonal, r.node, r.pass) == (d, node, Pass::Forward))
         });
         let named = named.unwrap_or_else(|| panic!("{d} {node}: {:?}", found.closure.outliers));
         close(named.size_um.abs(), 7.0, 3.0, "size");
@@ -410,20 +385,23 @@ fn a_disturbed_reading_is_named_with_its_twins() {
 #[test]
 fn clean_noise_names_no_reading() {
     let volume = volume([900.0, 720.0, 720.0], 30);
-    let mut false_names = 0;
-    for seed in 0..200 {
+    let (mut false_names, machines) = (0, short_or(60, 200));
+    for seed in 0..machines {
         let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);
         let readings = with_noise(&Machine::perfect(&volume).readings(None), 0.3, &mut random);
         let found = naive(&volume, &runs(1, Pass::Forward, &readings));
-        false_names += usize::from(!found.closure.outliers.is_empty());
+        false_names += u32::from(!found.closure.outliers.is_empty());
     }
-    assert!(false_names <= 8, "{false_names} of 200");
+    let share = f64::from(false_names) / machines as f64;
+    assert!(is_held(share, machines as usize, 0.0..=0.04, 0.0..=0.04), "{false_names}");
 }
 
-fn golden(case: &str, file: &str) -> Source {
-    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/diagonals");
-    let bytes = std::fs::read(folder.join(case).join(file)).unwrap();
-    Source::from_bytes(file, &bytes).unwrap()
+fn source(name: &str, text: &str) -> Source {
+    Source::from_bytes(name, text.as_bytes()).unwrap()
+}
+
+fn error_table(text: &str) -> ErrorTable {
+    ErrorTable::read(source("errors.csv", text)).unwrap_or_else(|p| panic!("{}", p.render()))
 }
 
 /// A = 5, B = −8, C = 12 µrad · t · (1 − 0.3 k) for axis k = 0, 1, 2.
@@ -435,8 +413,7 @@ fn angles() -> ErrorTable {
             text += &format!("{axis},{},0,0,0,{a},{b},{c}\n", length * t);
         }
     }
-    let source = Source::from_bytes("angles.csv", text.as_bytes()).unwrap();
-    ErrorTable::read(source).unwrap_or_else(|problems| panic!("{}", problems.render()))
+    error_table(&text)
 }
 
 #[test]
@@ -446,21 +423,20 @@ fn measured_angles_give_the_true_errors_back() {
         ("case_c_angles", Reflector::Retroreflector, 3e-4),
         ("case_c2_mirror", Reflector::FlatMirror, 6e-4),
     ] {
-        let job = nonius::inputs::job::Job::read(golden(case, "job.toml")).unwrap();
-        let nonius::inputs::job::MeasuredData::Diagonals(measured) = job.measurement.data.clone()
-        else {
+        let golden = |file: &str| fixture(&format!("diagonals/{case}/{file}"));
+        let job = Job::read(source("job.toml", &golden("job.toml"))).unwrap();
+        let MeasuredData::Diagonals(measured) = job.measurement.data else {
             panic!("the job of {case} has readings");
         };
         let readings =
-            nonius::inputs::readings::Readings::read(golden(case, "readings.csv"), &measured)
-                .unwrap();
-        let chain = nonius::quantity::chain::Chain::ALL_AXES_MOVE_THE_TOOL;
+            Readings::read(source("readings.csv", &golden("readings.csv")), &measured).unwrap();
+        let chain = Chain::ALL_AXES_MOVE_THE_TOOL;
         let model =
             AngleModel::new(&table, chain, (&Levers::default(), PerAxis::default()), reflector);
         let mut campaign = simulated::campaign(&measured, Vec::new());
         campaign.angles = Some(angle_effects(&model, &measured.volume, PathKind::Step));
         let found = separate(&campaign, &readings.runs);
-        let truth = ErrorTable::read(golden(case, "truth.csv")).unwrap();
+        let truth = error_table(&golden("truth.csv"));
         let mut largest = 0.0f64;
         for term in ErrorTerm::ALL {
             let series = &truth.series(term.along)[0];
@@ -484,8 +460,7 @@ fn false_bows(
     let size = volume.size[rotation.along].mm();
     let (axis, angle) = (rotation.along.key(), ["ea", "eb", "ec"][index(rotation.about)]);
     let text = format!("axis,position_mm,{angle}_urad\n{axis},0,-0.5\n{axis},{size},0.5\n");
-    let source = Source::from_bytes("angles.csv", text.as_bytes()).unwrap();
-    let table = ErrorTable::read(source).unwrap();
+    let table = error_table(&text);
     let (levers, middle) =
         (Levers::default(), PerAxis::from_fn(|axis| volume.size[axis].mm() / 2.0));
     let model = AngleModel::new(&table, chain, (&levers, middle), mirror);

@@ -1,6 +1,7 @@
 //! Readings of step diagonals, simulated with arithmetic of the tests' own: a machine of nine
 //! curves, a mirror with a normal of its own in each set-up, lost motion, noise.
 use nonius::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp, StatedUncertainty};
+use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
@@ -29,12 +30,8 @@ pub(crate) fn mm(x: f64, y: f64, z: f64) -> PerAxis<Millimetres> {
 }
 
 pub(crate) fn volume(size: [f64; 3], steps: usize) -> Volume {
-    Volume {
-        start: mm(0.0, 0.0, 0.0),
-        size: mm(size[0], size[1], size[2]),
-        steps,
-        order: Axis::ALL,
-    }
+    let [x, y, z] = size;
+    Volume { start: mm(0.0, 0.0, 0.0), size: mm(x, y, z), steps, order: Axis::ALL }
 }
 
 pub(crate) fn normal(random: &mut ChaCha8Rng) -> f64 {
@@ -103,6 +100,12 @@ impl Machine {
             }
         }
         turned
+    }
+
+    /// Slope of what makes a plane not square, µm/m.
+    pub(crate) fn squareness(&self, plane: Plane) -> f64 {
+        let (of, along) = plane.axes();
+        self.slope(ErrorTerm { of, along })
     }
 
     /// A random lean of `size` rad in every set-up.
@@ -223,6 +226,59 @@ pub(crate) fn with_noise(readings: &Readings, sigma: f64, random: &mut ChaCha8Rn
     })
 }
 
+/// So many runs of each pass with noise.
+pub(crate) fn noisy_runs(
+    passes: &[(Pass, Readings)],
+    repeats: u32,
+    sigma: f64,
+    random: &mut ChaCha8Rng,
+) -> Vec<Run> {
+    let mut all = Vec::new();
+    for number in 1..=repeats {
+        for (pass, readings) in passes {
+            all.extend(runs(number, *pass, &with_noise(readings, sigma, random)));
+        }
+    }
+    all
+}
+
+/// Positioning slopes of some axes, each wrong by its uncertainty.
+pub(crate) fn noisy_lines(
+    truth: &Machine,
+    axes: &[Axis],
+    u_um_per_m: f64,
+    random: &mut ChaCha8Rng,
+) -> Vec<MeasuredLine> {
+    let mut lines = truth.lines(axes, Some(u_um_per_m));
+    for line in &mut lines {
+        line.slope_um_per_m += u_um_per_m * normal(random);
+    }
+    lines
+}
+
+/// How far the squareness found lies beside that of the machine, µm/m.
+pub(crate) fn squareness_error(truth: &Machine, found: &Separation, plane: Plane) -> f64 {
+    found.squareness_um_per_m.of(plane).unwrap() - truth.squareness(plane)
+}
+
+/// How often something lay within its expanded uncertainty.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Share {
+    inside: usize,
+    pub all: usize,
+}
+
+impl Share {
+    pub(crate) fn add(&mut self, error: f64, expanded: f64) {
+        self.inside += usize::from(error.abs() <= expanded);
+        self.all += 1;
+    }
+
+    pub(crate) fn value(self) -> f64 {
+        float(self.inside) / float(self.all)
+    }
+}
+
 pub(crate) fn measurement(volume: &Volume, setup: SetUp, frame: Frame) -> DiagonalMeasurement {
     DiagonalMeasurement {
         readings: String::new(),
@@ -268,6 +324,12 @@ pub(crate) fn solved(volume: &Volume, lines: Vec<MeasuredLine>, runs: &[Run]) ->
 
 pub(crate) fn curve(separation: &Separation, term: ErrorTerm) -> &[f64] {
     &separation.errors.mean[term].as_ref().unwrap().deviation_um
+}
+
+#[track_caller]
+pub(crate) fn close(found: f64, wanted: f64, tolerance: f64, what: impl std::fmt::Display) {
+    let far = (found - wanted).abs();
+    assert!(far <= tolerance, "{what}: {found}, expected {wanted} within {tolerance}");
 }
 
 /// What was found, in words.

@@ -1,19 +1,68 @@
-//! Tables of docs/accuracy.md that simulations write, and how much of a simulation is run.
-
+//! How much of a simulation is run, what so many trials can decide, and the tables of
+//! docs/accuracy.md that simulations write.
+use statrs::distribution::{Binomial, DiscreteCDF};
+use std::ops::RangeInclusive;
 use std::path::Path;
 
-/// Whether whole simulations are asked for (`NONIUS_SIMULATIONS=all`).
+/// What `NONIUS_SIMULATIONS` asks for; without it a hundredth.
+#[derive(Clone, Copy, PartialEq)]
+enum Extent {
+    Hundredth,
+    Twentieth,
+    All,
+}
+
+fn extent() -> Extent {
+    match std::env::var("NONIUS_SIMULATIONS").as_deref() {
+        Err(_) | Ok("") => Extent::Hundredth,
+        Ok("twentieth") => Extent::Twentieth,
+        Ok("all") => Extent::All,
+        Ok(other) => panic!("NONIUS_SIMULATIONS is twentieth or all, not {other}"),
+    }
+}
+
+/// Whether whole simulations are asked for.
 pub(crate) fn is_whole() -> bool {
-    std::env::var("NONIUS_SIMULATIONS").is_ok_and(|asked| asked == "all")
+    extent() == Extent::All
 }
 
-/// So many trials of `all`: a twentieth, unless all are asked for.
-pub(crate) fn share(all: u64) -> u64 {
-    if is_whole() { all } else { all / 20 }
+/// A number of trials: the first in plain `cargo test`, the second where more is asked for.
+pub(crate) fn short_or<T>(short: T, long: T) -> T {
+    if extent() == Extent::Hundredth { short } else { long }
 }
 
-/// Compares a table with that between the markers `name` of `tests/<file>.rs`; with `NONIUS_UPDATE`
-/// in the environment writes it there.
+/// So many trials of `all`: a hundredth, but `least` at least; a twentieth or all where asked for.
+pub(crate) fn share(all: u64, least: u64) -> u64 {
+    match extent() {
+        Extent::Hundredth => least.max(all / 100),
+        Extent::Twentieth => all / 20,
+        Extent::All => all,
+    }
+}
+
+/// Whether a share is within `strict`; in plain `cargo test`, whether its few trials may have come
+/// from a probability within `stated`.
+pub(crate) fn is_held(
+    share: f64,
+    trials: usize,
+    stated: RangeInclusive<f64>,
+    strict: RangeInclusive<f64>,
+) -> bool {
+    short_or(may_be(share, trials, stated), strict.contains(&share))
+}
+
+/// Whether no binomial test at 10⁻⁴ refutes that a trial succeeds with a probability within `stated`.
+pub(crate) fn may_be(share: f64, trials: usize, stated: RangeInclusive<f64>) -> bool {
+    let (count, trials) = (share * trials as f64, trials as u64);
+    let [low, high] = [stated.start(), stated.end()].map(|p| Binomial::new(*p, trials).unwrap());
+    // A mean over several figures need not be a whole count.
+    let (above, below) = ((count - 1e-9).ceil() as u64, (count + 1e-9).floor() as u64);
+    let as_many = if below == 0 { 1.0 } else { high.sf(below - 1) };
+    low.cdf(above) >= 1e-4 && as_many >= 1e-4
+}
+
+/// Compares a table with that between the markers `name` of `tests/studies/<file>.rs`; with
+/// `NONIUS_UPDATE` in the environment writes it there.
 pub(crate) fn published(name: &str, file: &str, table: &str) {
     let begin = format!("<!-- {name}: written by tests/studies/{file}.rs -->\n");
     let end = format!("\n<!-- {name}: end -->");
