@@ -14,7 +14,7 @@ fn box_30() -> Volume {
 
 #[test]
 fn sound_readings_are_rarely_doubted() {
-    let trials = share(400);
+    let trials = share(4000, 20);
     for count in [1, 3] {
         let is_doubted = |seed: &u64| {
             let mut random = ChaCha8Rng::seed_from_u64(5000 + seed);
@@ -37,7 +37,7 @@ fn means_and_single_w_scatter_as_expected() {
     let mut random = ChaCha8Rng::seed_from_u64(12);
     let (mut single, mut mean, mut ramp, mut count) = (0.0, 0.0, 0.0, 0.0);
     let mut last = None;
-    for _ in 0..share(1000) {
+    for _ in 0..share(4000, 50) {
         let readings = with_noise(&perfect, SIGMA_UM, &mut random);
         let found = naive(&volume, &runs(1, Pass::Forward, &readings));
         for axis in Axis::ALL {

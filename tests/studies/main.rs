@@ -20,6 +20,7 @@ mod causes;
 mod coverage;
 mod coverage_bounds;
 mod doubts;
+mod endless;
 mod exchanged;
 mod plan;
 mod right_kits;
