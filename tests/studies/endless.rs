@@ -13,11 +13,11 @@ fn path(program: &str) -> Ran {
 
 #[test]
 fn a_program_without_end_is_refused_with_its_reason() {
-    let holes = "G81 X1 R1 Z-1 K9999\n".repeat(1100);
+    let holes = "G81 X0 R1 Z-1 K9999\n".repeat(1100);
     let calls = [
         ("M98 P1 L99999999\nM30\nO1\nM99", "1\n"),
-        ("G54 G90 G1 X0 Y0 Z0\n\nM98 P1 L99999999\nM30\nO1\nX3000\nX0\nM99", "3\n"),
-        ("G91 G1\nM98 P1 L9999\nM30\nO1\nX1\nM98 P2 L9999\nM99\nO2\nX1\nX-1\nM99", "2\n"),
+        ("G54 G90 G1 X0 Y0 Z0\n\nM98 P1 L99999999\nM30\nO1\nX100\nX0\nM99", "3\n"),
+        ("G91 G1\nM98 P1 L9999\nM30\nO1\nX0\nM98 P2 L9999\nM99\nO2\nX1\nX-1\nM99", "2\n"),
         (&format!("G54 G91 G0 X0 Y0 Z0\n{holes}M30"), ""),
     ];
     let says = "more than 20000000 blocks and mm; the last of them begin in line ";
