@@ -5,7 +5,7 @@ use crate::support::diagonals::{
 };
 use crate::support::visit::{Ran, Visit, number};
 use nonius::inputs::job::{Frame, SetUp};
-use nonius::machine::separation::noise::{NoiseSource, ReadingPlace};
+use nonius::machine::separation::noise::{NoiseSource, Outlier, ReadingPlace};
 use nonius::machine::separation::{Separation, separate};
 use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
@@ -25,17 +25,20 @@ fn box_30() -> Volume {
 /// Several forward runs of a machine with noise.
 fn repeated(seed: u64, count: u32) -> Vec<Run> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let machine = Machine::random(&box_30(), &mut random);
-    let readings = machine.readings(None);
-    (1..=count)
-        .flat_map(|run| runs(run, Pass::Forward, &with_noise(&readings, SIGMA_UM, &mut random)))
-        .collect()
+    let readings = Machine::random(&box_30(), &mut random).readings(None);
+    let mut noisy = || with_noise(&readings, SIGMA_UM, &mut random);
+    (1..=count).flat_map(|run| runs(run, Pass::Forward, &noisy())).collect()
 }
 
 fn disturb(runs: &mut [Run], diagonal: Diagonal, number: u32, node: usize, um: f64) {
     let of = |run: &&mut Run| run.diagonal == diagonal && run.number == number;
     let run = runs.iter_mut().find(of).unwrap();
     run.deviations[node] = Deviation::from_um(run.deviations[node].um() + um);
+}
+
+#[track_caller]
+fn says(said: &str, words: &[&str]) {
+    words.iter().for_each(|words| assert!(said.contains(words), "expected `{words}` in\n{said}"));
 }
 
 fn place(diagonal: Diagonal, run: u32, node: usize) -> ReadingPlace {
@@ -51,17 +54,16 @@ fn a_disturbed_reading_of_three_runs_is_named_with_its_run() {
             disturb(&mut runs, Diagonal::Pnp, 2, 40, um);
             let found = naive(&box_30(), &runs);
             let first = found.closure.outliers.first();
-            let hit = first.filter(|o| o.readings == [place(Diagonal::Pnp, 2, 40)]);
-            named += usize::from(hit.is_some());
-            if let Some(outlier) = hit {
+            let is_it = |o: &&Outlier| o.readings == [place(Diagonal::Pnp, 2, 40)];
+            if let Some(outlier) = first.filter(is_it) {
+                named += 1;
                 assert!((outlier.size_um - um).abs() < 5.0 * SIGMA_UM, "{outlier:?}");
                 assert!((outlier.of_mean_um - outlier.size_um / 3.0).abs() < 1e-12);
                 let noise = found.noise.unwrap();
                 assert_eq!(noise.source, NoiseSource::Repeats);
                 assert!((noise.sigma_um - SIGMA_UM).abs() < 0.03, "{noise:?}");
                 let words = &words(&found.doubts)[0];
-                assert!(words.contains("PNP run 2 forward node 40"), "{words}");
-                assert!(words.contains("that U does not hold"), "{words}");
+                says(words, &["PNP run 2 forward node 40", "that U does not hold"]);
             }
         }
         assert!(named >= least, "{um} um: {named} of 20");
@@ -98,8 +100,7 @@ fn readings_under_each_others_name_are_told() {
         }
     }
     for seed in 0..20 {
-        let found = naive(&box_30(), &repeated(seed, 1));
-        assert_eq!(accusation(&found), None);
+        assert_eq!(accusation(&naive(&box_30(), &repeated(seed, 1))), None);
     }
 }
 
@@ -117,12 +118,8 @@ fn steps_in_another_order_are_told() {
             let found = naive(&box_, &runs(1, Pass::Forward, &readings));
             let [a, b, c] = order;
             let said = format!("or the steps went {a}, {b}, {c}: ");
-            match accusation(&found) {
-                Some(doubt) => {
-                    assert!(order != recorded && doubt.contains(&said), "{said} {doubt}")
-                }
-                None => assert_eq!(order, recorded, "{:?}", words(&found.doubts)),
-            }
+            let is_told = accusation(&found).map(|doubt| doubt.contains(&said));
+            assert_eq!(is_told, (order != recorded).then_some(true), "{said}, not {recorded:?}");
         }
     }
 }
@@ -142,9 +139,8 @@ fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
         labels.find(|label| label.starts_with("these readings would hardly show"))
     };
     let said = hardly(&found).unwrap();
-    for words in ["NPP and PNP", "NPP and PPN", "PNP and PPN", "nor steps that went X, Z, Y or"] {
-        assert!(said.contains(words), "{said}");
-    }
+    let pairs = ["NPP and PNP", "NPP and PPN", "PNP and PPN"];
+    says(&said, &[&pairs[..], &["nor steps that went X, Z, Y or"]].concat());
     assert!(!said.contains("PPP"), "{said}");
     assert!(found.doubts.is_empty(), "{:?}", words(&found.doubts));
     let rough = (1..10).map(|seed| naive(&box_30(), &repeated(seed, 3)));
@@ -170,17 +166,14 @@ fn a_scatter_far_above_the_noise_is_a_finding() {
         campaign.stated.noise_um = noise_um;
         words(&separate(&campaign, &all).doubts).join("\n")
     };
-    let said = found(50.0, None, 1);
     let above = "from the scatter of the closure: above the 1 µm that are assumed";
-    for words in [above, "state `noise_um`"] {
-        assert!(said.contains(words), "{said}");
-    }
-    assert!(found(1000.0, None, 1).contains("above the 1 µm"));
+    says(&found(50.0, None, 1), &[above, "state `noise_um`"]);
+    says(&found(1000.0, None, 1), &["above the 1 µm"]);
     for sound in [found(0.0, None, 1), found(0.0, Some(0.3), 3), found(0.0, Some(0.2), 3)] {
         assert_eq!(sound, "");
     }
-    let said = found(0.0, Some(0.1), 3);
-    assert!(said.contains("more than 2 times the 0.1 µm that `noise_um` states"), "{said}");
+    let twice = "more than 2 times the 0.1 µm that `noise_um` states";
+    says(&found(0.0, Some(0.1), 3), &[twice]);
 }
 
 #[test]
@@ -188,11 +181,10 @@ fn with_two_runs_either_may_be_the_disturbed_one() {
     let mut runs = repeated(3, 2);
     disturb(&mut runs, Diagonal::Ppn, 1, 17, -9.0);
     let found = naive(&box_30(), &runs);
-    let mut places = found.closure.outliers[0].readings.clone();
+    let [outlier] = &found.closure.outliers[..] else { panic!("the closure names it once more") };
+    let mut places = outlier.readings.clone();
     places.sort();
-    let wanted = [1, 2].map(|run| place(Diagonal::Ppn, run, 17));
-    assert_eq!(places, wanted);
-    assert_eq!(found.closure.outliers.len(), 1, "the closure names it once more");
+    assert_eq!(places, [1, 2].map(|run| place(Diagonal::Ppn, run, 17)));
 }
 
 /// Readings of a perfect machine whose X rolls evenly by `urad` over its travel, the levers alone:
@@ -237,30 +229,28 @@ fn roll_makes_ramps_and_accuses_no_reading() {
     }
 }
 
-fn stated_noise(noise_um: f64) -> Separation {
-    let measurement = measurement(&box_30(), SetUp::AssumePerfect, Frame::AsMeasured);
-    let mut campaign = campaign(&measurement, Vec::new());
-    campaign.stated.noise_um = Some(noise_um);
-    separate(&campaign, &repeated(1, 1))
-}
-
+/// Too small a noise makes U too small; too large a one is only wasteful.
 #[test]
 fn the_scatter_is_tested_to_both_sides() {
-    let test = |noise_um: f64| {
-        let found = stated_noise(noise_um);
-        found.closure.test(&found.noise.unwrap()).unwrap()
-    };
-    let fits = test(SIGMA_UM);
-    assert!(fits.probability > 0.01, "{fits:?}");
-    for (noise_um, larger) in [(0.15, true), (0.6, false)] {
-        let test = test(noise_um);
-        assert!(test.probability < 1e-6, "{test:?}");
-        assert_eq!(test.larger, larger);
+    let readings = repeated(1, 1);
+    for (noise_um, larger) in [(SIGMA_UM, None), (0.15, Some(true)), (0.6, Some(false))] {
+        let measurement = measurement(&box_30(), SetUp::AssumePerfect, Frame::AsMeasured);
+        let mut campaign = campaign(&measurement, Vec::new());
+        campaign.stated.noise_um = Some(noise_um);
+        let found = separate(&campaign, &readings);
+        let test = found.closure.test(&found.noise.unwrap()).unwrap();
+        match larger {
+            Some(larger) => assert!(test.probability < 1e-6 && test.larger == larger, "{test:?}"),
+            None => assert!(test.probability > 0.01, "{test:?}"),
+        }
+        let doubts = words(&found.doubts).join("\n");
+        match noise_um {
+            0.15 => says(&doubts, &["scatters more"]),
+            0.6 => assert_eq!(doubts, ""),
+            _ => {}
+        }
     }
-    // Too small a noise makes U too small; too large a one is only wasteful.
-    assert!(stated_noise(0.15).doubts.iter().any(|d| d.to_string().contains("scatters more")));
-    assert!(stated_noise(0.6).doubts.is_empty());
-    let alone = naive(&box_30(), &repeated(1, 1));
+    let alone = naive(&box_30(), &readings);
     assert_eq!(alone.closure.test(&alone.noise.unwrap()), None, "nothing to test against");
 }
 

@@ -18,8 +18,6 @@ use tempfile::{NamedTempFile, TempDir};
 /// In an old kit or at the place of a file: gone, it would be lost.
 const USERS_OWN: &[u8] = b"what a person wrote\n";
 
-fn nothing(_: &Visit) {}
-
 fn append(visit: &Visit, name: &str, text: &str) {
     visit.put(name, visit.read(name) + text);
 }
@@ -44,13 +42,9 @@ fn old_file(visit: &Visit) {
     visit.put("put.csv", USERS_OWN);
 }
 
-fn with_program(visit: &Visit) {
-    append(visit, "job.toml", PROGRAM);
-}
-
 /// An old folder of a measuring run with readings.
 fn old_run(visit: &Visit) {
-    with_program(visit);
+    append(visit, "job.toml", PROGRAM);
     visit.run("program job.toml -o kit");
     visit.put("kit/readings.csv", USERS_OWN);
 }
@@ -76,14 +70,14 @@ const IMPORT: &str = "import isg_component_errors_selfmade.csv -o put.csv --sign
 type Scene = (&'static str, fn(&Visit), &'static str);
 
 const SCENES: [Scene; 12] = [
-    (ERRORS, nothing, "generate job.toml -o new/deep/kit"),
+    (ERRORS, |_| (), "generate job.toml -o new/deep/kit"),
     (ERRORS, old_kit, "generate job.toml -o kit --force"),
     (ERRORS, older_kit, "generate job.toml -o kit --force --format json"),
-    (ERRORS, with_program, "program job.toml -o kit"),
+    (ERRORS, |visit| append(visit, "job.toml", PROGRAM), "program job.toml -o kit"),
     (ERRORS, old_run, "program job.toml -o kit --force"),
-    (ERRORS, nothing, "simulate job.toml --errors -o put.csv"),
+    (ERRORS, |_| (), "simulate job.toml --errors -o put.csv"),
     (ERRORS, old_file, "simulate job.toml --errors -o put.csv --force"),
-    (READINGS, nothing, "separate job.toml -o put.csv"),
+    (READINGS, |_| (), "separate job.toml -o put.csv"),
     (READINGS, old_file, "separate job.toml -o put.csv --force"),
     ("formats", old_file, IMPORT),
     (ERRORS, with_part_program, "path job.toml part.nc -o put.csv"),
@@ -120,21 +114,15 @@ impl Played {
 
     /// What lies at the output is old, new, or was and is nothing, and all else is as it was.
     fn whole(&self, found: &Tree) -> Result<(), String> {
-        let output = self.output;
-        let now = at(found, output);
-        if now != at(&self.before, output) && now != at(&self.after, output) {
-            return Err("the output is neither old nor new".to_string());
-        }
-        for (name, entry) in &self.before {
-            if !name.starts_with(output) && found.get(name) != Some(entry) {
-                return Err(format!("{name} was changed"));
-            }
+        let (output, now) = (self.output, at(found, self.output));
+        let is_whole = now == at(&self.before, output) || now == at(&self.after, output);
+        check(is_whole, "the output is neither old nor new")?;
+        for (name, entry) in self.before.iter().filter(|(name, _)| !name.starts_with(output)) {
+            check(found.get(name) == Some(entry), format!("{name} was changed"))?;
         }
         for name in found.keys() {
             let is_expected = name.starts_with(output) || output.starts_with(name.as_str());
-            if !is_expected && !self.before.contains_key(name) {
-                return Err(format!("{name} was left"));
-            }
+            check(is_expected || self.before.contains_key(name), format!("{name} was left"))?;
         }
         self.kept(found)
     }
@@ -147,21 +135,17 @@ impl Played {
         let known = [old.clone(), at(&self.before, &previous), at(&self.after, output)];
         let is_kept = |name: &&String| name.starts_with(&previous) && !name.contains(".partial-");
         for name in directories(found).filter(is_kept) {
-            if !known.contains(&at(found, name)) {
-                return Err(format!("{name} is no whole kit"));
-            }
+            check(known.contains(&at(found, name)), format!("{name} is no whole kit"))?;
         }
         let is_directory = self.before.get(output) == Some(&Entry::Directory);
-        if is_directory && !directories(found).any(|name| at(found, name) == old) {
-            return Err("the old kit is gone".to_string());
-        }
-        Ok(())
+        let is_there = directories(found).any(|name| at(found, name) == old);
+        check(!is_directory || is_there, "the old kit is gone")
     }
 
     /// The new thing is in its place.
     fn written(&self, found: &Tree) -> Result<(), String> {
         let is_new = at(found, self.output) == at(&self.after, self.output);
-        is_new.then_some(()).ok_or_else(|| "the output is not the new one".to_string())
+        check(is_new, "the output is not the new one")
     }
 
     /// So it is, and nothing unfinished is there.
@@ -173,21 +157,22 @@ impl Played {
     fn next_run(&self, visit: &Visit, left: &Tree) -> Result<(), String> {
         let command = self.command.replace(" --force", "");
         let Ran { status, err, .. } = visit.run(&format!("{command} --force"));
-        if status != self.said.status {
-            return Err(format!("the next run: {err}"));
-        }
+        check(status == self.said.status, format!("the next run: {err}"))?;
         let found = visit.files();
         self.complete(&found).map_err(|why| format!("after the next run {why}"))?;
         // With `--force` on a file the old one is replaced.
         let is_file = matches!(self.after.get(self.output), Some(Entry::File(_)));
-        if copies(&self.before, USERS_OWN) > copies(&found, USERS_OWN) && !is_file {
-            return Err("the next run lost a user's file".to_string());
-        }
-        match partials(left).iter().find(|name| !err.contains(name.as_str())) {
-            Some(name) => Err(format!("{name} is removed without a word: {err}")),
-            None => Ok(()),
-        }
+        let is_kept = copies(&self.before, USERS_OWN) <= copies(&found, USERS_OWN);
+        check(is_kept || is_file, "the next run lost a user's file")?;
+        let told = |name: &String| {
+            check(err.contains(name), format!("{name} is removed without a word: {err}"))
+        };
+        partials(left).into_iter().try_for_each(told)
     }
+}
+
+fn check(is_so: bool, why: impl Into<String>) -> Result<(), String> {
+    is_so.then_some(()).ok_or_else(|| why.into())
 }
 
 /// A fresh folder with everything of a tree.
@@ -240,12 +225,6 @@ const NO_FILE: &str = "arch_prctl brk clock_gettime clone clone3 exit exit_group
 /// Whether all faults are asked for.
 fn is_whole() -> bool {
     std::env::var("NONIUS_FAULTS").is_ok_and(|asked| asked == "all")
-}
-
-fn has_strace() -> bool {
-    let mut strace = Command::new("strace");
-    let traced = strace.args(["-f", "-o", "/dev/null", "true"]).stderr(Stdio::null()).status();
-    traced.is_ok_and(|status| status.success())
 }
 
 /// The system calls of a scene, from the first that names its output on.
@@ -352,7 +331,9 @@ fn judge(played: &Played, fault: Fault, ran: &Ran, found: &Tree) -> Result<(), S
 
 /// Tries faults at the system calls of all scenes: every `step`th of each scene, or all.
 fn try_faults(fault: Fault, ways: &[&str], step: usize) {
-    if !has_strace() {
+    let mut strace = Command::new("strace");
+    let traced = strace.args(["-f", "-o", "/dev/null", "true"]).stderr(Stdio::null()).status();
+    if !traced.is_ok_and(|status| status.success()) {
         return skipped("strace is not here, or may not trace");
     }
     let step = if is_whole() { 1 } else { step };
@@ -367,28 +348,21 @@ fn try_faults(fault: Fault, ways: &[&str], step: usize) {
         let first = (number * step / SCENES.len()) % of_scene.len();
         cases.extend(of_scene.into_iter().skip(first).step_by(step));
     }
-    let failures = in_parallel(&cases, |(played, call, how)| disturbed(played, call, fault, how));
+    // Every third case in a thread.
+    let failed = &|first: usize| {
+        let of_thread = cases.iter().skip(first).step_by(3);
+        let failed = |(played, call, how): &(&Played, &Call, &str)| {
+            disturbed(played, call, fault, how).err()
+        };
+        of_thread.filter_map(failed).collect::<Vec<String>>()
+    };
+    let failures: Vec<String> = std::thread::scope(|scope| {
+        let threads = [0, 1, 2].map(|first| scope.spawn(move || failed(first)));
+        threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
+    });
     told(&format!("{} of {all} cases", cases.len()));
     let shown = failures.iter().take(40).map(String::as_str).collect::<Vec<_>>().join("\n");
     assert!(failures.is_empty(), "{} of {} cases:\n{shown}", failures.len(), cases.len());
-}
-
-/// What went wrong, of every third case the first, of every third the second, and so on.
-fn in_parallel<T: Sync>(
-    cases: &[T],
-    test: impl Fn(&T) -> Result<(), String> + Sync,
-) -> Vec<String> {
-    let test = &test;
-    let of = |first: usize| {
-        move || {
-            let of_thread = cases.iter().skip(first).step_by(3);
-            of_thread.filter_map(|case| test(case).err()).collect::<Vec<_>>()
-        }
-    };
-    std::thread::scope(|scope| {
-        let threads = [0, 1, 2].map(|first| scope.spawn(of(first)));
-        threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
-    })
 }
 
 #[test]
@@ -443,7 +417,7 @@ fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
         return skipped("a small memory disk cannot be mounted here");
     }
     let visit = Visit::of("start/errors");
-    with_program(&visit);
+    append(&visit, "job.toml", PROGRAM);
     with_part_program(&visit);
     let mut refused = 0;
     for (words, output) in [
@@ -465,16 +439,16 @@ fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
             // Twice onto the same.
             for _ in 0..2 {
                 let (ran, found) = onto(stick.0.path());
-                let (is_refused, what) = (ran.status == Some(2), ran.all());
-                if is_refused {
-                    let difference = difference(&before, &found);
-                    assert!(found == before, "{words}, {size}: {difference}: {what}");
-                    assert!(ran.err.contains("no space left"), "{words}, {size}: {what}");
-                } else {
-                    let is_new = at(&found, output) == at(&after, output);
-                    let is_whole = ran.status == new.status && is_new && tidy(&found).is_ok();
-                    assert!(is_whole, "{words}, {size}: {what}");
-                }
+                let is_refused = ran.status == Some(2);
+                let is_right = match is_refused {
+                    true => found == before && ran.err.contains("no space left"),
+                    false => {
+                        let is_new = at(&found, output) == at(&after, output);
+                        ran.status == new.status && is_new && tidy(&found).is_ok()
+                    }
+                };
+                let changed = difference(&before, &found);
+                assert!(is_right, "{words}, {size}: {changed}: {}", ran.all());
                 refused += usize::from(is_refused);
                 before = found;
             }
