@@ -239,15 +239,12 @@ fn the_scatter_is_tested_to_both_sides() {
         campaign.stated.noise_um = Some(noise_um);
         let found = separate(&campaign, &readings);
         let test = found.closure.test(&found.noise.unwrap()).unwrap();
-        match larger {
-            Some(larger) => assert!(test.probability < 1e-6 && test.larger == larger, "{test:?}"),
-            None => assert!(test.probability > 0.01, "{test:?}"),
-        }
-        let doubts = words(&found.doubts).join("\n");
-        match noise_um {
-            0.15 => says(&doubts, &["scatters more"]),
-            0.6 => assert_eq!(doubts, ""),
-            _ => {}
+        let doubts = words(&found.doubts).concat();
+        if let Some(larger) = larger {
+            assert!(test.probability < 1e-6 && test.larger == larger, "{test:?}");
+            assert_eq!([doubts.contains("scatters more"), doubts.is_empty()], [larger, !larger]);
+        } else {
+            assert!(test.probability > 0.01, "{test:?}");
         }
     }
     let alone = naive(&box_30(), &readings);

@@ -21,7 +21,7 @@ pub(super) const PROGRAM: &str = "\n[program]\nwhat = \"single-axis\"\nbidirecti
 /// Runs a command, which says so beside its data.
 #[track_caller]
 fn expect(visit: &Visit, command: &str, status: i32, says: &str) {
-    told(patiently(visit.folder(), command, Stdio::null()).0.ends(status), says);
+    told(patiently(visit, command, Stdio::null()).0.ends(status), says);
 }
 
 #[track_caller]
@@ -40,7 +40,7 @@ fn refused(visit: &Visit, command: &str, says: &str) {
 /// The command with a file on standard input.
 fn piped(visit: &Visit, command: &str, from: &str) -> Ran {
     let stdin = File::open(visit.at(from)).unwrap();
-    patiently(visit.folder(), command, stdin.into()).0
+    patiently(visit, command, stdin.into()).0
 }
 
 /// How many files have these bytes.
@@ -72,11 +72,8 @@ fn no_output_replaces_an_input_through_links_or_standard_input() {
     fs::hard_link(visit.at("readings.csv"), visit.at("hard.csv")).unwrap();
     symlink("readings.csv", visit.at("soft.csv")).unwrap();
     symlink(".", visit.at("here")).unwrap();
-    for (output, says) in [
-        ("hard.csv", WOULD_REPLACE),
-        ("here/readings.csv", WOULD_REPLACE),
-        ("soft.csv", "is a link"),
-    ] {
+    for output in ["hard.csv", "here/readings.csv", "soft.csv"] {
+        let says = if output == "soft.csv" { "is a link" } else { WOULD_REPLACE };
         refused(&visit, &format!("simulate job.toml -o {output} --force"), says);
     }
     let before = visit.files();
@@ -106,24 +103,14 @@ fn an_output_is_a_regular_file_or_new() {
     let made =
         Command::new("mknod").arg(&device).args(["c", "1", "3"]).stderr(Stdio::null()).status();
     let has_device = made.is_ok_and(|status| status.success());
-    for (output, says) in [
-        ("pipe", "is no regular file"),
-        ("folder", "is a directory"),
-        ("device", "is no regular file"),
-    ] {
-        if output != "device" || has_device {
-            refused(&visit, &format!("simulate job.toml --errors -o {output} --force"), says);
-        }
+    for output in ["pipe", "folder", "device"].into_iter().take(2 + usize::from(has_device)) {
+        let says = if output == "folder" { "is a directory" } else { "is no regular file" };
+        refused(&visit, &format!("simulate job.toml --errors -o {output} --force"), says);
     }
     let kind = |path: &Path| fs::symlink_metadata(path).unwrap().file_type();
     assert!(kind(&visit.at("pipe")).is_fifo());
     assert!(!has_device || kind(&device).is_char_device());
-}
-
-#[cfg(unix)]
-#[test]
-fn a_kit_does_not_take_the_place_of_a_link_that_leads_nowhere() {
-    let visit = Visit::of("start/errors");
+    // A link that leads nowhere.
     std::os::unix::fs::symlink("not-there", visit.at("kit")).unwrap();
     refused(&visit, MAKE, "is a link or a file");
     assert!(visit.at("kit").is_symlink());
@@ -150,31 +137,34 @@ fn force_twice_keeps_job_and_measurement_that_were_moved_into_the_kit() {
     }
 }
 
+/// Something put into a kit, something that lies where older kits are kept, readings filled in: each further run
+/// moves what is there away.
 #[test]
-fn force_never_removes_what_was_put_into_a_kit() {
-    let visit = Visit::of("start/errors");
-    expect(&visit, MAKE, 0, "wrote");
-    visit.put("kit/archive.arc", "what was read out");
-    expect(&visit, FORCE, 0, "moved kit to kit.previous\n");
-    expect(&visit, FORCE, 0, "moved kit to kit.previous-2\n");
-    expect(&visit, FORCE, 0, "moved kit to kit.previous-3\n");
-    assert_eq!(copies(&visit, "what was read out"), 1);
-    assert!(visit.at("kit.previous/archive.arc").is_file());
-    assert!(visit.at("kit.previous-2/manifest.json").is_file());
+fn force_removes_nothing_of_a_users() {
+    for (name, force, own, moved) in [
+        ("kit", FORCE, "kit/archive.arc", &["", "-2", "-3"][..]),
+        ("kit", FORCE, "kit.previous/photo.jpg", &["-2", "-3"]),
+        ("run", "program run.toml -o run --force", "run/readings-z.csv", &["", "-2"]),
+    ] {
+        let visit = Visit::of("start/errors");
+        visit.put("run.toml", visit.read("job.toml") + PROGRAM);
+        expect(&visit, force, 0, "wrote");
+        assert_eq!(visit.has(own), name == "run", "{own}");
+        visit.put(own, "what a person put there");
+        if own.starts_with("kit.previous") {
+            visit.put("kit.previous/manifest.json", r#"{"files":[]}"#);
+        }
+        for number in moved {
+            let says = format!("moved {name} to {name}.previous{number}\n");
+            expect(&visit, force, 0, &says);
+        }
+        assert_eq!(copies(&visit, "what a person put there"), 1, "{own}");
+        let (_, file) = own.split_once('/').unwrap();
+        assert!(visit.at(&format!("{name}.previous/{file}")).is_file(), "{own}");
+        assert!(visit.at(&format!("{name}.previous-2/manifest.json")).is_file(), "{own}");
+    }
 }
 
-#[test]
-fn force_removes_nothing_that_lies_where_older_kits_are_kept() {
-    let visit = Visit::of("start/errors");
-    expect(&visit, FORCE, 0, "wrote");
-    visit.put("kit.previous/photo.jpg", "of the machine");
-    visit.put("kit.previous/manifest.json", r#"{"files":[]}"#);
-    expect(&visit, FORCE, 0, "moved kit to kit.previous-2\n");
-    expect(&visit, FORCE, 0, "moved kit to kit.previous-3\n");
-    assert_eq!(copies(&visit, "of the machine"), 1);
-}
-
-/// What is replaced gives its permissions.
 #[cfg(unix)]
 #[test]
 fn what_is_replaced_keeps_its_permissions() {
@@ -265,8 +255,8 @@ fn history_follows_no_path_out_of_a_kit() {
     for path in ["../errors.csv", "/dev/zero", "sub/x.csv", "..\\errors.csv", ".."] {
         document["files"][0]["path"] = path.into();
         visit.put("kit/manifest.json", document.to_string());
-        let ran = patiently(visit.folder(), "history kit", Stdio::null()).0;
-        ran.ends(1).says(&format!("`{path}` is no plain file name"));
+        let ran = patiently(&visit, "history kit", Stdio::null()).0.ends(1);
+        ran.says(&format!("`{path}` is no plain file name"));
     }
 }
 
