@@ -14,12 +14,11 @@ const LAST_DIGIT: f64 = 1.001e-6;
 
 /// A machine of three axes of 0 … 900 mm with an error table; `measurement` = further lines of its job.
 fn visit(measurement: &str, compensation: &str, errors: &str) -> Visit {
-    let mut page = "schema = 1\n[machine]\nname = \"M\"\nchain = \"wXYZt\"\n".to_string();
-    for axis in ["x", "y", "z"] {
-        page += &format!("[machine.axes.{axis}]\ntravel_mm = [0.0, 900.0]\nreference_mm = 0.0\n");
-    }
-    page += &format!(
-        "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{measurement}\n\
+    let axis = "{ travel_mm = [0.0, 900.0], reference_mm = 0.0 }";
+    let page = format!(
+        "schema = 1\n[machine]\nname = \"M\"\nchain = \"wXYZt\"\n\
+         axes = {{ x = {axis}, y = {axis}, z = {axis} }}\n\
+         [measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{measurement}\n\
          [compensation]\n{compensation}\n\
          [[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n"
     );
@@ -30,15 +29,13 @@ fn visit(measurement: &str, compensation: &str, errors: &str) -> Visit {
 
 /// The controls of these tests: their facts, and spacings for X, Y and Z.
 fn control(id: &str, further: &str) -> String {
-    let mut page = format!("controller = \"{id}\"\n{further}\n");
-    for (axis, first) in [("x", 100), ("y", 200), ("z", 300)] {
-        page += &format!("[compensation.axes.{axis}]\nspacing_mm = 90.0\n");
-        if id.starts_with("fanuc") {
-            let steps = "detection_unit_um = 1.0\ninterpolated = false";
-            page += &format!("first_point = {first}\n{steps}\n");
-        }
-    }
-    page
+    let axes = [("x", 100), ("y", 200), ("z", 300)].map(|(axis, first)| {
+        let typed =
+            format!(", first_point = {first}, detection_unit_um = 1.0, interpolated = false");
+        let typed = if id.starts_with("fanuc") { &typed } else { "" };
+        format!("axes.{axis} = {{ spacing_mm = 90.0{typed} }}\n")
+    });
+    format!("controller = \"{id}\"\n{further}\n{}", axes.concat())
 }
 
 /// A table with rows of X; Y and Z are without error.
@@ -58,17 +55,16 @@ fn defined(found: &Value, key: &str) -> f64 {
 #[test]
 fn what_is_left_along_one_axis_is_what_the_forecast_says() {
     let straight = "x,0,0,0,0\nx,900,100,0,0\n";
+    let curves = ["linear", "pchip", "natural-spline"];
+    let ids = ["siemens-840d-sl", "fanuc-30i", "generic"];
     for shape in [straight, "x,0,0,0,0\nx,300,20,0,0\nx,600,-20,0,0\nx,900,0,0,0\n"] {
-        for (curve, id) in ["linear", "pchip", "natural-spline"]
-            .iter()
-            .flat_map(|curve| ["siemens-840d-sl", "fanuc-30i", "generic"].map(|id| (curve, id)))
-        {
+        for (curve, id) in curves.into_iter().flat_map(|curve| ids.map(|id| (curve, id))) {
             let what = format!("{id}, {curve}, {shape}");
             let curved = control(id, &format!("curve = \"{curve}\""));
             let visit = visit("", &curved, &along_x(shape));
             visit.run("generate job.toml -o kit").answers();
-            let forecast = &visit.document("kit/manifest.json")["forecast"];
-            let forecast = number(&forecast["terms"]["EXX"]["after_um"]);
+            let manifest = visit.document("kit/manifest.json");
+            let forecast = number(&manifest["forecast"]["terms"]["EXX"]["after_um"]);
             let is_easy = shape == straight && !id.starts_with("fanuc");
             assert!(is_easy || forecast > 0.01, "{what}: {forecast} is too easy");
 
@@ -83,7 +79,7 @@ fn what_is_left_along_one_axis_is_what_the_forecast_says() {
             // error: the reference is one of the nodes, where nothing is left.
             let after = &visit.json("assess job.toml --tables kit")["after"];
             let from = defined(after, "max_from_reference_um");
-            if *curve == "linear" {
+            if curve == "linear" {
                 near(&format!("{what}, assess"), from, forecast, 2.0 * LAST_DIGIT);
                 near(&format!("{what}, accuracy"), accuracy, range, 2.0 * LAST_DIGIT);
                 near(&format!("{what}, VA"), defined(after, "va_um"), range, 2.0 * LAST_DIGIT);
@@ -112,11 +108,10 @@ fn a_staircase_is_a_staircase() {
     // The same way back: both values of each jump are met again.
     visit.put("p.nc", "G0 X900.\nG1 X0.\nM30\n");
     let back = visit.json("path job.toml p.nc --tables kit");
-    for (end, um) in [("max", 5.0), ("min", -5.0)] {
-        for path in [&path, &back] {
-            let found = number(&path["after"]["extremes"]["ex"][end]["um"]);
-            near(end, found, um, LAST_DIGIT);
-        }
+    for path in [path, back] {
+        let ex = &path["after"]["extremes"]["ex"];
+        near("max", number(&ex["max"]["um"]), 5.0, LAST_DIGIT);
+        near("min", number(&ex["min"]["um"]), -5.0, LAST_DIGIT);
     }
     let after = &visit.json("assess job.toml --tables kit")["after"];
     near("VA", defined(after, "va_um"), 10.0, LAST_DIGIT);
@@ -145,9 +140,8 @@ fn as_it_is_means_as_it_was_measured() {
     let found = visit.json("assess job.toml --tables kit");
     near("with the old tables", defined(&found["after"], "va_um"), 5.0, LAST_DIGIT);
     let path = visit.json("path job.toml p.nc --tables kit");
-    for (which, summary) in [("before", &path), ("after", &path["after"])] {
-        near(which, number(&summary["profile_accuracy_um"]), 5.0, LAST_DIGIT);
-    }
+    near("before", number(&path["profile_accuracy_um"]), 5.0, LAST_DIGIT);
+    near("after", number(&path["after"]["profile_accuracy_um"]), 5.0, LAST_DIGIT);
 }
 
 /// Measured at its ends only, while an old table was active: what lies under that table bends where
@@ -176,7 +170,7 @@ fn nothing_left_is_nothing_in_every_definition() {
         "[measurement.squareness_um_per_m]\nxy = 100.0\n[measurement.offsets_mm]\ny = 300.0";
     let errors = along_x("x,0,0,0,0\nx,900,5,0,0\n");
     let shorter = visit(measurement, &generic, &replaced(&errors, "y,900", "y,400"));
-    let y = "[machine.axes.y]\ntravel_mm = [0.0, 900.0]\nreference_mm =";
+    let y = "y = { travel_mm = [0.0, 900.0], reference_mm =";
     shorter.edit("job.toml", &format!("{y} 0.0"), &format!("{y} 900.0"));
     shorter.edit("job.toml", "spacing_mm = 90.0", "spacing_mm = 50.0");
     let found = shorter.json("assess job.toml --with-tables");
@@ -194,10 +188,9 @@ fn nothing_left_is_nothing_in_every_definition() {
     let reversal = "axis,position_mm,ex_um,ey_um,ez_um,direction\nx,0,0,0,0,+\nx,900,0,0,0,+\nx,0,-20,0,0,-\nx,900,-20,0,0,-\ny,0,0,0,0,\ny,900,0,0,0,\nz,0,0,0,0,\nz,900,0,0,0,\n";
     let visit = visit("", &control("generic", "backlash = \"mean\""), reversal);
     let found = visit.json("assess job.toml --with-tables");
-    for figures in [&found, &found["after"]] {
-        for key in keys {
-            near(key, defined(figures, key), 0.0, LAST_DIGIT);
-        }
+    for key in keys {
+        near(key, defined(&found, key), 0.0, LAST_DIGIT);
+        near(key, defined(&found["after"], key), 0.0, LAST_DIGIT);
     }
 }
 
@@ -245,12 +238,9 @@ fn readings_and_levers_count_from_one_place() {
 /// Own nodes are as many as a grid may have.
 #[test]
 fn too_many_own_nodes_are_refused() {
-    let mut errors = "axis,position_mm,ex_um,ey_um,ez_um\n".to_string();
-    for axis in ["x", "y", "z"] {
-        for node in 0..465 {
-            errors += &format!("{axis},{},{},0,0\n", f64::from(node) * 1.9, node % 7);
-        }
-    }
+    let row = |axis, node| format!("{axis},{},{},0,0\n", f64::from(node) * 1.9, node % 7);
+    let rows = ["x", "y", "z"].map(|axis| (0..465).map(|node| row(axis, node)).collect::<String>());
+    let errors = format!("axis,position_mm,ex_um,ey_um,ez_um\n{}", rows.concat());
     let visit = visit("", "controller = \"generic\"", &errors);
     visit.run("assess job.toml").ends(2).says("465 x 465 x 465, more than 100000000");
 }
@@ -274,9 +264,9 @@ fn an_optic_on_the_table_counts_where_it_was_measured() {
     let optic = "straightness_optic_mm = { x = 0.0 }";
     let visit = visit(optic, "controller = \"generic\"", errors);
     visit.edit("job.toml", "wXYZt", "XwYZt");
-    let va = ["", " --grid 21,21,2"]
-        .map(|grid| defined(&visit.json(&format!("assess job.toml{grid}")), "va_um"));
-    near("own nodes and a finer grid", va[0], va[1], LAST_DIGIT);
+    let va = defined(&visit.json("assess job.toml"), "va_um");
+    let finer = defined(&visit.json("assess job.toml --grid 21,21,2"), "va_um");
+    near("own nodes and a finer grid", va, finer, LAST_DIGIT);
     // ECX·y alone: the lever of X is zero at both measured positions.
-    near("VA", va[0], 45.0, LAST_DIGIT);
+    near("VA", va, 45.0, LAST_DIGIT);
 }
