@@ -44,7 +44,6 @@ fn kit_of(profile: &str) -> Kit {
     kit_with(profile, "", "")
 }
 
-/// The kit of inputs that may hold what was read out.
 fn kit_from(inputs: &Inputs) -> Kit {
     kit::generate(inputs).unwrap_or_else(|p| panic!("{}", p.render()))
 }
@@ -107,25 +106,25 @@ fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
         let away = (place - axis.reference.mm()).abs();
         assert!(away > spacing * (1.0 - 1e-6), "{name}: {place} mm is at the reference");
     }
-    let control = proving(&inputs.profile, kit);
-    let other = proving(&support::with_signs_turned(&inputs.profile), kit);
     let limit = inputs.job.limits.max_slope_um_per_mm * spacing + DUST_UM;
-    for (base, output) in axis_pairs(&kit.plan.names, term) {
-        for direction in Direction::BOTH {
-            let response = support::response(control.as_ref(), base, output, direction);
-            let turned = support::response(other.as_ref(), base, output, direction);
-            let [from, peak, to] = places.map(|place| um_at(&response, place));
-            assert!((peak - from - shows).abs() < DUST_UM, "{name}: {peak} - {from}");
-            assert!((to - from).abs() < DUST_UM, "{name}");
-            let [from, peak, _] = places.map(|place| um_at(&turned, place));
-            assert!((peak - from - number(proof, "other_sign_um")).abs() < DUST_UM, "{name}");
-            let change = steepest(&response);
-            assert!(change <= limit, "{name}: {change} µm in one section");
+    let turned = support::with_signs_turned(&inputs.profile);
+    for (profile, key) in [(&inputs.profile, "shows_um"), (&turned, "other_sign_um")] {
+        let control = proving(profile, kit);
+        for (base, output) in axis_pairs(&kit.plan.names, term) {
+            for direction in Direction::BOTH {
+                let response = support::response(control.as_ref(), base, output, direction);
+                let [from, peak, to] = places.map(|place| um_at(&response, place));
+                let height = peak - from;
+                assert!((height - number(proof, key)).abs() < DUST_UM, "{name}: {height}");
+                assert!((to - from).abs() < DUST_UM, "{name}");
+                let change = steepest(&response);
+                assert!(change <= limit, "{name}: {change} µm in one section");
+            }
         }
     }
 }
 
-/// The largest change from one point of a table to the next, µm.
+/// µm from one point of a table to the next.
 fn steepest(response: &Response) -> f64 {
     let nodes: Vec<f64> = response.tables()[0].nodes().map(|(_, c)| c.um()).collect();
     nodes.windows(2).map(|pair| (pair[1] - pair[0]).abs()).fold(0.0, f64::max)
@@ -145,8 +144,8 @@ fn ensure_zero_elsewhere(name: &str, inputs: &Inputs, kit: &Kit, proofs: &[Value
             };
             let zero = um_at(&response, grid.reference.mm());
             for place in (grid.first..=grid.last).map(|index| grid.position(index).mm()) {
-                let inside =
-                    bump.is_some_and(|(from, to)| from < place - 1e-6 && place + 1e-6 < to);
+                let is_in = |(from, to)| from < place - 1e-6 && place + 1e-6 < to;
+                let inside = bump.is_some_and(is_in);
                 let um = um_at(&response, place) - zero;
                 assert!(inside || um.abs() < DUST_UM, "{name}: {term} at {place} mm: {um}");
             }
@@ -164,7 +163,6 @@ fn as_known(profile: &Profile, fact: &str) -> &'static str {
     }
 }
 
-/// How many mechanisms have a reason in place of a proof.
 fn unproved(kit: &Kit) -> usize {
     let is_reason = |note: &&Finding| matches!(note.kind(), Some(TableFinding::NoSignProof { .. }));
     kit.compiled.notes.iter().filter(is_reason).count()
@@ -235,10 +233,9 @@ fn with_read_out(id: &str) -> (Inputs, Tables) {
     let (_, before) = support::generate(&job, &replaced(&errors, "8,", "4,"));
     let tables = support::loaded(&profile, &before);
     let is_fanuc = matches!(profile.dialect, Dialect::Fanuc(_));
-    let is_kept = |role: Role| {
-        matches!(role, Role::Table | Role::Enable) || is_fanuc && role == Role::Parameters
-    };
-    let files = before.files.iter().filter(|file| is_kept(file.role));
+    let kept = [Role::Table, Role::Enable, Role::Parameters];
+    let kept = if is_fanuc { &kept[..] } else { &kept[..2] };
+    let files = before.files.iter().filter(|file| kept.contains(&file.role));
     let files = files.map(|f| (f.path.clone(), f.bytes.clone())).collect();
     let mut inputs = support::inputs(&job, &errors);
     let active = from_read_out(&inputs.job, &profile, "read-out", files, ReadOutFor::OldTables);
@@ -267,18 +264,14 @@ fn rollback_is_what_was_read_out() {
 #[test]
 fn an_incomplete_read_out_gives_no_rollback() {
     let (mut inputs, _) = with_read_out("siemens-840d-sl");
-    let Some(Origin::ReadOut(held)) = inputs.active.as_mut().map(|active| &mut active.origin)
-    else {
-        unreachable!("it was read out");
-    };
-    let Tables::Siemens(tables) = &mut held.tables else {
-        unreachable!("it is a Siemens control");
-    };
+    let active = inputs.active.as_mut().unwrap();
+    let Origin::ReadOut(held) = &mut active.origin else { unreachable!("it was read out") };
+    let Tables::Siemens(tables) = &mut held.tables else { unreachable!("a Siemens control") };
     tables.cec[3].values[2] = None;
     let kit = kit_from(&inputs);
     assert!(files_of(&kit, Role::Rollback).is_empty());
-    let words = "do not hold all that this kit overwrites; missing: CEC table 3\n";
-    ensure_told(checklist(&kit), words);
+    let lacking = "do not hold all that this kit overwrites; missing: CEC table 3\n";
+    ensure_told(checklist(&kit), lacking);
 }
 
 #[test]
@@ -304,8 +297,8 @@ fn a_changed_sign_proof_is_found_and_does_not_reach_the_tables() {
 #[test]
 fn a_bump_over_the_limit_is_refused() {
     let page = five_points("fanuc-30i").0 + "\n[limits]\nmax_bump_um = 25.0\n";
-    let source = Source::from_bytes("job.toml", page.as_bytes()).unwrap();
-    let problems = Job::read(source).unwrap_err().render();
+    let job = Job::read(Source::from_bytes("job.toml", page.as_bytes()).unwrap());
+    let problems = job.unwrap_err().render();
     assert!(problems.contains("max_bump_um") && problems.contains("20"), "{problems}");
 }
 
@@ -316,12 +309,20 @@ fn kit_of_x(profile: &str, rows: &str, limits: &str) -> Kit {
 }
 
 #[test]
-fn no_legal_place_is_said_and_nothing_is_written() {
+fn no_legal_place_is_said_with_how_to_switch_off_by_hand_and_nothing_is_written() {
     let limits = "\n[limits]\nmax_slope_um_per_mm = 0.049\n";
     let kit = kit_of_x("siemens-840d-sl", "x,400,1,1,1\n", limits);
     let proofs = files_of(&kit, Role::SignProof);
     assert!(proofs.is_empty(), "4.9 µm in one section, and two sections do not fit");
     assert_eq!(unproved(&kit), 2, "ENC_COMP and CEC: {:?}", kit.compiled.notes);
+    let limits = format!("{limits}max_correction_um = 4.0\n");
+    for (id, words) in [("fanuc-30i", "13381 for set 1"), ("fanuc-0i-f", "5711 for set 1")] {
+        let kit = kit_of_x(id, "x,400,1,1,1\n", &limits);
+        assert!(files_of(&kit, Role::SignProof).is_empty(), "{id}");
+        for words in ["note 3623 of each axis, set it to 0", words, "## Rollback"] {
+            ensure_told(checklist(&kit), words);
+        }
+    }
 }
 
 #[test]
@@ -383,17 +384,11 @@ fn nine_errors(job: &str) -> String {
 fn a_bump_of_four_points_rises_like_one_of_pitch_points() {
     let (inputs, kit) =
         support::generate(&nine_errors("fanuc-0i-f.toml"), &nine_errors("errors.csv"));
-    let term = term_of(cross_proof(&kit));
+    let (base, output) = axis_pairs(&kit.plan.names, term_of(cross_proof(&kit)))[0];
     let control = proving(&inputs.profile, &kit);
-    let (base, output) = axis_pairs(&kit.plan.names, term)[0];
-    let response = support::response(control.as_ref(), base, output, Direction::Plus);
-    let most = steepest(&response);
+    let most = steepest(&support::response(control.as_ref(), base, output, Direction::Plus));
     assert!(most <= 7.0, "{most} µm in one section");
-}
-
-/// Seven units of 0.1 µm in one of two sections would be 0.7 µm, which no gauge shows.
-#[test]
-fn a_bump_of_four_points_is_steeper_only_where_there_is_no_room() {
+    // Steeper where there is no room: seven units of 0.1 µm in one of two sections show on no gauge.
     let unit = "detection_unit_um =";
     cross_proof(&kit_with("fanuc-0i-f", &format!("{unit} 1.0"), &format!("{unit} 0.1")));
 }
@@ -407,14 +402,12 @@ fn headers_say_only_what_their_file_holds() {
     let mut seen = 0;
     for file in kit.files.iter().filter(|file| file.role != Role::Checklist) {
         let text = text_of(&kit, &file.path);
-        let is_own = !file.role.stands_apart();
-        assert_eq!(text.contains(contained), is_own, "{}\n{text}", file.path);
+        assert_ne!(text.contains(contained), file.role.stands_apart(), "{}\n{text}", file.path);
         // X− has 3 µm and EYX− 1 µm at the reference, before as well; bumps have nothing there
         let holds_tables = matches!(file.role, Role::Table | Role::Rollback);
         let moves = holds_tables && file.path.contains("CEC");
-        let exception =
-            text.contains(", but for\n;   CEC table 1: 0.003000 mm while AX1 moves in -\n");
-        assert_eq!(exception, moves, "{}\n{text}", file.path);
+        let exception = ", but for\n;   CEC table 1: 0.003000 mm while AX1 moves in -\n";
+        assert_eq!(text.contains(exception), moves, "{}\n{text}", file.path);
         seen += usize::from(moves);
     }
     assert_eq!(seen, 2, "tables of the kit and of the rollback");
@@ -443,18 +436,6 @@ fn a_checklist_names_what_misses_the_acceptance() {
     // Points at 0, 450 and 900 mm: 3.978 µm is the largest distance of EXX from the lines between.
     let words = "of the job, over the whole travel, places up to 30 mm apart: **fail**.\n- EXX leaves 3.978 µm (U not stated), the limit is 2 µm: fail\n\nMachine";
     ensure_told(checklist(&kit), words);
-}
-
-#[test]
-fn how_to_switch_off_by_hand_stands_there_without_a_sign_proof() {
-    for (id, words) in [("fanuc-30i", "13381 for set 1"), ("fanuc-0i-f", "5711 for set 1")] {
-        let limits = "\n[limits]\nmax_slope_um_per_mm = 0.049\nmax_correction_um = 4.0\n";
-        let kit = kit_of_x(id, "x,400,1,1,1\n", limits);
-        assert!(files_of(&kit, Role::SignProof).is_empty(), "{id}");
-        for words in ["note 3623 of each axis, set it to 0", words, "## Rollback"] {
-            ensure_told(checklist(&kit), words);
-        }
-    }
 }
 
 /// Controls that refuse points beyond the travel: tests/it/declared.rs.
@@ -498,15 +479,12 @@ fn ensure_reference_noted(id: &str) {
 fn a_backlash_value_is_entered_with_the_tables_and_put_back() {
     for id in ["siemens-840d-sl", "fanuc-30i", "generic"] {
         let kit = kit_with(id, "two-tables", PARAMETER);
-        let of = |part: &str| {
-            let (_, rest) = checklist(&kit).split_once(part)?;
-            rest.split("\n## ").next()
-        };
+        let of = |part: &str| checklist(&kit).split_once(part)?.1.split("\n## ").next();
         ensure_told(of("## Before anything").unwrap(), "found ________");
         let (load, back) = (of("## The real tables").unwrap(), of("## Rollback").unwrap());
         let entered: Vec<&str> = load.lines().filter(|line| line.contains(": enter ")).collect();
         assert_eq!(entered.len(), 1, "{id}: X alone has a reversal\n{load}");
-        let what = entered[0].split(": enter ").next().unwrap();
+        let (what, _) = entered[0].split_once(": enter ").unwrap();
         let put_back = format!("{what}: enter what was found");
         ensure_told(back, &put_back);
         // Where a person switches the compensation off, its backlash goes too.
@@ -521,13 +499,10 @@ fn a_backlash_value_is_entered_with_the_tables_and_put_back() {
 /// What a person reads of an HTML page.
 fn seen(page: &str) -> String {
     let (_, body) = page.split_once("<body>").unwrap();
-    let text = body
-        .replace("<span class=\"blank\">&#160;</span>", "________")
-        .split('<')
-        .map(|part| part.split_once('>').map_or(part, |(_, text)| text))
-        .collect::<String>();
+    let body = body.replace("<span class=\"blank\">&#160;</span>", "________");
+    let parts = body.split('<').map(|part| part.split_once('>').map_or(part, |(_, text)| text));
     let named = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&#39;", "'"), ("&amp;", "&")];
-    named.iter().fold(text, |text, (name, c)| text.replace(name, c))
+    named.iter().fold(parts.collect::<String>(), |text, (name, c)| text.replace(name, c))
 }
 
 #[test]
@@ -552,8 +527,8 @@ fn the_printed_checklist_has_every_line_of_the_other_in_its_order() {
             let found = rest.split_once(line);
             (_, rest) = found.unwrap_or_else(|| panic!("{id}: {line}\n{rest}"));
         }
-        let found = ["<b>", "<script", "http", "src=", "url("];
-        let found = found.iter().find(|word| page.contains(*word));
+        let found =
+            ["<b>", "<script", "http", "src=", "url("].into_iter().find(|w| page.contains(w));
         assert_eq!(found, None, "{id}: nothing of others is obeyed, nothing is fetched");
     }
 }
