@@ -194,10 +194,8 @@ fn directories(tree: &Tree) -> impl Iterator<Item = &String> {
 
 /// The outermost names of what is unfinished.
 fn partials(tree: &Tree) -> Vec<&String> {
-    let is_outermost = |name: &&String| {
-        let unfinished = name.split('/').position(|part| part.contains(".partial-"));
-        unfinished.is_some_and(|depth| depth + 1 == name.split('/').count())
-    };
+    let is_outermost =
+        |name: &&String| name.split_once(".partial-").is_some_and(|(_, rest)| !rest.contains('/'));
     tree.keys().filter(is_outermost).collect()
 }
 
@@ -231,14 +229,11 @@ fn is_whole() -> bool {
 fn calls(text: &str, output: &str) -> Vec<Call> {
     let first = text.split_whitespace().next().unwrap();
     let output = output.trim_start_matches("new/deep/");
-    let mut seen = BTreeMap::new();
-    let mut calls = Vec::new();
+    let (mut seen, mut calls) = (BTreeMap::new(), Vec::new());
     let (mut touched, mut listed) = (false, "");
     for line in text.lines() {
         let (process, rest) = line.split_once(char::is_whitespace).unwrap();
-        let Some((name, words)) = rest.trim_start().split_once('(') else {
-            continue;
-        };
+        let Some((name, words)) = rest.trim_start().split_once('(') else { continue };
         // A number and what it stands for.
         let handle = words.split([',', ')']).next().unwrap_or_default();
         if process != first || !name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_') {
@@ -294,13 +289,12 @@ fn disturbed(played: &Played, call: &Call, fault: Fault, how: &str) -> Result<()
     let inject = format!("inject={name}:{how}:when={number}");
     let (ran, log) = traced(&visit, &["-e", &only, "-e", &inject], played.command);
     let found = visit.files();
-    // The removal of what is not needed any more may have been refused; it is tried again.
-    let has_next = match fault {
-        Fault::Kill => true,
-        Fault::End => false,
-        Fault::Refuse => !partials(&found).is_empty(),
+    let next = |()| match fault {
+        Fault::End => Ok(()),
+        // The removal of what is not needed any more may have been refused; it is tried again.
+        Fault::Refuse if partials(&found).is_empty() => Ok(()),
+        _ => played.next_run(&visit, &found),
     };
-    let next = |()| if has_next { played.next_run(&visit, &found) } else { Ok(()) };
     judge(played, fault, &ran, &found).and_then(next).map_err(|why| {
         let line = log.lines().find(|line| line.contains("INJECTED")).unwrap_or_default();
         let Ran { command, status, err, .. } = ran;
@@ -340,9 +334,8 @@ fn try_faults(fault: Fault, ways: &[&str], step: usize) {
     let (mut cases, mut all) = (Vec::new(), 0);
     for (number, played) in PLAYED.iter().enumerate() {
         let is_tried = |call: &&Call| fault != Fault::Refuse || call.is_refusable;
-        let calls = played.calls.iter().filter(is_tried);
-        let of_scene: Vec<_> =
-            calls.flat_map(|call| ways.iter().map(move |how| (played, call, *how))).collect();
+        let each = |call| ways.iter().map(move |how| (played, call, *how));
+        let of_scene: Vec<_> = played.calls.iter().filter(is_tried).flat_map(each).collect();
         all += of_scene.len();
         // Each scene begins at another place; one case of each is taken at least.
         let first = (number * step / SCENES.len()) % of_scene.len();
