@@ -98,12 +98,13 @@ fn a_staircase_is_a_staircase() {
     let path = visit.json("path job.toml p.nc --tables kit -o points.csv");
     let points = visit.read("points.csv");
     let mut rows = points.lines().filter(|line| !line.starts_with('#'));
-    let header: Vec<&str> = rows.next().unwrap().split(',').collect();
-    let column = |name: &str| header.iter().position(|other| *other == name).unwrap();
-    let (x, ex) = (column("x_mm"), column("after_ex_um"));
-    let cell = |row: &str, column| row.split(',').nth(column).unwrap().parse::<f64>().unwrap();
-    let at_38 = rows.find(|row| (cell(row, x) - 38.0).abs() < 1e-9).unwrap();
-    near("x = 38", cell(at_38, ex), 38.0 / 9.0, 1e-3);
+    let header = rows.next().unwrap();
+    let cell = |row: &str, name: &str| -> f64 {
+        let mut cells = header.split(',').zip(row.split(','));
+        cells.find(|(other, _)| *other == name).unwrap().1.parse().unwrap()
+    };
+    let at_38 = rows.find(|row| (cell(row, "x_mm") - 38.0).abs() < 1e-9).unwrap();
+    near("x = 38", cell(at_38, "after_ex_um"), 38.0 / 9.0, 1e-3);
     near("profile accuracy", number(&path["after"]["profile_accuracy_um"]), 10.0, LAST_DIGIT);
     // The same way back: both values of each jump are met again.
     visit.put("p.nc", "G0 X900.\nG1 X0.\nM30\n");
@@ -130,10 +131,8 @@ fn measured_again(naked: &str, left: &str) -> Visit {
 /// the new tables are added to the machine without the old ones.
 #[test]
 fn as_it_is_means_as_it_was_measured() {
-    let visit = measured_again(
-        "x,0,0,0,0\nx,450,30,0,0\nx,900,40,0,0\n",
-        "x,0,0,0,0\nx,450,3,0,0\nx,900,-2,0,0\n",
-    );
+    let naked = "x,0,0,0,0\nx,450,30,0,0\nx,900,40,0,0\n";
+    let visit = measured_again(naked, "x,0,0,0,0\nx,450,3,0,0\nx,900,-2,0,0\n");
     let found = visit.json("assess job.toml --with-tables");
     near("as it is", defined(&found, "va_um"), 5.0, LAST_DIGIT);
     near("with the new tables", defined(&found["after"], "va_um"), 0.0, LAST_DIGIT);
@@ -144,8 +143,7 @@ fn as_it_is_means_as_it_was_measured() {
     near("after", number(&path["after"]["profile_accuracy_um"]), 5.0, LAST_DIGIT);
 }
 
-/// Measured at its ends only, while an old table was active: what lies under that table bends where
-/// the table does, and a new one that is too coarse leaves it, along the diagonals too.
+/// Measured at its ends only: a new table that is too coarse leaves the bends, along the diagonals too.
 #[test]
 fn what_lies_under_an_old_table_bends_where_the_table_does() {
     let visit =
@@ -161,13 +159,11 @@ fn what_lies_under_an_old_table_bends_where_the_table_does() {
     }
 }
 
-/// Figures of a machine that has no error left, or none that is not a reversal, are zero: all of
-/// them count from the reference.
+/// No error, or none that is not a reversal: all figures count from the reference.
 #[test]
 fn nothing_left_is_nothing_in_every_definition() {
     let generic = control("generic", "");
-    let measurement =
-        "[measurement.squareness_um_per_m]\nxy = 100.0\n[measurement.offsets_mm]\ny = 300.0";
+    let measurement = "squareness_um_per_m.xy = 100.0\noffsets_mm.y = 300.0";
     let errors = along_x("x,0,0,0,0\nx,900,5,0,0\n");
     let shorter = visit(measurement, &generic, &replaced(&errors, "y,900", "y,400"));
     let y = "y = { travel_mm = [0.0, 900.0], reference_mm =";
@@ -194,7 +190,7 @@ fn nothing_left_is_nothing_in_every_definition() {
     }
 }
 
-/// Squareness stated, and the same slope in the table: one machine, with any offsets and tool.
+/// With any offsets and tool.
 #[test]
 fn squareness_and_a_slope_of_the_table_are_one_machine() {
     let level = along_x("x,0,0,0,0\nx,900,10,0,0\n");
@@ -210,7 +206,7 @@ fn squareness_and_a_slope_of_the_table_are_one_machine() {
             let path = visit.json("path job.toml p.nc");
             (path["extremes"].clone(), path["profile_accuracy_um"].clone())
         };
-        let stated = figures("[measurement.squareness_um_per_m]\nxz = 1000.0", &level);
+        let stated = figures("squareness_um_per_m.xz = 1000.0", &level);
         let sloped = figures("", &replaced(&level, "z,900,0,0,0", "z,900,900,0,0"));
         assert_eq!(stated, sloped, "{lines}");
     }
@@ -227,15 +223,14 @@ fn readings_and_levers_count_from_one_place() {
     let va = || defined(&visit.json("assess job.toml --grid 11,11,11"), "va_um");
     let first = va();
     assert!(first > 1.0, "{first}");
-    let of_y_and_z = "720.0000]\nreference_mm =";
-    visit.edit("job.toml", &format!("{of_y_and_z} 0.0000"), &format!("{of_y_and_z} 720.0"));
+    // Y and Z.
+    visit.edit("job.toml", "720.0000]\nreference_mm = 0.0", "720.0000]\nreference_mm = 720.0");
     near("another reference", va(), first, 1e-3);
     let offsets = "[measurement]\noffsets_mm = { x = 0.0, y = 100.0, z = 250.0 }\n";
     visit.edit("job.toml", "[measurement]\n", offsets);
     near("stated offsets", va(), first, 1e-3);
 }
 
-/// Own nodes are as many as a grid may have.
 #[test]
 fn too_many_own_nodes_are_refused() {
     let row = |axis, node| format!("{axis},{},{},0,0\n", f64::from(node) * 1.9, node % 7);
@@ -256,8 +251,7 @@ fn one_grid_for_before_and_after() {
     assert_eq!(found["windows"]["count"], 3);
 }
 
-/// The lever of an optic on the table is added where the straightness was measured, so a finer grid
-/// finds nothing new.
+/// Its lever is added there, so a finer grid finds nothing new.
 #[test]
 fn an_optic_on_the_table_counts_where_it_was_measured() {
     let errors = "axis,position_mm,ex_um,ey_um,ez_um,ec_urad\nx,0,0,0,0,50\nx,900,0,0,0,0\ny,0,0,0,0,\ny,900,0,0,0,\nz,0,0,0,0,\nz,900,0,0,0,\n";
