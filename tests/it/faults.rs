@@ -175,13 +175,6 @@ fn check(is_so: bool, why: impl Into<String>) -> Result<(), String> {
     is_so.then_some(()).ok_or_else(|| why.into())
 }
 
-/// A fresh folder with everything of a tree.
-fn place(before: &Tree) -> Visit {
-    let visit = Visit::new();
-    lay(before, visit.folder());
-    visit
-}
-
 /// A file or everything in a directory; `None` where nothing is.
 fn at(tree: &Tree, name: &str) -> Option<Tree> {
     let entry = tree.get(name)?;
@@ -204,9 +197,9 @@ fn tidy(found: &Tree) -> Result<(), String> {
     partials(found).first().map_or(Ok(()), |left| Err(format!("{left} was left")))
 }
 
-/// A system call of a run: its name, and which one of that name it is.
 struct Call {
     name: String,
+    /// Which one of that name it is.
     number: usize,
     /// The system may refuse it.
     is_refusable: bool,
@@ -220,7 +213,6 @@ const NO_FILE: &str = "arch_prctl brk clock_gettime clone clone3 exit exit_group
     rt_sigprocmask rt_sigreturn sched_getaffinity sched_yield set_robust_list set_tid_address \
     sigaltstack tgkill";
 
-/// Whether all faults are asked for.
 fn is_whole() -> bool {
     std::env::var("NONIUS_FAULTS").is_ok_and(|asked| asked == "all")
 }
@@ -283,7 +275,8 @@ enum Fault {
 }
 
 fn disturbed(played: &Played, call: &Call, fault: Fault, how: &str) -> Result<(), String> {
-    let visit = place(&played.before);
+    let visit = Visit::new();
+    lay(&played.before, visit.folder());
     let Call { name, number, .. } = call;
     let only = format!("trace={name}");
     let inject = format!("inject={name}:{how}:when={number}");
@@ -395,20 +388,16 @@ impl Drop for Stick {
     }
 }
 
-/// Sizes of disks on which the commands below find too little room at every stage, or enough: pages of
-/// 4 KiB, and numbers of names.
-fn sizes() -> Vec<String> {
-    let step = if is_whole() { 1 } else { 7 };
-    let pages = (1..=48).step_by(step).map(|n| format!("size={}k", 4 * n));
-    let names = (2..=26).step_by(step).map(|n| format!("nr_inodes={n}"));
-    pages.chain(names).collect()
-}
-
 #[test]
 fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
     if Stick::new("size=4k").is_none() {
         return skipped("a small memory disk cannot be mounted here");
     }
+    // On these the commands find too little room at every stage, or enough: pages of 4 KiB, and numbers of names.
+    let step = if is_whole() { 1 } else { 7 };
+    let pages = (1..=48).step_by(step).map(|n| format!("size={}k", 4 * n));
+    let names = (2..=26).step_by(step).map(|n| format!("nr_inodes={n}"));
+    let sizes: Vec<String> = pages.chain(names).collect();
     let visit = Visit::of("start/errors");
     append(&visit, "job.toml", PROGRAM);
     with_part_program(&visit);
@@ -423,22 +412,19 @@ fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
             let ran = visit.run(&format!("{words} -o {}/{output}", stick.display()));
             (ran, tree(stick))
         };
-        let plenty = Stick::new("size=8m").unwrap();
-        let (new, after) = onto(plenty.0.path());
+        let (new, after) = onto(Stick::new("size=8m").unwrap().0.path());
         let new = new.answers();
-        for size in sizes() {
-            let stick = Stick::new(&size).unwrap();
+        for size in &sizes {
+            let stick = Stick::new(size).unwrap();
             let mut before = tree(stick.0.path());
             // Twice onto the same.
             for _ in 0..2 {
                 let (ran, found) = onto(stick.0.path());
                 let is_refused = ran.status == Some(2);
+                let is_new = at(&found, output) == at(&after, output) && tidy(&found).is_ok();
                 let is_right = match is_refused {
                     true => found == before && ran.err.contains("no space left"),
-                    false => {
-                        let is_new = at(&found, output) == at(&after, output);
-                        ran.status == new.status && is_new && tidy(&found).is_ok()
-                    }
+                    false => ran.status == new.status && is_new,
                 };
                 let changed = difference(&before, &found);
                 assert!(is_right, "{words}, {size}: {changed}: {}", ran.all());

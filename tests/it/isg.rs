@@ -27,15 +27,10 @@ fn visit(old: &str, new: &str) -> Visit {
 }
 
 #[track_caller]
-fn kit(old: &str, new: &str) -> Visit {
+pub(super) fn kit(old: &str, new: &str) -> Visit {
     let visit = visit(old, new);
     visit.yes("generate job.toml -o kit");
     visit
-}
-
-#[track_caller]
-pub(super) fn plain() -> Visit {
-    kit("", "")
 }
 
 /// The volumetric accuracy without and with the tables.
@@ -49,7 +44,7 @@ fn va(visit: &Visit) -> [f64; 2] {
 /// -4 + 0.5, 1 + 1, 0 + 0.5. Y at 150 mm: ECY * Z turns nothing, for Z carries along Z: nothing is taken off.
 #[test]
 fn deviations_are_less_what_angles_do_on_the_line_of_measurement() {
-    let file = plain().read("kit/volcomp.csv");
+    let file = kit("", "").read("kit/volcomp.csv");
     let rows: Vec<&str> = file.lines().filter(|line| !line.starts_with("//")).collect();
     let of_x = [
         "X EXX EYX EZX EAX EBX ECX",
@@ -71,7 +66,7 @@ fn deviations_are_less_what_angles_do_on_the_line_of_measurement() {
 /// On the lines of measurement nothing but rounding is left, and neither is away from them.
 #[test]
 fn the_volume_is_left_without_what_the_angles_did() {
-    let visit = plain();
+    let visit = kit("", "");
     let left = &visit.document("kit/manifest.json")["forecast"]["terms"];
     for term in ["EXX", "EYX", "EZX", "EXY", "EZZ"] {
         let after = number(&left[term]["after_um"]);
@@ -190,8 +185,7 @@ fn old_tables_are_part_of_the_new_ones_unless_they_hold_angles() {
     first.edit("job.toml", "\"none\"", "\"kit\"").yes("generate job.toml -o new");
     let file = first.read("new/volcomp.csv");
     assert!(file.contains("\n200.000000 0.012000 -0.004000 0.002000\r"), "{file}");
-    let angles = plain();
-    angles.edit("job.toml", "\"none\"", "\"kit\"");
-    let again = angles.run("generate job.toml -o new");
+    let angles = kit("", "");
+    let again = angles.edit("job.toml", "\"none\"", "\"kit\"").run("generate job.toml -o new");
     again.ends(2).says("the active tables hold angles (EAX)");
 }

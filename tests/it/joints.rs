@@ -155,7 +155,7 @@ fn a_second_measurement_is_judged() {
     let visit = kit(NONE, TWO);
     visit.edit("job.toml", "max_deviation_um = 100", "max_deviation_um = 10");
     ensure_second_measurement_judged(&visit, "0.1");
-    ensure_second_measurement_judged(&super::isg::plain(), "0.05");
+    ensure_second_measurement_judged(&super::isg::kit("", ""), "0.05");
 }
 
 /// As the emulated control would give it; one without tables misses.
