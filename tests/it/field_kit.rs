@@ -87,9 +87,7 @@ fn number(proof: &Value, key: &str) -> f64 {
 }
 
 fn term_of(proof: &Value) -> ErrorTerm {
-    let name = proof["term"].as_str().unwrap();
-    let found = ErrorTerm::ALL.into_iter().find(|term| term.to_string() == name);
-    found.unwrap()
+    ErrorTerm::from_name(proof["term"].as_str().unwrap()).unwrap()
 }
 
 fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
@@ -155,8 +153,7 @@ fn ensure_zero_elsewhere(name: &str, inputs: &Inputs, kit: &Kit, proofs: &[Value
 
 /// How the checklist words a sign, by the evidence of its fact.
 fn as_known(profile: &Profile, fact: &str) -> &'static str {
-    let mut statements = profile.statements.iter();
-    match statements.find(|s| s.fact == fact).unwrap().evidence {
+    match profile.statements.iter().find(|s| s.fact == fact).unwrap().evidence {
         Evidence::Assumed => "as assumed",
         Evidence::Manual => "as the manual says",
         Evidence::Executed => "as seen on a control",

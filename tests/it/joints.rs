@@ -14,21 +14,17 @@ const TWO: &str = "backlash = { x = \"two-tables\" }";
 const ROWS: &str = "0.000000 0.000000 -0.004000\n50.000000 -0.006000 -0.010000\n\
     100.000000 -0.016000 -0.020000\n";
 
-fn job(measurement: &str, compensation: &str) -> String {
+fn visit(measurement: &str, compensation: &str) -> Visit {
     let axis = "{ travel_mm = [0, 100], reference_mm = 0 }";
-    format!(
+    let job = format!(
         "schema = 1\n[machine]\nname = \"M\"\naxes = {{ x = {axis}, y = {axis} }}\n\
          [measurement]\nerrors = [\"x.csv\", \"y.csv\"]\n{measurement}\n\
          [compensation]\ncontroller = \"linuxcnc\"\n{compensation}\n\
          axes.x = {{ spacing_mm = 50, id = \"0\" }}\naxes.y = {{ spacing_mm = 50, id = \"1\" }}\n\
          [acceptance]\nmax_deviation_um = 100\n"
-    )
-}
-
-fn visit(measurement: &str, compensation: &str) -> Visit {
+    );
     let visit = Visit::new();
-    visit.put("x.csv", ERRORS).put("y.csv", ERRORS_Y);
-    visit.put("job.toml", job(measurement, compensation));
+    visit.put("x.csv", ERRORS).put("y.csv", ERRORS_Y).put("job.toml", job);
     visit
 }
 
@@ -144,7 +140,7 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
 #[test]
 fn old_tables_are_part_of_the_new_ones() {
     let visit = copied();
-    visit.put("job.toml", job("active_while_measuring = \"out\"", TWO));
+    visit.edit("job.toml", NONE, "active_while_measuring = \"out\"");
     visit.yes("generate job.toml -o again");
     let rows = "0.000000 0.000000 -0.008000\n50.000000 -0.012000 -0.020000\n100.000000 -0.032000 -0.040000\n";
     assert_eq!(visit.read("again/joint-0.comp"), rows);
