@@ -139,12 +139,11 @@ fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
     says(&said, &[&pairs[..], &["nor steps that went X, Z, Y or"]].concat());
     assert!(!said.contains("PPP"), "{said}");
     assert!(found.doubts.is_empty(), "{:?}", words(&found.doubts));
-    let mut rough = (1..10).map(|seed| naive(&box_30(), &repeated(seed, 3)));
-    assert!(rough.any(|found| hardly(&found.labels).is_none()));
+    let rough = |seed| naive(&box_30(), &repeated(seed, 3));
+    assert!((1..10).any(|seed| hardly(&rough(seed).labels).is_none()));
 }
 
-/// With few steps and no stated noise a disturbed reading makes the scatter that it would have to
-/// stand out of.
+/// With few steps a disturbed reading makes the scatter that it would have to stand out of.
 #[test]
 fn a_scatter_far_above_the_noise_is_a_finding() {
     let box_4 = volume([400.0, 300.0, 200.0], 4);
@@ -165,11 +164,10 @@ fn a_scatter_far_above_the_noise_is_a_finding() {
     let above = "from the scatter of the closure: above the 1 µm that are assumed";
     says(&found(50.0, None, 1), &[above, "state `noise_um`"]);
     says(&found(1000.0, None, 1), &["above the 1 µm"]);
-    for sound in [found(0.0, None, 1), found(0.0, Some(0.3), 3), found(0.0, Some(0.2), 3)] {
-        assert_eq!(sound, "");
-    }
-    let twice = "more than 2 times the 0.1 µm that `noise_um` states";
-    says(&found(0.0, Some(0.1), 3), &[twice]);
+    let sound =
+        [(None, 1), (Some(0.3), 3), (Some(0.2), 3)].map(|(um, count)| found(0.0, um, count));
+    assert_eq!(sound, [""; 3]);
+    says(&found(0.0, Some(0.1), 3), &["more than 2 times the 0.1 µm that `noise_um` states"]);
 }
 
 #[test]

@@ -95,8 +95,7 @@ struct Played {
     calls: Vec<Call>,
 }
 
-static PLAYED: LazyLock<Vec<Played>> =
-    LazyLock::new(|| SCENES.into_iter().map(Played::new).collect());
+static PLAYED: LazyLock<[Played; 12]> = LazyLock::new(|| SCENES.map(Played::new));
 
 impl Played {
     fn new((fixture, arrange, command): Scene) -> Played {
@@ -142,13 +141,11 @@ impl Played {
         check(!is_directory || is_there, "the old kit is gone")
     }
 
-    /// The new thing is in its place.
     fn written(&self, found: &Tree) -> Result<(), String> {
         let is_new = at(found, self.output) == at(&self.after, self.output);
         check(is_new, "the output is not the new one")
     }
 
-    /// So it is, and nothing unfinished is there.
     fn complete(&self, found: &Tree) -> Result<(), String> {
         self.written(found).and_then(|()| tidy(found))
     }
@@ -164,10 +161,8 @@ impl Played {
         let is_file = matches!(self.after.get(self.output), Some(Entry::File(_)));
         let is_kept = copies(&self.before, USERS_OWN) <= copies(&found, USERS_OWN);
         check(is_kept || is_file, "the next run lost a user's file")?;
-        let told = |name: &String| {
-            check(err.contains(name), format!("{name} is removed without a word: {err}"))
-        };
-        partials(left).into_iter().try_for_each(told)
+        let silent = partials(left).into_iter().find(|name| !err.contains(*name));
+        check(silent.is_none(), format!("{silent:?} is removed without a word: {err}"))
     }
 }
 
@@ -192,7 +187,6 @@ fn partials(tree: &Tree) -> Vec<&String> {
     tree.keys().filter(is_outermost).collect()
 }
 
-/// Nothing unfinished is there.
 fn tidy(found: &Tree) -> Result<(), String> {
     partials(found).first().map_or(Ok(()), |left| Err(format!("{left} was left")))
 }
@@ -247,7 +241,6 @@ fn calls(text: &str, output: &str) -> Vec<Call> {
     calls
 }
 
-/// A run under `strace`, and what that wrote.
 fn traced(visit: &Visit, options: &[&str], command: &str) -> (Ran, String) {
     let log = NamedTempFile::new().unwrap();
     let output = Command::new("strace")

@@ -137,15 +137,15 @@ fn ensure_zero_elsewhere(name: &str, inputs: &Inputs, kit: &Kit, proofs: &[Value
         let bump = bump.map(|proof| (number(proof, "from_mm"), number(proof, "to_mm")));
         let direction = planned.direction.unwrap_or(Direction::Plus);
         for (base, output) in axis_pairs(&kit.plan.names, term) {
-            let Ok(response) = control.response(base, output, direction) else {
-                continue;
-            };
+            let Ok(response) = control.response(base, output, direction) else { continue };
             let zero = um_at(&response, grid.reference.mm());
             for place in (grid.first..=grid.last).map(|index| grid.position(index).mm()) {
                 let is_in = |(from, to)| from < place - 1e-6 && place + 1e-6 < to;
-                let inside = bump.is_some_and(is_in);
                 let um = um_at(&response, place) - zero;
-                assert!(inside || um.abs() < DUST_UM, "{name}: {term} at {place} mm: {um}");
+                assert!(
+                    bump.is_some_and(is_in) || um.abs() < DUST_UM,
+                    "{name}: {term} at {place} mm: {um}"
+                );
             }
         }
     }
@@ -379,8 +379,8 @@ fn nine_errors(job: &str) -> String {
 
 #[test]
 fn a_bump_of_four_points_rises_like_one_of_pitch_points() {
-    let (inputs, kit) =
-        support::generate(&nine_errors("fanuc-0i-f.toml"), &nine_errors("errors.csv"));
+    let [job, errors] = ["fanuc-0i-f.toml", "errors.csv"].map(nine_errors);
+    let (inputs, kit) = support::generate(&job, &errors);
     let (base, output) = axis_pairs(&kit.plan.names, term_of(cross_proof(&kit)))[0];
     let control = proving(&inputs.profile, &kit);
     let most = steepest(&support::response(control.as_ref(), base, output, Direction::Plus));
@@ -519,13 +519,12 @@ fn the_printed_checklist_has_every_line_of_the_other_in_its_order() {
         let lines: Vec<&str> = checklist.lines().filter(|line| !is_head(line)).collect();
         assert!(lines.len() > boxes, "{id}");
         for line in lines.into_iter().map(plain) {
-            let line =
-                line.trim_start_matches(|c: char| c.is_ascii_digit() || " .-[]#".contains(c));
+            let line = line.trim_start_matches(|c| "0123456789 .-[]#".contains(c));
             let found = rest.split_once(line);
             (_, rest) = found.unwrap_or_else(|| panic!("{id}: {line}\n{rest}"));
         }
-        let found =
-            ["<b>", "<script", "http", "src=", "url("].into_iter().find(|w| page.contains(w));
+        let mut of_others = ["<b>", "<script", "http", "src=", "url("].into_iter();
+        let found = of_others.find(|word| page.contains(word));
         assert_eq!(found, None, "{id}: nothing of others is obeyed, nothing is fetched");
     }
 }

@@ -40,10 +40,9 @@ fn a_table_is_minus_the_deviation_and_cross_terms_are_told() {
     let visit = kit(NONE, TWO);
     assert_eq!(visit.read("kit/joint-0.comp"), ROWS);
     let manifest = visit.document("kit/manifest.json");
-    let reason =
-        "the control has no tables for cross terms (COMP_FILE corrects its own joint only)";
+    let why = "the control has no tables for cross terms (COMP_FILE corrects its own joint only)";
     assert_eq!(manifest["omitted"][0]["term"], "EYX");
-    assert_eq!(manifest["omitted"][0]["reason"], reason);
+    assert_eq!(manifest["omitted"][0]["reason"], why);
     let left = &manifest["forecast"]["terms"]["EYX"];
     assert_eq!(left["before_um"], left["after_um"], "nothing corrects it");
     visit.yes("verify job.toml --tables kit");

@@ -53,7 +53,6 @@ fn run(visit: &Visit, command: &str) -> Ran {
     patiently(visit, command, Stdio::null()).0
 }
 
-/// Many lines, each made from its number.
 fn lines(count: usize, line: impl Fn(usize) -> String) -> String {
     (0..count).map(|number| line(number) + "\n").collect()
 }

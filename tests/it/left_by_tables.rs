@@ -30,10 +30,9 @@ fn visit(measurement: &str, compensation: &str, errors: &str) -> Visit {
 /// The controls of these tests: their facts, and spacings for X, Y and Z.
 fn control(id: &str, further: &str) -> String {
     let axes = [("x", 100), ("y", 200), ("z", 300)].map(|(axis, first)| {
-        let typed =
-            format!(", first_point = {first}, detection_unit_um = 1.0, interpolated = false");
-        let typed = if id.starts_with("fanuc") { &typed } else { "" };
-        format!("axes.{axis} = {{ spacing_mm = 90.0{typed} }}\n")
+        let steps = format!(", first_point = {first}, detection_unit_um = 1, interpolated = false");
+        let steps = if id.starts_with("fanuc") { &steps } else { "" };
+        format!("axes.{axis} = {{ spacing_mm = 90.0{steps} }}\n")
     });
     format!("controller = \"{id}\"\n{further}\n{}", axes.concat())
 }
@@ -44,7 +43,6 @@ fn along_x(rows: &str) -> String {
     format!("axis,position_mm,ex_um,ey_um,ez_um\n{rows}{level}")
 }
 
-/// One of the definitions of `assess`, µm.
 #[track_caller]
 fn defined(found: &Value, key: &str) -> f64 {
     number(&found["definitions"][key])
@@ -127,8 +125,7 @@ fn measured_again(naked: &str, left: &str) -> Visit {
     visit
 }
 
-/// A kit that was active while measuring: the machine as it is is the one that was measured, and
-/// the new tables are added to the machine without the old ones.
+/// A kit was active while measuring; new tables are added to the machine without the old ones.
 #[test]
 fn as_it_is_means_as_it_was_measured() {
     let naked = "x,0,0,0,0\nx,450,30,0,0\nx,900,40,0,0\n";
@@ -146,8 +143,8 @@ fn as_it_is_means_as_it_was_measured() {
 /// Measured at its ends only: a new table that is too coarse leaves the bends, along the diagonals too.
 #[test]
 fn what_lies_under_an_old_table_bends_where_the_table_does() {
-    let visit =
-        measured_again("x,0,0,0,0\nx,270,12,0,0\nx,900,0,0,0\n", "x,0,0,0,0\nx,900,0,0,0\n");
+    let bent = "x,0,0,0,0\nx,270,12,0,0\nx,900,0,0,0\n";
+    let visit = measured_again(bent, "x,0,0,0,0\nx,900,0,0,0\n");
     visit.edit("job.toml", "spacing_mm = 90.0", "spacing_mm = 900.0");
     let forecast = &visit.json("generate job.toml -o new")["forecast"];
     let diagonals = forecast["diagonals"].as_object().unwrap();
@@ -212,8 +209,7 @@ fn squareness_and_a_slope_of_the_table_are_one_machine() {
     }
 }
 
-/// With readings and measured angles, where the resting axes are said to have stood changes the
-/// curves, and assess counts its levers from the same place: the volume is the same.
+/// Where the resting axes are said to have stood changes the curves, and the levers: not the volume.
 #[test]
 fn readings_and_levers_count_from_one_place() {
     let visit = Visit::of("diagonals/case_c_angles");

@@ -29,7 +29,6 @@ fn told(ran: Ran, says: &str) {
     assert!(ran.err.contains(says), "expected `{says}` of {}\n{}", ran.command, ran.err);
 }
 
-/// The command is refused, says so, and changes nothing.
 #[track_caller]
 fn refused(visit: &Visit, command: &str, says: &str) {
     let before = visit.files();
@@ -37,7 +36,6 @@ fn refused(visit: &Visit, command: &str, says: &str) {
     assert!(visit.files() == before, "{command} changed something");
 }
 
-/// The command with a file on standard input.
 fn piped(visit: &Visit, command: &str, from: &str) -> Ran {
     let stdin = File::open(visit.at(from)).unwrap();
     patiently(visit, command, stdin.into()).0
@@ -132,8 +130,7 @@ fn force_twice_keeps_job_and_measurement_that_were_moved_into_the_kit() {
     }
 }
 
-/// Something put into a kit, something that lies where older kits are kept, readings filled in: each further run
-/// moves what is there away.
+/// Put into a kit, put where older kits are kept, readings filled in: each further run moves what is there away.
 #[test]
 fn force_removes_nothing_of_a_users() {
     for (name, force, own, moved) in [
@@ -145,15 +142,14 @@ fn force_removes_nothing_of_a_users() {
         visit.put("run.toml", visit.read("job.toml") + PROGRAM);
         expect(&visit, force, 0, "wrote");
         assert_eq!(visit.has(own), name == "run", "{own}");
-        let text = "what a person put there";
-        visit.put(own, text);
+        visit.put(own, "what a person put there");
         if own.starts_with("kit.previous") {
             visit.put("kit.previous/manifest.json", r#"{"files":[]}"#);
         }
         for number in moved {
             expect(&visit, force, 0, &format!("moved {name} to {name}.previous{number}\n"));
         }
-        assert_eq!(copies(&visit.files(), text.as_bytes()), 1, "{own}");
+        assert_eq!(copies(&visit.files(), b"what a person put there"), 1, "{own}");
         let (_, file) = own.split_once('/').unwrap();
         assert!(visit.at(&format!("{name}.previous/{file}")).is_file(), "{own}");
         assert!(visit.at(&format!("{name}.previous-2/manifest.json")).is_file(), "{own}");

@@ -76,12 +76,11 @@ fn items(page: &str, part: &str) -> Vec<String> {
 /// Largest |value − value at the reference| of a column, µm, by hand.
 fn largest(table: &str, axis: &str, column: usize) -> f64 {
     let rows = table.lines().filter(|line| line.starts_with(axis));
-    let values: Vec<f64> =
-        rows.filter_map(|line| line.split(',').nth(column)?.parse().ok()).collect();
+    let um = rows.filter_map(|line| line.split(',').nth(column)?.parse().ok());
+    let values: Vec<f64> = um.collect();
     values.iter().map(|um| (um - values[0]).abs()).fold(0.0, f64::max)
 }
 
-/// Machine H states no tables: each error as found, diagonals, volume, and no word of a forecast.
 #[test]
 fn without_tables_it_shows_the_machine_as_found() {
     let visit = Visit::with_job("machine_h/job.toml");
