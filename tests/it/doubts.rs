@@ -5,16 +5,15 @@ use crate::support::diagonals::{
 };
 use crate::support::visit::{Ran, Visit, number};
 use nonius::inputs::job::{Frame, SetUp};
-use nonius::machine::separation::noise::{NoiseSource, ReadingPlace};
-use nonius::machine::separation::{Separation, separate};
+use nonius::machine::separation::noise::{NoiseSource, Outlier, ReadingPlace};
+use nonius::machine::separation::separate;
 use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use nonius::quantity::units::Deviation;
+use nonius::text::finding::Finding;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use serde_json::Value;
-
-mod in_every_output;
 
 const SIGMA_UM: f64 = 0.3;
 
@@ -25,17 +24,20 @@ fn box_30() -> Volume {
 /// Several forward runs of a machine with noise.
 fn repeated(seed: u64, count: u32) -> Vec<Run> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    let machine = Machine::random(&box_30(), &mut random);
-    let readings = machine.readings(None);
-    (1..=count)
-        .flat_map(|run| runs(run, Pass::Forward, &with_noise(&readings, SIGMA_UM, &mut random)))
-        .collect()
+    let readings = Machine::random(&box_30(), &mut random).readings(None);
+    let mut noisy = || with_noise(&readings, SIGMA_UM, &mut random);
+    (1..=count).flat_map(|run| runs(run, Pass::Forward, &noisy())).collect()
 }
 
 fn disturb(runs: &mut [Run], diagonal: Diagonal, number: u32, node: usize, um: f64) {
     let of = |run: &&mut Run| run.diagonal == diagonal && run.number == number;
     let run = runs.iter_mut().find(of).unwrap();
     run.deviations[node] = Deviation::from_um(run.deviations[node].um() + um);
+}
+
+#[track_caller]
+fn says(said: &str, words: &[&str]) {
+    words.iter().for_each(|words| assert!(said.contains(words), "expected `{words}` in\n{said}"));
 }
 
 fn place(diagonal: Diagonal, run: u32, node: usize) -> ReadingPlace {
@@ -51,25 +53,24 @@ fn a_disturbed_reading_of_three_runs_is_named_with_its_run() {
             disturb(&mut runs, Diagonal::Pnp, 2, 40, um);
             let found = naive(&box_30(), &runs);
             let first = found.closure.outliers.first();
-            let hit = first.filter(|o| o.readings == [place(Diagonal::Pnp, 2, 40)]);
-            named += usize::from(hit.is_some());
-            if let Some(outlier) = hit {
+            let is_it = |o: &&Outlier| o.readings == [place(Diagonal::Pnp, 2, 40)];
+            if let Some(outlier) = first.filter(is_it) {
+                named += 1;
                 assert!((outlier.size_um - um).abs() < 5.0 * SIGMA_UM, "{outlier:?}");
                 assert!((outlier.of_mean_um - outlier.size_um / 3.0).abs() < 1e-12);
                 let noise = found.noise.unwrap();
                 assert_eq!(noise.source, NoiseSource::Repeats);
                 assert!((noise.sigma_um - SIGMA_UM).abs() < 0.03, "{noise:?}");
                 let words = &words(&found.doubts)[0];
-                assert!(words.contains("PNP run 2 forward node 40"), "{words}");
-                assert!(words.contains("that U does not hold"), "{words}");
+                says(words, &["PNP run 2 forward node 40", "that U does not hold"]);
             }
         }
         assert!(named >= least, "{um} um: {named} of 20");
     }
 }
 
-fn accusation(found: &Separation) -> Option<String> {
-    words(&found.doubts).into_iter().find(|doubt| doubt.starts_with("as if"))
+fn beginning(findings: &[Finding], start: &str) -> Option<String> {
+    words(findings).into_iter().find(|words| words.starts_with(start))
 }
 
 /// The four programs are alike: a file under another diagonal's name is complete and plausible. Two names
@@ -98,8 +99,7 @@ fn readings_under_each_others_name_are_told() {
         }
     }
     for seed in 0..20 {
-        let found = naive(&box_30(), &repeated(seed, 1));
-        assert_eq!(accusation(&found), None);
+        assert_eq!(beginning(&naive(&box_30(), &repeated(seed, 1)).doubts, "as if"), None);
     }
 }
 
@@ -117,12 +117,8 @@ fn steps_in_another_order_are_told() {
             let found = naive(&box_, &runs(1, Pass::Forward, &readings));
             let [a, b, c] = order;
             let said = format!("or the steps went {a}, {b}, {c}: ");
-            match accusation(&found) {
-                Some(doubt) => {
-                    assert!(order != recorded && doubt.contains(&said), "{said} {doubt}")
-                }
-                None => assert_eq!(order, recorded, "{:?}", words(&found.doubts)),
-            }
+            let is_told = beginning(&found.doubts, "as if").map(|doubt| doubt.contains(&said));
+            assert_eq!(is_told, (order != recorded).then_some(true), "{said}, not {recorded:?}");
         }
     }
 }
@@ -137,22 +133,17 @@ fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
     }
     let readings = with_noise(&smooth.readings(None), SIGMA_UM, &mut random);
     let found = naive(&box_30(), &runs(1, Pass::Forward, &readings));
-    let hardly = |found: &Separation| {
-        let mut labels = words(&found.labels).into_iter();
-        labels.find(|label| label.starts_with("these readings would hardly show"))
-    };
-    let said = hardly(&found).unwrap();
-    for words in ["NPP and PNP", "NPP and PPN", "PNP and PPN", "nor steps that went X, Z, Y or"] {
-        assert!(said.contains(words), "{said}");
-    }
+    let hardly = |labels: &[Finding]| beginning(labels, "these readings would hardly show");
+    let said = hardly(&found.labels).unwrap();
+    let pairs = ["NPP and PNP", "NPP and PPN", "PNP and PPN"];
+    says(&said, &[&pairs[..], &["nor steps that went X, Z, Y or"]].concat());
     assert!(!said.contains("PPP"), "{said}");
     assert!(found.doubts.is_empty(), "{:?}", words(&found.doubts));
-    let rough = (1..10).map(|seed| naive(&box_30(), &repeated(seed, 3)));
-    assert!(rough.map(|found| hardly(&found)).any(|said| said.is_none()));
+    let rough = |seed| naive(&box_30(), &repeated(seed, 3));
+    assert!((1..10).any(|seed| hardly(&rough(seed).labels).is_none()));
 }
 
-/// With few steps and no stated noise a disturbed reading makes the scatter that it would have to
-/// stand out of.
+/// With few steps a disturbed reading makes the scatter that it would have to stand out of.
 #[test]
 fn a_scatter_far_above_the_noise_is_a_finding() {
     let box_4 = volume([400.0, 300.0, 200.0], 4);
@@ -170,17 +161,13 @@ fn a_scatter_far_above_the_noise_is_a_finding() {
         campaign.stated.noise_um = noise_um;
         words(&separate(&campaign, &all).doubts).join("\n")
     };
-    let said = found(50.0, None, 1);
     let above = "from the scatter of the closure: above the 1 µm that are assumed";
-    for words in [above, "state `noise_um`"] {
-        assert!(said.contains(words), "{said}");
-    }
-    assert!(found(1000.0, None, 1).contains("above the 1 µm"));
-    for sound in [found(0.0, None, 1), found(0.0, Some(0.3), 3), found(0.0, Some(0.2), 3)] {
-        assert_eq!(sound, "");
-    }
-    let said = found(0.0, Some(0.1), 3);
-    assert!(said.contains("more than 2 times the 0.1 µm that `noise_um` states"), "{said}");
+    says(&found(50.0, None, 1), &[above, "state `noise_um`"]);
+    says(&found(1000.0, None, 1), &["above the 1 µm"]);
+    let sound =
+        [(None, 1), (Some(0.3), 3), (Some(0.2), 3)].map(|(um, count)| found(0.0, um, count));
+    assert_eq!(sound, [""; 3]);
+    says(&found(0.0, Some(0.1), 3), &["more than 2 times the 0.1 µm that `noise_um` states"]);
 }
 
 #[test]
@@ -188,11 +175,10 @@ fn with_two_runs_either_may_be_the_disturbed_one() {
     let mut runs = repeated(3, 2);
     disturb(&mut runs, Diagonal::Ppn, 1, 17, -9.0);
     let found = naive(&box_30(), &runs);
-    let mut places = found.closure.outliers[0].readings.clone();
+    let [outlier] = &found.closure.outliers[..] else { panic!("the closure names it once more") };
+    let mut places = outlier.readings.clone();
     places.sort();
-    let wanted = [1, 2].map(|run| place(Diagonal::Ppn, run, 17));
-    assert_eq!(places, wanted);
-    assert_eq!(found.closure.outliers.len(), 1, "the closure names it once more");
+    assert_eq!(places, [1, 2].map(|run| place(Diagonal::Ppn, run, 17)));
 }
 
 /// Readings of a perfect machine whose X rolls evenly by `urad` over its travel, the levers alone:
@@ -237,30 +223,25 @@ fn roll_makes_ramps_and_accuses_no_reading() {
     }
 }
 
-fn stated_noise(noise_um: f64) -> Separation {
-    let measurement = measurement(&box_30(), SetUp::AssumePerfect, Frame::AsMeasured);
-    let mut campaign = campaign(&measurement, Vec::new());
-    campaign.stated.noise_um = Some(noise_um);
-    separate(&campaign, &repeated(1, 1))
-}
-
+/// Too small a noise makes U too small; too large a one is only wasteful.
 #[test]
 fn the_scatter_is_tested_to_both_sides() {
-    let test = |noise_um: f64| {
-        let found = stated_noise(noise_um);
-        found.closure.test(&found.noise.unwrap()).unwrap()
-    };
-    let fits = test(SIGMA_UM);
-    assert!(fits.probability > 0.01, "{fits:?}");
-    for (noise_um, larger) in [(0.15, true), (0.6, false)] {
-        let test = test(noise_um);
-        assert!(test.probability < 1e-6, "{test:?}");
-        assert_eq!(test.larger, larger);
+    let readings = repeated(1, 1);
+    for (noise_um, larger) in [(SIGMA_UM, None), (0.15, Some(true)), (0.6, Some(false))] {
+        let measurement = measurement(&box_30(), SetUp::AssumePerfect, Frame::AsMeasured);
+        let mut campaign = campaign(&measurement, Vec::new());
+        campaign.stated.noise_um = Some(noise_um);
+        let found = separate(&campaign, &readings);
+        let test = found.closure.test(&found.noise.unwrap()).unwrap();
+        let doubts = words(&found.doubts).concat();
+        if let Some(larger) = larger {
+            assert!(test.probability < 1e-6 && test.larger == larger, "{test:?}");
+            assert_eq!([doubts.contains("scatters more"), doubts.is_empty()], [larger, !larger]);
+        } else {
+            assert!(test.probability > 0.01, "{test:?}");
+        }
     }
-    // Too small a noise makes U too small; too large a one is only wasteful.
-    assert!(stated_noise(0.15).doubts.iter().any(|d| d.to_string().contains("scatters more")));
-    assert!(stated_noise(0.6).doubts.is_empty());
-    let alone = naive(&box_30(), &repeated(1, 1));
+    let alone = naive(&box_30(), &readings);
     assert_eq!(alone.closure.test(&alone.noise.unwrap()), None, "nothing to test against");
 }
 
@@ -273,4 +254,194 @@ fn a_perfect_set_up_is_contradicted_by_the_mean_of_the_closure() {
     assert!(doubts[0].contains("set-up is assumed perfect"), "{doubts:?}");
     let solved = solved(&box_30(), machine.lines(&Axis::ALL, Some(0.5)), &runs);
     assert!(solved.stands(), "{:?}", solved.doubts);
+}
+
+fn of_case(case: &str) -> Visit {
+    Visit::of(&format!("diagonals/{case}"))
+}
+
+/// A case with a policy for its reversals.
+fn with_policy(case: &str, policy: &str) -> Visit {
+    let visit = of_case(case);
+    let with = format!("[compensation]\nbacklash = \"{policy}\"");
+    visit.edit("job.toml", "[compensation]", &with);
+    visit
+}
+
+/// A job without what stands from a table up to `[compensation]`.
+fn without(job: &str, table: &str) -> String {
+    let (before, rest) = job.split_once(table).unwrap();
+    let (_, after) = rest.split_once("[compensation]").unwrap();
+    format!("{before}[compensation]{after}")
+}
+
+/// Writes the table and the job of what it holds.
+#[track_caller]
+fn two_step(visit: &Visit, status: i32) -> Ran {
+    let ran = visit.run("separate job.toml -o errors.csv").ends(status);
+    let job = without(&visit.read("job.toml"), "[measurement.step_diagonal]");
+    visit.put("nine.toml", job.replace("readings = \"readings.csv\"", "errors = \"errors.csv\""));
+    ran
+}
+
+/// A kit from the readings, and one from the table: what is said, and its manifest.
+#[track_caller]
+fn kits(visit: &Visit) -> [(Ran, Value); 2] {
+    ["job", "nine"].map(|job| {
+        let ran = visit.run(&format!("generate {job}.toml -o kit-{job}")).ends(1);
+        (ran.says("verdict: undecided"), visit.document(&format!("kit-{job}/manifest.json")))
+    })
+}
+
+/// Case B with 0.3 µm noise and one reading 20 µm off.
+fn disturbed_case_b() -> Visit {
+    let mut random = ChaCha8Rng::seed_from_u64(20);
+    let spoilt = |line: &str| {
+        let (before, um) = line.rsplit_once(',').unwrap();
+        let Ok(um) = um.parse::<f64>() else { return format!("{line}\n") };
+        let off = if before == "PPP,1,forward,58,x" { 20.0 } else { 0.0 };
+        let noise = SIGMA_UM * normal(&mut random);
+        let um = if before.contains(",0,") { um } else { um + noise + off };
+        format!("{before},{um:.6}\n")
+    };
+    let visit = of_case("case_b_setup");
+    let readings = visit.read("readings.csv");
+    let rows = readings.lines().filter(|line| !line.starts_with('#'));
+    visit.put("readings.csv", rows.map(spoilt).collect::<String>());
+    visit
+}
+
+#[test]
+fn a_disturbed_reading_reaches_every_output() {
+    let visit = disturbed_case_b();
+    let words = "PPP forward node 58";
+    two_step(&visit, 1).says("DOUBTFUL").says(words);
+    let page = visit.run("separate job.toml --format json").ends(1).json();
+    says(&page["doubts"].to_string(), &[words]);
+    let csv = visit.read("errors.csv");
+    assert!(csv.lines().any(|l| l.starts_with("# doubt:") && l.contains(words)), "{csv}");
+    for (ran, page) in kits(&visit) {
+        let text = ran.all();
+        says(text.split_once("verdict: undecided").unwrap().1, &[words]);
+        says(&page["doubts"].to_string(), &[words]);
+    }
+    for job in ["job", "nine"] {
+        let verify = format!("verify {job}.toml --tables kit-{job} --format json");
+        let page = visit.run(&verify).ends(1).json();
+        assert_eq!(page["verdict"], "undecided");
+        says(&page["causes"].to_string(), &[words]);
+    }
+}
+
+#[test]
+fn a_kit_without_scales_is_undecided_and_says_what_is_missing() {
+    let visit = of_case("case_b_setup");
+    let table = "[[measurement.step_diagonal.linear]]";
+    visit.put("job.toml", without(&visit.read("job.toml"), table));
+    two_step(&visit, 1).says("Determined: 6 of 9 errors");
+    for (ran, page) in kits(&visit) {
+        ran.says("EXX   not determined").says("no table for EXX, EYY, EZZ: not determined by the measurement: scale of X, Y and Z can be traded");
+        let omitted = page["omitted"].as_array().unwrap();
+        let terms: Vec<_> = omitted.iter().map(|o| &o["term"]).collect();
+        assert_eq!(terms, ["EXX", "EYY", "EZZ"]);
+    }
+    // Whoever asks for the six alone misses nothing.
+    let asked = "[compensation]\nterms = ['EYX', 'EZX', 'EXY', 'EZY', 'EXZ', 'EYZ']";
+    visit.edit("job.toml", "[compensation]", asked);
+    visit.run("generate job.toml -o six").ends(0).omits("DOUBTFUL");
+}
+
+#[test]
+fn readings_in_both_directions_need_a_word_on_the_reversal() {
+    let case = "case_d_bidirectional";
+    of_case(case).run("generate job.toml -o kit").ends(2).says("`backlash` is not stated");
+    let page = of_case(case).run("separate job.toml --format json").ends(0).json();
+    let [mean, forward] = [("mean", "EXX"), ("forward-only", "EXX+")].map(|(policy, name)| {
+        let visit = with_policy(case, policy);
+        visit.yes("separate job.toml -o errors.csv");
+        let csv = visit.read("errors.csv");
+        let last = csv.lines().rfind(|line| line.starts_with("x,")).unwrap();
+        let cell = last.split(',').nth(last.matches(",+,").count() + 2).unwrap();
+        let um: f64 = cell.parse().unwrap();
+        let wanted = number(&page["errors"][name]["deviation_um"][10]);
+        assert!((um - wanted).abs() < 1e-5, "{policy}: {um}, {wanted}");
+        um
+    });
+    assert!((forward - mean).abs() > 0.5);
+}
+
+#[test]
+fn a_reversal_that_no_curve_holds_is_said_beside_the_figures() {
+    for policy in ["mean", "forward-only"] {
+        let visit = with_policy("case_d_bidirectional", policy);
+        two_step(&visit, 0);
+        for (ran, page) in kits(&visit) {
+            let text = ran.omits("reversal not measured").all();
+            // B_d of the reference is 9.146 µm.
+            let mark = "without reversal (about 9.146 µm";
+            let is_marked = |line: &str| line.starts_with("EXX  ") && line.contains(mark);
+            assert!(text.lines().any(is_marked), "{text}");
+            assert_eq!(page["forecast"]["without_reversal_um"], 9.146);
+        }
+    }
+}
+
+#[test]
+fn an_assumed_set_up_is_said_of_the_kit_made_from_the_table() {
+    let visit = of_case("case_a_ideal");
+    two_step(&visit, 0);
+    let angles = "angular errors without a measurement, counted as zero";
+    let words = ["set-up assumed perfect", "reversal is mixed into the curves", angles];
+    says(&visit.run("generate nine.toml -o kit --explain").ends(0).all(), &words);
+    says(&visit.document("kit/manifest.json")["notes"].to_string(), &words);
+}
+
+#[test]
+fn where_nothing_is_asked_nothing_is_judged_and_worse_is_said() {
+    let visit = of_case("case_b_setup");
+    let job = visit.read("job.toml");
+    visit.put("job.toml", job.split("[acceptance]").next().unwrap());
+    visit.edit("job.toml", "siemens-840d-sl", "generic");
+    // A count of 20 µm: the tables cannot follow the curves.
+    let x = "[compensation.axes.x]\n";
+    visit.edit("job.toml", x, &format!("{x}detection_unit_um = 20.0\n"));
+    visit
+        .run("generate job.toml -o kit")
+        .ends(0)
+        .says("no acceptance is stated in the job, so there is nothing to judge")
+        .omits("verdict: pass")
+        .says("WARNING: diagonal PPP becomes larger with the tables: 18.543 →");
+    let notes = visit.document("kit/manifest.json")["notes"].to_string();
+    says(&notes, &["diagonal PPP becomes larger"]);
+}
+
+/// A thousandth of the errors: values in mm under a column in µm.
+#[test]
+fn values_in_mm_under_a_column_in_um_are_doubted() {
+    let visit = Visit::of("start/errors");
+    let slipped = |(column, cell): (usize, &str)| {
+        let um = cell.parse::<f64>().ok().filter(|_| column > 1);
+        um.map_or(cell.to_string(), |um| (um / 1000.0).to_string())
+    };
+    let row = |line: &str| line.split(',').enumerate().map(slipped).collect::<Vec<_>>().join(",");
+    let rows: Vec<String> = visit.read("errors.csv").lines().map(row).collect();
+    visit.put("errors.csv", rows.join("\n"));
+    let words = "no error exceeds 0.008 µm, and a machine tool below 0.1 µm throughout is unlikely";
+    for command in ["generate job.toml -o kit", "verify job.toml --tables kit"] {
+        let ran = visit.run(command).ends(1).says("verdict: undecided");
+        ran.says(&format!("DOUBTFUL: {words}"));
+    }
+    visit.run("assess job.toml").ends(0).says(&format!("doubt: {words}"));
+    let stated = |noise_um: &str| {
+        let noise = format!("[measurement]\nuncertainty = {{ noise_um = {noise_um} }}\n");
+        visit.put("stated.toml", visit.read("job.toml"));
+        visit.edit("stated.toml", "[measurement]\n", &noise);
+        visit.run(&format!("generate stated.toml -o kit-{noise_um}"))
+    };
+    // Whoever states a noise below the errors means them.
+    stated("0.002").ends(0).omits("DOUBTFUL");
+    // A noise above them says nothing of their unit.
+    stated("0.5").ends(1).says("or state a `noise_um` below it");
+    visit.put("errors.csv", "axis,position_mm,ex_um\nx,0,0\nx,400,0.00042\n");
+    visit.run("generate job.toml -o tiny").ends(1).says("no error exceeds 0.00042 µm");
 }

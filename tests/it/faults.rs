@@ -18,8 +18,6 @@ use tempfile::{NamedTempFile, TempDir};
 /// In an old kit or at the place of a file: gone, it would be lost.
 const USERS_OWN: &[u8] = b"what a person wrote\n";
 
-fn nothing(_: &Visit) {}
-
 fn append(visit: &Visit, name: &str, text: &str) {
     visit.put(name, visit.read(name) + text);
 }
@@ -44,13 +42,9 @@ fn old_file(visit: &Visit) {
     visit.put("put.csv", USERS_OWN);
 }
 
-fn with_program(visit: &Visit) {
-    append(visit, "job.toml", PROGRAM);
-}
-
 /// An old folder of a measuring run with readings.
 fn old_run(visit: &Visit) {
-    with_program(visit);
+    append(visit, "job.toml", PROGRAM);
     visit.run("program job.toml -o kit");
     visit.put("kit/readings.csv", USERS_OWN);
 }
@@ -76,14 +70,14 @@ const IMPORT: &str = "import isg_component_errors_selfmade.csv -o put.csv --sign
 type Scene = (&'static str, fn(&Visit), &'static str);
 
 const SCENES: [Scene; 12] = [
-    (ERRORS, nothing, "generate job.toml -o new/deep/kit"),
+    (ERRORS, |_| (), "generate job.toml -o new/deep/kit"),
     (ERRORS, old_kit, "generate job.toml -o kit --force"),
     (ERRORS, older_kit, "generate job.toml -o kit --force --format json"),
-    (ERRORS, with_program, "program job.toml -o kit"),
+    (ERRORS, |visit| append(visit, "job.toml", PROGRAM), "program job.toml -o kit"),
     (ERRORS, old_run, "program job.toml -o kit --force"),
-    (ERRORS, nothing, "simulate job.toml --errors -o put.csv"),
+    (ERRORS, |_| (), "simulate job.toml --errors -o put.csv"),
     (ERRORS, old_file, "simulate job.toml --errors -o put.csv --force"),
-    (READINGS, nothing, "separate job.toml -o put.csv"),
+    (READINGS, |_| (), "separate job.toml -o put.csv"),
     (READINGS, old_file, "separate job.toml -o put.csv --force"),
     ("formats", old_file, IMPORT),
     (ERRORS, with_part_program, "path job.toml part.nc -o put.csv"),
@@ -101,8 +95,7 @@ struct Played {
     calls: Vec<Call>,
 }
 
-static PLAYED: LazyLock<Vec<Played>> =
-    LazyLock::new(|| SCENES.into_iter().map(Played::new).collect());
+static PLAYED: LazyLock<[Played; 12]> = LazyLock::new(|| SCENES.map(Played::new));
 
 impl Played {
     fn new((fixture, arrange, command): Scene) -> Played {
@@ -120,21 +113,15 @@ impl Played {
 
     /// What lies at the output is old, new, or was and is nothing, and all else is as it was.
     fn whole(&self, found: &Tree) -> Result<(), String> {
-        let output = self.output;
-        let now = at(found, output);
-        if now != at(&self.before, output) && now != at(&self.after, output) {
-            return Err("the output is neither old nor new".to_string());
-        }
-        for (name, entry) in &self.before {
-            if !name.starts_with(output) && found.get(name) != Some(entry) {
-                return Err(format!("{name} was changed"));
-            }
+        let (output, now) = (self.output, at(found, self.output));
+        let is_whole = now == at(&self.before, output) || now == at(&self.after, output);
+        check(is_whole, "the output is neither old nor new")?;
+        for (name, entry) in self.before.iter().filter(|(name, _)| !name.starts_with(output)) {
+            check(found.get(name) == Some(entry), format!("{name} was changed"))?;
         }
         for name in found.keys() {
             let is_expected = name.starts_with(output) || output.starts_with(name.as_str());
-            if !is_expected && !self.before.contains_key(name) {
-                return Err(format!("{name} was left"));
-            }
+            check(is_expected || self.before.contains_key(name), format!("{name} was left"))?;
         }
         self.kept(found)
     }
@@ -147,24 +134,18 @@ impl Played {
         let known = [old.clone(), at(&self.before, &previous), at(&self.after, output)];
         let is_kept = |name: &&String| name.starts_with(&previous) && !name.contains(".partial-");
         for name in directories(found).filter(is_kept) {
-            if !known.contains(&at(found, name)) {
-                return Err(format!("{name} is no whole kit"));
-            }
+            check(known.contains(&at(found, name)), format!("{name} is no whole kit"))?;
         }
         let is_directory = self.before.get(output) == Some(&Entry::Directory);
-        if is_directory && !directories(found).any(|name| at(found, name) == old) {
-            return Err("the old kit is gone".to_string());
-        }
-        Ok(())
+        let is_there = directories(found).any(|name| at(found, name) == old);
+        check(!is_directory || is_there, "the old kit is gone")
     }
 
-    /// The new thing is in its place.
     fn written(&self, found: &Tree) -> Result<(), String> {
         let is_new = at(found, self.output) == at(&self.after, self.output);
-        is_new.then_some(()).ok_or_else(|| "the output is not the new one".to_string())
+        check(is_new, "the output is not the new one")
     }
 
-    /// So it is, and nothing unfinished is there.
     fn complete(&self, found: &Tree) -> Result<(), String> {
         self.written(found).and_then(|()| tidy(found))
     }
@@ -173,28 +154,20 @@ impl Played {
     fn next_run(&self, visit: &Visit, left: &Tree) -> Result<(), String> {
         let command = self.command.replace(" --force", "");
         let Ran { status, err, .. } = visit.run(&format!("{command} --force"));
-        if status != self.said.status {
-            return Err(format!("the next run: {err}"));
-        }
+        check(status == self.said.status, format!("the next run: {err}"))?;
         let found = visit.files();
         self.complete(&found).map_err(|why| format!("after the next run {why}"))?;
         // With `--force` on a file the old one is replaced.
         let is_file = matches!(self.after.get(self.output), Some(Entry::File(_)));
-        if copies(&self.before, USERS_OWN) > copies(&found, USERS_OWN) && !is_file {
-            return Err("the next run lost a user's file".to_string());
-        }
-        match partials(left).iter().find(|name| !err.contains(name.as_str())) {
-            Some(name) => Err(format!("{name} is removed without a word: {err}")),
-            None => Ok(()),
-        }
+        let is_kept = copies(&self.before, USERS_OWN) <= copies(&found, USERS_OWN);
+        check(is_kept || is_file, "the next run lost a user's file")?;
+        let silent = partials(left).into_iter().find(|name| !err.contains(*name));
+        check(silent.is_none(), format!("{silent:?} is removed without a word: {err}"))
     }
 }
 
-/// A fresh folder with everything of a tree.
-fn place(before: &Tree) -> Visit {
-    let visit = Visit::new();
-    lay(before, visit.folder());
-    visit
+fn check(is_so: bool, why: impl Into<String>) -> Result<(), String> {
+    is_so.then_some(()).ok_or_else(|| why.into())
 }
 
 /// A file or everything in a directory; `None` where nothing is.
@@ -209,21 +182,18 @@ fn directories(tree: &Tree) -> impl Iterator<Item = &String> {
 
 /// The outermost names of what is unfinished.
 fn partials(tree: &Tree) -> Vec<&String> {
-    let is_outermost = |name: &&String| {
-        let unfinished = name.split('/').position(|part| part.contains(".partial-"));
-        unfinished.is_some_and(|depth| depth + 1 == name.split('/').count())
-    };
+    let is_outermost =
+        |name: &&String| name.split_once(".partial-").is_some_and(|(_, rest)| !rest.contains('/'));
     tree.keys().filter(is_outermost).collect()
 }
 
-/// Nothing unfinished is there.
 fn tidy(found: &Tree) -> Result<(), String> {
     partials(found).first().map_or(Ok(()), |left| Err(format!("{left} was left")))
 }
 
-/// A system call of a run: its name, and which one of that name it is.
 struct Call {
     name: String,
+    /// Which one of that name it is.
     number: usize,
     /// The system may refuse it.
     is_refusable: bool,
@@ -237,29 +207,19 @@ const NO_FILE: &str = "arch_prctl brk clock_gettime clone clone3 exit exit_group
     rt_sigprocmask rt_sigreturn sched_getaffinity sched_yield set_robust_list set_tid_address \
     sigaltstack tgkill";
 
-/// Whether all faults are asked for.
 fn is_whole() -> bool {
     std::env::var("NONIUS_FAULTS").is_ok_and(|asked| asked == "all")
-}
-
-fn has_strace() -> bool {
-    let mut strace = Command::new("strace");
-    let traced = strace.args(["-f", "-o", "/dev/null", "true"]).stderr(Stdio::null()).status();
-    traced.is_ok_and(|status| status.success())
 }
 
 /// The system calls of a scene, from the first that names its output on.
 fn calls(text: &str, output: &str) -> Vec<Call> {
     let first = text.split_whitespace().next().unwrap();
     let output = output.trim_start_matches("new/deep/");
-    let mut seen = BTreeMap::new();
-    let mut calls = Vec::new();
+    let (mut seen, mut calls) = (BTreeMap::new(), Vec::new());
     let (mut touched, mut listed) = (false, "");
     for line in text.lines() {
         let (process, rest) = line.split_once(char::is_whitespace).unwrap();
-        let Some((name, words)) = rest.trim_start().split_once('(') else {
-            continue;
-        };
+        let Some((name, words)) = rest.trim_start().split_once('(') else { continue };
         // A number and what it stands for.
         let handle = words.split([',', ')']).next().unwrap_or_default();
         if process != first || !name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_') {
@@ -281,7 +241,6 @@ fn calls(text: &str, output: &str) -> Vec<Call> {
     calls
 }
 
-/// A run under `strace`, and what that wrote.
 fn traced(visit: &Visit, options: &[&str], command: &str) -> (Ran, String) {
     let log = NamedTempFile::new().unwrap();
     let output = Command::new("strace")
@@ -309,19 +268,19 @@ enum Fault {
 }
 
 fn disturbed(played: &Played, call: &Call, fault: Fault, how: &str) -> Result<(), String> {
-    let visit = place(&played.before);
+    let visit = Visit::new();
+    lay(&played.before, visit.folder());
     let Call { name, number, .. } = call;
     let only = format!("trace={name}");
     let inject = format!("inject={name}:{how}:when={number}");
     let (ran, log) = traced(&visit, &["-e", &only, "-e", &inject], played.command);
     let found = visit.files();
-    // The removal of what is not needed any more may have been refused; it is tried again.
-    let has_next = match fault {
-        Fault::Kill => true,
-        Fault::End => false,
-        Fault::Refuse => !partials(&found).is_empty(),
+    let next = |()| match fault {
+        Fault::End => Ok(()),
+        // The removal of what is not needed any more may have been refused; it is tried again.
+        Fault::Refuse if partials(&found).is_empty() => Ok(()),
+        _ => played.next_run(&visit, &found),
     };
-    let next = |()| if has_next { played.next_run(&visit, &found) } else { Ok(()) };
     judge(played, fault, &ran, &found).and_then(next).map_err(|why| {
         let line = log.lines().find(|line| line.contains("INJECTED")).unwrap_or_default();
         let Ran { command, status, err, .. } = ran;
@@ -352,43 +311,37 @@ fn judge(played: &Played, fault: Fault, ran: &Ran, found: &Tree) -> Result<(), S
 
 /// Tries faults at the system calls of all scenes: every `step`th of each scene, or all.
 fn try_faults(fault: Fault, ways: &[&str], step: usize) {
-    if !has_strace() {
+    let mut strace = Command::new("strace");
+    let traced = strace.args(["-f", "-o", "/dev/null", "true"]).stderr(Stdio::null()).status();
+    if !traced.is_ok_and(|status| status.success()) {
         return skipped("strace is not here, or may not trace");
     }
     let step = if is_whole() { 1 } else { step };
     let (mut cases, mut all) = (Vec::new(), 0);
     for (number, played) in PLAYED.iter().enumerate() {
         let is_tried = |call: &&Call| fault != Fault::Refuse || call.is_refusable;
-        let calls = played.calls.iter().filter(is_tried);
-        let of_scene: Vec<_> =
-            calls.flat_map(|call| ways.iter().map(move |how| (played, call, *how))).collect();
+        let each = |call| ways.iter().map(move |how| (played, call, *how));
+        let of_scene: Vec<_> = played.calls.iter().filter(is_tried).flat_map(each).collect();
         all += of_scene.len();
         // Each scene begins at another place; one case of each is taken at least.
         let first = (number * step / SCENES.len()) % of_scene.len();
         cases.extend(of_scene.into_iter().skip(first).step_by(step));
     }
-    let failures = in_parallel(&cases, |(played, call, how)| disturbed(played, call, fault, how));
+    // Every third case in a thread.
+    let failed = &|first: usize| {
+        let of_thread = cases.iter().skip(first).step_by(3);
+        let failed = |(played, call, how): &(&Played, &Call, &str)| {
+            disturbed(played, call, fault, how).err()
+        };
+        of_thread.filter_map(failed).collect::<Vec<String>>()
+    };
+    let failures: Vec<String> = std::thread::scope(|scope| {
+        let threads = [0, 1, 2].map(|first| scope.spawn(move || failed(first)));
+        threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
+    });
     told(&format!("{} of {all} cases", cases.len()));
     let shown = failures.iter().take(40).map(String::as_str).collect::<Vec<_>>().join("\n");
     assert!(failures.is_empty(), "{} of {} cases:\n{shown}", failures.len(), cases.len());
-}
-
-/// What went wrong, of every third case the first, of every third the second, and so on.
-fn in_parallel<T: Sync>(
-    cases: &[T],
-    test: impl Fn(&T) -> Result<(), String> + Sync,
-) -> Vec<String> {
-    let test = &test;
-    let of = |first: usize| {
-        move || {
-            let of_thread = cases.iter().skip(first).step_by(3);
-            of_thread.filter_map(|case| test(case).err()).collect::<Vec<_>>()
-        }
-    };
-    std::thread::scope(|scope| {
-        let threads = [0, 1, 2].map(|first| scope.spawn(of(first)));
-        threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
-    })
 }
 
 #[test]
@@ -428,22 +381,18 @@ impl Drop for Stick {
     }
 }
 
-/// Sizes of disks on which the commands below find too little room at every stage, or enough: pages of
-/// 4 KiB, and numbers of names.
-fn sizes() -> Vec<String> {
-    let step = if is_whole() { 1 } else { 7 };
-    let pages = (1..=48).step_by(step).map(|n| format!("size={}k", 4 * n));
-    let names = (2..=26).step_by(step).map(|n| format!("nr_inodes={n}"));
-    pages.chain(names).collect()
-}
-
 #[test]
 fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
     if Stick::new("size=4k").is_none() {
         return skipped("a small memory disk cannot be mounted here");
     }
+    // On these the commands find too little room at every stage, or enough: pages of 4 KiB, and numbers of names.
+    let step = if is_whole() { 1 } else { 7 };
+    let pages = (1..=48).step_by(step).map(|n| format!("size={}k", 4 * n));
+    let names = (2..=26).step_by(step).map(|n| format!("nr_inodes={n}"));
+    let sizes: Vec<String> = pages.chain(names).collect();
     let visit = Visit::of("start/errors");
-    with_program(&visit);
+    append(&visit, "job.toml", PROGRAM);
     with_part_program(&visit);
     let mut refused = 0;
     for (words, output) in [
@@ -456,25 +405,22 @@ fn on_a_disk_of_any_size_everything_is_written_or_nothing() {
             let ran = visit.run(&format!("{words} -o {}/{output}", stick.display()));
             (ran, tree(stick))
         };
-        let plenty = Stick::new("size=8m").unwrap();
-        let (new, after) = onto(plenty.0.path());
+        let (new, after) = onto(Stick::new("size=8m").unwrap().0.path());
         let new = new.answers();
-        for size in sizes() {
-            let stick = Stick::new(&size).unwrap();
+        for size in &sizes {
+            let stick = Stick::new(size).unwrap();
             let mut before = tree(stick.0.path());
             // Twice onto the same.
             for _ in 0..2 {
                 let (ran, found) = onto(stick.0.path());
-                let (is_refused, what) = (ran.status == Some(2), ran.all());
-                if is_refused {
-                    let difference = difference(&before, &found);
-                    assert!(found == before, "{words}, {size}: {difference}: {what}");
-                    assert!(ran.err.contains("no space left"), "{words}, {size}: {what}");
-                } else {
-                    let is_new = at(&found, output) == at(&after, output);
-                    let is_whole = ran.status == new.status && is_new && tidy(&found).is_ok();
-                    assert!(is_whole, "{words}, {size}: {what}");
-                }
+                let is_refused = ran.status == Some(2);
+                let is_new = at(&found, output) == at(&after, output) && tidy(&found).is_ok();
+                let is_right = match is_refused {
+                    true => found == before && ran.err.contains("no space left"),
+                    false => ran.status == new.status && is_new,
+                };
+                let changed = difference(&before, &found);
+                assert!(is_right, "{words}, {size}: {changed}: {}", ran.all());
                 refused += usize::from(is_refused);
                 before = found;
             }

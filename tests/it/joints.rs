@@ -1,7 +1,6 @@
 //! LinuxCNC from a job to the machine's ini file and back: what is served, what BACKLASH does to a kit, what is
 //! judged of files read out, and that the interpreter of LinuxCNC takes the programs (where it is installed).
-use crate::support::visit::{Ran, Visit, number};
-use std::fs;
+use crate::support::visit::{Visit, number};
 use std::process::Command;
 
 /// Two axes; X lags by 4 µm moving down, and bends Y.
@@ -15,22 +14,17 @@ const TWO: &str = "backlash = { x = \"two-tables\" }";
 const ROWS: &str = "0.000000 0.000000 -0.004000\n50.000000 -0.006000 -0.010000\n\
     100.000000 -0.016000 -0.020000\n";
 
-fn job(measurement: &str, compensation: &str) -> String {
-    format!(
-        "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = [\"x.csv\", \"y.csv\"]\n{measurement}\n\
-         [compensation]\ncontroller = \"linuxcnc\"\n{compensation}\n\
-         [machine.axes.x]\ntravel_mm = [0, 100]\nreference_mm = 0\n\
-         [machine.axes.y]\ntravel_mm = [0, 100]\nreference_mm = 0\n\
-         [compensation.axes.x]\nspacing_mm = 50\nid = \"0\"\n\
-         [compensation.axes.y]\nspacing_mm = 50\nid = \"1\"\n\
-         [acceptance]\nmax_deviation_um = 100\n"
-    )
-}
-
 fn visit(measurement: &str, compensation: &str) -> Visit {
+    let axis = "{ travel_mm = [0, 100], reference_mm = 0 }";
+    let job = format!(
+        "schema = 1\n[machine]\nname = \"M\"\naxes = {{ x = {axis}, y = {axis} }}\n\
+         [measurement]\nerrors = [\"x.csv\", \"y.csv\"]\n{measurement}\n\
+         [compensation]\ncontroller = \"linuxcnc\"\n{compensation}\n\
+         axes.x = {{ spacing_mm = 50, id = \"0\" }}\naxes.y = {{ spacing_mm = 50, id = \"1\" }}\n\
+         [acceptance]\nmax_deviation_um = 100\n"
+    );
     let visit = Visit::new();
-    visit.put("x.csv", ERRORS).put("y.csv", ERRORS_Y);
-    visit.put("job.toml", job(measurement, compensation));
+    visit.put("x.csv", ERRORS).put("y.csv", ERRORS_Y).put("job.toml", job);
     visit
 }
 
@@ -41,62 +35,58 @@ fn kit(measurement: &str, compensation: &str) -> Visit {
     visit
 }
 
-#[track_caller]
-fn refused(measurement: &str, compensation: &str, words: &str) {
-    visit(measurement, compensation).run("generate job.toml -o kit").ends(2).says(words);
-}
-
 #[test]
 fn a_table_is_minus_the_deviation_and_cross_terms_are_told() {
     let visit = kit(NONE, TWO);
     assert_eq!(visit.read("kit/joint-0.comp"), ROWS);
     let manifest = visit.document("kit/manifest.json");
-    let omitted = &manifest["omitted"][0];
-    assert_eq!(omitted["term"], "EYX");
-    let reason =
-        "the control has no tables for cross terms (COMP_FILE corrects its own joint only)";
-    assert_eq!(omitted["reason"], reason);
+    let why = "the control has no tables for cross terms (COMP_FILE corrects its own joint only)";
+    assert_eq!(manifest["omitted"][0]["term"], "EYX");
+    assert_eq!(manifest["omitted"][0]["reason"], why);
     let left = &manifest["forecast"]["terms"]["EYX"];
     assert_eq!(left["before_um"], left["after_um"], "nothing corrects it");
     visit.yes("verify job.toml --tables kit");
 }
 
+/// A COMP_FILE switches BACKLASH off: the reversal that a policy leaves to it stands in the columns, and so do 10 µm
+/// that acted while measuring, which make 14 µm. With the mean the reversal comes back, and the forecast says so.
 #[test]
-fn what_no_table_can_hold_is_refused_where_nothing_else_is_asked_for() {
-    let keys = "terms = [\"EYX\"]\nbacklash = { x = \"mean\" }";
-    refused(NONE, keys, "COMP_FILE corrects its own joint only");
-}
-
-/// The reversal that a policy leaves to BACKLASH stands in the columns, for a COMP_FILE switches BACKLASH off.
-#[test]
-fn curve_and_parameter_stands_in_the_columns() {
+fn what_backlash_does_is_taken_over() {
     let visit = kit(NONE, "backlash = { x = \"curve-and-parameter\" }");
     assert_eq!(visit.read("kit/joint-0.comp"), ROWS);
     let checklist = visit.read("kit/checklist.md");
     assert!(checklist.contains("BACKLASH of [JOINT_0]"), "{checklist}");
-}
-
-/// BACKLASH 10 µm acted while measuring: the machine itself has 14 µm, of Y 10 µm that nobody measured.
-/// With the mean the reversal comes back, and the forecast says so.
-#[test]
-fn what_backlash_did_while_measuring_is_taken_over() {
-    let measurement = NONE.replace("x = 0.0", "x = 10.0");
+    let acted = NONE.replace("x = 0.0", "x = 10.0");
     let rows = "0.000000 0.000000 -0.014000\n50.000000 -0.006000 -0.020000\n100.000000 -0.016000 -0.030000\n";
-    assert_eq!(kit(&measurement, TWO).read("kit/joint-0.comp"), rows);
-    let of_both = measurement.replace("y = 0.0", "y = 10.0");
-    refused(&of_both, TWO, "`backlash` is not stated");
-    let mean = kit(&measurement, "backlash = { x = \"mean\" }").document("kit/manifest.json");
+    assert_eq!(kit(&acted, TWO).read("kit/joint-0.comp"), rows);
+    let mean = kit(&acted, "backlash = { x = \"mean\" }").document("kit/manifest.json");
     let after = number(&mean["forecast"]["terms"]["EXX"]["after_um"]);
     assert!((after - 14.0).abs() < 1e-3, "{after}");
+}
+
+/// Nobody measured the 10 µm of Y; a table has up to 256 rows.
+#[test]
+fn what_no_table_can_hold_is_refused() {
+    let of_both = NONE.replace("= 0.0", "= 10.0");
+    let cross = "terms = [\"EYX\"]\nbacklash = { x = \"mean\" }";
+    for (measurement, compensation, grid, status, words) in [
+        (NONE, cross, "spacing_mm = 50", 2, "COMP_FILE corrects its own joint only"),
+        (&of_both, TWO, "spacing_mm = 50", 2, "`backlash` is not stated"),
+        (NONE, TWO, "points = 256", 0, ""),
+        (NONE, TWO, "points = 257", 2, "257 points, more than the 256 of a COMP_FILE"),
+    ] {
+        let visit = visit(measurement, compensation);
+        visit.edit("job.toml", "axes.x = { spacing_mm = 50", &format!("axes.x = {{ {grid}"));
+        visit.run("generate job.toml -o kit").ends(status).says(words);
+    }
 }
 
 /// An ini file of a machine with the lines of a kit in it.
 fn ini(lines: &str) -> String {
     let joint = |n: u32| {
         let section = format!("[JOINT_{n}]\n");
-        let own = lines.split(&section).nth(1).unwrap_or("");
-        let own = own.split('[').next().unwrap_or("");
-        format!("{section}MIN_LIMIT = 0\nHOME_OFFSET = 0\n{own}")
+        let own = lines.split(&section).nth(1).and_then(|rest| rest.split('[').next());
+        format!("{section}MIN_LIMIT = 0\nHOME_OFFSET = 0\n{}", own.unwrap_or(""))
     };
     let head = "[EMC]\nVERSION = 1.1\n[KINS]\nJOINTS = 2\n[TRAJ]\nLINEAR_UNITS = mm\n";
     format!("{head}{}{}", joint(0), joint(1))
@@ -117,8 +107,8 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
     let visit = copied();
     // The lines of the kit beside it say nothing for the machine's own.
     visit.put("out/joints.ini", visit.read("kit/joints.ini"));
-    let judged = || -> Ran { visit.run("verify job.toml --tables out --explain") };
-    judged().ends(0);
+    let verify = "verify job.toml --tables out --explain";
+    visit.run(verify).ends(0);
     let latch = "HOME_LATCH_VEL of [JOINT_0] is -5";
     let ini = "machine.ini";
     for (name, from, to, status, words) in [
@@ -140,7 +130,7 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
         let path = format!("out/{name}");
         let text = visit.read(&path);
         visit.edit(&path, from, to);
-        judged().ends(status).says(words);
+        visit.run(verify).ends(status).says(words);
         visit.put(&path, text);
     }
 }
@@ -149,7 +139,7 @@ fn the_files_of_a_machine_are_judged_as_linuxcnc_reads_them() {
 #[test]
 fn old_tables_are_part_of_the_new_ones() {
     let visit = copied();
-    visit.put("job.toml", job("active_while_measuring = \"out\"", TWO));
+    visit.edit("job.toml", NONE, "active_while_measuring = \"out\"");
     visit.yes("generate job.toml -o again");
     let rows = "0.000000 0.000000 -0.008000\n50.000000 -0.012000 -0.020000\n100.000000 -0.032000 -0.040000\n";
     assert_eq!(visit.read("again/joint-0.comp"), rows);
@@ -160,18 +150,19 @@ fn a_second_measurement_is_judged() {
     let visit = kit(NONE, TWO);
     visit.edit("job.toml", "max_deviation_um = 100", "max_deviation_um = 10");
     ensure_second_measurement_judged(&visit, "0.1");
+    ensure_second_measurement_judged(&super::isg::kit("", ""), "0.05");
 }
 
 /// As the emulated control would give it; one without tables misses.
 #[track_caller]
-pub(super) fn ensure_second_measurement_judged(visit: &Visit, noise_um: &str) {
+fn ensure_second_measurement_judged(visit: &Visit, noise_um: &str) {
     let simulate = format!("simulate job.toml --errors --noise-um {noise_um} --seed 3 --force");
     for (tables, expected) in [("--tables kit", "pass"), ("--without-tables", "fail")] {
         visit.yes(&format!("{simulate} {tables} -o after.csv"));
         // Without the remarks that say it was simulated.
         let table = visit.read("after.csv");
-        let rows: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
-        visit.put("after.csv", rows.join("\n") + "\n");
+        let rows = table.split_inclusive('\n').filter(|line| !line.starts_with('#'));
+        visit.put("after.csv", rows.collect::<String>());
         let page = visit.json("verify job.toml --tables kit --after after.csv");
         assert_eq!(page["verdict"], expected, "{tables} {page:#}");
     }
@@ -191,33 +182,23 @@ fn a_profile_may_write_the_other_type() {
 }
 
 #[test]
-fn a_table_has_up_to_256_rows() {
-    for (points, status, words) in
-        [("256", 0, ""), ("257", 2, "257 points, more than the 256 of a COMP_FILE")]
-    {
-        let visit = visit(NONE, TWO);
-        let with = format!("points = {points}\nid = \"0\"");
-        visit.edit("job.toml", "spacing_mm = 50\nid = \"0\"", &with);
-        visit.run("generate job.toml -o kit").ends(status).says(words);
-    }
-}
-
-#[test]
 fn the_interpreter_of_linuxcnc_takes_the_programs() {
     let visit = visit(NONE, TWO);
-    let z = "[machine.axes.z]\ntravel_mm = [-100, 0]\nreference_mm = 0\n\
-             [program]\nwhat = \"step-diagonal\"\nstart_mm = { x = 10, y = 10, z = -90 }\n\
+    visit.edit(
+        "job.toml",
+        "axes = { ",
+        "axes = { z = { travel_mm = [-100, 0], reference_mm = 0 }, ",
+    );
+    let z = "[program]\nwhat = \"step-diagonal\"\nstart_mm = { x = 10, y = 10, z = -90 }\n\
              size_mm = { x = 80, y = 80, z = 80 }\nsteps = 4\norder = \"XYZ\"\n[acceptance]";
     visit.edit("job.toml", "[acceptance]", z);
     visit.yes("program job.toml -o programs");
-    let files: Vec<_> = fs::read_dir(visit.at("programs")).unwrap().flatten().collect();
-    let programs: Vec<_> =
-        files.iter().filter(|f| f.path().extension().is_some_and(|e| e == "ngc")).collect();
+    let files = visit.files();
+    let programs: Vec<_> = files.keys().filter(|name| name.ends_with(".ngc")).collect();
     assert_eq!(programs.len(), 4);
-    for file in programs {
+    for name in programs {
         let mut command = Command::new("rs274");
-        let Ok(run) = command.arg("-g").arg(file.path()).current_dir(visit.folder()).output()
-        else {
+        let Ok(run) = command.arg("-g").arg(name).current_dir(visit.folder()).output() else {
             println!("rs274 is not installed: the programs were not interpreted");
             return;
         };

@@ -14,12 +14,11 @@ const LAST_DIGIT: f64 = 1.001e-6;
 
 /// A machine of three axes of 0 … 900 mm with an error table; `measurement` = further lines of its job.
 fn visit(measurement: &str, compensation: &str, errors: &str) -> Visit {
-    let mut page = "schema = 1\n[machine]\nname = \"M\"\nchain = \"wXYZt\"\n".to_string();
-    for axis in ["x", "y", "z"] {
-        page += &format!("[machine.axes.{axis}]\ntravel_mm = [0.0, 900.0]\nreference_mm = 0.0\n");
-    }
-    page += &format!(
-        "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{measurement}\n\
+    let axis = "{ travel_mm = [0.0, 900.0], reference_mm = 0.0 }";
+    let page = format!(
+        "schema = 1\n[machine]\nname = \"M\"\nchain = \"wXYZt\"\n\
+         axes = {{ x = {axis}, y = {axis}, z = {axis} }}\n\
+         [measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{measurement}\n\
          [compensation]\n{compensation}\n\
          [[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n"
     );
@@ -30,15 +29,12 @@ fn visit(measurement: &str, compensation: &str, errors: &str) -> Visit {
 
 /// The controls of these tests: their facts, and spacings for X, Y and Z.
 fn control(id: &str, further: &str) -> String {
-    let mut page = format!("controller = \"{id}\"\n{further}\n");
-    for (axis, first) in [("x", 100), ("y", 200), ("z", 300)] {
-        page += &format!("[compensation.axes.{axis}]\nspacing_mm = 90.0\n");
-        if id.starts_with("fanuc") {
-            let steps = "detection_unit_um = 1.0\ninterpolated = false";
-            page += &format!("first_point = {first}\n{steps}\n");
-        }
-    }
-    page
+    let axes = [("x", 100), ("y", 200), ("z", 300)].map(|(axis, first)| {
+        let steps = format!(", first_point = {first}, detection_unit_um = 1, interpolated = false");
+        let steps = if id.starts_with("fanuc") { &steps } else { "" };
+        format!("axes.{axis} = {{ spacing_mm = 90.0{steps} }}\n")
+    });
+    format!("controller = \"{id}\"\n{further}\n{}", axes.concat())
 }
 
 /// A table with rows of X; Y and Z are without error.
@@ -47,7 +43,6 @@ fn along_x(rows: &str) -> String {
     format!("axis,position_mm,ex_um,ey_um,ez_um\n{rows}{level}")
 }
 
-/// One of the definitions of `assess`, µm.
 #[track_caller]
 fn defined(found: &Value, key: &str) -> f64 {
     number(&found["definitions"][key])
@@ -58,17 +53,16 @@ fn defined(found: &Value, key: &str) -> f64 {
 #[test]
 fn what_is_left_along_one_axis_is_what_the_forecast_says() {
     let straight = "x,0,0,0,0\nx,900,100,0,0\n";
+    let curves = ["linear", "pchip", "natural-spline"];
+    let ids = ["siemens-840d-sl", "fanuc-30i", "generic"];
     for shape in [straight, "x,0,0,0,0\nx,300,20,0,0\nx,600,-20,0,0\nx,900,0,0,0\n"] {
-        for (curve, id) in ["linear", "pchip", "natural-spline"]
-            .iter()
-            .flat_map(|curve| ["siemens-840d-sl", "fanuc-30i", "generic"].map(|id| (curve, id)))
-        {
+        for (curve, id) in curves.into_iter().flat_map(|curve| ids.map(|id| (curve, id))) {
             let what = format!("{id}, {curve}, {shape}");
             let curved = control(id, &format!("curve = \"{curve}\""));
             let visit = visit("", &curved, &along_x(shape));
             visit.run("generate job.toml -o kit").answers();
-            let forecast = &visit.document("kit/manifest.json")["forecast"];
-            let forecast = number(&forecast["terms"]["EXX"]["after_um"]);
+            let manifest = visit.document("kit/manifest.json");
+            let forecast = number(&manifest["forecast"]["terms"]["EXX"]["after_um"]);
             let is_easy = shape == straight && !id.starts_with("fanuc");
             assert!(is_easy || forecast > 0.01, "{what}: {forecast} is too easy");
 
@@ -83,7 +77,7 @@ fn what_is_left_along_one_axis_is_what_the_forecast_says() {
             // error: the reference is one of the nodes, where nothing is left.
             let after = &visit.json("assess job.toml --tables kit")["after"];
             let from = defined(after, "max_from_reference_um");
-            if *curve == "linear" {
+            if curve == "linear" {
                 near(&format!("{what}, assess"), from, forecast, 2.0 * LAST_DIGIT);
                 near(&format!("{what}, accuracy"), accuracy, range, 2.0 * LAST_DIGIT);
                 near(&format!("{what}, VA"), defined(after, "va_um"), range, 2.0 * LAST_DIGIT);
@@ -102,21 +96,21 @@ fn a_staircase_is_a_staircase() {
     let path = visit.json("path job.toml p.nc --tables kit -o points.csv");
     let points = visit.read("points.csv");
     let mut rows = points.lines().filter(|line| !line.starts_with('#'));
-    let header: Vec<&str> = rows.next().unwrap().split(',').collect();
-    let column = |name: &str| header.iter().position(|other| *other == name).unwrap();
-    let (x, ex) = (column("x_mm"), column("after_ex_um"));
-    let cell = |row: &str, column| row.split(',').nth(column).unwrap().parse::<f64>().unwrap();
-    let at_38 = rows.find(|row| (cell(row, x) - 38.0).abs() < 1e-9).unwrap();
-    near("x = 38", cell(at_38, ex), 38.0 / 9.0, 1e-3);
+    let header = rows.next().unwrap();
+    let cell = |row: &str, name: &str| -> f64 {
+        let mut cells = header.split(',').zip(row.split(','));
+        cells.find(|(other, _)| *other == name).unwrap().1.parse().unwrap()
+    };
+    let at_38 = rows.find(|row| (cell(row, "x_mm") - 38.0).abs() < 1e-9).unwrap();
+    near("x = 38", cell(at_38, "after_ex_um"), 38.0 / 9.0, 1e-3);
     near("profile accuracy", number(&path["after"]["profile_accuracy_um"]), 10.0, LAST_DIGIT);
     // The same way back: both values of each jump are met again.
     visit.put("p.nc", "G0 X900.\nG1 X0.\nM30\n");
     let back = visit.json("path job.toml p.nc --tables kit");
-    for (end, um) in [("max", 5.0), ("min", -5.0)] {
-        for path in [&path, &back] {
-            let found = number(&path["after"]["extremes"]["ex"][end]["um"]);
-            near(end, found, um, LAST_DIGIT);
-        }
+    for path in [path, back] {
+        let ex = &path["after"]["extremes"]["ex"];
+        near("max", number(&ex["max"]["um"]), 5.0, LAST_DIGIT);
+        near("min", number(&ex["min"]["um"]), -5.0, LAST_DIGIT);
     }
     let after = &visit.json("assess job.toml --tables kit")["after"];
     near("VA", defined(after, "va_um"), 10.0, LAST_DIGIT);
@@ -131,31 +125,26 @@ fn measured_again(naked: &str, left: &str) -> Visit {
     visit
 }
 
-/// A kit that was active while measuring: the machine as it is is the one that was measured, and
-/// the new tables are added to the machine without the old ones.
+/// A kit was active while measuring; new tables are added to the machine without the old ones.
 #[test]
 fn as_it_is_means_as_it_was_measured() {
-    let visit = measured_again(
-        "x,0,0,0,0\nx,450,30,0,0\nx,900,40,0,0\n",
-        "x,0,0,0,0\nx,450,3,0,0\nx,900,-2,0,0\n",
-    );
+    let naked = "x,0,0,0,0\nx,450,30,0,0\nx,900,40,0,0\n";
+    let visit = measured_again(naked, "x,0,0,0,0\nx,450,3,0,0\nx,900,-2,0,0\n");
     let found = visit.json("assess job.toml --with-tables");
     near("as it is", defined(&found, "va_um"), 5.0, LAST_DIGIT);
     near("with the new tables", defined(&found["after"], "va_um"), 0.0, LAST_DIGIT);
     let found = visit.json("assess job.toml --tables kit");
     near("with the old tables", defined(&found["after"], "va_um"), 5.0, LAST_DIGIT);
     let path = visit.json("path job.toml p.nc --tables kit");
-    for (which, summary) in [("before", &path), ("after", &path["after"])] {
-        near(which, number(&summary["profile_accuracy_um"]), 5.0, LAST_DIGIT);
-    }
+    near("before", number(&path["profile_accuracy_um"]), 5.0, LAST_DIGIT);
+    near("after", number(&path["after"]["profile_accuracy_um"]), 5.0, LAST_DIGIT);
 }
 
-/// Measured at its ends only, while an old table was active: what lies under that table bends where
-/// the table does, and a new one that is too coarse leaves it, along the diagonals too.
+/// Measured at its ends only: a new table that is too coarse leaves the bends, along the diagonals too.
 #[test]
 fn what_lies_under_an_old_table_bends_where_the_table_does() {
-    let visit =
-        measured_again("x,0,0,0,0\nx,270,12,0,0\nx,900,0,0,0\n", "x,0,0,0,0\nx,900,0,0,0\n");
+    let bent = "x,0,0,0,0\nx,270,12,0,0\nx,900,0,0,0\n";
+    let visit = measured_again(bent, "x,0,0,0,0\nx,900,0,0,0\n");
     visit.edit("job.toml", "spacing_mm = 90.0", "spacing_mm = 900.0");
     let forecast = &visit.json("generate job.toml -o new")["forecast"];
     let diagonals = forecast["diagonals"].as_object().unwrap();
@@ -167,16 +156,14 @@ fn what_lies_under_an_old_table_bends_where_the_table_does() {
     }
 }
 
-/// Figures of a machine that has no error left, or none that is not a reversal, are zero: all of
-/// them count from the reference.
+/// No error, or none that is not a reversal: all figures count from the reference.
 #[test]
 fn nothing_left_is_nothing_in_every_definition() {
     let generic = control("generic", "");
-    let measurement =
-        "[measurement.squareness_um_per_m]\nxy = 100.0\n[measurement.offsets_mm]\ny = 300.0";
+    let measurement = "squareness_um_per_m.xy = 100.0\noffsets_mm.y = 300.0";
     let errors = along_x("x,0,0,0,0\nx,900,5,0,0\n");
     let shorter = visit(measurement, &generic, &replaced(&errors, "y,900", "y,400"));
-    let y = "[machine.axes.y]\ntravel_mm = [0.0, 900.0]\nreference_mm =";
+    let y = "y = { travel_mm = [0.0, 900.0], reference_mm =";
     shorter.edit("job.toml", &format!("{y} 0.0"), &format!("{y} 900.0"));
     shorter.edit("job.toml", "spacing_mm = 90.0", "spacing_mm = 50.0");
     let found = shorter.json("assess job.toml --with-tables");
@@ -194,14 +181,13 @@ fn nothing_left_is_nothing_in_every_definition() {
     let reversal = "axis,position_mm,ex_um,ey_um,ez_um,direction\nx,0,0,0,0,+\nx,900,0,0,0,+\nx,0,-20,0,0,-\nx,900,-20,0,0,-\ny,0,0,0,0,\ny,900,0,0,0,\nz,0,0,0,0,\nz,900,0,0,0,\n";
     let visit = visit("", &control("generic", "backlash = \"mean\""), reversal);
     let found = visit.json("assess job.toml --with-tables");
-    for figures in [&found, &found["after"]] {
-        for key in keys {
-            near(key, defined(figures, key), 0.0, LAST_DIGIT);
-        }
+    for key in keys {
+        near(key, defined(&found, key), 0.0, LAST_DIGIT);
+        near(key, defined(&found["after"], key), 0.0, LAST_DIGIT);
     }
 }
 
-/// Squareness stated, and the same slope in the table: one machine, with any offsets and tool.
+/// With any offsets and tool.
 #[test]
 fn squareness_and_a_slope_of_the_table_are_one_machine() {
     let level = along_x("x,0,0,0,0\nx,900,10,0,0\n");
@@ -217,14 +203,13 @@ fn squareness_and_a_slope_of_the_table_are_one_machine() {
             let path = visit.json("path job.toml p.nc");
             (path["extremes"].clone(), path["profile_accuracy_um"].clone())
         };
-        let stated = figures("[measurement.squareness_um_per_m]\nxz = 1000.0", &level);
+        let stated = figures("squareness_um_per_m.xz = 1000.0", &level);
         let sloped = figures("", &replaced(&level, "z,900,0,0,0", "z,900,900,0,0"));
         assert_eq!(stated, sloped, "{lines}");
     }
 }
 
-/// With readings and measured angles, where the resting axes are said to have stood changes the
-/// curves, and assess counts its levers from the same place: the volume is the same.
+/// Where the resting axes are said to have stood changes the curves, and the levers: not the volume.
 #[test]
 fn readings_and_levers_count_from_one_place() {
     let visit = Visit::of("diagonals/case_c_angles");
@@ -234,23 +219,19 @@ fn readings_and_levers_count_from_one_place() {
     let va = || defined(&visit.json("assess job.toml --grid 11,11,11"), "va_um");
     let first = va();
     assert!(first > 1.0, "{first}");
-    let of_y_and_z = "720.0000]\nreference_mm =";
-    visit.edit("job.toml", &format!("{of_y_and_z} 0.0000"), &format!("{of_y_and_z} 720.0"));
+    // Y and Z.
+    visit.edit("job.toml", "720.0000]\nreference_mm = 0.0", "720.0000]\nreference_mm = 720.0");
     near("another reference", va(), first, 1e-3);
     let offsets = "[measurement]\noffsets_mm = { x = 0.0, y = 100.0, z = 250.0 }\n";
     visit.edit("job.toml", "[measurement]\n", offsets);
     near("stated offsets", va(), first, 1e-3);
 }
 
-/// Own nodes are as many as a grid may have.
 #[test]
 fn too_many_own_nodes_are_refused() {
-    let mut errors = "axis,position_mm,ex_um,ey_um,ez_um\n".to_string();
-    for axis in ["x", "y", "z"] {
-        for node in 0..465 {
-            errors += &format!("{axis},{},{},0,0\n", f64::from(node) * 1.9, node % 7);
-        }
-    }
+    let row = |axis, node| format!("{axis},{},{},0,0\n", f64::from(node) * 1.9, node % 7);
+    let rows = ["x", "y", "z"].map(|axis| (0..465).map(|node| row(axis, node)).collect::<String>());
+    let errors = format!("axis,position_mm,ex_um,ey_um,ez_um\n{}", rows.concat());
     let visit = visit("", "controller = \"generic\"", &errors);
     visit.run("assess job.toml").ends(2).says("465 x 465 x 465, more than 100000000");
 }
@@ -266,17 +247,16 @@ fn one_grid_for_before_and_after() {
     assert_eq!(found["windows"]["count"], 3);
 }
 
-/// The lever of an optic on the table is added where the straightness was measured, so a finer grid
-/// finds nothing new.
+/// Its lever is added there, so a finer grid finds nothing new.
 #[test]
 fn an_optic_on_the_table_counts_where_it_was_measured() {
     let errors = "axis,position_mm,ex_um,ey_um,ez_um,ec_urad\nx,0,0,0,0,50\nx,900,0,0,0,0\ny,0,0,0,0,\ny,900,0,0,0,\nz,0,0,0,0,\nz,900,0,0,0,\n";
     let optic = "straightness_optic_mm = { x = 0.0 }";
     let visit = visit(optic, "controller = \"generic\"", errors);
     visit.edit("job.toml", "wXYZt", "XwYZt");
-    let va = ["", " --grid 21,21,2"]
-        .map(|grid| defined(&visit.json(&format!("assess job.toml{grid}")), "va_um"));
-    near("own nodes and a finer grid", va[0], va[1], LAST_DIGIT);
+    let va = defined(&visit.json("assess job.toml"), "va_um");
+    let finer = defined(&visit.json("assess job.toml --grid 21,21,2"), "va_um");
+    near("own nodes and a finer grid", va, finer, LAST_DIGIT);
     // ECX·y alone: the lever of X is zero at both measured positions.
-    near("VA", va[0], 45.0, LAST_DIGIT);
+    near("VA", va, 45.0, LAST_DIGIT);
 }

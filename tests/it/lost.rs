@@ -2,7 +2,7 @@
 //! this program made and nobody touched, and no input is cut or exchanged without a word.
 
 use super::large::patiently;
-use crate::support::tree;
+use crate::support::tree::copies;
 use crate::support::visit::{Ran, Visit, replaced};
 use std::fs::{self, File};
 use std::path::Path;
@@ -21,7 +21,7 @@ pub(super) const PROGRAM: &str = "\n[program]\nwhat = \"single-axis\"\nbidirecti
 /// Runs a command, which says so beside its data.
 #[track_caller]
 fn expect(visit: &Visit, command: &str, status: i32, says: &str) {
-    told(patiently(visit.folder(), command, Stdio::null()).0.ends(status), says);
+    told(patiently(visit, command, Stdio::null()).0.ends(status), says);
 }
 
 #[track_caller]
@@ -29,7 +29,6 @@ fn told(ran: Ran, says: &str) {
     assert!(ran.err.contains(says), "expected `{says}` of {}\n{}", ran.command, ran.err);
 }
 
-/// The command is refused, says so, and changes nothing.
 #[track_caller]
 fn refused(visit: &Visit, command: &str, says: &str) {
     let before = visit.files();
@@ -37,31 +36,25 @@ fn refused(visit: &Visit, command: &str, says: &str) {
     assert!(visit.files() == before, "{command} changed something");
 }
 
-/// The command with a file on standard input.
 fn piped(visit: &Visit, command: &str, from: &str) -> Ran {
     let stdin = File::open(visit.at(from)).unwrap();
-    patiently(visit.folder(), command, stdin.into()).0
-}
-
-/// How many files have these bytes.
-fn copies(visit: &Visit, bytes: impl AsRef<[u8]>) -> usize {
-    tree::copies(&visit.files(), bytes.as_ref())
+    patiently(visit, command, stdin.into()).0
 }
 
 #[test]
 fn no_output_replaces_an_input() {
     let visit = Visit::of("diagonals/case_b_setup");
+    visit.put("part.nc", "G21 G90 G1 X10 F100\nX20\nM30\n");
     let name = visit.folder().file_name().unwrap().to_string_lossy();
     for command in [
-        "simulate job.toml -o readings.csv --force",
-        &format!("simulate job.toml -o ./../{name}/job.toml --force"),
-        "separate job.toml -o readings.csv --force",
-        "separate job.toml -o job.toml --force",
+        "simulate job.toml -o readings.csv",
+        &format!("simulate job.toml -o ./../{name}/job.toml"),
+        "separate job.toml -o readings.csv",
+        "separate job.toml -o job.toml",
+        "path job.toml part.nc -o part.nc",
     ] {
-        refused(&visit, command, WOULD_REPLACE);
+        refused(&visit, &format!("{command} --force"), WOULD_REPLACE);
     }
-    visit.put("part.nc", "G21 G90 G1 X10 F100\nX20\nM30\n");
-    refused(&visit, "path job.toml part.nc -o part.nc --force", WOULD_REPLACE);
 }
 
 #[cfg(unix)]
@@ -72,11 +65,8 @@ fn no_output_replaces_an_input_through_links_or_standard_input() {
     fs::hard_link(visit.at("readings.csv"), visit.at("hard.csv")).unwrap();
     symlink("readings.csv", visit.at("soft.csv")).unwrap();
     symlink(".", visit.at("here")).unwrap();
-    for (output, says) in [
-        ("hard.csv", WOULD_REPLACE),
-        ("here/readings.csv", WOULD_REPLACE),
-        ("soft.csv", "is a link"),
-    ] {
+    for output in ["hard.csv", "here/readings.csv", "soft.csv"] {
+        let says = if output == "soft.csv" { "is a link" } else { WOULD_REPLACE };
         refused(&visit, &format!("simulate job.toml -o {output} --force"), says);
     }
     let before = visit.files();
@@ -103,27 +93,17 @@ fn an_output_is_a_regular_file_or_new() {
     fs::create_dir(visit.at("folder")).unwrap();
     // A device of the test's own; only root can make one.
     let device = visit.at("device");
-    let made =
-        Command::new("mknod").arg(&device).args(["c", "1", "3"]).stderr(Stdio::null()).status();
+    let mut mknod = Command::new("mknod");
+    let made = mknod.arg(&device).args(["c", "1", "3"]).stderr(Stdio::null()).status();
     let has_device = made.is_ok_and(|status| status.success());
-    for (output, says) in [
-        ("pipe", "is no regular file"),
-        ("folder", "is a directory"),
-        ("device", "is no regular file"),
-    ] {
-        if output != "device" || has_device {
-            refused(&visit, &format!("simulate job.toml --errors -o {output} --force"), says);
-        }
+    for output in ["pipe", "folder", "device"].into_iter().take(2 + usize::from(has_device)) {
+        let says = if output == "folder" { "is a directory" } else { "is no regular file" };
+        refused(&visit, &format!("simulate job.toml --errors -o {output} --force"), says);
     }
     let kind = |path: &Path| fs::symlink_metadata(path).unwrap().file_type();
     assert!(kind(&visit.at("pipe")).is_fifo());
     assert!(!has_device || kind(&device).is_char_device());
-}
-
-#[cfg(unix)]
-#[test]
-fn a_kit_does_not_take_the_place_of_a_link_that_leads_nowhere() {
-    let visit = Visit::of("start/errors");
+    // A link that leads nowhere.
     std::os::unix::fs::symlink("not-there", visit.at("kit")).unwrap();
     refused(&visit, MAKE, "is a link or a file");
     assert!(visit.at("kit").is_symlink());
@@ -146,35 +126,36 @@ fn force_twice_keeps_job_and_measurement_that_were_moved_into_the_kit() {
     refused(&visit, "generate kit/job.toml -o kit --force", WOULD_REPLACE);
     visit.run("generate kit.previous/job.toml -o kit --force");
     for (name, text) in inputs {
-        assert_eq!(copies(&visit, text), 1, "{name}");
+        assert_eq!(copies(&visit.files(), text.as_bytes()), 1, "{name}");
     }
 }
 
+/// Put into a kit, put where older kits are kept, readings filled in: each further run moves what is there away.
 #[test]
-fn force_never_removes_what_was_put_into_a_kit() {
-    let visit = Visit::of("start/errors");
-    expect(&visit, MAKE, 0, "wrote");
-    visit.put("kit/archive.arc", "what was read out");
-    expect(&visit, FORCE, 0, "moved kit to kit.previous\n");
-    expect(&visit, FORCE, 0, "moved kit to kit.previous-2\n");
-    expect(&visit, FORCE, 0, "moved kit to kit.previous-3\n");
-    assert_eq!(copies(&visit, "what was read out"), 1);
-    assert!(visit.at("kit.previous/archive.arc").is_file());
-    assert!(visit.at("kit.previous-2/manifest.json").is_file());
+fn force_removes_nothing_of_a_users() {
+    for (name, force, own, moved) in [
+        ("kit", FORCE, "kit/archive.arc", &["", "-2", "-3"][..]),
+        ("kit", FORCE, "kit.previous/photo.jpg", &["-2", "-3"]),
+        ("run", "program run.toml -o run --force", "run/readings-z.csv", &["", "-2"]),
+    ] {
+        let visit = Visit::of("start/errors");
+        visit.put("run.toml", visit.read("job.toml") + PROGRAM);
+        expect(&visit, force, 0, "wrote");
+        assert_eq!(visit.has(own), name == "run", "{own}");
+        visit.put(own, "what a person put there");
+        if own.starts_with("kit.previous") {
+            visit.put("kit.previous/manifest.json", r#"{"files":[]}"#);
+        }
+        for number in moved {
+            expect(&visit, force, 0, &format!("moved {name} to {name}.previous{number}\n"));
+        }
+        assert_eq!(copies(&visit.files(), b"what a person put there"), 1, "{own}");
+        let (_, file) = own.split_once('/').unwrap();
+        assert!(visit.at(&format!("{name}.previous/{file}")).is_file(), "{own}");
+        assert!(visit.at(&format!("{name}.previous-2/manifest.json")).is_file(), "{own}");
+    }
 }
 
-#[test]
-fn force_removes_nothing_that_lies_where_older_kits_are_kept() {
-    let visit = Visit::of("start/errors");
-    expect(&visit, FORCE, 0, "wrote");
-    visit.put("kit.previous/photo.jpg", "of the machine");
-    visit.put("kit.previous/manifest.json", r#"{"files":[]}"#);
-    expect(&visit, FORCE, 0, "moved kit to kit.previous-2\n");
-    expect(&visit, FORCE, 0, "moved kit to kit.previous-3\n");
-    assert_eq!(copies(&visit, "of the machine"), 1);
-}
-
-/// What is replaced gives its permissions.
 #[cfg(unix)]
 #[test]
 fn what_is_replaced_keeps_its_permissions() {
@@ -191,29 +172,13 @@ fn what_is_replaced_keeps_its_permissions() {
 }
 
 #[test]
-fn force_never_removes_readings_filled_into_the_folder_of_a_measuring_run() {
-    let visit = Visit::of("start/errors");
-    visit.put("run.toml", visit.read("job.toml") + PROGRAM);
-    let force = "program run.toml -o run --force";
-    expect(&visit, force, 0, "wrote");
-    let files = visit.files();
-    let is_table = |name: &&String| name.starts_with("run/") && name.ends_with(".csv");
-    visit.put(files.keys().rfind(is_table).unwrap(), "filled in at the machine");
-    expect(&visit, force, 0, "moved run to run.previous\n");
-    expect(&visit, force, 0, "moved run to run.previous-2\n");
-    assert_eq!(copies(&visit, "filled in at the machine"), 1);
-}
-
-#[test]
 fn standard_input_beyond_the_limit_is_refused_like_a_file() {
-    const LARGEST_INPUT: usize = 64 << 20;
-    const LARGEST_JOB: usize = 256 << 10;
     let visit = Visit::of("start/errors");
     let job = visit.read("job.toml");
     for (bytes, status, refusal) in [
-        (LARGEST_JOB, 0, ""),
-        (LARGEST_JOB + 1, 2, "more than 256 KiB"),
-        (LARGEST_INPUT + 1, 2, "more than 64 MiB"),
+        (256 << 10, 0, ""),
+        ((256 << 10) + 1, 2, "more than 256 KiB"),
+        ((64 << 20) + 1, 2, "more than 64 MiB"),
     ] {
         // A valid job, as long as comments make it.
         let comments = format!("{}\n", "#".repeat(79)).repeat(bytes / 80 + 1);
@@ -229,9 +194,8 @@ fn devices_and_pipes_without_a_writer_are_refused_at_once() {
     let visit = Visit::of("start/errors");
     let job = visit.read("job.toml");
     fifo(&visit.at("pipe"));
-    for (input, says) in
-        [("/dev/zero", "is no regular file"), ("pipe", "nothing was written into it")]
-    {
+    let inputs = [("/dev/zero", "is no regular file"), ("pipe", "nothing was written into it")];
+    for (input, says) in inputs {
         visit.put("other.toml", replaced(&job, "errors.csv", input));
         refused(&visit, "generate other.toml -o kit", says);
         refused(&visit, &format!("generate {input} -o kit"), says);
@@ -265,15 +229,15 @@ fn history_follows_no_path_out_of_a_kit() {
     for path in ["../errors.csv", "/dev/zero", "sub/x.csv", "..\\errors.csv", ".."] {
         document["files"][0]["path"] = path.into();
         visit.put("kit/manifest.json", document.to_string());
-        let ran = patiently(visit.folder(), "history kit", Stdio::null()).0;
-        ran.ends(1).says(&format!("`{path}` is no plain file name"));
+        let ran = patiently(&visit, "history kit", Stdio::null()).0.ends(1);
+        ran.says(&format!("`{path}` is no plain file name"));
     }
 }
 
 #[test]
 fn a_template_that_cannot_be_read_is_not_replaced_by_the_built_in_one() {
-    let shop = "schema = 1\nid = \"shop\"\nname = \"Control of the shop\"\nbased_on = \"generic\"\n\
-                [[files]]\nrole = \"table\"\npath = \"TABLE.CSV\"\ntemplate = \"generic.csv.tera\"\n";
+    let shop = "schema = 1\nid = 'shop'\nname = 'Control of the shop'\nbased_on = 'generic'\n\
+                [[files]]\nrole = 'table'\npath = 'TABLE.CSV'\ntemplate = 'generic.csv.tera'\n";
     let visit = Visit::of("start/errors");
     visit.edit("job.toml", "siemens-840d-sl", "shop.toml").put("shop.toml", shop);
     expect(&visit, MAKE, 0, "wrote");
