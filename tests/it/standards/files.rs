@@ -45,7 +45,7 @@ fn layouts_units_and_values_agree() {
     }
 }
 
-/// A quoted cell may hold the separator, as in every other table.
+/// A quoted cell may hold the separator.
 #[test]
 fn a_separator_in_quotation_marks_separates_nothing() {
     let text = "target_mm;up1_mm;dn1_mm\n0;\"0,001\";\"0;002\"\n";
@@ -83,11 +83,8 @@ fn targets_may_be_closer_than_the_deviations() {
 /// All problems of a file come at once, each with line and column.
 #[test]
 fn every_cell_that_is_wrong_is_named() {
-    let words = read(
-        "target_mm,up1_mm,up2_mm\n0,,0.001\nten,10.001,10.002\n20,20.001,1e12\n30,30.001\n",
-        Stated::default(),
-    )
-    .unwrap_err();
+    let text = "target_mm,up1_mm,up2_mm\n0,,0.001\nten,10.001,10.002\n20,20.001,1e12\n30,30.001\n";
+    let words = read(text, Stated::default()).unwrap_err();
     for expected in [
         "runs.csv:2:3",
         "`up1_mm` is empty",
@@ -103,17 +100,16 @@ fn every_cell_that_is_wrong_is_named() {
 
 #[test]
 fn runs_that_are_not_complete_cannot_be_made() {
-    let words = |targets: &[f64], up: Option<Vec<Vec<f64>>>| {
-        Runs::new(targets.to_vec(), up, None).unwrap_err().message
-    };
-    assert!(words(&[0.0], None).contains("expected two targets or more"));
-    assert!(words(&[0.0, 0.0], None).contains("each larger"));
-    assert!(words(&[0.0, f64::NAN], None).contains("each larger"));
-    assert!(words(&[0.0, 1.0], None).contains("one direction or both"));
-    let short = Some(vec![vec![0.0, 1.0], vec![0.0]]);
-    assert!(words(&[0.0, 1.0], short).contains("not complete"));
-    let none = Some(vec![vec![], vec![]]);
-    assert!(words(&[0.0, 1.0], none).contains("not complete"));
-    let nan = Some(vec![vec![0.0], vec![f64::NAN]]);
-    assert!(words(&[0.0, 1.0], nan).contains("as many finite"));
+    for (targets, up, words) in [
+        (vec![0.0], None, "expected two targets or more"),
+        (vec![0.0, 0.0], None, "each larger"),
+        (vec![0.0, f64::NAN], None, "each larger"),
+        (vec![0.0, 1.0], None, "one direction or both"),
+        (vec![0.0, 1.0], Some(vec![vec![0.0, 1.0], vec![0.0]]), "not complete"),
+        (vec![0.0, 1.0], Some(vec![vec![], vec![]]), "not complete"),
+        (vec![0.0, 1.0], Some(vec![vec![0.0], vec![f64::NAN]]), "as many finite"),
+    ] {
+        let message = Runs::new(targets, up, None).unwrap_err().message;
+        assert!(message.contains(words), "{words}: {message}");
+    }
 }
