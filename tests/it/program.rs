@@ -196,19 +196,10 @@ fn offset_targets_sample_every_phase_of_a_screw() {
 }
 
 /// A program that somebody, or a template, spoilt is found out.
-#[track_caller]
-fn is_found(case: &Case, from: &str, to: &str, words: &str) {
-    let mut files = case.kit().files;
-    let before = String::from_utf8(files[1].bytes.clone()).unwrap();
-    files[1].bytes = replaced(&before, from, to).into_bytes();
-    let said = case.judged(&files).expect_err("the walk must find it").render();
-    assert!(said.contains(words), "{from} -> {to}:\n{said}");
-}
-
 #[test]
 fn the_walk_finds_what_is_wrong_with_a_program() {
     let too_low = "before X and Y are there, or with them";
-    for (from, to, found) in [
+    let of_siemens = [
         ("N3 G4 F3.0\n", "", "of 14 readings are taken"),
         ("N3 G4 F3.0", "N3 G4 F0.3", "the standstill is 0.3 s"),
         ("N3 G4", "N4 G4", "has another number"),
@@ -246,10 +237,8 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
             "SUPA G91 G1 Z27.500 F1000.0\nSUPA G91 G1 Z27.500 F1000.0",
             "not reached by one move of its own",
         ),
-    ] {
-        is_found(&siemens(""), from, to, found);
-    }
-    for (from, to, found) in [
+    ];
+    let of_fanuc = [
         ("G91 G01", "G90 G01", "this is neither"),
         ("G53 ", "", "this is neither"),
         ("G40 G49 G80", "G40 G80", "before ToolLength is cancelled"),
@@ -259,8 +248,15 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("(NPP RUN 1 REVERSE)", "(NPP (RUN 1)", "brackets"),
         ("M30", "M30\n%", "between two"),
         ("O1002", "%\nO1002", "outside the two"),
-    ] {
-        is_found(&fanuc(""), from, to, found);
+    ];
+    for (case, spoilt) in [(siemens(""), &of_siemens[..]), (fanuc(""), &of_fanuc)] {
+        for (from, to, words) in spoilt {
+            let mut files = case.kit().files;
+            let before = String::from_utf8(files[1].bytes.clone()).unwrap();
+            files[1].bytes = replaced(&before, from, to).into_bytes();
+            let said = case.judged(&files).expect_err("the walk must find it").render();
+            assert!(said.contains(words), "{from} -> {to}:\n{said}");
+        }
     }
 }
 
@@ -321,10 +317,9 @@ fn a_reading_that_is_not_filled_in_is_refused_as_missing() {
 #[test]
 fn the_job_must_not_describe_another_turn_than_the_run() {
     let turn = |overrun: &str, keys: &str| {
-        let case = siemens(keys);
         let stated = format!("order = \"ZXY\"\noverrun = {overrun}");
-        let job = read_job(&replaced(&case.job(), "order = \"ZXY\"", &stated));
-        make(&job, &builtin::profile(case.control).unwrap(), &[])
+        let job = read_job(&replaced(&siemens(keys).job(), "order = \"ZXY\"", &stated));
+        make(&job, &builtin::profile("siemens-840d-sl").unwrap(), &[])
     };
     for (overrun, keys, words) in [
         ("false", "", "`overrun` is false, but this run goes 2 mm past the end point"),

@@ -90,8 +90,6 @@ fn step_diagonals(case: &str, steps: usize) -> Diagonals {
 }
 
 /// Figures of the simulation are exact to rounding of the readings (1e-9 µm).
-const SIMULATION_UM: f64 = 1e-8;
-
 #[test]
 fn diagonals_of_the_golden_machine_in_both_directions() {
     let expected = Visit::of("diagonals/case_d_bidirectional").document("expected.json");
@@ -109,7 +107,7 @@ fn diagonals_of_the_golden_machine_in_both_directions() {
             }
         };
         let off = (um.unwrap() - number(value)).abs();
-        assert!(off <= SIMULATION_UM, "{key}: {um:?}, expected {value}");
+        assert!(off <= 1e-8, "{key}: {um:?}, expected {value}");
     }
     assert_eq!(expected.len(), 34);
 }
@@ -171,11 +169,7 @@ fn figures_of_iso_230_2_by_hand() {
     all_near(axis.r, [4.0 * s, 8.0 * s, 8.0 * s]);
     // A down: 3 + 4√2 to 3 − 4√2; of both: 3 + 4√2 down to 0 − 2√2 up.
     all_near(axis.a, [4.0 + 4.0 * s, 8.0 * s, 3.0 + 6.0 * s]);
-}
-
-/// The two common mistakes: E of one direction only, and R without the reversal.
-#[test]
-fn e_is_of_both_directions_and_r_holds_the_reversal() {
+    // The two common mistakes: E of one direction only, and R without the reversal.
     let runs = two_targets(Some([[0.0; 2], [1.0; 2]]), Some([[10.0; 2], [11.0; 2]]));
     let axis = iso_230_2::figures(&runs).axis;
     all_near(axis.e, [1.0, 1.0, 11.0]);
@@ -205,6 +199,13 @@ fn one_direction_has_its_own_figures_only() {
     assert_eq!(vdi_3441::figures(&runs), None);
     let remarks = iso_230_2::remarks(&runs, span(&runs));
     assert_eq!(remarks[0], StandardFinding::OneWay { way: "up" }.into());
+    let um = Some(vec![vec![0.0; 5]; 5]);
+    for (up, down, word) in [(um.clone(), None, "down"), (None, um, "up")] {
+        let runs = Runs::new(UNEVEN.to_vec(), up, down).unwrap();
+        let not = "NOT according to ISO 230-2: unidirectional figures only";
+        let expected = format!("{not}: moving {word} was not measured (see the conditions)");
+        assert_eq!(iso_230_2::label(&conditions(&runs)), expected);
+    }
 }
 
 #[test]
@@ -258,6 +259,13 @@ fn conditions_are_judged_by_length() {
     assert_eq!(missed(&even(7, 500.0), 1), 1, "every 500 mm");
     let label = iso_230_2::label(&conditions(&flat(&UNEVEN, 3)));
     assert!(label.starts_with("NOT according to ISO 230-2: 3 runs up, 3 down"), "{label}");
+    // Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
+    assert_eq!(missed(&even(10, 250.0), 1), 0);
+    let runs = flat(&even(10, 250.0), 5);
+    let label = iso_230_2::label(&conditions(&runs));
+    assert!(label.contains("5 runs up, 5 down"), "{label}");
+    let remarks = iso_230_2::remarks(&runs, span(&runs));
+    assert_eq!(remarks[0], StandardFinding::LongAxis.into());
 }
 
 /// 24.4 to 1024.4 mm is 1000.0000000000001 mm in binary, and 48.3 to 2048.3 mm is more than 2 m.
@@ -274,17 +282,6 @@ fn lengths_are_judged_without_the_dust_of_binary_fractions() {
 }
 
 #[test]
-fn one_direction_is_labelled_as_such() {
-    let um = Some(vec![vec![0.0; 5]; 5]);
-    for (up, down, word) in [(um.clone(), None, "down"), (None, um, "up")] {
-        let runs = Runs::new(UNEVEN.to_vec(), up, down).unwrap();
-        let not = "NOT according to ISO 230-2: unidirectional figures only";
-        let expected = format!("{not}: moving {word} was not measured (see the conditions)");
-        assert_eq!(iso_230_2::label(&conditions(&runs)), expected);
-    }
-}
-
-#[test]
 fn targets_in_a_heap_are_found() {
     let heap = flat(&[0.0, 1.0, 2.2, 3.0, 990.0], 5);
     let words = Condition::missed(&conditions(&heap));
@@ -293,17 +290,6 @@ fn targets_in_a_heap_are_found() {
     assert_eq!(missed(&long, 1), 1, "above 2 m, every 218 mm on average");
     // r of half a distance to either side: the widest that P_i = (i - 1)p + r can give.
     assert_eq!(missed(&[0.0, 50.0, 250.0, 300.0, 400.0], 5), 0);
-}
-
-/// Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
-#[test]
-fn above_two_metres_one_run_is_asked_for() {
-    assert_eq!(missed(&even(10, 250.0), 1), 0);
-    let runs = flat(&even(10, 250.0), 5);
-    let label = iso_230_2::label(&conditions(&runs));
-    assert!(label.contains("5 runs up, 5 down"), "{label}");
-    let remarks = iso_230_2::remarks(&runs, span(&runs));
-    assert_eq!(remarks[0], StandardFinding::LongAxis.into());
 }
 
 /// The conditions are about the travel: where it is stated, it is judged.
@@ -349,10 +335,7 @@ fn conditions_of_the_diagonals_are_tested() {
     assert!(with(&one_way).ends_with("moving down was not measured"));
     let found = diagonal(&four, DiagonalMotion::StepDiagonalCellEnds);
     assert_eq!(found.conditions[0].met, Met::No, "single-axis steps");
-}
-
-#[test]
-fn machine_figures_need_four_diagonals() {
+    // Figures of the machine need all four.
     let runs = by_hand();
     let four = DIAGONALS.map(|name| (name, &runs));
     let found = diagonal(&four[..3], DiagonalMotion::StraightRuns);
