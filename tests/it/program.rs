@@ -195,7 +195,6 @@ fn offset_targets_sample_every_phase_of_a_screw() {
     }
 }
 
-/// A program that somebody, or a template, spoilt is found out.
 #[test]
 fn the_walk_finds_what_is_wrong_with_a_program() {
     let too_low = "before X and Y are there, or with them";
@@ -441,7 +440,6 @@ proptest! {
         }
     }
 
-    /// Where a box does not fit, the proposed one does.
     #[test]
     fn the_proposed_box_fits(case in cases()) {
         let mut large = case.clone();
@@ -458,7 +456,6 @@ proptest! {
     }
 }
 
-/// What a run alone does not determine is said before it is measured.
 #[test]
 fn a_run_says_what_it_leaves_open() {
     let kinds = |keys: &str, linear: usize| {

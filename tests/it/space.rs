@@ -143,8 +143,7 @@ fn arithmetic_of_paper_002() {
     // The paper's 334,562 is 818²/2; 819 vectors have 334,971 pairs.
     assert_eq!((pairs(819), 818 * 818 / 2), (334_971, 334_562));
     for (records, percent) in [(288.0_f64, 87.60), (228.0, 92.23), (120.0, 97.85)] {
-        let kept = records * records / 2.0 / 334_562.0;
-        close(100.0 * (1.0 - kept), percent, 0.005);
+        close(100.0 * (1.0 - records.powi(2) / 2.0 / 334_562.0), percent, 0.005);
     }
 }
 
@@ -209,25 +208,12 @@ fn axis(count: usize, shift: impl Fn(f64) -> Vector) -> AxisNodes {
     }
 }
 
-fn none(count: usize) -> AxisNodes {
-    axis(count, |_| [0.0; 3])
-}
-
-fn constant(count: usize) -> AxisNodes {
-    axis(count, |_| [0.1, 0.7, -2000.3])
-}
-
-/// One turn of a radius.
-fn circle(count: usize, r: f64) -> AxisNodes {
-    axis(count, |t| [r * (TAU * t).cos(), r * (TAU * t).sin(), 0.0])
-}
-
-fn map_of(axes: [AxisNodes; 3]) -> GridMap {
-    GridMap::new(Axis::ALL, axes).unwrap()
-}
-
 #[test]
 fn degenerate_maps() {
+    let map_of = |axes| GridMap::new(Axis::ALL, axes).unwrap();
+    let none = |count| axis(count, |_| [0.0; 3]);
+    let constant = |count| axis(count, |_| [0.1, 0.7, -2000.3]);
+    let circle = |count, r: f64| axis(count, |t| [r * (TAU * t).cos(), r * (TAU * t).sin(), 0.0]);
     let upright = |count| axis(count, |t| [0.0, 9.0 * (TAU * t).sin(), 9.0 * (TAU * t).cos()]);
     let line =
         |count, c: usize| axis(count, |t| [0, 1, 2].map(|n| if n == c { 10.0 * t } else { 0.0 }));
@@ -290,14 +276,11 @@ fn names_of_the_axes_do_not_matter() {
         let (chain, axes) = random_map::axes(number, Family::Smooth);
         let plain = GridMap::new(chain, axes.clone()).unwrap();
         let next = |axis| Axis::ALL[(axis as usize + 1) % 3];
-        let turned = axes.map(|axis| {
-            let turn = |list: Vec<Vector>| list.into_iter().map(|[x, y, z]| [z, x, y]).collect();
-            AxisNodes {
-                translation_um: turn(axis.translation_um),
-                rotation_urad: turn(axis.rotation_urad),
-                arm_m: axis.arm_m,
-            }
-        });
+        let mut turned = axes;
+        for axis in &mut turned {
+            let vectors = axis.translation_um.iter_mut().chain(&mut axis.rotation_urad);
+            vectors.for_each(|vector| vector.rotate_right(1));
+        }
         let turned = GridMap::new(chain.map(next), turned).unwrap();
         for n in 0..plain.count() {
             let [x, y, z] = plain.at(plain.node(n));
@@ -307,7 +290,6 @@ fn names_of_the_axes_do_not_matter() {
     }
 }
 
-/// Every chain against cross products written out.
 #[test]
 fn the_map_is_the_sum_of_its_cross_products() {
     let cross = |a: Vector, b: Vector| {
@@ -388,13 +370,11 @@ fn estimated_histogram_is_within_its_standard_errors() {
     let found = estimate(&map, 10.0, 400_000, 1502).unwrap();
     assert_eq!(found, estimate(&map, 10.0, 400_000, 1502).unwrap());
     assert_ne!(found.counts, estimate(&map, 10.0, 400_000, 1503).unwrap().counts);
-    let seen: f64 = found.counts.iter().flatten().sum();
-    close(seen, 42_878_430.0, 2.0);
+    close(found.counts.iter().flatten().sum(), 42_878_430.0, 2.0);
     let last = found.counts.last().unwrap();
     assert!(last.is_some_and(|n| n >= 1.0), "the last bin holds the largest difference");
-    for (n, (count, error)) in found.counts.iter().zip(&found.standard_errors).enumerate() {
-        assert!(*count != Some(0.0) && *error != Some(0.0), "bin {n}: a zero that nobody counted");
-    }
+    let mut all = found.counts.iter().chain(&found.standard_errors);
+    assert!(all.all(|value| *value != Some(0.0)), "a zero that nobody counted: {found:?}");
     let (mut within, mut judged, mut chi) = (0, 0, 0.0);
     for (n, exact) in exact.iter().enumerate().filter(|(_, exact)| **exact > 10_000) {
         let off = (found.counts[n].unwrap() - *exact as f64) / found.standard_errors[n].unwrap();

@@ -346,7 +346,6 @@ fn conditions_of_the_diagonals_are_tested() {
     near(found.range_over_all_um, 4.0);
 }
 
-/// docs/standards.md shows what the program prints.
 #[test]
 fn the_page_shows_what_the_program_prints() {
     let command = "standards fixtures/standards/x_axis.csv";

@@ -96,7 +96,6 @@ fn as_left_passes_on_each_value_and_fails_on_joint_evidence() {
     }
 }
 
-/// A table whose u was estimated with three degrees of freedom.
 #[test]
 fn few_degrees_of_freedom_widen_u() {
     let known =

@@ -118,7 +118,6 @@ fn a_whole_visit_passes() {
     }
 }
 
-/// The kit forgotten: the same second measurement must not pass.
 #[test]
 fn a_visit_without_loaded_tables_fails() {
     let visit = as_found();

@@ -83,7 +83,6 @@ fn per_axis(xyz: [f64; 3]) -> PerAxis<f64> {
     PerAxis::from_fn(|axis| xyz[axis as usize])
 }
 
-/// All figures at some nodes.
 fn figures(model: &VolumeModel, nodes: &Nodes) -> Definitions {
     definitions::definitions(model, &model.map(nodes).expect("a map"))
 }
@@ -213,7 +212,6 @@ fn figure_2_comes_out_in_every_chain() {
     }
 }
 
-/// Machine H goes through figure 2 at (9, 3.5, 1.35) m, term by term.
 #[test]
 fn machine_h_goes_through_figure_2() {
     let volume = volume(&fixture("machine_h/job.toml"), &fixture("machine_h/errors.csv"));
@@ -355,7 +353,6 @@ fn the_figures_keep_their_order_and_the_parts_their_sum() {
     }
 }
 
-/// Terms that have no effect without a tool offset, and have one with it.
 #[test]
 fn four_angles_need_a_tool_offset() {
     let mut numbers = Numbers(5);

@@ -14,7 +14,6 @@ fn first_run(runs: &Runs, direction: Direction) -> Vec<f64> {
 
 const DEVIATIONS: Stated = Stated { unit: None, values: Some(Values::Deviations) };
 
-/// The same runs, written in every way that is understood.
 #[test]
 fn layouts_units_and_values_agree() {
     let open = Stated::default();
@@ -45,7 +44,6 @@ fn layouts_units_and_values_agree() {
     }
 }
 
-/// A quoted cell may hold the separator.
 #[test]
 fn a_separator_in_quotation_marks_separates_nothing() {
     let text = "target_mm;up1_mm;dn1_mm\n0;\"0,001\";\"0;002\"\n";
