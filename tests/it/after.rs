@@ -253,16 +253,13 @@ fn one_direction_decides_nothing_where_both_were_found() {
 
 /// The reversal that a policy leaves is forecast: it is no noise, and hides nothing.
 #[test]
-fn a_reversal_left_on_purpose_hides_no_inactive_tables() {
-    let visit = both_ways("mean", 14.0);
-    visit.edit("errors.csv", ",0.05,0.05", ",,").run("generate job.toml -o kit --force").answers();
-    visit.put("after.csv", directed([0.0, 6.1, 15.9], 14.0)).edit("after.csv", ",0.05,0.05", ",,");
-    let found = again(&visit, "after.csv").says("causes", "NOT ACTIVE");
+fn noise_hides_inactive_tables_and_a_reversal_left_on_purpose_does_not() {
+    let left = both_ways("mean", 14.0);
+    left.edit("errors.csv", ",0.05,0.05", ",,").run("generate job.toml -o kit --force").answers();
+    left.put("after.csv", directed([0.0, 6.1, 15.9], 14.0)).edit("after.csv", ",0.05,0.05", ",,");
+    let found = again(&left, "after.csv").says("causes", "NOT ACTIVE");
     assert_eq!(found.page["diagnosis"]["as_forecast"], false, "{:#}", found.page);
-}
-
-#[test]
-fn noise_as_large_as_the_errors_hides_whether_the_tables_act() {
+    // Noise as large as the errors hides whether the tables act.
     let visit = visit(&table(&[[0.0, 0.0, 0.0], [50.0, 5.0, 3.0], [100.0, 9.0, -4.0]], 20.0));
     visit.put("errors.csv", table(&FOUND, 20.0)).run("generate job.toml -o kit --force").answers();
     let found =

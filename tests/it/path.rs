@@ -49,8 +49,7 @@ fn ends(program: &str) -> Vec<String> {
 #[track_caller]
 fn refused(path: &str, program: &str) -> Ran {
     let visit = visit(path, program);
-    let ran = visit.run("path job.toml part.nc -o points.csv");
-    assert_eq!(ran.status, Some(2), "{program}: {}", ran.all());
+    let ran = visit.run("path job.toml part.nc -o points.csv").ends(2);
     assert!(!visit.has("points.csv"), "{program}");
     ran
 }
@@ -175,10 +174,7 @@ fn a_cycle_follows_zero_and_length() {
     assert_eq!(hole("G55")[1..], ["20 10 50", "20 10 35", "20 10 50"]);
     let length = ends("G54 G0 X0 Y0 Z50.\nG43 H0\nG99 G81 X10. Y10. Z5. R20.\nH1 X20.\nG80\n");
     assert_eq!(length[length.len() - 2..], ["20 10 17.5", "20 10 32.5"]);
-}
-
-#[test]
-fn a_length_that_is_made_up_for_acts_once() {
+    // A length that is made up for acts once.
     let start = "G54 G0 G43 H1 X0 Y0 Z50.\n";
     let last = |program: &str| ends(&format!("{start}{program}")).last().unwrap().clone();
     assert_eq!(last("G49 G53 Z90.\nG91 G1 Z-5.\n"), "0 0 85");

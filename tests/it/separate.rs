@@ -124,18 +124,14 @@ fn a_measured_linear_axis_serves_as_well_as_its_stated_slope() {
     assert!((end() - stated).abs() < 1e-5, "{}, expected {stated}", end());
 }
 
+/// The same seed gives the same bytes, and two tables are refused.
 #[test]
-fn the_same_seed_gives_the_same_bytes() {
+fn the_figures_of_case_d_are_those_of_the_reference() {
     let visit = case("case_d_bidirectional");
     let trials = |seed| visit.yes(&format!("separate job.toml --format json --trials 300 {seed}"));
     let one = trials("");
     assert_eq!(one, trials(""));
     assert_ne!(one, trials("--seed 2"));
-}
-
-#[test]
-fn the_figures_of_case_d_are_those_of_the_reference_and_two_tables_are_refused() {
-    let visit = case("case_d_bidirectional");
     let page = separated(&visit, 0);
     near(&page["diagonals"]["e_d_um"], 28.9797, 1e-6);
     near(&page["diagonals"]["b_d_um"], 9.146_333, 1e-6);

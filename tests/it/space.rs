@@ -2,6 +2,7 @@
 //! against the comparison of all pairs.
 use crate::support::machine_h::{self, machine_h};
 use crate::support::random_map::{self, Family, random_map};
+use crate::support::visit::fixture;
 use nonius::quantity::axis::Axis;
 use nonius::volume::space::cloud;
 use nonius::volume::space::diameter::{Diameter, WindowMap, diameter};
@@ -56,9 +57,10 @@ fn agrees(map: &GridMap, what: &str) -> Diameter {
 
 #[test]
 fn machine_h_is_the_tabulated_one() {
-    let text = include_str!("../../fixtures/machine_h/errors.csv");
-    let mut rows = 0;
-    for line in text.lines().filter(|line| line.starts_with(['x', 'y', 'z'])) {
+    let text = fixture("machine_h/errors.csv");
+    let rows = text.lines().filter(|line| line.starts_with(['x', 'y', 'z']));
+    assert_eq!(rows.clone().count(), 13 + 9 + 7);
+    for line in rows {
         let cells: Vec<&str> = line.split(',').collect();
         let value = |n: usize| -> f64 { cells[n].parse().unwrap() };
         let at = value(1) / 1000.0;
@@ -68,13 +70,10 @@ fn machine_h_is_the_tabulated_one() {
             // the table's positions of Z are rounded to a nanometre
             _ => (machine_h::z_errors((at * 3.0).round() / 3.0), [0.0; 3]),
         };
-        for c in 0..3 {
-            close(shift[c], value(2 + c), 1e-8);
-            close(turn[c], value(5 + c), 1e-8);
+        for (c, found) in shift.into_iter().chain(turn).enumerate() {
+            close(found, value(2 + c), 1e-8);
         }
-        rows += 1;
     }
-    assert_eq!(rows, 13 + 9 + 7);
 }
 
 #[test]

@@ -14,21 +14,13 @@ const SIZE: &str = "{ x = 900.0, y = 720.0, z = 720.0 }";
 
 const SIMULATED: &str = "SIMULATED, not measured";
 
-/// How the golden machine is measured.
-struct Campaign {
-    /// Lines under [program].
-    program: &'static str,
-    /// Lines under [measurement.step_diagonal].
-    how: &'static str,
-    /// Lines under [compensation].
-    policy: &'static str,
-}
+/// Lines under [program], [measurement.step_diagonal] and [compensation].
+type Campaign = [&'static str; 3];
 
-const FORWARD: Campaign = Campaign { program: "bidirectional = false", how: "", policy: "" };
+const FORWARD: Campaign = ["bidirectional = false", "", ""];
 
 /// machine.toml for the machine itself, job.toml for the measurement before, after.toml for that after.
-fn put_jobs(visit: &Visit, golden: &str, campaign: &Campaign) {
-    let Campaign { program, how, policy } = campaign;
+fn put_jobs(visit: &Visit, golden: &str, [program, how, policy]: Campaign) {
     let golden = replaced(golden, "[compensation]\n", &format!("[compensation]\n{policy}"));
     let (head, rest) = golden.split_once("errors = \"errors.csv\"\n").unwrap();
     let (before, rest) = rest.split_once("[compensation]").unwrap();
@@ -48,7 +40,7 @@ fn put_jobs(visit: &Visit, golden: &str, campaign: &Campaign) {
 }
 
 /// A folder with the jobs and the true curves, measured as found.
-fn prepared(golden: &str, truth: &str, campaign: &Campaign) -> Visit {
+fn prepared(golden: &str, truth: &str, campaign: Campaign) -> Visit {
     let visit = Visit::new();
     put_jobs(&visit, golden, campaign);
     visit.put("errors.csv", truth);
@@ -86,7 +78,7 @@ fn truth() -> String {
 
 /// The golden machine with a Siemens control, as found.
 fn as_found() -> Visit {
-    prepared(&golden("siemens-840d-sl"), &truth(), &FORWARD)
+    prepared(&golden("siemens-840d-sl"), &truth(), FORWARD)
 }
 
 /// Every control, and nothing is left but what was forecast.
@@ -99,7 +91,7 @@ fn a_whole_visit_passes() {
             // It corrects no straightness: 14 µm are left across, 18 µm were there along X.
             job = replaced(&job, "max_deviation_um = 10.0", "max_deviation_um = 15.0");
         }
-        let visit = prepared(&job, &truth(), &FORWARD);
+        let visit = prepared(&job, &truth(), FORWARD);
         visit.run("separate job.toml --trials 0").ends(0).says(SIMULATED);
         visit.run("generate job.toml -o kit").ends(0).says(SIMULATED);
         visit.yes("verify job.toml --tables kit");
@@ -290,8 +282,8 @@ fn lost_motion(found: &Value, axis: &str) -> f64 {
 fn a_visit_in_both_directions_takes_the_lost_motion_away() {
     let program = "bidirectional = true\noverrun_mm = 0.0";
     let policy = "backlash = \"two-tables\"\n";
-    let campaign = Campaign { program, how: "overrun = false", policy };
-    let visit = prepared(&golden("siemens-840d-sl"), &with_lost_motion(), &campaign);
+    let campaign = [program, "overrun = false", policy];
+    let visit = prepared(&golden("siemens-840d-sl"), &with_lost_motion(), campaign);
     let lost = lost_motion(&visit.json("separate job.toml --trials 0"), "X");
     assert!((lost - 6.0).abs() < 0.5, "{lost}");
     visit.yes("generate job.toml -o kit");
@@ -315,8 +307,8 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         ("bidirectional = false", ""),
         ("bidirectional = true\noverrun_mm = 2.0", "overrun = true"),
     ] {
-        let campaign = |policy| Campaign { program, how, policy };
-        let visit = prepared(&job, &with_lost_motion(), &campaign(""));
+        let campaign = |policy| [program, how, policy];
+        let visit = prepared(&job, &with_lost_motion(), campaign(""));
         let found = visit.json("separate job.toml --trials 0");
         assert!(found["labels"].to_string().contains("reversal of single axes from their linear"));
         for (axis, lost) in [("X", 6.0), ("Y", 4.0), ("Z", 3.0)] {
@@ -326,7 +318,7 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         assert!(!found["undetermined"].to_string().contains("reversal"), "{found:#}");
         // Without a word on it nothing is made: a mean would leave half of the lost motion.
         visit.run("generate job.toml -o kit").ends(2).says("`backlash` is not stated");
-        put_jobs(&visit, &job, &campaign("backlash = \"two-tables\"\n"));
+        put_jobs(&visit, &job, campaign("backlash = \"two-tables\"\n"));
         visit.yes("generate job.toml -o kit");
         let after = judged(&visit, "--tables kit");
         // The noise of B from place to place is loaded with it, and a forward run that mixes both
@@ -334,7 +326,7 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         assert_ne!(after["verdict"], "fail", "{after:#}");
         let left = number(&after["terms"]["EXX"]["after_um"]);
         assert!(left < 2.0, "6 um of lost motion were there: {left}");
-        put_jobs(&visit, &job, &campaign("backlash = \"mean\"\n"));
+        put_jobs(&visit, &job, campaign("backlash = \"mean\"\n"));
         let forecast = visit.json("generate job.toml -o mean");
         let left = number(&forecast["forecast"]["terms"]["EXX"]["after_um"]);
         assert!(left > 2.5, "the lost motion stays, and the forecast says so: {left}");

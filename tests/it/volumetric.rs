@@ -83,6 +83,7 @@ fn per_axis(xyz: [f64; 3]) -> PerAxis<f64> {
     PerAxis::from_fn(|axis| xyz[axis as usize])
 }
 
+/// All figures at some nodes.
 fn figures(model: &VolumeModel, nodes: &Nodes) -> Definitions {
     definitions::definitions(model, &model.map(nodes).expect("a map"))
 }
