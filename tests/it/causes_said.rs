@@ -16,7 +16,7 @@ struct Machine {
     policy: &'static str,
     both_ways: bool,
     spacing_mm: f64,
-    error_um: fn(&Row) -> f64,
+    error_um: fn(Row) -> f64,
     /// Noise of the second measurement.
     seed: u64,
 }
@@ -31,12 +31,17 @@ struct Row {
 }
 
 impl Row {
-    fn is_positioning(&self) -> bool {
+    fn is_positioning(self) -> bool {
         self.along == self.of
     }
 
     fn at(self, mm: f64) -> Row {
         Row { mm, ..self }
+    }
+
+    /// The reversal of the machine, left where its axes move in -.
+    fn reversal(self) -> f64 {
+        if self.way == "-" && self.is_positioning() { REVERSAL_UM } else { 0.0 }
     }
 }
 
@@ -51,24 +56,22 @@ const SIEMENS: Machine = Machine {
 
 const HIGH_MM: [(char, f64); 2] = [('x', 900.0), ('y', 720.0)];
 
-fn wavy(row: &Row) -> f64 {
+fn wavy(row: Row) -> f64 {
     let phase = f64::from(u32::from(row.along) + 3 * u32::from(row.of));
     let size = if row.is_positioning() { 7.0 } else { 3.0 };
     let wave = |mm: f64| size * (mm / 140.0 + phase).sin() + 0.012 * mm;
-    let away = row.way == "-" && row.is_positioning();
-    wave(row.mm) - wave(0.0) + if away { REVERSAL_UM } else { 0.0 }
+    wave(row.mm) - wave(0.0) + row.reversal()
 }
 
 /// A straight line and a bow: a shift moves it little.
-fn gentle(row: &Row) -> f64 {
+fn gentle(row: Row) -> f64 {
     let bow = |mm: f64| 2.0 * (mm / 220.0).sin();
     let (slope, part) = if row.is_positioning() { (0.02, 1.0) } else { (0.0, 0.3) };
     slope * row.mm + part * (bow(row.mm) - bow(0.0))
 }
 
-fn places(machine: &Machine, high: f64) -> Vec<f64> {
-    let places = (0..).map(|index| machine.spacing_mm * f64::from(index));
-    places.take_while(|mm| *mm <= high).collect()
+fn places(machine: &Machine, high: f64) -> impl Iterator<Item = f64> {
+    (0..).map(|index| machine.spacing_mm * f64::from(index)).take_while(move |mm| *mm <= high)
 }
 
 fn table(machine: &Machine, seed: u64, value: impl Fn(Row) -> f64) -> String {
@@ -88,20 +91,13 @@ fn table(machine: &Machine, seed: u64, value: impl Fn(Row) -> f64) -> String {
 }
 
 fn job(machine: &Machine, errors: &str, active: &str) -> String {
-    let unit = match machine.controller.starts_with("fanuc") {
-        true => "detection_unit_um = 0.5\n",
-        false => "",
-    };
+    let Machine { controller, policy, spacing_mm, .. } = machine;
+    let unit = if controller.starts_with("fanuc") { "detection_unit_um = 0.5" } else { "" };
     let axes = HIGH_MM.map(|(axis, high)| {
-        format!(
-            "[machine.axes.{axis}]\ntravel_mm = [0.0, {high:?}]\nreference_mm = 0.0\n[compensation.axes.{axis}]\nspacing_mm = {:?}\n{unit}",
-            machine.spacing_mm
-        )
+        format!("[machine.axes.{axis}]\ntravel_mm = [0.0, {high:?}]\nreference_mm = 0.0\n[compensation.axes.{axis}]\nspacing_mm = {spacing_mm:?}\n{unit}\n")
     });
     format!(
-        "schema = 1\n[machine]\nname = \"mill\"\n[measurement]\nerrors = \"{errors}\"\nactive_while_measuring = \"{active}\"\n[compensation]\ncontroller = \"{}\"\n{}\n{}[acceptance]\nmax_deviation_um = 10.0\n",
-        machine.controller,
-        machine.policy,
+        "schema = 1\n[machine]\nname = \"mill\"\n[measurement]\nerrors = \"{errors}\"\nactive_while_measuring = \"{active}\"\n[compensation]\ncontroller = \"{controller}\"\n{policy}\n{}[acceptance]\nmax_deviation_um = 10.0\n",
         axes.concat()
     )
 }
@@ -109,7 +105,7 @@ fn job(machine: &Machine, errors: &str, active: &str) -> String {
 /// The machine measured and its kit made.
 fn visit(machine: &Machine) -> Visit {
     let visit = Visit::new();
-    visit.put("errors.csv", table(machine, 1, |row| (machine.error_um)(&row)));
+    visit.put("errors.csv", table(machine, 1, machine.error_um));
     visit.put("job.toml", job(machine, "errors.csv", "none"));
     visit.run("generate job.toml -o kit").answers();
     visit
@@ -156,15 +152,11 @@ fn amounts(decides: &str, what: &str) -> (f64, f64) {
     (number(3), number(1))
 }
 
-/// The reversal of the machine, left where its axes move in -.
-fn reversal(row: Row) -> f64 {
-    if row.way == "-" && row.is_positioning() { REVERSAL_UM } else { 0.0 }
-}
-
+/// Shown where the parameter acts; one table in both directions is either table.
 #[test]
-fn a_reversal_without_parameter_shows_where_the_parameter_acts() {
-    let policy = "backlash = \"curve-and-parameter\"";
-    let found = after(&Machine { policy, both_ways: true, ..SIEMENS }, reversal);
+fn a_reversal_that_stays_is_a_parameter_or_a_table_that_does_not_act() {
+    let left = |policy| after(&Machine { policy, both_ways: true, ..SIEMENS }, Row::reversal);
+    let found = left("backlash = \"curve-and-parameter\"");
     assert_eq!(found.kinds, ["backlash not"]);
     has(&found.words[0], &["the backlash parameter is 0"]);
     let said = &found.decides;
@@ -172,15 +164,10 @@ fn a_reversal_without_parameter_shows_where_the_parameter_acts() {
     let (files, fault) = (amounts(said, "the control"), amounts(said, "backlash not"));
     assert!((files.0 - fault.0).abs() < 1e-9, "+ is as planned: {said}");
     assert!(((files.1 - fault.1).abs() - REVERSAL_UM).abs() < 0.3, "- is not: {said}");
-}
-
-#[test]
-fn one_table_in_both_directions_is_either_table() {
-    let policy = "backlash = \"two-tables\"";
-    let found = after(&Machine { policy, both_ways: true, ..SIEMENS }, reversal);
+    let found = left("backlash = \"two-tables\"");
     assert!(found.kinds.iter().all(|kind| *kind == "backlash not"));
-    let words = ["the table for + acts in both", "the table for - acts in both"];
-    has(&found.words.join("\n"), &words);
+    let either = ["the table for + acts in both", "the table for - acts in both"];
+    has(&found.words.join("\n"), &either);
     let said = &found.decides;
     let files = amounts(said, "the control");
     let plus = amounts(said, "backlash not (every axis: table of +");
@@ -190,16 +177,16 @@ fn one_table_in_both_directions_is_either_table() {
 /// A turned measurement stands beside what it looks like.
 #[test]
 fn amounts_are_those_of_the_file_and_its_sign_is_left_open() {
-    let twice = after(&SIEMENS, |row| -wavy(&row));
+    let twice = after(&SIEMENS, |row| -wavy(row));
     assert_eq!(twice.kinds, ["applied twice", "measurement turned"]);
     let said = &twice.decides;
     has(said, &["service display", "ENC_COMP", "the other axes at their reference points"]);
     has(said, &["its sign on the display is not documented", "whether the laser counts in +"]);
     assert!(!said.contains("is -") && !said.contains("is +"), "{said}");
-    let turned = after(&SIEMENS, |row| 2.0 * wavy(&row));
+    let turned = after(&SIEMENS, |row| 2.0 * wavy(row));
     assert_eq!(turned.kinds, ["sign turned"]);
     has(&turned.decides, &["bump of at most 20 µm"]);
-    let three = after(&SIEMENS, |row| -2.0 * wavy(&row));
+    let three = after(&SIEMENS, |row| -2.0 * wavy(row));
     assert_eq!(three.kinds, ["measurement turned", "other factor"]);
     has(&three.words[0], &["the first measurement has the wrong sign"]);
 }
@@ -209,7 +196,7 @@ fn no_display_is_invented_for_a_control_without_one() {
     for controller in ["fanuc-30i", "fanuc-0i-f", "fanuc-16i", "generic"] {
         println!("{controller}");
         let machine = Machine { controller, spacing_mm: 60.0, ..SIEMENS };
-        let said = after(&machine, |row| -wavy(&row)).decides;
+        let said = after(&machine, |row| -wavy(row)).decides;
         has(&said, &["no display of the correction is known"]);
         assert!(!said.contains("service display"), "{said}");
     }
@@ -219,10 +206,10 @@ fn no_display_is_invented_for_a_control_without_one() {
 fn the_place_lies_where_was_measured() {
     // Nodes every 130 mm from the reference pass the end of the travel (900 mm).
     let machine = Machine { spacing_mm: 130.0, ..SIEMENS };
-    let said = after(&machine, |row| -wavy(&row)).decides;
+    let said = after(&machine, |row| -wavy(row)).decides;
     let (_, place) = said.split_once("added: ").unwrap();
     let mm: f64 = place.split_whitespace().nth(2).unwrap().parse().unwrap();
-    let most = places(&machine, 900.0).into_iter().fold(0.0, f64::max);
+    let most = places(&machine, 900.0).fold(0.0, f64::max);
     assert!((0.0..=most).contains(&mm), "{said}");
 }
 
@@ -232,30 +219,25 @@ fn a_shift_of_a_control_that_corrects_in_steps_lies_within_its_uncertainty() {
     let steps = |row: Row, shift: f64| {
         let nearest = ((row.mm - shift) / 30.0).round() * 30.0;
         let high = HIGH_MM.iter().find(|(axis, _)| *axis == row.along).unwrap().1;
-        wavy(&row.at(nearest.clamp(0.0, high)))
+        wavy(row.at(nearest.clamp(0.0, high)))
     };
     for shift in [60.0, 90.0, -40.0, -100.0] {
         let found = after(&machine, |row| {
-            wavy(&row) - steps(row, if row.along == 'x' { shift } else { 0.0 })
+            wavy(row) - steps(row, if row.along == 'x' { shift } else { 0.0 })
         });
         assert_eq!(found.kinds, ["shifted"], "{shift}");
-        // `… act <mm> ± <u> mm …`
         let (_, fitted) = found.words[0].split_once(" act ").unwrap();
-        let parts: Vec<&str> = fitted.split_whitespace().collect();
-        let [mm, u]: [f64; 2] = [0, 2].map(|place| parts[place].parse().unwrap());
-        assert_eq!(parts[1], "±", "{fitted}");
+        let (mm, rest) = fitted.split_once(" ± ").unwrap();
+        let u = rest.split_once(" mm").unwrap().0;
+        let [mm, u]: [f64; 2] = [mm, u].map(|number| number.parse().unwrap());
         assert!((mm - shift).abs() <= u, "{mm} ± {u}, injected {shift}");
         assert!((10.0..40.0).contains(&u), "half a spacing is not known: {u}");
     }
-}
-
-#[test]
-fn a_shift_by_two_points_that_moves_a_term_by_some_micrometres_is_named() {
-    let controller = "fanuc-30i";
-    let machine = Machine { controller, spacing_mm: 50.0, error_um: gentle, ..SIEMENS };
+    // By two points, which moves a term by some micrometres.
+    let machine = Machine { spacing_mm: 50.0, error_um: gentle, ..machine };
     let found = after(&machine, |row| {
         let shift = if row.along == 'x' { 100.0 } else { 0.0 };
-        gentle(&row) - gentle(&row.at((row.mm - shift).max(0.0)))
+        gentle(row) - gentle(row.at((row.mm - shift).max(0.0)))
     });
     assert_eq!(found.page["as_forecast"], false);
     assert!(found.kinds.contains(&"shifted".to_string()));
@@ -275,51 +257,42 @@ fn after_an_update_the_old_tables_are_tried() {
         diagnosis(&visit, "update.toml --tables new --after left.csv").kinds.join(", ")
     };
     assert_eq!(named(&residual), "old tables active");
-    assert_eq!(named(&|row| -wavy(&row)), "old beside new");
-    assert!(named(&|row| wavy(&row) + residual(row)).starts_with("not active"));
+    assert_eq!(named(&|row| -wavy(row)), "old beside new");
+    assert!(named(&|row| wavy(row) + residual(row)).starts_with("not active"));
     assert_eq!(named(&|_| 0.0), "");
 }
 
 #[test]
 fn plain_causes_stand_first() {
     for seed in 2..8 {
-        let found = after(&Machine { seed, ..SIEMENS }, |row| wavy(&row));
+        let found = after(&Machine { seed, ..SIEMENS }, wavy);
         assert_eq!(found.kinds[..2], ["not active", "wrong unit"], "{seed}");
     }
 }
 
 #[test]
 fn millimetres_under_a_heading_for_micrometres_are_refused() {
-    let turned = |row: Row| 2.0 * wavy(&row) / 1000.0;
+    let turned = |row: Row| 2.0 * wavy(row) / 1000.0;
     for left in [&turned as &dyn Fn(Row) -> f64, &|_| 0.0] {
         let visit = visit(&SIEMENS);
-        // The noise, too, is in mm.
-        visit.put("after.csv", in_mm(&table(&SIEMENS, 2, |row| 1000.0 * left(row))));
+        // The noise, too, is in mm; u stands as it is.
+        let in_mm = |(index, cell): (usize, &str)| match cell.parse::<f64>() {
+            Ok(um) if (3..5).contains(&index) => format!("{:.9}", um / 1000.0),
+            _ => cell.to_string(),
+        };
+        let cells = |line: &str| line.split(',').enumerate().map(in_mm).collect::<Vec<_>>();
+        let table = table(&SIEMENS, 2, |row| 1000.0 * left(row));
+        let rows = table.lines().map(|line| cells(line).join(",") + "\n");
+        visit.put("after.csv", rows.collect::<String>());
         let ran = visit.run("verify job.toml --tables kit --after after.csv").ends(2);
         ran.says("a slip of their unit");
     }
 }
 
-/// The values of a table divided by 1000; u as it stands.
-fn in_mm(table: &str) -> String {
-    let line = |line: &str| {
-        let mut cells: Vec<String> = line.split(',').map(str::to_string).collect();
-        for cell in &mut cells[3..5] {
-            if let Ok(um) = cell.parse::<f64>() {
-                *cell = format!("{:.9}", um / 1000.0);
-            }
-        }
-        cells.join(",")
-    };
-    table.lines().map(line).collect::<Vec<_>>().join("\n")
-}
-
 #[test]
 fn what_nothing_explains_is_named_with_its_place() {
-    let found = after(&SIEMENS, |row| {
-        let bumped = row.along == 'x' && row.of == 'x' && (row.mm - 450.0).abs() < 1.0;
-        if bumped { 5.0 } else { 0.0 }
-    });
+    let bump = Row { along: 'x', of: 'x', way: "", mm: 450.0 };
+    let found = after(&SIEMENS, |row| if row == bump { 5.0 } else { 0.0 });
     assert_eq!(found.page["as_forecast"], false);
     assert!(found.kinds.is_empty());
     let by_term = &found.page["by_term"];
@@ -333,7 +306,7 @@ fn exchanged_axes_are_said_once() {
     let found = after(&SIEMENS, |row| {
         let swap = |axis| if axis == 'x' { 'y' } else { 'x' };
         let other = Row { along: swap(row.along), of: swap(row.of), ..row };
-        wavy(&row) - wavy(&other.at(row.mm.min(720.0)))
+        wavy(row) - wavy(other.at(row.mm.min(720.0)))
     });
     assert!(found.kinds.contains(&"wrong axis".to_string()));
     let said = found.words.join("\n");
@@ -344,12 +317,12 @@ fn exchanged_axes_are_said_once() {
 #[test]
 fn a_scale_that_does_not_grow_stays() {
     let visit = Visit::of("start/readings");
-    let material = [("x", "0.0"), ("y", "11.5e-6"), ("z", "8.0e-6")].map(|(axis, alpha)| {
-        format!("{axis} = {{ alpha_per_k = {alpha}, temperature_c = 20.0 }}\n")
-    });
-    let head = "\n[measurement.step_diagonal.material]\nmaterial_corrected = false\nair_corrected = true\n";
-    visit.put("job.toml", visit.read("job.toml") + head + &material.concat());
-    visit.run("generate job.toml -o kit").answers();
+    let mut job = visit.read("job.toml")
+        + "\n[measurement.step_diagonal.material]\nmaterial_corrected = false\nair_corrected = true\n";
+    for (axis, alpha) in [("x", "0.0"), ("y", "11.5e-6"), ("z", "8.0e-6")] {
+        job += &format!("{axis} = {{ alpha_per_k = {alpha}, temperature_c = 20.0 }}\n");
+    }
+    visit.put("job.toml", job).run("generate job.toml -o kit").answers();
     let mut csv = String::from("axis,position_mm,ex_um,ey_um,ez_um,u_ex_um,u_ey_um,u_ez_um\n");
     let kelvin = 4.0;
     let axes = [("x", 0.0, 100.0, 0.0), ("y", 0.0, 75.0, 11.5), ("z", -200.0, 50.0, 8.0)];

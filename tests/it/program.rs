@@ -10,7 +10,7 @@ use nonius::text::document::Source;
 use nonius::text::problem::Problems;
 use nonius::write::emit::program::{FileRole, ProgramFile};
 use nonius::write::findings::RunFinding;
-use nonius::write::program::RunTask;
+use nonius::write::program::{Open, RunTask, left_open};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -125,27 +125,22 @@ fn is_as_checked(snapshot: &str, why: &str, text: &str) {
     });
 }
 
+/// Positions stand in the order of the readings.
 #[test]
-fn programs_of_two_steps() {
+fn programs_and_positions_are_those_that_were_checked() {
     let why = "ZXY, X travels negative: approach 2 mm behind node 0, the sum of the forward steps is -90, 70, 110";
     let kit = siemens("").kit();
     is_as_checked("siemens_npp", why, &text(&kit, "NONIUS_NPP.MPF"));
-    let why = "PPN, forward only, two runs, straight back along the diagonal to 2 mm behind node 0";
-    let kit = fanuc("return = \"diagonal\"\nruns = 2\nalignment_pass = false\nnumber = 4001").kit();
-    is_as_checked("fanuc_ppn", why, &text(&kit, "O4004.NC"));
-}
-
-#[test]
-fn positions_stand_in_the_order_of_the_readings() {
-    let all = text(&siemens("").kit(), "positions.csv");
+    let all = text(&kit, "positions.csv");
     let two: Vec<&str> = all.lines().take(15).collect();
     let why = "PPP of the same machine: R = 158.43 mm; node 1 moves Z by 55: 55*110/R = 38.188";
     is_as_checked("positions", why, &two.join("\n"));
     assert_eq!(all.lines().count(), 1 + 4 * 14);
-}
-
-#[test]
-fn offset_targets_of_a_single_axis() {
+    let why = "PPN, forward only, two runs, straight back along the diagonal to 2 mm behind node 0";
+    let kit = fanuc("return = \"diagonal\"\nruns = 2\nalignment_pass = false\nnumber = 4001").kit();
+    is_as_checked("fanuc_ppn", why, &text(&kit, "O4004.NC"));
+    let turn = text(&siemens("overrun_mm = 0").kit(), "NONIUS_PPP.MPF");
+    assert!(turn.contains("N7 G4 F3.0\n; PPP RUN 1 REVERSE\nN8 G4 F3.0\n"), "{turn}");
     let keys = "what = \"single-axis\"\naxes = [\"x\"]\ntargets = \"offset\"\nruns = 1\nalignment_pass = false\nsteps = 5";
     let kit = Case::small("fanuc-0i-f", keys).kit();
     let why = "r_i = 4.5*(2*frac(0.618(i+1)) - 1) around 5, 23, 41, 59, 77, 95; first and last shifted inwards";
@@ -200,20 +195,10 @@ fn offset_targets_sample_every_phase_of_a_screw() {
     }
 }
 
-/// A program that somebody, or a template, spoilt is found out.
-#[track_caller]
-fn is_found(case: &Case, from: &str, to: &str, words: &str) {
-    let mut files = case.kit().files;
-    let before = String::from_utf8(files[1].bytes.clone()).unwrap();
-    files[1].bytes = replaced(&before, from, to).into_bytes();
-    let said = case.judged(&files).expect_err("the walk must find it").render();
-    assert!(said.contains(words), "{from} -> {to}:\n{said}");
-}
-
 #[test]
 fn the_walk_finds_what_is_wrong_with_a_program() {
     let too_low = "before X and Y are there, or with them";
-    for (from, to, found) in [
+    let of_siemens = [
         ("N3 G4 F3.0\n", "", "of 14 readings are taken"),
         ("N3 G4 F3.0", "N3 G4 F0.3", "the standstill is 0.3 s"),
         ("N3 G4", "N4 G4", "has another number"),
@@ -251,10 +236,8 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
             "SUPA G91 G1 Z27.500 F1000.0\nSUPA G91 G1 Z27.500 F1000.0",
             "not reached by one move of its own",
         ),
-    ] {
-        is_found(&siemens(""), from, to, found);
-    }
-    for (from, to, found) in [
+    ];
+    let of_fanuc = [
         ("G91 G01", "G90 G01", "this is neither"),
         ("G53 ", "", "this is neither"),
         ("G40 G49 G80", "G40 G80", "before ToolLength is cancelled"),
@@ -264,8 +247,15 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("(NPP RUN 1 REVERSE)", "(NPP (RUN 1)", "brackets"),
         ("M30", "M30\n%", "between two"),
         ("O1002", "%\nO1002", "outside the two"),
-    ] {
-        is_found(&fanuc(""), from, to, found);
+    ];
+    for (case, spoilt) in [(siemens(""), &of_siemens[..]), (fanuc(""), &of_fanuc)] {
+        for (from, to, words) in spoilt {
+            let mut files = case.kit().files;
+            let before = String::from_utf8(files[1].bytes.clone()).unwrap();
+            files[1].bytes = replaced(&before, from, to).into_bytes();
+            let said = case.judged(&files).expect_err("the walk must find it").render();
+            assert!(said.contains(words), "{from} -> {to}:\n{said}");
+        }
     }
 }
 
@@ -286,20 +276,11 @@ fn positions_of_another_job_are_found() {
     }
 }
 
-#[test]
-fn a_turn_without_overrun_is_walked() {
-    let text = text(&siemens("overrun_mm = 0").kit(), "NONIUS_PPP.MPF");
-    assert!(text.contains("N7 G4 F3.0\n; PPP RUN 1 REVERSE\nN8 G4 F3.0\n"), "{text}");
-}
-
 /// A file of readings with its last column filled in, by line.
 fn filled<'a>(form: &ProgramFile, cell: impl Fn(usize) -> &'a str) -> String {
     let text = String::from_utf8(form.bytes.clone()).unwrap();
-    let line = |(index, line): (usize, &str)| match index {
-        0 => format!("{line}\n"),
-        index => format!("{line}{}\n", cell(index)),
-    };
-    text.lines().enumerate().map(line).collect()
+    let cell = |index| if index == 0 { "" } else { cell(index) };
+    text.lines().enumerate().map(|(index, line)| format!("{line}{}\n", cell(index))).collect()
 }
 
 /// Readings as the reader of measurements takes them.
@@ -335,10 +316,9 @@ fn a_reading_that_is_not_filled_in_is_refused_as_missing() {
 #[test]
 fn the_job_must_not_describe_another_turn_than_the_run() {
     let turn = |overrun: &str, keys: &str| {
-        let case = siemens(keys);
         let stated = format!("order = \"ZXY\"\noverrun = {overrun}");
-        let job = read_job(&replaced(&case.job(), "order = \"ZXY\"", &stated));
-        make(&job, &builtin::profile(case.control).unwrap(), &[])
+        let job = read_job(&replaced(&siemens(keys).job(), "order = \"ZXY\"", &stated));
+        make(&job, &builtin::profile("siemens-840d-sl").unwrap(), &[])
     };
     for (overrun, keys, words) in [
         ("false", "", "`overrun` is false, but this run goes 2 mm past the end point"),
@@ -441,16 +421,14 @@ proptest! {
         let kit = case.kit();
         let job = case.read();
         let MeasuredData::Diagonals(measurement) = &job.measurement.data else { panic!() };
-        let kind = job.program.as_ref().unwrap().what.path();
-        let Some(kind) = kind else {
+        let Some(kind) = job.program.as_ref().unwrap().what.path() else {
             for form in kit.files.iter().filter(|file| file.role == FileRole::Readings) {
                 let runs = as_runs(&filled(form, |_| "0"));
                 prop_assert!(runs.is_ok(), "{}: {}", form.path, runs.unwrap_err());
             }
             return Ok(());
         };
-        let mut measurement = measurement.clone();
-        measurement.kind = kind;
+        let measurement = DiagonalMeasurement { kind, ..measurement.clone() };
         let positions = text(&kit, "positions.csv");
         let nominal: Vec<&str> = positions.lines().map(|row| row.split(',').nth(5).unwrap()).collect();
         let form = kit.files.iter().find(|file| file.role == FileRole::Readings).unwrap();
@@ -462,50 +440,44 @@ proptest! {
         }
     }
 
-    /// Where a box does not fit, the proposed one does.
     #[test]
     fn the_proposed_box_fits(case in cases()) {
         let mut large = case.clone();
         (large.start, large.size) = (case.low, [0, 1, 2].map(|i| case.high[i] - case.low[i]));
         let said = large.made().expect_err("the whole travel leaves no room").render();
-        let Some(at) = said.find("start_mm = {") else {
+        let Some((_, proposal)) = said.split_once("start_mm = {") else {
             prop_assert!(said.contains("no box of that many steps fits"), "{said}");
             return Ok(());
         };
-        let proposal = said[at..].lines().next().unwrap();
         let proposal = proposal.split(" in [program]").next().unwrap().replace(" and ", "\n");
-        large.keys = format!("{}\n{proposal}", large.keys);
+        large.keys += &format!("\nstart_mm = {{{proposal}");
         let kit = large.made();
         prop_assert!(kit.is_ok(), "{}\n{}", kit.unwrap_err().render(), large.job());
     }
 }
 
-/// What a run alone does not determine is said before it is measured.
 #[test]
 fn a_run_says_what_it_leaves_open() {
-    use nonius::write::program::{Open, left_open};
     let kinds = |keys: &str, linear: usize| {
         let mut page = Case::small("siemens-840d-sl", keys).job();
         for axis in &["x", "y", "z"][..linear] {
-            page += &format!(
-                "[[measurement.step_diagonal.linear]]\naxis = \"{axis}\"\nslope_um_per_m = 1.0\n"
-            );
+            let section = "[[measurement.step_diagonal.linear]]";
+            page += &format!("{section}\naxis = \"{axis}\"\nslope_um_per_m = 1.0\n");
         }
         let job = read_job(&page);
         let open = left_open(&job, job.program.as_ref().unwrap());
-        let kinds = open.iter().map(|found| found.kind::<Open>().unwrap().clone());
-        kinds.collect::<Vec<Open>>()
+        open.iter().map(|found| found.kind::<Open>().unwrap().clone()).collect::<Vec<_>>()
     };
-    let turning = &format!("{STEP}\noverrun_mm = 0");
-    let forward = &format!("{STEP}\nbidirectional = false");
+    let [turning, forward] =
+        ["overrun_mm = 0", "bidirectional = false"].map(|way| format!("{STEP}\n{way}"));
     let straight = "what = \"straight-diagonal\"\nbidirectional = false";
     let straightness = Open::Straightness { axes: "XY".to_string() };
     for (keys, linear, open) in [
-        (turning.as_str(), 0, vec![Open::Scales { given: 0 }, Open::Angles]),
-        (turning, 1, vec![Open::Scales { given: 1 }, Open::Angles]),
-        (turning, 2, vec![Open::Angles]),
+        (&*turning, 0, vec![Open::Scales { given: 0 }, Open::Angles]),
+        (&turning, 1, vec![Open::Scales { given: 1 }, Open::Angles]),
+        (&turning, 2, vec![Open::Angles]),
         (STEP, 3, vec![Open::Angles, Open::ReversalOfAnAxis]),
-        (forward, 3, vec![Open::Angles, Open::Reversal]),
+        (&forward, 3, vec![Open::Angles, Open::Reversal]),
         (straight, 0, vec![Open::NineErrors, Open::Reversal]),
         ("what = \"single-axis\"\naxes = [\"x\", \"y\"]", 0, vec![straightness]),
     ] {

@@ -1,7 +1,8 @@
 //! Figures by standard: against an independent computation on measured stages (read where they
-//! lie, not part of this repository), against figures made by hand, and their laws.
+//! lie, not part of this repository) and golden machines, figures made by hand, and their
+//! laws; and what is wrong with files of runs of one axis.
 use crate::support::tree::skipped;
-use crate::support::visit::{Ran, Visit, fixtures, number, page, program};
+use crate::support::visit::{Ran, Visit, fixture, fixtures, number, page, program};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
@@ -13,22 +14,8 @@ use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::fs;
-
-mod files;
-
-// ---------------------------------------------------------------------------------------------
-// Measured data beside the repository
-
-/// A file of the reference data, or the end of the test, told in one line.
-fn reference(path: &str) -> Option<String> {
-    let text = fs::read_to_string(fixtures("../../shared/data").join(path)).ok();
-    if text.is_none() {
-        skipped("../shared is not here");
-    }
-    text
-}
 
 /// Half a unit of the last digit of a printed number, and what rounding of the inputs adds.
 fn half_a_digit(text: &str) -> f64 {
@@ -59,28 +46,29 @@ fn by_name(axis: &AxisFigures, name: &str) -> Option<f64> {
 /// The figures of four stages, to the last digit that the independent computation printed.
 #[test]
 fn measured_stages_give_the_figures_of_an_independent_computation() {
-    let Some(expected) = reference("iso230-2/expected.csv") else {
-        return;
+    let data = fixtures("../../shared/data/iso230-2");
+    let Ok(expected) = fs::read_to_string(data.join("expected.csv")) else {
+        return skipped("../shared is not here");
     };
-    let mut compared = 0;
-    for line in expected.lines().skip(2) {
+    let lines: Vec<&str> = expected.lines().skip(2).collect();
+    assert_eq!(lines.len(), 48);
+    for line in lines {
         let cells: Vec<&str> = line.split(',').collect();
-        let text = reference(&format!("iso230-2/iso230_2_{}.csv", cells[0])).unwrap();
+        let text = fs::read_to_string(data.join(format!("iso230_2_{}.csv", cells[0]))).unwrap();
         let stated = Stated { unit: Some(LengthUnit::Mm), values: None };
         let source = Source::from_bytes(cells[0], text.as_bytes()).unwrap();
         let runs = Runs::read(&source, stated).unwrap();
         let um = by_name(&iso_230_2::figures(&runs).axis, cells[1]).unwrap();
         let mm: f64 = cells[2].parse().unwrap();
         assert!((um / 1000.0 - mm).abs() <= half_a_digit(cells[2]), "{line}: got {um} µm");
-        compared += 1;
     }
-    assert_eq!(compared, 48);
 }
 
 const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
 
 /// From the cell ends of the four diagonals of 900 × 720 × 720 mm: every third node, forward = up.
-fn step_diagonals(readings: &str, steps: usize) -> Diagonals {
+fn step_diagonals(case: &str, steps: usize) -> Diagonals {
+    let readings = fixture(&format!("diagonals/{case}/readings.csv"));
     let rows: Vec<Vec<&str>> = readings.lines().map(|line| line.split(',').collect()).collect();
     let of = |name: &str, direction: &str| {
         let at = |cell: usize| -> Vec<f64> {
@@ -92,8 +80,8 @@ fn step_diagonals(readings: &str, steps: usize) -> Diagonals {
         (!um[0].is_empty()).then_some(um)
     };
     let length_mm = (900.0_f64.powi(2) + 720.0_f64.powi(2) * 2.0).sqrt();
-    let target = |cell| length_mm * cell as f64 / steps as f64;
-    let targets: Vec<f64> = (0..=steps).map(target).collect();
+    let targets: Vec<f64> =
+        (0..=steps).map(|cell| length_mm * cell as f64 / steps as f64).collect();
     let runs = DIAGONALS
         .map(|name| Runs::new(targets.clone(), of(name, "forward"), of(name, "reverse")).unwrap());
     let named: Vec<(&str, &Runs)> = DIAGONALS.into_iter().zip(&runs).collect();
@@ -101,17 +89,11 @@ fn step_diagonals(readings: &str, steps: usize) -> Diagonals {
 }
 
 /// Figures of the simulation are exact to rounding of the readings (1e-9 µm).
-const SIMULATION_UM: f64 = 1e-8;
-
 #[test]
-fn diagonals_of_the_golden_machine_in_both_directions() {
-    let Some(readings) = reference("case_d_bidirectional/readings.csv") else {
-        return;
-    };
-    let expected = reference("case_d_bidirectional/expected.json").unwrap();
-    let expected: Value = serde_json::from_str(&expected).unwrap();
+fn diagonals_of_the_golden_machine_in_both_directions_and_in_one() {
+    let expected = Visit::of("diagonals/case_d_bidirectional").document("expected.json");
     let expected = expected["iso230_6"].as_object().unwrap();
-    let found = step_diagonals(&readings, 10);
+    let found = step_diagonals("case_d_bidirectional", 10);
     assert_eq!(found.label, "from step-diagonal cell ends, not ISO 230-6");
     for (key, value) in expected {
         let um = match key.as_str() {
@@ -123,18 +105,12 @@ fn diagonals_of_the_golden_machine_in_both_directions() {
                 by_name(&of.figures, figure)
             }
         };
-        let difference = um.unwrap() - number(value);
-        assert!(difference.abs() <= SIMULATION_UM, "{key}: {um:?}, expected {value}");
+        let off = (um.unwrap() - number(value)).abs();
+        assert!(off <= 1e-8, "{key}: {um:?}, expected {value}");
     }
     assert_eq!(expected.len(), 34);
-}
-
-#[test]
-fn ranges_of_the_golden_machine_in_one_direction() {
-    let Some(readings) = reference("case_a_ideal/readings.csv") else {
-        return;
-    };
-    let found = step_diagonals(&readings, 30);
+    // In one direction there are ranges.
+    let found = step_diagonals("case_a_ideal", 30);
     let close = |um: Option<f64>, expected: f64| {
         assert!((um.unwrap() - expected).abs() <= 1e-6, "{um:?}, expected {expected}");
     };
@@ -146,9 +122,6 @@ fn ranges_of_the_golden_machine_in_one_direction() {
     }
     assert_eq!((found.e_d_um, found.b_d_um), (None, None));
 }
-
-// ---------------------------------------------------------------------------------------------
-// By hand
 
 /// Two runs over two targets.
 fn two_targets(up: Option<[[f64; 2]; 2]>, down: Option<[[f64; 2]; 2]>) -> Runs {
@@ -192,11 +165,7 @@ fn figures_of_iso_230_2_by_hand() {
     all_near(axis.r, [4.0 * s, 8.0 * s, 8.0 * s]);
     // A down: 3 + 4√2 to 3 − 4√2; of both: 3 + 4√2 down to 0 − 2√2 up.
     all_near(axis.a, [4.0 + 4.0 * s, 8.0 * s, 3.0 + 6.0 * s]);
-}
-
-/// The two common mistakes: E of one direction only, and R without the reversal.
-#[test]
-fn e_is_of_both_directions_and_r_holds_the_reversal() {
+    // The two common mistakes: E of one direction only, and R without the reversal.
     let runs = two_targets(Some([[0.0; 2], [1.0; 2]]), Some([[10.0; 2], [11.0; 2]]));
     let axis = iso_230_2::figures(&runs).axis;
     all_near(axis.e, [1.0, 1.0, 11.0]);
@@ -221,12 +190,18 @@ fn one_direction_has_its_own_figures_only() {
     let axis = iso_230_2::figures(&runs).axis;
     near(axis.e.down_um, 2.0);
     assert!(axis.r.down_um.is_some() && axis.a.down_um.is_some());
-    let both = [axis.e.both_um, axis.r.both_um, axis.a.both_um];
-    assert_eq!((axis.e.up_um, both), (None, [None; 3]));
+    assert_eq!([axis.e.up_um, axis.e.both_um, axis.r.both_um, axis.a.both_um], [None; 4]);
     assert_eq!([axis.m_um, axis.b_um, axis.b_mean_um], [None; 3]);
     assert_eq!(vdi_3441::figures(&runs), None);
     let remarks = iso_230_2::remarks(&runs, span(&runs));
     assert_eq!(remarks[0], StandardFinding::OneWay { way: "up" }.into());
+    let um = Some(vec![vec![0.0; 5]; 5]);
+    for (up, down, word) in [(um.clone(), None, "down"), (None, um, "up")] {
+        let runs = Runs::new(UNEVEN.to_vec(), up, down).unwrap();
+        let not = "NOT according to ISO 230-2: unidirectional figures only";
+        let expected = format!("{not}: moving {word} was not measured (see the conditions)");
+        assert_eq!(iso_230_2::label(&conditions(&runs)), expected);
+    }
 }
 
 #[test]
@@ -234,9 +209,7 @@ fn one_run_has_no_scatter_and_says_so() {
     let um = Some(vec![vec![0.0], vec![2.0]]);
     let runs = Runs::new(vec![0.0, 100.0], um.clone(), um).unwrap();
     let axis = iso_230_2::figures(&runs).axis;
-    near(axis.e.both_um, 2.0);
-    near(axis.b_um, 0.0);
-    near(axis.m_um, 2.0);
+    assert_eq!([axis.e.both_um, axis.b_um, axis.m_um], [Some(2.0), Some(0.0), Some(2.0)]);
     assert_eq!([axis.r, axis.a], [ByDirection::default(); 2]);
     let vdi = vdi_3441::figures(&runs).unwrap();
     assert_eq!((vdi.p_um, vdi.p_s_um), (None, None));
@@ -277,12 +250,18 @@ fn conditions_are_judged_by_length() {
     assert_eq!(missed(&UNEVEN, 3), 1, "three runs");
     assert_eq!(missed(&UNEVEN[..4], 5), 1, "four targets");
     assert_eq!(missed(&even(5, 100.0), 5), 1, "equal distances");
-    let metre_and_a_half = [0.0, 301.0, 602.0, 901.0, 1202.0, 1500.0];
-    assert_eq!(missed(&metre_and_a_half, 5), 1, "six targets on 1.5 m");
+    assert_eq!(missed(&[0.0, 301.0, 602.0, 901.0, 1202.0, 1500.0], 5), 1, "six targets on 1.5 m");
     assert_eq!(missed(&even(13, 250.0), 1), 0, "one run above 2 m");
     assert_eq!(missed(&even(7, 500.0), 1), 1, "every 500 mm");
     let label = iso_230_2::label(&conditions(&flat(&UNEVEN, 3)));
     assert!(label.starts_with("NOT according to ISO 230-2: 3 runs up, 3 down"), "{label}");
+    // Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
+    assert_eq!(missed(&even(10, 250.0), 1), 0);
+    let runs = flat(&even(10, 250.0), 5);
+    let label = iso_230_2::label(&conditions(&runs));
+    assert!(label.contains("5 runs up, 5 down"), "{label}");
+    let remarks = iso_230_2::remarks(&runs, span(&runs));
+    assert_eq!(remarks[0], StandardFinding::LongAxis.into());
 }
 
 /// 24.4 to 1024.4 mm is 1000.0000000000001 mm in binary, and 48.3 to 2048.3 mm is more than 2 m.
@@ -294,22 +273,8 @@ fn lengths_are_judged_without_the_dust_of_binary_fractions() {
     assert!(conditions(&flat(&metre, 5))[0].asked.ends_with("here 5 or more"));
     let two = [48.3, 270.1, 530.3, 790.2, 1024.4, 1200.0, 1400.0, 1600.0, 1800.0, 2048.3];
     let runs = flat(&two, 5);
-    assert!(runs.length_mm() > 2000.0);
-    assert!(!span(&runs).is_long());
+    assert!(runs.length_mm() > 2000.0 && !span(&runs).is_long());
     assert_eq!(missed(&two, 5), 0);
-}
-
-#[test]
-fn one_direction_is_labelled_as_such() {
-    let um = Some(vec![vec![0.0; 5]; 5]);
-    for (up, down, word) in [(um.clone(), None, "down"), (None, um, "up")] {
-        let runs = Runs::new(UNEVEN.to_vec(), up, down).unwrap();
-        let expected = format!(
-            "NOT according to ISO 230-2: unidirectional figures only: moving {word} was not \
-             measured (see the conditions)"
-        );
-        assert_eq!(iso_230_2::label(&conditions(&runs)), expected);
-    }
 }
 
 #[test]
@@ -321,17 +286,6 @@ fn targets_in_a_heap_are_found() {
     assert_eq!(missed(&long, 1), 1, "above 2 m, every 218 mm on average");
     // r of half a distance to either side: the widest that P_i = (i - 1)p + r can give.
     assert_eq!(missed(&[0.0, 50.0, 250.0, 300.0, 400.0], 5), 0);
-}
-
-/// Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
-#[test]
-fn above_two_metres_one_run_is_asked_for() {
-    assert_eq!(missed(&even(10, 250.0), 1), 0);
-    let runs = flat(&even(10, 250.0), 5);
-    let label = iso_230_2::label(&conditions(&runs));
-    assert!(label.contains("5 runs up, 5 down"), "{label}");
-    let remarks = iso_230_2::remarks(&runs, span(&runs));
-    assert_eq!(remarks[0], StandardFinding::LongAxis.into());
 }
 
 /// The conditions are about the travel: where it is stated, it is judged.
@@ -357,9 +311,8 @@ fn a_stated_travel_is_judged_in_place_of_the_targets() {
 #[test]
 fn conditions_are_stated_by_edition() {
     let all = conditions(&flat(&UNEVEN, 5));
-    let by: Vec<&[u16]> = all.iter().map(|of| of.editions).collect();
-    assert_eq!(by[..7], [&[1997, 2006, 2014][..]; 7]);
-    assert_eq!(by[7], [2014], "uncertainty");
+    assert!(all[..7].iter().all(|of| of.editions == [1997, 2006, 2014]));
+    assert_eq!(all[7].editions, [2014], "uncertainty");
     assert!(all.iter().all(|of| of.confidence.word() == "likely"));
 }
 
@@ -372,19 +325,13 @@ fn conditions_of_the_diagonals_are_tested() {
     assert_eq!(straight(&four), "after ISO 230-6 (likely)");
     assert_eq!(straight(&four[..3]), "NOT after ISO 230-6: PPP, NPP, PNP");
     let few = flat(&[0.0, 100.0], 3);
-    let mut with_few = four;
-    with_few[1].1 = &few;
-    let label = straight(&with_few);
-    assert_eq!(label, "NOT after ISO 230-6: NPP: 2 targets on 100 mm");
+    let with = |npp| straight(&[four[0], ("NPP", npp), four[2], four[3]]);
+    assert_eq!(with(&few), "NOT after ISO 230-6: NPP: 2 targets on 100 mm");
     let one_way = Runs::new(UNEVEN.to_vec(), Some(vec![vec![0.0; 3]; 5]), None).unwrap();
-    with_few[1].1 = &one_way;
-    assert!(straight(&with_few).ends_with("moving down was not measured"));
+    assert!(with(&one_way).ends_with("moving down was not measured"));
     let found = diagonal(&four, DiagonalMotion::StepDiagonalCellEnds);
     assert_eq!(found.conditions[0].met, Met::No, "single-axis steps");
-}
-
-#[test]
-fn machine_figures_need_four_diagonals() {
+    // Figures of the machine need all four.
     let runs = by_hand();
     let four = DIAGONALS.map(|name| (name, &runs));
     let found = diagonal(&four[..3], DiagonalMotion::StraightRuns);
@@ -395,22 +342,16 @@ fn machine_figures_need_four_diagonals() {
     near(found.range_over_all_um, 4.0);
 }
 
-// ---------------------------------------------------------------------------------------------
-// The page
-
-/// docs/standards.md shows what the program prints.
 #[test]
 fn the_page_shows_what_the_program_prints() {
     let command = "standards fixtures/standards/x_axis.csv";
     let output = program(&fixtures(".."), command).output().unwrap();
-    let printed = Ran::of(command, &output).ends(0).out;
+    let ran = Ran::of(command, &output).ends(0);
     let page = page("docs/standards.md");
     let behind = page.split("checked by tests/it/standards.rs").nth(1).unwrap();
     let shown = behind.split("```").nth(1).unwrap().trim_start_matches("text").trim();
-    assert!(
-        !shown.is_empty() && printed.contains(shown),
-        "the page shows\n{shown}\n\nthe program prints\n{printed}"
-    );
+    assert!(!shown.is_empty());
+    ran.says(shown);
 }
 
 /// Every number of the document names its unit, and absent figures are `null`.
@@ -419,16 +360,11 @@ fn the_json_names_units_and_leaves_absent_figures_null() {
     let visit = Visit::new();
     visit.put("runs.csv", "target_mm,up1_mm\n0,0.001\n100,100.003\n");
     let document = visit.run("standards --format json runs.csv").json();
-    assert_eq!(document["schema"], 1);
-    assert_eq!(document["iso_230_2"]["E_up_um"], 2.0);
-    assert_eq!(document["iso_230_2"]["E_um"], Value::Null);
-    assert_eq!(document["iso_230_2"]["R_up_um"], Value::Null);
-    assert_eq!(document["iso_230_2"]["condition_missed"], true);
-    assert_eq!(document["vdi_dgq_3441"], Value::Null);
+    let iso = &document["iso_230_2"];
+    assert_eq!((&document["schema"], &iso["E_up_um"]), (&json!(1), &json!(2.0)));
+    assert_eq!([&iso["E_um"], &iso["R_up_um"], &document["vdi_dgq_3441"]], [&Value::Null; 3]);
+    assert_eq!(iso["condition_missed"], true);
 }
-
-// ---------------------------------------------------------------------------------------------
-// Laws
 
 fn any_runs() -> impl Strategy<Value = (Vec<Vec<f64>>, Vec<Vec<f64>>)> {
     (2..6_usize, 2..6_usize).prop_flat_map(|(targets, count)| {
@@ -466,12 +402,10 @@ proptest! {
     })]
 
     #[test]
-    fn a_constant_moves_means_and_nothing_else((up, down) in any_runs(), constant in -100.0..100.0_f64) {
+    fn a_constant_moves_means_and_nothing_else((mut up, mut down) in any_runs(), constant in -100.0..100.0_f64) {
         let before = runs_of(&up, &down);
-        let add = |um: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            um.iter().map(|of| of.iter().map(|x| x + constant).collect()).collect()
-        };
-        let after = runs_of(&add(&up), &add(&down));
+        up.iter_mut().chain(&mut down).flatten().for_each(|um| *um += constant);
+        let after = runs_of(&up, &down);
         prop_assert!(same(&all_figures(&before), &all_figures(&after)));
         let pairs = (iso_230_2::figures(&before), iso_230_2::figures(&after));
         for (before, after) in pairs.0.targets.iter().zip(&pairs.1.targets) {
@@ -492,15 +426,15 @@ proptest! {
     }
 
     #[test]
-    fn the_order_of_the_runs_does_not_matter((up, down) in any_runs(), by in 0..5_usize) {
-        let turned = |um: &[Vec<f64>]| -> Vec<Vec<f64>> {
-            um.iter().map(|of| {
-                let by = by % of.len();
-                of[..by].iter().rev().chain(of[by..].iter().rev()).copied().collect()
-            }).collect()
-        };
-        let after = runs_of(&turned(&up), &turned(&down));
-        prop_assert!(same(&all_figures(&runs_of(&up, &down)), &all_figures(&after)));
+    fn the_order_of_the_runs_does_not_matter((mut up, mut down) in any_runs(), by in 0..5_usize) {
+        let before = all_figures(&runs_of(&up, &down));
+        for of in up.iter_mut().chain(&mut down) {
+            let by = by % of.len();
+            let (one, other) = of.split_at_mut(by);
+            one.reverse();
+            other.reverse();
+        }
+        prop_assert!(same(&before, &all_figures(&runs_of(&up, &down))));
     }
 
     #[test]
@@ -510,5 +444,115 @@ proptest! {
         prop_assert!(a >= e - DUST && e >= axis.m_um.unwrap() - DUST);
         prop_assert!(r >= axis.b_um.unwrap() - DUST && a >= r - DUST);
         prop_assert!(e >= axis.e.up_um.unwrap() && e >= axis.e.down_um.unwrap());
+    }
+}
+
+fn read(text: &str, stated: Stated) -> Result<Runs, String> {
+    let source = Source::from_bytes("runs.csv", text.as_bytes()).unwrap();
+    Runs::read(&source, stated).map_err(|problems| problems.render())
+}
+
+/// Deviations of the first run at every target.
+fn first_run(runs: &Runs, direction: Direction) -> Vec<f64> {
+    runs.deviations_um(direction).unwrap().iter().map(|um| um[0]).collect()
+}
+
+const DEVIATIONS: Stated = Stated { unit: None, values: Some(Values::Deviations) };
+
+#[test]
+fn layouts_units_and_values_agree() {
+    let open = Stated::default();
+    let unit = |unit| Stated { unit: Some(unit), values: None };
+    let files = [
+        ("target_mm,up1_mm,dn1_mm\n25.4,25.402,25.401\n50.8,50.804,50.8\n", open),
+        ("i,target,up1,dn1\n1,25.4,25.402,25.401\n2,50.8,50.804,50.8\n", unit(LengthUnit::Mm)),
+        ("target,up1,down1\n25400,25402,25401\n50800,50804,50800\n", unit(LengthUnit::Um)),
+        ("target_in;up1_um;dn1_um\n2;4;0\n1;2;1\n", DEVIATIONS),
+        ("target_uin,up1_mm,dn1_mm\n1000000,0.002,0.001\n2000000,0.004,0\n", DEVIATIONS),
+        ("target_mm,\"up1_mm\",dn1_mm\n25.4,\"25.402\",25.401\n\"50.8\",50.804,50.8\n", open),
+        ("target_mm;up1_mm;dn1_mm\r\n25,4;25,402;25,401\r\n50,8;50,804;50,8\r\n", open),
+        ("target_mm,up1_mm,dn1_um\n25.4,0.002,1\n50.8,0.004,0\n", DEVIATIONS),
+        (
+            "run,direction,target_mm,deviation_um\n7,+,25.4,2\n7,+,50.8,4\n8,-,50.8,0\n8,-,25.4,1\n",
+            open,
+        ),
+        (
+            "run,direction,target_in,position_mm\n1,up,1,25.402\n1,up,2,50.804\n1,dn,2,50.8\n1,down,1,25.401\n",
+            open,
+        ),
+    ];
+    for (text, stated) in files {
+        let runs = read(text, stated).unwrap_or_else(|words| panic!("{words}"));
+        let [up, down] = Direction::BOTH.map(|direction| first_run(&runs, direction));
+        let found = [runs.targets_mm().to_vec(), up, down].concat();
+        assert!(same(&found, &[25.4, 50.8, 2.0, 4.0, 1.0, 0.0]), "{text}\n{found:?}");
+    }
+}
+
+#[test]
+fn a_separator_in_quotation_marks_separates_nothing() {
+    let text = "target_mm;up1_mm;dn1_mm\n0;\"0,001\";\"0;002\"\n";
+    let words = read(text, Stated::default()).unwrap_err();
+    assert!(words.contains("`dn1_mm` is `0;002`, expected a finite number"), "{words}");
+    assert!(!words.contains("cells"), "{words}");
+}
+
+/// Positions are taken without a word only where the values leave no doubt.
+#[test]
+fn values_that_can_be_both_are_asked_for() {
+    let open = |text: &str| read(text, Stated::default()).unwrap_err();
+    let around_zero = "target_mm,up1_mm,dn1_mm\n-50,-0.003,-0.001\n50,0.003,0.002\n";
+    assert!(open(around_zero).contains("they look like deviations"));
+    let tiny = "target_mm,up1_mm\n-0.001,-0.0013\n0.001,0.0004\n";
+    assert!(open(tiny).contains("they are far from the targets as either"));
+    let positions = "target_mm,up1_mm,dn1_mm\n-50,-50.003,-50.001\n50,50.003,50.002\n";
+    assert!(read(positions, Stated::default()).is_ok());
+    for (values, expected) in [(Values::Deviations, -3.0), (Values::Positions, 49997.0)] {
+        let runs = read(around_zero, Stated { unit: None, values: Some(values) }).unwrap();
+        near(Some(first_run(&runs, Direction::Plus)[0]), expected);
+    }
+}
+
+/// Steps of 20 µm with a deviation of 11 µm: half the way to the next target is nothing unusual.
+#[test]
+fn targets_may_be_closer_than_the_deviations() {
+    let runs = "target_mm,up1_um\n0,1\n0.02,2\n0.04,11\n";
+    let named = "target_mm,run,direction,deviation_um\n0,1,+,1\n0.02,1,+,2\n0.04,1,+,11\n";
+    for (text, stated) in [(runs, DEVIATIONS), (named, Stated::default())] {
+        near(Some(first_run(&read(text, stated).unwrap(), Direction::Plus)[0]), 1.0);
+    }
+}
+
+/// All problems of a file come at once, each with line and column.
+#[test]
+fn every_cell_that_is_wrong_is_named() {
+    let text = "target_mm,up1_mm,up2_mm\n0,,0.001\nten,10.001,10.002\n20,20.001,1e12\n30,30.001\n";
+    let words = read(text, Stated::default()).unwrap_err();
+    for expected in [
+        "runs.csv:2:3",
+        "`up1_mm` is empty",
+        "runs.csv:3:1",
+        "`target_mm` is `ten`",
+        "runs.csv:4:11",
+        "too large for any machine",
+        "the row has 2 cells, expected 3",
+    ] {
+        assert!(words.contains(expected), "`{expected}` is not said:\n{words}");
+    }
+}
+
+#[test]
+fn runs_that_are_not_complete_cannot_be_made() {
+    for (targets, up, words) in [
+        (vec![0.0], None, "expected two targets or more"),
+        (vec![0.0, 0.0], None, "each larger"),
+        (vec![0.0, f64::NAN], None, "each larger"),
+        (vec![0.0, 1.0], None, "one direction or both"),
+        (vec![0.0, 1.0], Some(vec![vec![0.0, 1.0], vec![0.0]]), "not complete"),
+        (vec![0.0, 1.0], Some(vec![vec![], vec![]]), "not complete"),
+        (vec![0.0, 1.0], Some(vec![vec![0.0], vec![f64::NAN]]), "as many finite"),
+    ] {
+        let message = Runs::new(targets, up, None).unwrap_err().message;
+        assert!(message.contains(words), "{words}: {message}");
     }
 }

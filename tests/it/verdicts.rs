@@ -1,7 +1,7 @@
 //! No verdict is surer than what it rests on: one U for the same data everywhere, limits on the
 //! largest of many, few degrees of freedom, a part of the travel, what nobody measured.
 use crate::support::tree::skipped;
-use crate::support::visit::{Visit, fixture, fixtures, number, replaced};
+use crate::support::visit::{Visit, fixtures, number, replaced};
 use serde_json::Value;
 use std::fs;
 
@@ -22,11 +22,21 @@ fn verdict(visit: &Visit, command: &str, begins: &str, holds: &[&str]) -> String
     said
 }
 
-/// X alone, 0 to 900 mm every 30 mm; `lines` go under [acceptance].
-fn one_axis(uncertainty: &str, lines: &str) -> String {
+/// Axes of one travel, reference and spacing; `lines` go under [acceptance].
+fn job(axes: &[&str], [high, reference, spacing]: [u32; 3], u: &str, lines: &str) -> String {
+    let each = |text: String| axes.iter().map(|axis| text.replace('?', axis)).collect::<String>();
+    let travels = format!("travel_mm = [0, {high}]\nreference_mm = {reference}\n");
+    let travels = each(format!("[machine.axes.?]\n{travels}"));
+    let tables = each(format!("[compensation.axes.?]\nspacing_mm = {spacing}\n"));
+    let errors = "errors = \"errors.csv\"\nactive_while_measuring = \"none\"";
     format!(
-        "schema = 1\n[machine]\nname = \"one\"\n[machine.axes.x]\ntravel_mm = [0, 900]\nreference_mm = 0\n[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{uncertainty}[compensation]\ncontroller = \"generic\"\n[compensation.axes.x]\nspacing_mm = 30\n[acceptance]\n{lines}\n"
+        "schema = 1\n[machine]\nname = \"M\"\n{travels}[measurement]\n{errors}\n{u}[compensation]\ncontroller = \"generic\"\n{tables}[acceptance]\n{lines}\n"
     )
+}
+
+/// X alone, 0 to 900 mm every 30 mm.
+fn one_axis(uncertainty: &str, lines: &str) -> String {
+    job(&["x"], [900, 0, 30], uncertainty, lines)
 }
 
 fn wave(to: u32, size: f64) -> String {
@@ -86,16 +96,13 @@ fn as_left_passes_on_each_value_and_fails_on_joint_evidence() {
     }
 }
 
-/// A table whose u was estimated with three degrees of freedom.
 #[test]
 fn few_degrees_of_freedom_widen_u() {
     let known =
         "axis,position_mm,ex_um,u_ex_um\nx,0,0e-3,0.5\nx,450,450e-3,0.5\nx,900,900e-3,0.5\n";
     let job = one_axis("", "max_deviation_um = 3").replace("spacing_mm = 30", "spacing_mm = 450");
-    let expanded =
-        |errors: &str| number(&made(&job, errors).json(VERIFY)["terms"]["EXX"]["expanded_um"]);
-    let with = expanded(&format!("# degrees of freedom: 3\n{known}"));
-    let without = expanded(known);
+    let [with, without] = [&format!("# degrees of freedom: 3\n{known}"), known]
+        .map(|errors| number(&made(&job, errors).json(VERIFY)["terms"]["EXX"]["expanded_um"]));
     assert!(with > 1.7 * without, "{with} µm, {without} µm");
 }
 
@@ -111,24 +118,13 @@ fn a_part_of_the_travel_decides_nothing_unless_it_is_what_is_asked_for() {
     visit.put("job.toml", one_axis("", &format!("{limit}\nrange_mm = {{ x = [0, 300] }}")));
     verdict(&visit, VERIFY, "pass", &["X from 0 to 300 mm"]);
     verdict(&visit, AFTER, "pass", &[]);
-}
-
-/// What lies outside the stated range is not judged.
-#[test]
-fn a_stated_range_is_all_that_is_judged() {
+    // What lies outside the stated range is not judged.
     let job = one_axis("", "max_deviation_um = 5");
     let job = replaced(&job, "= 30\n", "= 30\nend_mm = 870\noutside = \"hold\"\n");
     let visit = made(&job, &(wave(870, 2.0) + "x,900,50\n"));
     assert_eq!(visit.json(VERIFY)["verdict"], "fail");
     visit.put("job.toml", job + "range_mm = { x = [0, 870] }\n");
     assert_eq!(visit.json(VERIFY)["verdict"], "pass");
-}
-
-#[test]
-fn a_forgotten_state_of_the_control_leaves_it_undecided() {
-    let visit = given(&one_axis("", "max_deviation_um = 5"), &wave(900, 8.0));
-    visit.edit("job.toml", "active_while_measuring = \"none\"\n", "");
-    verdict(&visit, GENERATE, "undecided", &["`active_while_measuring` is not stated"]);
 }
 
 #[test]
@@ -159,23 +155,18 @@ fn cube(places: &[f64], size: f64) -> String {
     for axis in ["x", "y", "z"] {
         for x in places {
             let wave = size * (x / 150.0).sin();
-            csv += &format!("{axis},{x},{:.4},{:.4},{:.4}\n", 2.0 * wave, wave, -wave);
+            csv += &format!("{axis},{x},{:.4},{wave:.4},{:.4}\n", 2.0 * wave, -wave);
         }
     }
     csv
 }
 
 fn cube_job(uncertainty: &str, lines: &str) -> String {
-    let each = |text: &str| ["x", "y", "z"].map(|axis| text.replace('?', axis)).concat();
-    let axes = each("[machine.axes.?]\ntravel_mm = [0, 1000]\nreference_mm = 500\n");
-    let tables = each("[compensation.axes.?]\nspacing_mm = 100\n");
-    format!(
-        "schema = 1\n[machine]\nname = \"cube\"\n{axes}[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[measurement.uncertainty]\n{uncertainty}\n[compensation]\ncontroller = \"generic\"\n{tables}[acceptance]\n{lines}\n"
-    )
+    let uncertainty = format!("[measurement.uncertainty]\n{uncertainty}\n");
+    job(&["x", "y", "z"], [1000, 500, 100], &uncertainty, lines)
 }
 
-const TENTHS: [f64; 11] =
-    [0.0, 100.0, 200.0, 300.0, 400.0, 500.0, 600.0, 700.0, 800.0, 900.0, 1000.0];
+const TENTHS: [f64; 11] = [0., 100., 200., 300., 400., 500., 600., 700., 800., 900., 1000.];
 
 /// One scale for all positions and axes: 5 µm/m over the 1.732 m of a diagonal, wherever the reference is.
 #[test]
@@ -192,12 +183,20 @@ fn the_scale_of_the_laser_counts_once_along_a_diagonal() {
 
 /// Ends and nothing between; a cluster and a far end: nothing is known of the rest.
 #[test]
-fn what_lies_between_places_far_apart_was_not_measured() {
+fn what_was_not_measured_decides_nothing() {
     let job = cube_job("noise_um = 0.1", "max_deviation_um = 5\nmax_diagonal_um = 9");
     for places in [&[0.0, 1000.0][..], &[0.0, 10.0, 20.0, 1000.0]] {
         let visit = given(&job, &cube(places, 1.0));
         verdict(&visit, GENERATE, "undecided", &["of the travel of X"]);
     }
+    // One column that stands still beside good ones: no laser read it.
+    let job = cube_job("noise_um = 0.1", "max_deviation_um = 5");
+    let visit = made(&job, &cube(&TENTHS, 1.0));
+    let after = cube(&TENTHS, 0.2);
+    let (head, rows) = after.split_once('\n').unwrap();
+    let still = |row: &str| format!("\n{},0", row.rsplit_once(',').unwrap().0);
+    visit.put("after.csv", head.to_string() + &rows.lines().map(still).collect::<String>());
+    verdict(&visit, AFTER, "undecided", &["EZX, EZY, EZZ"]);
 }
 
 #[test]
@@ -205,25 +204,16 @@ fn the_verdict_names_what_no_figure_holds() {
     let job = cube_job("noise_um = 0.1\ntemperature_k = 1", "max_deviation_um = 5");
     let holds = ["reversal not measured", "stated and not counted: temperature_k"];
     verdict(&given(&job, &cube(&TENTHS, 1.0)), GENERATE, "", &holds);
-    let plus = wave(900, 8.0).replace("axis,position_mm", "axis,direction,position_mm");
     let job = one_axis("", "max_deviation_um = 5");
+    let plus = wave(900, 8.0).replace("axis,position_mm", "axis,direction,position_mm");
     verdict(&given(&job, &plus.replace("\nx,", "\nx,+,")), GENERATE, "", &["moving + only"]);
+    // A forgotten state of the control leaves it undecided.
+    let visit = given(&job, &wave(900, 8.0));
+    visit.edit("job.toml", "active_while_measuring = \"none\"\n", "");
+    verdict(&visit, GENERATE, "undecided", &["`active_while_measuring` is not stated"]);
 }
 
-/// One column that stands still beside good ones.
-#[test]
-fn a_column_that_no_laser_read_decides_nothing() {
-    let job = cube_job("noise_um = 0.1", "max_deviation_um = 5");
-    let visit = made(&job, &cube(&TENTHS, 1.0));
-    let still = |line: &str| match line.rsplit_once(',') {
-        Some((head, _)) if !line.starts_with("axis") => format!("{head},0\n"),
-        _ => format!("{line}\n"),
-    };
-    visit.put("after.csv", cube(&TENTHS, 0.2).lines().map(still).collect::<String>());
-    verdict(&visit, AFTER, "undecided", &["EZX, EZY, EZZ"]);
-}
-
-/// The cases beside the repository in which the program once said too much.
+/// Cases beside the repository in which the program once said too much.
 #[test]
 fn cases_that_once_passed() {
     let shared = "../../shared/data/repro";
@@ -244,26 +234,21 @@ fn offered(said: &str) -> Vec<(&str, &str)> {
 
 /// `at most 1.234 µm`, of what the rows of a page leave that the job limits.
 fn left_on(page: &Value, job: &str) -> String {
-    let largest = |rows: &Value| {
-        let rows = rows.as_object().unwrap().values();
-        rows.map(|row| number(&row["forecast_um"])).fold(0.0, f64::max)
+    let at_most = |rows: &str| {
+        let rows = page[rows].as_object().into_iter().flatten();
+        let um = rows.map(|(_, row)| number(&row["forecast_um"])).fold(0.0, f64::max);
+        format!("at most {um:.3} µm")
     };
-    let terms = format!("at most {:.3} µm", largest(&page["terms"]));
-    let diagonals = || format!("at most {:.3} µm on the diagonals", largest(&page["diagonals"]));
+    let (terms, diagonals) = (at_most("terms"), at_most("diagonals") + " on the diagonals");
     match (job.contains("max_deviation_um"), job.contains("max_diagonal_um")) {
-        (true, true) => format!("{terms} and {}", diagonals()),
-        (false, true) => diagonals(),
+        (true, true) => format!("{terms} and {diagonals}"),
+        (false, true) => diagonals,
         _ => terms,
     }
 }
 
 /// Each policy that is offered leaves what was said of it once the job asks for it; `least` are offered.
-fn second_run_gives_what_was_offered(
-    visit: &Visit,
-    job: &str,
-    own: &str,
-    least: usize,
-) -> Vec<String> {
+fn offers_hold(visit: &Visit, job: &str, own: &str, least: usize) -> Vec<String> {
     visit.put("job.toml", job);
     let said = verdict(visit, "generate job.toml -o own", "", &[]);
     let offers = offered(&said);
@@ -296,11 +281,23 @@ fn lost_motion_job(policy: &str) -> String {
     with_policy(&replaced(&job, "= 30\n", "= 450\n"), policy)
 }
 
+/// The best comes first, for the diagonals too where they alone are limited; also of readings.
 #[test]
 fn another_backlash_policy_leaves_what_was_said_of_it() {
-    let (visit, job) = (given("", BOTH_WAYS), lost_motion_job("\"mean\""));
-    let offered = second_run_gives_what_was_offered(&visit, &job, "\"mean\"", 2);
-    assert_eq!(offered[0], "\"two-tables\"", "the best first");
+    for (errors, job, least) in [
+        (BOTH_WAYS, lost_motion_job("\"mean\""), 2),
+        (&cube_both_ways(), cube_both_ways_job("\"mean\"", "max_diagonal_um = 2"), 1),
+        (&cube_both_ways(), cube_both_ways_job("\"mean\"", BOTH_LIMITS), 1),
+    ] {
+        let offered = offers_hold(&given("", errors), &job, "\"mean\"", least);
+        assert_eq!(offered[0], "\"two-tables\"", "{offered:?}");
+    }
+    let visit = Visit::of("diagonals/case_d_bidirectional");
+    visit
+        .edit("job.toml", "[compensation]\n", "[compensation]\nbacklash = \"mean\"\n")
+        .edit("job.toml", "steps = 10\n", "steps = 10\noverrun = false\n")
+        .edit("job.toml", "max_deviation_um = 10.0", "max_deviation_um = 0.3");
+    offers_hold(&visit, &visit.read("job.toml"), "\"mean\"", 1);
 }
 
 /// The errors without compensation depend on the policy: with some the old backlash parameter belongs to them.
@@ -310,10 +307,10 @@ fn it_is_offered_beside_active_tables_too() {
     visit.run("generate job.toml -o old");
     let job = replaced(&lost_motion_job("\"mean\""), "\"none\"\n", "\"old\"\n");
     // Without the old parameter, what replaces it is refused, so it is not offered.
-    assert!(second_run_gives_what_was_offered(&visit, &job, "\"mean\"", 0).is_empty());
+    assert!(offers_hold(&visit, &job, "\"mean\"", 0).is_empty());
     let known = replaced(&job, "\"old\"\n", "\"old\"\nactive_backlash_um = { x = 1.5 }\n");
     fs::remove_dir_all(visit.at("own")).unwrap();
-    let offered = second_run_gives_what_was_offered(&visit, &known, "\"mean\"", 2);
+    let offered = offers_hold(&visit, &known, "\"mean\"", 2);
     assert_eq!(offered[0], "\"two-tables\"", "{offered:?}");
 }
 
@@ -340,38 +337,14 @@ fn cube_both_ways_job(policy: &str, lines: &str) -> String {
 const BOTH_LIMITS: &str = "max_deviation_um = 1.2\nmax_diagonal_um = 2";
 
 #[test]
-fn it_is_offered_for_the_diagonals_where_only_they_are_limited() {
-    for lines in ["max_diagonal_um = 2", BOTH_LIMITS] {
-        let visit = given("", &cube_both_ways());
-        let job = cube_both_ways_job("\"mean\"", lines);
-        let offered = second_run_gives_what_was_offered(&visit, &job, "\"mean\"", 1);
-        assert_eq!(offered[0], "\"two-tables\"", "{offered:?}");
-    }
-}
-
-#[test]
 fn of_policies_for_each_axis_one_is_changed() {
     let own = "{ x = \"mean\", y = \"two-tables\", z = \"mean\" }";
     let visit = given("", &cube_both_ways());
     let job = cube_both_ways_job(own, "max_deviation_um = 1.2");
-    let offered = second_run_gives_what_was_offered(&visit, &job, own, 2);
+    let offered = offers_hold(&visit, &job, own, 2);
     let best = "{ x = \"two-tables\", y = \"two-tables\", z = \"mean\" }";
     assert!(offered.contains(&best.to_string()), "{offered:?}");
     assert!(offered.iter().all(|policy| policy.contains("y = \"two-tables\"")), "{offered:?}");
-}
-
-#[test]
-fn it_is_offered_for_readings_too() {
-    let mut job = fixture("diagonals/case_d_bidirectional/job.toml");
-    for (old, new) in [
-        ("[compensation]\n", "[compensation]\nbacklash = \"mean\"\n"),
-        ("steps = 10\n", "steps = 10\noverrun = false\n"),
-        ("max_deviation_um = 10.0", "max_deviation_um = 0.3"),
-    ] {
-        job = replaced(&job, old, new);
-    }
-    let visit = Visit::of("diagonals/case_d_bidirectional");
-    second_run_gives_what_was_offered(&visit, &job, "\"mean\"", 1);
 }
 
 /// Each line of the comparison is the kit that the job would get; nothing is written.
@@ -380,8 +353,7 @@ fn compared_policies_leave_what_their_kits_leave() {
     let visit = given(&cube_both_ways_job("\"mean\"", BOTH_LIMITS), &cube_both_ways());
     let before = visit.files();
     let page = visit.run("generate job.toml --compare").ends(1).out;
-    let page_lines = page.lines().filter(|line| line.starts_with('"')).count();
-    assert_eq!(page_lines, 12, "{page}");
+    assert_eq!(page.lines().filter(|line| line.starts_with('"')).count(), 12, "{page}");
     assert!(page.lines().all(|line| line.chars().count() <= 100), "{page}");
     let found = visit.json("generate job.toml --compare");
     assert_eq!(visit.files(), before, "nothing is written");
@@ -395,8 +367,8 @@ fn compared_policies_leave_what_their_kits_leave() {
             "twice" => "spacing_mm = 200",
             _ => "spacing_mm = 100",
         };
-        let job = cube_both_ways_job(&policy, BOTH_LIMITS);
-        visit.put("other.toml", replaced(&job, "spacing_mm = 100", spacing));
+        visit.put("other.toml", cube_both_ways_job(&policy, BOTH_LIMITS));
+        visit.edit("other.toml", "spacing_mm = 100", spacing);
         visit.run(&format!("generate other.toml -o kit-{index}"));
         let made = visit.json(&format!("verify other.toml --tables kit-{index}"));
         assert_eq!(line["verdict"], made["verdict"], "{line}");
@@ -418,15 +390,11 @@ fn a_second_visit_within_the_limit_leaves_the_control_as_it_is() {
     verdict(&visit, "generate second.toml -o again", "", &[advice]);
     visit.put("errors.csv", wave(900, 2.5));
     assert!(!verdict(&visit, "generate second.toml -o third", "", &[]).contains(advice));
-}
-
-/// Where the diagonals alone are limited, it is they that are said to keep it.
-#[test]
-fn a_second_visit_within_the_limit_of_the_diagonals_says_so() {
+    // Where the diagonals alone are limited, it is they that are said to keep it.
     let job = cube_job("", "max_diagonal_um = 9");
     let visit = made(&job, &cube(&TENTHS, 5.0));
     visit.put("second.toml", replaced(&job, "\"none\"", "\"kit\""));
     visit.put("errors.csv", cube(&TENTHS, 1.0));
-    let words = "µm on the diagonals): the control can be left as it is";
+    let words = &format!("µm on the diagonals): {advice}");
     verdict(&visit, "generate second.toml -o again", "", &[words]);
 }

@@ -14,30 +14,20 @@ const SIZE: &str = "{ x = 900.0, y = 720.0, z = 720.0 }";
 
 const SIMULATED: &str = "SIMULATED, not measured";
 
-/// How the golden machine is measured.
-struct Campaign {
-    /// Lines under [program].
-    program: &'static str,
-    /// Lines under [measurement.step_diagonal].
-    how: &'static str,
-    /// Lines under [compensation].
-    policy: &'static str,
-}
+/// Lines under [program], [measurement.step_diagonal] and [compensation].
+type Campaign = [&'static str; 3];
 
-const FORWARD: Campaign = Campaign { program: "bidirectional = false", how: "", policy: "" };
+const FORWARD: Campaign = ["bidirectional = false", "", ""];
 
-/// The jobs of a visit: machine.toml for the machine itself, job.toml for the measurement before,
-/// after.toml for the one after.
-fn put_jobs(visit: &Visit, golden: &str, campaign: &Campaign) {
-    let Campaign { program, how, policy } = campaign;
+/// machine.toml for the machine itself, job.toml for the measurement before, after.toml for that after.
+fn put_jobs(visit: &Visit, golden: &str, [program, how, policy]: Campaign) {
     let golden = replaced(golden, "[compensation]\n", &format!("[compensation]\n{policy}"));
     let (head, rest) = golden.split_once("errors = \"errors.csv\"\n").unwrap();
     let (before, rest) = rest.split_once("[compensation]").unwrap();
     let measured = |readings: &str, measurement: &str, linear: &str| {
-        let section = "[[measurement.step_diagonal.linear]]";
-        let of = |axis| {
-            format!("\n{section}\naxis = \"{axis}\"\nerrors = \"{linear}\"\nu_um_per_m = 0.3\n")
-        };
+        let section = "\n[[measurement.step_diagonal.linear]]\naxis";
+        let of =
+            |axis| format!("{section} = \"{axis}\"\nerrors = \"{linear}\"\nu_um_per_m = 0.3\n");
         let linear = ["x", "y", "z"].map(of).concat();
         let how = format!("[measurement.step_diagonal]\n{how}{BOX}{linear}");
         format!("{head}readings = \"{readings}\"\n{measurement}\n{how}\n[compensation]{rest}")
@@ -50,7 +40,7 @@ fn put_jobs(visit: &Visit, golden: &str, campaign: &Campaign) {
 }
 
 /// A folder with the jobs and the true curves, measured as found.
-fn prepared(golden: &str, truth: &str, campaign: &Campaign) -> Visit {
+fn prepared(golden: &str, truth: &str, campaign: Campaign) -> Visit {
     let visit = Visit::new();
     put_jobs(&visit, golden, campaign);
     visit.put("errors.csv", truth);
@@ -88,32 +78,27 @@ fn truth() -> String {
 
 /// The golden machine with a Siemens control, as found.
 fn as_found() -> Visit {
-    prepared(&golden("siemens-840d-sl"), &truth(), &FORWARD)
+    prepared(&golden("siemens-840d-sl"), &truth(), FORWARD)
 }
 
+/// Every control, and nothing is left but what was forecast.
 #[test]
-fn a_whole_visit_passes_with_siemens_and_linuxcnc() {
-    a_whole_visit_passes(&["siemens-840d-sl", "siemens-828d", "linuxcnc", "linuxcnc-hal"]);
-}
-
-#[test]
-fn a_whole_visit_passes_with_fanuc_and_the_generic_control() {
-    a_whole_visit_passes(&["fanuc-30i", "fanuc-0i-f", "fanuc-16i", "generic"]);
-}
-
-fn a_whole_visit_passes(profiles: &[&str]) {
-    for profile in profiles {
+fn a_whole_visit_passes() {
+    let profiles = ["siemens-840d-sl", "siemens-828d", "linuxcnc", "linuxcnc-hal", "generic"];
+    for profile in profiles.into_iter().chain(["fanuc-30i", "fanuc-0i-f", "fanuc-16i"]) {
         let mut job = golden(profile);
-        if *profile == "linuxcnc" {
+        if profile == "linuxcnc" {
             // It corrects no straightness: 14 µm are left across, 18 µm were there along X.
             job = replaced(&job, "max_deviation_um = 10.0", "max_deviation_um = 15.0");
         }
-        let visit = prepared(&job, &truth(), &FORWARD);
+        let visit = prepared(&job, &truth(), FORWARD);
         visit.run("separate job.toml --trials 0").ends(0).says(SIMULATED);
         visit.run("generate job.toml -o kit").ends(0).says(SIMULATED);
         visit.yes("verify job.toml --tables kit");
         let after = judged(&visit, "--tables kit");
         assert_eq!(after["verdict"], "pass", "{profile}: {after:#}");
+        assert_eq!(after["diagnosis"]["as_forecast"], true, "{profile}: {after:#}");
+        assert!(kinds(&after).is_empty(), "{profile}: {after:#}");
         assert!(after.to_string().contains(SIMULATED));
         for (term, found) in after["terms"].as_object().unwrap() {
             let [left, forecast, u] =
@@ -125,7 +110,6 @@ fn a_whole_visit_passes(profiles: &[&str]) {
     }
 }
 
-/// The kit forgotten: the same second measurement must not pass.
 #[test]
 fn a_visit_without_loaded_tables_fails() {
     let visit = as_found();
@@ -134,8 +118,8 @@ fn a_visit_without_loaded_tables_fails() {
     assert_eq!(after["verdict"], "fail", "{after:#}");
     let named = kinds(&after);
     assert!(named.contains(&"not active"), "{after:#}");
-    let slips = ["names exchanged", "wrong order"];
-    assert!(!slips.iter().any(|slip| named.contains(slip)), "{after:#}");
+    let is_slip = |kind: &&str| ["names exchanged", "wrong order"].contains(kind);
+    assert!(!named.iter().any(is_slip), "{after:#}");
 }
 
 fn causes(after: &Value) -> impl Iterator<Item = &Value> {
@@ -169,18 +153,11 @@ fn exchanged(readings: &str, one: &str, other: &str) -> String {
 /// Whatever `separate` says of it: the second measurement shows which two names were exchanged.
 #[test]
 fn readings_saved_under_each_others_name_are_named_after_the_second_measurement() {
-    exchanged_names_are_named([["PPP", "NPP"], ["PPP", "PNP"], ["PPP", "PPN"]]);
-}
-
-#[test]
-fn exchanged_names_of_the_other_three_diagonals_are_named() {
-    exchanged_names_are_named([["NPP", "PNP"], ["NPP", "PPN"], ["PNP", "PPN"]]);
-}
-
-fn exchanged_names_are_named(pairs: [[&str; 2]; 3]) {
     let visit = as_found();
     let right = visit.read("readings.csv");
-    for [a, b] in pairs {
+    let with_ppp = ["NPP", "PNP", "PPN"].map(|name| ["PPP", name]);
+    let others = [["NPP", "PNP"], ["NPP", "PPN"], ["PNP", "PPN"]];
+    for [a, b] in with_ppp.into_iter().chain(others) {
         let after = judged_with(&visit, &exchanged(&right, a, b));
         let pair = format!("the readings of {a} and {b} of the first measurement were saved");
         let words = is_named(&after, "names exchanged", &pair);
@@ -194,29 +171,12 @@ fn exchanged_names_are_named(pairs: [[&str; 2]; 3]) {
     }
 }
 
-#[test]
-fn readings_under_their_own_names_leave_what_was_forecast() {
-    let visit = as_found();
-    let after = judged_with(&visit, &visit.read("readings.csv"));
-    assert_eq!(after["diagnosis"]["as_forecast"], true, "{after:#}");
-    assert!(kinds(&after).is_empty(), "{after:#}");
-}
-
 /// The closure cannot tell an order from exchanged names; what the machine does afterwards can.
 #[test]
 fn steps_in_another_order_are_told_from_exchanged_names_after_the_second_measurement() {
-    another_order_is_named(&["XZY", "YXZ", "YZX"]);
-}
-
-#[test]
-fn steps_that_begin_with_z_are_told_from_exchanged_names() {
-    another_order_is_named(&["ZXY", "ZYX"]);
-}
-
-fn another_order_is_named(orders: &[&str]) {
     let visit = as_found();
     let simulate = "simulate walked.toml --without-tables --noise-um 0.2 --runs 3 --seed 1";
-    for order in orders {
+    for order in ["XZY", "YXZ", "YZX", "ZXY", "ZYX"] {
         visit.put("walked.toml", visit.read("machine.toml"));
         visit.edit("walked.toml", "order = \"XYZ\"", &format!("order = \"{order}\""));
         visit.yes(&format!("{simulate} --force -o walked.csv"));
@@ -231,8 +191,8 @@ fn another_order_is_named(orders: &[&str]) {
         let readings: String = visit.read("walked.csv").lines().map(recorded).collect();
         let after = judged_with(&visit, &readings);
         assert_eq!(kinds(&after), ["wrong order"], "{order}: {after:#}");
-        let letters: Vec<String> = order.chars().map(String::from).collect();
-        let went = format!("the steps of the first measurement went {}", letters.join(", "));
+        let [a, b, c] = [0, 1, 2].map(|step| &order[step..=step]);
+        let went = format!("the steps of the first measurement went {a}, {b}, {c}");
         is_named(&after, "wrong order", &went);
     }
 }
@@ -242,7 +202,7 @@ fn another_order_is_named(orders: &[&str]) {
 fn names_exchanged_while_tables_were_active_are_named() {
     let visit = as_found();
     visit.yes("generate job.toml -o old");
-    visit.put("errors.csv", worn_out(&truth()));
+    visit.put("errors.csv", worn_out());
     measured(&visit, "--tables old", 5, ["readings.csv", "linear.csv"]);
     visit.edit("job.toml", "\"none\"", "\"old\"");
     let right = visit.read("readings.csv");
@@ -254,14 +214,13 @@ fn names_exchanged_while_tables_were_active_are_named() {
 }
 
 /// The golden machine years later: every error is larger by half.
-fn worn_out(truth: &str) -> String {
+fn worn_out() -> String {
     let worn = |(index, cell): (usize, &str)| match cell.parse::<f64>() {
         Ok(um) if index >= 2 => format!("{:.9}", 1.5 * um),
         _ => cell.to_string(),
     };
     let cells = |line: &str| line.split(',').enumerate().map(worn).collect::<Vec<_>>();
-    let row = |line: &str| cells(line).join(",") + "\n";
-    truth.lines().map(row).collect()
+    truth().lines().map(|line| cells(line).join(",") + "\n").collect()
 }
 
 /// Straight runs of a rehearsal: what they are stands on the page, and what they were predicted
@@ -303,11 +262,9 @@ fn with_lost_motion() -> String {
         for (direction, share) in [("+", 0.0), ("-", 1.0)] {
             for row in truth().lines().filter(|row| row.starts_with(axis)) {
                 let cells: Vec<&str> = row.split(',').collect();
-                text += &format!("{axis},{direction},{}", cells[1]);
-                for (cell, lost) in cells[2..].iter().zip(lost) {
-                    text += &format!(",{:.9}", cell.parse::<f64>().unwrap() + share * lost);
-                }
-                text.push('\n');
+                let um = |of: usize| cells[2 + of].parse::<f64>().unwrap() + share * lost[of];
+                let [x, y, z] = [0, 1, 2].map(um);
+                text += &format!("{axis},{direction},{},{x:.9},{y:.9},{z:.9}\n", cells[1]);
             }
         }
     }
@@ -323,12 +280,10 @@ fn lost_motion(found: &Value, axis: &str) -> f64 {
 
 #[test]
 fn a_visit_in_both_directions_takes_the_lost_motion_away() {
-    let campaign = Campaign {
-        program: "bidirectional = true\noverrun_mm = 0.0",
-        how: "overrun = false",
-        policy: "backlash = \"two-tables\"\n",
-    };
-    let visit = prepared(&golden("siemens-840d-sl"), &with_lost_motion(), &campaign);
+    let program = "bidirectional = true\noverrun_mm = 0.0";
+    let policy = "backlash = \"two-tables\"\n";
+    let campaign = [program, "overrun = false", policy];
+    let visit = prepared(&golden("siemens-840d-sl"), &with_lost_motion(), campaign);
     let lost = lost_motion(&visit.json("separate job.toml --trials 0"), "X");
     assert!((lost - 6.0).abs() < 0.5, "{lost}");
     visit.yes("generate job.toml -o kit");
@@ -352,11 +307,10 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         ("bidirectional = false", ""),
         ("bidirectional = true\noverrun_mm = 2.0", "overrun = true"),
     ] {
-        let campaign = |policy| Campaign { program, how, policy };
-        let visit = prepared(&job, &with_lost_motion(), &campaign(""));
+        let campaign = |policy| [program, how, policy];
+        let visit = prepared(&job, &with_lost_motion(), campaign(""));
         let found = visit.json("separate job.toml --trials 0");
-        let labels = found["labels"].to_string();
-        assert!(labels.contains("reversal of single axes from their linear"), "{labels}");
+        assert!(found["labels"].to_string().contains("reversal of single axes from their linear"));
         for (axis, lost) in [("X", 6.0), ("Y", 4.0), ("Z", 3.0)] {
             let b = lost_motion(&found, axis);
             assert!((b - lost).abs() < 0.6, "{axis}: {b}");
@@ -364,7 +318,7 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         assert!(!found["undetermined"].to_string().contains("reversal"), "{found:#}");
         // Without a word on it nothing is made: a mean would leave half of the lost motion.
         visit.run("generate job.toml -o kit").ends(2).says("`backlash` is not stated");
-        put_jobs(&visit, &job, &campaign("backlash = \"two-tables\"\n"));
+        put_jobs(&visit, &job, campaign("backlash = \"two-tables\"\n"));
         visit.yes("generate job.toml -o kit");
         let after = judged(&visit, "--tables kit");
         // The noise of B from place to place is loaded with it, and a forward run that mixes both
@@ -372,7 +326,7 @@ fn linear_axes_in_both_directions_tell_the_reversal() {
         assert_ne!(after["verdict"], "fail", "{after:#}");
         let left = number(&after["terms"]["EXX"]["after_um"]);
         assert!(left < 2.0, "6 um of lost motion were there: {left}");
-        put_jobs(&visit, &job, &campaign("backlash = \"mean\"\n"));
+        put_jobs(&visit, &job, campaign("backlash = \"mean\"\n"));
         let forecast = visit.json("generate job.toml -o mean");
         let left = number(&forecast["forecast"]["terms"]["EXX"]["after_um"]);
         assert!(left > 2.5, "the lost motion stays, and the forecast says so: {left}");
@@ -390,8 +344,7 @@ x = { alpha_per_k = 11.5e-6, temperature_c = 23.0 }
 y = { alpha_per_k = 10.0e-6 }
 ";
 const ANGLES: &str = "axis,position_mm,ea_urad,eb_urad,ec_urad
-x,0,0,0,0\nx,400,5,-8,12\ny,0,0,0,0\ny,300,4,3,-6
-";
+x,0,0,0,0\nx,400,5,-8,12\ny,0,0,0,0\ny,300,4,3,-6\n";
 
 /// Sign of the laser, expansion and angles: what `separate` takes off the readings of a job,
 /// `simulate` puts on the readings that it predicts for the same job.
@@ -457,13 +410,10 @@ fn rehearsed((folder, as_found_um, after_um): (&str, f64, f64)) -> Vec<f64> {
         visit.yes(&format!("{measure} --errors --seed 12 -o linear.csv"));
         visit.run("generate job.toml -o kit --force").answers();
         let forecast = &visit.document("kit/manifest.json")["forecast"];
-        figures.push(largest(forecast, "after_um"));
-        figures.push(largest(forecast, "expanded_um"));
+        figures.extend(["after_um", "expanded_um"].map(|key| largest(forecast, key)));
         figures.push(largest(&read("--tables kit", "0", 1, 0.0), "range_um"));
-        for kelvin in [0.0, 0.5, 1.0] {
-            let scale = 11.5 * kelvin;
-            figures.push(largest(&read("--tables kit", noise, 13, scale), "read_range_um"));
-        }
+        let warmer = |kelvin: f64| read("--tables kit", noise, 13, 11.5 * kelvin);
+        figures.extend([0.0, 0.5, 1.0].map(|kelvin| largest(&warmer(kelvin), "read_range_um")));
     }
     figures.push(after_um);
     figures

@@ -56,8 +56,8 @@ impl Machine {
                 table += &format!("{key},{position:?},{}\n", cells.join(","));
             }
             let (low, high) = (positions[0], positions[positions.len() - 1]);
-            page += &format!("[machine.axes.{key}]\ntravel_mm = [{low:?}, {high:?}]\n");
-            page += &format!("reference_mm = {low:?}\n");
+            let travel = format!("travel_mm = [{low:?}, {high:?}], reference_mm = {low:?}");
+            page += &format!("axes.{key} = {{ {travel} }}\n");
         }
         page += &format!("[measurement]\nerrors = \"e.csv\"\n{}\n", self.measurement);
         volume(&format!("{page}[compensation]\ncontroller = \"generic\"\n"), &table)
@@ -79,13 +79,8 @@ fn volume(job: &str, table: &str) -> VolumeModel {
     VolumeModel::build(&job, &ErrorModel::build(&job, &table).expect("a model")).expect("a volume")
 }
 
-/// Place of an axis in X, Y, Z.
-fn index(axis: Axis) -> usize {
-    Axis::ALL.iter().position(|a| *a == axis).unwrap()
-}
-
 fn per_axis(xyz: [f64; 3]) -> PerAxis<f64> {
-    PerAxis::from_fn(|axis| xyz[index(axis)])
+    PerAxis::from_fn(|axis| xyz[axis as usize])
 }
 
 /// All figures at some nodes.
@@ -117,7 +112,7 @@ fn by_matrices(machine: &Machine, node: [usize; 3]) -> PerAxis<f64> {
     let mut chain = Matrix4::identity();
     let mut nominal = TOOL;
     for axis in machine.chain.order() {
-        let own = index(axis);
+        let own = axis as usize;
         let arm = machine.positions[axis][node[own]] - OFFSETS[own];
         let travel = translation(axis_vector(axis, arm));
         let error = error_matrix(machine.row(axis, node[own]));
@@ -133,7 +128,7 @@ fn largest_gap(machine: &Machine) -> f64 {
     let model = machine.model();
     let mut largest = 0.0_f64;
     for node in (0..27).map(|n| [n / 9, n / 3 % 3, n % 3]) {
-        let place = PerAxis::from_fn(|axis| machine.positions[axis][node[index(axis)]]);
+        let place = PerAxis::from_fn(|axis| machine.positions[axis][node[axis as usize]]);
         let gap = model.error_at(place).minus(by_matrices(machine, node));
         largest = largest.max(gap.length());
     }
@@ -145,23 +140,17 @@ fn every_chain_agrees_with_matrices_to_second_order() {
     let mut numbers = Numbers(1);
     for chain in Chain::all() {
         let mut machine = Machine::random(chain, &mut numbers, 3, 100.0);
-        let [x, y, z] = OFFSETS;
-        let [tx, ty, tz] = TOOL;
-        machine.measurement = format!(
-            "offsets_mm = {{ x = {x}, y = {y}, z = {z} }}\ntool_offset_mm = {{ x = {tx}, y = {ty}, z = {tz} }}"
-        );
-        let tables = Axis::ALL.into_iter().filter(|axis| chain.moves_workpiece(*axis));
-        let optics: Vec<String> =
-            tables.map(|axis| format!("{} = {}", axis.key(), OFFSETS[index(axis)])).collect();
-        if !optics.is_empty() {
+        for axis in Axis::ALL {
+            let (key, offset, tool) = (axis.key(), OFFSETS[axis as usize], TOOL[axis as usize]);
             machine.measurement +=
-                &format!("\nstraightness_optic_mm = {{ {} }}\n", optics.join(", "));
+                &format!("offsets_mm.{key} = {offset}\ntool_offset_mm.{key} = {tool}\n");
+            if chain.moves_workpiece(axis) {
+                machine.measurement += &format!("straightness_optic_mm.{key} = {offset}\n");
+            }
         }
         let mut tenth = machine.clone();
         for axis in Axis::ALL {
-            for row in &mut tenth.values[axis] {
-                *row = row.map(|v| v / 10.0);
-            }
+            tenth.values[axis].iter_mut().flatten().for_each(|value| *value /= 10.0);
         }
         let (whole, tenth) = (largest_gap(&machine), largest_gap(&tenth));
         assert!(whole > 1e-3, "{chain}: the test must see second order, {whole}");
@@ -205,10 +194,10 @@ fn figure_2_comes_out_in_every_chain() {
             let mut last = [0.0; 6];
             for (direction, row) in FIGURE_2.iter().enumerate() {
                 let lines = squareness.iter().filter(|s| s.0 == direction && s.1 == role);
-                last[index(order[direction])] = row[role] + lines.map(|s| s.2).sum::<f64>();
+                last[order[direction] as usize] = row[role] + lines.map(|s| s.2).sum::<f64>();
             }
             for (rotation, urad) in angles.iter().filter(|(r, _)| r.along == along) {
-                last[3 + index(rotation.about)] = *urad;
+                last[3 + rotation.about as usize] = *urad;
             }
             vec![[0.0; 6], last]
         });
@@ -224,7 +213,6 @@ fn figure_2_comes_out_in_every_chain() {
     }
 }
 
-/// Machine H goes through figure 2 at (9, 3.5, 1.35) m, term by term.
 #[test]
 fn machine_h_goes_through_figure_2() {
     let volume = volume(&fixture("machine_h/job.toml"), &fixture("machine_h/errors.csv"));
@@ -271,7 +259,7 @@ fn other_names_of_the_axes_are_the_same_machine() {
         let named = figures(&machine.model(), &machine.model().own_nodes());
         for permutation in permutations {
             let even = matches!(permutation, [1, 2, 0] | [2, 0, 1]);
-            let renamed = |axis: Axis| Axis::ALL[permutation[index(axis)]];
+            let renamed = |axis: Axis| Axis::ALL[permutation[axis as usize]];
             let text: String = chain
                 .to_string()
                 .chars()
@@ -281,15 +269,14 @@ fn other_names_of_the_axes_are_the_same_machine() {
             other.chain = Chain::parse(&text).unwrap();
             for axis in Axis::ALL {
                 other.positions[renamed(axis)] = machine.positions[axis].clone();
-                let turned = machine.values[axis].iter().map(|row| {
-                    let mut new = [0.0; 6];
-                    for k in 0..3 {
-                        new[permutation[k]] = row[k];
-                        new[3 + permutation[k]] = if even { row[3 + k] } else { -row[3 + k] };
+                let mut turned = machine.values[axis].clone();
+                for (new, row) in turned.iter_mut().zip(&machine.values[axis]) {
+                    for (k, to) in permutation.into_iter().enumerate() {
+                        new[to] = row[k];
+                        new[3 + to] = if even { row[3 + k] } else { -row[3 + k] };
                     }
-                    new
-                });
-                other.values[renamed(axis)] = turned.collect();
+                }
+                other.values[renamed(axis)] = turned;
             }
             let again = figures(&other.model(), &other.model().own_nodes());
             assert!((again.va.um - named.va.um).abs() < 1e-9, "{chain} {permutation:?}");
@@ -317,9 +304,7 @@ fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
             let lever = PerAxis::from_fn(|a| if carried.contains(&a) { shift[a] } else { 0.0 });
             for row in &mut moved.values[axis] {
                 let more = per_axis([row[3], row[4], row[5]]).cross(lever).times(1e-3);
-                row[0] += more.x;
-                row[1] += more.y;
-                row[2] += more.z;
+                Axis::ALL.into_iter().for_each(|of| row[of as usize] += more[of]);
             }
         }
         let (model, other) = (machine.model(), moved.model());
@@ -350,26 +335,25 @@ fn the_figures_keep_their_order_and_the_parts_their_sum() {
         let d = figures(&model, &own);
         let widest = d.ranges_um.x.max(d.ranges_um.y).max(d.ranges_um.z);
         let room = 1e-9;
-        assert!(widest <= d.va.um + room, "{chain}");
-        assert!(d.va.um <= d.box_um + room, "{chain}");
-        assert!(d.length.um <= d.va.um + room, "{chain}");
-        assert!(d.from_origin_um <= d.va.um + room, "{chain}: the origin is a node");
-        assert!(d.va.um <= 2.0 * d.from_origin_um + room, "{chain}");
+        // The origin is a node.
+        for um in [widest, d.length.um, d.from_origin_um] {
+            assert!(um <= d.va.um + room, "{chain}: {um}, VA {}", d.va.um);
+        }
+        assert!(d.va.um <= d.box_um.min(2.0 * d.from_origin_um) + room, "{chain}");
         for (diagonal, um) in d.diagonals_um.iter() {
             assert!(*um <= d.va.um + room, "{chain} {diagonal}");
         }
         let along = d.va.difference_um.times(1.0 / d.va.um);
         let [p, q] = d.va.places_mm;
-        let parts = model.components().into_iter().map(|component| {
-            let only = |other: Component| other == component;
-            model.part_at(p, only).minus(model.part_at(q, only)).dot(along)
-        });
-        let sum: f64 = parts.sum();
+        let part = |component: Component| {
+            let [p, q] = [p, q].map(|place| model.part_at(place, |other| other == component));
+            p.minus(q).dot(along)
+        };
+        let sum: f64 = model.components().into_iter().map(part).sum();
         assert!((sum - d.va.um).abs() < 1e-9, "{chain}: {sum} {}", d.va.um);
     }
 }
 
-/// Terms that have no effect without a tool offset, and have one with it.
 #[test]
 fn four_angles_need_a_tool_offset() {
     let mut numbers = Numbers(5);
@@ -382,8 +366,7 @@ fn four_angles_need_a_tool_offset() {
                 let map = model.map_of(&nodes, |c| c != Component::Rotation(rotation)).unwrap();
                 whole.points().zip(map.points()).all(|(a, b)| a.1.minus(b.1).length() < 1e-12)
             };
-            let idle = Rotation::all().filter(|r| chain.effects(*r).is_empty());
-            idle.filter(|r| same(*r)).count()
+            Rotation::all().filter(|r| chain.effects(*r).is_empty() && same(*r)).count()
         };
         assert_eq!(silent(&machine.model()), 4, "{chain}");
         machine.measurement = "tool_offset_mm = { x = 200.0, y = 300.0, z = 400.0 }".to_string();
@@ -396,9 +379,8 @@ fn four_angles_need_a_tool_offset() {
 fn a_machine_without_angles_says_what_it_leaves_out() {
     let table = "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,800,1,2,3\ny,0,0,0,0\ny,600,1,2,3\nz,0,0,0,0\nz,500,1,2,3\n";
     let mut job = "schema = 1\n[machine]\nname = \"M\"\n".to_string();
-    for (axis, high, reference) in [("x", 900.0, 0.0), ("y", 600.0, 0.0), ("z", 500.0, 100.0)] {
-        job += &format!("[machine.axes.{axis}]\ntravel_mm = [0.0, {high:?}]\n");
-        job += &format!("reference_mm = {reference:?}\n");
+    for (axis, high, at) in [("x", 900, 0), ("y", 600, 0), ("z", 500, 100)] {
+        job += &format!("axes.{axis} = {{ travel_mm = [0, {high}], reference_mm = {at} }}\n");
     }
     job += "[measurement]\nerrors = \"e.csv\"\n[compensation]\ncontroller = \"generic\"\n";
     let volume = volume(&job, table);
