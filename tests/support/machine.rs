@@ -169,6 +169,14 @@ pub(crate) struct MachineAxis {
     pub(crate) interpolated: bool,
 }
 
+impl MachineAxis {
+    /// The travel in so many equal parts.
+    pub(crate) fn parts(&self, count: u32) -> impl Iterator<Item = f64> {
+        let (low, length) = (self.low, self.high - self.low);
+        (0..=count).map(move |part| low + length * f64::from(part) / f64::from(count))
+    }
+}
+
 /// A generated machine, its job and its error table.
 pub(crate) struct Machine {
     pub(crate) axes: Vec<MachineAxis>,
