@@ -8,7 +8,6 @@ mod kits_on_disk;
 mod old_plus_residual;
 mod read_outs;
 mod siemens_control;
-mod what_acted;
 
 use crate::support;
 use crate::support::{Random, control, generate, inputs, response, um_at, words};
