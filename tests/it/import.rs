@@ -319,7 +319,8 @@ fn squareness_has_the_sign_of_the_contract() {
     let found: Vec<_> = imported.squareness.iter().map(|s| (s.pair, s.um_per_m)).collect();
     assert_eq!(found, [("xy", -1.0), ("xz", 2.0), ("yz", -3.0)]);
     let mut kinds = imported.findings.iter().filter_map(|found| found.kind());
-    let is_it = |kind| matches!(kind, &ImportFinding::LeftOut { ref name, .. } if name == "X0Y");
+    let is_it =
+        |kind: &ImportFinding| matches!(kind, ImportFinding::LeftOut { name, .. } if name == "X0Y");
     assert!(kinds.any(is_it));
 }
 

@@ -98,7 +98,7 @@ fn table(case: &Case, waves: &[Wave; 4], reversal: f64, step: f64) -> String {
                 ("+", "-") => -reversal,
                 _ => 0.0,
             };
-            let (of_x, of_y) = if axis == "x" { (lost, 0.0) } else { (0.0, lost) };
+            let [of_x, of_y] = ["x", "y"].map(|own| if own == axis { lost } else { 0.0 });
             for n in 0..=(TRAVEL / step).round() as usize {
                 let x = n as f64 * step;
                 let (ex, ey) = (ex.at(x) + of_x, ey.at(x) + of_y);
