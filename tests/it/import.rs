@@ -2,6 +2,7 @@
 //!
 //! What is refused stands in `fixtures/cases/refuses/import*.txt`.
 use crate::support::visit::{fixture, replaced};
+use crate::support::words;
 use encoding_rs::{Encoding, GBK, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 use nonius::control::controller::TableSign;
 use nonius::inputs::error_table::{ErrorTable, write};
@@ -36,8 +37,7 @@ fn run(
     encoding: Option<&'static Encoding>,
 ) -> Result<Imported, Problems> {
     let bytes = file.as_ref();
-    let file = Measurement { path: name, name, sha256: &sha256(bytes), bytes };
-    import(file, None, encoding, stated)
+    import(Measurement { path: name, name, sha256: &sha256(bytes), bytes }, None, encoding, stated)
 }
 
 #[track_caller]
@@ -136,10 +136,8 @@ fn every_format_becomes_the_table_that_was_checked() {
 fn pos_refused(from: &str, to: &str, stated: &Stated) -> String {
     let text = file(POS);
     assert!(text.contains(from), "{from}");
-    run(POS, text.replacen(from, to, 1), stated, None)
-        .map(|imported| panic!("it is read: {}", imported.text))
-        .unwrap_err()
-        .to_string()
+    let found = run(POS, text.replacen(from, to, 1), stated, None).map(|imported| imported.text);
+    found.unwrap_err().to_string()
 }
 
 #[test]
@@ -209,11 +207,8 @@ fn a_straightness_keeps_its_sense_when_the_targets_run_the_other_way() {
     let expected = "axis,position_mm,ex_um,ey_um\nx,-100,-3,4\nx,0,-1,2";
     let text = becomes("s.csv", "t;e;s\n0;1;2\n100;3;4\n", &stated, expected);
     // What was turned is said of that column only.
-    let sense: Vec<&str> = text.lines().filter(|l| l.contains("sense:")).collect();
-    assert_eq!(
-        sense,
-        ["# sense: the file counts its targets against the axis, so EXX is turned as well"]
-    );
+    let sense: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("# sense: ")).collect();
+    assert_eq!(sense, ["the file counts its targets against the axis, so EXX is turned as well"]);
 }
 
 #[test]
@@ -236,13 +231,10 @@ fn spelling_of_the_header_does_not_matter() {
 
 #[test]
 fn ten_targets_fill_two_lines_of_five() {
-    let targets: Vec<String> = (0..10).map(|n| format!("{}", n * 10)).collect();
-    let deviations: Vec<String> = (1..=10).map(|n| format!("1 {n} {n}.5")).collect();
+    let targets = "0  10  20  30  40\n50  60  70  80  90";
+    let deviations: String = (1..=10).map(|n| format!("1 {n} {n}.5\n")).collect();
     let text = format!(
-        "HEADER::\nTARGET DATA::\nTarget-count: 10\nTargets :\n{}\n{}\nFlags: 0 1 2 0\nRUNS::\nRun-count: 1\nDEVIATIONS::\nRun Target Data:\n{}\nEOF::\n",
-        targets[..5].join("  "),
-        targets[5..].join("  "),
-        deviations.join("\n")
+        "HEADER::\nTARGET DATA::\nTarget-count: 10\nTargets :\n{targets}\nFlags: 0 1 2 0\nRUNS::\nRun-count: 1\nDEVIATIONS::\nRun Target Data:\n{deviations}EOF::\n"
     );
     let text = rows(&table("ten.rtl", text, &laser(0.0, Direction::Plus)));
     assert_eq!(text.lines().count(), 11);
@@ -253,9 +245,10 @@ fn ten_targets_fill_two_lines_of_five() {
 fn fields_of_the_user_text_may_share_a_line() {
     let shared = rtl("0001\r\nDate", "0001 Date");
     let shared = replaced(&shared, "By:example\r\nAxis:X", "By:example Axis:X");
-    let said = ["Serial No: 0001", "By: example", "Axis: X"];
-    let said = said.map(|field| format!("# the file says: {field}\n"));
-    holds(&table(RTL, shared, &of_rtl()), &said.each_ref().map(String::as_str), "");
+    let text = table(RTL, shared, &of_rtl());
+    for field in ["Serial No: 0001", "By: example", "Axis: X"] {
+        holds(&text, &[&format!("# the file says: {field}\n")], "");
+    }
 }
 
 #[test]
@@ -323,12 +316,12 @@ fn other_encodings_are_read_where_they_are_stated() {
 fn squareness_has_the_sign_of_the_contract() {
     let text = "C0Y B0Z A0Z X0Y\n1e-6 2e-6 3e-6 0.5\n#\nY EYY\n0 0\n100 0.001\n";
     let imported = run("s.csv", text, &signed(TableSign::AsError), None).unwrap();
-    let found: Vec<(&str, f64)> =
-        imported.squareness.iter().map(|s| (s.pair, s.um_per_m)).collect();
+    let found: Vec<_> = imported.squareness.iter().map(|s| (s.pair, s.um_per_m)).collect();
     assert_eq!(found, [("xy", -1.0), ("xz", 2.0), ("yz", -3.0)]);
-    let left =
+    let mut kinds = imported.findings.iter().filter_map(|found| found.kind());
+    let is_it =
         |kind: &ImportFinding| matches!(kind, ImportFinding::LeftOut { name, .. } if name == "X0Y");
-    assert!(imported.findings.iter().any(|f| f.kind().is_some_and(left)));
+    assert!(kinds.any(is_it));
 }
 
 #[test]
@@ -342,14 +335,12 @@ fn the_source_is_found_in_the_comments_only() {
 
 /// Reversal B = mean of + less mean of −, µm.
 fn reversal_um(table: &str) -> f64 {
-    let mean = |direction: &str| {
-        let begin = format!("x,{direction},");
-        let own = table.lines().filter(|row| row.starts_with(&begin));
-        let values: Vec<f64> =
-            own.map(|row| row.split(',').nth(3).unwrap().parse().unwrap()).collect();
-        values.iter().sum::<f64>() / values.len() as f64
+    let mean = |begin: &str| {
+        let own = table.lines().filter(|row| row.starts_with(begin));
+        let value = |row: &str| row.split(',').nth(3).unwrap().parse::<f64>().unwrap();
+        own.clone().map(value).sum::<f64>() / own.count() as f64
     };
-    mean("+") - mean("-")
+    mean("x,+,") - mean("x,-,")
 }
 
 /// A number beyond all numbers is none (found by fuzzing: "inf °C").
@@ -439,8 +430,7 @@ fn the_expansion_of_the_material_is_said_where_it_counts() {
     let notes = |corrected: MaterialCorrected, file: &str| {
         let stated = Stated { material_corrected: Some(corrected), ..of_rtl() };
         let found = run(RTL, file, &stated, None).unwrap().findings;
-        let notes = of_severity(&found, Severity::Note);
-        notes.iter().map(ToString::to_string).collect::<Vec<_>>()
+        words(&of_severity(&found, Severity::Note))
     };
     let warm = at("35.00 35.00 35.00");
     let reversal = notes(MaterialCorrected::Yes, &warm);

@@ -1,12 +1,11 @@
 //! Lists of captures into a form: all of them, one too few, one too many, of diagonals and of one axis.
-use crate::support::skipped;
-use crate::support::visit::{Visit, fixture};
+use crate::support::tree::skipped;
+use crate::support::visit::{Visit, fixture, fixtures};
 use nonius::inputs::import::stated::{Counting, Stated};
 use nonius::inputs::import::{List, Measurement, fill};
 use nonius::quantity::diagonal::Diagonal;
 use nonius::text::document::Source;
 use std::fs::read_to_string;
-use std::path::Path;
 
 /// The captures of case D in the order in which they are taken: three runs forth and back, scatter 0.2 µm.
 /// Each with what stands before its value in a form.
@@ -42,8 +41,7 @@ fn fill_form(
 ) -> Result<String, String> {
     let (path, name, sha256) = ("list.txt", "list.txt", "0");
     let file = |text| Measurement { path, name, sha256, bytes: str::as_bytes(text) };
-    let lists = lists.iter().map(|(diagonal, text)| (*diagonal, file(text)));
-    let lists: Vec<List<'_>> = lists.collect();
+    let lists: Vec<List<'_>> = lists.iter().map(|(of, text)| (*of, file(text))).collect();
     let columns = Some(format!("#1={column}"));
     let stated = Stated { columns, captures: Some(counting), ..Stated::default() };
     let form = Source::from_bytes("form.csv", form.as_bytes()).unwrap();
@@ -128,10 +126,10 @@ fn with_displacements_every_missing_or_doubled_capture_is_named() {
     let node = |cells: &String| cells.split(',').nth(3).unwrap().parse::<usize>().unwrap();
     // Projections of steps of 90, 72 and 72 mm on the diagonal of the box.
     let (steps, length) = ([90.0, 72.0, 72.0_f64], 900.0_f64.hypot(720.0).hypot(720.0));
-    let nominal =
-        |node: usize| (0..node).map(|k| steps[k % 3] * steps[k % 3] * 10.0 / length).sum::<f64>();
-    let whole: Vec<f64> =
-        cells.iter().zip(&values).map(|(cells, um)| nominal(node(cells)) + um / 1000.0).collect();
+    let way = |step: usize| steps[step % 3] * steps[step % 3] * 10.0 / length;
+    let nominal = |cells: &String| (0..node(cells)).map(way).sum::<f64>();
+    let whole = cells.iter().zip(&values).map(|(cells, um)| nominal(cells) + um / 1000.0);
+    let whole: Vec<f64> = whole.collect();
     for place in (0..whole.len()).step_by(3) {
         let filled = |own: &[f64]| filled(own, Counting::Cumulative, "displacement_mm");
         let said = filled(&without(&whole, place)).unwrap_err();
@@ -139,8 +137,8 @@ fn with_displacements_every_missing_or_doubled_capture_is_named() {
         let mut values = whole.clone();
         values.insert(place, whole[place] + 0.000_1);
         let said = filled(&values).unwrap_err();
-        let named =
-            [place + 1, place + 2].iter().any(|value| said.contains(&format!("value {value}")));
+        let named = |value: usize| said.contains(&format!("value {value}"));
+        let named = named(place + 1) || named(place + 2);
         assert!(named && said.contains("more than 10⁹ : 1"), "{place}: {said}");
     }
 }
@@ -180,11 +178,8 @@ fn what_lists_do_not_carry_has_to_be_stated() {
 /// Real bidirectional runs of a stage, as a list in the order of its captures.
 #[test]
 fn a_list_of_a_real_axis_misses_the_capture_that_was_taken_out() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let Ok(table) = read_to_string(path.join("../shared/data/iso230-2/iso230_2_ess_b02_x.csv"))
-    else {
-        return skipped::skipped();
-    };
+    let path = fixtures("../../shared/data/iso230-2/iso230_2_ess_b02_x.csv");
+    let Ok(table) = read_to_string(path) else { return skipped("../shared is not here") };
     let rows = table.lines().filter(|line| !line.starts_with(['#', 'i']));
     let rows: Vec<Vec<f64>> =
         rows.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();

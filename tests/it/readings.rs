@@ -249,12 +249,10 @@ fn with(more: Vec<String>) -> String {
 #[test]
 fn a_way_back_that_counts_along_the_forward_run_keeps_the_forward_name() {
     let straight = measurement(PathKind::Straight);
-    refused(
-        &there_and_back(&straight, 1.0, -1.0),
-        &straight,
-        "NNN run 1 forward, node 1: the displacement is -67.949 mm, expected about 67.949 mm",
-        "a run named NNN counts along its own travel",
-    );
+    let text = there_and_back(&straight, 1.0, -1.0);
+    let says =
+        "NNN run 1 forward, node 1: the displacement is -67.949 mm, expected about 67.949 mm";
+    refused(&text, &straight, says, "a run named NNN counts along its own travel");
 }
 
 /// Displacements tell the order of the steps by millimetres.
@@ -263,12 +261,10 @@ fn displacements_of_steps_in_another_order_are_refused_with_that_order() {
     let measurement = measurement(PathKind::Step);
     let mut walked = measurement.clone();
     walked.volume.order = [Axis::Y, Axis::X, Axis::Z];
-    refused(
-        &displacements(&walked, |mm| mm),
-        &measurement,
-        "PPP run 1 forward, node 1: the displacement is",
-        "this is what steps that went Y, X, Z read: check `order` in the job",
-    );
+    let text = displacements(&walked, |mm| mm);
+    let says = "PPP run 1 forward, node 1: the displacement is";
+    let help = "this is what steps that went Y, X, Z read: check `order` in the job";
+    refused(&text, &measurement, says, help);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Files that other people's instruments and CAM systems wrote, read where they lie beside the
 //! repository: what is understood of each, and which are refused for which reason.
-use crate::support::tree;
 use crate::support::visit::{Visit, fixtures};
+use crate::support::{tree, words as said_of};
 use nonius::control::controller::TableSign;
 use nonius::inputs::import::stated::{MaterialCorrected, Rows, Stated};
 use nonius::inputs::import::{Component, Imported, Measurement, import};
@@ -10,7 +10,6 @@ use nonius::quantity::axis::{Axis, Direction};
 use nonius::text::finding::{Severity, of_severity};
 use nonius::text::problem::Problems;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -24,9 +23,6 @@ fn files(folder: &str) -> Option<BTreeMap<String, PathBuf>> {
     let named = paths.map(|path| (path.file_name().unwrap().to_str().unwrap().to_string(), path));
     Some(named.filter(|(name, _)| !name.ends_with(".tsv")).collect())
 }
-
-// ---------------------------------------------------------------------------------------------
-// Laser exports
 
 /// What a person has to state for each of the four.
 fn stated(name: &str) -> Stated {
@@ -65,17 +61,14 @@ fn understood(imported: &Imported) -> String {
         let (first, last) = (series.positions_mm[0], *series.positions_mm.last().unwrap());
         let way = series.direction.map_or("both", Direction::symbol);
         let count = series.positions_mm.len();
-        writeln!(words, "{} {way}: {count} points, {first} … {last} mm", series.axis).unwrap();
+        words += &format!("{} {way}: {count} points, {first} … {last} mm\n", series.axis);
     }
     let told = ["unit", "values:", "rows:", "runs:", "not measured"];
-    for fact in of_severity(&imported.findings, Severity::Label).iter().map(ToString::to_string) {
-        if told.iter().any(|t| fact.starts_with(t)) {
-            writeln!(words, "{fact}").unwrap();
-        }
-    }
-    for warning in of_severity(&imported.findings, Severity::Note) {
-        let warning = warning.to_string();
-        writeln!(words, "warning: {}", warning.split([':', '(']).next().unwrap()).unwrap();
+    let facts = said_of(&of_severity(&imported.findings, Severity::Label)).into_iter();
+    let facts = facts.filter(|fact| told.iter().any(|told| fact.starts_with(told)));
+    words.extend(facts.map(|fact| fact + "\n"));
+    for warning in said_of(&of_severity(&imported.findings, Severity::Note)) {
+        words += &format!("warning: {}\n", warning.split([':', '(']).next().unwrap());
     }
     words
 }
@@ -86,7 +79,7 @@ fn laser_exports_are_read_as_they_are() {
     let mut words = String::new();
     for (name, path) in &files {
         let imported = imported(path, &stated(name)).unwrap_or_else(|p| panic!("{name}: {p}"));
-        writeln!(words, "{name}\n{}", understood(&imported)).unwrap();
+        words += &format!("{name}\n{}\n", understood(&imported));
     }
     insta::assert_snapshot!(words);
 }
@@ -104,9 +97,6 @@ fn of_a_laser_export_nothing_is_guessed() {
         assert_eq!(contradicts, turned.rows != Some(Rows::Averages), "{name}");
     }
 }
-
-// ---------------------------------------------------------------------------------------------
-// Part programs
 
 /// A machine with so much travel that no program leaves it.
 fn machine() -> Visit {

@@ -4,12 +4,8 @@ use crate::support::visit::{fixture, fixtures};
 use crate::support::{self, Lines, tree};
 use nonius::control::controller::{Dialect, builtin};
 use nonius::control::table::Tables;
-use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
+use nonius::control::table::fanuc::ParameterValue;
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
-use std::fmt::Write;
-
-// ---------------------------------------------------------------------------------------------
-// Three real stages
 
 /// Detection unit of the Fanuc jobs, µm.
 const UNIT_UM: f64 = 0.1;
@@ -25,9 +21,8 @@ struct Stage {
 impl Stage {
     /// `None` where the measured data do not lie beside the repository.
     fn read(axis: &str) -> Option<Stage> {
-        let path = fixtures("../../shared/data/iso230-2");
-        let text =
-            std::fs::read_to_string(path.join(format!("iso230_2_ess_b02_{axis}.csv"))).ok()?;
+        let path = fixtures(&format!("../../shared/data/iso230-2/iso230_2_ess_b02_{axis}.csv"));
+        let text = std::fs::read_to_string(path).ok()?;
         let rows = text.lines().filter(|line| !line.starts_with(['#', 'i']));
         let cells = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
         let rows: Vec<Vec<f64>> = rows.map(cells).collect();
@@ -86,11 +81,11 @@ fn stages() -> Option<Vec<(Axis, Stage)>> {
 fn errors_csv(stages: &[(Axis, Stage)]) -> String {
     let mut csv = String::from("axis,direction,position_mm,ex_um,ey_um,ez_um\n");
     for (axis, stage) in stages {
+        let before = ",".repeat(Axis::ALL.iter().position(|of| of == axis).unwrap());
         for (sign, lines) in [("+", &stage.up), ("-", &stage.down)] {
             for (x, um) in lines.mm.iter().zip(&lines.um) {
-                let cells =
-                    Axis::ALL.map(|of| if of == *axis { format!("{um:?}") } else { "".into() });
-                writeln!(csv, "{},{sign},{x:?},{}", axis.key(), cells.join(",")).unwrap();
+                let cells = format!("{before}{um:?}{}", &",,"[before.len()..]);
+                csv += &format!("{},{sign},{x:?},{cells}\n", axis.key());
             }
         }
     }
@@ -105,10 +100,8 @@ fn job(stages: &[(Axis, Stage)], controller: &str, policy: &str) -> String {
 }
 
 fn job_with(stages: &[(Axis, Stage)], controller: &str, policy: &str, parts: f64) -> String {
-    let unit = match support::needs_unit(controller) {
-        true => format!("detection_unit_um = {UNIT_UM:?}\n"),
-        false => String::new(),
-    };
+    let unit = format!("detection_unit_um = {UNIT_UM:?}\n");
+    let unit = if support::needs_unit(controller) { &unit[..] } else { "" };
     // The stages are short and steep: up to 8 µm on 1 mm.
     let mut job = format!(
         "schema = 1\n[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n\
@@ -147,13 +140,6 @@ fn left_by_steps(stage: &Stage, count: f64, tables: [(&[f64], f64); 2]) -> f64 {
         }
     }
     left
-}
-
-fn magnification(memory: &FanucMemory, axis: u32) -> f64 {
-    match memory.parameter(3623, Some(axis)) {
-        Some(ParameterValue::Integer(value)) => value as f64,
-        other => panic!("3623 of axis {axis} is {other:?}"),
-    }
 }
 
 /// Largest error of the forecast's figures: they are sums of a few rounded numbers.
@@ -199,7 +185,11 @@ fn check_stages(stages: &[(Axis, Stage)], id: &str, policy: &str) {
                 (ideal, HALF_COUNT_UM)
             }
             (Dialect::Fanuc(_), Tables::Fanuc(memory)) => {
-                let count = UNIT_UM * magnification(memory, number);
+                let Some(ParameterValue::Integer(times)) = memory.parameter(3623, Some(number))
+                else {
+                    panic!("no 3623 of axis {number}");
+                };
+                let count = UNIT_UM * times as f64;
                 let fine = stage.halved();
                 let [up, down] = fine.relative();
                 let pairs = up.iter().zip(&down);
@@ -266,9 +256,6 @@ fn the_emulated_stages_stand_where_they_should() {
         }
     }
 }
-
-// ---------------------------------------------------------------------------------------------
-// The nine errors of the 900 mm machine
 
 /// Range of every body diagonal as measured, µm, from an independent simulation.
 const DIAGONALS_UM: [(&str, f64); 4] =

@@ -12,13 +12,10 @@ fn kit(profile: &str) -> Kit {
 
 /// Control characters made visible; the line end of a file stays a line end.
 fn visible(bytes: &[u8]) -> String {
+    let units = bytes.chunks_exact(2).map(|two| u16::from_le_bytes([two[0], two[1]]));
     let text = match bytes.contains(&0) {
         false => String::from_utf8(bytes.to_vec()).unwrap(),
-        true => {
-            let units = bytes.chunks(2).map(|two| u16::from_le_bytes([two[0], two[1]]));
-            let text: String = char::decode_utf16(units).map(Result::unwrap).collect();
-            format!("UTF-16LE\n{text}")
-        }
+        true => format!("UTF-16LE\n{}", String::from_utf16(&units.collect::<Vec<_>>()).unwrap()),
     };
     text.replace("\n\r\r", "␊␍␍¶").replace("\r\n", "␍␊¶").replace('\r', "␍").replace('¶', "\n")
 }

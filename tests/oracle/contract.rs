@@ -4,9 +4,8 @@
 //!   machine of the test ─→ job and error table (text) ─→ kit (bytes) ─→ emulated control
 //!         └──────────────── deviation ──────── + ──────── correction ────────┘  ≤ bound
 //! ```
-//! Deviations are evaluated by the test itself: straight lines with code of its own, cubics
-//! through the public curve; zero, mean of both directions and reversal are computed here once
-//! more. So a change of sign in the program cannot cancel itself.
+//! Deviations, zero, mean and reversal are the test's own (tests/support/machine.rs), so a change of sign
+//! in the program cannot cancel itself.
 mod case;
 mod fanuc_numbers;
 mod forecast;
@@ -14,7 +13,7 @@ mod one_way;
 
 use crate::support;
 use crate::support::machine::{Machine, machine};
-use crate::support::um_at;
+use crate::support::{control, loaded, um_at, with_signs_turned};
 use case::Case;
 use fanuc_numbers::numbers_are_legal;
 use forecast::{diagonals_hold, forecast_holds};
@@ -22,6 +21,7 @@ use nonius::control::controller::{Profile, builtin};
 use nonius::control::table::Tables;
 use nonius::quantity::axis::{Direction, ErrorTerm};
 use one_way::cancels;
+use std::collections::BTreeMap;
 
 /// The machines for each profile: 72 where `NONIUS_SIMULATIONS` is set, else every fourth, one of each four.
 fn seeds() -> Vec<usize> {
@@ -31,12 +31,11 @@ fn seeds() -> Vec<usize> {
 
 /// (f) A term without a table gets exactly nothing.
 fn has_no_effect(case: &Case<'_>, term: ErrorTerm) {
-    let axis = case.machine.axis(term.along);
     for (base, output) in case.machine.pairs(term) {
         for direction in Direction::BOTH {
             let response = support::response(case.control, base, output, direction);
-            for i in 0..=20 {
-                let um = um_at(&response, axis.low + (axis.high - axis.low) * f64::from(i) / 20.0);
+            for x in case.machine.axis(term.along).parts(20) {
+                let um = um_at(&response, x);
                 assert!(um.to_bits() << 1 == 0, "{} {term}: {um} µm", case.profile.id);
             }
         }
@@ -46,14 +45,11 @@ fn has_no_effect(case: &Case<'_>, term: ErrorTerm) {
 /// (g) Every axis of a gantry gets what the first one gets.
 fn gantry_is_equal(case: &Case<'_>, term: ErrorTerm) {
     let pairs = case.machine.pairs(term);
-    let axis = case.machine.axis(term.along);
     for direction in Direction::BOTH {
-        let of =
-            |(base, output): (&str, &str)| support::response(case.control, base, output, direction);
+        let of = |(base, output)| support::response(case.control, base, output, direction);
         for pair in &pairs[1..] {
             let (first, other) = (of(pairs[0]), of(*pair));
-            for i in 0..=50 {
-                let x = axis.low + (axis.high - axis.low) * f64::from(i) / 50.0;
+            for x in case.machine.axis(term.along).parts(50) {
                 let difference = um_at(&first, x) - um_at(&other, x);
                 let id = &case.profile.id;
                 assert!(difference.abs() < 1e-12, "{id} {term}: {pair:?}: {difference}");
@@ -66,7 +62,6 @@ fn gantry_is_equal(case: &Case<'_>, term: ErrorTerm) {
 struct Shown<'a>(&'a Machine, &'a Profile);
 
 impl Drop for Shown<'_> {
-    #[allow(clippy::print_stderr, reason = "a failure has to be seen with its inputs")]
     fn drop(&mut self) {
         if std::thread::panicking() {
             eprintln!("{}\n{}\n{}", self.1.id, self.0.job, self.0.csv);
@@ -98,16 +93,14 @@ fn features_of(case: &Case<'_>) -> Vec<&'static str> {
 fn check(profile: &Profile, machine: &Machine) -> Seen {
     let _shown = Shown(machine, profile);
     let (inputs, kit) = support::generate(&machine.job, &machine.csv);
-    let tables = support::loaded(profile, &kit);
-    let control = support::control(profile, &kit);
-    let turned = support::control(&support::with_signs_turned(profile), &kit);
+    let (tables, control) = (loaded(profile, &kit), control(profile, &kit));
+    let turned = support::control(&with_signs_turned(profile), &kit);
     let (inputs, kit, control, tables) = (&inputs, &kit, control.as_ref(), &tables);
     let case = Case { machine, profile, inputs, kit, control, tables };
     assert_eq!(case.inputs.model.measured().count(), machine.terms.len());
     let (mut doubled, mut compensated) = (0, 0);
     for term in &machine.terms {
-        let forecasts = kit.forecast.terms.iter();
-        let forecast = forecasts.clone().find(|f| f.term == term.term).unwrap();
+        let forecast = kit.forecast.terms.iter().find(|f| f.term == term.term).unwrap();
         if case.is_compensated(term.term) {
             compensated += 1;
             for pair in machine.pairs(term.term) {
@@ -136,8 +129,7 @@ fn check(profile: &Profile, machine: &Machine) -> Seen {
 fn contract_of(id: &str) {
     let profile = builtin::profile(id).unwrap();
     let (mut compensated, mut doubled) = (0, 0);
-    let mut features = std::collections::BTreeMap::new();
-    let seeds = seeds();
+    let (seeds, mut features) = (seeds(), BTreeMap::new());
     for seed in &seeds {
         let machine = machine(&profile, *seed);
         let seen = check(&profile, &machine);

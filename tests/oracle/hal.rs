@@ -7,7 +7,6 @@ use nonius::control::table::linuxcnc::{CrossTable, Point};
 use nonius::kit;
 use nonius::quantity::axis::Direction;
 use nonius::read::{KitFile, read};
-use std::fmt::Write;
 
 /// Two curves of X, one of 3 and one of 2 points, correct Y (joint 1). Written by hand.
 const FILE: &str = "# by hand
@@ -72,67 +71,47 @@ fn gains_turn_and_scale_what_is_added() {
     assert_eq!(numbers(&tables(&turned).unwrap()[0]), curves);
 }
 
-/// Words of [`FILE`], what stands there instead, and what is said of it.
-const REFUSED: &[(&str, &str, &str)] = &[
-    (
-        "setp sum2.2.gain1 -1\n",
-        "",
-        "m.hal:16:24: what is added to the drive of joint 1 is not what is taken out of its feedback",
-    ),
-    ("gain1 -1", "gain1 -0.5", "is not what is taken out of its feedback"),
-    ("in1 sum2.2.in1", "in1", "m.hal:8:6: a pin of this component has no signal"),
-    ("encoder =>", "command", "the feedback of joint 1 is not its encoder and a correction"),
-    (
-        "addf sum2.0 servo-thread\naddf sum2.1 servo-thread",
-        "addf sum2.1 servo-thread\naddf sum2.0 servo-thread",
-        "m.hal:6:6: this runs before `c` is made",
-    ),
-    ("addf sum2.0 servo-thread", "addf sum2.0 slow", "m.hal:6:13: `slow` is another thread"),
-    ("addf lincurve.1 servo-thread\n", "", "this runs before `b` is made"),
-    ("addf sum2.1 servo-thread\n", "", "m.hal:3:8: no thread runs sum2.1"),
-    ("addf sum2.2", "addf sum2.1", "m.hal:8:6: `sum2.1` is added a second time"),
-    ("setp lincurve.0.y-val-01 0\n", "", "m.hal:2:8: a point of lincurve.0 is not set"),
-    ("x-val-01 0\n", "x-val-01 -100\n", "the points of lincurve.0 do not ascend"),
-    ("setp lincurve.1.x-val-01", "setp lincurve.1.x-val-02", "there is no `lincurve.1.x-val-02`"),
-    ("y-val-01 0.004", "y-val-01 nan", "m.hal:27:26: `nan` is no number"),
-    ("setp sum2.2.gain1 -1", "setp sum2.2.offset -1", "there is no `sum2.2.offset`"),
-    ("personality=3,2", "personality=3", "loaded in a way that is not read"),
-    ("personality=3,2", "personality=3,17", "loaded in a way that is not read"),
-    ("count=2 ", "count=129 ", "129 curves, more than the 128"),
-    (
-        "sum2 count=3",
-        "sum2 count=3\nloadrt sum2 count=3",
-        "m.hal:4:8: `sum2` is loaded a second time",
-    ),
-    ("loadrt sum2 count=3", "loadrt sum2 count=4", "no thread runs sum2.3"),
-    (
-        "sum2 count=3",
-        "sum2 count=3\nloadrt pid count=3",
-        "m.hal:4:8: `pid` is a component that is not read here",
-    ),
-    ("# by hand", "loadusr halmeter", "m.hal:1:1: `loadusr` is not read here"),
-    ("joint.0.pos-cmd =>", "joint.0.pos-fb =>", "there is no `joint.0.pos-fb`"),
-    ("joint.0.pos-cmd =>", "joint.16.pos-cmd =>", "there is no `joint.16.pos-cmd`"),
-    (
-        "0.pos-cmd =>",
-        "0.motor-pos-cmd =>",
-        "lincurve.0 looks up something other than the position of a joint",
-    ),
-    ("net drive <= sum2.1.out", "net c sum2.1.out", "m.hal:14:7: signal `c` has two sources"),
-    ("=> sum2.2.in0", "=> sum2.2.in0 sum2.1.in0", "`sum2.1.in0` is linked a second time"),
-];
+/// Words of [`FILE`] (¶ = the end of a line), what stands there instead, and what is said of it.
+const REFUSED: &str = "\
+setp sum2.2.gain1 -1¶ |  | m.hal:16:24: what is added to the drive of joint 1 is not what is taken out of its feedback
+gain1 -1 | gain1 -0.5 | is not what is taken out of its feedback
+in1 sum2.2.in1 | in1 | m.hal:8:6: a pin of this component has no signal
+encoder => | command | the feedback of joint 1 is not its encoder and a correction
+addf sum2.0 servo-thread¶addf sum2.1 servo-thread | addf sum2.1 servo-thread¶addf sum2.0 servo-thread | m.hal:6:6: this runs before `c` is made
+addf sum2.0 servo-thread | addf sum2.0 slow | m.hal:6:13: `slow` is another thread
+addf lincurve.1 servo-thread¶ |  | this runs before `b` is made
+addf sum2.1 servo-thread¶ |  | m.hal:3:8: no thread runs sum2.1
+addf sum2.2 | addf sum2.1 | m.hal:8:6: `sum2.1` is added a second time
+setp lincurve.0.y-val-01 0¶ |  | m.hal:2:8: a point of lincurve.0 is not set
+x-val-01 0¶ | x-val-01 -100¶ | the points of lincurve.0 do not ascend
+setp lincurve.1.x-val-01 | setp lincurve.1.x-val-02 | there is no `lincurve.1.x-val-02`
+y-val-01 0.004 | y-val-01 nan | m.hal:27:26: `nan` is no number
+setp sum2.2.gain1 -1 | setp sum2.2.offset -1 | there is no `sum2.2.offset`
+personality=3,2 | personality=3 | loaded in a way that is not read
+personality=3,2 | personality=3,17 | loaded in a way that is not read
+count=2  | count=129  | 129 curves, more than the 128
+sum2 count=3 | sum2 count=3¶loadrt sum2 count=3 | m.hal:4:8: `sum2` is loaded a second time
+loadrt sum2 count=3 | loadrt sum2 count=4 | no thread runs sum2.3
+sum2 count=3 | sum2 count=3¶loadrt pid count=3 | m.hal:4:8: `pid` is a component that is not read here
+# by hand | loadusr halmeter | m.hal:1:1: `loadusr` is not read here
+joint.0.pos-cmd => | joint.0.pos-fb => | there is no `joint.0.pos-fb`
+joint.0.pos-cmd => | joint.16.pos-cmd => | there is no `joint.16.pos-cmd`
+0.pos-cmd => | 0.motor-pos-cmd => | lincurve.0 looks up something other than the position of a joint
+net drive <= sum2.1.out | net c sum2.1.out | m.hal:14:7: signal `c` has two sources
+=> sum2.2.in0 | => sum2.2.in0 sum2.1.in0 | `sum2.1.in0` is linked a second time
+";
 
 #[test]
 fn what_would_not_do_what_is_meant_is_refused_at_the_place() {
-    for (line, instead, words) in REFUSED {
-        assert!(FILE.contains(line), "{line}");
-        let said = tables(&FILE.replacen(line, instead, 1)).expect_err(instead);
-        let place = |text: &str| text.starts_with("m.hal:");
-        let (at, words) = match words.split_once(": ").filter(|_| place(words)) {
-            Some((at, words)) => (at, words),
-            None => ("m.hal:", *words),
+    for row in REFUSED.lines() {
+        let cells: Vec<String> = row.split(" | ").map(|cell| cell.replace('¶', "\n")).collect();
+        assert!(FILE.contains(&cells[0]), "{row}");
+        let said = tables(&FILE.replacen(&cells[0], &cells[1], 1)).expect_err(row);
+        let (place, words) = match cells[2].split_once(": ") {
+            Some((place, words)) if place.starts_with("m.hal:") => (place, words),
+            _ => ("m.hal:", &cells[2][..]),
         };
-        assert!(said.contains(at) && said.contains(words), "{instead}\n{said}");
+        assert!(said.contains(place) && said.contains(words), "{row}\n{said}");
     }
 }
 
@@ -148,18 +127,14 @@ fn long(spacing: f64) -> (String, String) {
     );
     for (own, axis) in ["x", "y", "z"].into_iter().enumerate() {
         for (mm, at) in MEASURED_MM.iter().zip(0..) {
-            let mut of = UM.iter().map(|um| um[at].to_string());
-            let cells: Vec<String> = (0..3)
-                .map(|column| if column == own { String::new() } else { of.next().unwrap() })
-                .collect();
-            writeln!(errors, "{axis},{mm},{}", cells.join(",")).unwrap();
+            let mut cells = UM.map(|um| um[at].to_string()).to_vec();
+            cells.insert(own, String::new());
+            errors += &format!("{axis},{mm},{}\n", cells.join(","));
         }
-        write!(
-            job,
+        job += &format!(
             "[machine.axes.{axis}]\ntravel_mm = [0, 1000]\nreference_mm = 0\n\
              [compensation.axes.{axis}]\nspacing_mm = {spacing:?}\n"
-        )
-        .unwrap();
+        );
     }
     (job, errors)
 }

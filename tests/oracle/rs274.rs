@@ -7,11 +7,10 @@ mod canonical;
 mod own;
 mod real;
 
-use crate::support::visit::{Visit, number};
+use crate::support::tree::skipped;
+use crate::support::visit::{Visit, fixtures, number};
 use canonical::{Walked, walked};
-use std::fmt::Write as _;
 use std::fs;
-use std::path::Path;
 use std::process::Command;
 use std::sync::{Mutex, PoisonError};
 
@@ -36,13 +35,12 @@ struct Bench(Visit);
 
 impl Bench {
     fn new() -> Bench {
-        let rows = ["x", "y", "z"]
-            .map(|axis| format!("{axis},-{TRAVEL_MM},0,0,0\n{axis},{TRAVEL_MM},0,0,0\n"));
+        let row = |axis: &str| format!("{axis},-{TRAVEL_MM},0,0,0\n{axis},{TRAVEL_MM},0,0,0\n");
+        let rows = ["x", "y", "z"].map(row).concat();
+        let tool = |n| format!("T{n} P{n} Z{:.6}\n", tool_mm(n) / MM_PER_INCH);
         let visit = Visit::new();
-        visit.put("errors.csv", format!("axis,position_mm,ex_um,ey_um,ez_um\n{}", rows.concat()));
-        let tools: String =
-            (1..=9).map(|n| format!("T{n} P{n} Z{:.6}\n", tool_mm(n) / MM_PER_INCH)).collect();
-        visit.put("tool.tbl", tools);
+        visit.put("errors.csv", format!("axis,position_mm,ex_um,ey_um,ez_um\n{rows}"));
+        visit.put("tool.tbl", (1..=9).map(tool).collect::<String>());
         Bench(visit)
     }
 
@@ -79,8 +77,9 @@ impl Bench {
 fn job(keys: &str) -> String {
     let mut text = String::from("schema = 1\n[machine]\nname = \"M\"\n");
     for axis in ["x", "y", "z"] {
-        let travel = format!("travel_mm = [-{TRAVEL_MM:?}, {TRAVEL_MM:?}]\nreference_mm = 0.0\n");
-        let _ = write!(text, "[machine.axes.{axis}]\n{travel}");
+        text += &format!(
+            "[machine.axes.{axis}]\ntravel_mm = [-{TRAVEL_MM:?}, {TRAVEL_MM:?}]\nreference_mm = 0.0\n"
+        );
     }
     text += "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[path]\n";
     text += "sample_mm = 1000.0\nsecond_reference_mm = { x = 0.0, y = 0.0, z = 0.0 }\n";
@@ -91,12 +90,12 @@ fn job(keys: &str) -> String {
     for (name, system) in plain.chain(more).chain(siemens) {
         let [x, y, z] = zero_mm(system);
         let zero = format!("x_mm = {x:?}\ny_mm = {y:?}\nz_mm = {z:?}\n");
-        let _ = write!(text, "\n[[path.offset]]\nsystem = \"{name}\"\n{zero}");
+        text += &format!("\n[[path.offset]]\nsystem = \"{name}\"\n{zero}");
     }
     for number in 1..=9 {
         let length = tool_mm(number);
         let name = if number == 2 { "name = \"DRILL\"\n" } else { "" };
-        let _ = write!(text, "[[path.tool]]\nnumber = {number}\n{name}length_mm = {length:?}\n");
+        text += &format!("[[path.tool]]\nnumber = {number}\n{name}length_mm = {length:?}\n");
     }
     text
 }
@@ -113,7 +112,7 @@ fn parameters() -> String {
             1..=3 => zero_mm(system + 1)[axis as usize - 1] / MM_PER_INCH,
             _ => 0.0,
         };
-        let _ = writeln!(text, "{key}\t{value:.9}");
+        text += &format!("{key}\t{value:.9}\n");
     }
     text
 }
@@ -157,16 +156,15 @@ fn compare(ours: &Walked, theirs: &Walked) -> Result<(), String> {
     if length <= LENGTH_PART * theirs.length_mm && box_mm <= BOX_MM {
         return Ok(());
     }
-    Err(format!(
-        "length by {length:.4} mm, box by {box_mm:.4} mm\n  ours   {ours:?}\n  theirs {theirs:?}"
-    ))
+    let both = format!("  ours   {ours:?}\n  theirs {theirs:?}");
+    Err(format!("length by {length:.4} mm, box by {box_mm:.4} mm\n{both}"))
 }
 
 /// Whether `rs274` is installed.
 fn is_installed() -> bool {
     let found = Command::new("rs274").arg("-?").output().is_ok();
     if !found {
-        eprintln!("skipped: `rs274` (LinuxCNC) is not installed");
+        skipped("`rs274` (LinuxCNC) is not installed");
     }
     found
 }
@@ -195,10 +193,9 @@ fn outcome(bench: &Bench, both: (&[u8], &str), unit: Unit, keys: &str) -> Result
 /// Real programs, each with what is expected of it.
 #[test]
 fn real_programs_go_where_linuxcnc_goes() {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/real/gcode");
+    let directory = fixtures("../../shared/data/real/gcode");
     if !directory.is_dir() {
-        eprintln!("skipped: the collection of real programs is not here");
-        return;
+        return skipped("the collection of real programs is not here");
     }
     if !is_installed() {
         return;

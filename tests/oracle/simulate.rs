@@ -1,7 +1,6 @@
 //! Laws of the rehearsal: what `simulate` predicts is what the test's own arithmetic reads on the
 //! same machine, and what `separate` takes apart again.
-use crate::support::diagonals as simulated;
-use crate::support::diagonals::{Machine, curve, measurement, naive, volume};
+use crate::support::diagonals::{Machine, curve, measurement, mm, naive, volume};
 use crate::support::inputs;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::findings::Remark;
@@ -19,7 +18,6 @@ use nonius::text::document::Source;
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use std::fmt::Write;
 
 /// Readings are written with nine decimals.
 const FILE_DIGITS_UM: f64 = 1e-9;
@@ -34,8 +32,7 @@ fn job(volume: &Volume, directed: bool, both_directions: bool, overrun: bool) ->
     for axis in Axis::ALL {
         let (key, low) = (axis.key(), volume.start[axis].mm());
         let travel = [low, low + volume.size[axis].mm()];
-        writeln!(text, "[machine.axes.{key}]\ntravel_mm = {travel:?}\nreference_mm = {low:?}")
-            .unwrap();
+        text += &format!("[machine.axes.{key}]\ntravel_mm = {travel:?}\nreference_mm = {low:?}\n");
     }
     text += "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n";
     text += "[compensation]\ncontroller = \"generic\"\n";
@@ -44,24 +41,22 @@ fn job(volume: &Volume, directed: bool, both_directions: bool, overrun: bool) ->
     }
     for axis in Axis::ALL {
         let points = volume.steps + 1;
-        writeln!(text, "[compensation.axes.{}]\npoints = {points}", axis.key()).unwrap();
+        text += &format!("[compensation.axes.{}]\npoints = {points}\n", axis.key());
     }
     let [start, size] = [volume.start, volume.size].map(|places| {
         let place = |axis: Axis| format!("{} = {:?}", axis.key(), places[axis].mm());
         Axis::ALL.map(place).join(", ")
     });
     let order: String = volume.order.iter().map(|axis| axis.letter()).collect();
-    writeln!(
-        text,
-        "[program]\nwhat = \"step-diagonal\"\nstart_mm = {{ {start} }}\nsize_mm = {{ {size} }}\nsteps = {}\norder = \"{order}\"\nbidirectional = {both_directions}",
-        volume.steps
-    )
-    .unwrap();
-    if both_directions {
-        let mm = if overrun { "2.0" } else { "0.0" };
-        writeln!(text, "overrun_mm = {mm}").unwrap();
+    let steps = volume.steps;
+    text += &format!(
+        "[program]\nwhat = \"step-diagonal\"\nstart_mm = {{ {start} }}\nsize_mm = {{ {size} }}\nsteps = {steps}\norder = \"{order}\"\nbidirectional = {both_directions}\n"
+    );
+    match (both_directions, overrun) {
+        (true, true) => text + "overrun_mm = 2.0\n",
+        (true, false) => text + "overrun_mm = 0.0\n",
+        (false, _) => text,
     }
-    text
 }
 
 /// The error table of a machine; in both directions where it loses motion.
@@ -71,13 +66,13 @@ fn table(machine: &Machine, directed: bool) -> String {
         for direction in if directed { &["+", "-"][..] } else { &[""] } {
             for (index, at) in machine.volume.positions(along).iter().enumerate() {
                 let value = |of: Axis| {
-                    let lost = of == along && *direction == "-";
-                    let lost = if lost { machine.lost_um[along] } else { 0.0 };
+                    let is_back = of == along && *direction == "-";
+                    let lost = if is_back { machine.lost_um[along] } else { 0.0 };
                     machine.curves[ErrorTerm { of, along }][index] - lost
                 };
                 let [x, y, z] = Axis::ALL.map(value);
                 let (key, mm) = (along.key(), at.mm());
-                writeln!(text, "{key},{direction},{mm:?},{x:?},{y:?},{z:?}").unwrap();
+                text += &format!("{key},{direction},{mm:?},{x:?},{y:?},{z:?}\n");
             }
         }
     }
@@ -97,7 +92,7 @@ fn any_machine() -> impl Strategy<Value = Machine> {
     (box_, any::<u64>()).prop_map(|((x, y, z, start, order, steps), seed)| {
         let mut volume = volume([f64::from(x), f64::from(y), f64::from(z)], steps);
         let start = f64::from(start);
-        volume.start = simulated::mm(start, start / 4.0, -start);
+        volume.start = mm(start, start / 4.0, -start);
         volume.order = order.map(|index: usize| Axis::ALL[index]);
         Machine::random(&volume, &mut ChaCha8Rng::seed_from_u64(seed))
     })
@@ -196,12 +191,11 @@ fn noise_has_the_stated_size_and_the_first_reading_is_zero() {
     let (mut sum, mut count) = (0.0, 0.0);
     for run in &found.runs {
         let clean = exact.runs.iter().find(|r| r.diagonal == run.diagonal).unwrap();
-        let clean = &clean.deviations;
         if run.number == 1 {
             assert!(run.deviations[0].um().abs() < FILE_DIGITS_UM);
         }
         // Differences of neighbours know nothing of the zero: twice the variance.
-        let off = run.deviations.iter().zip(clean).map(|(a, b)| a.um() - b.um());
+        let off = run.deviations.iter().zip(&clean.deviations).map(|(a, b)| a.um() - b.um());
         for pair in off.collect::<Vec<f64>>().windows(2) {
             sum += (pair[1] - pair[0]).powi(2) / 2.0;
             count += 1.0;
@@ -276,11 +270,10 @@ fn the_error_table_holds_what_is_left_at_every_measured_position() {
     for along in Axis::ALL {
         for series in found.series(along) {
             let is_back = series.direction == Some(Direction::Minus);
-            let lost = if is_back { machine.lost_um[along] } else { 0.0 };
             assert_eq!(series.positions, machine.volume.positions(along));
             for of in Axis::ALL {
                 let term = ErrorTerm { of, along };
-                let lost = if of == along { lost } else { 0.0 };
+                let lost = if is_back && of == along { machine.lost_um[along] } else { 0.0 };
                 let left = series.deviations[of].as_ref().unwrap();
                 for (found, wanted) in left.iter().zip(&machine.curves[term]) {
                     assert!((found.um() - wanted + lost).abs() < 2e-9, "{term}");

@@ -8,7 +8,6 @@ use nonius::control::controller::{Dialect, Profile};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::curve::{ErrorCurve, Interpolation};
 use nonius::quantity::units::{Deviation, Millimetres};
-use std::fmt::Write;
 
 /// Deviation of one term in one direction as measured, µm over mm, plus a squareness.
 #[derive(Clone, Debug)]
@@ -115,9 +114,8 @@ impl Term {
         x: f64,
     ) -> f64 {
         if !self.both_ways() {
-            let measured =
-                if self.errors(direction).is_some() { direction } else { direction.opposite() };
-            return self.deviation(measured, x);
+            let is_measured = self.errors(direction).is_some();
+            return self.deviation(if is_measured { direction } else { direction.opposite() }, x);
         }
         let from_reference = |direction: Direction| {
             let errors = self.errors(direction).unwrap();
@@ -171,6 +169,14 @@ pub(crate) struct MachineAxis {
     pub(crate) interpolated: bool,
 }
 
+impl MachineAxis {
+    /// The travel in so many equal parts.
+    pub(crate) fn parts(&self, count: u32) -> impl Iterator<Item = f64> {
+        let (low, length) = (self.low, self.high - self.low);
+        (0..=count).map(move |part| low + length * f64::from(part) / f64::from(count))
+    }
+}
+
 /// A generated machine, its job and its error table.
 pub(crate) struct Machine {
     pub(crate) axes: Vec<MachineAxis>,
@@ -221,10 +227,9 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let own_only = linuxcnc || !super::has_cross_terms(profile);
     let isg = matches!(profile.dialect, Dialect::Isg(_));
     // A control that uses no points beyond the travel gets travels that end on the grid.
-    let ends_on_grid = match &profile.dialect {
-        Dialect::Declared(facts) => !facts.points_beyond_travel.value,
-        _ => false,
-    };
+    let ends_on_grid = matches!(
+        &profile.dialect, Dialect::Declared(facts) if !facts.points_beyond_travel.value
+    );
     let mut features = Vec::new();
     // Cycled, so that every value meets the others; the rest is drawn.
     let directions = seed % 7; // 0, 1: undirected · 2 … 5: both, one policy each · 6: one way
@@ -234,9 +239,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let inch = seed % 5 == 3;
     let steep = seed % 6 == 1;
     let nine = !random.once_in(3);
-    features.push(policy.unwrap_or(if directions == 6 { "one way" } else { "undirected" }));
-    features.push(fit);
-    features.push(curve);
+    features.extend([policy.unwrap_or(["undirected", "one way"][directions / 6]), fit, curve]);
     features.extend(inch.then_some("inch"));
     features.extend(steep.then_some("steep"));
     features.push(if nine { "nine terms" } else { "fewer terms" });
@@ -249,12 +252,11 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let numbered = profile.axis_names.value[0].parse::<u32>().is_ok();
     let gantry = random.once_in(4) && !isg && (!declared || numbered);
     features.extend(gantry.then_some("gantry"));
-    let measured: Vec<ErrorTerm> = ErrorTerm::ALL
-        .into_iter()
-        .filter(|term| nine || !random.once_in(2) || (own_only && *term == ErrorTerm::ALL[0]))
-        .collect();
-    let measured =
-        if measured.is_empty() { vec![ErrorTerm::ALL[random.below(9)]] } else { measured };
+    let mut measured = ErrorTerm::ALL.to_vec();
+    measured.retain(|term| nine || !random.once_in(2) || (own_only && *term == ErrorTerm::ALL[0]));
+    if measured.is_empty() {
+        measured.push(ErrorTerm::ALL[random.below(9)]);
+    }
 
     let mut axes = Vec::new();
     let mut terms = Vec::new();
@@ -284,23 +286,19 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         };
         let rounded = |x: f64| (x * 1000.0).round() / 1000.0;
         let (from, to, reference) = (rounded(from), rounded(to), rounded(reference));
-        features.push(if reference < from || reference > to {
-            "reference not measured"
-        } else if reference <= low || reference >= high {
-            "reference at an end"
-        } else {
-            "reference inside"
+        features.push(match reference {
+            _ if reference < from || reference > to => "reference not measured",
+            _ if reference <= low || reference >= high => "reference at an end",
+            _ => "reference inside",
         });
         let homing = if random.once_in(2) { Direction::Minus } else { Direction::Plus };
         let homing_stated = homing == Direction::Minus || random.once_in(2);
         let (key, travel) = (axis.key(), [low, high]);
-        writeln!(
-            machine_text,
-            "[machine.axes.{key}]\ntravel_mm = {travel:?}\nreference_mm = {reference:?}"
-        )
-        .unwrap();
+        machine_text += &format!(
+            "[machine.axes.{key}]\ntravel_mm = {travel:?}\nreference_mm = {reference:?}\n"
+        );
         if homing_stated {
-            writeln!(machine_text, "reference_direction = \"{homing}\"").unwrap();
+            machine_text += &format!("reference_direction = \"{homing}\"\n");
         }
 
         let mut names = vec![profile.axis_names.value[index].clone()];
@@ -310,49 +308,37 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         }
 
         let along: Vec<ErrorTerm> = measured.iter().copied().filter(|t| t.along == axis).collect();
+        let range = (from, to);
+        let measured =
+            Measured { directions, kind, steep, unit_um, range, reference, homing, length };
         let step_limit = match along[..] {
             [] => 1.0,
-            _ => {
-                let measured = Measured {
-                    directions,
-                    kind,
-                    steep,
-                    unit_um,
-                    range: (from, to),
-                    reference,
-                    homing,
-                    length,
-                };
-                measured.add_terms(&mut random, &along, &mut terms, &mut csv)
-            }
+            _ => measured.add_terms(&mut random, &along, &mut terms, &mut csv),
         };
-        writeln!(axes_text, "[compensation.axes.{key}]").unwrap();
         let interpolated = fanuc && random.once_in(3);
         features.extend(interpolated.then_some("interpolated"));
         let (feature, grid) = grid_text(&mut random, length, ends_on_grid, step_limit, fit);
         features.extend(feature);
-        axes_text += &(grid + "\n");
+        axes_text += &format!("[compensation.axes.{key}]\n{grid}\n");
         if let Some(unit) = stated_unit {
-            writeln!(axes_text, "detection_unit_um = {unit:?}").unwrap();
+            axes_text += &format!("detection_unit_um = {unit:?}\n");
         }
         if names.len() > 1 {
-            writeln!(axes_text, "ids = {names:?}").unwrap();
+            axes_text += &format!("ids = {names:?}\n");
         }
-        if fanuc {
-            if interpolated {
-                writeln!(axes_text, "interpolated = true").unwrap();
-            }
-            if random.once_in(4) {
-                features.push("first_point");
-                writeln!(axes_text, "first_point = {}", 150 + 150 * index).unwrap();
-            }
-            if random.once_in(4) {
-                features.push("parameter_3605");
-                writeln!(axes_text, "parameter_3605 = \"10000000\"").unwrap();
-            }
+        if interpolated {
+            axes_text += "interpolated = true\n";
+        }
+        if fanuc && random.once_in(4) {
+            features.push("first_point");
+            axes_text += &format!("first_point = {}\n", 150 + 150 * index);
+        }
+        if fanuc && random.once_in(4) {
+            features.push("parameter_3605");
+            axes_text += "parameter_3605 = \"10000000\"\n";
         }
         if siemens && random.once_in(4) {
-            writeln!(axes_text, "measuring_system = 2").unwrap();
+            axes_text += "measuring_system = 2\n";
         }
         axes.push(MachineAxis { low, high, reference, names, unit_um: stated_unit, interpolated });
     }
@@ -371,11 +357,11 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
             }
         }
     }
-    let mut squareness = String::new();
-    if !slopes.is_empty() {
-        features.push("squareness");
-        squareness = format!("[measurement.squareness_um_per_m]\n{}\n", slopes.join("\n"));
-    }
+    let squareness = match slopes[..] {
+        [] => String::new(),
+        _ => format!("[measurement.squareness_um_per_m]\n{}\n", slopes.join("\n")),
+    };
+    features.extend((!slopes.is_empty()).then_some("squareness"));
 
     let reserved: Vec<[u32; 2]> = match random.below(4) {
         _ if !fanuc => Vec::new(),
@@ -383,28 +369,27 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         1 => vec![[6120, 6140]],
         _ => Vec::new(),
     };
-    features.extend((!reserved.is_empty()).then_some("reserved_points"));
     let mut control =
         format!("controller = \"{}\"\nfit = \"{fit}\"\ncurve = \"{curve}\"\n", profile.id);
     if inch {
-        control.push_str("control_unit = \"inch\"\n");
+        control += "control_unit = \"inch\"\n";
     }
     if let Some(policy) = policy.filter(|_| terms.iter().any(Term::both_ways)) {
-        writeln!(control, "backlash = \"{policy}\"").unwrap();
+        control += &format!("backlash = \"{policy}\"\n");
     }
     if siemens && random.once_in(3) {
         features.push("first_table");
-        writeln!(control, "first_table = {}", 1 + random.below(3)).unwrap();
+        control += &format!("first_table = {}\n", 1 + random.below(3));
     }
     if fanuc && random.once_in(3) {
         features.push("first_set");
-        writeln!(control, "first_set = {}", 1 + random.below(2)).unwrap();
+        control += &format!("first_set = {}\n", 1 + random.below(2));
     }
     if !reserved.is_empty() {
-        writeln!(control, "reserved_points = {reserved:?}").unwrap();
+        features.push("reserved_points");
+        control += &format!("reserved_points = {reserved:?}\n");
     }
-    let listed = random.once_in(4) && terms.len() > 1;
-    if listed {
+    if random.once_in(4) && terms.len() > 1 {
         features.push("listed terms");
         let two_ways = matches!(policy, Some("two-tables" | "curve-and-parameter"));
         let is_listed = |(index, term): &(usize, &Term)| {
@@ -414,8 +399,9 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         };
         let names = terms.iter().enumerate().filter(is_listed);
         let names: Vec<String> = names.map(|(_, term)| term.term.to_string()).collect();
-        writeln!(control, "terms = {names:?}").unwrap();
+        control += &format!("terms = {names:?}\n");
     }
+    let replaces_backlash = super::replaces_backlash(profile);
     let job = format!(
         "schema = 1\n[machine]\nname = \"machine {seed}\"\n{machine_text}\
          [measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{squareness}\
@@ -429,7 +415,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         fit,
         kind,
         inch,
-        replaces_backlash: super::replaces_backlash(profile),
+        replaces_backlash,
         reserved,
         job,
         csv,
@@ -492,28 +478,25 @@ impl Measured {
         let targets = |random: &mut Random, from: f64, to: f64| -> Vec<f64> {
             let step = (to - from) / (count - 1) as f64;
             let even = random.once_in(2);
-            let place = |i: usize| {
-                if i == 0 || i == count - 1 {
-                    return if i == 0 { from } else { to };
+            let place = |i: usize| match i {
+                0 => from,
+                _ if i == count - 1 => to,
+                _ => {
+                    let shift = if even { 0.0 } else { random.between(-0.3, 0.3) };
+                    ((from + step * (i as f64 + shift)) * 1000.0).round() / 1000.0
                 }
-                let shift = if even { 0.0 } else { random.between(-0.3, 0.3) };
-                ((from + step * (i as f64 + shift)) * 1000.0).round() / 1000.0
             };
             (0..count).map(place).collect()
         };
         let places: Vec<(Option<Direction>, Vec<f64>)> = match directions {
             0 | 1 => vec![(None, targets(random, from, to))],
-            6 => {
-                let direction = random.of(&Direction::BOTH);
-                vec![(Some(direction), targets(random, from, to))]
-            }
+            6 => vec![(Some(random.of(&Direction::BOTH)), targets(random, from, to))],
             _ => {
                 let plus = targets(random, from, to);
-                let minus = if random.once_in(3) {
-                    let shorter = ((to - 0.04 * length) * 1000.0).round() / 1000.0;
-                    targets(random, from, shorter)
-                } else {
-                    plus.clone()
+                let shorter = ((to - 0.04 * length) * 1000.0).round() / 1000.0;
+                let minus = match random.once_in(3) {
+                    true => targets(random, from, shorter),
+                    false => plus.clone(),
                 };
                 vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
             }
@@ -523,58 +506,44 @@ impl Measured {
         for term in along {
             let size = random.of(&[0.0, 2.0, 12.0, 12.0, 45.0]);
             let offset = random.between(-3.0, 3.0);
-            let tilt = if steep && random.once_in(2) {
-                if unit_um < 0.5 { 0.08 } else { 0.25 }
-            } else {
-                0.0
+            let tilt = match steep && random.once_in(2) {
+                true if unit_um < 0.5 => 0.08,
+                true => 0.25,
+                false => 0.0,
             };
             let waves = 1.0 + random.below(3) as f64;
             let reversal = if size > 0.0 { random.between(-8.0, 4.0) } else { 0.0 };
             let mut curves: Vec<Errors> = Vec::new();
             let of = Axis::ALL.iter().position(|a| *a == term.of).unwrap();
             for (index, (direction, mm)) in places.iter().enumerate() {
-                let um: Vec<f64> = mm
-                    .iter()
-                    .map(|x| {
-                        let part = (x - from) / (to - from);
-                        let wave = (part * waves * std::f64::consts::TAU).sin() * size / 2.0;
-                        let noise = random.between(-0.04, 0.04) * size;
-                        let lost =
-                            if *direction == Some(Direction::Minus) { -reversal } else { 0.0 };
-                        if size > 0.0 || tilt > 0.0 {
-                            offset + wave + noise + tilt * (x - from) + lost
-                        } else {
-                            0.0
-                        }
-                    })
-                    .collect();
+                let lost = if *direction == Some(Direction::Minus) { -reversal } else { 0.0 };
+                let mut deviation = |x: &f64| {
+                    let part = (x - from) / (to - from);
+                    let wave = (part * waves * std::f64::consts::TAU).sin() * size / 2.0;
+                    let noise = random.between(-0.04, 0.04) * size;
+                    let is_flat = size <= 0.0 && tilt <= 0.0;
+                    if is_flat { 0.0 } else { offset + wave + noise + tilt * (x - from) + lost }
+                };
+                let um: Vec<f64> = mm.iter().map(&mut deviation).collect();
                 largest = um.iter().fold(largest, |most, um| most.max(um.abs()));
                 columns[index][of] = Some(um.clone());
                 curves.push(Errors::new(mm.clone(), um, kind));
             }
-            let (plus, minus) = match (&places[0].0, curves.len()) {
-                (None, _) => (Some(curves[0].clone()), Some(curves[0].clone())),
-                (Some(Direction::Plus), 1) => (Some(curves[0].clone()), None),
-                (Some(Direction::Minus), 1) => (None, Some(curves[0].clone())),
-                _ => (Some(curves[0].clone()), Some(curves[1].clone())),
+            let of = |way: Direction| {
+                let found = places.iter().position(|(own, _)| own.is_none_or(|own| own == way));
+                found.map(|index| curves[index].clone())
             };
-            terms.push(Term {
-                term: *term,
-                directed: places[0].0.is_some(),
-                plus,
-                minus,
-                reference,
-                homing,
-            });
+            let (plus, minus) = (of(Direction::Plus), of(Direction::Minus));
+            let (term, directed) = (*term, places[0].0.is_some());
+            terms.push(Term { term, directed, plus, minus, reference, homing });
         }
         for ((direction, mm), columns) in places.iter().zip(&columns) {
             let sign = direction.map_or("", Direction::symbol);
             for (row, x) in mm.iter().enumerate() {
-                let cells: Vec<String> = columns
-                    .iter()
-                    .map(|c| c.as_ref().map_or(String::new(), |um| format!("{:?}", um[row])))
-                    .collect();
-                writeln!(csv, "{},{sign},{x:?},{}", along[0].along.key(), cells.join(",")).unwrap();
+                let cell = |um: &Option<Vec<f64>>| um.as_ref().map(|um| format!("{:?}", um[row]));
+                let cells = columns.iter().map(|um| cell(um).unwrap_or_default());
+                let (key, cells) = (along[0].along.key(), cells.collect::<Vec<_>>().join(","));
+                *csv += &format!("{key},{sign},{x:?},{cells}\n");
             }
         }
         (0.12 * largest).max(0.05)

@@ -21,7 +21,7 @@ use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::Direction;
 use nonius::quantity::units::{Millimetres, power_of_ten};
 use nonius::read::emulate::{Emulator, Response};
-use nonius::read::{KitFile, read};
+use nonius::read::read;
 use nonius::text::document::Source;
 use nonius::text::finding::Finding;
 
@@ -74,8 +74,7 @@ pub(crate) fn has_cross_terms(profile: &Profile) -> bool {
 
 /// The controls that take the positioning of their axes.
 pub(crate) fn positioning_ids() -> impl Iterator<Item = &'static str> {
-    let ids = nonius::control::controller::builtin::ids().into_iter();
-    ids.filter(|id| *id != "klipper-skew")
+    builtin::ids().into_iter().filter(|id| *id != "klipper-skew")
 }
 
 /// Those of them that take a grid of any spacing: the others refuse one that goes beyond the travel.
@@ -140,12 +139,7 @@ pub(crate) fn generate(job: &str, errors: &str) -> (Inputs, Kit) {
 
 /// The tables that a control would hold after loading the bytes of the kit.
 pub(crate) fn loaded(profile: &Profile, kit: &Kit) -> Tables {
-    let files: Vec<KitFile<'_>> = kit
-        .files
-        .iter()
-        .map(|file| KitFile { path: &file.path, role: file.role, bytes: &file.bytes })
-        .collect();
-    read(profile, &files).unwrap_or_else(|p| panic!("{}", p.render())).tables
+    read(profile, &kit.kit_files()).unwrap_or_else(|p| panic!("{}", p.render())).tables
 }
 
 /// The control, loaded with the bytes of the kit, as `profile` describes it.

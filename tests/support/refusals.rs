@@ -98,13 +98,13 @@ fn case(fixtures: &Path, part: &str) -> Case {
 /// A file as a whole, a copy of another one, or one of both with other lines in it.
 fn put(fixtures: &Path, head: &str, own: &[&str], case: &mut Case) {
     let (name, source) = head.split_once(" = ").unzip();
-    let (head, crlf) = head.strip_suffix(" CR LF").map_or((head, false), |head| (head, true));
-    let name = name.unwrap_or(head).to_string();
+    let crlf = head.strip_suffix(" CR LF");
+    let name = name.or(crlf).unwrap_or(head).to_string();
     let source = source.map(|path| fs::read(fixtures.join(path)).expect("the source is there"));
     let whole = source.is_none() && own.iter().all(|line| line.starts_with('+'));
     let bytes = match source.or_else(|| case.files.remove(&name)) {
         Some(bytes) if !whole => edited(bytes, own, &case.name),
-        _ if crlf => lines_of(own, "+").replace('\n', "\r\n").into_bytes(),
+        _ if crlf.is_some() => lines_of(own, "+").replace('\n', "\r\n").into_bytes(),
         _ => lines_of(own, "+").into_bytes(),
     };
     case.files.insert(name, bytes);
@@ -135,21 +135,16 @@ fn edited(bytes: Vec<u8>, own: &[&str], case: &str) -> Vec<u8> {
 /// The text of the lines that begin with one of the marks.
 fn lines_of(own: &[&str], marks: &str) -> String {
     let marked = own.iter().filter(|line| line.starts_with(|mark| marks.contains(mark)));
-    let text = marked.map(|line| unescaped(line.get(2..).unwrap_or_default()) + "\n");
-    text.collect()
+    marked.map(|line| unescaped(line.get(2..).unwrap_or_default()) + "\n").collect()
 }
 
 /// A text in which `\u{…}` stands for what an editor does not show.
 fn unescaped(text: &str) -> String {
-    let mut parts = text.split("\\u{");
-    let mut whole = parts.next().unwrap_or_default().to_string();
-    for part in parts {
-        let (code, rest) = part.split_once('}').expect("an escape ends with a brace");
-        let code = u32::from_str_radix(code, 16).expect("an escape is hexadecimal");
-        whole.push(char::from_u32(code).expect("an escape is a character"));
-        whole += rest;
-    }
-    whole
+    let Some((before, rest)) = text.split_once("\\u{") else { return text.to_string() };
+    let (code, rest) = rest.split_once('}').expect("an escape ends with a brace");
+    let code = u32::from_str_radix(code, 16).expect("an escape is hexadecimal");
+    let code = char::from_u32(code).expect("an escape is a character");
+    format!("{before}{code}{}", unescaped(rest))
 }
 
 fn add_folder(folder: &Path, prefix: &str, files: &mut Files) {

@@ -21,12 +21,10 @@ fn dump(memory: &FanucMemory) -> String {
             ParameterValue::Real(number) => format!("{number:?}"),
             Bits(bits) => format!("{bits:08b}"),
         };
-        writeln!(text, "N{:05}Q1{axis}P{value}", key.number).unwrap();
+        text += &format!("N{:05}Q1{axis}P{value}\n", key.number);
     }
-    for (point, value) in &memory.points {
-        writeln!(text, "N{:05}Q0P{value}", point + 10000).unwrap();
-    }
-    text + "%\n"
+    let point = |(point, value): (&u32, _)| format!("N{:05}Q0P{value}\n", point + 10000);
+    text + &memory.points.iter().map(point).collect::<String>() + "%\n"
 }
 
 /// What a dump holds after the kit was loaded: all points, and both numbers of the points for moving −.
@@ -72,8 +70,7 @@ fn the_way_back_on_fanuc_brings_back_what_was_read_out() {
         let found = taken(&job, &left, &dump(&before));
         let new = shown(kit::generate(&found));
         let page = checklist(&new);
-        let is_whole = !page.contains("rollback files. A") && !page.contains("no rollback");
-        assert!(is_whole, "{page}");
+        assert!(!page.contains("rollback files. A") && !page.contains("no rollback"), "{page}");
         let mut control = before.clone();
         let files = [files_of(&new, Role::Table), files_of(&new, Role::Parameters)].concat();
         load(&mut control, memory(shown(read(&profile, &files)).tables));

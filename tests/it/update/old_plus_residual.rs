@@ -36,18 +36,18 @@ impl Case {
         let mut job = format!(
             "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n{active}\n[compensation]\ncontroller = \"{controller}\"\nfit = \"sample\"\n"
         );
-        if let Some(policy) = self.policy {
-            writeln!(job, "backlash = \"{policy}\"").unwrap();
-        }
+        job.extend(self.policy.map(|policy| format!("backlash = \"{policy}\"\n")));
         for (axis, number) in [("x", 1), ("y", 2)] {
             let ids = match self.gantry && axis == "x" {
                 true => format!("ids = [\"{}\", \"{}\"]", self.name(1), self.name(4)),
                 false => format!("id = \"{}\"", self.name(number)),
             };
-            writeln!(job, "[machine.axes.{axis}]\ntravel_mm = [0, {TRAVEL}]\nreference_mm = 0\nreference_direction = \"{homing}\"\n[compensation.axes.{axis}]\nspacing_mm = {spacing}\n{ids}").unwrap();
+            job += &format!(
+                "[machine.axes.{axis}]\ntravel_mm = [0, {TRAVEL}]\nreference_mm = 0\nreference_direction = \"{homing}\"\n[compensation.axes.{axis}]\nspacing_mm = {spacing}\n{ids}\n"
+            );
             if self.is_of("fanuc") {
                 let interpolated = self.interpolated;
-                writeln!(job, "detection_unit_um = 1.0\ninterpolated = {interpolated}").unwrap();
+                job += &format!("detection_unit_um = 1.0\ninterpolated = {interpolated}\n");
             }
         }
         job + "[limits]\nmax_slope_um_per_mm = 5.0\n"
@@ -77,14 +77,8 @@ struct Wave([f64; 4]);
 impl Wave {
     /// EXX, EYX, EXY, EYY.
     fn four(random: &mut Random, size: f64) -> [Wave; 4] {
-        std::array::from_fn(|_| {
-            Wave([
-                random.between(-size, size),
-                random.between(0.5, 2.0),
-                random.between(-size / 2.0, size / 2.0),
-                random.between(0.0, 6.0),
-            ])
-        })
+        let ranges = [(-size, size), (0.5, 2.0), (-size / 2.0, size / 2.0), (0.0, 6.0)];
+        std::array::from_fn(|_| Wave(ranges.map(|(low, high)| random.between(low, high))))
     }
 
     fn at(&self, x: f64) -> f64 {
@@ -104,11 +98,11 @@ fn table(case: &Case, waves: &[Wave; 4], reversal: f64, step: f64) -> String {
                 ("+", "-") => -reversal,
                 _ => 0.0,
             };
-            let (of_x, of_y) = if axis == "x" { (lost, 0.0) } else { (0.0, lost) };
+            let [of_x, of_y] = ["x", "y"].map(|own| if own == axis { lost } else { 0.0 });
             for n in 0..=(TRAVEL / step).round() as usize {
                 let x = n as f64 * step;
                 let (ex, ey) = (ex.at(x) + of_x, ey.at(x) + of_y);
-                writeln!(text, "{axis},{direction},{x},{ex},{ey}").unwrap();
+                text += &format!("{axis},{direction},{x},{ex},{ey}\n");
             }
         }
     }
@@ -133,38 +127,25 @@ fn visit(case: &Case, before: &[Wave; 4], residual: &[Wave; 4]) -> (Inputs, Kit,
 }
 
 fn all_cases() -> Vec<Case> {
-    const CONTROLLERS: [&str; 6] =
+    let controllers =
         ["siemens-840d-sl", "fanuc-30i", "fanuc-0i-f", "linuxcnc", "linuxcnc-hal", "generic"];
-    const POLICIES: [Option<&str>; 5] =
-        [None, Some("mean"), Some("two-tables"), Some("curve-and-parameter"), Some("forward-only")];
-    let mut cases = Vec::new();
-    for controller in CONTROLLERS {
-        for policy in POLICIES {
-            for (old_spacing, new_spacing) in
-                [(25.0, 25.0), (50.0, 25.0), (20.0, 25.0), (25.0, 30.0)]
-            {
-                for homing in ["+", "-"] {
-                    cases.push(Case {
-                        controller,
-                        policy,
-                        gantry: controller != "fanuc-0i-f" && homing == "-",
-                        interpolated: controller == "fanuc-30i" && new_spacing > 29.0,
-                        old_spacing,
-                        new_spacing,
-                        homing,
-                    });
-                }
-            }
-        }
-    }
-    cases
+    let policies = ["mean", "two-tables", "curve-and-parameter", "forward-only"].map(Some);
+    let policies = [&[None], &policies[..]].concat();
+    let spacings = [(25.0, 25.0), (50.0, 25.0), (20.0, 25.0), (25.0, 30.0)];
+    let of = |index: usize| {
+        let (controller, policy) = (controllers[index / 40], policies[index / 8 % 5]);
+        let ((old_spacing, new_spacing), homing) = (spacings[index / 2 % 4], ["+", "-"][index % 2]);
+        let gantry = controller != "fanuc-0i-f" && homing == "-";
+        let interpolated = controller == "fanuc-30i" && new_spacing > 29.0;
+        Case { controller, policy, gantry, interpolated, old_spacing, new_spacing, homing }
+    };
+    (0..240).map(of).collect()
 }
 
 /// Every case of some controls. Before is what was measured, and after is small; at every point of
 /// the new tables, of which at least `points` are compared, new is old plus residual.
 fn new_is_old_plus_residual(families: &[&str], points: usize) {
-    let mut random = Random::new(7);
-    let mut compared = 0;
+    let (mut random, mut compared) = (Random::new(7), 0);
     for case in all_cases() {
         let (before, residual) = (Wave::four(&mut random, 12.0), Wave::four(&mut random, 4.0));
         if !families.iter().any(|family| case.is_of(family)) {
@@ -177,7 +158,7 @@ fn new_is_old_plus_residual(families: &[&str], points: usize) {
             compared += points_hold_the_sum(&case, &found, &old, &new);
         }
     }
-    assert!(compared >= points, "only {compared} points were compared");
+    assert!(compared >= points, "{families:?}: only {compared} points were compared");
 }
 
 fn forecast_is_of_what_was_measured(case: &Case, found: &Inputs, new: &Kit) {
@@ -216,13 +197,10 @@ fn points_hold_the_sum(case: &Case, found: &Inputs, old: &Kit, new: &Kit) -> usi
                 if case.is_of("fanuc") && (x / case.old_spacing).fract().abs() >= 1e-9 {
                     continue; // where the step of the old table is not known
                 }
-                let wanted = um_at(&old, x) - residual.at(at).um();
-                let got = um_at(&new, x);
+                let (got, wanted) = (um_at(&new, x), um_at(&old, x) - residual.at(at).um());
+                let what = format!("{base}→{output} {direction} at {x}: {got}, wanted {wanted}");
+                assert!((got - wanted).abs() <= case.half_count() + 1e-9, "{what}");
                 compared += 1;
-                assert!(
-                    (got - wanted).abs() <= case.half_count() + 1e-9,
-                    "{base}→{output} {direction} at {x}: {got}, wanted {wanted}"
-                );
             }
         }
     }
@@ -230,18 +208,14 @@ fn points_hold_the_sum(case: &Case, found: &Inputs, old: &Kit, new: &Kit) -> usi
 }
 
 #[test]
-fn new_is_old_plus_residual_on_siemens_and_the_generic_control() {
-    new_is_old_plus_residual(&["siemens", "generic"], 3_000);
-}
-
-#[test]
-fn new_is_old_plus_residual_on_fanuc() {
-    new_is_old_plus_residual(&["fanuc"], 1_000);
-}
-
-#[test]
-fn new_is_old_plus_residual_on_linuxcnc() {
-    new_is_old_plus_residual(&["linuxcnc"], 2_000);
+fn new_is_old_plus_residual_on_every_control() {
+    std::thread::scope(|scope| {
+        for (family, points) in
+            [(&["siemens", "generic"][..], 3_000), (&["fanuc"], 1_000), (&["linuxcnc"], 2_000)]
+        {
+            scope.spawn(move || new_is_old_plus_residual(family, points));
+        }
+    });
 }
 
 #[test]
@@ -266,15 +240,9 @@ fn nothing_left_gives_the_same_tables_again() {
 
 #[test]
 fn a_read_out_says_the_same_as_the_kit() {
-    let case = Case {
-        controller: "siemens-840d-sl",
-        policy: Some("curve-and-parameter"),
-        gantry: false,
-        interpolated: false,
-        old_spacing: 25.0,
-        new_spacing: 30.0,
-        homing: "+",
-    };
+    let is_it = |case: &Case| case.policy == Some("curve-and-parameter") && case.new_spacing > 25.0;
+    let case = all_cases().into_iter().find(is_it).unwrap();
+    assert_eq!((case.controller, case.homing), ("siemens-840d-sl", "+"));
     let mut random = Random::new(5);
     let (before, residual) = (Wave::four(&mut random, 12.0), Wave::four(&mut random, 4.0));
     let (found, old, new) = visit(&case, &before, &residual);
@@ -283,7 +251,9 @@ fn a_read_out_says_the_same_as_the_kit() {
     );
     for axis in ["AX1", "AX2"] {
         let mm = old.compiled.state.axis(axis).unwrap().backlash_um / 1000.0;
-        writeln!(archive, "N32450 $MA_BACKLASH[0,{axis}]={mm:.6}\nN32700 $MA_ENC_COMP_ENABLE[0,{axis}]=1\nN32710 $MA_CEC_ENABLE[{axis}]=1").unwrap();
+        archive += &format!(
+            "N32450 $MA_BACKLASH[0,{axis}]={mm:.6}\nN32700 $MA_ENC_COMP_ENABLE[0,{axis}]=1\nN32710 $MA_CEC_ENABLE[{axis}]=1\n"
+        );
     }
     archive.push_str("M17\n");
     for file in files_of(&old, Role::Table) {

@@ -72,24 +72,12 @@ impl Case<'_> {
     /// Whether each direction has a table of its own. Where the policy asks for it and the control
     /// could hold it, anything else has to be said.
     pub(crate) fn two_tables(&self, term: &Term) -> bool {
-        let mut own = self.kit.plan.tables.iter().filter(|t| t.term == term.term);
-        let directed = own.any(|t| t.direction.is_some());
+        let mut tables = self.kit.plan.tables.iter();
+        let directed = tables.any(|t| t.term == term.term && t.direction.is_some());
         let asked = self.machine.policy == Some("two-tables") && term.both_ways();
         if asked && !directed && term.takes_directions(self.profile) {
-            let kinds = self.kit.plan.notes.iter().filter_map(|note| note.kind());
-            let says = |is_it: fn(&TableFinding, ErrorTerm) -> bool| {
-                kinds.clone().any(|kind| is_it(kind, term.term))
-            };
-            let is_mean = says(
-                |kind, own| matches!(kind, TableFinding::MeanOnly { term, .. } if *term == own),
-            );
-            let says_equal = says(|kind, own| match kind {
-                TableFinding::OfTarget { terms, note } => {
-                    terms.contains(&own)
-                        && note == "both directions are equal, so one table is written"
-                }
-                _ => false,
-            });
+            let mut kinds = self.kit.plan.notes.iter().filter_map(|note| note.kind());
+            let (own, equal) = (term.term, "both directions are equal, so one table is written");
             let is_equal = || {
                 let grid = self.kit.plan.grids[term.term.along].unwrap();
                 (grid.first..=grid.last).all(|node| {
@@ -98,7 +86,12 @@ impl Case<'_> {
                     (plus - minus).abs() < 1e-6
                 })
             };
-            assert!(is_mean || says_equal && is_equal());
+            assert!(kinds.any(|kind| match kind {
+                TableFinding::MeanOnly { term, .. } => *term == own,
+                TableFinding::OfTarget { terms, note } =>
+                    terms.contains(&own) && note == equal && is_equal(),
+                _ => false,
+            }));
         }
         directed
     }
@@ -125,11 +118,8 @@ impl Case<'_> {
             let unit = self.machine.axis(term.term.of).unit_um.unwrap();
             for (pair, um) in held.mm.windows(2).zip(held.um.windows(2)) {
                 let pulses = ((um[1] - um[0]) / unit).abs().round();
-                let mut pulse = 0.5;
-                while pulse < pulses {
-                    jumps.push(pair[0] + (pair[1] - pair[0]) * pulse / pulses);
-                    pulse += 1.0;
-                }
+                let place = |n: u32| pair[0] + (pair[1] - pair[0]) * (f64::from(n) + 0.5) / pulses;
+                jumps.extend((0..pulses as u32).map(place));
             }
         }
         (bends, jumps)
@@ -170,11 +160,9 @@ pub(crate) struct Held {
 impl Held {
     pub(crate) fn of(response: &Response) -> Held {
         assert_eq!(response.tables().len(), 1, "one table acts");
-        let nodes: Vec<_> = response.tables()[0].nodes().collect();
-        Held {
-            mm: nodes.iter().map(|(x, _)| x.mm()).collect(),
-            um: nodes.iter().map(|(_, c)| c.um()).collect(),
-        }
+        let nodes = response.tables()[0].nodes();
+        let (mm, um) = nodes.map(|(x, correction)| (x.mm(), correction.um())).unzip();
+        Held { mm, um }
     }
 
     pub(crate) fn step(&self) -> f64 {
@@ -182,21 +170,16 @@ impl Held {
     }
 
     pub(crate) fn node_at(&self, x: f64) -> usize {
-        let node = (0..self.mm.len())
-            .min_by(|a, b| (self.mm[*a] - x).abs().total_cmp(&(self.mm[*b] - x).abs()));
-        node.unwrap()
+        let off = |node: &usize| (self.mm[*node] - x).abs();
+        (0..self.mm.len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap()
     }
 
     /// Largest change in the section (or the two sections) at `x`.
     pub(crate) fn increment_at(&self, x: f64) -> f64 {
         let place = (x - self.mm[0]) / self.step();
-        (1..self.mm.len())
-            .filter(|node| {
-                let node = *node as f64;
-                place > node - 1.0 - 1e-6 && place < node + 1e-6
-            })
-            .map(|node| (self.um[node] - self.um[node - 1]).abs())
-            .fold(0.0, f64::max)
+        let is_at = |node: &usize| (*node as f64 - 0.5 - place).abs() < 0.5 + 1e-6;
+        let own = (1..self.mm.len()).filter(is_at);
+        own.map(|node| (self.um[node] - self.um[node - 1]).abs()).fold(0.0, f64::max)
     }
 }
 

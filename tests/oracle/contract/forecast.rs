@@ -13,10 +13,7 @@ pub(crate) fn forecast_holds(case: &Case<'_>, term: &Term, forecast: &TermForeca
     let machine = case.machine;
     let (mut before, mut after) = (0.0_f64, 0.0_f64);
     for direction in Direction::BOTH {
-        let Some(errors) = term.errors(direction) else {
-            continue;
-        };
-        let (from, to) = errors.range();
+        let Some((from, to)) = term.errors(direction).map(Errors::range) else { continue };
         for (base, output) in machine.pairs(term.term) {
             let response = support::response(case.control, base, output, direction);
             let held = match response.tables().first() {
@@ -94,13 +91,11 @@ pub(crate) fn diagonals_hold<'a>(case: &Case<'a>) {
         let seen = extent.map(|[low, high]| high - low);
         let said = [diagonal.change.before_um, diagonal.change.after_um];
         for (said, seen) in said.iter().zip(seen) {
-            let name = format!("{}: said {said}, seen {seen}", diagonal.name);
-            assert!(*said >= seen - DUST_UM, "{name}");
-            let near = match machine.kind {
-                Interpolation::Linear => 1e-3,
-                _ => 0.05 * said + 0.02, // the top of a cubic lies between two steps
-            };
-            assert!(*said <= seen + near, "{name}");
+            // The top of a cubic lies between two steps.
+            let is_linear = machine.kind == Interpolation::Linear;
+            let near = if is_linear { 1e-3 } else { 0.05 * said + 0.02 };
+            let is_near = (seen - DUST_UM..=seen + near).contains(said);
+            assert!(is_near, "{}: said {said}, seen {seen}", diagonal.name);
         }
     }
 }
@@ -131,12 +126,9 @@ fn steps_of_walk(
     breaks.retain(|t| (0.0..=1.0).contains(t));
     breaks.sort_by(f64::total_cmp);
     breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-8);
-    breaks
-        .windows(2)
-        .flat_map(|pair| [1e-9, 0.25, 0.5, 0.75].map(|part| (pair, part)))
-        .flat_map(|(pair, part)| match part {
-            0.0..0.1 => vec![pair[0] + part, pair[1] - part],
-            _ => vec![pair[0] + part * (pair[1] - pair[0])],
-        })
-        .collect()
+    let between = |pair: &[f64]| {
+        let inside = [0.25, 0.5, 0.75].map(|part| pair[0] + part * (pair[1] - pair[0]));
+        [pair[0] + 1e-9, pair[1] - 1e-9].into_iter().chain(inside)
+    };
+    breaks.windows(2).flat_map(between).collect()
 }

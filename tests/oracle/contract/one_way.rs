@@ -133,16 +133,15 @@ impl<'a> OneWay<'a> {
     fn wanted(&self) -> Vec<f64> {
         let (first, _) = self.range();
         let step = self.held.step();
-        let planned = |x: f64| {
-            let off = |node: &usize| (first + *node as f64 * step - x).abs();
-            let nodes = 0..self.planned.values.len();
-            let nearest = nodes.min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
-            let carried = self.term.reversal_in_table(self.case.machine, self.direction);
-            self.planned.values[nearest].um() + carried
+        let carried = self.term.reversal_in_table(self.case.machine, self.direction);
+        let wanted = |x: f64| match self.case.machine.fit {
+            "sample" => self.target(x),
+            _ => {
+                let node = ((x - first) / step).round() as usize;
+                self.planned.values[node.min(self.planned.values.len() - 1)].um() + carried
+            }
         };
-        let is_sampled = self.case.machine.fit == "sample";
-        let places = self.anchored().into_iter();
-        places.map(|x| if is_sampled { self.target(x) } else { planned(x) }).collect()
+        self.anchored().into_iter().map(wanted).collect()
     }
 
     fn count_is_as_printed(&self) {
@@ -229,8 +228,7 @@ impl<'a> OneWay<'a> {
 
     /// Zero at the reference; the other direction carries the reversal.
     fn reference_is_zero(&self) {
-        let (place_um, name) = (self.place_um(), self.name());
-        let reference = self.axis.reference;
+        let (place_um, name, reference) = (self.place_um(), self.name(), self.axis.reference);
         let at_reference = um_at(&self.response, reference);
         let mut placed = self.case.kit.compiled.placements.iter();
         let has_two = placed.any(|p| p.term == self.term.term && p.direction.is_some());
@@ -302,9 +300,9 @@ impl<'a> OneWay<'a> {
         }
         // The table of a fit may leave the curve, a four-point line does.
         let count = self.case.count_um(self.term.term, self.output);
-        let is_sampled = self.case.machine.fit == "sample";
+        let of_fit = self.case.machine.fit != "sample";
         let slack = count.max(self.placement.fit_residual_um.unwrap_or(0.0))
-            + if is_sampled { 0.0 } else { self.placement.grid_residual_um };
+            + if of_fit { self.placement.grid_residual_um } else { 0.0 };
         let is_seen = deviation > 12.0 * slack && deviation > 0.1;
         let name = self.name();
         assert!(!is_seen || left >= 1.9 * deviation, "{name}: {deviation}, turned {left}");

@@ -22,13 +22,9 @@ struct Canon {
 
 /// Executes the calls.
 pub(crate) fn walked(calls: &str) -> Walked {
-    let mut canon = Canon {
-        mm: 1.0,
-        plane: [0, 1, 2],
-        zeros: [[0.0; 3]; 3],
-        at: [0.0; 3],
-        walked: Walked { length_mm: 0.0, reach_mm: [[f64::INFINITY, f64::NEG_INFINITY]; 3] },
-    };
+    let walked = Walked { length_mm: 0.0, reach_mm: [[f64::INFINITY, f64::NEG_INFINITY]; 3] };
+    let (plane, zeros) = ([0, 1, 2], [[0.0; 3]; 3]);
+    let mut canon = Canon { mm: 1.0, plane, zeros, at: [0.0; 3], walked };
     for line in calls.lines() {
         // `  12 N40    STRAIGHT_FEED(1.0000, …)`
         let call = line.split_once('N').map_or("", |(_, call)| call);

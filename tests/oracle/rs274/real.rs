@@ -27,6 +27,8 @@ pub(crate) const DIALECT: &[(&str, &str)] = &[
 ];
 
 const TURNING: Expected = Refused("stands in turning programs");
+const FAR: Expected = Refused("the end of the arc lies 162.1197 mm from the centre");
+const SUBPROGRAM: Expected = Refused("`L340` calls a subprogram");
 
 pub(crate) const PROGRAMS: &[(&str, Unit, Expected)] = &[
     ("CNC_Training__NC_Files_Cline_Maze.nc", Inch, Same),
@@ -53,11 +55,7 @@ pub(crate) const PROGRAMS: &[(&str, Unit, Expected)] = &[
     ("cnc-sprayer__quads_QUAD-CD.tap", Inch, Same),
     ("cnc-sprayer__quads_QUAD-D.tap", Inch, Same),
     ("cnc-sprayer__tests_fusion-inch.nc", Inch, Same),
-    (
-        "cnc-sprayer__tests_fusion-inchV8.nc",
-        Inch,
-        Refused("the end of the arc lies 162.1197 mm from the centre"),
-    ),
+    ("cnc-sprayer__tests_fusion-inchV8.nc", Inch, FAR),
     ("cnc-sprayer__tests_spray-test-working.nc", Inch, Same),
     ("cnc-sprayer__tests_spray-test.nc", Inch, Same),
     ("easy_gcode_plot__cnc_programs_CONTOUR.NC", Mm, Same),
@@ -81,24 +79,18 @@ pub(crate) const PROGRAMS: &[(&str, Unit, Expected)] = &[
     ("led_floor__cad_nc_1080_light_holder_27bit_longer_thinner_extrude.nc", Mm, Same),
     ("led_floor__d_nc_1078_wall_27bit_slower_feeds_wider_light_holder_hole.nc", Mm, Same),
     ("led_floor__nc_1080_light_holder_27bit_longer_thinner_extrude_no_lead.nc", Mm, Same),
-    (
-        "sublime-s840d__gcode_tests_syntax_test_cycle.spf",
-        Siemens,
-        Refused("`L340` calls a subprogram"),
-    ),
+    ("sublime-s840d__gcode_tests_syntax_test_cycle.spf", Siemens, SUBPROGRAM),
     ("sublime-s840d__gcode_tests_syntax_test_if.spf", Siemens, Refused("`IF` is not executed")),
 ];
 
 /// Whether that was found.
 pub(crate) fn is_so(expected: Expected, found: &Result<(), String>) -> bool {
-    match (expected, found) {
-        (Expected::Same, Ok(())) => true,
-        (Expected::Refused(words), Err(said)) => {
-            said.starts_with("refused: ") && said.contains(words)
-        }
-        (Expected::Apart(words), Err(said)) => {
-            said.starts_with("length by ") && said.contains(words)
-        }
-        _ => false,
+    let says = |begin: &str, words: &str| {
+        found.as_ref().is_err_and(|said| said.starts_with(begin) && said.contains(words))
+    };
+    match expected {
+        Same => found.is_ok(),
+        Refused(words) => says("refused: ", words),
+        Apart(words) => says("length by ", words),
     }
 }
