@@ -6,8 +6,6 @@ pub(crate) mod machine_h;
 pub(crate) mod published;
 pub(crate) mod random_map;
 pub(crate) mod refusals;
-pub(crate) mod run;
-pub(crate) mod skipped;
 pub(crate) mod tree;
 pub(crate) mod visit;
 
