@@ -344,7 +344,7 @@ proptest! {
 
 proptest! {
     // Over all controls: a sixth of the cases in plain `cargo test`.
-    #![proptest_config(fixed_seed(short_or(8, 48)))]
+    #![proptest_config(fixed_seed(short_or(4, 48)))]
 
     #[test]
     fn a_machine_without_errors_gets_tables_of_zeros(

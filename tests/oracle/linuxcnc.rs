@@ -7,6 +7,7 @@ mod machine;
 mod proof;
 mod visit;
 
+use crate::support::published::is_whole;
 use loops::Case;
 use machine::Machine;
 
@@ -66,12 +67,12 @@ const fn case(
     Case { machine, controller, points, stops, unit }
 }
 
-/// Whether all is asked for, which takes minutes: the other machines, the HAL files and a whole visit.
+/// Whether all is asked for, which takes minutes: the facts, the other machines, the HAL files and a whole visit.
 fn all_is_asked_for() -> bool {
-    let all = std::env::var("NONIUS_SIMULATIONS").is_ok_and(|value| value == "all");
+    let all = is_whole();
     if !all {
         eprintln!(
-            "only the short part: NONIUS_SIMULATIONS=all runs the other machines, the HAL files and a whole visit"
+            "only the short part: NONIUS_SIMULATIONS=all runs the facts, the other machines, the HAL files and a whole visit"
         );
     }
     all
@@ -80,7 +81,7 @@ fn all_is_asked_for() -> bool {
 /// What the profile says of a table was seen on the control.
 #[test]
 fn the_real_control_does_with_a_table_what_the_profile_says() {
-    if control::installed().is_some() {
+    if all_is_asked_for() && control::installed().is_some() {
         facts::types_directions_and_ends();
         facts::backlash_and_blank_lines();
         facts::rows_order_and_small_steps();
