@@ -1,6 +1,7 @@
 //! The field kit: what a sign proof does, that a rollback is what was read out, what the checklist
 //! says, and what is refused.
 use crate::support;
+use crate::support::published::short_or;
 use crate::support::visit::{fixture, replaced};
 use crate::support::{machine::machine, um_at};
 use nonius::control::controller::{Dialect, Evidence, Profile, Role, builtin};
@@ -25,7 +26,7 @@ const PARAMETER: &str = "curve-and-parameter";
 
 /// Random machines of a control: 40 where simulations are asked for, or a quarter.
 fn machines() -> usize {
-    if std::env::var_os("NONIUS_SIMULATIONS").is_some() { 40 } else { 10 }
+    short_or(10, 40)
 }
 
 fn five_points(profile: &str) -> (String, String) {

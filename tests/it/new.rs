@@ -1,5 +1,6 @@
 //! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
 use crate::support::positioning_ids;
+use crate::support::published::short_or;
 use crate::support::visit::{Ran, Visit};
 use nonius::control::controller::{Dialect, builtin};
 use nonius::inputs::error_table::ErrorTable;
@@ -199,7 +200,7 @@ fn walk(id: &str, more: &str, until: Until) {
     at.run(&format!("report {tables} -o visit/report.html")).answers();
     let page = at.read("visit/report.html");
     assert!(page.contains("VMC 800") && page.contains("SIMULATED"), "{id} {more}");
-    if !are_readings || is_whole() {
+    if !are_readings || short_or(false, true) {
         at.run("report visit/job.toml --tables visit/kit -o first.html").answers();
         assert!(at.read("first.html").contains("VMC 800"), "{id} {more}");
     }
@@ -232,13 +233,9 @@ fn walk_all(more: &str, [first, other]: [Until; 2]) {
     for id in positioning_ids() {
         let family = discriminant(&builtin::profile(id).unwrap().dialect);
         let until = if families.contains(&family) { other } else { first };
-        walk(id, more, if is_whole() { Until::Report } else { until });
+        walk(id, more, short_or(until, Until::Report));
         families.push(family);
     }
-}
-
-fn is_whole() -> bool {
-    std::env::var_os("NONIUS_SIMULATIONS").is_some()
 }
 
 #[test]

@@ -18,7 +18,8 @@ fn every_built_in_profile_loads_under_its_own_id() {
     let ids: Vec<String> = all().into_iter().map(|profile| profile.id).collect();
     assert_eq!(ids, builtin::ids());
     assert!(all().iter().all(|profile| profile.origin == ProfileSource::BuiltIn));
-    let pages = glob::glob(&fixtures("../controllers/*.toml").display().to_string()).unwrap();
+    let pages = std::fs::read_dir(fixtures("../controllers")).unwrap();
+    let pages = pages.filter(|page| page.as_ref().unwrap().path().is_file());
     assert_eq!(pages.count(), ids.len(), "a page in controllers/ is not built in");
 }
 

@@ -38,10 +38,10 @@ fn the_search_finds_them() {
 /// What every test, page and snapshot of the repository expects.
 #[test]
 fn nothing_that_is_expected_holds_one() {
-    for pattern in ["../tests/*/snapshots/*.snap", "cases/refuses/*.txt"] {
-        let pattern = fixtures(pattern).display().to_string().replace('\\', "/");
+    for folder in ["../tests/it/snapshots", "cases/refuses"] {
         let mut count = 0;
-        for path in glob::glob(&pattern).unwrap().map(Result::unwrap) {
+        for entry in std::fs::read_dir(fixtures(folder)).unwrap() {
+            let path = entry.unwrap().path();
             let text = std::fs::read_to_string(&path).unwrap();
             // A case holds its inputs, and may show the line of one as it was written.
             let is_case = path.extension().is_some_and(|end| end == "txt");
@@ -50,7 +50,7 @@ fn nothing_that_is_expected_holds_one() {
             assert!(own.is_empty(), "{}: {own:?}", path.display());
             count += 1;
         }
-        assert!(count > 10, "{pattern}: {count}");
+        assert!(count > 10, "{folder}: {count}");
     }
 }
 

@@ -13,6 +13,7 @@ mod one_way;
 
 use crate::support;
 use crate::support::machine::{Machine, machine};
+use crate::support::published::short_or;
 use crate::support::{control, loaded, um_at, with_signs_turned};
 use case::Case;
 use fanuc_numbers::numbers_are_legal;
@@ -25,7 +26,7 @@ use std::collections::BTreeMap;
 
 /// The machines for each profile: 72 where `NONIUS_SIMULATIONS` is set, else every fourth, one of each four.
 fn seeds() -> Vec<usize> {
-    let all = std::env::var_os("NONIUS_SIMULATIONS").is_some();
+    let all = short_or(false, true);
     (0..72).filter(|seed| all || seed % 4 == seed / 4 % 4).collect()
 }
 

@@ -161,6 +161,7 @@ prop_compose! {
 }
 
 proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
     #[test]
     fn no_points_are_better((wanted, reference) in case(7, 4.0)) {
         let best = best_fit(&wanted, reference, 7).expect("a fit");
