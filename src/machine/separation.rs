@@ -36,6 +36,7 @@ mod exchange;
 mod expected;
 pub mod findings;
 mod labels;
+mod linear;
 pub mod linear_reversal;
 pub mod metric;
 pub mod monte_carlo;
@@ -55,5 +56,5 @@ pub mod unmeasured;
 
 pub use self::campaign::{Campaign, MeasuredLine, corrected};
 pub(crate) use self::expected::{Instrument, expected, linear_axis};
-pub use self::separate::{Separation, curves_of, separate};
+pub use self::separate::{Separation, separate};
 pub use self::solved::{NineErrors, SeparatedError};

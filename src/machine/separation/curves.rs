@@ -1,8 +1,11 @@
 //! Formulas (1), (2) and (3): increments → nine curves and their closure; and the reference lines of
 //! ISO 230-1 that their slopes and straightness refer to.
 
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
+use super::linear::{Layout, Row};
+use super::readings::Group;
+use super::uncertainty::Budget;
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Millimetres;
 
 /// Values of one curve at the n + 1 interval ends of its moving axis, lowest first; µm, the
@@ -14,21 +17,80 @@ pub(super) fn noise_gain(volume: &Volume, of: Axis) -> f64 {
     1.0 / (2.0 * volume.cosine(of))
 }
 
-/// Formulas (1) and (3). The slopes hold the tilt of the mirror.
-pub fn curves(volume: &Volume, increments: &PerDiagonal<PerAxis<Vec<f64>>>) -> PerTerm<Curve> {
-    PerTerm::from_fn(|term| {
-        let gain = noise_gain(volume, term.of) / 2.0;
-        let signs = Diagonal::ALL.map(|d| gain * d.sign(term.along) * d.sign(term.of));
-        let [a, b, c, d] = Diagonal::ALL.map(|d| increments[d][term.along].as_slice());
-        let mut curve = Vec::with_capacity(volume.steps + 1);
-        let mut sum = 0.0;
-        curve.push(sum);
-        for (((a, b), c), d) in a.iter().zip(b).zip(c).zip(d) {
-            sum += signs[0] * a + signs[1] * b + signs[2] * c + signs[3] * d;
-            curve.push(sum);
+/// Formula (1) as rows over what was measured. The slopes hold the tilt of the mirror.
+pub(super) struct Steps<'a> {
+    volume: &'a Volume,
+    layout: Layout,
+    /// Whether the axes turned without overrun: of the last cell the forward increments stand for both passes.
+    turned: bool,
+}
+
+impl<'a> Steps<'a> {
+    pub(super) fn new(budget: &Budget<'a>, layout: Layout) -> Steps<'a> {
+        Steps { volume: budget.volume, layout, turned: budget.turned }
+    }
+
+    fn groups(&self) -> &'static [Group] {
+        Group::all(self.layout.passes == 2)
+    }
+
+    /// m: the reading at the end of a step less that at its beginning.
+    fn increment(&self, group: Group, d: Diagonal, axis: Axis, interval: usize) -> Row {
+        let step = self.volume.interval(d, axis, interval);
+        let is_turn = self.turned && step + 1 == self.volume.steps;
+        let pass = if is_turn { Pass::Forward } else { group.pass(d, axis) };
+        let node = self.volume.node_after(axis, step);
+        let at = |node| self.layout.reading(pass, d, node);
+        Row(vec![(at(node), 1.0), (at(node - 1), -1.0)])
+    }
+
+    /// δ of each interval of a term for one group of readings.
+    pub(super) fn of(&self, term: ErrorTerm, group: Group) -> Vec<Row> {
+        let gain = noise_gain(self.volume, term.of) / 2.0;
+        let interval = |interval: usize| {
+            let of = |d: Diagonal| {
+                let sign = gain * d.sign(term.along) * d.sign(term.of);
+                (sign, self.increment(group, d, term.along, interval))
+            };
+            let parts = Diagonal::ALL.map(of);
+            Row::sum(parts.iter().map(|(sign, row)| (*sign, row)))
+        };
+        (0..self.volume.steps).map(interval).collect()
+    }
+
+    /// The same, mean of the groups.
+    pub(super) fn mean(&self, term: ErrorTerm) -> Vec<Row> {
+        let groups = self.groups();
+        let share = 1.0 / groups.len() as f64;
+        let all: Vec<Vec<Row>> = groups.iter().map(|group| self.of(term, *group)).collect();
+        let at = |interval: usize| Row::sum(all.iter().map(|steps| (share, &steps[interval])));
+        (0..self.volume.steps).map(at).collect()
+    }
+
+    /// Sum of the increments of a (diagonal, axis) pair, mean of the groups.
+    fn sum(&self, d: Diagonal, axis: Axis) -> Row {
+        let groups = self.groups();
+        let share = 1.0 / groups.len() as f64;
+        let mut sum = Row::default();
+        for group in groups {
+            for interval in 0..self.volume.steps {
+                sum.add(share, &self.increment(*group, d, axis, interval));
+            }
         }
-        curve
-    })
+        sum
+    }
+
+    /// Mean of the increments of each (diagonal, axis) pair, µm.
+    pub(super) fn mean_increments(&self, z: &[f64]) -> PerDiagonal<PerAxis<f64>> {
+        let n = self.volume.steps_f64();
+        PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| self.sum(d, axis).dot(z) / n))
+    }
+
+    /// E_d: the total of a diagonal.
+    pub(super) fn total(&self, d: Diagonal) -> Row {
+        let sums = Axis::ALL.map(|axis| self.sum(d, axis));
+        Row::sum(sums.iter().map(|sum| (1.0, sum)))
+    }
 }
 
 /// w of formula (2): by axis, one value for each machine interval; µm.
@@ -49,32 +111,6 @@ pub(super) fn closures(
 pub(super) fn closure_sign(diagonal: Diagonal, axis: Axis) -> f64 {
     let all: f64 = Axis::ALL.into_iter().map(|axis| diagonal.sign(axis)).product();
     diagonal.sign(axis) * all
-}
-
-/// A curve with the line through its ends turned to `slope_um_per_m`; shape and first value stay.
-pub fn with_slope(volume: &Volume, along: Axis, curve: &[f64], slope_um_per_m: f64) -> Curve {
-    let change = slope_um_per_m - end_slope(volume, along, curve);
-    plus_line(volume, along, curve, change)
-}
-
-/// A curve plus a straight line through zero at its low end.
-pub(super) fn plus_line(volume: &Volume, along: Axis, curve: &[f64], slope_um_per_m: f64) -> Curve {
-    let value = |(index, value): (usize, &f64)| {
-        value + slope_um_per_m * volume.along_mm(along, index) / 1000.0
-    };
-    curve.iter().enumerate().map(value).collect()
-}
-
-/// Slope of the line through the ends of a curve, µm/m.
-pub(super) fn end_slope(volume: &Volume, along: Axis, curve: &[f64]) -> f64 {
-    curve.last().copied().unwrap_or(0.0) / (volume.size[along].mm() / 1000.0)
-}
-
-/// The mean of one curve of several lists, all of the same length.
-pub(super) fn mean_curve(all: &[PerTerm<Curve>], term: ErrorTerm) -> Curve {
-    let length = all.first().map_or(0, |curves| curves[term].len());
-    let at = |index: usize| mean(all.iter().map(|curves| curves[term][index]));
-    (0..length).map(at).collect()
 }
 
 /// The value at a position, mm, by the straight line between its neighbours; beyond the ends

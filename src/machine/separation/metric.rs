@@ -24,6 +24,7 @@
 
 use super::campaign::MeasuredLine;
 use super::findings::SeparationFinding;
+use super::linear::{Model, Row};
 pub use super::plane::{PerPlane, Plane};
 use super::plane::{UNKNOWNS, Unknown};
 use crate::quantity::axis::{Axis, PerAxis};
@@ -41,18 +42,8 @@ const UM_PER_M: f64 = 1e-6;
 /// What (7) neglects, µm/m. No equation is weighed as if it were more certain: readings without
 /// any noise would make the system singular beside a line with a stated uncertainty.
 const NEGLECTED_UM_PER_M: f64 = 1e-3;
-
-/// How uncertain the totals of the diagonals are, by their length.
-#[derive(Clone, Debug, PartialEq)]
-pub struct TotalsUncertainty {
-    /// Of each diagonal for itself (noise, changes between set-ups), standard, µm/m.
-    pub own_um_per_m: PerDiagonal<f64>,
-    /// False: `own_um_per_m` is only a weight, because the noise is not known.
-    pub known: bool,
-    /// Common to all set-ups, one for each cause: the false scales of X, Y, Z that one standard
-    /// uncertainty of it makes, µm/m.
-    pub common_um_per_m: Vec<PerAxis<f64>>,
-}
+/// Uncertainty that weighs totals where neither noise nor a statement gives one, µm/m.
+const WEIGHT_UM_PER_M: f64 = 1.0;
 
 /// What is measured of a triad's metric.
 #[derive(Clone, Debug, PartialEq)]
@@ -141,19 +132,21 @@ pub(super) struct Equation {
     nominal: PerAxis<f64>,
     /// The value, µm/m.
     pub(super) value: f64,
+    /// How it hangs on what was measured.
+    row: Row,
     /// Its own variance, (µm/m)².
     own: f64,
     /// Whether that is known; else it is a weight.
     pub(super) known: bool,
-    /// What each common cause does to it, µm/m.
-    common: Vec<f64>,
+    /// Covariances with all equations by what they share, (µm/m)².
+    shared: Vec<f64>,
 }
 
-type Row = SVector<f64, UNKNOWNS>;
+type Products = SVector<f64, UNKNOWNS>;
 
 /// vᵀ h v as a row of the six unknowns.
-fn row(v: &PerAxis<f64>) -> Row {
-    Row::from([v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.x * v.z, v.y * v.z])
+fn products(v: &PerAxis<f64>) -> Products {
+    Products::from([v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.x * v.z, v.y * v.z])
 }
 
 /// (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
@@ -196,7 +189,7 @@ pub(super) struct Solution {
 impl Solution {
     /// Value along a direction, and its variance.
     pub(super) fn along(&self, direction: &PerAxis<f64>) -> (f64, f64) {
-        let row = DVector::from_column_slice(row(direction).as_slice());
+        let row = DVector::from_column_slice(products(direction).as_slice());
         (row.dot(&self.unknowns), row.dot(&(&self.spread * &row)))
     }
 
@@ -207,44 +200,56 @@ impl Solution {
 }
 
 impl Equations {
-    /// `diagonals`: directions and values.
+    /// `diagonals`: directions and values; `rows`: of the diagonals, then of the lines, µm/m. Completes the
+    /// model by what the equations neglect, and the rows with it.
     pub(super) fn new(
         volume: &Volume,
         diagonals: &PerDiagonal<(PerAxis<f64>, f64)>,
-        totals: &TotalsUncertainty,
         lines: &[MeasuredLine],
+        rows: Vec<Row>,
+        (model, noise_is_known): (&mut Model, bool),
     ) -> Equations {
-        let variance = |u: f64| u.max(NEGLECTED_UM_PER_M).squared();
-        let causes = &totals.common_um_per_m;
-        let diagonal = |(d, (direction, value)): (_, &(PerAxis<f64>, f64))| {
-            let nominal = volume.laser(d);
-            let squares = PerAxis::from_fn(|axis| nominal[axis].squared());
-            Equation {
-                direction: *direction,
-                nominal,
-                value: *value,
-                own: variance(totals.own_um_per_m[d]),
-                known: totals.known,
-                common: causes.iter().map(|strain| squares.dot(*strain)).collect(),
-            }
-        };
-        let mut all: Vec<Equation> = diagonals.iter().map(diagonal).collect();
-        // A line of unknown uncertainty is weighed like a diagonal.
-        let like_a_diagonal = all.iter().map(|one| one.own).sum::<f64>() / 4.0;
-        all.extend(lines.iter().map(|line| Equation {
-            direction: line.direction,
-            nominal: line.direction,
-            value: line.slope_um_per_m,
-            own: line.u_um_per_m.map_or(like_a_diagonal, variance),
-            known: line.u_um_per_m.is_some(),
-            common: vec![0.0; causes.len()],
-        }));
+        let stepped = diagonals.iter().map(|(d, (v, value))| (*v, volume.laser(d), *value));
+        let beside = lines.iter().map(|l| (l.direction, l.direction, l.slope_um_per_m));
+        let known = std::iter::repeat_n(noise_is_known, 4);
+        let known = known.chain(lines.iter().map(|line| line.u_um_per_m.is_some()));
+        let given = stepped.chain(beside).zip(known).zip(rows);
+        let mut all: Vec<Equation> = given
+            .map(|(((direction, nominal, value), known), row)| {
+                let (variance, common) = model.covariance(&row, &row);
+                let own = variance.all - common;
+                Equation { direction, nominal, value, row, own, known, shared: Vec::new() }
+            })
+            .collect();
+        // What is not known is weighed: a diagonal by 1 µm/m, a line like a diagonal.
+        let floor = NEGLECTED_UM_PER_M.squared();
+        let mut of_diagonals = 0.0;
+        for (place, one) in all.iter_mut().enumerate() {
+            let least = match (place < 4, one.known) {
+                (true, false) => one.own + WEIGHT_UM_PER_M.squared(),
+                (false, false) => of_diagonals / 4.0,
+                _ => floor,
+            };
+            let entry = model.layout.neglected(place);
+            model.other[entry] = (least - one.own).max(0.0);
+            one.own += model.other[entry];
+            one.row.add(1.0, &Row::of(entry));
+            of_diagonals += if place < 4 { one.own } else { 0.0 };
+        }
+        let covariances: Vec<Vec<f64>> = all
+            .iter()
+            .map(|a| all.iter().map(|b| model.covariance(&a.row, &b.row).0.all).collect())
+            .collect();
+        for (place, (one, mut shared)) in all.iter_mut().zip(covariances).enumerate() {
+            shared[place] -= one.own;
+            one.shared = shared;
+        }
         Equations::of(all)
     }
 
     fn of(all: Vec<Equation>) -> Equations {
         let mut normal = SMatrix::<f64, UNKNOWNS, UNKNOWNS>::zeros();
-        for row in all.iter().map(|one| row(&one.nominal)) {
+        for row in all.iter().map(|one| products(&one.nominal)) {
             normal += row * row.transpose();
         }
         let eigen = normal.symmetric_eigen();
@@ -261,6 +266,9 @@ impl Equations {
     pub(super) fn without(&self, index: usize) -> Equations {
         let mut rest = self.all.clone();
         rest.remove(index);
+        rest.iter_mut().for_each(|one| {
+            one.shared.remove(index);
+        });
         Equations::of(rest)
     }
 
@@ -280,7 +288,7 @@ impl Equations {
 
     /// Whether the slope along a direction is determined.
     pub(super) fn holds(&self, direction: &PerAxis<f64>) -> bool {
-        let row = DVector::from_column_slice(row(direction).as_slice());
+        let row = DVector::from_column_slice(products(direction).as_slice());
         self.open.tr_mul(&row).norm() < SHARE_TOLERANCE * row.norm()
     }
 
@@ -314,11 +322,9 @@ impl Equations {
     fn solve(&self, along: fn(&Equation) -> PerAxis<f64>, own: &[f64]) -> Option<Solution> {
         let many = self.all.len();
         let covariance = DMatrix::from_fn(many, many, |i, j| {
-            let pairs = self.all[i].common.iter().zip(&self.all[j].common);
-            let shared: f64 = pairs.map(|(a, b)| a * b).sum();
-            shared + if i == j { own[i] } else { 0.0 }
+            self.all[i].shared[j] + if i == j { own[i] } else { 0.0 }
         });
-        let rows: Vec<Row> = self.all.iter().map(|one| row(&along(one))).collect();
+        let rows: Vec<Products> = self.all.iter().map(|one| products(&along(one))).collect();
         let design = DMatrix::from_fn(many, UNKNOWNS, |i, j| rows[i][j]);
         let values = DVector::from_fn(many, |i, _| self.all[i].value);
         let covariance = covariance.cholesky()?;
@@ -377,6 +383,17 @@ impl Equations {
             leak: PerPlane::from_fn(leak),
             u_um_per_m: std::array::from_fn(|index| known[index].then(|| u(index))),
         }
+    }
+
+    /// The unknowns by what was measured, µm/m; nothing without a solution.
+    pub(super) fn rows(&self) -> [Row; UNKNOWNS] {
+        let gain = self.solved().map(|found| found.gain());
+        Unknown::ALL.map(|unknown| {
+            let shares = gain
+                .iter()
+                .flat_map(|gain| gain.row(unknown.index()).iter().copied().collect::<Vec<_>>());
+            Row::sum(shares.zip(self.all.iter().map(|one| &one.row)))
+        })
     }
 
     /// How the unknowns change with the totals of the diagonals, µm/m for each µm; 0 without a solution.

@@ -2,7 +2,7 @@
 //!
 //! Ranges and straightness are largest-minus-smallest figures: noise makes them larger. Every
 //! trial adds noise to the mean readings, and to linear axes and beams what their uncertainty
-//! states, and separates again. The mean of the trials less the
+//! states, and takes the rows of the [linear model](super::linear) of them. The mean of the trials less the
 //! estimate is the bias; the interval is the estimate mirrored in the trials' quantiles
 //! (2·estimate − q). How often such intervals hold the true value was measured, see
 //! docs/accuracy.md; nothing is promised.
@@ -11,15 +11,15 @@
 //! nor their order changes a digit.
 
 use super::campaign::Campaign;
-use super::curves::{Curve, ReferenceLine, mean, range};
-use super::linear_reversal::LinearReversals;
-use super::metric::{PerPlane, Plane};
+use super::curves::{ReferenceLine, mean, range};
+use super::linear::CurveRows;
+use super::metric::Plane;
 use super::noise::float;
-use super::readings::{Means, PassMeans, RunCounts};
-use super::separate::curves_of;
+use super::plane::Unknown;
+use super::readings::Means;
+use super::solved::Solved;
 use super::uncertainty::Budget;
-use crate::quantity::axis::{ErrorTerm, PerTerm};
-use crate::quantity::diagonal::{Pass, PerDiagonal, Volume};
+use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -130,17 +130,21 @@ pub fn simulate(
     plan: Trials,
     progress: &(dyn Fn(usize) + Sync),
 ) -> Option<Simulated> {
-    let sigma_um = budget.noise?.sigma_um;
-    let (curves, squareness) = curves_of(campaign, budget, means);
-    let estimates = figures(budget.volume, &curves, &squareness);
+    budget.noise?;
+    let solved = Solved::new(campaign, budget, means);
+    let linear = Linear::new(&solved);
+    let sigmas = solved.model.drawn();
+    let still = vec![0.0; solved.z.len()];
+    let estimates = linear.figures(&still);
     let trial = |number: usize| -> Vec<f64> {
         let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
         random.set_stream(number as u64);
-        let noisy = with_noise(means, budget.runs, sigma_um, &mut random);
-        let campaign = with_other_lines(campaign, &mut random);
-        let (curves, squareness) = curves_of(&campaign, budget, &noisy);
-        let figures = figures(budget.volume, &curves, &squareness).into_iter();
-        figures.map(|(_, value)| value).collect()
+        let mut noise = still.clone();
+        for (entry, sigma) in noise.iter_mut().zip(&sigmas) {
+            let draw: f64 = StandardNormal.sample(&mut random);
+            *entry = sigma * draw;
+        }
+        linear.figures(&noise).into_iter().map(|(_, value)| value).collect()
     };
     let trials = in_blocks(plan, &trial, progress);
     let figures = estimates.into_iter().enumerate();
@@ -149,6 +153,51 @@ pub fn simulate(
         Figure::of(quantity, estimate, values.collect())
     });
     Some(Simulated { plan, figures: figures.collect() })
+}
+
+/// The simulated figures as far as they are determined, by rows over what was measured.
+struct Linear<'a> {
+    solved: &'a Solved<'a>,
+    /// Curves with the line that turns them at the high end, µm, and their positions, mm.
+    curves: Vec<(ErrorTerm, CurveRows, f64, Vec<f64>)>,
+    squareness: Vec<(Plane, f64)>,
+}
+
+impl<'a> Linear<'a> {
+    fn new(solved: &'a Solved<'a>) -> Linear<'a> {
+        let volume = solved.budget.volume;
+        let curve = |term: ErrorTerm| {
+            let at = (0..=volume.steps).map(|index| volume.along_mm(term.along, index));
+            Some((term, solved.mean_rows(term), solved.turned_um(term)?, at.collect()))
+        };
+        let squareness = solved.squareness();
+        let plane = |plane: Plane| Some((plane, squareness.of(plane)?));
+        Linear {
+            solved,
+            curves: ErrorTerm::ALL.into_iter().filter_map(curve).collect(),
+            squareness: Plane::ALL.into_iter().filter_map(plane).collect(),
+        }
+    }
+
+    /// The figures with so much added to what was measured.
+    fn figures(&self, noise: &[f64]) -> Vec<(Quantity, f64)> {
+        let noisy: Vec<f64> = self.solved.z.iter().zip(noise).map(|(z, noise)| z + noise).collect();
+        let of_curve = |(term, rows, line_um, at): &(ErrorTerm, CurveRows, f64, Vec<f64>)| {
+            let curve = rows.values(&noisy, line_um + rows.line.dot(noise));
+            match term.is_positioning() {
+                true => (Quantity::Range(*term), range(curve.into_iter())),
+                false => {
+                    let um = ReferenceLine::LeastSquares.straightness_um(at, &curve);
+                    (Quantity::Straightness(*term), um)
+                }
+            }
+        };
+        let of_plane = |(plane, um_per_m): &(Plane, f64)| {
+            let moved = self.solved.figure_row(Unknown::Squareness(*plane)).dot(noise);
+            (Quantity::Squareness(*plane), um_per_m + moved)
+        };
+        self.curves.iter().map(of_curve).chain(self.squareness.iter().map(of_plane)).collect()
+    }
 }
 
 /// What each trial gives, in their order, however many threads work.
@@ -182,61 +231,6 @@ fn in_blocks(
     });
     done.sort_by_key(|(index, _)| *index);
     done.into_iter().flat_map(|(_, block)| block).collect()
-}
-
-/// The figures of nine curves.
-fn figures(
-    volume: &Volume,
-    curves: &PerTerm<Option<Curve>>,
-    squareness: &PerPlane<Option<f64>>,
-) -> Vec<(Quantity, f64)> {
-    let of_curve = |(term, curve): (ErrorTerm, &Option<Curve>)| {
-        let curve = curve.as_ref()?;
-        if term.is_positioning() {
-            return Some((Quantity::Range(term), range(curve.iter().copied())));
-        }
-        let positions = (0..=volume.steps).map(|index| volume.along_mm(term.along, index));
-        let positions: Vec<f64> = positions.collect();
-        let value = ReferenceLine::LeastSquares.straightness_um(&positions, curve);
-        Some((Quantity::Straightness(term), value))
-    };
-    let planes = Plane::ALL.into_iter();
-    let planes = planes.filter_map(|p| Some((Quantity::Squareness(p), squareness.of(p)?)));
-    curves.iter().filter_map(of_curve).chain(planes).collect()
-}
-
-fn with_noise(means: &Means, runs: &RunCounts, sigma_um: f64, random: &mut ChaCha8Rng) -> Means {
-    let mut pass = |pass: Pass, readings: &PassMeans| {
-        PerDiagonal::from_fn(|diagonal| {
-            let runs = runs[diagonal][usize::from(pass == Pass::Reverse)];
-            let sigma = sigma_um / runs.sqrt();
-            let noisy = |reading: &f64| {
-                let draw: f64 = StandardNormal.sample(random);
-                reading + sigma * draw
-            };
-            readings[diagonal].iter().map(noisy).collect()
-        })
-    };
-    let forward = pass(Pass::Forward, &means.forward);
-    let reverse = means.reverse.as_ref().map(|r| pass(Pass::Reverse, r));
-    Means { forward, reverse }
-}
-
-/// Linear axes and beams within their stated uncertainties. The readings are corrected already.
-fn with_other_lines<'a>(campaign: &Campaign<'a>, random: &mut ChaCha8Rng) -> Campaign<'a> {
-    let mut lines = campaign.lines.clone();
-    for line in &mut lines {
-        let draw: f64 = StandardNormal.sample(random);
-        line.slope_um_per_m += line.u_um_per_m.unwrap_or(0.0) * draw;
-    }
-    Campaign {
-        measurement: campaign.measurement,
-        stated: campaign.stated,
-        lines,
-        reversals: LinearReversals::default(),
-        angles: None,
-        ..*campaign
-    }
 }
 
 /// Quantile of sorted values by straight lines between them.

@@ -42,6 +42,14 @@ pub enum Group {
 }
 
 impl Group {
+    /// The groups of readings of one pass, or of both.
+    pub(super) fn all(both_ways: bool) -> &'static [Group] {
+        match both_ways {
+            false => &[Group::ForwardOnly],
+            true => &[Group::Moving(Direction::Plus), Group::Moving(Direction::Minus)],
+        }
+    }
+
     /// The pass along a diagonal on which this group finds the steps of an axis.
     pub fn pass(self, diagonal: Diagonal, axis: Axis) -> Pass {
         match self {
@@ -71,10 +79,7 @@ impl Means {
 
     /// The groups that the readings hold.
     pub(crate) fn groups(&self) -> &'static [Group] {
-        match self.reverse {
-            None => &[Group::ForwardOnly],
-            Some(_) => &[Group::Moving(Direction::Plus), Group::Moving(Direction::Minus)],
-        }
+        Group::all(self.reverse.is_some())
     }
 
     /// Increments of a group. A step of an axis that travels in − on the forward run is filed
@@ -93,16 +98,6 @@ impl Means {
             })
         })
     }
-}
-
-/// Mean of the increments of a (diagonal, axis) pair over its intervals and over the groups, µm.
-pub(super) fn mean_increments(groups: &[Increments]) -> PerDiagonal<PerAxis<f64>> {
-    PerDiagonal::from_fn(|diagonal| {
-        PerAxis::from_fn(|axis| {
-            let all = groups.iter().flat_map(|group| &group[diagonal][axis]);
-            mean(all.copied())
-        })
-    })
 }
 
 /// Mean of the runs of each pass. The reverse pass counts only if every diagonal has it.

@@ -18,10 +18,11 @@
 //! and three combinations of cross terms can be seen: the reversal of a single axis is not
 //! determined.
 
-use super::noise::{DIGIT_UM, Noise, chance_of, float, student};
+use super::linear::{Layout, Row};
+use super::noise::{DIGIT_UM, Noise, chance_of, student};
 use super::readings::{Means, RunCounts};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -57,8 +58,6 @@ pub struct Turn {
     /// Whether a term's reversal stands between its two curves: positioning errors, and cross
     /// terms whose reversal stands out of its noise.
     pub in_curves: PerTerm<bool>,
-    /// B of each term at the low end of its axis, as the curves hold it, µm.
-    low_um: PerTerm<f64>,
     /// The jumps' shares in it.
     low: PerTerm<PerDiagonal<f64>>,
     /// The jumps' shares in B of each positioning error at the high end.
@@ -66,29 +65,34 @@ pub struct Turn {
 }
 
 impl Turn {
-    /// B of a term along its axis, µm, from `walk_um`, the + curve less the − curve when both are
-    /// zero at the low end. Of a positioning error both ends are known from the turn, and what the
-    /// sum of increments is off at the high end is shared out evenly.
-    pub fn along(&self, term: ErrorTerm, walk_um: &[f64]) -> Vec<f64> {
-        let low = self.low_um[term];
-        let last = float(walk_um.len().saturating_sub(1).max(1));
-        let off = if term.is_positioning() {
-            self.ends[term.along][1].um - low - walk_um.last().copied().unwrap_or(0.0)
-        } else {
-            0.0
-        };
-        let at = |(index, walk): (usize, &f64)| low + walk + off * float(index) / last;
-        walk_um.iter().enumerate().map(at).collect()
+    /// B of a term at the low end of its axis as the curves hold it, and of a positioning error that at its
+    /// high end less that, by the readings.
+    pub(super) fn ends_of(&self, term: ErrorTerm, layout: Layout, volume: &Volume) -> [Row; 2] {
+        let jump = |d: Diagonal| jump(layout, volume, d, term.along);
+        let low = Row::sum(
+            Diagonal::ALL
+                .map(jump)
+                .iter()
+                .zip(self.low[term].iter())
+                .map(|(row, (_, share))| (*share, row)),
+        );
+        let growth = |d: Diagonal| self.high[term.along][d] - self.low[term][d];
+        let growths = Diagonal::ALL.map(|d| (growth(d), jump(d)));
+        let growth = Row::sum(growths.iter().map(|(share, row)| (*share, row)));
+        [low, if term.is_positioning() { growth } else { Row::default() }]
     }
+}
 
-    /// How B at the low end, and its growth to the high end as far as the turn tells it, hang on
-    /// the jump along a diagonal.
-    pub(super) fn shares(&self, term: ErrorTerm, diagonal: Diagonal) -> (f64, f64) {
-        let low = self.low[term][diagonal];
-        let growth =
-            if term.is_positioning() { self.high[term.along][diagonal] - low } else { 0.0 };
-        (low, growth)
-    }
+/// J of an axis along a diagonal.
+fn jump(layout: Layout, volume: &Volume, d: Diagonal, axis: Axis) -> Row {
+    let node = volume.node_after(axis, volume.steps - 1);
+    let at = |pass, node, sign: f64| (layout.reading(pass, d, node), sign);
+    Row(vec![
+        at(Pass::Reverse, node, 1.0),
+        at(Pass::Reverse, node - 1, -1.0),
+        at(Pass::Forward, node, -1.0),
+        at(Pass::Forward, node - 1, 1.0),
+    ])
 }
 
 /// Jumps of every axis along every diagonal with their variances for readings of 1 µm.
@@ -302,7 +306,6 @@ pub(super) fn turn(
         by_diagonal: PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| alone(d, axis))),
         constancy: PerAxis::from_fn(|axis| axes[axis].constancy(noise)),
         in_curves: PerTerm::from_fn(|term| low(term).is_some()),
-        low_um: PerTerm::from_fn(|term| low(term).map_or(0.0, |(fit, place)| fit.values[place])),
         low: PerTerm::from_fn(|term| low(term).map_or_else(Effect::default, |(f, i)| f.shares(i))),
         high: PerAxis::from_fn(|axis| axes[axis].at_ends.shares(1)),
     })

@@ -177,31 +177,31 @@ pub(super) fn of_start(
     let closure = closure(volume, &means, &start.counts, known);
     let noise = start.noise.or_else(|| closure.noise().map(of_closure));
     let budget = start.budget(campaign, noise, turned);
-    evaluated(campaign, &budget, (&measured, &means), closure, overrun)
+    evaluated(campaign, &budget, &measured, closure, overrun)
 }
 
-/// What readings say; `means`: as measured, and without the jumps of a turn.
+/// What readings say.
 fn evaluated(
     campaign: &Campaign<'_>,
     budget: &Budget<'_>,
-    (measured, means): (&Means, &Means),
+    measured: &Means,
     closure: Closure,
     overrun: Option<bool>,
 ) -> Separation {
     let (volume, noise) = (budget.volume, budget.noise);
-    let mut solved = Solved::new(campaign, budget, means);
+    let mut solved = Solved::new(campaign, budget, measured);
     let agreement = solved.judged();
     let turn = turn(measured, volume, budget.runs, noise).filter(|_| budget.turned);
     let reversals = Some(&campaign.reversals).filter(|_| !budget.turned);
     let reversals = reversals.cloned().unwrap_or_default();
     let gains = solved.gains();
     let bound = AngleBound::of(campaign, &gains);
-    let mut errors = solved.errors(&gains, turn.as_ref(), &reversals);
+    let mut errors = solved.errors(turn.as_ref(), &reversals);
     let separated = |term| solved.keeps_separated_slope(term);
-    errors.add_unmeasured(volume, &campaign.stated, bound.as_ref(), separated);
+    errors.add_unmeasured(&campaign.stated, bound.as_ref(), separated);
     let of_angles = AngleBound::counted(bound.as_ref(), &campaign.stated);
-    let u_squareness = solved.u_squareness(&gains, &of_angles);
-    let mut labels = labels::of_steps(campaign, budget, means, overrun, turn.as_ref());
+    let u_squareness = solved.u_squareness(&of_angles);
+    let mut labels = labels::of_steps(campaign, budget, measured, overrun, turn.as_ref());
     labels.extend(labels::of_reversals(&reversals, measured.reverse.is_none()));
     labels.extend(solved.labels(agreement.is_some()));
     let hidden = overrun == Some(true) && campaign.reverse_zero_known;
@@ -272,17 +272,4 @@ fn overrun(campaign: &Campaign<'_>, start: &Start, measured: &Means) -> Option<b
     };
     let stated = campaign.measurement.overrun;
     stated.or_else(|| campaign.reverse_zero_known.then(judged)?)
-}
-
-/// Nine curves (without regard to direction, without uncertainties) and squareness of mean
-/// readings as measured: what a trial of a simulation repeats.
-pub fn curves_of(
-    campaign: &Campaign<'_>,
-    budget: &Budget<'_>,
-    means: &Means,
-) -> (PerTerm<Option<Curve>>, PerPlane<Option<f64>>) {
-    let means = separable(means, budget.volume, budget.turned);
-    let solved = Solved::new(campaign, budget, &means);
-    let curves = PerTerm::from_fn(|term| solved.turned(term, &solved.mean_raw[term]));
-    (curves, solved.squareness())
 }

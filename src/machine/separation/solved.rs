@@ -2,38 +2,42 @@
 
 use super::agreement::Agreement;
 use super::campaign::{Campaign, MeasuredLine};
-use super::curves::{
-    Curve, ReferenceLine, at, curves, end_slope, mean_curve, plus_line, with_slope,
-};
+use super::curves::{Curve, ReferenceLine, Steps};
+use super::linear::{CurveRows, Model, Row, Variance};
 use super::linear_reversal::{LinearReversal, LinearReversals};
 use super::metric::{ByTotals, Equations, Metric, PerPlane, Plane, displacement_ratios, stepped};
 use super::noise::{Noise, coverage_factor, effective_freedom};
-use super::plane::Unknown;
-use super::readings::{Increments, Means, mean_increments};
+use super::plane::{UNKNOWNS, Unknown};
+use super::readings::{Group, Means};
 use super::reversal::Turn;
 use super::slopes::{Rule, SlopeGains, Totals, totals};
-use super::uncertainty::{Budget, Side, Slope, SlopeFrom, SlopeUncertainty};
+use super::uncertainty::{Budget, SlopeUncertainty};
 use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{PerDiagonal, Volume};
+use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 
 /// Seconds of arc in one radian.
 const ARCSEC_PER_RADIAN: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
-/// Curves of every group of readings, and what their slopes come from.
+/// Curves as rows over what was measured, and what their slopes come from.
 pub(super) struct Solved<'a> {
     pub(super) budget: &'a Budget<'a>,
     pub(super) setup: SetUp,
     pub(super) frame: Frame,
-    /// The curves of each group, with the slopes of the increments.
-    raw: Vec<PerTerm<Curve>>,
-    pub(super) mean_raw: PerTerm<Curve>,
+    pub(super) model: Model,
+    /// What was measured.
+    pub(super) z: Vec<f64>,
+    steps: Steps<'a>,
+    /// Increments of the mean curves over each interval.
+    mean_steps: PerTerm<Vec<Row>>,
     /// Slopes of the increments, µm/m.
     pub(super) naive: PerTerm<f64>,
     ratios: PerDiagonal<PerAxis<f64>>,
     equations: Equations,
     pub(super) metric: Metric,
+    /// Scales and squareness by what was measured, µm/m.
+    figures: [Row; UNKNOWNS],
     /// Whether linear axes and beams contradict the diagonals.
     is_refuted: bool,
     pub(super) ends_um: PerDiagonal<f64>,
@@ -41,42 +45,72 @@ pub(super) struct Solved<'a> {
 }
 
 impl<'a> Solved<'a> {
+    /// `means`: as measured; what a turn adds to them is left out.
     pub(super) fn new(
         campaign: &Campaign<'_>,
         budget: &'a Budget<'a>,
         means: &Means,
     ) -> Solved<'a> {
-        let measurement = campaign.measurement;
+        let (setup, frame) = (campaign.measurement.setup, campaign.measurement.frame);
         let volume = budget.volume;
-        let groups = means.groups().iter();
-        let increments: Vec<Increments> =
-            groups.map(|group| means.increments(volume, *group)).collect();
-        let raw: Vec<PerTerm<Curve>> = increments.iter().map(|m| curves(volume, m)).collect();
-        let mean_raw = PerTerm::from_fn(|term| mean_curve(&raw, term));
-        let means = mean_increments(&increments);
-        let ratios = displacement_ratios(volume, &means);
-        let lines = campaign.lines.iter();
-        let lines: Vec<MeasuredLine> =
-            lines.map(|line| without_shapes(budget, &mean_raw, line)).collect();
-        let ends_um = PerDiagonal::from_fn(|d| {
-            let of_axis = |axis: Axis| volume.steps_f64() * means[d][axis];
-            Axis::ALL.into_iter().map(of_axis).sum::<f64>()
-        });
-        let equations = Equations::new(volume, &stepped(&ratios), &budget.totals(), &lines);
+        let tilt = campaign.stated.tilt_arcsec.filter(|_| setup == SetUp::AssumePerfect);
+        let mut model = budget.model(PathKind::Step, &campaign.lines, tilt);
+        let z = model.layout.measured(means, &campaign.lines);
+        let steps = Steps::new(budget, model.layout);
+        let mean_steps = PerTerm::from_fn(|term| steps.mean(term));
+        let ratios = displacement_ratios(volume, &steps.mean_increments(&z));
+        let metres = volume.diagonal_mm() / 1000.0;
+        let ends = PerDiagonal::from_fn(|d| steps.total(d));
+        let ends_um = PerDiagonal::from_fn(|d| ends[d].dot(&z));
+        let mut rows: Vec<Row> =
+            ends.iter().map(|(_, row)| Row::sum([(1.0 / metres, row)])).collect();
+        let mut lines = campaign.lines.clone();
+        for (index, line) in lines.iter_mut().enumerate() {
+            let mut row = Row::of(model.layout.line(index));
+            row.add(-1.0, &shapes_in(volume, &mean_steps, line));
+            line.slope_um_per_m = row.dot(&z);
+            rows.push(row);
+        }
+        let known = (&mut model, budget.noise.is_some());
+        let equations = Equations::new(volume, &stepped(&ratios), &lines, rows, known);
+        let totals_of = |plane: Plane| {
+            let part = |d: Diagonal| {
+                let one = PerDiagonal::from_fn(|other| f64::from(other == d));
+                (totals(volume, &one).squareness_um_per_m.of(plane), &ends[d])
+            };
+            Row::sum(Diagonal::ALL.map(part))
+        };
+        let figures = match setup {
+            SetUp::Solve => equations.rows(),
+            SetUp::AssumePerfect => Unknown::ALL.map(|unknown| match unknown {
+                Unknown::Scale(_) => Row::default(),
+                Unknown::Squareness(plane) => totals_of(plane),
+            }),
+        };
+        let length = |axis: Axis| volume.size[axis].mm() / 1000.0;
+        let rise =
+            |term: ErrorTerm| mean_steps[term].iter().map(|step: &Row| step.dot(&z)).sum::<f64>();
         Solved {
             budget,
-            setup: measurement.setup,
-            frame: measurement.frame,
-            naive: PerTerm::from_fn(|term| end_slope(volume, term.along, &mean_raw[term])),
-            raw,
-            mean_raw,
+            setup,
+            frame,
+            naive: PerTerm::from_fn(|term| rise(term) / length(term.along)),
             ratios,
             metric: equations.metric(),
+            figures,
             is_refuted: false,
             equations,
             totals: totals(volume, &ends_um),
             ends_um,
+            model,
+            z,
+            steps,
+            mean_steps,
         }
+    }
+
+    fn metres(&self, term: ErrorTerm) -> f64 {
+        self.budget.volume.size[term.along].mm() / 1000.0
     }
 
     fn rule(&self, term: ErrorTerm) -> Rule {
@@ -135,51 +169,56 @@ impl<'a> Solved<'a> {
         }
     }
 
-    /// A scale or a squareness as a slope; `None` where its uncertainty is not known.
-    fn figure_slope(&self, gains: &SlopeGains, unknown: Unknown) -> Option<Slope> {
-        let of_totals = self.budget.u_squareness()?;
-        let u_um_per_m = match (self.setup, unknown) {
-            (SetUp::AssumePerfect, Unknown::Squareness(plane)) => of_totals.of(plane),
-            _ => self.metric.u(unknown)?,
-        };
-        Some(Slope { u_um_per_m, by_end: gains.by_end(unknown), rotation_um_per_m: 0.0 })
+    /// A scale or a squareness by what was measured, µm/m.
+    pub(super) fn figure_row(&self, unknown: Unknown) -> &Row {
+        &self.figures[unknown.index()]
     }
 
-    /// Where the slope of a term comes from; `None` where its uncertainty is not known.
-    fn slope_from(&self, gains: &SlopeGains, term: ErrorTerm) -> Option<SlopeFrom> {
+    /// u² of a scale or a squareness; `None` where it is not known.
+    fn figure_variance(&self, unknown: Unknown) -> Option<Variance> {
+        let of_totals =
+            matches!(unknown, Unknown::Squareness(_)) && self.setup == SetUp::AssumePerfect;
+        self.budget.noise.filter(|_| of_totals || self.metric.u(unknown).is_some())?;
+        Some(self.model.variance(self.figure_row(unknown)))
+    }
+
+    /// The mean curve of a term, its slope put right; as far as its uncertainty is known.
+    pub(super) fn mean_rows(&self, term: ErrorTerm) -> CurveRows {
         let rule = self.rule(term);
+        let steps = self.mean_steps[term].clone();
         if rule.keeps_separated_slope() {
-            return Some(SlopeFrom::Increments);
+            return CurveRows { steps, ..CurveRows::default() };
         }
-        let Some((unknown, share)) = rule.figure else {
-            return Some(SlopeFrom::Elsewhere(Slope::default()));
-        };
-        let whole = self.figure_slope(gains, unknown)?;
-        let (noise, all) = if rule.own > 0.0 { self.budget.u_turn(term)? } else { (0.0, 0.0) };
-        Some(SlopeFrom::Elsewhere(Slope {
-            u_um_per_m: (share * whole.u_um_per_m).hypot(all),
-            by_end: PerDiagonal::from_fn(|d| share * whole.by_end[d]),
-            rotation_um_per_m: noise,
-        }))
+        let rise = |term: ErrorTerm| Row::sum(self.mean_steps[term].iter().map(|s| (1.0, s)));
+        let twin = term.twin();
+        let metres = self.metres(term);
+        let mut line = Row::sum([
+            (rule.own - 1.0, &rise(term)),
+            (rule.of_twin * metres / self.metres(twin), &rise(twin)),
+        ]);
+        if let Some((unknown, share)) = rule.figure {
+            line.add(share * metres, self.figure_row(unknown));
+        }
+        CurveRows { start: Row::default(), steps, line }
     }
 
     /// Uncertainty of φ; `angles` = that of the unmeasured angles, µm/m.
     pub(super) fn u_squareness(
         &self,
-        gains: &SlopeGains,
         angles: &PerPlane<f64>,
     ) -> PerPlane<Option<SlopeUncertainty>> {
         PerPlane::from_fn(|plane| {
-            let slope = self.figure_slope(gains, Unknown::Squareness(plane))?;
-            let u_um_per_m = slope.u_um_per_m.hypot(angles.of(plane));
-            self.budget.of_slope(&Slope { u_um_per_m, ..slope })
+            let found = self.figure_variance(Unknown::Squareness(plane))?;
+            let all = found.all + angles.of(plane).squared();
+            Some(Variance { all, ..found }.as_slope(self.budget.noise?))
         })
     }
 
     /// The curves beside the lines through their ends: determined whatever the set-up.
     pub(super) fn shapes(&self) -> PerTerm<Curve> {
         PerTerm::from_fn(|term| {
-            with_slope(self.budget.volume, term.along, &self.mean_raw[term], 0.0)
+            let curve = CurveRows { steps: self.mean_steps[term].clone(), ..CurveRows::default() };
+            curve.values(&self.z, -self.naive[term] * self.metres(term))
         })
     }
 
@@ -195,44 +234,76 @@ impl<'a> Solved<'a> {
         Some(agreement)
     }
 
-    /// A separated curve with the slope of the mean curve put right.
-    pub(super) fn turned(&self, term: ErrorTerm, curve: &Curve) -> Option<Curve> {
-        let change = self.slope(term)? - self.naive[term];
-        Some(plus_line(self.budget.volume, term.along, curve, change))
+    /// What turns a separated curve, at its high end, µm; `None` = its slope is not determined.
+    pub(super) fn turned_um(&self, term: ErrorTerm) -> Option<f64> {
+        Some((self.slope(term)? - self.naive[term]) * self.metres(term))
     }
 
     /// The nine errors with their uncertainties.
-    pub(super) fn errors(
-        &self,
-        gains: &SlopeGains,
-        turn: Option<&Turn>,
-        reversals: &LinearReversals,
-    ) -> NineErrors {
-        let evidence = |term: ErrorTerm, deviation_um: Curve, side: Side<'_>| {
-            let slope = self.slope_from(gains, term);
-            let along = slope.and_then(|slope| self.budget.curve(term, side, slope));
-            let (u_um, u_noise_um) = along.unzip();
-            SeparatedError { deviation_um, u_um, u_noise_um }
-        };
+    pub(super) fn errors(&self, turn: Option<&Turn>, reversals: &LinearReversals) -> NineErrors {
         let mean = PerTerm::from_fn(|term| {
-            let curve = self.turned(term, &self.mean_raw[term])?;
-            Some(evidence(term, curve, Side::Mean))
+            let rows = self.mean_rows(term);
+            let values = rows.values(&self.z, self.turned_um(term)?);
+            Some(self.evidence(term, &rows, values, 0.0))
         });
         let directed = |direction: Direction| {
-            let [plus, minus] = self.raw.as_slice() else {
-                return None;
-            };
-            Some(PerTerm::from_fn(|term| {
-                let mean = &mean[term].as_ref()?.deviation_um;
-                let reversal = reversal(term, &plus[term], &minus[term], turn);
-                let curve = directed_curve(mean, &reversal, direction);
-                Some(evidence(term, curve, Side::Moving(direction, turn)))
-            }))
+            let both = self.budget.both_ways();
+            both.then(|| PerTerm::from_fn(|term| self.directed(term, direction, turn)))
         };
         let mut errors =
             NineErrors { plus: directed(Direction::Plus), minus: directed(Direction::Minus), mean };
         errors.set_apart(reversals);
         errors
+    }
+
+    /// A curve with its uncertainties; `left_out` = variance of what it lacks, µm².
+    fn evidence(
+        &self,
+        term: ErrorTerm,
+        rows: &CurveRows,
+        values: Curve,
+        left_out: f64,
+    ) -> SeparatedError {
+        let figure = self.rule(term).figure;
+        let is_known = figure.is_none_or(|(unknown, _)| self.figure_variance(unknown).is_some());
+        let is_known = is_known && self.budget.noise.is_some();
+        let of = |v: &Variance| ((v.all + left_out).sqrt(), v.noise.sqrt());
+        let u = is_known.then(|| rows.variances(&self.model).iter().map(of).unzip());
+        let (u_um, u_noise_um) = u.unzip();
+        SeparatedError { deviation_um: values, u_um, u_noise_um }
+    }
+
+    /// The curve of a direction: that of its readings, with the slope of the mean. After a turn the − curve
+    /// starts at the reversal of the low end, and both curves meet that of the high end.
+    fn directed(
+        &self,
+        term: ErrorTerm,
+        direction: Direction,
+        turn: Option<&Turn>,
+    ) -> Option<SeparatedError> {
+        let mut rows = self.mean_rows(term);
+        let mut line_um = self.turned_um(term)?;
+        rows.steps = self.steps.of(term, Group::Moving(direction));
+        let side = if direction == Direction::Plus { 1.0 } else { -1.0 };
+        let mut left_out = 0.0;
+        if let Some(turn) = turn {
+            let [low, growth] = turn.ends_of(term, self.model.layout, self.budget.volume);
+            let mut off = growth;
+            if term.is_positioning() {
+                let [plus, minus] = Direction::BOTH.map(|d| self.steps.of(term, Group::Moving(d)));
+                off.add(-1.0, &Row::sum(plus.iter().map(|step| (1.0, step))));
+                off.add(1.0, &Row::sum(minus.iter().map(|step| (1.0, step))));
+            }
+            rows.line.add(side / 2.0, &off);
+            line_um += side / 2.0 * off.dot(&self.z);
+            if direction == Direction::Minus {
+                rows.start.add(-1.0, &low);
+                let dropped = turn.reversal[term].u_um.filter(|_| !turn.in_curves[term]);
+                left_out = dropped.map_or(0.0, f64::squared);
+            }
+        }
+        let values = rows.values(&self.z, line_um);
+        Some(self.evidence(term, &rows, values, left_out))
     }
 
     /// η_d = q_d − Aᵀ u_d with the slopes of the X-primary frame; `None` where scales or squareness
@@ -271,54 +342,32 @@ pub struct Tilt {
     pub direction: PerAxis<f64>,
 }
 
-/// B of a term along its axis, µm: from the turn, else against its unknown value at the low end.
-fn reversal(term: ErrorTerm, plus: &[f64], minus: &[f64], turn: Option<&Turn>) -> Vec<f64> {
-    let walk: Vec<f64> = plus.iter().zip(minus).map(|(p, m)| p - m).collect();
-    match turn {
-        Some(turn) => turn.along(term, &walk),
-        None => walk,
-    }
-}
-
 /// φ as the sum of two separated slopes, µm/m.
 pub(super) fn naive_squareness(slopes_um_per_m: &PerTerm<f64>, plane: Plane) -> f64 {
     let [one, other] = plane.terms();
     slopes_um_per_m[one] + slopes_um_per_m[other]
 }
 
-/// A line as formula (7) takes it, between the ends of the box: what the separated shapes contribute
-/// between its own ends taken off. Between places x₁ and x₂ of each axis k,
-/// Σ_jk v_j (D_j(k)(x₂) − D_j(k)(x₁)) = L·vᵀhv + that of the shapes.
-fn without_shapes(
-    budget: &Budget<'_>,
-    mean_raw: &PerTerm<Curve>,
-    line: &MeasuredLine,
-) -> MeasuredLine {
-    let volume = budget.volume;
+/// What the separated shapes contribute to a line between its own ends, µm/m. Between places x₁ and x₂ of
+/// each axis k, Σ_jk v_j (D_j(k)(x₂) − D_j(k)(x₁)) = L·vᵀhv + that of the shapes.
+fn shapes_in(volume: &Volume, steps: &PerTerm<Vec<Row>>, line: &MeasuredLine) -> Row {
     let Some([from, to]) = line.ends else {
-        return *line;
+        return Row::default();
     };
-    let (mut shape_um, mut variance) = (0.0, 0.0);
+    let way = PerAxis::from_fn(|axis| (to[axis] - from[axis]).mm());
+    let per_m = 1000.0 / way.length();
+    let mut all = Row::default();
     for term in ErrorTerm::ALL {
-        let [from, to] = [from, to].map(|end| end[term.along].mm());
-        if (from - to).abs() <= 0.0 {
-            continue;
+        let (length, n) = (volume.size[term.along].mm(), volume.steps_f64());
+        for (sign, end) in [(1.0, to), (-1.0, from)] {
+            let at = (end[term.along] - volume.start[term.along]).mm() / length;
+            for (index, step) in steps[term].iter().enumerate() {
+                let passed = (at * n - index as f64).clamp(0.0, 1.0);
+                all.add(sign * per_m * line.direction[term.of] * (passed - at), step);
+            }
         }
-        let shape = with_slope(volume, term.along, &mean_raw[term], 0.0);
-        let positions = volume.positions(term.along);
-        let share = line.direction[term.of];
-        shape_um += share * (at(&positions, &shape, to) - at(&positions, &shape, from));
-        let spread = budget.shape_variance(term, from, to);
-        variance += share * share * spread.unwrap_or(0.0);
     }
-    let square_mm = |axis: Axis| (to[axis] - from[axis]).mm().squared();
-    let square_mm: f64 = Axis::ALL.into_iter().map(square_mm).sum();
-    let per_m = 1000.0 / square_mm.sqrt();
-    MeasuredLine {
-        slope_um_per_m: line.slope_um_per_m - per_m * shape_um,
-        u_um_per_m: line.u_um_per_m.map(|u| u.hypot(per_m * variance.sqrt())),
-        ..*line
-    }
+    all
 }
 
 /// One separated curve.

@@ -22,13 +22,14 @@ use super::campaign::Campaign;
 use super::closure::{Start, large_noise};
 use super::curves::at;
 use super::findings::SeparationFinding;
+use super::linear::{Layout, Row, Variance};
 use super::metric::{Equations, Metric, PerPlane};
 use super::noise::{Noise, float};
 use super::plane::Unknown;
 use super::readings::{CorrectedRun, DiagonalFigures, figures, means, run_counts};
 use super::slopes::{SlopeGains, Totals, totals};
 use super::solved::NineErrors;
-use super::uncertainty::{Slope, SlopeUncertainty};
+use super::uncertainty::SlopeUncertainty;
 use super::unmeasured::NotCounted;
 use super::{labels, metric};
 use crate::inputs::error_table::{ErrorTable, Series};
@@ -97,7 +98,11 @@ pub fn straight(
     let (of_zeroed, range_over_all_um) = figures(&start.zeroed_runs, PathKind::Straight);
     let ends = PerDiagonal::from_fn(|d| all[d].end_um);
     let diagonals = metric::straight(volume, &ends);
-    let equations = Equations::new(volume, &diagonals, &budget.totals(), &campaign.lines);
+    let mut model = budget.model(PathKind::Straight, &campaign.lines, None);
+    let rows = rows(volume, model.layout);
+    let known = (&mut model, noise.is_some());
+    let equations = Equations::new(volume, &diagonals, &campaign.lines, rows, known);
+    let rows = equations.rows();
     let mut metric = equations.metric();
     let agreement = equations.agreement(&metric);
     if agreement.as_ref().is_some_and(Agreement::is_refuted) {
@@ -107,11 +112,10 @@ pub fn straight(
     let bound = AngleBound::of(campaign, &gains);
     let counted = AngleBound::counted(bound.as_ref(), &campaign.stated);
     let known = |unknown: Unknown, of_angles: f64| {
-        budget.of_slope(&Slope {
-            u_um_per_m: metric.u(unknown)?.hypot(of_angles),
-            by_end: gains.by_end(unknown),
-            rotation_um_per_m: 0.0,
-        })
+        metric.u(unknown)?;
+        let found = model.variance(&rows[unknown.index()]);
+        let all = found.all + of_angles.squared();
+        Some(Variance { all, ..found }.as_slope(noise?))
     };
     let u_squareness =
         PerPlane::from_fn(|plane| known(Unknown::Squareness(plane), counted.of(plane)));
@@ -141,6 +145,21 @@ pub fn straight(
         runs: start.runs,
         zeroed_runs: start.zeroed_runs,
     })
+}
+
+/// The totals, mean of the passes, by the length of the diagonal, µm/m; then the lines.
+fn rows(volume: &Volume, layout: Layout) -> Vec<Row> {
+    let share = 1000.0 / volume.diagonal_mm() / layout.passes as f64;
+    let total = |d: Diagonal| {
+        let passes = Pass::BOTH.into_iter().take(layout.passes);
+        let ends = passes.flat_map(|pass| {
+            let at = |node| layout.reading(pass, d, node);
+            [(at(layout.nodes - 1), share), (at(0), -share)]
+        });
+        Row(ends.collect())
+    };
+    let lines = (0..layout.lines).map(|index| Row::of(layout.line(index)));
+    Diagonal::ALL.map(total).into_iter().chain(lines).collect()
 }
 
 fn doubts(campaign: &Campaign<'_>, start: &Start, agreement: Option<&Agreement>) -> Vec<Finding> {

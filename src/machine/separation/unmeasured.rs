@@ -15,17 +15,14 @@
 
 use super::angle_bound::AngleBound;
 use super::campaign::Campaign;
-use super::curves::noise_gain;
 use super::metric::{PerPlane, Plane};
 use super::slopes::SlopeGains;
 use super::solved::NineErrors;
 use super::uncertainty::SlopeUncertainty;
 use crate::inputs::job::{Reflector, StatedUncertainty};
 use crate::quantity::axis::{ErrorTerm, PerTerm};
-use crate::quantity::diagonal::Volume;
-use crate::quantity::units::{Squared, rounded_down};
+use crate::quantity::units::rounded_down;
 
-const URAD_PER_ARCSEC: f64 = 1e6 * std::f64::consts::PI / (180.0 * 3600.0);
 /// √(1.1² − 1): what adds a tenth to an uncertainty, by that uncertainty.
 const A_TENTH: f64 = 0.458_257_569_495_584;
 
@@ -123,42 +120,29 @@ impl Silent {
 }
 
 impl NineErrors {
-    /// Adds what the job states of unmeasured angles and of an assumed set-up to the uncertainties.
-    /// `bound`: what each µrad makes. `naive`: whether the slope of a term was taken from the
-    /// increments. Such a term has no uncertainty without a stated tilt.
+    /// Adds what the job states of unmeasured angles to the uncertainties; `bound`: what each µrad makes.
+    /// `separated`: whether the slope of a term was taken from the increments. Such a term has no uncertainty
+    /// without a stated tilt.
     pub(super) fn add_unmeasured(
         &mut self,
-        volume: &Volume,
         stated: &StatedUncertainty,
         bound: Option<&AngleBound>,
-        naive: impl Fn(ErrorTerm) -> bool,
+        separated: impl Fn(ErrorTerm) -> bool,
     ) {
         let bound = bound.zip(stated.angle_urad);
         let all = [Some(&mut self.mean), self.plus.as_mut(), self.minus.as_mut()];
         for curves in all.into_iter().flatten() {
             for term in ErrorTerm::ALL {
-                let tilt = if naive(term) { stated.tilt_arcsec } else { Some(0.0) };
-                let slope = tilt.map(|arcsec| slope_of_tilt_um_per_m(volume, term, arcsec));
                 let Some(evidence) = &mut curves[term] else {
                     continue;
                 };
-                let widened = |(index, u): (usize, f64), slope: f64| {
-                    let tilt = slope * volume.along_mm(term.along, index) / 1000.0;
-                    let angles = bound.map_or(0.0, |(of, urad)| urad * of.curves_um[term][index]);
-                    (u * u + tilt * tilt + angles * angles).sqrt()
+                let is_known = !separated(term) || stated.tilt_arcsec.is_some();
+                let u_um = evidence.u_um.take().filter(|_| is_known);
+                let widened = |(index, u): (usize, f64)| {
+                    u.hypot(bound.map_or(0.0, |(of, urad)| urad * of.curves_um[term][index]))
                 };
-                evidence.u_um = evidence.u_um.take().zip(slope).map(|(u_um, slope)| {
-                    let all = u_um.into_iter().enumerate();
-                    all.map(|point| widened(point, slope)).collect()
-                });
+                evidence.u_um = u_um.map(|u| u.into_iter().enumerate().map(widened).collect());
             }
         }
     }
-}
-
-/// Slope that a tilt of the mirror, as large in each direction across the diagonals, puts into a
-/// curve that is separated as if there were none, µm/m.
-fn slope_of_tilt_um_per_m(volume: &Volume, term: ErrorTerm, tilt_arcsec: f64) -> f64 {
-    let across = (1.0 - volume.cosine(term.along).squared()).sqrt();
-    noise_gain(volume, term.of) * across * tilt_arcsec * URAD_PER_ARCSEC
 }
