@@ -26,7 +26,6 @@
 //! from the totals instead, see [`metric`].
 
 pub mod agreement;
-mod angle_bound;
 mod banded;
 pub mod campaign;
 pub mod closure;

@@ -128,6 +128,29 @@ pub fn unit(axis: Axis) -> PerAxis<f64> {
     PerAxis::from_fn(|other| f64::from(other == axis))
 }
 
+/// Error (µm) and rotation (µrad) of the tool point by small rotations of rigid axes, each of which swings what
+/// stands after it.
+///
+/// formula  e = r₁ × (a₂ + a₃ + t) + r₂ × (a₃ + t) + r₃ × t        r = r₁ + r₂ + r₃
+/// shape    `order`: axes 1, 2, 3 from the workpiece to the tool; `rotation_urad`: r by axis; `arm_mm`: a, positions
+///          less the offsets of the levers; `tool_mm`: t
+/// source   docs/volumetric.md §2
+pub fn displaced(
+    order: [Axis; 3],
+    rotation_urad: impl Fn(Axis) -> PerAxis<f64>,
+    arm_mm: PerAxis<f64>,
+    tool_mm: PerAxis<f64>,
+) -> [PerAxis<f64>; 2] {
+    let (mut error, mut sum, mut arm) = (PerAxis::default(), PerAxis::default(), tool_mm);
+    for axis in order.into_iter().rev() {
+        let rotation = rotation_urad(axis);
+        error = rotation.cross(arm).times(1e-3).plus(error);
+        sum = rotation.plus(sum);
+        arm[axis] += arm_mm[axis];
+    }
+    [error, sum]
+}
+
 /// e_about × e_arm, for two different axes.
 fn lever_effect(about: Axis, arm: Axis) -> LeverEffect {
     let product = unit(about).cross(unit(arm));

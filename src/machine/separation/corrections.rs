@@ -1,12 +1,14 @@
 //! What is taken off the readings before they are separated: expansion of the scales and the
 //! effects of angular errors. The raw readings stay as they are.
 
+use super::campaign::Campaign;
 use super::curves::{at, mean};
 use super::findings::SeparationFinding;
+use super::linear::Layout;
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{AxisMaterial, Levers, Material, Reflector};
 use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
-use crate::quantity::chain::Chain;
+use crate::quantity::chain::{Chain, displaced, unit};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::quantity::units::Deviation;
 use crate::text::problem::{Problem, Problems};
@@ -71,12 +73,8 @@ pub(crate) fn without_expansion(
 
 /// Measured angular errors and the levers on which they act.
 ///
-/// Chain order 1, 2, 3 from workpiece to tool, r the rotations, a the positions less the
-/// offsets (rigid bodies, small angles; the project's reference on volumetric errors, §1.1):
-///
 /// ```text
-///   e = r_1 × (a_2 + a_3) + r_2 × a_3        + Σ r_i × tool offset
-///   flat mirror: + (Σ r_i − Σ r_i at the start) × u · lateral distance from the diagonal
+///   u · e of `displaced`; flat mirror: + (Σ r − Σ r at the start) × u · lateral distance from the diagonal
 /// ```
 #[derive(Clone, Debug)]
 pub struct AngleModel<'a> {
@@ -153,50 +151,17 @@ impl<'a> AngleModel<'a> {
         diagonal: Diagonal,
         pass: Pass,
     ) -> Vec<f64> {
-        let u = volume.laser(diagonal);
-        let states = (0..=volume.last_node(kind)).map(|node| {
-            let place = volume.place(diagonal, kind, node);
-            let place = PerAxis::from_fn(|axis| place[axis].mm());
-            let (error, rotation) = self.error(diagonal, pass, &place);
-            (place, error, rotation)
-        });
-        let mut start = None;
-        let effect = |(place, error, rotation): (PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
-            let start = start.get_or_insert((place, error, rotation));
-            let moved = place.minus(start.0);
-            let lever = u.dot(error.minus(start.1));
-            let lateral = moved.minus(u.times(u.dot(moved)));
-            let turned = rotation.minus(start.2).cross(u);
-            match self.reflector {
-                Reflector::FlatMirror => lever + turned.dot(lateral) / 1000.0,
-                Reflector::Retroreflector => lever,
-            }
+        let turning = Turning {
+            order: self.chain,
+            rotation: &|axis, position, direction| self.rotation(axis, position, direction),
+            origin: self.origin,
+            tool: self
+                .levers
+                .tool
+                .map_or_else(PerAxis::default, |tool| PerAxis::from_fn(|axis| tool[axis].mm())),
+            reflector: self.reflector,
         };
-        states.map(effect).collect()
-    }
-
-    /// Error of the tool point (µm) and its rotation (µrad) by the angular errors at a place.
-    fn error(
-        &self,
-        diagonal: Diagonal,
-        pass: Pass,
-        place: &PerAxis<f64>,
-    ) -> (PerAxis<f64>, PerAxis<f64>) {
-        let (mut error, mut sum) = (PerAxis::<f64>::default(), PerAxis::<f64>::default());
-        for (index, axis) in self.chain.into_iter().enumerate() {
-            let direction = diagonal.travelled(axis, pass);
-            let rotation = self.rotation(axis, place[axis], direction);
-            let carried = &self.chain[index + 1..];
-            let arm = PerAxis::from_fn(|other| {
-                let own =
-                    if carried.contains(&other) { place[other] - self.origin[other] } else { 0.0 };
-                own + self.levers.tool.map_or(0.0, |tool| tool[other].mm())
-            });
-            let lever = rotation.cross(arm);
-            error = PerAxis::from_fn(|axis| error[axis] + lever[axis] / 1000.0);
-            sum = sum.plus(rotation);
-        }
-        (error, sum)
+        turning.effect_um(volume, kind, diagonal, pass)
     }
 
     /// Problems: angles that do not cover the measured box.
@@ -224,6 +189,88 @@ impl<'a> AngleModel<'a> {
         }
         problems.or_ok(())
     }
+}
+
+/// Rotations of the axes, µrad by axis, position and direction, and the levers on which they act.
+struct Turning<'a> {
+    order: [Axis; 3],
+    rotation: &'a dyn Fn(Axis, f64, Direction) -> PerAxis<f64>,
+    /// Where the levers count from, mm.
+    origin: PerAxis<f64>,
+    tool: PerAxis<f64>,
+    reflector: Reflector,
+}
+
+impl Turning<'_> {
+    /// What it adds to the readings of a pass along a diagonal, µm, by node.
+    fn effect_um(
+        &self,
+        volume: &Volume,
+        kind: PathKind,
+        diagonal: Diagonal,
+        pass: Pass,
+    ) -> Vec<f64> {
+        let u = volume.laser(diagonal);
+        let states = (0..=volume.last_node(kind)).map(|node| {
+            let place = volume.place(diagonal, kind, node);
+            let place = PerAxis::from_fn(|axis| place[axis].mm());
+            let turned = |axis| (self.rotation)(axis, place[axis], diagonal.travelled(axis, pass));
+            let [error, rotation] =
+                displaced(self.order, turned, place.minus(self.origin), self.tool);
+            (place, error, rotation)
+        });
+        let mut start = None;
+        let effect = |(place, error, rotation): (PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
+            let start = start.get_or_insert((place, error, rotation));
+            let moved = place.minus(start.0);
+            let lever = u.dot(error.minus(start.1));
+            let lateral = moved.minus(u.times(u.dot(moved)));
+            let turned = rotation.minus(start.2).cross(u);
+            match self.reflector {
+                Reflector::FlatMirror => lever + turned.dot(lateral) / 1000.0,
+                Reflector::Retroreflector => lever,
+            }
+        };
+        states.map(effect).collect()
+    }
+}
+
+/// What unmeasured angles do to the readings, for each order of the axes that may be: columns of one standard
+/// uncertainty for a bound of 1 µrad.
+///
+/// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2
+/// limits   the figures are those of the lines through the middle of the box, where α is 0: a constant angle
+///          is squareness. Levers count from there, the tool has none.
+pub(super) fn unmeasured(campaign: &Campaign<'_>, layout: Layout) -> Vec<Vec<Vec<f64>>> {
+    let evidence = campaign.angle_evidence();
+    let measurement = campaign.measurement;
+    let volume = &measurement.volume;
+    let half = |axis: Axis| volume.size[axis].mm() / 2.0;
+    let middle = PerAxis::from_fn(|axis| volume.start[axis].mm() + half(axis));
+    let u = 0.5 / 3_f64.sqrt();
+    let shapes: [fn(f64) -> f64; 2] = [|t| t, |t| -t * t];
+    let column = |order: [Axis; 3], rotation: &Rotation, shape: fn(f64) -> f64| {
+        let turning = Turning {
+            order,
+            rotation: &|axis, position, _| {
+                let urad = u * shape((position - middle[axis]) / half(axis));
+                let size = if axis == rotation.along { urad } else { 0.0 };
+                unit(rotation.about).times(size)
+            },
+            origin: middle,
+            tool: PerAxis::default(),
+            reflector: measurement.target,
+        };
+        let of = |d| turning.effect_um(volume, measurement.kind, d, Pass::Forward);
+        let by_node = PerDiagonal::from_fn(of);
+        layout.column(|_, d, node| by_node[d][node])
+    };
+    let of_order = |order: &[Axis; 3]| {
+        let pairs = evidence.missing.iter().flat_map(|r| shapes.map(|shape| (r, shape)));
+        pairs.map(|(rotation, shape)| column(*order, rotation, shape)).collect()
+    };
+    let orders = evidence.order.as_ref();
+    orders.map_or(&Axis::ORDERS[..], std::slice::from_ref).iter().map(of_order).collect()
 }
 
 /// Effects of the measured angles on both passes along every diagonal, and what is known of the

@@ -3,7 +3,7 @@
 //! ```text
 //!   z      = (mean readings of each pass, linear axes and beams, what (7) neglects of each equation)
 //!   figure = row · z
-//!   cov(z) = diag(σ²/runs, u² of the lines, neglected²) + Σ c cᵀ     c: what one u of a cause does to z
+//!   cov(z) = diag(σ²/runs, u² of the lines, neglected²) + Σ c cᵀ     c: column, what one u of a cause does to z
 //!   u²     = row · cov(z) · rowᵀ
 //! ```
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
@@ -14,6 +14,7 @@ use super::readings::Means;
 use super::uncertainty::SlopeUncertainty;
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Squared;
+use std::ops::Range;
 
 /// Where the entries of z stand.
 #[derive(Clone, Copy, Debug)]
@@ -41,6 +42,16 @@ impl Layout {
     /// Place of what an equation of (7) neglects; the diagonals come first, then the lines.
     pub(super) fn neglected(self, equation: usize) -> usize {
         self.line(self.lines) + equation
+    }
+
+    /// A column by what a cause does to a reading.
+    pub(super) fn column(self, of: impl Fn(Pass, Diagonal, usize) -> f64) -> Vec<f64> {
+        let passes = Pass::BOTH.into_iter().take(self.passes);
+        let walks = passes.flat_map(|pass| Diagonal::ALL.map(|d| (pass, d)));
+        let nodes = walks.flat_map(|(pass, d)| (0..self.nodes).map(move |node| (pass, d, node)));
+        let mut column: Vec<f64> = nodes.map(|(pass, d, node)| of(pass, d, node)).collect();
+        column.resize(self.len(), 0.0);
+        column
     }
 
     /// z of these readings and lines; what is neglected is 0.
@@ -95,17 +106,32 @@ pub(super) struct Model {
     pub(super) noise: Vec<f64>,
     /// Variance of lines and of what is neglected.
     pub(super) other: Vec<f64>,
-    /// What one standard uncertainty of each cause does to z.
-    pub(super) causes: Vec<Vec<f64>>,
-    /// So many of them act alike in all set-ups.
-    pub(super) common: usize,
+    /// What causes do to z: one standard uncertainty of each, of set-ups 1 ppm, of angles 1 µrad of their bound.
+    pub(super) columns: Vec<Vec<f64>>,
+    /// Which of them are false scales common to all set-ups, and the tilts of a mirror.
+    pub(super) strains: Range<usize>,
+    pub(super) tilts: Range<usize>,
+    /// Which are the scales of the four set-ups for themselves; how uncertain each is, and the part of the
+    /// beam in it, which counts once more as common, 10⁻⁶.
+    pub(super) setups: Range<usize>,
+    pub(super) setup_ppm: f64,
+    pub(super) beam_ppm: f64,
+    /// Which are unmeasured angles, for each order of the axes that may be; and their bound, µrad.
+    pub(super) angles: Vec<Range<usize>>,
+    pub(super) angle_urad: Option<f64>,
 }
 
-/// u² of a figure: by the noise of the readings, by everything.
+/// u² of a figure.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Variance {
+    /// By the noise of the readings.
     pub(super) noise: f64,
+    /// By everything that counts.
     pub(super) all: f64,
+    /// By unmeasured angles with a bound of 1 µrad, for the worst order of the axes.
+    pub(super) by_urad: f64,
+    /// By a beam 1 mrad beside the mirror's normal.
+    pub(super) by_mrad: f64,
 }
 
 impl Variance {
@@ -121,7 +147,19 @@ impl Model {
     /// Nothing uncertain yet.
     pub(super) fn new(layout: Layout) -> Model {
         let zero = vec![0.0; layout.len()];
-        Model { layout, noise: zero.clone(), other: zero, causes: Vec::new(), common: 0 }
+        Model {
+            layout,
+            noise: zero.clone(),
+            other: zero,
+            columns: Vec::new(),
+            strains: 0..0,
+            tilts: 0..0,
+            setups: 0..0,
+            setup_ppm: 0.0,
+            beam_ppm: 0.0,
+            angles: Vec::new(),
+            angle_urad: None,
+        }
     }
 
     /// Standard deviations of the readings and lines, whose causes are left out.
@@ -137,29 +175,57 @@ impl Model {
         dense
     }
 
-    fn by_cause(&self, dense: &[f64]) -> Vec<f64> {
-        let of = |column: &Vec<f64>| dense.iter().zip(column).map(|(a, b)| a * b).sum();
-        self.causes.iter().map(of).collect()
+    fn by_column(&self, dense: &[f64]) -> Vec<f64> {
+        self.columns.iter().map(|column| dot(dense, column)).collect()
     }
 
-    /// cov of two figures: by the noise of the readings, by everything, by the causes common to all set-ups.
-    pub(super) fn covariance(&self, one: &Row, other: &Row) -> (Variance, f64) {
+    /// What causes make of two figures: those common to all set-ups, the others.
+    fn shared(&self, one: &[f64], other: &[f64]) -> [f64; 2] {
+        let of = |range: &Range<usize>| dot(&one[range.clone()], &other[range.clone()]);
+        let sum = |effects: &[f64]| effects[self.setups.clone()].iter().sum::<f64>();
+        let own = self.setup_ppm.squared() + self.beam_ppm.squared();
+        let common = of(&self.strains) + self.beam_ppm.squared() * sum(one) * sum(other);
+        [common, of(&self.tilts) + own * of(&self.setups)]
+    }
+
+    /// cov of two figures without unmeasured angles, and the part of the causes common to all set-ups in it.
+    pub(super) fn covariance(&self, one: &Row, other: &Row) -> (f64, f64) {
         let (one, other) = (self.dense(one), self.dense(other));
-        let weighed = |variance: &[f64]| -> f64 {
-            one.iter().zip(&other).zip(variance).map(|((a, b), v)| a * b * v).sum()
-        };
-        let noise = weighed(&self.noise);
-        let causes = self.by_cause(&one).into_iter().zip(self.by_cause(&other));
-        let causes: Vec<f64> = causes.map(|(a, b)| a * b).collect();
-        let common = causes[..self.common].iter().sum();
-        let all = noise + weighed(&self.other) + causes.iter().sum::<f64>();
-        (Variance { noise, all }, common)
+        let variance = self.noise.iter().zip(&self.other).map(|(noise, other)| noise + other);
+        let own: f64 = one.iter().zip(&other).zip(variance).map(|((a, b), v)| a * b * v).sum();
+        let [common, rest] = self.shared(&self.by_column(&one), &self.by_column(&other));
+        (own + common + rest, common)
     }
 
     /// u² of a figure.
     pub(super) fn variance(&self, row: &Row) -> Variance {
-        self.covariance(row, row).0
+        let row = self.dense(row);
+        self.of_entries(&row, &self.by_column(&row))
     }
+
+    fn of_entries(&self, row: &[f64], effects: &[f64]) -> Variance {
+        let weighed = |variance: &[f64]| -> f64 {
+            row.iter().zip(variance).map(|(weight, v)| weight.squared() * v).sum()
+        };
+        let squares = |range: &Range<usize>| -> f64 {
+            effects[range.clone()].iter().map(|effect| effect.squared()).sum()
+        };
+        let noise = weighed(&self.noise);
+        let by_urad = self.angles.iter().map(squares).fold(0.0, f64::max);
+        let setups: f64 = effects[self.setups.clone()].iter().sum();
+        let causes: f64 = self.shared(effects, effects).iter().sum();
+        let angles = self.angle_urad.map_or(0.0, |urad| urad.squared() * by_urad);
+        Variance {
+            noise,
+            all: noise + weighed(&self.other) + causes + angles,
+            by_urad,
+            by_mrad: 0.25 * (setups.squared() + squares(&self.setups)),
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// A curve: at interval end i of n its value is start + steps 1 … i + (i/n) line.
@@ -189,27 +255,25 @@ impl CurveRows {
     /// u² of each value.
     pub(super) fn variances(&self, model: &Model) -> Vec<Variance> {
         let line = model.dense(&self.line);
-        let line_by_cause = model.by_cause(&line);
+        let line_by_column = model.by_column(&line);
         let mut sum = model.dense(&self.start);
-        let mut by_cause = model.by_cause(&sum);
+        let mut by_column = model.by_column(&sum);
         let last = self.steps.len().max(1) as f64;
         (0..=self.steps.len())
             .map(|index| {
                 let step = index.checked_sub(1).map(|step| &self.steps[step]);
                 for (place, weight) in step.iter().flat_map(|step| &step.0) {
                     sum[*place] += weight;
-                    let columns = by_cause.iter_mut().zip(&model.causes);
+                    let columns = by_column.iter_mut().zip(&model.columns);
                     columns.for_each(|(sum, column)| *sum += weight * column[*place]);
                 }
-                let share = index as f64 / last;
-                let weighed = |variance: &[f64]| -> f64 {
-                    let row = sum.iter().zip(&line).zip(variance);
-                    row.map(|((sum, line), v)| (sum + share * line).squared() * v).sum()
+                let with_line = |sum: &[f64], line: &[f64]| -> Vec<f64> {
+                    let share = index as f64 / last;
+                    sum.iter().zip(line).map(|(sum, line)| sum + share * line).collect()
                 };
-                let noise = weighed(&model.noise);
-                let causes = by_cause.iter().zip(&line_by_cause);
-                let causes: f64 = causes.map(|(sum, line)| (sum + share * line).squared()).sum();
-                Variance { noise, all: noise + weighed(&model.other) + causes }
+                let (row, effects) =
+                    (with_line(&sum, &line), with_line(&by_column, &line_by_column));
+                model.of_entries(&row, &effects)
             })
             .collect()
     }

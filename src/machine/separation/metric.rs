@@ -217,7 +217,7 @@ impl Equations {
         let mut all: Vec<Equation> = given
             .map(|(((direction, nominal, value), known), row)| {
                 let (variance, common) = model.covariance(&row, &row);
-                let own = variance.all - common;
+                let own = variance - common;
                 Equation { direction, nominal, value, row, own, known, shared: Vec::new() }
             })
             .collect();
@@ -238,7 +238,7 @@ impl Equations {
         }
         let covariances: Vec<Vec<f64>> = all
             .iter()
-            .map(|a| all.iter().map(|b| model.covariance(&a.row, &b.row).0.all).collect())
+            .map(|a| all.iter().map(|b| model.covariance(&a.row, &b.row).0).collect())
             .collect();
         for (place, (one, mut shared)) in all.iter_mut().zip(covariances).enumerate() {
             shared[place] -= one.own;
@@ -394,35 +394,5 @@ impl Equations {
                 .flat_map(|gain| gain.row(unknown.index()).iter().copied().collect::<Vec<_>>());
             Row::sum(shares.zip(self.all.iter().map(|one| &one.row)))
         })
-    }
-
-    /// How the unknowns change with the totals of the diagonals, µm/m for each µm; 0 without a solution.
-    pub(super) fn by_totals(&self, volume: &Volume) -> ByTotals {
-        let gain = self.solved().map(|found| found.gain());
-        // (|q|² − 1)/2 grows by dE/R.
-        let metres = volume.diagonal_mm() / 1000.0;
-        let of = |unknown: Unknown| {
-            let mut equations = 0..;
-            PerDiagonal::from_fn(|_| {
-                let place = equations.next().map(|equation| (unknown.index(), equation));
-                let gain = gain.as_ref().zip(place);
-                gain.map_or(0.0, |(gain, place)| gain[place] / metres)
-            })
-        };
-        ByTotals::from_fn(of)
-    }
-}
-
-/// Changes of the unknowns with the totals.
-#[derive(Clone, Debug)]
-pub(super) struct ByTotals([PerDiagonal<f64>; UNKNOWNS]);
-
-impl ByTotals {
-    pub(super) fn from_fn(of: impl FnMut(Unknown) -> PerDiagonal<f64>) -> ByTotals {
-        ByTotals(Unknown::ALL.map(of))
-    }
-
-    pub(super) fn of(&self, unknown: Unknown) -> PerDiagonal<f64> {
-        self.0[unknown.index()]
     }
 }

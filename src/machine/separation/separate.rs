@@ -1,7 +1,6 @@
 //! A whole measurement of step diagonals, from its runs to the nine errors.
 
 use super::agreement::Agreement;
-use super::angle_bound::AngleBound;
 use super::campaign::Campaign;
 use super::closure::{Closure, Known, Start, closure, large_noise};
 use super::curves::Curve;
@@ -194,13 +193,9 @@ fn evaluated(
     let turn = turn(measured, volume, budget.runs, noise).filter(|_| budget.turned);
     let reversals = Some(&campaign.reversals).filter(|_| !budget.turned);
     let reversals = reversals.cloned().unwrap_or_default();
-    let gains = solved.gains();
-    let bound = AngleBound::of(campaign, &gains);
-    let mut errors = solved.errors(turn.as_ref(), &reversals);
-    let separated = |term| solved.keeps_separated_slope(term);
-    errors.add_unmeasured(&campaign.stated, bound.as_ref(), separated);
-    let of_angles = AngleBound::counted(bound.as_ref(), &campaign.stated);
-    let u_squareness = solved.u_squareness(&of_angles);
+    let errors = solved.errors(turn.as_ref(), &reversals);
+    let planes = solved.plane_variances();
+    let u_squareness = planes.map(|found| Some(found?.as_slope(noise?)));
     let mut labels = labels::of_steps(campaign, budget, measured, overrun, turn.as_ref());
     labels.extend(labels::of_reversals(&reversals, measured.reverse.is_none()));
     labels.extend(solved.labels(agreement.is_some()));
@@ -211,7 +206,7 @@ fn evaluated(
         shapes: solved.shapes(),
         naive_slopes_um_per_m: solved.naive.clone(),
         squareness_um_per_m: solved.squareness(),
-        not_counted: NotCounted::of(campaign, bound.as_ref(), &errors, &u_squareness, &gains),
+        not_counted: NotCounted::of(campaign, &errors, &planes),
         u_squareness,
         squareness_least_squares_um_per_m: errors.least_squares_squareness(volume),
         tilts: solved.tilts(),

@@ -5,16 +5,16 @@ use super::campaign::{Campaign, MeasuredLine};
 use super::curves::{Curve, ReferenceLine, Steps};
 use super::linear::{CurveRows, Model, Row, Variance};
 use super::linear_reversal::{LinearReversal, LinearReversals};
-use super::metric::{ByTotals, Equations, Metric, PerPlane, Plane, displacement_ratios, stepped};
+use super::metric::{Equations, Metric, PerPlane, Plane, displacement_ratios, stepped};
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::plane::{UNKNOWNS, Unknown};
 use super::readings::{Group, Means};
 use super::reversal::Turn;
-use super::slopes::{Rule, SlopeGains, Totals, totals};
-use super::uncertainty::{Budget, SlopeUncertainty};
+use super::slopes::{Rule, Totals, totals};
+use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Volume};
+use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 
 /// Seconds of arc in one radian.
@@ -53,8 +53,7 @@ impl<'a> Solved<'a> {
     ) -> Solved<'a> {
         let (setup, frame) = (campaign.measurement.setup, campaign.measurement.frame);
         let volume = budget.volume;
-        let tilt = campaign.stated.tilt_arcsec.filter(|_| setup == SetUp::AssumePerfect);
-        let mut model = budget.model(PathKind::Step, &campaign.lines, tilt);
+        let mut model = budget.model(campaign);
         let z = model.layout.measured(means, &campaign.lines);
         let steps = Steps::new(budget, model.layout);
         let mean_steps = PerTerm::from_fn(|term| steps.mean(term));
@@ -117,11 +116,6 @@ impl<'a> Solved<'a> {
         Rule::of(self.setup, self.frame, term)
     }
 
-    /// Whether the slope of a term is that of the increments, with the tilt of the mirror.
-    pub(super) fn keeps_separated_slope(&self, term: ErrorTerm) -> bool {
-        self.rule(term).keeps_separated_slope()
-    }
-
     /// A scale or a squareness, µm/m; `None` = not determined.
     fn figure(&self, unknown: Unknown) -> Option<f64> {
         match (self.setup, unknown) {
@@ -144,29 +138,6 @@ impl<'a> Solved<'a> {
             Some((unknown, share)) => share * self.figure(unknown)?,
         };
         Some(figure + rule.own * self.naive[term] + rule.of_twin * self.naive[term.twin()])
-    }
-
-    /// Slopes and squareness as functions of totals and separated slopes.
-    pub(super) fn gains(&self) -> SlopeGains {
-        let volume = self.budget.volume;
-        // Change of φ of formula (4) with each total.
-        let of_totals = |unknown: Unknown| {
-            PerDiagonal::from_fn(|d| match unknown {
-                Unknown::Scale(_) => 0.0,
-                Unknown::Squareness(plane) => {
-                    let one = PerDiagonal::from_fn(|other| f64::from(other == d));
-                    totals(volume, &one).squareness_um_per_m.of(plane)
-                }
-            })
-        };
-        SlopeGains {
-            rules: PerTerm::from_fn(|term| self.rule(term)),
-            by_total: match self.setup {
-                SetUp::Solve => self.equations.by_totals(volume),
-                SetUp::AssumePerfect => ByTotals::from_fn(of_totals),
-            },
-            own_slopes: self.frame == Frame::AsMeasured,
-        }
     }
 
     /// A scale or a squareness by what was measured, µm/m.
@@ -202,16 +173,9 @@ impl<'a> Solved<'a> {
         CurveRows { start: Row::default(), steps, line }
     }
 
-    /// Uncertainty of φ; `angles` = that of the unmeasured angles, µm/m.
-    pub(super) fn u_squareness(
-        &self,
-        angles: &PerPlane<f64>,
-    ) -> PerPlane<Option<SlopeUncertainty>> {
-        PerPlane::from_fn(|plane| {
-            let found = self.figure_variance(Unknown::Squareness(plane))?;
-            let all = found.all + angles.of(plane).squared();
-            Some(Variance { all, ..found }.as_slope(self.budget.noise?))
-        })
+    /// u² of the squareness; `None` = not known.
+    pub(super) fn plane_variances(&self) -> PerPlane<Option<Variance>> {
+        PerPlane::from_fn(|plane| self.figure_variance(Unknown::Squareness(plane)))
     }
 
     /// The curves beside the lines through their ends: determined whatever the set-up.
@@ -264,13 +228,19 @@ impl<'a> Solved<'a> {
         values: Curve,
         left_out: f64,
     ) -> SeparatedError {
-        let figure = self.rule(term).figure;
-        let is_known = figure.is_none_or(|(unknown, _)| self.figure_variance(unknown).is_some());
+        let rule = self.rule(term);
+        // A separated slope holds the tilt of the mirror.
+        let is_known = match rule.figure {
+            Some((unknown, _)) => self.figure_variance(unknown).is_some(),
+            None => !rule.keeps_separated_slope() || self.budget.stated.tilt_arcsec.is_some(),
+        };
         let is_known = is_known && self.budget.noise.is_some();
+        let variances = rows.variances(&self.model);
+        let largest = |of: fn(&Variance) -> f64| variances.iter().map(of).fold(0.0, f64::max);
+        let moved_um = [largest(|v| v.by_urad), largest(|v| v.by_mrad)].map(f64::sqrt);
         let of = |v: &Variance| ((v.all + left_out).sqrt(), v.noise.sqrt());
-        let u = is_known.then(|| rows.variances(&self.model).iter().map(of).unzip());
-        let (u_um, u_noise_um) = u.unzip();
-        SeparatedError { deviation_um: values, u_um, u_noise_um }
+        let (u_um, u_noise_um) = is_known.then(|| variances.iter().map(of).unzip()).unzip();
+        SeparatedError { deviation_um: values, u_um, u_noise_um, moved_um }
     }
 
     /// The curve of a direction: that of its readings, with the slope of the mean. After a turn the − curve
@@ -379,6 +349,8 @@ pub struct SeparatedError {
     pub u_um: Option<Vec<f64>>,
     /// The part of them that comes from the noise of the readings, µm.
     pub u_noise_um: Option<Vec<f64>>,
+    /// Largest standard uncertainty that unmeasured angles make for each µrad, and a beam for each mrad², µm.
+    pub(super) moved_um: [f64; 2],
 }
 
 impl SeparatedError {
@@ -410,6 +382,7 @@ impl SeparatedError {
             deviation_um: directed_curve(&self.deviation_um, &reversal.um, direction),
             u_noise_um: self.u_noise_um.clone().filter(|_| u_um.is_some()),
             u_um,
+            moved_um: self.moved_um,
         }
     }
 }

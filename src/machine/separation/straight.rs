@@ -17,7 +17,6 @@
 //! between the points of a table is not known to a table and not included.
 
 use super::agreement::Agreement;
-use super::angle_bound::AngleBound;
 use super::campaign::Campaign;
 use super::closure::{Start, large_noise};
 use super::curves::at;
@@ -27,7 +26,7 @@ use super::metric::{Equations, Metric, PerPlane};
 use super::noise::{Noise, float};
 use super::plane::Unknown;
 use super::readings::{CorrectedRun, DiagonalFigures, figures, means, run_counts};
-use super::slopes::{SlopeGains, Totals, totals};
+use super::slopes::{Totals, totals};
 use super::solved::NineErrors;
 use super::uncertainty::SlopeUncertainty;
 use super::unmeasured::NotCounted;
@@ -98,7 +97,7 @@ pub fn straight(
     let (of_zeroed, range_over_all_um) = figures(&start.zeroed_runs, PathKind::Straight);
     let ends = PerDiagonal::from_fn(|d| all[d].end_um);
     let diagonals = metric::straight(volume, &ends);
-    let mut model = budget.model(PathKind::Straight, &campaign.lines, None);
+    let mut model = budget.model(campaign);
     let rows = rows(volume, model.layout);
     let known = (&mut model, noise.is_some());
     let equations = Equations::new(volume, &diagonals, &campaign.lines, rows, known);
@@ -108,17 +107,12 @@ pub fn straight(
     if agreement.as_ref().is_some_and(Agreement::is_refuted) {
         metric.forget_uncertainties();
     }
-    let gains = SlopeGains::without_curves(equations.by_totals(volume));
-    let bound = AngleBound::of(campaign, &gains);
-    let counted = AngleBound::counted(bound.as_ref(), &campaign.stated);
-    let known = |unknown: Unknown, of_angles: f64| {
+    let found = |unknown: Unknown| {
         metric.u(unknown)?;
-        let found = model.variance(&rows[unknown.index()]);
-        let all = found.all + of_angles.squared();
-        Some(Variance { all, ..found }.as_slope(noise?))
+        noise.map(|_| model.variance(&rows[unknown.index()]))
     };
-    let u_squareness =
-        PerPlane::from_fn(|plane| known(Unknown::Squareness(plane), counted.of(plane)));
+    let planes = PerPlane::from_fn(|plane| found(Unknown::Squareness(plane)));
+    let known = |found: Option<Variance>| Some(found?.as_slope(noise?));
     let none = NineErrors::default();
     Ok(StraightResult {
         volume: volume.clone(),
@@ -128,10 +122,10 @@ pub fn straight(
         }),
         range_over_all_um,
         totals: totals(volume, &ends),
-        u_squareness,
-        not_counted: NotCounted::of(campaign, bound.as_ref(), &none, &u_squareness, &gains),
+        u_squareness: planes.map(known),
+        not_counted: NotCounted::of(campaign, &none, &planes),
         u_scale: PerAxis::from_fn(|axis| {
-            metric.scale[axis].and_then(|_| known(Unknown::Scale(axis), 0.0))
+            metric.scale[axis].and_then(|_| known(found(Unknown::Scale(axis))))
         }),
         doubts: doubts(campaign, &start, agreement.as_ref()),
         agreement,

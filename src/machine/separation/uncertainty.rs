@@ -9,14 +9,14 @@
 //! ```
 //! The beam counts here and there: it may lean alike in all set-ups, or in some of them only.
 
-use super::campaign::MeasuredLine;
-use super::corrections::REFERENCE_C;
+use super::campaign::Campaign;
+use super::corrections::{REFERENCE_C, unmeasured};
 use super::linear::{Layout, Model};
 use super::metric::PerPlane;
 use super::noise::{Noise, coverage_factor};
-use crate::inputs::job::{AxisMaterial, Material, StatedUncertainty};
+use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 
 /// Radians of one second of arc, times 10⁶.
@@ -61,13 +61,9 @@ impl Budget<'_> {
         self.runs.iter().all(|(_, runs)| runs[1] > 0.0)
     }
 
-    /// The linear model of readings along these paths; `tilt_arcsec`: of a mirror that is assumed perfect.
-    pub(super) fn model(
-        &self,
-        kind: PathKind,
-        lines: &[MeasuredLine],
-        tilt_arcsec: Option<f64>,
-    ) -> Model {
+    /// The linear model of the readings of a campaign.
+    pub(super) fn model(&self, campaign: &Campaign<'_>) -> Model {
+        let (kind, lines) = (campaign.measurement.kind, &campaign.lines);
         let passes = &Pass::BOTH[..1 + usize::from(self.both_ways())];
         let nodes = self.volume.last_node(kind) + 1;
         let mut model = Model::new(Layout { nodes, passes: passes.len(), lines: lines.len() });
@@ -83,27 +79,43 @@ impl Budget<'_> {
             }
         }
         let volume = self.volume;
-        for strain in self.common_um_per_m() {
-            let of = |d: Diagonal| {
+        let scaled = |um_per_m: &dyn Fn(Diagonal) -> PerAxis<f64>| {
+            model.layout.column(|_, d, node| {
+                let start = volume.inside_mm(d, kind, 0);
+                um_per_m(d).dot(volume.inside_mm(d, kind, node).minus(start)) / 1000.0
+            })
+        };
+        let strains = self.common_um_per_m().into_iter().map(|strain| {
+            scaled(&|d| {
                 let laser = volume.laser(d);
                 PerAxis::from_fn(|axis| laser[axis] * strain[axis])
-            };
-            model.add_cause(volume, kind, passes, &of);
+            })
+        });
+        let only = |one: Diagonal, of: PerAxis<f64>| {
+            scaled(&|d| if d == one { of } else { PerAxis::default() })
+        };
+        let tilt = campaign.stated.tilt_arcsec;
+        let tilt = tilt.filter(|_| campaign.measurement.setup == SetUp::AssumePerfect);
+        let tilts = Diagonal::ALL.into_iter().filter_map(|d| Some((d, tilt?)));
+        let tilts = tilts.flat_map(|(d, arcsec)| {
+            across(volume.laser(d)).map(|way| only(d, way.times(arcsec * URAD_PER_ARCSEC)))
+        });
+        let setups = Diagonal::ALL.map(|d| only(d, volume.laser(d)));
+        let mut columns: Vec<Vec<f64>> = strains.collect();
+        model.strains = 0..columns.len();
+        columns.extend(tilts);
+        model.tilts = model.strains.end..columns.len();
+        columns.extend(setups);
+        model.setups = model.tilts.end..columns.len();
+        for order in unmeasured(campaign, model.layout) {
+            let first = columns.len();
+            columns.extend(order);
+            model.angles.push(first..columns.len());
         }
-        model.common = model.causes.len();
-        let ppm = self.stated.setup_ppm.unwrap_or(0.0).hypot(self.stated.beam_ppm());
-        let own = Diagonal::ALL.into_iter().filter(|_| ppm > 0.0);
-        for one in own {
-            let of = |d: Diagonal| volume.laser(d).times(if d == one { ppm } else { 0.0 });
-            model.add_cause(volume, kind, passes, &of);
-        }
-        let tilts = Diagonal::ALL.into_iter().filter_map(|d| Some((d, tilt_arcsec?)));
-        for (one, arcsec) in tilts {
-            for across in across(volume.laser(one)) {
-                let size = |d: Diagonal| if d == one { arcsec * URAD_PER_ARCSEC } else { 0.0 };
-                model.add_cause(volume, kind, passes, &|d| across.times(size(d)));
-            }
-        }
+        model.columns = columns;
+        model.setup_ppm = self.stated.setup_ppm.unwrap_or(0.0);
+        model.beam_ppm = self.stated.beam_ppm();
+        model.angle_urad = self.stated.angle_urad;
         model
     }
 
@@ -123,7 +135,6 @@ impl Budget<'_> {
             stated.laser_ppm.map(alike),
             stated.temperature_k.map(of_temperature),
             stated.alpha_per_k.map(of_alpha),
-            Some(alike(stated.beam_ppm())),
         ];
         let acts = |strain: &PerAxis<f64>| strain.iter().any(|(_, um_per_m)| um_per_m.abs() > 0.0);
         all.into_iter().flatten().filter(acts).collect()
@@ -133,32 +144,8 @@ impl Budget<'_> {
     /// the readings, 10⁻⁶.
     pub(super) fn of_length_ppm(&self, axis: Axis) -> f64 {
         let common = self.common_um_per_m().into_iter();
-        let own = self.stated.setup_ppm.unwrap_or(0.0);
+        let own = self.stated.setup_ppm.unwrap_or(0.0).hypot(self.stated.beam_ppm());
         common.fold(own, |all, strain| all.hypot(strain[axis]))
-    }
-}
-
-impl Model {
-    /// A cause that adds to each reading so much for each metre that the axes have moved, µm/m.
-    fn add_cause(
-        &mut self,
-        volume: &Volume,
-        kind: PathKind,
-        passes: &[Pass],
-        um_per_m: &dyn Fn(Diagonal) -> PerAxis<f64>,
-    ) {
-        let mut column = vec![0.0; self.noise.len()];
-        for d in Diagonal::ALL {
-            let um_per_m = um_per_m(d);
-            let start = volume.inside_mm(d, kind, 0);
-            for node in 0..self.layout.nodes {
-                let moved = volume.inside_mm(d, kind, node).minus(start);
-                for pass in passes {
-                    column[self.layout.reading(*pass, d, node)] = um_per_m.dot(moved) / 1000.0;
-                }
-            }
-        }
-        self.causes.push(column);
     }
 }
 
