@@ -18,7 +18,7 @@
 //! are judged with those readings left out, so that no reading makes a ramp.
 
 use super::campaign::{Campaign, corrected};
-use super::corrections::recorded;
+use super::corrections::{recorded, unmeasured};
 use super::curves::{mean, noise_gain};
 use super::findings::SeparationFinding as Found;
 use super::noise::{
@@ -26,11 +26,11 @@ use super::noise::{
     student, tails,
 };
 use super::patterns::{Patterns, Ramps, by_group};
-use super::readings::{CorrectedRun, Group, Means, RunCounts, run_counts};
+use super::readings::{CorrectedRun, Group, Means, PassMeans, RunCounts, means, run_counts};
 use super::uncertainty::Budget;
 use crate::inputs::job::{Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, Run, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
 
@@ -166,6 +166,8 @@ pub(super) struct Known<'a> {
     pub(super) outliers: &'a [Outlier],
     /// The first and last interval are left out (missing overrun).
     pub(super) skip_ends: bool,
+    /// What one standard uncertainty of each stated angle does to the readings, for each order of the axes.
+    pub(super) angles: &'a [Vec<Means>],
 }
 
 impl Known<'_> {
@@ -205,21 +207,21 @@ pub(super) fn closure(
         outliers: known.outliers.to_vec(),
     };
     if let Some(patterns) = known.patterns(volume, means, runs) {
-        closure.judge(patterns, known.noise);
+        closure.judge(volume, patterns, known);
     }
     closure
 }
 
 impl Closure {
     /// Disturbed readings with the ramps left free; then the ramps without those readings.
-    fn judge(&mut self, mut patterns: Patterns, noise: Option<Noise>) {
+    fn judge(&mut self, volume: &Volume, mut patterns: Patterns, known: Known<'_>) {
         let before = patterns.out.clone();
         patterns.leave_out_ramps();
-        let found = patterns.name_outliers(noise.map(|noise| noise.sigma_um));
+        let found = patterns.name_outliers(known.noise.map(|noise| noise.sigma_um));
         patterns.out = before;
         patterns.leave_out(found.iter().filter_map(|outlier| outlier.readings.first()));
         self.outliers.extend(found);
-        self.ramps = patterns.ramps(noise);
+        self.ramps = patterns.ramps(volume, known);
         if self.ramps.as_ref().is_some_and(Ramps::is_roll) {
             patterns.leave_out_ramps();
         }
@@ -252,6 +254,8 @@ pub(super) struct Start {
     pub(super) outliers: Vec<Outlier>,
     /// σ of a reading where repeats or the job give it.
     pub(super) noise: Option<Noise>,
+    /// See [`Known::angles`].
+    pub(super) angles: Vec<Vec<Means>>,
 }
 
 impl Start {
@@ -266,6 +270,7 @@ impl Start {
             counts: run_counts(&runs),
             outliers,
             noise: known_noise(&campaign.stated, noise),
+            angles: stated_angles(campaign, &runs),
             runs,
         }
     }
@@ -285,6 +290,17 @@ impl Start {
             material: self.material,
         }
     }
+}
+
+fn stated_angles(campaign: &Campaign<'_>, runs: &[CorrectedRun]) -> Vec<Vec<Means>> {
+    let Some(urad) = campaign.stated.angle_urad else { return Vec::new() };
+    let backs = means(runs).reverse.is_some();
+    let of = |column: PassMeans| {
+        let scaled = PerDiagonal::from_fn(|d| column[d].iter().map(|um| urad * um).collect());
+        Means { reverse: backs.then(|| PassMeans::clone(&scaled)), forward: scaled }
+    };
+    let of_order = |columns: Vec<PassMeans>| columns.into_iter().map(of).collect();
+    unmeasured(campaign).into_iter().map(of_order).collect()
 }
 
 /// Repeats say most; a stated noise comes next; a single run is left with its closure.

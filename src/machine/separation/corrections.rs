@@ -4,7 +4,7 @@
 use super::campaign::Campaign;
 use super::curves::{at, mean};
 use super::findings::SeparationFinding;
-use super::linear::Layout;
+use super::readings::PassMeans;
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{AxisMaterial, Levers, Material, Reflector};
 use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
@@ -240,13 +240,13 @@ impl Turning<'_> {
     }
 }
 
-/// What unmeasured angles do to the readings, for each order of the axes that may be: columns of one standard
-/// uncertainty for a bound of 1 µrad.
+/// What unmeasured angles do to the readings, for each order of the axes that may be: one standard
+/// uncertainty for a bound of 1 µrad, by node, the same on the way back.
 ///
 /// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2
 /// limits   the figures are those of the lines through the middle of the box, where α is 0: a constant angle
 ///          is squareness. Levers count from there, the tool has none.
-pub(super) fn unmeasured(campaign: &Campaign<'_>, layout: Layout) -> Vec<Vec<Vec<f64>>> {
+pub(super) fn unmeasured(campaign: &Campaign<'_>) -> Vec<Vec<PassMeans>> {
     let evidence = campaign.angle_evidence();
     let measurement = campaign.measurement;
     let volume = &measurement.volume;
@@ -266,9 +266,7 @@ pub(super) fn unmeasured(campaign: &Campaign<'_>, layout: Layout) -> Vec<Vec<Vec
             tool: PerAxis::default(),
             reflector: measurement.target,
         };
-        let of = |d| turning.effect_um(volume, measurement.kind, d, Pass::Forward);
-        let by_node = PerDiagonal::from_fn(of);
-        layout.column(|_, d, node| by_node[d][node])
+        PerDiagonal::from_fn(|d| turning.effect_um(volume, measurement.kind, d, Pass::Forward))
     };
     let of_order = |order: &[Axis; 3]| {
         let pairs = evidence.missing.iter().flat_map(|r| shapes.map(|shape| (r, shape)));

@@ -363,6 +363,6 @@ impl Renamed {
     }
 
     fn known(&self, noise: Option<Noise>) -> Known<'_> {
-        Known { noise, outliers: &self.outliers, skip_ends: self.skip_ends }
+        Known { noise, outliers: &self.outliers, skip_ends: self.skip_ends, angles: &[] }
     }
 }

@@ -4,16 +4,16 @@
 //! P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step.
 
 use super::banded::{Banded, Factor};
+use super::closure::Known;
 use super::curves::{closure_sign, closures};
 use super::noise::{
-    FALSE_DOUBT, MOST_OUTLIERS, Noise, Outlier, ReadingPlace, UNRESOLVED_UM, chance_of, float,
-    stands_out,
+    FALSE_DOUBT, MOST_OUTLIERS, Outlier, ReadingPlace, UNRESOLVED_UM, chance_of, float, stands_out,
 };
 use super::readings::{Group, Means, RunCounts};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Matrix3, Vector3};
 
 /// One w.
 #[derive(Clone, Copy)]
@@ -149,29 +149,34 @@ impl Patterns {
         dot(&values, &self.projected(&values)).max(0.0)
     }
 
-    /// The ramps beside what is left out, and how likely noise makes them; `None` where too little is
-    /// left to tell them or to judge them by.
-    pub(super) fn ramps(&self, noise: Option<Noise>) -> Option<Ramps> {
+    /// The ramps beside what is left out, and how likely noise and the stated angles make them: by the order of
+    /// the axes that explains them best. `None` where too little is left to tell them or to judge them by.
+    pub(super) fn ramps(&self, volume: &Volume, known: Known<'_>) -> Option<Ramps> {
         let weighed = self.ramps.each_ref().map(|ramp| self.projected(ramp));
-        let normal = DMatrix::from_fn(3, 3, |i, j| dot(&self.ramps[i], &weighed[j]));
-        let right = DVector::from_fn(3, |i, _| dot(&self.ramps[i], &self.out.left));
+        let normal = Matrix3::from_fn(|i, j| dot(&self.ramps[i], &weighed[j]));
         let inverse = normal.cholesky()?.inverse();
-        let shares = &inverse * &right;
-        let drop = shares.dot(&right);
+        let of = |values: &[f64]| inverse * Vector3::from_fn(|i, _| dot(&weighed[i], values));
+        let shares = of(&self.values);
         let (square, freedom) = self.scatter();
         let rest = freedom.checked_sub(3).filter(|rest| *rest > 0)?;
-        let (variance, freedom) = match noise {
+        let drop = (normal * shares).dot(&shares);
+        let (variance, freedom) = match known.noise {
             Some(noise) => (noise.sigma_um.squared(), noise.freedom),
             None => ((square - drop).max(0.0) / float(rest), Some(rest)),
         };
-        let by_axis = |of: &dyn Fn(usize) -> f64| {
-            let [x, y, z] = [0, 1, 2].map(of);
-            PerAxis { x, y, z }
+        let chance = |angles: &[Means]| {
+            let of_angle = |means: &Means| of(&values(volume, means, &self.rows));
+            let spread = angles.iter().map(of_angle).map(|c| c * c.transpose());
+            let spread = spread.fold(inverse * variance, |sum, one| sum + one);
+            let ratio =
+                spread.cholesky().map_or(f64::INFINITY, |of| of.solve(&shares).dot(&shares));
+            chance_of(ratio, 3, freedom)
         };
+        let of_orders = known.angles.iter().filter_map(|angles| chance(angles));
         Some(Ramps {
-            change_um: by_axis(&|i| shares[i]),
-            u: by_axis(&|i| inverse[(i, i)].sqrt()),
-            probability: chance_of(drop / variance, 3, freedom)?,
+            change_um: PerAxis { x: shares.x, y: shares.y, z: shares.z },
+            u: PerAxis { x: inverse.m11.sqrt(), y: inverse.m22.sqrt(), z: inverse.m33.sqrt() },
+            probability: of_orders.fold(chance(&[])?, f64::max),
         })
     }
 

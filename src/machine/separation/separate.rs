@@ -171,6 +171,7 @@ pub(super) fn of_start(
     let known = Known {
         noise: start.noise,
         outliers: &start.outliers,
+        angles: &start.angles,
         skip_ends: means.reverse.is_some() && overrun != Some(true),
     };
     let closure = closure(volume, &means, &start.counts, known);

@@ -14,6 +14,7 @@ use super::corrections::{REFERENCE_C, unmeasured};
 use super::linear::{Layout, Model};
 use super::metric::PerPlane;
 use super::noise::{Noise, coverage_factor};
+use super::readings::PassMeans;
 use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
@@ -107,9 +108,10 @@ impl Budget<'_> {
         model.tilts = model.strains.end..columns.len();
         columns.extend(setups);
         model.setups = model.tilts.end..columns.len();
-        for order in unmeasured(campaign, model.layout) {
+        for order in unmeasured(campaign) {
             let first = columns.len();
-            columns.extend(order);
+            let of = |by_node: PassMeans| model.layout.column(|_, d, node| by_node[d][node]);
+            columns.extend(order.into_iter().map(of));
             model.angles.push(first..columns.len());
         }
         model.columns = columns;
