@@ -158,18 +158,32 @@ fn across(of: PerAxis<f64>, length: f64, random: &mut ChaCha8Rng) -> PerAxis<f64
     unit(any.cross(of)).times(length)
 }
 
-/// How an angle goes over the box, by its bound: a straight part and a bow, zero at the low end.
-fn shape(bound_urad: f64, bow: f64) -> Angle {
-    Box::new(move |t| bound_urad * ((1.0 - bow) * t + bow * 4.0 * t * (1.0 - t)))
+/// How an angle goes over the box, t = −1 … 1, by its bound; 0 in the middle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Shape {
+    /// a t − b t², both uniform within half of the bound: what the bound means.
+    Meant,
+    /// sin πt, two bows, a ramp at one end: of any size within the bound.
+    S,
+    TwoBows,
+    OneEnd,
+    /// t² of the bound itself.
+    FullBow,
 }
 
-/// Which angles a machine has, with their bow.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Turning {
-    None,
-    /// All nine, each with a random sign.
-    All(f64),
-    One(f64),
+impl Shape {
+    fn drawn(self, bound_urad: f64, random: &mut ChaCha8Rng) -> Angle {
+        let mut uniform = || f64::from(random.next_u32()) / f64::from(u32::MAX) * 2.0 - 1.0;
+        let (one, other) = (uniform() * bound_urad, uniform() * bound_urad);
+        let at = move |t: f64| match self {
+            Shape::Meant => (one * t - other * t * t) / 2.0,
+            Shape::S => one * (std::f64::consts::PI * t).sin(),
+            Shape::TwoBows => one * (1.0 - (2.0 * std::f64::consts::PI * t).cos()) / 2.0,
+            Shape::OneEnd => one * t.max(0.0),
+            Shape::FullBow => bound_urad * t * t * one.signum(),
+        };
+        Box::new(move |share| at(2.0 * share - 1.0))
+    }
 }
 
 /// One row of the table.
@@ -179,7 +193,8 @@ struct Row {
     repeats: u32,
     /// Reverse passes: whether after an overrun.
     back: Option<bool>,
-    turning: Turning,
+    /// Of all nine angles.
+    turning: Option<Shape>,
     angle_urad: Option<f64>,
     beam_mrad: Option<f64>,
     /// Whether the job states the two.
@@ -190,14 +205,14 @@ const PLAIN: Row = Row {
     name: "one run",
     repeats: 1,
     back: None,
-    turning: Turning::None,
+    turning: None,
     angle_urad: None,
     beam_mrad: None,
     stated: true,
 };
 
-const fn turning(name: &'static str, turning: Turning, urad: f64) -> Row {
-    Row { name, turning, angle_urad: Some(urad), ..PLAIN }
+const fn turning(name: &'static str, shape: Shape, urad: f64) -> Row {
+    Row { name, turning: Some(shape), angle_urad: Some(urad), ..PLAIN }
 }
 
 const fn silent(row: Row) -> Row {
@@ -213,22 +228,20 @@ const ROWS: &[Row] = &[
     Row { name: "three runs", repeats: 3, ..PLAIN },
     Row { name: "both directions, turn without overrun", back: Some(false), ..PLAIN },
     Row { name: "both directions after an overrun", back: Some(true), ..PLAIN },
-    turning("nine angles, even, 10 µrad", Turning::All(0.0), 10.0),
-    turning("nine angles, bow 30 %, 10 µrad", Turning::All(0.3), 10.0),
-    turning("nine angles, bow 100 %, 10 µrad", Turning::All(1.0), 10.0),
-    turning("nine angles, bow 100 %, 1 µrad", Turning::All(1.0), 1.0),
-    turning("nine angles, bow 100 %, 0.3 µrad", Turning::All(1.0), 0.3),
-    turning("one angle, even, 10 µrad", Turning::One(0.0), 10.0),
-    turning("one angle, bow 30 %, 10 µrad", Turning::One(0.3), 10.0),
-    turning("one angle, bow 100 %, 10 µrad", Turning::One(1.0), 10.0),
+    turning("nine angles as the bound means, 10 µrad", Shape::Meant, 10.0),
+    turning("nine angles as the bound means, 1 µrad", Shape::Meant, 1.0),
+    turning("nine S of any size within 10 µrad", Shape::S, 10.0),
+    turning("nine double bows of any size within 10 µrad", Shape::TwoBows, 10.0),
+    turning("nine ramps at one end, of any size within 10 µrad", Shape::OneEnd, 10.0),
+    turning("nine bows of 10 µrad, the bound itself", Shape::FullBow, 10.0),
     beam("beam 0.5 mrad", 0.5, 1),
     beam("beam 1 mrad", 1.0, 1),
     beam("beam 1 mrad, three runs", 1.0, 3),
     Row {
-        name: "three runs, both directions, bow 100 % of 3 µrad, beam 1 mrad",
+        name: "three runs, both directions, nine angles as meant of 3 µrad, beam 1 mrad",
         repeats: 3,
         back: Some(false),
-        turning: Turning::All(1.0),
+        turning: Some(Shape::Meant),
         angle_urad: Some(3.0),
         beam_mrad: Some(1.0),
         stated: true,
@@ -237,8 +250,8 @@ const ROWS: &[Row] = &[
 
 /// What becomes of U where such angles and beams are there and the job says nothing of them.
 const SILENT: &[Row] = &[
-    silent(turning("one angle, bow 100 %, 10 µrad", Turning::One(1.0), 10.0)),
-    silent(turning("nine angles, bow 100 %, 10 µrad", Turning::All(1.0), 10.0)),
+    silent(turning("nine angles as the bound means, 10 µrad", Shape::Meant, 10.0)),
+    silent(turning("nine bows of 10 µrad", Shape::FullBow, 10.0)),
     silent(beam("beam 0.5 mrad", 0.5, 1)),
     silent(beam("beam 1 mrad", 1.0, 1)),
 ];
@@ -256,18 +269,9 @@ fn machine(row: &Row, random: &mut ChaCha8Rng) -> Rigid {
         let normal = unit(box_.laser(d).plus(nine.lean[d]));
         across(normal, 1e-3 * row.beam_mrad.unwrap_or(0.0), random)
     });
-    let all: Vec<Rotation> = Rotation::all().collect();
-    let some = match row.turning {
-        Turning::None => Vec::new(),
-        Turning::All(bow) => all.iter().map(|rotation| (*rotation, bow)).collect(),
-        Turning::One(bow) => vec![(all[(random.next_u32() % 9) as usize], bow)],
-    };
     let urad = row.angle_urad.unwrap_or(0.0);
-    let mut signed = || {
-        if random.next_u32().is_multiple_of(2) { urad } else { -urad }
-    };
-    let angles = some.into_iter();
-    let angles = angles.map(|(rotation, bow)| (rotation, shape(signed(), bow)));
+    let turned = row.turning.into_iter().flat_map(|shape| Rotation::all().map(move |r| (r, shape)));
+    let angles = turned.map(|(rotation, shape)| (rotation, shape.drawn(urad, random)));
     Rigid { nine, angles: angles.collect(), beam }
 }
 
@@ -344,6 +348,15 @@ impl Tally {
         }
     }
 
+    /// Share of the points of all curves together.
+    fn pooled(&self) -> f64 {
+        let all = self.points.iter().flat_map(|by_term| by_term.iter());
+        let sum = all.filter(|(_, one)| one.all > 0).fold((0.0, 0), |sum, (_, one)| {
+            (sum.0 + one.value() * float(one.all), sum.1 + one.all)
+        });
+        sum.0 / float(sum.1)
+    }
+
     /// Shares of points, ends and squareness.
     fn shares(&self) -> [Vec<f64>; 3] {
         let flat = |all: &[PerTerm<Share>; 3]| -> Vec<f64> {
@@ -371,25 +384,36 @@ fn percent(shares: &[f64]) -> String {
     format!("{:.1} … {:.1} %", 100.0 * low, 100.0 * high)
 }
 
-/// Each share against 93 … 97 %, or against 93 % alone where a bound is stated. A part of the runs
-/// scatters more: three standard deviations are allowed to it.
-fn judge(row: &Row, shares: &[Vec<f64>; 3], many: u64) {
+/// Shares against 93 … 97 %; against 93 % alone where a bound is stated, 90 % of shapes that it does not mean.
+/// With angles all curves together, as their errors hang together. A part of the runs scatters more: three
+/// standard deviations are allowed to it.
+fn judge(row: &Row, tally: &Tally, many: u64) {
     let many = many as usize;
     let slack = if is_whole() { 0.0 } else { 3.0 * (0.0454 * 0.9546 / float(many)).sqrt() };
+    let lowest = match row.turning {
+        Some(Shape::FullBow) => return,
+        None | Some(Shape::Meant) => 0.93,
+        Some(_) => 0.90,
+    };
     let is_bound = row.angle_urad.is_some() || row.beam_mrad.is_some();
     let highest = if is_bound { 1.0 } else { 0.97 };
-    for share in shares.iter().flatten() {
-        let strict = 0.93 - slack..=highest + slack;
-        assert!(is_held(*share, many, 0.93..=highest, strict), "{}: {share}", row.name);
+    let [points, ends, squareness] = tally.shares();
+    let curves = if row.turning.is_some() { vec![tally.pooled()] } else { [points, ends].concat() };
+    for share in curves.iter().chain(&squareness) {
+        let strict = lowest - slack..=highest + slack;
+        assert!(is_held(*share, many, lowest..=highest, strict), "{}: {share}", row.name);
     }
+    // Two coefficients of each angle make the errors of all points of a curve: their share scatters more.
+    let is_meant = row.turning == Some(Shape::Meant) && row.beam_mrad.is_none() && is_whole();
+    assert!(!is_meant || tally.pooled() <= 0.97, "{}: {}", row.name, tally.pooled());
 }
 
 #[test]
 fn stated_bounds_hold_the_truth() {
     let many = share(RUNS, 20);
     let (stated, all) = table(ROWS, 0, many);
-    for (row, shares) in ROWS.iter().zip(&all) {
-        judge(row, shares, many);
+    for (row, tally) in ROWS.iter().zip(&all) {
+        judge(row, tally, many);
     }
     if is_whole() {
         let (silent, _) = table(SILENT, 100, many);
@@ -400,16 +424,17 @@ fn stated_bounds_hold_the_truth() {
     }
 }
 
-/// The table of some rows and its shares.
-fn table(rows: &[Row], first: u64, many: u64) -> (String, Vec<[Vec<f64>; 3]>) {
-    let mut table = "| what | curves, all points, by term | far ends | squareness |\n| --- | ---: | ---: | ---: |".to_string();
+/// The table of some rows and what it is made of.
+fn table(rows: &[Row], first: u64, many: u64) -> (String, Vec<Tally>) {
+    let mut table = "| what | curves, all points together | by term | far ends | squareness |\n| --- | ---: | ---: | ---: | ---: |".to_string();
     let mut all = Vec::new();
     for (index, row) in (first..).zip(rows) {
-        let shares = tally(row, index, many).shares();
-        let cells = shares.clone().map(|shares| percent(&shares));
-        write!(table, "\n| {} | {} |", row.name, cells.join(" | ")).unwrap();
-        println!("{}: {}", row.name, cells.join(" | "));
-        all.push(shares);
+        let tally = tally(row, index, many);
+        let pooled = format!("{:.1} %", 100.0 * tally.pooled());
+        let shares = tally.shares().map(|shares| percent(&shares)).join(" | ");
+        write!(table, "\n| {} | {pooled} | {shares} |", row.name).unwrap();
+        println!("{}: {pooled} | {shares}", row.name);
+        all.push(tally);
     }
     (table, all)
 }
@@ -457,13 +482,14 @@ fn u_of_squareness(found: &Separation, plane: Plane) -> f64 {
 #[test]
 fn a_bow_of_the_yaw_shifts_the_squareness_and_u_holds_it() {
     let yaw = Rotation { about: Axis::Z, along: Axis::X };
-    let rigid = quiet(vec![(yaw, shape(10.0, 1.0))], 14);
+    let bow: Angle = Box::new(|share| 5.0 * (2.0 * share - 1.0).powi(2));
+    let rigid = quiet(vec![(yaw, bow)], 14);
     let stated = StatedUncertainty { angle_urad: Some(10.0), noise_um: Some(0.1), ..SMALL_NOISE };
     let found = of_clean(&rigid, None, stated);
     let error = squareness_error(&rigid.truth(), &found, Plane::Xy);
-    assert!((error.abs() - 10.0).abs() < 0.01, "{error}");
+    assert!((error.abs() - 5.0).abs() < 0.01, "{error}");
     let expanded = found.expanded_squareness_um_per_m(Plane::Xy).unwrap();
-    assert!((10.0..20.0).contains(&expanded), "{expanded}");
+    assert!((5.0..10.0).contains(&expanded), "{expanded}");
     for term in ErrorTerm::ALL {
         let evidence = found.errors.mean[term].as_ref().unwrap();
         for (index, wanted) in rigid.truth().curves[term].iter().enumerate() {
@@ -474,26 +500,26 @@ fn a_bow_of_the_yaw_shifts_the_squareness_and_u_holds_it() {
     }
 }
 
-/// The influence of every single value of every angle, one by one through readings and separation.
+/// A straight part and a bow of every angle, one by one through readings and separation.
 #[test]
-fn the_bound_is_the_sum_of_what_single_values_do() {
+fn a_bound_counts_as_its_straight_part_and_its_bow() {
     for (steps, rotation) in [4, 5].into_iter().flat_map(|n| Rotation::all().map(move |r| (n, r))) {
-        let mut sums = PerTerm::from_fn(|_| vec![0.0; steps + 1]);
+        let mut squares = PerTerm::from_fn(|_| vec![0.0; steps + 1]);
         let mut squareness = [0.0; 3];
-        for index in 1..=steps {
-            let n = float(steps);
-            let hat = move |t: f64| (1.0 - (t * n - float(index)).abs()).max(0.0);
-            let rigid = quiet(vec![(rotation, Box::new(hat))], steps);
+        let shapes: [fn(f64) -> f64; 2] = [|t| t, |t| -t * t];
+        for shape in shapes {
+            let angle: Angle = Box::new(move |share| shape(2.0 * share - 1.0));
+            let rigid = quiet(vec![(rotation, angle)], steps);
             let (truth, found) = (rigid.truth(), of_clean(&rigid, None, SMALL_NOISE));
             for term in ErrorTerm::ALL {
                 let curve = &found.errors.mean[term].as_ref().unwrap().deviation_um;
                 let errors = curve.iter().zip(&truth.curves[term]);
-                for (sum, (found, truth)) in sums[term].iter_mut().zip(errors) {
-                    *sum += (found - truth).abs();
+                for (sum, (found, truth)) in squares[term].iter_mut().zip(errors) {
+                    *sum += (found - truth).powi(2);
                 }
             }
             for (plane, sum) in Plane::ALL.into_iter().zip(&mut squareness) {
-                *sum += squareness_error(&truth, &found, plane).abs();
+                *sum += squareness_error(&truth, &found, plane).powi(2);
             }
         }
         let stated = StatedUncertainty { angle_urad: Some(1.0), ..SMALL_NOISE };
@@ -501,19 +527,20 @@ fn the_bound_is_the_sum_of_what_single_values_do() {
         let with = of_clean(&perfect, Some(rotation), stated);
         let without = of_clean(&perfect, None, SMALL_NOISE);
         // The stated lines and what (7) neglects have their part in both.
-        let compare = |what: &str, with: f64, without: f64, sum: f64| {
-            let angle = (with * with - without * without).max(0.0).sqrt() * 3f64.sqrt();
-            assert!((angle - sum).abs() < 1e-3, "{rotation} {what}: {angle} {sum}");
+        let compare = |what: &str, with: f64, without: f64, square: f64| {
+            let angle = (with * with - without * without).max(0.0).sqrt();
+            let expected = (square / 12.0).sqrt();
+            assert!((angle - expected).abs() < 1e-3, "{rotation} {what}: {angle} {expected}");
         };
         for term in ErrorTerm::ALL {
             let [with, without] = [&with, &without].map(|found| u_of(found, term));
-            for ((with, without), sum) in with.into_iter().zip(without).zip(&sums[term]) {
-                compare(&term.to_string(), with, without, *sum);
+            for ((with, without), square) in with.into_iter().zip(without).zip(&squares[term]) {
+                compare(&term.to_string(), with, without, *square);
             }
         }
-        for (plane, sum) in Plane::ALL.into_iter().zip(squareness) {
+        for (plane, square) in Plane::ALL.into_iter().zip(squareness) {
             let [with, without] = [&with, &without].map(|found| u_of_squareness(found, plane));
-            compare(plane.key(), with, without, sum);
+            compare(plane.key(), with, without, square);
         }
     }
 }
