@@ -153,12 +153,7 @@ impl<'a> AngleModel<'a> {
     ) -> Vec<f64> {
         let turning = Turning {
             order: self.chain,
-            // A constant is arbitrary: zero is the middle of the box, where the nine errors hold.
-            rotation: &|axis, position, direction| {
-                let middle = volume.start[axis].mm() + volume.size[axis].mm() / 2.0;
-                let at = |place| self.rotation(axis, place, direction);
-                at(position).minus(at(middle))
-            },
+            rotation: &|axis, position, direction| self.rotation(axis, position, direction),
             origin: self.origin,
             tool: self
                 .levers
