@@ -453,16 +453,16 @@ fn a_stated_bound_of_the_angles_widens_curves_and_squareness() {
     // A yaw that grows evenly by 10 µrad makes a bow of 2.25 µm: U = 2u holds it.
     assert!((2.25 / 2.0..10.0).contains(&u(&with, 15)), "{}", u(&with, 15));
     assert!(u(&with, 30) < 0.01, "the frame sets the end: {}", u(&with, 30));
-    // A bow of the yaw moves the squareness by as much, whatever the totals say.
+    // A bow of the yaw moves the squareness by as much, whatever the totals say; half of the bound is meant.
     let squareness = |page: &Value| number(&page["u_squareness_um_per_m"]["xy"]);
     assert!(squareness(&without) < 1.0);
-    assert!(2.0 * squareness(&with) > 10.0, "{}", squareness(&with));
-    labelled(&with, "included in U: each within 10 µrad of its value at the low end");
+    assert!(2.0 * squareness(&with) > 5.0, "{}", squareness(&with));
+    labelled(&with, "included in U: a straight part and a bow about the middle of the box, each within half of 10");
 }
 
-/// A yaw bowed by 10 µrad with 10 stated: the squareness is off by 10 µm/m, and U says so.
+/// A yaw bowed by 10 µrad with 10 stated, twice what is meant: the squareness is off by 10 µm/m, √12 times its u.
 #[test]
-fn a_bowed_yaw_within_the_stated_bound_is_held() {
+fn a_bow_of_the_whole_bound_is_off_by_no_more_than_its_share() {
     let case = "../../shared/data/repro/yaw_bow";
     if !fixtures(case).is_dir() {
         return skipped("../shared is not here");
@@ -472,7 +472,7 @@ fn a_bowed_yaw_within_the_stated_bound_is_held() {
     for (plane, truth) in [("xy", -24.046), ("xz", 9.801), ("yz", -14.708)] {
         let of = |key: &str| number(&page[key][plane]);
         let error = of("squareness_um_per_m") - truth;
-        assert!(error.abs() < 2.0 * of("u_squareness_um_per_m"), "{plane}: {error}");
+        assert!(error.abs() < 12_f64.sqrt() * of("u_squareness_um_per_m"), "{plane}: {error}");
     }
 }
 

@@ -54,7 +54,7 @@ pub struct StatedUncertainty {
     /// Change of length scale (laser, air, scales) from one set-up to the next, 10⁻⁶.
     pub setup_ppm: Option<f64>,
     /// Bound on each pitch, yaw and roll that was not measured: how far it departs anywhere in the
-    /// box from its value at the low end of its axis, whatever its shape, µrad.
+    /// box from its value in the middle of its axis, µrad.
     pub angle_urad: Option<f64>,
     /// Bound on the angle between the beam and the mirror's normal (straight runs: and the
     /// diagonal), mrad.

@@ -2,7 +2,7 @@
 //!
 //! Four diagonals give four equations for three unknowns in every interval of every axis, so that
 //! one combination w must be zero. A constant on an axis is set-up error or, with a flat mirror,
-//! roll; a straight ramp is the roll of an axis that carries others; the rest is noise of the
+//! roll; a straight ramp is the roll of an axis that carries others, a doubt only beyond what `angle_urad` states; the rest is noise of the
 //! readings or a disturbed reading. w is blind to pitch and yaw and to five of the eight patterns
 //! of set-up error: a clean closure proves nothing.
 //!
@@ -18,16 +18,16 @@
 //! are judged with those readings left out, so that no reading makes a ramp.
 
 use super::campaign::{Campaign, corrected};
-use super::corrections::{recorded, unmeasured};
+use super::corrections::recorded;
 use super::curves::{mean, noise_gain};
 use super::findings::SeparationFinding as Found;
 use super::noise::{
     FALSE_DOUBT, Noise, NoiseSource, Outlier, Repeats, UNRESOLVED_UM, chance_of, float, repeats,
     student, tails,
 };
-use super::patterns::{Patterns, Ramps, by_group};
+use super::patterns::{Known, Patterns, Ramps, by_group};
 use super::readings::{CorrectedRun, Group, Means, PassMeans, RunCounts, means, run_counts};
-use super::uncertainty::Budget;
+use super::uncertainty::{Budget, unmeasured};
 use crate::inputs::job::{Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
@@ -157,34 +157,6 @@ pub(super) fn large_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Optio
     (chance_of(square, freedom, None)? < FALSE_DOUBT).then(|| doubt.into())
 }
 
-/// What is known of the readings before the closure is judged.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Known<'a> {
-    /// Standard deviation of a single reading, where repeats or the job give it.
-    pub(super) noise: Option<Noise>,
-    /// Disturbed readings of single runs: their share in the means is left out of the test.
-    pub(super) outliers: &'a [Outlier],
-    /// The first and last interval are left out (missing overrun).
-    pub(super) skip_ends: bool,
-    /// What one standard uncertainty of each stated angle does to the readings, for each order of the axes.
-    pub(super) angles: &'a [Vec<Means>],
-}
-
-impl Known<'_> {
-    /// All w, with nothing taken out but the constants of the axes and the disturbed readings of single
-    /// runs; `None` where C is singular.
-    pub(super) fn patterns(
-        &self,
-        volume: &Volume,
-        means: &Means,
-        runs: &RunCounts,
-    ) -> Option<Patterns> {
-        let mut patterns = Patterns::new(volume, means, runs, self.skip_ends)?;
-        patterns.leave_out(self.outliers.iter().flat_map(|outlier| &outlier.readings));
-        Some(patterns)
-    }
-}
-
 /// The closure of mean readings.
 pub(super) fn closure(
     volume: &Volume,
@@ -222,7 +194,7 @@ impl Closure {
         patterns.leave_out(found.iter().filter_map(|outlier| outlier.readings.first()));
         self.outliers.extend(found);
         self.ramps = patterns.ramps(volume, known);
-        if self.ramps.as_ref().is_some_and(Ramps::is_roll) {
+        if self.ramps.as_ref().is_some_and(Ramps::is_no_noise) {
             patterns.leave_out_ramps();
         }
         (self.weighted_square, self.freedom) = patterns.scatter();

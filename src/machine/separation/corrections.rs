@@ -1,14 +1,12 @@
 //! What is taken off the readings before they are separated: expansion of the scales and the
 //! effects of angular errors. The raw readings stay as they are.
 
-use super::campaign::Campaign;
 use super::curves::{at, mean};
 use super::findings::SeparationFinding;
-use super::readings::PassMeans;
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{AxisMaterial, Levers, Material, Reflector};
 use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
-use crate::quantity::chain::{Chain, displaced, unit};
+use crate::quantity::chain::{Chain, displaced};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::quantity::units::Deviation;
 use crate::text::problem::{Problem, Problems};
@@ -192,18 +190,28 @@ impl<'a> AngleModel<'a> {
 }
 
 /// Rotations of the axes, µrad by axis, position and direction, and the levers on which they act.
-struct Turning<'a> {
-    order: [Axis; 3],
-    rotation: &'a dyn Fn(Axis, f64, Direction) -> PerAxis<f64>,
+pub(super) struct Turning<'a> {
+    pub(super) order: [Axis; 3],
+    pub(super) rotation: &'a dyn Fn(Axis, f64, Direction) -> PerAxis<f64>,
     /// Where the levers count from, mm.
-    origin: PerAxis<f64>,
-    tool: PerAxis<f64>,
-    reflector: Reflector,
+    pub(super) origin: PerAxis<f64>,
+    pub(super) tool: PerAxis<f64>,
+    pub(super) reflector: Reflector,
 }
 
 impl Turning<'_> {
+    /// Error (µm) and rotation (µrad) of the tool point at a place on the way in these directions.
+    pub(super) fn at(
+        &self,
+        place: PerAxis<f64>,
+        direction: impl Fn(Axis) -> Direction,
+    ) -> [PerAxis<f64>; 2] {
+        let turned = |axis| (self.rotation)(axis, place[axis], direction(axis));
+        displaced(self.order, turned, place.minus(self.origin), self.tool)
+    }
+
     /// What it adds to the readings of a pass along a diagonal, µm, by node.
-    fn effect_um(
+    pub(super) fn effect_um(
         &self,
         volume: &Volume,
         kind: PathKind,
@@ -214,9 +222,7 @@ impl Turning<'_> {
         let states = (0..=volume.last_node(kind)).map(|node| {
             let place = volume.place(diagonal, kind, node);
             let place = PerAxis::from_fn(|axis| place[axis].mm());
-            let turned = |axis| (self.rotation)(axis, place[axis], diagonal.travelled(axis, pass));
-            let [error, rotation] =
-                displaced(self.order, turned, place.minus(self.origin), self.tool);
+            let [error, rotation] = self.at(place, |axis| diagonal.travelled(axis, pass));
             (place, error, rotation)
         });
         let mut start = None;
@@ -233,42 +239,6 @@ impl Turning<'_> {
         };
         states.map(effect).collect()
     }
-}
-
-/// What unmeasured angles do to the readings, for each order of the axes that may be: one standard
-/// uncertainty for a bound of 1 µrad, by node, the same on the way back.
-///
-/// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2
-/// limits   the figures are those of the lines through the middle of the box, where α is 0: a constant angle
-///          is squareness. Levers count from there, the tool has none.
-pub(super) fn unmeasured(campaign: &Campaign<'_>) -> Vec<Vec<PassMeans>> {
-    let evidence = campaign.angle_evidence();
-    let measurement = campaign.measurement;
-    let volume = &measurement.volume;
-    let half = |axis: Axis| volume.size[axis].mm() / 2.0;
-    let middle = PerAxis::from_fn(|axis| volume.start[axis].mm() + half(axis));
-    let u = 0.5 / 3_f64.sqrt();
-    let shapes: [fn(f64) -> f64; 2] = [|t| t, |t| -t * t];
-    let column = |order: [Axis; 3], rotation: &Rotation, shape: fn(f64) -> f64| {
-        let turning = Turning {
-            order,
-            rotation: &|axis, position, _| {
-                let urad = u * shape((position - middle[axis]) / half(axis));
-                let size = if axis == rotation.along { urad } else { 0.0 };
-                unit(rotation.about).times(size)
-            },
-            origin: middle,
-            tool: PerAxis::default(),
-            reflector: measurement.target,
-        };
-        PerDiagonal::from_fn(|d| turning.effect_um(volume, measurement.kind, d, Pass::Forward))
-    };
-    let of_order = |order: &[Axis; 3]| {
-        let pairs = evidence.missing.iter().flat_map(|r| shapes.map(|shape| (r, shape)));
-        pairs.map(|(rotation, shape)| column(*order, rotation, shape)).collect()
-    };
-    let orders = evidence.order.as_ref();
-    orders.map_or(&Axis::ORDERS[..], std::slice::from_ref).iter().map(of_order).collect()
 }
 
 /// Effects of the measured angles on both passes along every diagonal, and what is known of the

@@ -25,10 +25,10 @@
 //! (docs/accuracy.md §8, tests/studies/exchanged.rs).
 
 use super::campaign::{Campaign, corrected};
-use super::closure::{Closure, Known, Start, closure};
+use super::closure::{Closure, Start, closure};
 use super::findings::SeparationFinding;
 use super::noise::{DIGIT_UM, Noise, NoiseSource, Outlier, UNRESOLVED_UM, float};
-use super::patterns::Patterns;
+use super::patterns::{Known, Patterns};
 use super::readings::{Means, RunCounts, means, run_counts};
 use super::reversal::separable;
 use crate::inputs::job::SetUp;

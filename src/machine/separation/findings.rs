@@ -75,7 +75,7 @@ findings! {
         SimulatedHold => Label, "simulated intervals hold the noise of the readings and of the linear axes, not these";
         AnglesMissing { names: String, urad: Option<f64>, chain_is_stated: bool } => Label, "angular errors without a measurement, counted as zero: {names}; no reading shows pitch and yaw, and the figures are meant for the lines through the middle of the box; {}", match urad {
             None => "not included in U: state `angle_urad` in [measurement.uncertainty]".to_string(),
-            Some(urad) => format!("included in U: each within {urad} µrad of its value at the low end of the box, whatever its shape (angle_urad){}", if *chain_is_stated { "" } else { ", for the worst order of the axes (`machine.chain` is not stated)" }),
+            Some(urad) => format!("included in U: a straight part and a bow about the middle of the box, each within half of {urad} µrad (angle_urad){}", if *chain_is_stated { "" } else { ", for the worst order of the axes (`machine.chain` is not stated)" }),
         };
         OffsetsAssumed { places: String, far_um: f64 } => Label, "offsets_mm is not stated: the levers of the measured angles count from the reference ({places}), as in `assess`; each 100 mm of lever that is really there falsifies deviations by up to {far_um:.3} µm";
         ToolAssumed { far_um: f64 } => Label, "tool_offset_mm is not stated: the mirror is taken to sit at the point that the axes carry; each 100 mm between them falsifies deviations by up to {far_um:.3} µm";

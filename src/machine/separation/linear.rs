@@ -9,9 +9,7 @@
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
 use super::campaign::MeasuredLine;
-use super::noise::{Noise, effective_freedom};
 use super::readings::Means;
-use super::uncertainty::SlopeUncertainty;
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Squared;
 use std::ops::Range;
@@ -132,15 +130,6 @@ pub(super) struct Variance {
     pub(super) by_urad: f64,
     /// By a beam 1 mrad beside the mirror's normal.
     pub(super) by_mrad: f64,
-}
-
-impl Variance {
-    /// As standard uncertainty with its degrees of freedom.
-    pub(super) fn as_slope(self, noise: Noise) -> SlopeUncertainty {
-        let u_um_per_m = self.all.sqrt();
-        let freedom = effective_freedom(u_um_per_m, self.noise.sqrt(), noise);
-        SlopeUncertainty { u_um_per_m, freedom }
-    }
 }
 
 impl Model {

@@ -236,10 +236,15 @@ impl Equations {
             one.row.add(1.0, &Row::of(entry));
             of_diagonals += if place < 4 { one.own } else { 0.0 };
         }
-        let covariances: Vec<Vec<f64>> = all
-            .iter()
-            .map(|a| all.iter().map(|b| model.covariance(&a.row, &b.row).0).collect())
-            .collect();
+        // A line that is only weighed shares nothing: it would carry its weight where it has no part.
+        let covariance = |i: usize, j: usize| match [i, j].iter().all(|k| *k < 4 || all[*k].known) {
+            true => model.covariance(&all[i].row, &all[j].row).0,
+            false if i == j => all[i].own,
+            false => 0.0,
+        };
+        let many = all.len();
+        let of = |i: usize| (0..many).map(|j| covariance(i, j)).collect();
+        let covariances: Vec<Vec<f64>> = (0..many).map(of).collect();
         for (place, (one, mut shared)) in all.iter_mut().zip(covariances).enumerate() {
             shared[place] -= one.own;
             one.shared = shared;

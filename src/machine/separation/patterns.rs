@@ -4,16 +4,43 @@
 //! P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step.
 
 use super::banded::{Banded, Factor};
-use super::closure::Known;
 use super::curves::{closure_sign, closures};
 use super::noise::{
-    FALSE_DOUBT, MOST_OUTLIERS, Outlier, ReadingPlace, UNRESOLVED_UM, chance_of, float, stands_out,
+    DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, Noise, Outlier, ReadingPlace, UNRESOLVED_UM, chance_of, float, stands_out,
 };
 use super::readings::{Group, Means, RunCounts};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 use nalgebra::{Matrix3, Vector3};
+
+/// What is known of the readings before the closure is judged.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Known<'a> {
+    /// Standard deviation of a single reading, where repeats or the job give it.
+    pub(super) noise: Option<Noise>,
+    /// Disturbed readings of single runs: their share in the means is left out of the test.
+    pub(super) outliers: &'a [Outlier],
+    /// The first and last interval are left out (missing overrun).
+    pub(super) skip_ends: bool,
+    /// What one standard uncertainty of each stated angle does to the readings, for each order of the axes.
+    pub(super) angles: &'a [Vec<Means>],
+}
+
+impl Known<'_> {
+    /// All w, with nothing taken out but the constants of the axes and the disturbed readings of single
+    /// runs; `None` where C is singular.
+    pub(super) fn patterns(
+        &self,
+        volume: &Volume,
+        means: &Means,
+        runs: &RunCounts,
+    ) -> Option<Patterns> {
+        let mut patterns = Patterns::new(volume, means, runs, self.skip_ends)?;
+        patterns.leave_out(self.outliers.iter().flat_map(|outlier| &outlier.readings));
+        Some(patterns)
+    }
+}
 
 /// One w.
 #[derive(Clone, Copy)]
@@ -51,14 +78,21 @@ pub struct Ramps {
     /// Their standard deviations for readings of 1 µm.
     pub u: PerAxis<f64>,
     /// Probability of ramps at least as large by noise alone.
+    by_noise: f64,
+    /// The same by noise and the stated angles.
     pub probability: f64,
 }
 
 impl Ramps {
-    /// Whether they speak of the roll of an axis that carries others.
+    /// Whether they speak of the roll of an axis that carries others, beyond what is stated of it.
     pub fn is_roll(&self) -> bool {
+        self.is_no_noise() && self.probability < FALSE_DOUBT
+    }
+
+    /// Whether they are no noise of the readings, so that they do not belong in its test.
+    pub(super) fn is_no_noise(&self) -> bool {
         let sizes = self.change_um.iter().map(|(_, um)| um.abs());
-        self.probability < FALSE_DOUBT && sizes.fold(0.0, f64::max) > UNRESOLVED_UM
+        self.by_noise < FALSE_DOUBT && sizes.fold(0.0, f64::max) > UNRESOLVED_UM
     }
 }
 
@@ -161,7 +195,7 @@ impl Patterns {
         let rest = freedom.checked_sub(3).filter(|rest| *rest > 0)?;
         let drop = (normal * shares).dot(&shares);
         let (variance, freedom) = match known.noise {
-            Some(noise) => (noise.sigma_um.squared(), noise.freedom),
+            Some(noise) => (noise.sigma_um.max(DIGIT_UM).squared(), noise.freedom),
             None => ((square - drop).max(0.0) / float(rest), Some(rest)),
         };
         let chance = |angles: &[Means]| {
@@ -172,11 +206,13 @@ impl Patterns {
                 spread.cholesky().map_or(f64::INFINITY, |of| of.solve(&shares).dot(&shares));
             chance_of(ratio, 3, freedom)
         };
+        let by_noise = chance(&[])?;
         let of_orders = known.angles.iter().filter_map(|angles| chance(angles));
         Some(Ramps {
             change_um: PerAxis { x: shares.x, y: shares.y, z: shares.z },
             u: PerAxis { x: inverse.m11.sqrt(), y: inverse.m22.sqrt(), z: inverse.m33.sqrt() },
-            probability: of_orders.fold(chance(&[])?, f64::max),
+            by_noise,
+            probability: of_orders.fold(by_noise, f64::max),
         })
     }
 

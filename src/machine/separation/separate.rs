@@ -2,7 +2,8 @@
 
 use super::agreement::Agreement;
 use super::campaign::Campaign;
-use super::closure::{Closure, Known, Start, closure, large_noise};
+use super::closure::{Closure, Start, closure, large_noise};
+use super::patterns::Known;
 use super::curves::Curve;
 use super::exchange::{AsRead, names};
 use super::labels;

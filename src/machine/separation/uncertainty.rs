@@ -10,13 +10,14 @@
 //! The beam counts here and there: it may lean alike in all set-ups, or in some of them only.
 
 use super::campaign::Campaign;
-use super::corrections::{REFERENCE_C, unmeasured};
-use super::linear::{Layout, Model};
+use super::corrections::{REFERENCE_C, Turning};
+use super::linear::{Layout, Model, Variance};
 use super::metric::PerPlane;
-use super::noise::{Noise, coverage_factor};
+use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::readings::PassMeans;
 use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::axis::{Axis, PerAxis, Rotation};
+use crate::quantity::chain::unit;
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 
@@ -36,6 +37,15 @@ impl SlopeUncertainty {
     /// U, µm/m: with the coverage factor of its degrees of freedom.
     pub(crate) fn expanded_um_per_m(&self) -> f64 {
         coverage_factor(self.freedom) * self.u_um_per_m
+    }
+}
+
+impl Variance {
+    /// As standard uncertainty with its degrees of freedom.
+    pub(super) fn as_slope(self, noise: Noise) -> SlopeUncertainty {
+        let u_um_per_m = self.all.sqrt();
+        let freedom = effective_freedom(u_um_per_m, self.noise.sqrt(), noise);
+        SlopeUncertainty { u_um_per_m, freedom }
     }
 }
 
@@ -149,6 +159,42 @@ impl Budget<'_> {
         let own = self.stated.setup_ppm.unwrap_or(0.0).hypot(self.stated.beam_ppm());
         common.fold(own, |all, strain| all.hypot(strain[axis]))
     }
+}
+
+/// What unmeasured angles do to the readings, for each order of the axes that may be: one standard
+/// uncertainty for a bound of 1 µrad, by node, the same on the way back.
+///
+/// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2
+/// limits   the figures are those of the lines through the middle of the box, where α is 0: a constant angle
+///          is squareness. Levers count from there, the tool has none.
+pub(super) fn unmeasured(campaign: &Campaign<'_>) -> Vec<Vec<PassMeans>> {
+    let evidence = campaign.angle_evidence();
+    let measurement = campaign.measurement;
+    let volume = &measurement.volume;
+    let half = |axis: Axis| volume.size[axis].mm() / 2.0;
+    let middle = PerAxis::from_fn(|axis| volume.start[axis].mm() + half(axis));
+    let u = 0.5 / 3_f64.sqrt();
+    let shapes: [fn(f64) -> f64; 2] = [|t| t, |t| -t * t];
+    let column = |order: [Axis; 3], rotation: &Rotation, shape: fn(f64) -> f64| {
+        let turning = Turning {
+            order,
+            rotation: &|axis, position, _| {
+                let urad = u * shape((position - middle[axis]) / half(axis));
+                let size = if axis == rotation.along { urad } else { 0.0 };
+                unit(rotation.about).times(size)
+            },
+            origin: middle,
+            tool: PerAxis::default(),
+            reflector: measurement.target,
+        };
+        PerDiagonal::from_fn(|d| turning.effect_um(volume, measurement.kind, d, Pass::Forward))
+    };
+    let of_order = |order: &[Axis; 3]| {
+        let pairs = evidence.missing.iter().flat_map(|r| shapes.map(|shape| (r, shape)));
+        pairs.map(|(rotation, shape)| column(*order, rotation, shape)).collect()
+    };
+    let orders = evidence.order.as_ref();
+    orders.map_or(&Axis::ORDERS[..], std::slice::from_ref).iter().map(of_order).collect()
 }
 
 /// Two unit vectors at right angles to a direction and to each other.
