@@ -12,7 +12,7 @@ use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::noise::{Noise, NoiseSource};
 use nonius::machine::separation::readings::run_counts;
 use nonius::machine::separation::uncertainty::Budget;
-use nonius::machine::separation::{Campaign, MeasuredLine, curves_of, separate};
+use nonius::machine::separation::{Campaign, MeasuredLine, separate};
 use nonius::quantity::axis::PerAxis;
 use nonius::quantity::diagonal::Run;
 use nonius::quantity::units::Deviation;
@@ -86,9 +86,6 @@ fn separation(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("separation");
     group.bench_function("separate, one forward run", |bencher| {
         bencher.iter(|| separate(black_box(&campaign), black_box(&runs)))
-    });
-    group.bench_function("curves_of", |bencher| {
-        bencher.iter(|| curves_of(black_box(&campaign), &budget, black_box(&whole.means)))
     });
     group.sample_size(10);
     group.throughput(Throughput::Elements(TRIALS));

@@ -48,6 +48,7 @@ pub mod reversal;
 mod separate;
 pub mod slopes;
 pub mod solved;
+mod steps;
 pub mod straight;
 pub mod table;
 pub mod uncertainty;

@@ -1,11 +1,8 @@
-//! Formulas (1), (2) and (3): increments → nine curves and their closure; and the reference lines of
+//! Formula (2): increments → their closure; and the reference lines of
 //! ISO 230-1 that their slopes and straightness refer to.
 
-use super::linear::{Layout, Row};
-use super::readings::Group;
-use super::uncertainty::Budget;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
 use crate::quantity::units::Millimetres;
 
 /// Values of one curve at the n + 1 interval ends of its moving axis, lowest first; µm, the
@@ -15,82 +12,6 @@ pub type Curve = Vec<f64>;
 /// R/(2 V_j): noise of a separated increment by the noise of a measured one (docs/method.md §7).
 pub(super) fn noise_gain(volume: &Volume, of: Axis) -> f64 {
     1.0 / (2.0 * volume.cosine(of))
-}
-
-/// Formula (1) as rows over what was measured. The slopes hold the tilt of the mirror.
-pub(super) struct Steps<'a> {
-    volume: &'a Volume,
-    layout: Layout,
-    /// Whether the axes turned without overrun: of the last cell the forward increments stand for both passes.
-    turned: bool,
-}
-
-impl<'a> Steps<'a> {
-    pub(super) fn new(budget: &Budget<'a>, layout: Layout) -> Steps<'a> {
-        Steps { volume: budget.volume, layout, turned: budget.turned }
-    }
-
-    fn groups(&self) -> &'static [Group] {
-        Group::all(self.layout.passes == 2)
-    }
-
-    /// m: the reading at the end of a step less that at its beginning.
-    fn increment(&self, group: Group, d: Diagonal, axis: Axis, interval: usize) -> Row {
-        let step = self.volume.interval(d, axis, interval);
-        let is_turn = self.turned && step + 1 == self.volume.steps;
-        let pass = if is_turn { Pass::Forward } else { group.pass(d, axis) };
-        let node = self.volume.node_after(axis, step);
-        let at = |node| self.layout.reading(pass, d, node);
-        Row(vec![(at(node), 1.0), (at(node - 1), -1.0)])
-    }
-
-    /// δ of each interval of a term for one group of readings.
-    pub(super) fn of(&self, term: ErrorTerm, group: Group) -> Vec<Row> {
-        let gain = noise_gain(self.volume, term.of) / 2.0;
-        let interval = |interval: usize| {
-            let of = |d: Diagonal| {
-                let sign = gain * d.sign(term.along) * d.sign(term.of);
-                (sign, self.increment(group, d, term.along, interval))
-            };
-            let parts = Diagonal::ALL.map(of);
-            Row::sum(parts.iter().map(|(sign, row)| (*sign, row)))
-        };
-        (0..self.volume.steps).map(interval).collect()
-    }
-
-    /// The same, mean of the groups.
-    pub(super) fn mean(&self, term: ErrorTerm) -> Vec<Row> {
-        let groups = self.groups();
-        let share = 1.0 / groups.len() as f64;
-        let all: Vec<Vec<Row>> = groups.iter().map(|group| self.of(term, *group)).collect();
-        let at = |interval: usize| Row::sum(all.iter().map(|steps| (share, &steps[interval])));
-        (0..self.volume.steps).map(at).collect()
-    }
-
-    /// Sum of the increments of a (diagonal, axis) pair, mean of the groups.
-    fn sum(&self, d: Diagonal, axis: Axis) -> Row {
-        let groups = self.groups();
-        let share = 1.0 / groups.len() as f64;
-        let mut sum = Row::default();
-        for group in groups {
-            for interval in 0..self.volume.steps {
-                sum.add(share, &self.increment(*group, d, axis, interval));
-            }
-        }
-        sum
-    }
-
-    /// Mean of the increments of each (diagonal, axis) pair, µm.
-    pub(super) fn mean_increments(&self, z: &[f64]) -> PerDiagonal<PerAxis<f64>> {
-        let n = self.volume.steps_f64();
-        PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| self.sum(d, axis).dot(z) / n))
-    }
-
-    /// E_d: the total of a diagonal.
-    pub(super) fn total(&self, d: Diagonal) -> Row {
-        let sums = Axis::ALL.map(|axis| self.sum(d, axis));
-        Row::sum(sums.iter().map(|sum| (1.0, sum)))
-    }
 }
 
 /// w of formula (2): by axis, one value for each machine interval; µm.

@@ -8,7 +8,6 @@
 //! ```
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
-use super::campaign::MeasuredLine;
 use super::readings::Means;
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Squared;
@@ -53,11 +52,11 @@ impl Layout {
     }
 
     /// z of these readings and lines; what is neglected is 0.
-    pub(super) fn measured(self, means: &Means, lines: &[MeasuredLine]) -> Vec<f64> {
+    pub(super) fn measured(self, means: &Means, slopes_um_per_m: &[f64]) -> Vec<f64> {
         let passes = Pass::BOTH.into_iter().take(self.passes);
         let readings = passes.flat_map(|pass| Diagonal::ALL.map(|d| &means.of(pass)[d]));
         let mut z: Vec<f64> = readings.flatten().copied().collect();
-        z.extend(lines.iter().map(|line| line.slope_um_per_m));
+        z.extend(slopes_um_per_m);
         z.resize(self.len(), 0.0);
         z
     }

@@ -6,7 +6,8 @@
 use super::banded::{Banded, Factor};
 use super::curves::{closure_sign, closures};
 use super::noise::{
-    DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, Noise, Outlier, ReadingPlace, UNRESOLVED_UM, chance_of, float, stands_out,
+    DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, Noise, Outlier, ReadingPlace, UNRESOLVED_UM, chance_of,
+    float, stands_out,
 };
 use super::readings::{Group, Means, RunCounts};
 use crate::quantity::axis::{Axis, PerAxis};

@@ -3,13 +3,13 @@
 use super::agreement::Agreement;
 use super::campaign::Campaign;
 use super::closure::{Closure, Start, closure, large_noise};
-use super::patterns::Known;
 use super::curves::Curve;
 use super::exchange::{AsRead, names};
 use super::labels;
 use super::linear_reversal::{LinearReversals, contradictions, hidden_reversal_um};
 use super::metric::{Metric, PerPlane, Plane};
 use super::noise::Noise;
+use super::patterns::Known;
 use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
 use super::reversal::{Turn, ran_over, separable, turn};
 use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness};

@@ -1,4 +1,4 @@
-//! What the slopes of the nine curves are made of, and how they change with the readings.
+//! What the slopes of the nine curves are made of.
 //!
 //! ```text
 //!   slope(term) = share · figure + a · (separated slope) + b · (separated slope of the twin)

@@ -2,7 +2,7 @@
 
 use super::agreement::Agreement;
 use super::campaign::{Campaign, MeasuredLine};
-use super::curves::{Curve, ReferenceLine, Steps};
+use super::curves::{Curve, ReferenceLine};
 use super::linear::{CurveRows, Model, Row, Variance};
 use super::linear_reversal::{LinearReversal, LinearReversals};
 use super::metric::{Equations, Metric, PerPlane, Plane, displacement_ratios, stepped};
@@ -11,6 +11,7 @@ use super::plane::{UNKNOWNS, Unknown};
 use super::readings::{Group, Means};
 use super::reversal::Turn;
 use super::slopes::{Rule, Totals, totals};
+use super::steps::Steps;
 use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
@@ -54,8 +55,9 @@ impl<'a> Solved<'a> {
         let (setup, frame) = (campaign.measurement.setup, campaign.measurement.frame);
         let volume = budget.volume;
         let mut model = budget.model(campaign);
-        let z = model.layout.measured(means, &campaign.lines);
-        let steps = Steps::new(budget, model.layout);
+        let slopes: Vec<f64> = campaign.lines.iter().map(|l| l.slope_um_per_m).collect();
+        let z = model.layout.measured(means, &slopes);
+        let steps = Steps::new(volume, model.layout, budget.turned);
         let mean_steps = PerTerm::from_fn(|term| steps.mean(term));
         let ratios = displacement_ratios(volume, &steps.mean_increments(&z));
         let metres = volume.diagonal_mm() / 1000.0;

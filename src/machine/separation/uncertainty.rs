@@ -9,14 +9,14 @@
 //! ```
 //! The beam counts here and there: it may lean alike in all set-ups, or in some of them only.
 
-use super::campaign::Campaign;
+use super::campaign::{Campaign, MeasuredLine};
 use super::corrections::{REFERENCE_C, Turning};
 use super::linear::{Layout, Model, Variance};
 use super::metric::PerPlane;
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::readings::PassMeans;
 use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
-use crate::quantity::axis::{Axis, PerAxis, Rotation};
+use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
 use crate::quantity::chain::unit;
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
@@ -120,8 +120,12 @@ impl Budget<'_> {
         model.setups = model.tilts.end..columns.len();
         for order in unmeasured(campaign) {
             let first = columns.len();
-            let of = |by_node: PassMeans| model.layout.column(|_, d, node| by_node[d][node]);
-            columns.extend(order.into_iter().map(of));
+            columns.extend(order.into_iter().map(|of: OfAngle| {
+                let mut column = model.layout.column(|_, d, node| of.readings[d][node]);
+                let first = model.layout.line(0);
+                column[first..first + of.lines.len()].copy_from_slice(&of.lines);
+                column
+            }));
             model.angles.push(first..columns.len());
         }
         model.columns = columns;
@@ -161,13 +165,20 @@ impl Budget<'_> {
     }
 }
 
-/// What unmeasured angles do to the readings, for each order of the axes that may be: one standard
-/// uncertainty for a bound of 1 µrad, by node, the same on the way back.
+/// What an angle does to the readings by node, µm, the same on the way back, and to linear axes and beams, µm/m.
+pub(super) struct OfAngle {
+    pub(super) readings: PassMeans,
+    lines: Vec<f64>,
+}
+
+/// What unmeasured angles do, for each order of the axes that may be: one standard uncertainty for a bound of 1 µrad.
 ///
 /// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2
 /// limits   the figures are those of the lines through the middle of the box, where α is 0: a constant angle
-///          is squareness. Levers count from there, the tool has none.
-pub(super) fn unmeasured(campaign: &Campaign<'_>) -> Vec<Vec<PassMeans>> {
+///          is squareness. Levers count from there, the tool has none; linear axes are taken as measured there,
+///          beams without ends as going through. A straight part or a bow above half of the bound is not held,
+///          nor an angle that differs between the directions.
+pub(super) fn unmeasured(campaign: &Campaign<'_>) -> Vec<Vec<OfAngle>> {
     let evidence = campaign.angle_evidence();
     let measurement = campaign.measurement;
     let volume = &measurement.volume;
@@ -187,7 +198,18 @@ pub(super) fn unmeasured(campaign: &Campaign<'_>) -> Vec<Vec<PassMeans>> {
             tool: PerAxis::default(),
             reflector: measurement.target,
         };
-        PerDiagonal::from_fn(|d| turning.effect_um(volume, measurement.kind, d, Pass::Forward))
+        let line = |line: &MeasuredLine| {
+            let Some(ends) = line.ends else { return 0.0 };
+            let [from, to] = ends.map(|end| PerAxis::from_fn(|axis| end[axis].mm()));
+            let error = |place| turning.at(place, |_| Direction::Plus)[0];
+            let rise = line.direction.dot(error(to).minus(error(from)));
+            1000.0 * rise / to.minus(from).length()
+        };
+        let walk = |d| turning.effect_um(volume, measurement.kind, d, Pass::Forward);
+        OfAngle {
+            readings: PerDiagonal::from_fn(walk),
+            lines: campaign.lines.iter().map(line).collect(),
+        }
     };
     let of_order = |order: &[Axis; 3]| {
         let pairs = evidence.missing.iter().flat_map(|r| shapes.map(|shape| (r, shape)));
