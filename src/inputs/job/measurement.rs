@@ -53,8 +53,8 @@ pub struct StatedUncertainty {
     pub alpha_per_k: Option<f64>,
     /// Change of length scale (laser, air, scales) from one set-up to the next, 10⁻⁶.
     pub setup_ppm: Option<f64>,
-    /// Bound on each pitch, yaw and roll that was not measured: how far it departs anywhere in the
-    /// box from its value in the middle of its axis, µrad.
+    /// Of each pitch, yaw and roll that was not measured: a straight part and a bow about its value in the middle
+    /// of the box, each within half of this, µrad.
     pub angle_urad: Option<f64>,
     /// Bound on the angle between the beam and the mirror's normal (straight runs: and the
     /// diagonal), mrad.

@@ -6,6 +6,7 @@
 //!   cov(z) = diag(σ²/runs, u² of the lines, neglected²) + Σ c cᵀ     c: column, what one u of a cause does to z
 //!   u²     = row · cov(z) · rowᵀ
 //! ```
+//! Rows are of first order: of the tilt of the mirror times noise nothing is kept.
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
 use super::readings::Means;

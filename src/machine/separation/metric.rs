@@ -14,7 +14,8 @@
 //! Generalised least squares with V, the covariance of the equations:
 //!
 //! ```text
-//!   y = M θ + v      cov(v) = V       θ = three scales, three squareness errors
+//!   y = M θ + v      cov(v) = V       θ = three scales, three squareness errors; V without unmeasured angles, which
+//!                                     weigh nothing and count in u² alone
 //!   θ̂ = B (BᵀMᵀV⁻¹MB)⁻¹ BᵀMᵀV⁻¹ y     B: orthonormal, the combinations that nominal directions determine
 //! ```
 //! Source: derived and confirmed by simulation in the project's reference on the step-diagonal

@@ -58,7 +58,7 @@ pub struct Turn {
     /// Whether a term's reversal stands between its two curves: positioning errors, and cross
     /// terms whose reversal stands out of its noise.
     pub in_curves: PerTerm<bool>,
-    /// The jumps' shares in it.
+    /// The jumps' shares in B of each term at the low end of its axis.
     low: PerTerm<PerDiagonal<f64>>,
     /// The jumps' shares in B of each positioning error at the high end.
     high: PerAxis<PerDiagonal<f64>>,

@@ -5,7 +5,8 @@
 //!   noise        independent readings: σ²/r of a mean of r runs
 //!   laser, temperature, expansion, beam    one false scale of X, Y, Z common to all set-ups: Σ_k strain_k u_dk (P_k(q) − P_k(0))
 //!   set-up, beam                           a false scale of each set-up for itself
-//!   tilt         of a mirror that is assumed perfect: η·(P(q) − P(0)) in both directions across each diagonal
+//!   angles       a t and −b t² of each angle without a measurement, for each order of the axes that may be
+//!   tilt         of a mirror, where the set-up is assumed perfect: η·(P(q) − P(0)) in both directions across each diagonal
 //! ```
 //! The beam counts here and there: it may lean alike in all set-ups, or in some of them only.
 
