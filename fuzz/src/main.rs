@@ -24,6 +24,7 @@ mod queue;
 mod random;
 mod readers;
 #[path = "../../tests/support/refusals.rs"]
+#[allow(dead_code, reason = "the tests use the rest")]
 mod refusals;
 mod supervisor;
 mod targets;

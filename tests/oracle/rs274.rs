@@ -63,8 +63,10 @@ impl Bench {
         self.0.put("theirs.ngc", between_percents(program, inch)).put("theirs.var", parameters());
         let _ = fs::remove_file(self.0.at("out.txt"));
         let arguments = ["-g", "-v", "theirs.var", "-t", "tool.tbl", "theirs.ngc", "out.txt"];
-        let output = Command::new("rs274").args(arguments).current_dir(self.0.folder()).output();
-        let output = output.expect("the program starts");
+        let mut rs274 = Command::new("rs274");
+        // Its tools lie in the home directory, where a LinuxCNC that runs beside has its own.
+        rs274.args(arguments).current_dir(self.0.folder()).env("HOME", self.0.folder());
+        let output = rs274.output().expect("the program starts");
         let calls = fs::read_to_string(self.0.at("out.txt")).unwrap_or_default();
         if output.status.success() && calls.contains("PROGRAM_END") {
             return Ok(walked(&calls));
