@@ -198,7 +198,8 @@ fn the_interpreter_of_linuxcnc_takes_the_programs() {
     assert_eq!(programs.len(), 4);
     for name in programs {
         let mut command = Command::new("rs274");
-        let Ok(run) = command.arg("-g").arg(name).current_dir(visit.folder()).output() else {
+        command.arg("-g").arg(name).env("HOME", visit.folder()).current_dir(visit.folder());
+        let Ok(run) = command.output() else {
             println!("rs274 is not installed: the programs were not interpreted");
             return;
         };
