@@ -2,8 +2,9 @@
 //! the travel, and uncertainties that are not known.
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, close, curve, index, mm, runs, solved, volume, with_noise, words,
+    Machine, close, curve, index, mm, runs, solved, volume, with_noise,
 };
+use crate::support::words;
 use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
 use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};

@@ -1,6 +1,6 @@
 //! `nonius assess`: machine H to the digits, the tables of paper 000, before and after.
 
-use crate::support::visit::{Visit, fixture, number};
+use crate::support::visit::{LAST_DIGIT, Visit, fixture, near, number};
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
 use nonius::machine::model::ErrorModel;
@@ -16,14 +16,6 @@ use serde_json::Value;
 pub(crate) fn document(visit: &Visit, command: &str) -> Value {
     visit.run(&format!("{command} --format json")).ends(0).json()
 }
-
-#[track_caller]
-fn near(what: &str, got: f64, want: f64, room: f64) {
-    assert!((got - want).abs() <= room, "{what}: {got}, expected {want}");
-}
-
-/// The last digit that the document holds.
-const LAST_DIGIT: f64 = 1.001e-6;
 
 #[test]
 fn machine_h_has_the_figures_of_its_authority() {

@@ -1,9 +1,10 @@
 //! What the readings say against a result reaches every output: `separate`, its table, the kit
 //! made from the readings, and the kit made from the table.
 use crate::support::diagonals::{
-    Machine, campaign, measurement, naive, normal, runs, solved, volume, with_noise, words,
+    Machine, campaign, measurement, naive, normal, runs, solved, volume, with_noise,
 };
 use crate::support::visit::{Ran, Visit, number};
+use crate::support::words;
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::machine::separation::noise::{NoiseSource, Outlier, ReadingPlace};
 use nonius::machine::separation::separate;

@@ -1,16 +1,8 @@
 //! What `assess` and `path` say of a machine with tables, against the forecast of `generate`,
 //! which finds it in another way; and where errors and levers count from.
 
-use crate::support::visit::{Visit, number, replaced};
+use crate::support::visit::{LAST_DIGIT, Visit, near, number, replaced};
 use serde_json::Value;
-
-#[track_caller]
-fn near(what: &str, got: f64, want: f64, room: f64) {
-    assert!((got - want).abs() <= room, "{what}: {got}, expected {want}");
-}
-
-/// The last digit that the documents hold, µm.
-const LAST_DIGIT: f64 = 1.001e-6;
 
 /// A machine of three axes of 0 … 900 mm with an error table; `measurement` = further lines of its job.
 fn visit(measurement: &str, compensation: &str, errors: &str) -> Visit {

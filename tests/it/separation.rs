@@ -1,5 +1,6 @@
 //! The separation against the golden cases of the project's reference (fixtures/diagonals): an
 //! independent numerical simulation made the readings and the expected figures.
+use crate::support::diagonals::curve;
 use crate::support::visit::{fixture, number};
 use nonius::inputs::job::{Job, Linear, LinearSlope, MeasuredData};
 use nonius::inputs::readings::Readings;
@@ -45,10 +46,6 @@ fn separated(case: &str) -> (Separation, Value) {
 fn close(found: f64, wanted: &Value, tolerance: f64, what: &str) {
     let off = (found - number(wanted)).abs();
     assert!(off <= tolerance, "{what}: {found}, expected {wanted} within {tolerance}");
-}
-
-fn curve(separation: &Separation, term: ErrorTerm) -> &[f64] {
-    &separation.errors.mean[term].as_ref().unwrap().deviation_um
 }
 
 fn all_curves_are_close(separation: &Separation, expected: &Value, tolerance: f64) {

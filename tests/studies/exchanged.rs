@@ -5,11 +5,11 @@
 //! --test studies exchanged`; with `NONIUS_UPDATE=1` as well it writes the table of docs/accuracy.md.
 use crate::support::diagonals::{
     Machine, Readings, float, noisy_lines, noisy_runs, normal, solved, squareness_error, volume,
-    words,
 };
 use crate::support::published::{is_held, is_whole, published, share};
 use crate::support::tree::skipped;
 use crate::support::visit::{Ran, fixtures, program};
+use crate::support::words;
 use nonius::machine::separation::Separation;
 use nonius::machine::separation::metric::Plane;
 use nonius::quantity::axis::{Axis, ErrorTerm};

@@ -2,10 +2,11 @@
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
     Machine, close, curve, index, measurement, mm, naive, normal, runs, solved, squareness_error,
-    volume, with_noise, words,
+    volume, with_noise,
 };
 use crate::support::published::{is_held, short_or};
 use crate::support::visit::fixture;
+use crate::support::words;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::{Frame, Job, Levers, MeasuredData, Reflector, SetUp};
 use nonius::inputs::readings::Readings;

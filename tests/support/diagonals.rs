@@ -6,7 +6,6 @@ use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use nonius::quantity::units::{Deviation, Millimetres};
-use nonius::text::finding::Finding;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -330,9 +329,4 @@ pub(crate) fn curve(separation: &Separation, term: ErrorTerm) -> &[f64] {
 pub(crate) fn close(found: f64, wanted: f64, tolerance: f64, what: impl std::fmt::Display) {
     let far = (found - wanted).abs();
     assert!(far <= tolerance, "{what}: {found}, expected {wanted} within {tolerance}");
-}
-
-/// What was found, in words.
-pub(crate) fn words(findings: &[Finding]) -> Vec<String> {
-    findings.iter().map(ToString::to_string).collect()
 }

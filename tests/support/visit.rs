@@ -197,3 +197,11 @@ impl Visit {
 pub(crate) fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
 }
+
+/// The last digit that documents hold.
+pub(crate) const LAST_DIGIT: f64 = 1.001e-6;
+
+#[track_caller]
+pub(crate) fn near(what: &str, got: f64, want: f64, room: f64) {
+    assert!((got - want).abs() <= room, "{what}: {got}, expected {want}");
+}
