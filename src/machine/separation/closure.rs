@@ -27,7 +27,7 @@ use super::noise::{
 };
 use super::patterns::{Known, Patterns, Ramps, by_group};
 use super::readings::{CorrectedRun, Group, Means, PassMeans, RunCounts, means, run_counts};
-use super::uncertainty::{Budget, OfAngle, unmeasured};
+use super::uncertainty::{Budget, OfAngle, Unmeasured};
 use crate::inputs::job::{Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
@@ -267,13 +267,14 @@ impl Start {
 fn stated_angles(campaign: &Campaign<'_>, runs: &[CorrectedRun]) -> Vec<Vec<Means>> {
     let Some(urad) = campaign.stated.angle_urad else { return Vec::new() };
     let backs = means(runs).reverse.is_some();
-    let of = |angle: OfAngle| {
+    let of = |angle: &OfAngle| {
         let scaled =
             PerDiagonal::from_fn(|d| angle.readings[d].iter().map(|um| urad * um).collect());
         Means { reverse: backs.then(|| PassMeans::clone(&scaled)), forward: scaled }
     };
-    let of_order = |angles: Vec<OfAngle>| angles.into_iter().map(of).collect();
-    unmeasured(campaign).into_iter().map(of_order).collect()
+    let Unmeasured { parts, orders } = Unmeasured::of(campaign);
+    let of_order = |acting: &Vec<usize>| acting.iter().map(|part| of(&parts[*part])).collect();
+    orders.iter().map(of_order).collect()
 }
 
 /// Repeats say most; a stated noise comes next; a single run is left with its closure.

@@ -149,17 +149,28 @@ impl<'a> AngleModel<'a> {
         diagonal: Diagonal,
         pass: Pass,
     ) -> Vec<f64> {
-        let turning = Turning {
-            order: self.chain,
-            rotation: &|axis, position, direction| self.rotation(axis, position, direction),
-            origin: self.origin,
-            tool: self
-                .levers
-                .tool
-                .map_or_else(PerAxis::default, |tool| PerAxis::from_fn(|axis| tool[axis].mm())),
-            reflector: self.reflector,
+        let u = volume.laser(diagonal);
+        let tool = PerAxis::from_fn(|axis| self.levers.tool.map_or(0.0, |tool| tool[axis].mm()));
+        let states = (0..=volume.last_node(kind)).map(|node| {
+            let place = volume.place(diagonal, kind, node);
+            let place = PerAxis::from_fn(|axis| place[axis].mm());
+            let turned = |axis| self.rotation(axis, place[axis], diagonal.travelled(axis, pass));
+            let [error, rotation] = displaced(self.chain, turned, place.minus(self.origin), tool);
+            (place, error, rotation)
+        });
+        let mut start = None;
+        let effect = |(place, error, rotation): (PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
+            let start = start.get_or_insert((place, error, rotation));
+            let moved = place.minus(start.0);
+            let lever = u.dot(error.minus(start.1));
+            let lateral = moved.minus(u.times(u.dot(moved)));
+            let turned = rotation.minus(start.2).cross(u);
+            match self.reflector {
+                Reflector::FlatMirror => lever + turned.dot(lateral) / 1000.0,
+                Reflector::Retroreflector => lever,
+            }
         };
-        turning.effect_um(volume, kind, diagonal, pass)
+        states.map(effect).collect()
     }
 
     /// Problems: angles that do not cover the measured box.
@@ -186,58 +197,6 @@ impl<'a> AngleModel<'a> {
             });
         }
         problems.or_ok(())
-    }
-}
-
-/// Rotations of the axes, µrad by axis, position and direction, and the levers on which they act.
-pub(super) struct Turning<'a> {
-    pub(super) order: [Axis; 3],
-    pub(super) rotation: &'a dyn Fn(Axis, f64, Direction) -> PerAxis<f64>,
-    /// Where the levers count from, mm.
-    pub(super) origin: PerAxis<f64>,
-    pub(super) tool: PerAxis<f64>,
-    pub(super) reflector: Reflector,
-}
-
-impl Turning<'_> {
-    /// Error (µm) and rotation (µrad) of the tool point at a place on the way in these directions.
-    pub(super) fn at(
-        &self,
-        place: PerAxis<f64>,
-        direction: impl Fn(Axis) -> Direction,
-    ) -> [PerAxis<f64>; 2] {
-        let turned = |axis| (self.rotation)(axis, place[axis], direction(axis));
-        displaced(self.order, turned, place.minus(self.origin), self.tool)
-    }
-
-    /// What it adds to the readings of a pass along a diagonal, µm, by node.
-    pub(super) fn effect_um(
-        &self,
-        volume: &Volume,
-        kind: PathKind,
-        diagonal: Diagonal,
-        pass: Pass,
-    ) -> Vec<f64> {
-        let u = volume.laser(diagonal);
-        let states = (0..=volume.last_node(kind)).map(|node| {
-            let place = volume.place(diagonal, kind, node);
-            let place = PerAxis::from_fn(|axis| place[axis].mm());
-            let [error, rotation] = self.at(place, |axis| diagonal.travelled(axis, pass));
-            (place, error, rotation)
-        });
-        let mut start = None;
-        let effect = |(place, error, rotation): (PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
-            let start = start.get_or_insert((place, error, rotation));
-            let moved = place.minus(start.0);
-            let lever = u.dot(error.minus(start.1));
-            let lateral = moved.minus(u.times(u.dot(moved)));
-            let turned = rotation.minus(start.2).cross(u);
-            match self.reflector {
-                Reflector::FlatMirror => lever + turned.dot(lateral) / 1000.0,
-                Reflector::Retroreflector => lever,
-            }
-        };
-        states.map(effect).collect()
     }
 }
 

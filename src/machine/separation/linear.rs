@@ -115,7 +115,7 @@ pub(super) struct Model {
     pub(super) setup_ppm: f64,
     pub(super) beam_ppm: f64,
     /// Which are unmeasured angles, for each order of the axes that may be; and their bound, µrad.
-    pub(super) angles: Vec<Range<usize>>,
+    pub(super) angles: Vec<Vec<usize>>,
     pub(super) angle_urad: Option<f64>,
 }
 
@@ -200,7 +200,9 @@ impl Model {
             effects[range.clone()].iter().map(|effect| effect.squared()).sum()
         };
         let noise = weighed(&self.noise);
-        let by_urad = self.angles.iter().map(squares).fold(0.0, f64::max);
+        let of_order =
+            |acting: &Vec<usize>| acting.iter().map(|part| effects[*part].squared()).sum();
+        let by_urad = self.angles.iter().map(of_order).fold(0.0, f64::max);
         let setups: f64 = effects[self.setups.clone()].iter().sum();
         let causes: f64 = self.shared(effects, effects).iter().sum();
         let angles = self.angle_urad.map_or(0.0, |urad| urad.squared() * by_urad);

@@ -11,14 +11,14 @@
 //! The beam counts here and there: it may lean alike in all set-ups, or in some of them only.
 
 use super::campaign::{Campaign, MeasuredLine};
-use super::corrections::{REFERENCE_C, Turning};
+use super::corrections::REFERENCE_C;
 use super::linear::{Layout, Model, Variance};
 use super::metric::PerPlane;
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::readings::PassMeans;
-use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
-use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
-use crate::quantity::chain::unit;
+use crate::inputs::job::{AxisMaterial, Material, Reflector, SetUp, StatedUncertainty};
+use crate::quantity::axis::{Axis, PerAxis, Rotation};
+use crate::quantity::chain::{displaced, unit};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 
@@ -119,16 +119,16 @@ impl Budget<'_> {
         model.tilts = model.strains.end..columns.len();
         columns.extend(setups);
         model.setups = model.tilts.end..columns.len();
-        for order in unmeasured(campaign) {
-            let first = columns.len();
-            columns.extend(order.into_iter().map(|of: OfAngle| {
-                let mut column = model.layout.column(|_, d, node| of.readings[d][node]);
-                let first = model.layout.line(0);
-                column[first..first + of.lines.len()].copy_from_slice(&of.lines);
-                column
-            }));
-            model.angles.push(first..columns.len());
-        }
+        let unmeasured = Unmeasured::of(campaign);
+        let first = columns.len();
+        columns.extend(unmeasured.parts.into_iter().map(|of| {
+            let mut column = model.layout.column(|_, d, node| of.readings[d][node]);
+            let line = model.layout.line(0);
+            column[line..line + of.lines.len()].copy_from_slice(&of.lines);
+            column
+        }));
+        let of_order = |acting: Vec<usize>| acting.into_iter().map(|part| first + part).collect();
+        model.angles = unmeasured.orders.into_iter().map(of_order).collect();
         model.columns = columns;
         model.setup_ppm = self.stated.setup_ppm.unwrap_or(0.0);
         model.beam_ppm = self.stated.beam_ppm();
@@ -172,52 +172,94 @@ pub(super) struct OfAngle {
     lines: Vec<f64>,
 }
 
-/// What unmeasured angles do, for each order of the axes that may be: one standard uncertainty for a bound of 1 µrad.
-///
-/// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2
-/// limits   the figures are those of the lines through the middle of the box, where α is 0: a constant angle
-///          is squareness. Levers count from there, the tool has none; linear axes are taken as measured there,
-///          beams without ends as going through. A straight part or a bow above half of the bound is not held,
-///          nor an angle that differs between the directions.
-pub(super) fn unmeasured(campaign: &Campaign<'_>) -> Vec<Vec<OfAngle>> {
-    let evidence = campaign.angle_evidence();
+/// What unmeasured angles do: one standard uncertainty of each part for a bound of 1 µrad.
+pub(super) struct Unmeasured {
+    pub(super) parts: Vec<OfAngle>,
+    /// Which of the parts act, for each order of the axes that may be.
+    pub(super) orders: Vec<Vec<usize>>,
+}
+
+impl Unmeasured {
+    /// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2
+    /// limits   the figures are those of the lines through the middle of the box, where α is 0: a constant angle
+    ///          is squareness. Levers count from there, the tool has none; linear axes are taken as measured there,
+    ///          beams without ends as going through. A straight part or a bow above half of the bound is not held,
+    ///          nor an angle that differs between the directions.
+    pub(super) fn of(campaign: &Campaign<'_>) -> Unmeasured {
+        let evidence = campaign.angle_evidence();
+        let mut known: Vec<(Rotation, [bool; 3])> = Vec::new();
+        let mut parts = Vec::new();
+        let mut of_order = |order: &[Axis; 3]| -> Vec<usize> {
+            let mut acting = Vec::new();
+            for rotation in &evidence.missing {
+                // What a rotation does hangs on the axes that it swings, not on what moves it.
+                let swung = order.iter().skip_while(|axis| **axis != rotation.along).skip(1);
+                let swung: Vec<Axis> =
+                    swung.filter(|axis| **axis != rotation.about).copied().collect();
+                let key = (*rotation, Axis::ALL.map(|axis| swung.contains(&axis)));
+                let at = known.iter().position(|known| *known == key).unwrap_or_else(|| {
+                    known.push(key);
+                    parts.extend(of_rotation(campaign, *order, *rotation));
+                    known.len() - 1
+                });
+                acting.extend([2 * at, 2 * at + 1]);
+            }
+            acting
+        };
+        let orders = evidence.order.as_ref();
+        let orders = orders.map_or(&Axis::ORDERS[..], std::slice::from_ref);
+        let orders = orders.iter().map(&mut of_order).collect();
+        Unmeasured { parts, orders }
+    }
+}
+
+/// The straight part and the bow of an angle.
+fn of_rotation(campaign: &Campaign<'_>, order: [Axis; 3], rotation: Rotation) -> [OfAngle; 2] {
     let measurement = campaign.measurement;
-    let volume = &measurement.volume;
+    let (volume, kind) = (&measurement.volume, measurement.kind);
     let half = |axis: Axis| volume.size[axis].mm() / 2.0;
     let middle = PerAxis::from_fn(|axis| volume.start[axis].mm() + half(axis));
+    let about = unit(rotation.about);
+    let turned = |axis| if axis == rotation.along { about } else { PerAxis::default() };
+    let error =
+        |place: PerAxis<f64>| displaced(order, turned, place.minus(middle), PerAxis::default())[0];
+    let t = |place: PerAxis<f64>| {
+        (place[rotation.along] - middle[rotation.along]) / half(rotation.along)
+    };
+    let mirror = f64::from(measurement.target == Reflector::FlatMirror) / 1000.0;
+    // By node: t; what 1 µrad does by its lever; by turning the mirror.
+    let walks = PerDiagonal::from_fn(|d| {
+        let laser = volume.laser(d);
+        let inside = |node| volume.inside_mm(d, kind, node);
+        let node = |node| {
+            let place = volume.place(d, kind, node);
+            let place = PerAxis::from_fn(|axis| place[axis].mm());
+            let moved = inside(node).minus(inside(0));
+            let lateral = moved.minus(laser.times(laser.dot(moved)));
+            [t(place), laser.dot(error(place)), mirror * about.cross(laser).dot(lateral)]
+        };
+        (0..=volume.last_node(kind)).map(node).collect::<Vec<[f64; 3]>>()
+    });
     let u = 0.5 / 3_f64.sqrt();
     let shapes: [fn(f64) -> f64; 2] = [|t| t, |t| -t * t];
-    let column = |order: [Axis; 3], rotation: &Rotation, shape: fn(f64) -> f64| {
-        let turning = Turning {
-            order,
-            rotation: &|axis, position, _| {
-                let urad = u * shape((position - middle[axis]) / half(axis));
-                let size = if axis == rotation.along { urad } else { 0.0 };
-                unit(rotation.about).times(size)
-            },
-            origin: middle,
-            tool: PerAxis::default(),
-            reflector: measurement.target,
-        };
+    shapes.map(|shape| {
+        let urad = |t: f64| u * shape(t);
+        let readings = PerDiagonal::from_fn(|d| {
+            let [t0, lever0, _] = walks[d].first().copied().unwrap_or_default();
+            let of = |[t, lever, turned]: &[f64; 3]| {
+                urad(*t) * lever - urad(t0) * lever0 + (urad(*t) - urad(t0)) * turned
+            };
+            walks[d].iter().map(of).collect()
+        });
         let line = |line: &MeasuredLine| {
             let Some(ends) = line.ends else { return 0.0 };
             let [from, to] = ends.map(|end| PerAxis::from_fn(|axis| end[axis].mm()));
-            let error = |place| turning.at(place, |_| Direction::Plus)[0];
+            let error = |place| error(place).times(urad(t(place)));
             let rise = line.direction.dot(error(to).minus(error(from)));
             1000.0 * rise / to.minus(from).length()
         };
-        let walk = |d| turning.effect_um(volume, measurement.kind, d, Pass::Forward);
-        OfAngle {
-            readings: PerDiagonal::from_fn(walk),
-            lines: campaign.lines.iter().map(line).collect(),
-        }
-    };
-    let of_order = |order: &[Axis; 3]| {
-        let pairs = evidence.missing.iter().flat_map(|r| shapes.map(|shape| (r, shape)));
-        pairs.map(|(rotation, shape)| column(*order, rotation, shape)).collect()
-    };
-    let orders = evidence.order.as_ref();
-    orders.map_or(&Axis::ORDERS[..], std::slice::from_ref).iter().map(of_order).collect()
+        OfAngle { readings, lines: campaign.lines.iter().map(line).collect() }
+    })
 }
 
 /// Two unit vectors at right angles to a direction and to each other.
