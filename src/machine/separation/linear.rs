@@ -180,8 +180,7 @@ impl Model {
     /// cov of two figures without unmeasured angles, and the part of the causes common to all set-ups in it.
     pub(super) fn covariance(&self, one: &Row, other: &Row) -> (f64, f64) {
         let (one, other) = (self.dense(one), self.dense(other));
-        let variance = self.noise.iter().zip(&self.other).map(|(noise, other)| noise + other);
-        let own: f64 = one.iter().zip(&other).zip(variance).map(|((a, b), v)| a * b * v).sum();
+        let own: f64 = self.by_entries(&one, &other).iter().sum();
         let [common, rest] = self.shared(&self.by_column(&one), &self.by_column(&other));
         (own + common + rest, common)
     }
@@ -189,17 +188,20 @@ impl Model {
     /// u² of a figure.
     pub(super) fn variance(&self, row: &Row) -> Variance {
         let row = self.dense(row);
-        self.of_entries(&row, &self.by_column(&row))
+        let by_entries = self.by_entries(&row, &row);
+        self.combined(by_entries, &self.by_column(&row))
     }
 
-    fn of_entries(&self, row: &[f64], effects: &[f64]) -> Variance {
-        let weighed = |variance: &[f64]| -> f64 {
-            row.iter().zip(variance).map(|(weight, v)| weight.squared() * v).sum()
-        };
+    /// cov of two figures by noise, and by lines and what is neglected.
+    fn by_entries(&self, one: &[f64], other: &[f64]) -> [f64; 2] {
+        let weighed = |v: &[f64]| one.iter().zip(other).zip(v).map(|((a, b), v)| a * b * v).sum();
+        [weighed(&self.noise), weighed(&self.other)]
+    }
+
+    fn combined(&self, [noise, other]: [f64; 2], effects: &[f64]) -> Variance {
         let squares = |range: &Range<usize>| -> f64 {
             effects[range.clone()].iter().map(|effect| effect.squared()).sum()
         };
-        let noise = weighed(&self.noise);
         let of_order =
             |acting: &Vec<usize>| acting.iter().map(|part| effects[*part].squared()).sum();
         let by_urad = self.angles.iter().map(of_order).fold(0.0, f64::max);
@@ -208,7 +210,7 @@ impl Model {
         let angles = self.angle_urad.map_or(0.0, |urad| urad.squared() * by_urad);
         Variance {
             noise,
-            all: noise + weighed(&self.other) + causes + angles,
+            all: noise + other + causes + angles,
             by_urad,
             by_mrad: 0.25 * (setups.squared() + squares(&self.setups)),
         }
@@ -247,24 +249,33 @@ impl CurveRows {
     pub(super) fn variances(&self, model: &Model) -> Vec<Variance> {
         let line = model.dense(&self.line);
         let line_by_column = model.by_column(&line);
+        let of_line = model.by_entries(&line, &line);
+        // By entries: of the sum of the steps, and of it with the line.
         let mut sum = model.dense(&self.start);
+        let mut of_sum = model.by_entries(&sum, &sum);
+        let mut with_line = model.by_entries(&sum, &line);
         let mut by_column = model.by_column(&sum);
         let last = self.steps.len().max(1) as f64;
         (0..=self.steps.len())
             .map(|index| {
                 let step = index.checked_sub(1).map(|step| &self.steps[step]);
                 for (place, weight) in step.iter().flat_map(|step| &step.0) {
+                    for (i, v) in [model.noise[*place], model.other[*place]].iter().enumerate() {
+                        of_sum[i] += v * weight * (2.0 * sum[*place] + weight);
+                        with_line[i] += v * weight * line[*place];
+                    }
                     sum[*place] += weight;
                     let columns = by_column.iter_mut().zip(&model.columns);
                     columns.for_each(|(sum, column)| *sum += weight * column[*place]);
                 }
-                let with_line = |sum: &[f64], line: &[f64]| -> Vec<f64> {
-                    let share = index as f64 / last;
-                    sum.iter().zip(line).map(|(sum, line)| sum + share * line).collect()
-                };
-                let (row, effects) =
-                    (with_line(&sum, &line), with_line(&by_column, &line_by_column));
-                model.of_entries(&row, &effects)
+                let share = index as f64 / last;
+                let by_entries = [0, 1].map(|i| {
+                    let all = of_sum[i] + share * (2.0 * with_line[i] + share * of_line[i]);
+                    all.max(0.0)
+                });
+                let both = by_column.iter().zip(&line_by_column);
+                let effects: Vec<f64> = both.map(|(sum, line)| sum + share * line).collect();
+                model.combined(by_entries, &effects)
             })
             .collect()
     }
