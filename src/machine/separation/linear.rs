@@ -165,7 +165,9 @@ impl Model {
     }
 
     fn by_column(&self, dense: &[f64]) -> Vec<f64> {
-        self.columns.iter().map(|column| dot(dense, column)).collect()
+        let entries = dense.iter().copied().enumerate().filter(|(_, weight)| *weight != 0.0);
+        let row = Row(entries.collect());
+        self.columns.iter().map(|column| row.dot(column)).collect()
     }
 
     /// What causes make of two figures: those common to all set-ups, the others.

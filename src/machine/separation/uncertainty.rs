@@ -187,6 +187,7 @@ impl Unmeasured {
     ///          nor an angle that differs between the directions.
     pub(super) fn of(campaign: &Campaign<'_>) -> Unmeasured {
         let evidence = campaign.angle_evidence();
+        let walks = walks(campaign);
         let mut known: Vec<(Rotation, [bool; 3])> = Vec::new();
         let mut parts = Vec::new();
         let mut of_order = |order: &[Axis; 3]| -> Vec<usize> {
@@ -199,7 +200,7 @@ impl Unmeasured {
                 let key = (*rotation, Axis::ALL.map(|axis| swung.contains(&axis)));
                 let at = known.iter().position(|known| *known == key).unwrap_or_else(|| {
                     known.push(key);
-                    parts.extend(of_rotation(campaign, *order, *rotation));
+                    parts.extend(of_rotation(campaign, &walks, *order, *rotation));
                     known.len() - 1
                 });
                 acting.extend([2 * at, 2 * at + 1]);
@@ -213,10 +214,33 @@ impl Unmeasured {
     }
 }
 
+/// Every node of each diagonal by its place, and how far the way to it leads off the laser's line, mm.
+type Walks = PerDiagonal<Vec<[PerAxis<f64>; 2]>>;
+
+fn walks(campaign: &Campaign<'_>) -> Walks {
+    let (volume, kind) = (&campaign.measurement.volume, campaign.measurement.kind);
+    PerDiagonal::from_fn(|d| {
+        let laser = volume.laser(d);
+        let start = volume.inside_mm(d, kind, 0);
+        let node = |node| {
+            let inside = volume.inside_mm(d, kind, node);
+            let place = PerAxis::from_fn(|axis| volume.start[axis].mm() + inside[axis]);
+            let moved = inside.minus(start);
+            [place, moved.minus(laser.times(laser.dot(moved)))]
+        };
+        (0..=volume.last_node(kind)).map(node).collect()
+    })
+}
+
 /// The straight part and the bow of an angle.
-fn of_rotation(campaign: &Campaign<'_>, order: [Axis; 3], rotation: Rotation) -> [OfAngle; 2] {
+fn of_rotation(
+    campaign: &Campaign<'_>,
+    walks: &Walks,
+    order: [Axis; 3],
+    rotation: Rotation,
+) -> [OfAngle; 2] {
     let measurement = campaign.measurement;
-    let (volume, kind) = (&measurement.volume, measurement.kind);
+    let volume = &measurement.volume;
     let half = |axis: Axis| volume.size[axis].mm() / 2.0;
     let middle = PerAxis::from_fn(|axis| volume.start[axis].mm() + half(axis));
     let about = unit(rotation.about);
@@ -228,28 +252,24 @@ fn of_rotation(campaign: &Campaign<'_>, order: [Axis; 3], rotation: Rotation) ->
     };
     let mirror = f64::from(measurement.target == Reflector::FlatMirror) / 1000.0;
     // By node: t; what 1 µrad does by its lever; by turning the mirror.
-    let walks = PerDiagonal::from_fn(|d| {
+    let effects = PerDiagonal::from_fn(|d| {
         let laser = volume.laser(d);
-        let inside = |node| volume.inside_mm(d, kind, node);
-        let node = |node| {
-            let place = volume.place(d, kind, node);
-            let place = PerAxis::from_fn(|axis| place[axis].mm());
-            let moved = inside(node).minus(inside(0));
-            let lateral = moved.minus(laser.times(laser.dot(moved)));
-            [t(place), laser.dot(error(place)), mirror * about.cross(laser).dot(lateral)]
+        let of = |[place, lateral]: &[PerAxis<f64>; 2]| {
+            let turned = mirror * about.cross(laser).dot(*lateral);
+            [t(*place), laser.dot(error(*place)), turned]
         };
-        (0..=volume.last_node(kind)).map(node).collect::<Vec<[f64; 3]>>()
+        walks[d].iter().map(of).collect::<Vec<[f64; 3]>>()
     });
     let u = 0.5 / 3_f64.sqrt();
     let shapes: [fn(f64) -> f64; 2] = [|t| t, |t| -t * t];
     shapes.map(|shape| {
         let urad = |t: f64| u * shape(t);
         let readings = PerDiagonal::from_fn(|d| {
-            let [t0, lever0, _] = walks[d].first().copied().unwrap_or_default();
+            let [t0, lever0, _] = effects[d].first().copied().unwrap_or_default();
             let of = |[t, lever, turned]: &[f64; 3]| {
                 urad(*t) * lever - urad(t0) * lever0 + (urad(*t) - urad(t0)) * turned
             };
-            walks[d].iter().map(of).collect()
+            effects[d].iter().map(of).collect()
         });
         let line = |line: &MeasuredLine| {
             let Some(ends) = line.ends else { return 0.0 };
