@@ -22,6 +22,7 @@ pub(crate) use self::observation::observations;
 pub use self::observation::{Control, Observation, Part, before_um};
 
 use self::ground::ensure_common_ground;
+use crate::inputs::error_table::Silence;
 use crate::inputs::job::Job;
 use crate::judge::conformity::Sigma;
 use crate::judge::findings::AsLeft;
@@ -197,7 +198,7 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
         basis: Basis::Measured,
         sigma,
         ranges: Axis::ALL.into_iter().filter_map(walked).collect(),
-        silent: Vec::new(),
+        silence: Silence::default(),
         terms: Vec::new(),
         diagonals: runs.range_um.iter().map(line).collect(),
         unmeasured: PerAxis::default(),

@@ -14,13 +14,10 @@ mod diagonals;
 mod figures;
 mod reasons;
 mod share;
-mod uncounted;
 
-pub use self::figures::{
-    Basis, Change, DiagonalForecast, Forecast, Silent, TermForecast, Uncounted,
-};
+pub use self::figures::{Basis, Change, DiagonalForecast, Forecast, TermForecast};
 pub(crate) use self::reasons::terms_words;
-pub use self::reasons::{Grounds, Hold, Miss, NotCounted, Of, RestsOn};
+pub use self::reasons::{Grounds, Miss, Of, RestsOn};
 use self::share::within;
 pub use self::share::{JudgedRange, Machine};
 pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_gap_mm};
@@ -94,7 +91,7 @@ pub fn forecast(
         basis: Basis::Forecast,
         sigma,
         ranges: ranges.to_vec(),
-        silent: uncounted::silent(&model.remarks),
+        silence: model.remarks.silence.clone(),
         diagonals,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),

@@ -52,7 +52,6 @@ mod steps;
 pub mod straight;
 pub mod table;
 pub mod uncertainty;
-pub mod unmeasured;
 
 pub use self::campaign::{Campaign, MeasuredLine, corrected};
 pub(crate) use self::expected::{Instrument, expected, linear_axis};

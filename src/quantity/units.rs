@@ -51,18 +51,6 @@ pub(crate) fn picometres(um: f64) -> f64 {
     rounded(um, 6)
 }
 
-/// A bound in two digits or more, never above the number: what is said to hold has to hold.
-pub(crate) fn rounded_down(bound: f64) -> String {
-    let decimals = match bound {
-        large if large >= 10.0 => 0,
-        middle if middle >= 1.0 => 1,
-        small if small >= 0.1 => 2,
-        _ => 3,
-    };
-    let unit = power_of_ten(decimals);
-    ((bound * unit).floor() / unit).to_string()
-}
-
 /// The larger of two; unlike `f64::max` it gives no −0 for 0 and −0 with any compiler.
 pub fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
@@ -265,14 +253,6 @@ mod tests {
     /// What a person would call a minus sign before nothing.
     fn has_signed_zero(text: &str) -> bool {
         text.strip_prefix('-').is_some_and(is_zeros)
-    }
-
-    #[test]
-    fn a_bound_is_never_rounded_up() {
-        let said = [(0.0, "0"), (0.0129, "0.012"), (0.379, "0.37"), (4.59, "4.5"), (12.9, "12")];
-        for (bound, said) in said {
-            assert_eq!(rounded_down(bound), said);
-        }
     }
 
     #[test]

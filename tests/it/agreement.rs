@@ -143,7 +143,7 @@ fn steel(axes: &[Axis], temperature_c: Option<f64>) -> Option<Material> {
     Some(Material { material_corrected: true, air_corrected: true, axes })
 }
 
-const NOTHING: fn() -> StatedUncertainty = StatedUncertainty::default;
+const NOTHING: fn() -> StatedUncertainty = simulated::exact;
 
 /// Z²p_zz = S − X²p_xx − Y²p_yy: a scale error of the diagonals comes out (R/Z)² = 3.5625 times as
 /// large in EZZ, and not at all in EXX, which is the linear axis.

@@ -29,7 +29,10 @@ fn put_jobs(visit: &Visit, golden: &str, [program, how, policy]: Campaign) {
         let of =
             |axis| format!("{section} = \"{axis}\"\nerrors = \"{linear}\"\nu_um_per_m = 0.3\n");
         let linear = ["x", "y", "z"].map(of).concat();
-        let how = format!("[measurement.step_diagonal]\n{how}{BOX}{linear}");
+        let stated = "angle_urad = 0\nsetup_ppm = 0\nlaser_ppm = 0\nbeam_mrad = 0";
+        let how = format!(
+            "[measurement.uncertainty]\n{stated}\n[measurement.step_diagonal]\n{how}{BOX}{linear}"
+        );
         format!("{head}readings = \"{readings}\"\n{measurement}\n{how}\n[compensation]{rest}")
     };
     let machine = format!("{golden}\n[program]\nwhat = \"step-diagonal\"\n{program}{BOX}");

@@ -275,7 +275,7 @@ const STATED: StatedUncertainty = StatedUncertainty {
     alpha_per_k: Some(0.5e-6),
     setup_ppm: Some(0.7),
     angle_urad: None,
-    beam_mrad: None,
+    beam_mrad: Some(0.0),
     // The mirror of `assume-perfect` does not lean here.
     tilt_arcsec: Some(0.0),
 };

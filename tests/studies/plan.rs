@@ -285,7 +285,7 @@ fn planned(max_deviation_um: &str, edit: (&str, &str), arguments: &str) -> visit
     visit.put("job.toml", fixture("start/readings/job.toml"));
     visit.edit(
         "job.toml",
-        "max_deviation_um = 5.0",
+        "max_deviation_um = 10.0",
         &format!("max_deviation_um = {max_deviation_um}"),
     );
     visit.edit("job.toml", edit.0, edit.1);

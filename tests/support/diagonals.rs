@@ -241,6 +241,12 @@ pub(crate) fn noisy_runs(
     all
 }
 
+/// A laser and a beam without error.
+pub(crate) fn exact() -> StatedUncertainty {
+    let zero = Some(0.0);
+    StatedUncertainty { laser_ppm: zero, beam_mrad: zero, ..StatedUncertainty::default() }
+}
+
 /// Positioning slopes of some axes, each wrong by its uncertainty.
 pub(crate) fn noisy_lines(
     truth: &Machine,
@@ -301,7 +307,7 @@ pub(crate) fn campaign(
 ) -> Campaign<'_> {
     Campaign {
         measurement,
-        stated: StatedUncertainty::default(),
+        stated: exact(),
         lines,
         reversals: Default::default(),
         angles: None,

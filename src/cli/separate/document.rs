@@ -4,13 +4,13 @@
 use super::words::advice;
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::known;
+use crate::inputs::error_table::{Cause, Silence};
 use crate::inputs::job::SetUp;
 use crate::machine::separation::agreement::{Agreement, LineCheck};
 use crate::machine::separation::monte_carlo::{Figure, Simulated};
 use crate::machine::separation::noise::{Noise, Outlier, ReadingPlace, coverage_factor};
 use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::Turn;
-use crate::machine::separation::unmeasured::{NotCounted, Silent};
 use crate::machine::separation::{SeparatedError, Separation};
 use crate::machine::standards::Diagonals;
 use crate::quantity::axis::{Direction, PerAxis, PerTerm};
@@ -45,7 +45,7 @@ pub(super) fn separation(
             "monte_carlo": simulated.map(monte_carlo),
             "doubts": separation.doubts,
         }),
-        holds_below(&separation.not_counted),
+        silence(&separation.silence),
         json!({ "labels": separation.labels }),
     ]))
 }
@@ -134,13 +134,10 @@ fn closure(separation: &Separation) -> Value {
     })
 }
 
-/// Bounds of what no U holds, below which it holds nevertheless.
-pub(super) fn holds_below(not_counted: &NotCounted) -> Value {
-    let bound = |silent: &Option<Silent>| silent.as_ref()?.holds_below;
-    json!({
-        "holds_below_angle_urad": bound(&not_counted.angles),
-        "holds_below_beam_mrad": bound(&not_counted.beam),
-    })
+/// What the job leaves unsaid, or says to be nothing.
+pub(super) fn silence(silence: &Silence) -> Value {
+    let keys = |causes: &[Cause]| causes.iter().map(|cause| cause.key()).collect::<Vec<_>>();
+    json!({ "not_stated": keys(&silence.not_stated), "neglected": keys(&silence.neglected) })
 }
 
 /// Reversals of a turn: by term, at both ends of each axis, and from each diagonal alone.

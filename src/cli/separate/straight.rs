@@ -1,6 +1,6 @@
 //! What `separate` says of straight runs: the page for people and the document.
 
-use super::document::{agreement, diagonal_totals, holds_below, noise};
+use super::document::{agreement, diagonal_totals, noise, silence};
 use super::words::{self, SQUARENESS_SIGN, advice, expanded, freedom};
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::known;
@@ -53,7 +53,7 @@ fn outcome(result: &StraightResult) -> String {
     let mut lines = vec![format!(
         "Straight runs along the four body diagonals: squareness XY, XZ, YZ; {scales}; no straightness (that needs single-axis steps)"
     )];
-    lines.extend(result.not_counted.sentences());
+    lines.extend(result.silence.sentences());
     lines.join("\n")
 }
 
@@ -144,7 +144,7 @@ pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
             "closure_test": result.closure.as_ref().map(closure_document),
             "doubts": result.doubts,
         }),
-        holds_below(&result.not_counted),
+        silence(&result.silence),
         json!({ "labels": result.labels }),
     ]))
 }

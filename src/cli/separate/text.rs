@@ -62,7 +62,7 @@ fn outcome(separation: &Separation) -> String {
         "Determined: {count} of 9 errors; squareness {}; {set_up}",
         planes.join(", ")
     )];
-    lines.extend(separation.not_counted.sentences());
+    lines.extend(separation.silence.sentences());
     if separation.setup == SetUp::AssumePerfect {
         // The first thing to read there; the label says the rest.
         lines.push("WARNING: `setup = \"assume-perfect\"`: slopes that were separated hold the tilt of the mirror; for figures of the machine use `setup = \"solve\"` with two or three linear axes".to_string());

@@ -6,8 +6,8 @@
 //!   # not determined: EXX: why this term has no values
 //!   # reversal not held: 9.146 um along the diagonals
 //!   # degrees of freedom: 3
-//!   # angles not counted, um per urad: EXX 0.0012, EYX 0.2345
-//!   # beam not counted, um per mrad2: EXX 0.0012, EYX 0.2345
+//!   # not stated: angle_urad, setup_ppm
+//!   # neglected by decision: angle_urad
 //!   # frame: x-primary
 //!   # note: what whoever uses the values has to know
 //! ```
@@ -15,7 +15,7 @@
 
 use crate::inputs::findings::Remark;
 use crate::inputs::job::Frame;
-use crate::quantity::axis::{ErrorTerm, PerTerm};
+use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::smaller;
 use crate::text::finding::Finding;
 
@@ -23,13 +23,82 @@ const DOUBT: &str = "doubt:";
 const NOT_DETERMINED: &str = "not determined:";
 const REVERSAL: &str = "reversal not held:";
 const FREEDOM: &str = "degrees of freedom:";
-const ANGLES: &str = "angles not counted, um per urad:";
-const BEAM: &str = "beam not counted, um per mrad2:";
+const NOT_STATED: &str = "not stated:";
+const NEGLECTED: &str = "neglected by decision:";
 const FRAME: &str = "frame:";
 const NOTE: &str = "note:";
 
 /// The words by which a simulation is told from a measurement: a note of the table begins so.
 pub const SIMULATED: &str = "SIMULATED, not measured";
+
+/// A cause of uncertainty that the readings of a separation cannot show: who is silent about it gets no pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cause {
+    /// Pitch, yaw and roll without a measurement.
+    Angles,
+    /// A change of scale from one set-up to the next.
+    SetUps,
+    /// The slopes of linear axes and other beams.
+    Slopes,
+    /// The tilt of a mirror whose set-up is assumed perfect.
+    Tilt,
+}
+
+impl Cause {
+    /// All of them, the usual largest first.
+    pub const ALL: [Cause; 4] = [Cause::Angles, Cause::SetUps, Cause::Slopes, Cause::Tilt];
+
+    /// The key of the job that states it.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Cause::Angles => "angle_urad",
+            Cause::SetUps => "setup_ppm",
+            Cause::Slopes => "u_um_per_m",
+            Cause::Tilt => "tilt_arcsec",
+        }
+    }
+
+    fn listed(words: &str) -> Vec<Cause> {
+        let keys: Vec<&str> = words.split(',').map(str::trim).collect();
+        Cause::ALL.into_iter().filter(|cause| keys.contains(&cause.key())).collect()
+    }
+}
+
+/// What a job leaves unsaid of a separation, or says to be nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Silence {
+    /// Neither stated nor measured: a verdict on these errors is at most undecided.
+    pub not_stated: Vec<Cause>,
+    /// Stated to be zero without a measurement.
+    pub neglected: Vec<Cause>,
+}
+
+impl Silence {
+    /// One line for each, `None` = nothing.
+    fn by_key(&self) -> impl Iterator<Item = (&'static str, &Vec<Cause>)> {
+        let all = [(NOT_STATED, &self.not_stated), (NEGLECTED, &self.neglected)];
+        all.into_iter().filter(|(_, causes)| !causes.is_empty())
+    }
+
+    /// One sentence for each, for the lines beside a result.
+    pub fn sentences(&self) -> Vec<String> {
+        let of = |(key, causes): (&str, &Vec<Cause>)| match key {
+            NOT_STATED => {
+                format!(
+                    "not stated: {}; a verdict on these errors is at most undecided",
+                    keys(causes)
+                )
+            }
+            _ => format!("{key} {}", keys(causes)),
+        };
+        self.by_key().map(of).collect()
+    }
+
+    fn join(&mut self, other: Silence) {
+        join(&mut self.not_stated, other.not_stated);
+        join(&mut self.neglected, other.neglected);
+    }
+}
 
 /// The remarks of a table.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -43,12 +112,8 @@ pub struct Remarks {
     pub hidden_reversal_um: Option<f64>,
     /// Degrees of freedom of the estimate behind the `u_…` columns; `None` = as good as known.
     pub degrees_of_freedom: Option<f64>,
-    /// Standard uncertainty (k = 1) that unmeasured angles make where they move a curve most, µm for
-    /// each µrad of their bound; the columns `u_…` do not hold it. `None` = counted, or none is known.
-    pub angles_not_counted: Option<PerTerm<f64>>,
-    /// The same of the beam against the mirror's normal, µm for each mrad²: it grows with the
-    /// square of the bound.
-    pub beam_not_counted: Option<PerTerm<f64>>,
+    /// What the job of a separation leaves unsaid.
+    pub silence: Silence,
     /// Frame in which a separation gave the slopes of the cross terms; `None` = they are as given.
     pub frame: Option<Frame>,
     /// What whoever uses the values has to know.
@@ -88,8 +153,7 @@ impl Remarks {
         self.hidden_reversal_um = both.into_iter().flatten().reduce(f64::max);
         let both = [self.degrees_of_freedom, other.degrees_of_freedom];
         self.degrees_of_freedom = both.into_iter().flatten().reduce(smaller);
-        raise(&mut self.angles_not_counted, other.angles_not_counted);
-        raise(&mut self.beam_not_counted, other.beam_not_counted);
+        self.silence.join(other.silence);
     }
 
     fn hear(&mut self, comment: &str) {
@@ -100,10 +164,10 @@ impl Remarks {
             self.frame = self.frame.or(Some(frame));
         } else if let Some(words) = after(NOTE) {
             self.notes.push(note(words));
-        } else if let Some(found) = after(ANGLES).as_deref().and_then(by_term) {
-            raise(&mut self.angles_not_counted, Some(found));
-        } else if let Some(found) = after(BEAM).as_deref().and_then(by_term) {
-            raise(&mut self.beam_not_counted, Some(found));
+        } else if let Some(words) = after(NOT_STATED) {
+            join(&mut self.silence.not_stated, Cause::listed(&words));
+        } else if let Some(words) = after(NEGLECTED) {
+            join(&mut self.silence.neglected, Cause::listed(&words));
         } else if let Some(words) = after(REVERSAL) {
             let um = words.split_whitespace().next().unwrap_or_default();
             let um: Option<f64> = um.parse().ok();
@@ -129,13 +193,7 @@ impl Remarks {
         let missing = missing.map(|(term, why)| format!("{NOT_DETERMINED} {term}: {why}"));
         let reversal = self.hidden_reversal_um.iter();
         let reversal = reversal.map(|um| format!("{REVERSAL} {um:.3} um along the diagonals"));
-        let silent = [(ANGLES, &self.angles_not_counted), (BEAM, &self.beam_not_counted)];
-        let silent = silent.into_iter().filter_map(|(key, found)| {
-            let found = found.as_ref()?.iter();
-            let moved = found.filter(|(_, um)| **um > 0.0);
-            let words: Vec<String> = moved.map(|(term, um)| format!("{term} {um:.4}")).collect();
-            Some(format!("{key} {}", words.join(", ")))
-        });
+        let silent = self.silence.by_key().map(|(key, causes)| format!("{key} {}", keys(causes)));
         let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
         let freedom = self.degrees_of_freedom.iter();
         let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
@@ -159,26 +217,16 @@ pub fn is_simulated(note: &Finding) -> bool {
     matches!(note.kind(), Some(Remark::Simulated { .. }))
 }
 
-/// `EXX 0.0123, EYX 0.45`: a value of at least 0 for each term, 0 for the others; `None` where the
-/// words are anything else.
-fn by_term(words: &str) -> Option<PerTerm<f64>> {
-    let mut found = PerTerm::default();
-    for pair in words.split(',').filter(|pair| !pair.trim().is_empty()) {
-        let (term, um) = pair.trim().split_once(' ')?;
-        let um: f64 = um.trim().parse().ok()?;
-        let is_size = um.is_finite() && um >= 0.0;
-        found[ErrorTerm::from_name(term).filter(|_| is_size)?] = um;
-    }
-    Some(found)
+/// The keys of causes, one after the other.
+pub fn keys(causes: &[Cause]) -> String {
+    let keys: Vec<&str> = causes.iter().map(|cause| cause.key()).collect();
+    keys.join(", ")
 }
 
-/// The larger of both for each term.
-fn raise(of: &mut Option<PerTerm<f64>>, other: Option<PerTerm<f64>>) {
-    let Some(other) = other else { return };
-    let own = of.get_or_insert_with(PerTerm::default);
-    for (term, um) in other.iter() {
-        own[term] = own[term].max(*um);
-    }
+fn join(own: &mut Vec<Cause>, other: Vec<Cause>) {
+    own.extend(other);
+    own.sort_by_key(|cause| *cause as usize);
+    own.dedup();
 }
 
 #[cfg(test)]
@@ -198,10 +246,10 @@ mod tests {
                 .collect(),
             hidden_reversal_um: Some(9.125),
             degrees_of_freedom: Some(3.0),
-            angles_not_counted: Some(PerTerm::from_fn(|term| {
-                if term.is_positioning() { 0.0 } else { 0.0625 }
-            })),
-            beam_not_counted: Some(PerTerm::default()),
+            silence: Silence {
+                not_stated: vec![Cause::Angles, Cause::SetUps],
+                neglected: vec![Cause::Slopes],
+            },
             frame: Some(Frame::XPrimary),
             notes: vec![
                 note("frame: X primary".to_string()),

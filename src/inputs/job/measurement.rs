@@ -40,7 +40,12 @@ pub struct ActiveSettings {
     pub backlash_um: PerAxis<Option<f64>>,
 }
 
-/// `[measurement.uncertainty]`: standard uncertainties (k = 1); what is `None` is listed as not included.
+/// Scale of the laser that counts where the job of readings states none, 10⁻⁶ (k = 1).
+const LASER_PPM: f64 = 0.5;
+/// Angle of the beam that counts where the job states none, mrad: a spot 1 mm off at 1 m.
+const BEAM_MRAD: f64 = 1.0;
+
+/// `[measurement.uncertainty]`: standard uncertainties (k = 1).
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct StatedUncertainty {
     /// Noise of a single reading, µm.
@@ -65,10 +70,20 @@ pub struct StatedUncertainty {
 }
 
 impl StatedUncertainty {
-    /// What the beam may take off every length, 10⁻⁶: 1 − cos of `beam_mrad`. All of it counts as a
+    /// Scale of the laser behind readings, 10⁻⁶: as stated, else a usual one.
+    pub(crate) fn of_laser_ppm(&self) -> f64 {
+        self.laser_ppm.unwrap_or(LASER_PPM)
+    }
+
+    /// Angle of the beam, mrad: as stated, else a usual one.
+    pub(crate) fn of_beam_mrad(&self) -> f64 {
+        self.beam_mrad.unwrap_or(BEAM_MRAD)
+    }
+
+    /// What the beam may take off every length, 10⁻⁶: 1 − cos of its angle. All of it counts as a
     /// standard uncertainty: it has one sign and stays in the readings.
     pub(crate) fn beam_ppm(&self) -> f64 {
-        self.beam_mrad.map_or(0.0, |mrad| mrad * mrad / 2.0)
+        self.of_beam_mrad() * self.of_beam_mrad() / 2.0
     }
 }
 

@@ -1,12 +1,13 @@
 //! The figures of a forecast.
 
+use crate::inputs::error_table::Silence;
 use crate::inputs::job::Acceptance;
 use crate::judge::conformity::{
     Magnitude, Sigma, Verdict, expanded_um, judge_forecast, judge_measured,
 };
 use crate::judge::findings::InForecast;
 use crate::judge::forecast::share::JudgedRange;
-use crate::quantity::axis::{Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::axis::{Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::{Millimetres, larger};
 use crate::text::finding::Finding;
 
@@ -111,8 +112,8 @@ pub struct Forecast {
     pub sigma: Sigma,
     /// The part of each axis that is judged, and how much of it was measured.
     pub ranges: Vec<JudgedRange>,
-    /// What no uncertainty holds because the job does not state it.
-    pub silent: Vec<Silent>,
+    /// What the job of a separation leaves unsaid.
+    pub silence: Silence,
     /// Every measured term, in the contract's order.
     pub terms: Vec<TermForecast>,
     /// The four body diagonals; empty unless all nine errors were measured, none in one direction only.
@@ -204,7 +205,10 @@ impl Forecast {
 
     /// Compares with the acceptance of the job.
     pub fn verdict(&self, acceptance: Acceptance) -> Verdict {
-        let terms = acceptance.max_deviation_um.map(|limit| self.judge(&self.figures(), limit));
+        let unsaid = !self.silence.not_stated.is_empty();
+        let unsaid = if unsaid { Verdict::Undecided } else { Verdict::Pass };
+        let judged = |limit| self.judge(&self.figures(), limit).max(unsaid);
+        let terms = acceptance.max_deviation_um.map(judged);
         let all: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
         let diagonals = acceptance.max_diagonal_um.map(|limit| match all.is_empty() {
             true => Verdict::Undecided,
@@ -224,30 +228,3 @@ impl Forecast {
 
 /// Differences below the last digit that is shown are none, µm.
 const SHOWN_UM: f64 = 0.001;
-
-/// A cause that a job may leave without a bound.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Uncounted {
-    /// Angular errors, bound in µrad.
-    Angles,
-    /// The beam against the normal of the mirror, bound in mrad; the effect grows with its square.
-    Beam,
-}
-
-impl Uncounted {
-    /// Unit of its bound.
-    pub(crate) fn unit(self) -> &'static str {
-        match self {
-            Uncounted::Angles => "µrad",
-            Uncounted::Beam => "mrad",
-        }
-    }
-}
-
-/// One cause that is not counted.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Silent {
-    pub(super) what: Uncounted,
-    /// Standard uncertainty (k = 1) that a bound of one unit makes where it moves a curve most, µm.
-    pub(super) by_term: PerTerm<f64>,
-}

@@ -11,7 +11,6 @@ findings! {
     Assumed {
         Noise { um: f64 } => Label, "noise of a reading {um} µm (noise_um)";
         NoiseNotStated { um: f64 } => Label, "noise of a reading {um} µm: `noise_um` is not stated";
-        NotIncluded { keys: Vec<&'static str> } => Label, "not stated and not included in U: {}", keys.join(", ");
         NotCounted { words: String } => Label, "{words}";
         LinearAxes { runs: u32, u_um_per_m: PerAxis<f64>, named: Vec<Axis> } => Label, "linear axis: same laser, {runs} runs both ways, u_um_per_m = {:.2}, {:.2}, {:.2} (X, Y, Z; state it){}", u_um_per_m.x, u_um_per_m.y, u_um_per_m.z, match named.as_slice() {
             [] => String::new(),
@@ -66,13 +65,9 @@ impl Design<'_> {
             Some(um) => Assumed::Noise { um },
             None => Assumed::NoiseNotStated { um: NOISE_UM },
         };
-        let keys = [("laser_ppm", stated.laser_ppm), ("setup_ppm", stated.setup_ppm)];
-        let silent = keys.into_iter().filter(|(_, stated)| stated.is_none());
-        let keys: Vec<&str> = silent.map(|(key, _)| key).collect();
-        let silent = (!keys.is_empty()).then_some(Assumed::NotIncluded { keys });
-        let not_counted = described.expected.not_counted.sentences().into_iter();
+        let not_counted = described.expected.silence.sentences().into_iter();
         let not_counted = not_counted.map(|words| Assumed::NotCounted { words });
-        [noise].into_iter().chain(silent).chain(not_counted).collect()
+        [noise].into_iter().chain(not_counted).collect()
     }
 }
 

@@ -7,8 +7,10 @@ use super::corrections::{
 use super::curves::{at, mean};
 use super::linear_reversal::{LinearReversal, LinearReversals};
 use super::readings::CorrectedRun;
-use crate::inputs::error_table::ErrorTable;
-use crate::inputs::job::{Beam, DiagonalMeasurement, Job, Linear, LinearSlope, StatedUncertainty};
+use crate::inputs::error_table::{Cause, ErrorTable, Silence};
+use crate::inputs::job::{
+    Beam, DiagonalMeasurement, Job, Linear, LinearSlope, SetUp, StatedUncertainty,
+};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Run, Volume};
 use crate::quantity::units::Millimetres;
@@ -32,6 +34,28 @@ pub struct Campaign<'a> {
 }
 
 impl Campaign<'_> {
+    /// What the job leaves unsaid, or says to be nothing.
+    pub(super) fn silence(&self) -> Silence {
+        let (stated, measured) = (&self.stated, Some(f64::INFINITY));
+        let open = |is_open: bool, stated: Option<f64>| if is_open { stated } else { measured };
+        let is_perfect = self.measurement.setup == SetUp::AssumePerfect;
+        let has_u = self.lines.iter().all(|line| line.u_um_per_m.is_some());
+        let all = [
+            (Cause::Angles, open(!self.angle_evidence().missing.is_empty(), stated.angle_urad)),
+            (Cause::SetUps, stated.setup_ppm),
+            (Cause::Slopes, open(!has_u, None)),
+            (Cause::Tilt, open(is_perfect, stated.tilt_arcsec)),
+        ];
+        let of = |is: &dyn Fn(Option<f64>) -> bool| {
+            let found = all.into_iter().filter(|(_, bound)| is(*bound));
+            found.map(|(cause, _)| cause).collect()
+        };
+        Silence {
+            not_stated: of(&|bound| bound.is_none()),
+            neglected: of(&|bound| bound.is_some_and(|bound| bound <= 0.0)),
+        }
+    }
+
     /// What is known of the angular errors.
     pub(crate) fn angle_evidence(&self) -> AngleEvidence {
         let angles = self.angles.as_ref();

@@ -30,7 +30,7 @@ use super::readings::{CorrectedRun, Group, Means, PassMeans, RunCounts, means, r
 use super::uncertainty::{Budget, OfAngle, Unmeasured};
 use crate::inputs::job::{Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, Run, Volume};
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
 
@@ -265,14 +265,12 @@ impl Start {
 }
 
 fn stated_angles(campaign: &Campaign<'_>, runs: &[CorrectedRun]) -> Vec<Vec<Means>> {
-    let Some(urad) = campaign.stated.angle_urad else { return Vec::new() };
     let backs = means(runs).reverse.is_some();
-    let of = |angle: &OfAngle| {
-        let scaled =
-            PerDiagonal::from_fn(|d| angle.readings[d].iter().map(|um| urad * um).collect());
-        Means { reverse: backs.then(|| PassMeans::clone(&scaled)), forward: scaled }
+    let of = |angle: &OfAngle| Means {
+        reverse: backs.then(|| PassMeans::clone(&angle.readings)),
+        forward: angle.readings.clone(),
     };
-    let Unmeasured { parts, orders } = Unmeasured::of(campaign);
+    let Unmeasured { parts, orders } = Unmeasured::stated(campaign);
     let of_order = |acting: &Vec<usize>| acting.iter().map(|part| of(&parts[*part])).collect();
     orders.iter().map(of_order).collect()
 }

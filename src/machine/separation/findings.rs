@@ -61,17 +61,14 @@ findings! {
         NoAir => Label, "the readings are not corrected for air, and nothing corrects them here: about 1 µm/m of scale for each K of air temperature or 3.7 hPa";
         NoiseIs { um: f64, source: &'static str, freedom: Option<usize>, k: f64 } => Label, "noise of a single reading {um:.3} µm (k = 1), {source}{}", freedom.map_or_else(String::new, |freedom| format!(", {freedom} degrees of freedom: k = {k:.2} by Student holds 95 %"));
         NoiseUnknown => Label, "noise of the readings is not known (one run, no redundancy): no uncertainty is given";
-        LaserCounts { stated: bool } => Label, "{}", if *stated { "laser_ppm is included in the scales, as an error that all four set-ups share" } else { "laser_ppm is not stated and not included" };
+        LaserCounts { ppm: f64, is_stated: bool } => Label, "laser_ppm {} counts in the scales ({ppm}, k = 1), as an error that all four set-ups share", if *is_stated { "as stated" } else { "is not stated: a usual one" };
         OfMaterialNotStated { key: &'static str } => Label, "{key} is not stated and not included";
         OfMaterial { key: &'static str, with: String, without: String, needs: &'static str } => Label, "{}", of_material(key, with, without, needs);
         SetUpCounts { ppm: Option<f64>, each: String } => Label, "{}{each}", match ppm {
             Some(ppm) => format!("setup_ppm ({ppm}) is included: laser, air and scales change so much from one set-up to the next; each ppm makes µm/m of squareness: "),
             None => "setup_ppm is not stated: changes of laser, air and scale temperature between the four set-ups are not included; each ppm (0.09 K of steel) makes µm/m of squareness: ".to_string(),
         };
-        BeamCounts { stated: StatedUncertainty } => Label, "{}", match stated.beam_mrad {
-            Some(mrad) => format!("beam_mrad ({mrad}) is included: it takes up to {:.3} µm/m off every diagonal, and all of that counts as k = 1", stated.beam_ppm()),
-            None => "beam_mrad is not stated and not included".to_string(),
-        };
+        BeamCounts { stated: StatedUncertainty } => Label, "beam_mrad {} counts ({}): it takes up to {:.3} µm/m off every diagonal, and all of that as k = 1", if stated.beam_mrad.is_some() { "as stated" } else { "is not stated: a usual one" }, stated.of_beam_mrad(), stated.beam_ppm();
         SimulatedHold => Label, "simulated intervals hold the noise of the readings and of the linear axes, not these";
         AnglesMissing { names: String, urad: Option<f64>, chain_is_stated: bool } => Label, "angular errors without a measurement, counted as zero: {names}; no reading shows pitch and yaw, and the figures are meant for the lines through the middle of the box; {}", match urad {
             None => "not included in U: state `angle_urad` in [measurement.uncertainty]".to_string(),

@@ -108,8 +108,8 @@ fn stated(budget: &Budget<'_>) -> Vec<Found> {
     };
     let is_warm = |axis| material(axis).is_some_and(|m| m.temperature_c.is_some());
     let each = u_squareness(budget.volume, budget.volume.diagonal_mm() / 1000.0);
-    let mut labels = vec![
-        Found::LaserCounts { stated: stated.laser_ppm.is_some() },
+    vec![
+        Found::LaserCounts { ppm: stated.of_laser_ppm(), is_stated: stated.laser_ppm.is_some() },
         by_axis(
             "temperature_k",
             stated.temperature_k.is_some(),
@@ -127,17 +127,8 @@ fn stated(budget: &Budget<'_>) -> Vec<Found> {
             each: by_plane(|plane| format!("{} {:.2}", plane.key(), each.of(plane))),
         },
         Found::BeamCounts { stated },
-    ];
-    let any = [
-        stated.laser_ppm,
-        stated.temperature_k,
-        stated.alpha_per_k,
-        stated.setup_ppm,
-        stated.angle_urad,
-        stated.beam_mrad,
-    ];
-    labels.extend(any.iter().any(Option::is_some).then_some(Found::SimulatedHold));
-    labels
+        Found::SimulatedHold,
+    ]
 }
 
 fn by_plane(words: impl Fn(Plane) -> String) -> String {

@@ -104,7 +104,7 @@ pub(super) struct Model {
     pub(super) noise: Vec<f64>,
     /// Variance of lines and of what is neglected.
     pub(super) other: Vec<f64>,
-    /// What causes do to z: one standard uncertainty of each, of set-ups 1 ppm, of angles 1 µrad of their bound.
+    /// What causes do to z: one standard uncertainty of each, of set-ups 1 ppm.
     pub(super) columns: Vec<Vec<f64>>,
     /// Which of them are false scales common to all set-ups, and the tilts of a mirror.
     pub(super) strains: Range<usize>,
@@ -114,9 +114,8 @@ pub(super) struct Model {
     pub(super) setups: Range<usize>,
     pub(super) setup_ppm: f64,
     pub(super) beam_ppm: f64,
-    /// Which are unmeasured angles, for each order of the axes that may be; and their bound, µrad.
+    /// Which are unmeasured angles with a stated bound, for each order of the axes that may be; the worst counts.
     pub(super) angles: Vec<Vec<usize>>,
-    pub(super) angle_urad: Option<f64>,
 }
 
 /// u² of a figure.
@@ -126,10 +125,6 @@ pub(super) struct Variance {
     pub(super) noise: f64,
     /// By everything that counts.
     pub(super) all: f64,
-    /// By unmeasured angles with a bound of 1 µrad, for the worst order of the axes.
-    pub(super) by_urad: f64,
-    /// By a beam 1 mrad beside the mirror's normal.
-    pub(super) by_mrad: f64,
 }
 
 impl Model {
@@ -147,7 +142,6 @@ impl Model {
             setup_ppm: 0.0,
             beam_ppm: 0.0,
             angles: Vec::new(),
-            angle_urad: None,
         }
     }
 
@@ -201,21 +195,11 @@ impl Model {
     }
 
     fn combined(&self, [noise, other]: [f64; 2], effects: &[f64]) -> Variance {
-        let squares = |range: &Range<usize>| -> f64 {
-            effects[range.clone()].iter().map(|effect| effect.squared()).sum()
-        };
         let of_order =
             |acting: &Vec<usize>| acting.iter().map(|part| effects[*part].squared()).sum();
-        let by_urad = self.angles.iter().map(of_order).fold(0.0, f64::max);
-        let setups: f64 = effects[self.setups.clone()].iter().sum();
+        let by_angles = self.angles.iter().map(of_order).fold(0.0, f64::max);
         let causes: f64 = self.shared(effects, effects).iter().sum();
-        let angles = self.angle_urad.map_or(0.0, |urad| urad.squared() * by_urad);
-        Variance {
-            noise,
-            all: noise + other + causes + angles,
-            by_urad,
-            by_mrad: 0.25 * (setups.squared() + squares(&self.setups)),
-        }
+        Variance { noise, all: noise + other + causes + by_angles }
     }
 }
 

@@ -14,7 +14,7 @@ use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
 use super::reversal::{Turn, ran_over, separable, turn};
 use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness};
 use super::uncertainty::{Budget, SlopeUncertainty};
-use super::unmeasured::NotCounted;
+use crate::inputs::error_table::Silence;
 use crate::inputs::job::{Material, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Run, Volume};
@@ -38,7 +38,7 @@ pub struct Separation {
     /// Its uncertainty; `None` = not known.
     pub u_squareness: PerPlane<Option<SlopeUncertainty>>,
     /// What the job does not state and no uncertainty holds.
-    pub not_counted: NotCounted,
+    pub silence: Silence,
     /// φ of least squares lines through the separated curves, µm/m.
     pub squareness_least_squares_um_per_m: PerPlane<Option<f64>>,
     /// Scales, squareness, rank.
@@ -208,7 +208,7 @@ fn evaluated(
         shapes: solved.shapes(),
         naive_slopes_um_per_m: solved.naive.clone(),
         squareness_um_per_m: solved.squareness(),
-        not_counted: NotCounted::of(campaign, &errors, &planes),
+        silence: campaign.silence(),
         u_squareness,
         squareness_least_squares_um_per_m: errors.least_squares_squareness(volume),
         tilts: solved.tilts(),

@@ -238,11 +238,9 @@ impl<'a> Solved<'a> {
         };
         let is_known = is_known && self.budget.noise.is_some();
         let variances = rows.variances(&self.model);
-        let largest = |of: fn(&Variance) -> f64| variances.iter().map(of).fold(0.0, f64::max);
-        let moved_um = [largest(|v| v.by_urad), largest(|v| v.by_mrad)].map(f64::sqrt);
         let of = |v: &Variance| ((v.all + left_out).sqrt(), v.noise.sqrt());
         let (u_um, u_noise_um) = is_known.then(|| variances.iter().map(of).unzip()).unzip();
-        SeparatedError { deviation_um: values, u_um, u_noise_um, moved_um }
+        SeparatedError { deviation_um: values, u_um, u_noise_um }
     }
 
     /// The curve of a direction: that of its readings, with the slope of the mean. After a turn the − curve
@@ -351,8 +349,6 @@ pub struct SeparatedError {
     pub u_um: Option<Vec<f64>>,
     /// The part of them that comes from the noise of the readings, µm.
     pub u_noise_um: Option<Vec<f64>>,
-    /// Largest standard uncertainty that unmeasured angles make for each µrad, and a beam for each mrad², µm.
-    pub(super) moved_um: [f64; 2],
 }
 
 impl SeparatedError {
@@ -384,7 +380,6 @@ impl SeparatedError {
             deviation_um: directed_curve(&self.deviation_um, &reversal.um, direction),
             u_noise_um: self.u_noise_um.clone().filter(|_| u_um.is_some()),
             u_um,
-            moved_um: self.moved_um,
         }
     }
 }

@@ -27,11 +27,9 @@ use super::noise::{Noise, float};
 use super::plane::Unknown;
 use super::readings::{CorrectedRun, DiagonalFigures, figures, means, run_counts};
 use super::slopes::{Totals, totals};
-use super::solved::NineErrors;
 use super::uncertainty::SlopeUncertainty;
-use super::unmeasured::NotCounted;
 use super::{labels, metric};
-use crate::inputs::error_table::{ErrorTable, Series};
+use crate::inputs::error_table::{ErrorTable, Series, Silence};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::quantity::units::Squared;
@@ -70,7 +68,7 @@ pub struct StraightResult {
     /// Uncertainty of the squareness; `None` = not known.
     pub u_squareness: PerPlane<Option<SlopeUncertainty>>,
     /// What the job does not state and no uncertainty holds.
-    pub not_counted: NotCounted,
+    pub silence: Silence,
     /// Uncertainty of the scales; `None` where it or that of a line is not known.
     pub u_scale: PerAxis<Option<SlopeUncertainty>>,
     /// Noise of a single reading: from repeated runs, or stated.
@@ -113,7 +111,6 @@ pub fn straight(
     };
     let planes = PerPlane::from_fn(|plane| found(Unknown::Squareness(plane)));
     let known = |found: Option<Variance>| Some(found?.as_slope(noise?));
-    let none = NineErrors::default();
     Ok(StraightResult {
         volume: volume.clone(),
         diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {
@@ -123,7 +120,7 @@ pub fn straight(
         range_over_all_um,
         totals: totals(volume, &ends),
         u_squareness: planes.map(known),
-        not_counted: NotCounted::of(campaign, &none, &planes),
+        silence: campaign.silence(),
         u_scale: PerAxis::from_fn(|axis| {
             metric.scale[axis].and_then(|_| known(found(Unknown::Scale(axis))))
         }),

@@ -4,10 +4,9 @@ use super::findings::SeparationFinding;
 use super::noise::Noise;
 use super::separate::Separation;
 use super::solved::SeparatedError;
-use super::unmeasured::Silent;
 use crate::inputs::error_table::{self, Draft, DraftSeries, ErrorTable, Remarks};
 use crate::inputs::job::{BacklashPolicy, Job};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::rounded;
 use crate::text::document::Source;
 use crate::text::finding::Finding;
@@ -109,15 +108,10 @@ pub fn remarks(separation: &Separation) -> Remarks {
         not_determined: missing.into_iter().map(|term| (term, why.clone())).collect(),
         hidden_reversal_um: separation.hidden_reversal_um,
         degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
-        angles_not_counted: by_term(&separation.not_counted.angles),
-        beam_not_counted: by_term(&separation.not_counted.beam),
+        silence: separation.silence.clone(),
         frame,
         notes,
     }
-}
-
-fn by_term(silent: &Option<Silent>) -> Option<PerTerm<f64>> {
-    silent.as_ref().map(|silent| silent.by_term.clone())
 }
 
 fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> DraftSeries {

@@ -4,7 +4,7 @@
 //! ```text
 //!   noise        independent readings: σ²/r of a mean of r runs
 //!   laser, temperature, expansion, beam    one false scale of X, Y, Z common to all set-ups: Σ_k strain_k u_dk (P_k(q) − P_k(0))
-//!   set-up, beam                           a false scale of each set-up for itself
+//!   set-up, beam                           a false scale of each set-up for itself; set-up: of each linear axis, too
 //!   angles       a t and −b t² of each angle without a measurement, for each order of the axes that may be
 //!   tilt         of a mirror, where the set-up is assumed perfect: η·(P(q) − P(0)) in both directions across each diagonal
 //! ```
@@ -81,7 +81,9 @@ impl Budget<'_> {
         let mut model = Model::new(Layout { nodes, passes: passes.len(), lines: lines.len() });
         let variance = self.noise.map_or(0.0, |noise| noise.sigma_um.squared());
         for (index, line) in lines.iter().enumerate() {
-            model.other[model.layout.line(index)] = line.u_um_per_m.unwrap_or(0.0).squared();
+            let of_setup = self.stated.setup_ppm.unwrap_or(0.0);
+            let u_um_per_m = line.u_um_per_m.unwrap_or(0.0).hypot(of_setup);
+            model.other[model.layout.line(index)] = u_um_per_m.squared();
         }
         for pass in passes {
             for d in Diagonal::ALL {
@@ -119,7 +121,7 @@ impl Budget<'_> {
         model.tilts = model.strains.end..columns.len();
         columns.extend(setups);
         model.setups = model.tilts.end..columns.len();
-        let unmeasured = Unmeasured::of(campaign);
+        let unmeasured = Unmeasured::stated(campaign);
         let first = columns.len();
         columns.extend(unmeasured.parts.into_iter().map(|of| {
             let mut column = model.layout.column(|_, d, node| of.readings[d][node]);
@@ -132,7 +134,6 @@ impl Budget<'_> {
         model.columns = columns;
         model.setup_ppm = self.stated.setup_ppm.unwrap_or(0.0);
         model.beam_ppm = self.stated.beam_ppm();
-        model.angle_urad = self.stated.angle_urad;
         model
     }
 
@@ -149,7 +150,7 @@ impl Budget<'_> {
         let of_temperature = |u: f64| strain(&|m| Some(m.alpha_per_k * u));
         let of_alpha = |u: f64| strain(&|m| Some(u * (m.temperature_c? - REFERENCE_C)));
         let all = [
-            stated.laser_ppm.map(alike),
+            Some(alike(stated.of_laser_ppm())),
             stated.temperature_k.map(of_temperature),
             stated.alpha_per_k.map(of_alpha),
         ];
@@ -172,7 +173,8 @@ pub(super) struct OfAngle {
     lines: Vec<f64>,
 }
 
-/// What unmeasured angles do: one standard uncertainty of each part for a bound of 1 µrad.
+/// What unmeasured angles with a stated bound do: one standard uncertainty of each part.
+#[derive(Default)]
 pub(super) struct Unmeasured {
     pub(super) parts: Vec<OfAngle>,
     /// Which of the parts act, for each order of the axes that may be.
@@ -185,7 +187,10 @@ impl Unmeasured {
     ///          is squareness. Levers count from there, the tool has none; linear axes are taken as measured there,
     ///          beams without ends as going through. A straight part or a bow above half of the bound is not held,
     ///          nor an angle that differs between the directions.
-    pub(super) fn of(campaign: &Campaign<'_>) -> Unmeasured {
+    pub(super) fn stated(campaign: &Campaign<'_>) -> Unmeasured {
+        let Some(bound_urad) = campaign.stated.angle_urad.filter(|bound| *bound > 0.0) else {
+            return Unmeasured::default();
+        };
         let evidence = campaign.angle_evidence();
         let walks = walks(campaign);
         let mut known: Vec<(Rotation, [bool; 3])> = Vec::new();
@@ -200,7 +205,7 @@ impl Unmeasured {
                 let key = (*rotation, Axis::ALL.map(|axis| swung.contains(&axis)));
                 let at = known.iter().position(|known| *known == key).unwrap_or_else(|| {
                     known.push(key);
-                    parts.extend(of_rotation(campaign, &walks, *order, *rotation));
+                    parts.extend(of_rotation(campaign, &walks, bound_urad, *order, *rotation));
                     known.len() - 1
                 });
                 acting.extend([2 * at, 2 * at + 1]);
@@ -236,6 +241,7 @@ fn walks(campaign: &Campaign<'_>) -> Walks {
 fn of_rotation(
     campaign: &Campaign<'_>,
     walks: &Walks,
+    bound_urad: f64,
     order: [Axis; 3],
     rotation: Rotation,
 ) -> [OfAngle; 2] {
@@ -260,7 +266,7 @@ fn of_rotation(
         };
         walks[d].iter().map(of).collect::<Vec<[f64; 3]>>()
     });
-    let u = 0.5 / 3_f64.sqrt();
+    let u = 0.5 * bound_urad / 3_f64.sqrt();
     let shapes: [fn(f64) -> f64; 2] = [|t| t, |t| -t * t];
     shapes.map(|shape| {
         let urad = |t: f64| u * shape(t);

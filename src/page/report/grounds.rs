@@ -3,10 +3,9 @@
 //! line says how many there are, and in which part.
 
 use super::{Kind, Report};
+use crate::inputs::error_table::Cause;
 use crate::judge::conformity::Verdict;
-use crate::judge::forecast::{
-    Hold, JudgedRange, Miss, NotCounted, Of, RestsOn, Uncounted, is_whole_travel, widest_gap_mm,
-};
+use crate::judge::forecast::{JudgedRange, Miss, Of, RestsOn, is_whole_travel, widest_gap_mm};
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::Millimetres;
 use crate::text::html::escaped;
@@ -77,7 +76,7 @@ impl Report<'_> {
             RestsOn::NoReversal(terms) => self.fill("no_reversal_of", [("errors", names(terms))]),
             RestsOn::WithoutU(terms) if terms.is_empty() => self.t("without_u"),
             RestsOn::WithoutU(terms) => self.fill("without_u_of", [("errors", names(terms))]),
-            RestsOn::NotCounted(causes) => self.not_counted(causes),
+            RestsOn::Neglected(causes) => self.neglected(causes),
             RestsOn::Unused(keys) => self.fill("unused", [("keys", keys.join(", "))]),
             RestsOn::NineNeeded => self.t("nine_needed"),
         }
@@ -114,25 +113,10 @@ impl Report<'_> {
         }
     }
 
-    fn not_counted(&self, causes: &[NotCounted]) -> String {
-        let one = |cause: &NotCounted| {
-            let what = self.t(match cause.what {
-                Uncounted::Angles => "angles_not_counted",
-                Uncounted::Beam => "beam_not_counted",
-            });
-            let bound = match &cause.hold {
-                None => return what,
-                Some(Hold::Without) => self.t("holds_without"),
-                Some(Hold::Below(bound)) => {
-                    let bound = self.locale.decimal(bound);
-                    let bound = format!("{bound} {}", cause.what.unit());
-                    self.fill("holds_below", [("bound", bound)])
-                }
-            };
-            format!("{what} ({bound})")
-        };
-        let parts: Vec<String> = causes.iter().map(one).collect();
-        parts.join("; ")
+    fn neglected(&self, causes: &[Cause]) -> String {
+        let words: Vec<String> =
+            causes.iter().map(|cause| self.t(&format!("cause_{}", cause.key()))).collect();
+        self.fill("neglected", [("causes", words.join(", "))])
     }
 
     /// Why the verdict is no pass, the gravest first, short enough for the first page.
@@ -185,6 +169,14 @@ impl Report<'_> {
     fn miss(&self, miss: &Miss) -> String {
         let (of, um, expanded_um, limit_um, verdict) = match miss {
             Miss::Range(range) => return self.too_little(range),
+            Miss::NotStated(cause) => {
+                let facts = [
+                    ("cause", self.t(&format!("cause_{}", cause.key()))),
+                    ("key", cause.key().to_string()),
+                    ("verdict", self.t(Verdict::Undecided.word())),
+                ];
+                return self.fill("reason_not_stated", facts);
+            }
             Miss::Figure { of, um, expanded_um, limit_um, verdict } => {
                 (*of, *um, *expanded_um, *limit_um, *verdict)
             }
