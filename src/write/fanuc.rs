@@ -22,6 +22,9 @@ use crate::write::task::{Plan, PlannedTable, Target, Task};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
+/// First data numbers of the per-point form: 13391 to 13399, as a real control has them.
+const FIRST_NUMBERS: u32 = 9;
+
 impl Family for FanucFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
         let is_number = name.chars().all(|c| c.is_ascii_digit()) && !name.starts_with('0');
@@ -43,7 +46,10 @@ impl Family for FanucFacts {
 
     fn budget(&self, compensation: &Compensation) -> Option<TableStock> {
         Some(TableStock {
-            tables: self.straightness_sets.value,
+            tables: match is_four_point(self) {
+                true => self.straightness_sets.value,
+                false => self.straightness_sets.value.min(FIRST_NUMBERS),
+            },
             used: compensation.first_set.unwrap_or(1).saturating_sub(1),
             resource: "straightness sets",
             key: "first_set",
@@ -159,10 +165,11 @@ impl Family for FanucFacts {
 
 /// What the templates see: `parameters` (one block each, with its segments) and `points`.
 fn context(memory: &FanucMemory, facts: &FanucFacts) -> Value {
-    let identifier = |q: &'static str| if facts.q_identifier.value { q } else { "" };
+    let identifier = |letter: &'static str| if facts.q_identifier.value { letter } else { "" };
     let mut blocks: BTreeMap<u32, Vec<Value>> = BTreeMap::new();
     for (ParameterKey { number, axis }, value) in &memory.parameters {
-        let axis = axis.map_or_else(String::new, |axis| format!("A{axis}"));
+        let of_path = identifier("L1").to_string();
+        let axis = axis.map_or(of_path, |axis| format!("A{axis}"));
         let segment = json!({ "axis": axis, "value": text(*value) });
         blocks.entry(*number).or_default().push(segment);
     }
