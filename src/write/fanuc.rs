@@ -22,9 +22,6 @@ use crate::write::task::{Plan, PlannedTable, Target, Task};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
-/// First data numbers of the per-point form: 13391 to 13399, as a real control has them.
-const FIRST_NUMBERS: u32 = 9;
-
 impl Family for FanucFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
         let is_number = name.chars().all(|c| c.is_ascii_digit()) && !name.starts_with('0');
@@ -48,7 +45,7 @@ impl Family for FanucFacts {
         Some(TableStock {
             tables: match is_four_point(self) {
                 true => self.straightness_sets.value,
-                false => self.straightness_sets.value.min(FIRST_NUMBERS),
+                false => self.straightness_sets.value.min(numbers::blocks_of_sets(self)),
             },
             used: compensation.first_set.unwrap_or(1).saturating_sub(1),
             resource: "straightness sets",

@@ -60,7 +60,7 @@ impl Case<'_> {
         let is = |number, axis: u32| {
             memory.parameter(number, None) == Some(ParameterValue::Integer(i64::from(axis)))
         };
-        let mut sets = 0..9;
+        let mut sets = 0..6;
         let own = sets.find(|set| is(5711 + set, moving) && is(5721 + set, output));
         own.unwrap_or_else(|| panic!("no set for {term} on {output}"))
     }

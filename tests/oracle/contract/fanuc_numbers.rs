@@ -30,7 +30,7 @@ pub(crate) fn numbers_are_legal(case: &Case<'_>, memory: &FanucMemory) {
             add(format!("axis {axis}, -"), run, &facts.minus_points.value);
         }
     }
-    for set in 0..9 {
+    for set in 0..6 {
         let moving = memory.parameter(5711 + set, None).is_some();
         if moving && facts.straightness_form.value == StraightnessForm::PerPoint {
             let first = whole(memory, 13391 + set, None);
