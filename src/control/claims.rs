@@ -77,6 +77,8 @@ pub enum SeenTo {
     Before,
     /// The same; unless it holds, data are overwritten or an axis moves.
     Danger,
+    /// The same, with a box of its own.
+    Boxed,
     /// The value is entered after the tables, and put back on rollback.
     Entered,
     /// After loading: there is nothing to compare before.
@@ -103,6 +105,11 @@ impl Precondition {
     /// The same, where data are overwritten or an axis moves unless it holds.
     pub(crate) fn dangerous(self) -> Self {
         Precondition { when: SeenTo::Danger, ..self }
+    }
+
+    /// The same, with a box of its own: what the tables mean depends on it.
+    pub(crate) fn boxed(self) -> Self {
+        Precondition { when: SeenTo::Boxed, ..self }
     }
 
     /// The same, seen to after loading.

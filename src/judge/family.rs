@@ -37,8 +37,8 @@ pub(crate) trait Family {
         _job: &mut Job,
         _profile: &Profile,
         _active: &ActiveControl,
-    ) -> Option<InSum> {
-        None
+    ) -> Vec<InSum> {
+        Vec::new()
     }
 
     /// What tables hold, entry by entry, beside those that they are compared with.

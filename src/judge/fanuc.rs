@@ -1,6 +1,7 @@
 //! FANUC: what was read out of it, against a job and against a kit.
 
 mod before;
+mod machine;
 mod read_out;
 mod surroundings;
 
@@ -49,7 +50,7 @@ impl Family for FanucFacts {
         let pitch = old.parameters.keys().filter(|key| key.number == 3623);
         let pitch = pitch.filter_map(|key| key.axis.filter(|_| stays(3623, key.axis)));
         let pitch = pitch.map(|axis| format!("3623 of axis {axis}"));
-        let sets = (5711..=5716).filter(|set| stays(*set, None));
+        let sets = (5711..=5720).filter(|set| stays(*set, None));
         pitch.chain(sets.map(|set| set.to_string())).collect()
     }
 
@@ -59,24 +60,33 @@ impl Family for FanucFacts {
         job: &mut Job,
         profile: &Profile,
         active: &ActiveControl,
-    ) -> Option<InSum> {
-        let (memory, names) = (own(&active.tables), axis_names(job, profile).ok()?);
-        let mut axes = Vec::new();
+    ) -> Vec<InSum> {
+        let Ok(names) = axis_names(job, profile) else {
+            return Vec::new();
+        };
+        let memory = own(&active.tables);
+        let (mut axes, mut turned) = (Vec::new(), Vec::new());
         for (axis, names) in names.iter() {
             let Some(settings) = &mut job.compensation.axes[axis] else {
                 continue;
             };
-            if settings.interpolated.is_some() || settings.parameter_3605.is_some() {
-                continue;
-            }
             let in_state = |name: &String| active.state.axis(name).is_some_and(|a| a.interpolated);
             let in_state = names.iter().all(in_state).then_some(true);
-            settings.interpolated = interpolated(memory, names).or(in_state);
+            let held = interpolated(memory, names).or(in_state);
+            if settings.interpolated.is_some() || settings.parameter_3605.is_some() {
+                if held.is_some_and(|held| held != settings.is_interpolated()) {
+                    turned.extend(names.iter().cloned());
+                }
+                continue;
+            }
+            settings.interpolated = held;
             if settings.interpolated == Some(true) {
                 axes.extend(names.iter().cloned());
             }
         }
-        (!axes.is_empty()).then_some(InSum::Interpolated { axes })
+        let taken = (!axes.is_empty()).then_some(InSum::Interpolated { axes });
+        let turned = (!turned.is_empty()).then_some(InSum::Turned { axes: turned });
+        taken.into_iter().chain(turned).collect()
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {

@@ -2,7 +2,7 @@
 
 use crate::inputs::job::Frame;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::units::Figure;
+use crate::quantity::units::{Figure, rounded};
 use crate::read::emulate::CannotEmulate;
 use crate::text::finding::{Finding, findings};
 pub(crate) use crate::text::finding::{joined, listed};
@@ -14,6 +14,13 @@ fn frame_word(frame: Option<Frame>) -> &'static str {
 /// `it` or `them`, for as many as there are.
 pub(crate) fn it(count: usize) -> &'static str {
     if count == 1 { "it" } else { "them" }
+}
+
+fn limits(axis: &str, held: [f64; 2], own: [f64; 2]) -> String {
+    let ([low, high], [from, to]) = (held.map(Figure), own.map(Figure));
+    format!(
+        "the stored stroke limits 1321 and 1320 of axis {axis} are {low:.3} and {high:.3} mm, the job has the travel {from:.3} to {to:.3} mm"
+    )
 }
 
 /// Tables whose effect is not known contradict whatever is asked of them.
@@ -63,6 +70,10 @@ findings! {
         PointsOfNobody { points: usize } => Doubt, "the files hold {points} points and no parameter 3620 to 3624, so which axes they correct is not known";
         CuttingFeed { axis: String, cutting: f64, rapid: f64 } => Note, "axis {axis}: 1851 is {cutting} and 1852 is {rapid}; 1851 (cutting feed) is taken";
         Reference { axis: String, position: f64, unit: &'static str, own_mm: f64 } => Disagreement, "1240 of axis {axis} is {position} {unit}, the job has the reference at {own_mm} mm";
+        OtherName { axis: String, code: u32, letter: char, own: Axis } => Disagreement, "1020 of axis {axis} is {code}, which is {letter}; in the job the axis is {own}";
+        DetectionUnit { axis: String, cmr: u32, system: &'static str, um: f64, own_um: f64 } => Doubt, "1820 of axis {axis} is {cmr} and 1013 says {system}: a detection unit of {um} µm (from memory); the job states {own_um} µm, so every correction would be {} times as large", rounded(um / own_um, 3);
+        TravelBeyond { axis: String, held_mm: [f64; 2], own_mm: [f64; 2] } => Doubt, "{}: the axis does not reach all of it", limits(axis, *held_mm, *own_mm);
+        OtherTravel { axis: String, held_mm: [f64; 2], own_mm: [f64; 2] } => Note, "{}", limits(axis, *held_mm, *own_mm);
         HomeOffset { joint: u32, position: f64, unit: &'static str, own_mm: f64 } => Disagreement, "HOME_OFFSET of [JOINT_{joint}] is {position} {unit}, the job has the reference at {own_mm} mm";
         HomeDirection { joint: u32, speed: f64, own: Direction } => Disagreement, "HOME_LATCH_VEL of [JOINT_{joint}] is {speed}, the job has `reference_direction = \"{}\"`", own.symbol();
         NoSwitches { axis: String, directions: u8, interpolated: u8 } => Note, "no file holds 3605 of axis {axis}: bit 0 (table for each direction) and bit 1 (interpolated) are taken as the job asks, {directions} and {interpolated}";
@@ -112,6 +123,11 @@ impl InControl {
             Self::Reference { .. } | Self::HomeOffset { .. } => {
                 "correct `reference_mm`; tables of another reference cannot be added"
             }
+            Self::OtherName { .. } => "correct `id`, or name the files of this machine",
+            Self::DetectionUnit { .. } => {
+                "correct `detection_unit_um`; where a bump has shown that it is right, leave 1820 out of the files"
+            }
+            Self::TravelBeyond { .. } => "correct `travel_mm`, or name the files of this machine",
             Self::HomeDirection { .. } => {
                 "correct `reference_direction`: the column of this direction is zero at the reference"
             }
@@ -144,6 +160,7 @@ findings! {
         DirectionsKept { term: ErrorTerm } => Note, "{term}: what was active differs with the direction (tables, or the backlash parameter) and the measurement does not; the difference is carried over from it";
         Zeros { tables: String } => Note, "the active tables of {tables} hold zeros: old = 0";
         Interpolated { axes: Vec<String> } => Note, "3605#1 of axis {} was 1 while measuring: the forecast is for interpolated pitch compensation, lines between the points", axes.join(", ");
+        Turned { axes: Vec<String> } => Note, "3605#1 of axis {} was not what the job states (`interpolated`) while measuring: the forecast is for what the job states", axes.join(", ");
     }
 }
 

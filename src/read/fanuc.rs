@@ -34,22 +34,26 @@ const POINT_VALUES: std::ops::RangeInclusive<i32> = -128..=127;
 const MOST_VALUES: usize = 100_000;
 /// Complaints that are looked for; a file of another kind has the same one in each block, which is said once.
 const MOST_BLOCKS: usize = 10 * MOST_COMPLAINTS;
-/// 1240, 3624 and 3625: lengths that depend on the unit of the machine.
-const LENGTH_PARAMETERS: [u32; 3] = [1240, 3624, 3625];
-/// First and last number of the parameters that pitch, straightness and backlash need, and
-/// of those whose compensation is not emulated and must be seen.
-const OF_CONCERN: [(u32, u32); 15] = [
+/// Lengths that depend on the unit of the machine.
+const LENGTH_PARAMETERS: [u32; 5] = [1240, 1320, 1321, 3624, 3625];
+/// First and last number of the parameters that pitch, straightness and backlash need, of those that
+/// tell the machine of the job from another one, and of those whose compensation is not emulated and must
+/// be seen.
+const OF_CONCERN: [(u32, u32); 18] = [
+    (1001, 1001),
     (1006, 1006),
+    (1013, 1013),
+    (1020, 1020),
     (1240, 1240),
+    (1320, 1321),
+    (1820, 1820),
     (1851, 1852),
     (3602, 3602),
     (3605, 3605),
     (3620, 3627),
     (3666, 3671),
     (3676, 3677),
-    (5711, 5716),
-    (5721, 5726),
-    (5731, 5784),
+    (5711, 5788),
     (5861, 5874),
     (8135, 8135),
     (10800, 10814),
@@ -245,15 +249,13 @@ impl Reader<'_> {
         if self.writer == Writer::Kit {
             self.refuse_others(&block)?;
         } else {
-            // Another path and a spindle have parameters of their own, which correct no axis of the job.
             let spindles = self.of_spindles(&block);
             self.found.spindles.extend(spindles);
-            block
-                .segments
-                .retain(|segment| segment.other_path.is_none() && segment.spindle.is_none());
-            if block.segments.is_empty() {
-                return Ok(());
-            }
+        }
+        // Another path and a spindle have parameters of their own, which correct no axis of the job.
+        block.segments.retain(|segment| segment.other_path.is_none() && segment.spindle.is_none());
+        if block.segments.is_empty() {
+            return Ok(());
         }
         if self.is_point(&block)? { self.store_point(&block) } else { self.store_parameter(&block) }
     }
@@ -271,18 +273,24 @@ impl Reader<'_> {
         let words = own.filter_map(|segment| {
             let spindle = &self.text[segment.spindle.clone()?];
             let value = &self.text[segment.value.clone()];
-            let is_zero = value.bytes().all(|byte| matches!(byte, b'0' | b'.' | b'-'));
-            (!is_zero).then(|| format!("{} of {spindle} = {value}", block.number))
+            (!self.is_zero(segment)).then(|| format!("{} of {spindle} = {value}", block.number))
         });
         words.collect()
     }
 
+    fn is_zero(&self, segment: &Segment) -> bool {
+        let mut value = self.text[segment.value.clone()].bytes();
+        value.all(|byte| matches!(byte, b'0' | b'.' | b'-'))
+    }
+
+    /// A control writes zeros for each path that it reserves.
     fn refuse_others(&self, block: &Block) -> Result<(), Complaint> {
         if let Some(span) = block.segments.iter().find_map(|s| s.spindle.clone()) {
             let help = "compensation parameters belong to an axis (`A<n>`) or to none";
             return Err(Complaint::new(span, "a spindle parameter is not ours", help));
         }
-        match block.segments.iter().find_map(|s| s.other_path.clone()) {
+        let mut used = block.segments.iter().filter(|segment| !self.is_zero(segment));
+        match used.find_map(|segment| segment.other_path.clone()) {
             None => Ok(()),
             Some(span) => {
                 let word = &self.text[span.clone()];
@@ -416,8 +424,8 @@ impl Reader<'_> {
                 "state the value in the unit of the machine, with `P`",
             );
         }
-        // Bit parameters that compensation files hold (B-63950EN: 1006, 360x, 5700; 8135 on 0i).
-        let is_bits = matches!(number, 1006 | 3601..=3605 | 5700 | 8135);
+        // Bit parameters of concern (B-63950EN: 1001, 1006, 1013, 360x, 5700; 8135 on 0i).
+        let is_bits = matches!(number, 1001 | 1006 | 1013 | 3601..=3605 | 5700 | 8135);
         let value = if is_bits { bits(text) } else { whole_or_real(text) };
         match value {
             Some(value) => Ok(value),

@@ -43,7 +43,10 @@ impl Family for FanucFacts {
 
     fn budget(&self, compensation: &Compensation) -> Option<TableStock> {
         Some(TableStock {
-            tables: self.straightness_sets.value,
+            tables: match is_four_point(self) {
+                true => self.straightness_sets.value,
+                false => self.straightness_sets.value.min(numbers::blocks_of_sets(self)),
+            },
             used: compensation.first_set.unwrap_or(1).saturating_sub(1),
             resource: "straightness sets",
             key: "first_set",
@@ -159,10 +162,11 @@ impl Family for FanucFacts {
 
 /// What the templates see: `parameters` (one block each, with its segments) and `points`.
 fn context(memory: &FanucMemory, facts: &FanucFacts) -> Value {
-    let identifier = |q: &'static str| if facts.q_identifier.value { q } else { "" };
+    let identifier = |letter: &'static str| if facts.q_identifier.value { letter } else { "" };
     let mut blocks: BTreeMap<u32, Vec<Value>> = BTreeMap::new();
     for (ParameterKey { number, axis }, value) in &memory.parameters {
-        let axis = axis.map_or_else(String::new, |axis| format!("A{axis}"));
+        let of_path = identifier("L1").to_string();
+        let axis = axis.map_or(of_path, |axis| format!("A{axis}"));
         let segment = json!({ "axis": axis, "value": text(*value) });
         blocks.entry(*number).or_default().push(segment);
     }

@@ -53,6 +53,7 @@ fn fill_in(at: &Visit, job: &str, slopes: [f64; 3], later: &[&str]) {
             "reserved_points" => "[]",
             "id" => &id,
             "detection_unit_um" => "1.0",
+            "interpolated" => "false",
             "backlash" => "\"mean\"",
             "max_deviation_um" => "10.0",
             other => panic!("nobody said what `{other}` is"),

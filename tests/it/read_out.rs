@@ -188,6 +188,17 @@ fn what_stands_around_fanuc_points_is_judged() {
         N01240Q1A1P0.0004A2P0 => pass
         N01240Q1A1M0.0A2M0.0 => pass
         N01240Q1A1I0.0A2P0.0 => refused: has the letter `I`
+        # Unit, names, detection units and travel of the control are those of the job, or another machine's.
+        N01001Q1L1P00000000L2P00000001\nN01020Q1A1P88A2P89A3P66\nN01013Q1A1P00000000\nN01820Q1A1P2A2P20\nN01320Q1A1P100.5A2P99999.0\nN01321Q1A1P0.0A2P99999.0 => pass
+        N01001Q1L1P00000001L2P00000000\nN01240Q1A1P12.0 => fail: the control that was read out counts in inch, the job in mm
+        N01020Q1A1P89A2P88 => fail: 1020 of axis 1 is 89, which is Y; in the job the axis is X
+        N01020Q1A1P66A2P85 => fail: 1020 of axis 1 is 66, which is B
+        N01013Q1A1P00000000\nN01820Q1A1P20 => undecided: 1820 of axis 1 is 20 and 1013 says IS-B: a detection unit of 0.1 µm (from memory); the job states 1 µm, so every correction would be 0.1 times as large
+        N01013Q1A1P00000010\nN01820Q1A1P2 => undecided: says IS-C: a detection unit of 0.1 µm
+        N01013Q1A1P00000001\nN01820Q1A1P20 => pass
+        N01013Q1A1P00000000\nN01820Q1A1P102 => undecided: a detection unit of 2 µm
+        N01320Q1A1P1.0\nN01321Q1A1P-1000.0 => undecided: 1321 and 1320 of axis 1 are -1000.000 and 1.000 mm, the job has the travel 0.000 to 100.000 mm: the axis does not reach all of it
+        N01320Q1A1P120.0\nN01321Q1A1P-0.0 => pass: are 0.000 and 120.000 mm, the job has the travel 0.000 to 100.000 mm
         # Cs axes have point numbers by spindle, also in the space of the compensation.
         N03666Q1S1P0S2P0\nN03671Q1S1P0\nN03676Q1S1P0S2P0\nN05861Q1S1P0 => pass
         N03666Q1S1P0S2P5 => pass: 3666 of S2 = 5: a spindle corrects no axis of the job, ignored
@@ -195,6 +206,7 @@ fn what_stands_around_fanuc_points_is_judged() {
         N01006Q1A1P00000000A2P00000000A3P00000000\nN03620Q1A3P500\nN03621Q1A3P500\nN03622Q1A3P510\nN03623Q1A3P1\nN03624Q1A3P10.0 => pass: axis 3 (points 500 to 510) belongs to an axis that the job does not have
         N05712Q1P3\nN05722Q1P2 => undecided: follows axis 3
         N05712Q1P4\nN05722Q1P2 => undecided: straightness set 2 (axis 2 while axis 4 moves) follows axis 4
+        N05718Q1L1P4\nN05728Q1L1P2 => undecided: straightness set 8 (axis 2 while axis 4 moves) follows axis 4
         N05712Q1P4\nN05722Q1P2\nN13382Q1P0 => pass: belongs to axes that the job does not have
         N05712Q1P4\nN05722Q1P4\nN13392Q1P4294967295\nN03621Q1A4P0\nN03622Q1A4P10 => pass: belongs to axes that the job does not have
         N03620Q1A4P1\nN03621Q1A4P0\nN03622Q1A4P2\nN03623Q1A4P1\nN03624Q1A4P50.0 => undecided: axis 4, which the job does not have, takes points of axis 1
@@ -213,6 +225,18 @@ fn what_stands_around_fanuc_points_is_judged() {
         N01851Q1A1P8\nN01851Q1A1P4 => refused: parameter 1851 of axis 1 has another value here
         N03602Q1L1P00000000L2P00000001\nN01851Q1A1P4 => pass",
     );
+    // Zeros of paths that a control reserves stand in a file of any name.
+    let cnc = fanuc("mean");
+    let own = cnc.0.read("kit/CNC-PARA.TXT");
+    let of_paths = replaced(&own, "N05711Q1L1P1", "N05711Q1L1P1L2P0L3P0");
+    let files = |parameters: &str| {
+        cnc.judge(
+            "pass",
+            &[("CNC-PARA.TXT", parameters), ("PITCH.TXT", &cnc.0.read("kit/PITCH.TXT"))],
+        )
+    };
+    files(&of_paths);
+    files(&replaced(&own, "N05711Q1L1P1", "N05711Q1P1"));
     let four_digits = Control::new("fanuc-16i", "mean", FANUC);
     four_digits.is("N1240A1P12000A2P0", "fail", "1240 of axis 1 is 12 mm");
 }

@@ -55,7 +55,7 @@ fn siemens(active: &str) -> Inputs {
 }
 
 fn fanuc(active: &str) -> Inputs {
-    let travel = [[-1600.0, 0.0], [-1100.0, 0.0], [-1100.0, 0.0]];
+    let travel = [[-1000.0, 0.0], [-1100.0, 0.0], [-770.0, 30.0]];
     job("fanuc-0i-f", active, travel, |index| {
         let spacing = [40.0, 27.5, 27.5][index];
         format!("spacing_mm = {spacing}\nid = \"{}\"\ndetection_unit_um = 0.1", index + 1)

@@ -187,7 +187,7 @@ fn fanuc() {
     kit.no(PARAMETERS, |t| t.replace("A1P", "A#P").replace("A2P", "A1P").replace("A#P", "A2P"))
         .says("EXX (1 while 1 moves): foreign axis: these are the corrections of EYY");
     // A straightness set moves another axis.
-    kit.no(PARAMETERS, swap("N05721Q1P2", "N05721Q1P3"))
+    kit.no(PARAMETERS, swap("N05721Q1L1P2", "N05721Q1L1P3"))
         .says("foreign axis: the corrections of EYX are added to its own");
 }
 

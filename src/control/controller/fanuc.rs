@@ -101,7 +101,7 @@ facts! {
         straightness_sign: TableSign,
         /// Digits of a number below 10000 (`N03620` or `N3620`).
         number_digits: u32,
-        /// Whether blocks carry `Q1` (parameter) and `Q0` (pitch data).
+        /// Whether blocks carry `Q1` (parameter) and `Q0` (pitch data), and `L1` before a parameter of the path.
         q_identifier: bool,
         /// What is added to a point number in a file.
         point_offset: u32,

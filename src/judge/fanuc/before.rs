@@ -7,7 +7,7 @@ use crate::quantity::axis::Axis;
 
 /// The magnification of the pitch points of an axis, and the moving axes of straightness sets: what
 /// a person sets to 0 to switch an old compensation off.
-const OFF_BY: [std::ops::RangeInclusive<u32>; 2] = [3623..=3623, 5711..=5716];
+const OFF_BY: [std::ops::RangeInclusive<u32>; 2] = [3623..=3623, 5711..=5720];
 
 /// Of the tables of a kit, of those held and of those that acted.
 pub(super) fn old(

@@ -1,13 +1,13 @@
 //! Pitch, straightness and backlash parameters of a Fanuc read-out.
 
+use super::machine;
 use crate::control::claims::Assumption;
-use crate::control::controller::{ControlUnit, FanucFacts, NumberRange, StraightnessForm};
+use crate::control::controller::{FanucFacts, NumberRange, StraightnessForm};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::{FanucMemory, ParameterValue};
 use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::units::power_of_ten;
 use crate::read::fanuc::{merge, read_out};
 use crate::text::problem::Problems;
 
@@ -34,14 +34,17 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>, facts: &FanucFacts) -> Resul
     }
     let memory = merge(problems.or_ok(memories)?)?;
     let held = Held::plain(Tables::Fanuc(memory.clone()));
+    let unit = machine::unit(&memory);
+    for finding in machine::found(reading.job, &reading.names, &memory, facts) {
+        reading.tell(finding);
+    }
     let mut sorted = Sorted { reading, facts, memory };
     sorted.take_sets();
     sorted.take_other_axes();
     let backlash = PerAxis::from_fn(|axis| sorted.backlash(axis));
-    sorted.check_references();
     sorted.tell_points_of_nobody();
     sorted.take_what_is_no_table();
-    Ok(Found { tables: Tables::Fanuc(sorted.memory), held, backlash, unit: None })
+    Ok(Found { tables: Tables::Fanuc(sorted.memory), held, backlash, unit })
 }
 
 /// Whose points a parameter of a spindle means is not known.
@@ -233,51 +236,9 @@ impl Sorted<'_, '_> {
         self.reading.tell(InControl::PointsOfNobody { points });
     }
 
-    /// 1240 against the job.
-    fn check_references(&mut self) {
-        for axis in Axis::ALL {
-            let Some(machine) = self.reading.job.machine.axes[axis] else {
-                continue;
-            };
-            for name in self.reading.names[axis].clone() {
-                self.check_reference(&name, machine.reference.mm());
-            }
-        }
-    }
-
-    /// 1240 of an axis, within half a digit of the control. A whole number counts these digits, as
-    /// 3624 does on the same control.
-    fn check_reference(&mut self, name: &str, reference_mm: f64) {
-        let unit = self.reading.job.compensation.control_unit;
-        let decimals = match unit {
-            ControlUnit::Millimetre => self.facts.interval_decimals_mm.value,
-            ControlUnit::Inch => self.facts.interval_decimals_inch.value,
-        };
-        let per_unit = power_of_ten(decimals);
-        let number = name.parse().ok();
-        let (Some(held), Some(value)) =
-            (self.memory.parameter(1240, number), self.any_number(1240, name))
-        else {
-            return;
-        };
-        let position = match held {
-            ParameterValue::Integer(_) => value / per_unit,
-            _ => value,
-        };
-        let half_a_digit_mm = 0.5 * unit.in_mm() / per_unit;
-        if (position * unit.in_mm() - reference_mm).abs() > half_a_digit_mm * 1.001 {
-            self.reading.tell(InControl::Reference {
-                axis: name.to_string(),
-                position,
-                unit: unit.word(),
-                own_mm: reference_mm,
-            });
-        }
-    }
-
     /// What was judged, and what does nothing.
     fn take_what_is_no_table(&mut self) {
-        self.remove(&[1240, 1851, 1852]);
+        self.remove(&[1001, 1013, 1020, 1240, 1320, 1321, 1820, 1851, 1852]);
         self.memory.parameters.retain(|key, value| {
             let idle = IDLE_AT_ZERO.iter().any(|(a, b)| (*a..=*b).contains(&key.number));
             let zero = match value {

@@ -93,10 +93,11 @@ pub(super) fn preconditions(compiled: &Compiled) -> Listed {
         format!("{what} must be {value}; found: {BLANK} Why: {why} *({source})*")
     };
     let why = |(what, p): &(String, &Precondition)| format!("{what}: {} *({})*", p.why, p.source);
-    let items = of(SeenTo::Danger).map(danger);
+    let boxed = of(SeenTo::Boxed).map(|own| format!("{BOX} {}", danger(own)));
+    let items = of(SeenTo::Danger).map(danger).chain(boxed);
     let items = items.chain(of(SeenTo::Entered).map(item));
     let notes = of(SeenTo::Before).map(must);
-    let notes = notes.chain(of(SeenTo::Danger).map(source));
+    let notes = notes.chain(of(SeenTo::Danger).chain(of(SeenTo::Boxed)).map(source));
     Listed {
         items: items.chain(references_off(compiled)).collect(),
         notes: notes.chain(of(SeenTo::Entered).map(why)).collect(),

@@ -189,7 +189,7 @@ fn each_bad_block_is_named_with_its_column() {
         ("N03624Q1A1I2.0", "the letter `I`", 12),
         ("N03624Q1A1P1E3", "`E`", 13),
         ("N03620Q1S1P1", "spindle parameter is not ours", 9),
-        ("N03620Q1L2A1P1", "path 2", 9),
+        ("N05711Q1L1P1L2P1", "path 2", 13),
         ("N03620Q1T2A1P1", "path 2", 9),
         ("N03620Q1A0P1", "count from 1", 9),
         ("N03620Q1A1P1A1P2", "two values", 16),

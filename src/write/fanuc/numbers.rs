@@ -46,6 +46,12 @@ pub(super) fn is_four_point(facts: &FanucFacts) -> bool {
     facts.straightness_form.value == StraightnessForm::FourPoint
 }
 
+/// How many per-point sets have straightness data of their own: more would lie among those of sets in use.
+pub(super) fn blocks_of_sets(facts: &FanucFacts) -> u32 {
+    let of_a_set = facts.straightness_axis_points.value.max(1);
+    facts.straightness_points.value.iter().map(|b| (b.last - b.first + 1) / of_a_set).sum()
+}
+
 /// Point numbers in use.
 pub(super) struct Space {
     used: Vec<NumberRange>,

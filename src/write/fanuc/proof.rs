@@ -12,8 +12,6 @@ use crate::write::family::ProofOf;
 use crate::write::grid::{as_number, whole};
 use crate::write::task::axis_pairs;
 
-const MOST_SETS: u32 = 6;
-
 /// What the file of a mechanism writes.
 pub(super) fn memory(
     proof: &ProofOf<'_>,
@@ -35,7 +33,7 @@ pub(super) fn memory(
         }
         return Some(out);
     }
-    for set in sets(kit) {
+    for set in sets(kit, facts) {
         let has_bump = pairs.contains(&(set.moving, set.output));
         let bump = has_bump.then_some(proof.bump);
         let sign = facts.straightness_sign.value;
@@ -123,8 +121,8 @@ struct Set {
     output: u32,
 }
 
-fn sets(kit: &FanucMemory) -> Vec<Set> {
-    (0..MOST_SETS)
+fn sets(kit: &FanucMemory, facts: &FanucFacts) -> Vec<Set> {
+    (0..facts.straightness_sets.value)
         .filter_map(|index| {
             Some(Set {
                 index,

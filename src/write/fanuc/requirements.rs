@@ -60,6 +60,18 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
             assumptions.push(unused.undecided());
         }
     }
+    let is_asked = |run: &Run| {
+        let settings = task.job.compensation.axes[run.axis].as_ref();
+        settings.is_none_or(|s| s.interpolated.is_none() && s.parameter_3605.is_none())
+    };
+    if runs.iter().any(is_asked) {
+        let steps = Assumption::of_job(
+            "interpolated",
+            "false",
+            "between the points the forecast is off by up to one step; a real control has 3605#1 = 1 on every axis: state `interpolated`",
+        );
+        assumptions.push(steps.undecided());
+    }
     if plan.has_cross() && task.job.compensation.first_set.is_none() {
         let first = Assumption::of_job(
             "first_set",
@@ -143,7 +155,7 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
             if directed { "1" } else { "0" },
             "bidirectional pitch error compensation; the parameter holds other bits too, so it is not written",
             "A-77810E/02",
-        ));
+        ).boxed());
         let stated = settings.and_then(|s| s.interpolated);
         list.push(Precondition::new(
             format!("3605#1 of axis {id}"),

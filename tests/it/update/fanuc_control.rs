@@ -95,7 +95,7 @@ fn the_way_back_on_fanuc_brings_back_what_was_read_out() {
 fn sets_out_of_use_are_old_values_and_what_was_not_read_out_is_named() {
     let (old, job, left) = old_and_new("fanuc-30i", FANUC_AXES, ("mean", "two-tables"));
     let mut before = read_from(&builtin::profile("fanuc-30i").unwrap(), &old);
-    for number in (5711..=5716).chain(5721..=5726) {
+    for number in (5711..=5720).chain(5721..=5730) {
         before.parameters.insert(ParameterKey { number, axis: None }, Integer(0));
     }
     set(&mut before, 3626, Integer(0));
@@ -103,7 +103,7 @@ fn sets_out_of_use_are_old_values_and_what_was_not_read_out_is_named() {
     let job = job.replace(ACTIVE, &format!("{ACTIVE}\nactive_backlash_um = {{ x = 0, y = 0 }}"));
     let new = shown(kit::generate(&taken(&job, &left, &dump(&before))));
     let rollback = files_of(&new, Role::Rollback);
-    said_in(&String::from_utf8_lossy(rollback[0].bytes), "N05711Q1P0");
+    said_in(&String::from_utf8_lossy(rollback[0].bytes), "N05711Q1L1P0");
     let page = checklist(&new);
     for number in [1851, 1852, 3605] {
         let lacking = format!("{number} of axis 1, 2: not in");

@@ -165,17 +165,8 @@ impl<'a> Loading<'a> {
 /// Pitch parameters, one for each axis (docs/fanuc.md §1.1).
 const AXIS_TYPE: [u32; 9] = [3605, 3620, 3621, 3622, 3623, 3624, 3625, 3626, 3627];
 
-/// Straightness parameters, which no axis owns (docs/fanuc.md §2.1).
-const NO_AXIS: [(u32, u32); 8] = [
-    (5711, 5716),
-    (5721, 5726),
-    (5731, 5734),
-    (5741, 5744),
-    (5751, 5754),
-    (5761, 5764),
-    (5771, 5774),
-    (5781, 5784),
-];
+/// Straightness parameters, of the path (docs/fanuc.md §2.1).
+const NO_AXIS: [(u32, u32); 1] = [(5711, 5788)];
 
 fn is_in(ranges: &[(u32, u32)], number: u32) -> bool {
     ranges.iter().any(|(a, b)| (*a..=*b).contains(&number))

@@ -14,9 +14,9 @@ use crate::quantity::units::Correction;
 use crate::read::emulate::{Between, Emulated, NodeTable};
 
 /// Sets that the numbers leave room for: 5731 + 10·(s − 1) reaches the amounts at s = 4, and
-/// 5711 + s − 1 ends at 5716.
+/// 5711 + s − 1 ends at 5720.
 const FOUR_POINT_SETS: u32 = 3;
-const PER_POINT_SETS: u32 = 6;
+const PER_POINT_SETS: u32 = 10;
 const FIRST_MOVING: u32 = 5711;
 const FIRST_COMPENSATION: u32 = 5721;
 const FIRST_POINTS: u32 = 5731;
