@@ -5,7 +5,7 @@ use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, shell_word};
 use crate::kit::visit::{AFTER, AFTER_JOB, JOB, KIT, Visit};
 use crate::quantity::axis::PerAxis;
-use crate::quantity::units::Figure;
+use crate::quantity::units::{Figure, MM_PER_INCH};
 use crate::text::document::LONGEST_MM;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
@@ -21,7 +21,8 @@ pub(super) struct Options {
     /// An id of `nonius controllers list`, or the path of a profile of your own
     #[arg(long, value_name = "ID")]
     controller: String,
-    /// Travel of X, Y and Z, mm: a length from machine coordinate 0, or both ends, e.g. 800,500,-400:0
+    /// Travel of X, Y and Z, mm: a length from machine coordinate 0, or both ends, e.g. 800,500,-400:0; of
+    /// inches each with `in`: 32in,20in,-16:0in
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true,
         num_args = 1, required = true, value_parser = ends)]
     travel: Vec<(f64, f64)>,
@@ -38,16 +39,20 @@ pub(super) struct Options {
     output: Output,
 }
 
-/// `800` = 0 … 800, `-400:0` = both ends.
+/// `800` = 0 … 800, `-400:0` = both ends, `-16:0in` = both in inches.
 fn ends(text: &str) -> Result<(f64, f64), String> {
     let (low, high) = text.split_once(':').unwrap_or(("0", text));
-    let number = |text: &str| text.trim().parse().ok();
-    let ends: Option<(f64, f64)> = number(low).zip(number(high));
+    let (high, mm) = match high.trim().strip_suffix("in") {
+        Some(inches) => (inches, MM_PER_INCH),
+        None => (high, 1.0),
+    };
+    let number = |text: &str| Some(mm * text.trim().parse::<f64>().ok()?);
+    let ends = number(low).zip(number(high));
     let is_travel =
         |(low, high): &(f64, f64)| low < high && low.abs().max(high.abs()) <= LONGEST_MM;
     ends.filter(is_travel).ok_or_else(|| {
         let expected =
-            "expected a length in mm, or the ends of the travel as LOW:HIGH, for each of X,Y,Z";
+            "expected a length in mm (or `32in`), or the ends of the travel as LOW:HIGH, for each of X,Y,Z";
         match ends {
             Some((0.0, below)) if below < 0.0 => {
                 format!("{expected}: from {below} to 0 mm is `{below}:0`")

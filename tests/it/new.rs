@@ -12,8 +12,8 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 const TRAVEL: [[f64; 2]; 3] = [[0.0, 800.0], [0.0, 500.0], [-400.0, 0.0]];
 
 /// Keys that nobody knows before the measurement.
-const MEASURED: [&str; 4] =
-    ["date", "active_while_measuring", "active_backlash_um", "slope_um_per_m"];
+const MEASURED: [&str; 5] =
+    ["date", "active_while_measuring", "active_backlash_um", "slope_um_per_m", "u_um_per_m"];
 
 /// Fills in the `""` of a job but those of `later`, and changes nothing else.
 fn fill_in(at: &Visit, job: &str, slopes: [f64; 3], later: &[&str]) {
@@ -286,9 +286,9 @@ fn what_is_there_stays_and_a_slip_of_the_options_is_refused() {
         at.run(&format!("new {options}")).ends(2).says(says);
         assert!(!at.has("other"), "{options}");
     }
-    let forced = "new --controller generic --travel 1,2,3 -o visit --force --format json";
+    let forced = "new --controller generic --travel 1,2,-3:0in -o visit --force --format json";
     assert_eq!(at.run(forced).ends(0).json()["steps"], 10);
-    assert!(at.has("visit.previous/job.toml"));
+    assert!(at.read("visit/job.toml").contains("[-76.2, 0]") && at.has("visit.previous/job.toml"));
 }
 
 #[test]

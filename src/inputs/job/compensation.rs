@@ -57,11 +57,12 @@ impl UseOf {
 }
 
 /// Keys of which nobody knows the value before the measurement.
-const MEASURED: [&str; 4] = [
+const MEASURED: [&str; 5] = [
     "measurement.date",
     "measurement.active_while_measuring",
     "measurement.active_backlash_um",
     "measurement.step_diagonal.linear.slope_um_per_m",
+    "measurement.step_diagonal.linear.u_um_per_m",
 ];
 
 /// Which terms to compensate.
