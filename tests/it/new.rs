@@ -301,3 +301,33 @@ fn a_profile_of_ones_own_is_named_from_inside_the_visit() {
     at.yes("simulate visit/job.toml --machine machine.csv --without-tables --errors -o visit/errors.csv --force");
     at.run("generate visit/job.toml -o visit/kit").answers();
 }
+
+/// The errors, or the readings, of a visit once more while its kit is active; the place of its tables is one key.
+#[test]
+fn a_second_visit_begins_where_the_first_one_ended() {
+    for (start, table, form) in
+        [("start/errors", "errors.csv", "--errors"), ("start/readings", "readings.csv", "")]
+    {
+        let at = &Visit::of(start);
+        at.run("generate job.toml -o kit").answers();
+        at.run("new --from job.toml -o next").ends(0).says("`first_table` decides");
+        assert_eq!(
+            at.read("next/after.csv").lines().last(),
+            at.read(&format!("next/{table}")).lines().last()
+        );
+        at.yes(&format!(
+            "simulate job.toml --tables kit {form} --noise-um 0.1 -o next/{table} --force"
+        ));
+        fill_in(at, "next/job.toml", [0.1, -0.1, 0.1], &[]);
+        let page = at.read("next/job.toml");
+        assert!(page.contains("\nactive_while_measuring = \"../kit\"\n") && !page.contains("none"));
+        at.run("generate next/job.toml -o next/kit").answers().omits("assumed: first_table");
+        let off = |kit: &str| {
+            at.read(&format!("{kit}/NONIUS_DISABLE.MPF")).matches("TABLE_ENABLE[").count()
+        };
+        at.edit("next/job.toml", "first_table = 0 ", "first_table = 6 ");
+        at.run("generate next/job.toml -o next/beside").answers();
+        assert_eq!([off("kit"), off("next/kit"), off("next/beside")], [6, 6, 12]);
+        at.run("verify next/job.toml --tables next/beside").answers().says("job and tables agree");
+    }
+}

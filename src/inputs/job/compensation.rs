@@ -22,6 +22,8 @@ pub enum UseOf {
     Plan,
     /// Part programs of a run: nothing is measured yet.
     Programs,
+    /// Nothing yet: every key may be empty.
+    Begun,
 }
 
 impl UseOf {
@@ -43,6 +45,7 @@ impl UseOf {
         let section = key.split('.').next().unwrap_or_default();
         match self {
             UseOf::Tables | UseOf::Figures => true,
+            UseOf::Begun => false,
             UseOf::Separation => {
                 matches!(section, "machine" | "measurement") || key == "compensation.backlash"
             }
