@@ -134,7 +134,9 @@ fn again(path: &Path, directory: &Path) -> Result<Beginning, Problems> {
     let measured = match &job.measurement.data {
         MeasuredData::Diagonals(how) => {
             for line in &how.linear {
-                if let LinearSlope::Errors(path) = &line.slope {
+                if let LinearSlope::Errors(path) = &line.slope
+                    && !linear.iter().any(|(known, _)| known == path)
+                {
                     let key = "measurement.step_diagonal.linear";
                     linear.push((path.clone(), files.table(path, key)?));
                 }
@@ -215,7 +217,7 @@ fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
     let before = begun.readings.then(|| stage(before, planned.collect()));
     let others = [
         stage(
-            format!("measure, fill in {table} and what is left of {JOB}: files for the control"),
+            format!("measure, fill in {table} and the rest of {JOB}: files for the control"),
             separate.into_iter().chain([generate]).collect(),
         ),
         stage(
@@ -223,7 +225,9 @@ fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
             vec![format!("nonius verify {tables}")],
         ),
         stage(
-            format!("measure again, fill in {again}: what is left, and the page to hand over"),
+            format!(
+                "measure again, fill in {again}: the residual errors, and the page to hand over"
+            ),
             vec![
                 format!("nonius verify {after}"),
                 format!("nonius report {after} -o {}", place("report.html")),

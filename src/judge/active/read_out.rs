@@ -169,8 +169,7 @@ pub(crate) fn switched_off(
     profile: &Profile,
     stale: &[String],
 ) -> impl Iterator<Item = Precondition> {
-    const WHY: &str =
-        "an old table that the new files do not overwrite would act in addition to them; the disable file, where the kit has one, switches it off";
+    const WHY: &str = "an old table that the new files do not overwrite would act in addition to them; the disable file, where the kit has one, switches it off";
     const SOURCE: &str = "the active tables that the job names";
     let off = profile.family.off;
     stale.iter().map(move |what| Precondition::new(what, off, WHY, SOURCE).dangerous())

@@ -1,11 +1,12 @@
 //! A visit after an earlier one: its job and its tables once more, without what belonged to that day.
 
 use super::{AFTER, AFTER_JOB, AGAIN, Begun, COMMENTS, ERRORS, after_job, millimetres, quoted};
-use crate::inputs::error_table::ErrorTable;
+use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{ActiveTables, Job, LinearSlope, MeasuredData, UseOf};
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
+use crate::text::plain::line;
 use crate::text::problem::{Problem, Problems};
 use std::ops::Range;
 
@@ -90,7 +91,7 @@ impl Earlier<'_> {
         self.empty_run(&mut page);
         let head = format!(
             "# Begun from {}: \"\" is to be filled in, and the empty cells of {name}.\n",
-            job.source.name
+            line(&job.source.name)
         );
         self.checked(head + &page.text())
     }
@@ -203,10 +204,11 @@ fn file_name(path: &str) -> String {
 fn positions(table: &ErrorTable) -> String {
     let directed = |axis| table.series(axis).iter().any(|series| series.direction.is_some());
     let both = Axis::ALL.into_iter().any(directed);
-    let mut text = format!(
-        "{ERRORS}axis,position_mm,ex_um,ey_um,ez_um{}\n",
-        if both { ",direction" } else { "" }
-    );
+    let has_angles = |series: &Series| series.angles_urad.iter().any(|(_, of)| of.is_some());
+    let angles = Axis::ALL.into_iter().any(|axis| table.series(axis).iter().any(has_angles));
+    let (columns, cells) = if angles { (",ea_urad,eb_urad,ec_urad", ",,,") } else { ("", "") };
+    let direction = if both { ",direction" } else { "" };
+    let mut text = format!("{ERRORS}axis,position_mm,ex_um,ey_um,ez_um{columns}{direction}\n");
     for axis in Axis::ALL {
         for way in [None, Some(Direction::Plus), Some(Direction::Minus)] {
             let own = table.series(axis).iter().filter(|series| series.direction == way);
@@ -215,8 +217,9 @@ fn positions(table: &ErrorTable) -> String {
             mm.dedup();
             let way = way.map_or("", Direction::symbol);
             let way = if both { format!(",{way}") } else { String::new() };
-            let rows =
-                mm.into_iter().map(|mm| format!("{},{},,,{way}\n", axis.key(), millimetres(mm)));
+            let rows = mm
+                .into_iter()
+                .map(|mm| format!("{},{},,,{cells}{way}\n", axis.key(), millimetres(mm)));
             text.extend(rows);
         }
     }
