@@ -27,7 +27,7 @@ pub(super) struct CampaignFiles {
     pub(super) job: Job,
     /// How it was measured.
     pub(super) measurement: DiagonalMeasurement,
-    readings: Readings,
+    pub(super) readings: Readings,
     tables: NamedTables,
     closure_errors: Option<ErrorTable>,
     readings_sha256: String,

@@ -118,7 +118,7 @@ fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> Strin
     }));
     lines.push(before_loading(inputs, kit));
     lines.push(format!(
-        "check what lies on the stick with: nonius verify {} --tables {}",
+        "check the USB stick with: nonius verify {} --tables {}",
         shell_word(job),
         shell_word(directory)
     ));

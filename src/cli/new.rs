@@ -1,17 +1,23 @@
 //! `nonius new --controller ID --travel X,Y,Z -o DIR`
 
-use crate::cli::job_files::profile;
+use crate::cli::files::read_argument;
+use crate::cli::inputs::errors;
+use crate::cli::job_files::{JobFiles, folder_of, profile, read_page};
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, shell_word};
-use crate::kit::visit::{AFTER, AFTER_JOB, JOB, KIT, Visit};
+use crate::cli::write::NamedBytes;
+use crate::control::controller::Profile;
+use crate::inputs::job::{LinearSlope, MeasuredData, UseOf};
+use crate::kit::manifest::MANIFEST;
+use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, Measured, Visit};
 use crate::quantity::axis::PerAxis;
-use crate::quantity::units::Figure;
-use crate::text::document::LONGEST_MM;
+use crate::quantity::units::{Figure, MM_PER_INCH};
+use crate::text::document::{LONGEST_MM, Source};
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use serde_json::json;
 use std::fmt;
-use std::path::{Component, Path};
+use std::path::{Component, Path, PathBuf};
 
 // Options of `new`.
 #[derive(Args, Debug)]
@@ -19,11 +25,12 @@ use std::path::{Component, Path};
     .help("Directory of the visit; must not exist yet, or must be empty")))]
 pub(super) struct Options {
     /// An id of `nonius controllers list`, or the path of a profile of your own
-    #[arg(long, value_name = "ID")]
-    controller: String,
-    /// Travel of X, Y and Z, mm: a length from machine coordinate 0, or both ends, e.g. 800,500,-400:0
+    #[arg(long, value_name = "ID", required_unless_present = "from")]
+    controller: Option<String>,
+    /// Travel of X, Y and Z, mm: a length from machine coordinate 0, or both ends, e.g. 800,500,-400:0; of
+    /// inches each with `in`: 32in,20in,-16:0in
     #[arg(long, value_name = "X,Y,Z", value_delimiter = ',', allow_hyphen_values = true,
-        num_args = 1, required = true, value_parser = ends)]
+        num_args = 1, required_unless_present = "from", value_parser = ends)]
     travel: Vec<(f64, f64)>,
     /// Readings of the four body diagonals, in place of an error table
     #[arg(long)]
@@ -34,20 +41,28 @@ pub(super) struct Options {
     /// Number of equal steps of each axis [default: steps of 50 mm at most, from 10 to 30]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     steps: Option<u32>,
+    /// The job of an earlier visit: all but its day is carried over, and its kit is what is active now
+    #[arg(long, value_name = "JOB",
+        conflicts_with_all = ["controller", "travel", "readings", "both_directions", "steps"])]
+    from: Option<PathBuf>,
     #[command(flatten)]
     output: Output,
 }
 
-/// `800` = 0 … 800, `-400:0` = both ends.
+/// `800` = 0 … 800, `-400:0` = both ends, `-16:0in` = both in inches.
 fn ends(text: &str) -> Result<(f64, f64), String> {
     let (low, high) = text.split_once(':').unwrap_or(("0", text));
-    let number = |text: &str| text.trim().parse().ok();
-    let ends: Option<(f64, f64)> = number(low).zip(number(high));
+    let (high, mm) = match high.trim().strip_suffix("in") {
+        Some(inches) => (inches, MM_PER_INCH),
+        None => (high, 1.0),
+    };
+    let number = |text: &str| Some(mm * text.trim().parse::<f64>().ok()?);
+    let ends = number(low).zip(number(high));
     let is_travel =
         |(low, high): &(f64, f64)| low < high && low.abs().max(high.abs()) <= LONGEST_MM;
     ends.filter(is_travel).ok_or_else(|| {
         let expected =
-            "expected a length in mm, or the ends of the travel as LOW:HIGH, for each of X,Y,Z";
+            "expected a length in mm (or `32in`), or the ends of the travel as LOW:HIGH, for each of X,Y,Z";
         match ends {
             Some((0.0, below)) if below < 0.0 => {
                 format!("{expected}: from {below} to 0 mm is `{below}:0`")
@@ -59,42 +74,100 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
 
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let directory = options.output.free_directory()?;
-    let [x, y, z] = <[(f64, f64); 3]>::try_from(options.travel.clone()).map_err(|travel| {
-        let (count, help) = (travel.len(), "for instance `--travel 800,500,400`");
-        Problem::new(format!("`--travel` names {count} axes, expected X, Y and Z")).help(help)
-    })?;
-    let (profile, _) = profile(&options.controller, Path::new(""))?;
-    let visit = Visit {
-        profile: &profile,
-        controller: &from_inside(&options.controller, directory),
-        travel: PerAxis { x, y, z },
-        steps: options.steps,
-        readings: options.readings,
-        both_directions: options.both_directions,
+    let (profile, begun, words) = match &options.from {
+        Some(job) => again(job, directory)?,
+        None => first(options, directory)?,
     };
-    let (tables, job) = (visit.tables()?, visit.job()?);
-    let stages = stages(&visit, directory);
-    let names: Vec<&str> = tables.iter().map(|(name, _)| *name).collect();
-    let names = [&[JOB], names.as_slice()].concat();
+    let stages = stages(&begun, directory);
+    let tables: Vec<NamedBytes<'_>> =
+        begun.tables.iter().map(|(name, text)| (name.as_str(), text.as_bytes())).collect();
+    let names: Vec<&str> =
+        std::iter::once(JOB).chain(tables.iter().map(|(name, _)| *name)).collect();
     let next: Vec<&String> = stages.iter().flat_map(|stage| &stage.commands).collect();
     let document = json!({ "schema": 1, "controller": profile.id, "files": names,
-        "steps": visit.steps(), "next": next });
+        "steps": begun.steps, "next": next });
     let screen = Screen {
         verdict: format!(
             "{}: fill in every \"\" of {JOB}, and the empty cells of {}",
             profile.name,
-            visit.table_name()
+            begun.measured.join(", ")
         ),
-        always: vec![travel_words(&visit)],
+        always: words,
         ..Screen::default()
     };
     let stages: Vec<String> = stages.iter().map(Stage::to_string).collect();
     let (place, names) = (directory.display(), names.join(", "));
     let talk = format!("wrote {place}: {names}\nthen:\n{}", stages.join("\n"));
     let outcome = options.output.print.outcome(|| screen, || document)?;
-    let tables = tables.iter();
-    let tables: Vec<_> = tables.map(|(name, text)| (*name, text.as_bytes())).collect();
-    options.output.deliver_files(outcome, &tables, (JOB, job.as_bytes()), talk)
+    options.output.deliver_files(outcome, &tables, (JOB, begun.job.as_bytes()), talk)
+}
+
+/// The control, the files, and what has to be said of them.
+type Beginning = (Profile, Begun, Vec<String>);
+
+fn first(options: &Options, directory: &Path) -> Result<Beginning, Problems> {
+    let [x, y, z] = <[(f64, f64); 3]>::try_from(options.travel.clone()).map_err(|travel| {
+        let (count, help) = (travel.len(), "for instance `--travel 800,500,400`");
+        Problem::new(format!("`--travel` names {count} axes, expected X, Y and Z")).help(help)
+    })?;
+    let controller = options.controller.as_deref().unwrap_or_default();
+    let (profile, _) = profile(controller, Path::new(""))?;
+    let visit = Visit {
+        profile: &profile,
+        controller: &from_inside(controller, directory),
+        travel: PerAxis { x, y, z },
+        steps: options.steps,
+        readings: options.readings,
+        both_directions: options.both_directions,
+    };
+    let (begun, words) = (visit.begun()?, vec![travel_words(&visit)]);
+    Ok((profile, begun, words))
+}
+
+/// The visit after that of a job, whose kit lies beside it.
+fn again(path: &Path, directory: &Path) -> Result<Beginning, Problems> {
+    let (name, bytes) = read_argument(path)?;
+    let job = read_page(Source::from_bytes(&name, &bytes)?, folder_of(path), UseOf::Tables)?;
+    let mut files = JobFiles::new(&job, path);
+    let profile = files.profile()?;
+    let mut linear = Vec::new();
+    let measured = match &job.measurement.data {
+        MeasuredData::Diagonals(how) => {
+            for line in &how.linear {
+                if let LinearSlope::Errors(path) = &line.slope
+                    && !linear.iter().any(|(known, _)| known == path)
+                {
+                    let key = "measurement.step_diagonal.linear";
+                    linear.push((path.clone(), files.table(path, key)?));
+                }
+            }
+            Measured::Readings(files.source(&how.readings, "measurement.readings")?.0)
+        }
+        MeasuredData::Errors(_) => {
+            Measured::Errors(Box::new(errors(&mut files)?.table(&job)?.into_owned()))
+        }
+    };
+    let folder = files.folder;
+    let kit = folder.join(KIT);
+    let mut words = vec!["carried over as they stand: machine, control, box, uncertainty and protocol; compare them with the machine".to_string()];
+    let is_kit = kit.join(MANIFEST).is_file();
+    let place = ["first_table", "first_set"].into_iter();
+    let place = place.rev().find(|place| profile.job_keys.iter().any(|key| key.key == *place));
+    words.push(match (is_kit, place) {
+        (false, _) => format!(
+            "no kit in {}: state in `active_while_measuring` what was loaded",
+            kit.display()
+        ),
+        (true, Some(place)) => format!(
+            "`{place}` decides whether the new tables replace those of {} or lie beside them",
+            kit.display()
+        ),
+        (true, None) => format!("the new tables replace those of {}", kit.display()),
+    });
+    let kit = if is_kit { inside(&kit, directory) } else { String::new() };
+    let earlier = Earlier { job: &job, measured, linear, place, kit };
+    let begun = earlier.again(|path| inside(&folder.join(path), directory))?;
+    Ok((profile, begun, words))
 }
 
 /// What a length was taken for: where an axis counts from elsewhere, every position would be another one.
@@ -124,27 +197,27 @@ impl fmt::Display for Stage {
 }
 
 /// The whole visit.
-fn stages(visit: &Visit<'_>, directory: &Path) -> Vec<Stage> {
+fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
     let place = |name: &str| shell_word(&directory.join(name));
     let [job, kit] = [JOB, KIT].map(place);
-    let table = visit.table_name();
+    let table = begun.measured.join(", ");
     let tables = format!("{job} --tables {kit}");
-    let after = format!("{tables} --after {}", place(visit.after()));
+    let after = format!("{tables} --after {}", place(begun.after()));
     let stage = |words: String, commands: Vec<String>| Stage { words, commands };
-    let programs = visit.has_programs();
+    let programs = begun.programs;
     let programs = programs.then(|| format!("nonius program {job} -o {}", place("programs")));
     let planned = [format!("nonius plan {job}")].into_iter().chain(programs);
-    let separate = visit.readings.then(|| format!("nonius separate {job}"));
+    let separate = begun.readings.then(|| format!("nonius separate {job}"));
     let generate = format!("nonius generate {job} -o {kit}");
     let before = "before measuring: what the run will determine, its part programs".to_string();
-    let again = match visit.readings {
+    let again = match begun.readings {
         true => format!("{AFTER} and {AFTER_JOB}"),
         false => AFTER.to_string(),
     };
-    let before = visit.readings.then(|| stage(before, planned.collect()));
+    let before = begun.readings.then(|| stage(before, planned.collect()));
     let others = [
         stage(
-            format!("measure, fill in {table} and what is left of {JOB}: files for the control"),
+            format!("measure, fill in {table} and the rest of {JOB}: files for the control"),
             separate.into_iter().chain([generate]).collect(),
         ),
         stage(
@@ -152,7 +225,9 @@ fn stages(visit: &Visit<'_>, directory: &Path) -> Vec<Stage> {
             vec![format!("nonius verify {tables}")],
         ),
         stage(
-            format!("measure again, fill in {again}: what is left, and the page to hand over"),
+            format!(
+                "measure again, fill in {again}: the residual errors, and the page to hand over"
+            ),
             vec![
                 format!("nonius verify {after}"),
                 format!("nonius report {after} -o {}", place("report.html")),
@@ -164,16 +239,26 @@ fn stages(visit: &Visit<'_>, directory: &Path) -> Vec<Stage> {
 
 /// How a job in `directory` names a profile: by its id, or by its path from there.
 fn from_inside(controller: &str, directory: &Path) -> String {
-    let path = Path::new(controller);
-    let is_down = |part: Component<'_>| matches!(part, Component::Normal(_));
     let is_path =
         controller.contains(['/', '\\']) || controller.to_ascii_lowercase().ends_with(".toml");
-    if !is_path || path.is_absolute() {
-        return controller.to_string();
+    match is_path {
+        true => inside(Path::new(controller), directory),
+        false => controller.to_string(),
     }
-    match directory.components().all(is_down) {
-        true => "../".repeat(directory.components().count()) + controller,
-        false => std::path::absolute(path)
-            .map_or_else(|_| controller.to_string(), |path| path.display().to_string()),
+}
+
+/// A path as it is named in `directory`.
+fn inside(path: &Path, directory: &Path) -> String {
+    let is_down = |part: Component<'_>| matches!(part, Component::Normal(_));
+    if path.is_absolute() || !directory.components().all(is_down) {
+        let absolute = std::path::absolute(path);
+        return absolute
+            .map_or_else(|_| path.display().to_string(), |path| path.display().to_string());
     }
+    let pairs = path.components().zip(directory.components());
+    let shared = pairs.take_while(|(one, other)| one == other).count();
+    let up = directory.components().skip(shared).map(|_| "..".to_string());
+    let down = path.components().skip(shared);
+    let down = down.map(|part| part.as_os_str().to_string_lossy().into_owned());
+    up.chain(down).collect::<Vec<_>>().join("/")
 }

@@ -78,7 +78,11 @@ pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String 
         format!("{}\t{}\t{place}{without}", t.term, figures(&t.change))
     });
     let missing = forecast.not_determined.iter();
-    let missing = missing.map(|term| format!("{term}\tnot determined\t-\t-\tnone"));
+    let is_kept = |term| placements.iter().any(|p| p.term == term);
+    let missing = missing.map(|term| {
+        let place = places(placements, *term, is_kept(*term));
+        format!("{term}\tnot determined\t-\t-\t{place}")
+    });
     let diagonals = forecast.diagonals.iter().map(|d| {
         let figures = figures(&d.change);
         format!("diagonal {}\t{figures}\tmax - min{reversal}", d.name)

@@ -101,7 +101,7 @@ impl Corrected {
     }
 }
 
-/// What operating systems leave on a stick; no file of a control is called so.
+/// What operating systems leave on a USB stick; no file of a control is called so.
 fn is_left_by_a_computer(name: &str) -> bool {
     let names = ["thumbs.db", "desktop.ini"];
     name.starts_with('.') || names.contains(&name.to_ascii_lowercase().as_str())

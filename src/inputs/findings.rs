@@ -1,6 +1,8 @@
 //! What the inputs have to say of how they were understood.
 
 use crate::inputs::job::Frame;
+use crate::quantity::diagonal::Diagonal;
+use crate::quantity::units::Figure;
 use crate::text::finding::findings;
 
 findings! {
@@ -10,8 +12,15 @@ findings! {
         OtherFrames { first: Frame, second: Frame } => Doubt, "the joined tables count from different frames ({} and {}): the slopes of their cross terms differ by a rotation that none of them measured; separate all axes from one measurement", first.word(), second.word();
         Simulated { words: String } => Note, "{words}";
         Said { words: String } => Note, "{words}";
+        Zeroed { zeros_um: Vec<(Diagonal, f64)> } => Note, "the laser was not zeroed at node 0: subtracted from all readings of {}", zeros(zeros_um);
         NotUsed { key: &'static str } => Note, "`{key}` of [measurement.uncertainty] is not used by this version: the uncertainty of a term is what its `u_…` column, `noise_um` and `laser_ppm` state";
     }
+}
+
+/// `PPP 12.500 µm, NPP -3.000 µm`.
+fn zeros(zeros_um: &[(Diagonal, f64)]) -> String {
+    let of = |(diagonal, um): &(Diagonal, f64)| format!("{diagonal} {:.3} µm", Figure(*um));
+    zeros_um.iter().map(of).collect::<Vec<_>>().join(", ")
 }
 
 findings! {

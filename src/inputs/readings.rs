@@ -12,7 +12,9 @@ mod rows;
 mod values;
 
 use crate::inputs::error_table::Remarks;
+use crate::inputs::findings::Remark;
 use crate::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp};
+use crate::inputs::readings::rows::{Row, Walk};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
 use crate::quantity::units::Millimetres;
@@ -30,14 +32,16 @@ pub struct Readings {
     pub runs: Vec<Run>,
     /// Reverse runs that were zeroed at their own start.
     own_zero: Vec<(Diagonal, u32)>,
+    /// What stood at the start of each diagonal and was subtracted, µm.
+    zeros_um: Vec<(Diagonal, f64)>,
 }
 
 impl Readings {
     /// Reads a file and checks it against what the job says of the measurement; all problems of
     /// the file are given at once.
     pub fn read(source: Source, measurement: &DiagonalMeasurement) -> Result<Readings, Problems> {
-        let (runs, own_zero) = runs_of(&source, measurement)?;
-        Ok(Readings { source, runs, own_zero })
+        let (runs, own_zero, zeros_um) = runs_of(&source, measurement)?;
+        Ok(Readings { source, runs, own_zero, zeros_um })
     }
 
     /// Whether every cell of a file can be read, whatever was measured.
@@ -52,9 +56,15 @@ impl Readings {
         Ok((Readings::read(source, &measurement)?, measurement))
     }
 
-    /// What the file says of itself in comments `# note: …`, one sentence each.
+    /// What the file says of itself in comments `# note: …`, one sentence each, and what was subtracted.
     pub fn notes(&self) -> Vec<Finding> {
-        Remarks::read(&self.source.text).notes
+        Remarks::read(&self.source.text).notes.into_iter().chain(self.zeroed()).collect()
+    }
+
+    /// Which diagonals began at another reading than zero, which was subtracted.
+    pub fn zeroed(&self) -> Option<Finding> {
+        let zeros_um = self.zeros_um.clone();
+        (!zeros_um.is_empty()).then(|| Remark::Zeroed { zeros_um }.into())
     }
 
     /// Whether the values of a run count from the start of the forward run.
@@ -82,7 +92,7 @@ impl Readings {
     }
 }
 
-type Found = (Vec<Run>, Vec<(Diagonal, u32)>);
+type Found = (Vec<Run>, Vec<(Diagonal, u32)>, Vec<(Diagonal, f64)>);
 
 fn runs_of(source: &Source, measurement: &DiagonalMeasurement) -> Result<Found, Problems> {
     let (table, quantity) = rows::columns(source)?;
@@ -96,12 +106,18 @@ fn runs_of(source: &Source, measurement: &DiagonalMeasurement) -> Result<Found, 
     }
     values::check_temperatures(&walks, &table, measurement, &mut problems);
     problems.or_ok(())?;
-    let mut runs: Vec<Run> =
-        walks.iter().map(|(walk, rows)| values::run(*walk, rows, quantity, measurement)).collect();
+    let zero_um = |walk: &Walk| values::zero_um(*walk, &walks, quantity, measurement);
+    let run = |(walk, rows): (&Walk, &Vec<&Row<'_>>)| {
+        values::run(*walk, rows, zero_um(walk).unwrap_or(0.0), quantity, measurement)
+    };
+    let mut runs: Vec<Run> = walks.iter().map(run).collect();
+    let zeros_um = walks.keys().filter_map(|walk| Some((walk.diagonal, zero_um(walk)?)));
+    let mut zeros_um: Vec<(Diagonal, f64)> = zeros_um.collect();
+    zeros_um.dedup();
     runs.sort_by_key(|run| (run.diagonal, run.number, run.pass));
     let own = walks.keys().filter(|walk| walk.is_own());
     let own_zero = own.map(|walk| (walk.diagonal, walk.run)).collect();
-    Ok((runs, own_zero))
+    Ok((runs, own_zero, zeros_um))
 }
 
 /// How the readings of a file were measured, as far as they show it. The box is not among it, so a box of

@@ -26,6 +26,6 @@ pub use self::kit::from_kit;
 pub(crate) use self::kit::named_axis;
 pub(crate) use self::machine::uncompensated;
 pub use self::read_out::from_read_out;
-pub(crate) use self::read_out::{collisions, left_over};
+pub(crate) use self::read_out::{collisions, left_over, switched_off};
 pub use self::reading::{ActiveControl, Held, Origin, Others, ReadOutFor, without_tables};
 pub(crate) use self::reading::{Found, NamedBacklash, ReadOutReader};

@@ -13,6 +13,7 @@ use crate::judge::findings::{Difference, InControl, InSum};
 use crate::read::ReadBack;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
 
 /// A family of controls, on the side of what was read out.
 pub(crate) trait Family {
@@ -46,7 +47,7 @@ pub(crate) trait Family {
 
     /// What the files of a kit set beside the tables that the job does not write, and what they do not set
     /// though they should.
-    fn other_settings(&self, _wanted: &Tables, _read: &ReadBack) -> Vec<Difference> {
+    fn other_settings(&self, _wanted: &Compiled, _read: &ReadBack) -> Vec<Difference> {
         Vec::new()
     }
 

@@ -20,6 +20,7 @@ use crate::judge::findings::{Difference, InControl};
 use crate::read::ReadBack;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
 use data::{Datum, LEC_ON, TABLE_ON};
 
 impl Family for SiemensFacts {
@@ -76,8 +77,8 @@ impl Family for SiemensFacts {
         entries
     }
 
-    fn other_settings(&self, wanted: &Tables, read: &ReadBack) -> Vec<Difference> {
-        machine_data::differences(own(wanted), &read.machine_data, self)
+    fn other_settings(&self, wanted: &Compiled, read: &ReadBack) -> Vec<Difference> {
+        machine_data::differences(own(&wanted.tables), &wanted.stale, &read.machine_data, self)
     }
 
     fn absent_settings(&self, wanted: &Tables, read: &ReadBack) -> Vec<Finding> {

@@ -8,7 +8,7 @@ findings! {
     /// What is found beside the errors and the tables of a kit.
     KitFinding {
         ActiveNotStated => Doubt, "`active_while_measuring` is not stated: if a compensation (or a backlash parameter) was active during the measurement, these tables are wrong; write \"none\", or the path of the kit or of the files read out of the control, which are then added";
-        NotMeasuredAfterwards { terms: Vec<ErrorTerm> } => Doubt, "not measured afterwards, so nothing is known of what is left: {}", joined(terms);
+        NotMeasuredAfterwards { terms: Vec<ErrorTerm> } => Doubt, "not measured afterwards, so the residual is not known: {}", joined(terms);
         LeftToAPerson { left: usize } => Note, "the rollback files leave {left} kind(s) of settings to a person, because the files that were read out do not hold them: see \"Not written\" and \"Rollback\" of the checklist";
         TakenToBeActive { tables: String } => Note, "the job of the second measurement does not state `active_while_measuring`: the tables in {tables} are taken to have been active";
     }

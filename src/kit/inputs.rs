@@ -148,8 +148,8 @@ impl Inputs {
         let mut compiled = compile(self.task(), plan)?;
         if let Some(active) = &self.active {
             active::collisions(&self.job, &self.profile, active, &compiled.tables)?;
-            let stale = active::left_over(&self.profile, active, &compiled.tables);
-            compiled.preconditions.extend(stale);
+            compiled.stale = active::left_over(&self.profile, active, &compiled.tables);
+            compiled.preconditions.extend(active::switched_off(&self.profile, &compiled.stale));
             compiled.assumptions.extend(active.assumptions.clone());
             compiled.notes.extend(self.active_notes.clone());
         }

@@ -146,7 +146,7 @@ pub(super) fn differences(
     let Asked { inputs, plan, compiled } = asked;
     let profile = &inputs.profile;
     let found = emulator(profile, &read.tables, &compiled.state);
-    let contents = |diagnosis| disagreement::contents(profile, &compiled.tables, read, diagnosis);
+    let contents = |diagnosis| disagreement::contents(profile, compiled, read, diagnosis);
     if let (true, Ok(_)) = (compiled.tables == read.tables, &found) {
         // The same tables do the same: only what the files hold beside them is left to judge.
         return (contents(None), found);

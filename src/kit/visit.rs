@@ -8,6 +8,10 @@
 //! ```
 //! What only a person at the machine knows stays empty, and is refused until it is filled in.
 
+mod again;
+
+pub use self::again::{Earlier, Measured};
+
 use crate::control::controller::{JobKey, JobSection, Profile};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
@@ -52,9 +56,48 @@ pub struct Visit<'a> {
     pub both_directions: bool,
 }
 
+/// The files of a visit that was begun.
+pub struct Begun {
+    /// The job.
+    pub job: String,
+    /// The files beside it, with their names.
+    pub tables: Vec<(String, String)>,
+    /// Those that are filled in first.
+    pub measured: Vec<String>,
+    /// Whether it is a visit of readings.
+    pub readings: bool,
+    /// Whether the control has part programs of the run.
+    pub programs: bool,
+    /// Number of equal steps of each axis; `None` where the positions are those of an earlier table.
+    pub steps: Option<u32>,
+}
+
+impl Begun {
+    /// What `verify --after` takes.
+    pub const fn after(&self) -> &'static str {
+        match self.readings {
+            true => AFTER_JOB,
+            false => AFTER,
+        }
+    }
+}
+
 impl Visit<'_> {
+    /// Its files.
+    pub fn begun(&self) -> Result<Begun, Problems> {
+        let tables = self.tables()?.into_iter();
+        Ok(Begun {
+            tables: tables.map(|(name, text)| (name.to_string(), text)).collect(),
+            job: self.job()?,
+            measured: vec![self.table_name().to_string()],
+            readings: self.readings,
+            programs: self.has_programs(),
+            steps: Some(self.steps()),
+        })
+    }
+
     /// The name of the table.
-    pub(crate) const fn table_name(&self) -> &'static str {
+    const fn table_name(&self) -> &'static str {
         match self.readings {
             true => "readings.csv",
             false => "errors.csv",
@@ -62,7 +105,7 @@ impl Visit<'_> {
     }
 
     /// Steps of each axis: as asked for, else no longer than 50 mm where 30 are enough.
-    pub fn steps(&self) -> u32 {
+    fn steps(&self) -> u32 {
         let longest = Axis::ALL.map(|axis| self.length(axis));
         let longest = longest.into_iter().fold(0.0, f64::max);
         let [fewest, most] = STEPS;
@@ -75,33 +118,23 @@ impl Visit<'_> {
         high - low
     }
 
-    /// What `verify --after` takes.
-    pub const fn after(&self) -> &'static str {
-        match self.readings {
-            true => AFTER_JOB,
-            false => AFTER,
-        }
-    }
-
     /// The files beside the job, with their names.
-    pub fn tables(&self) -> Result<Vec<(&'static str, String)>, Problems> {
+    fn tables(&self) -> Result<Vec<(&'static str, String)>, Problems> {
         let again = format!("{AGAIN}{}", self.table());
         let mut files = vec![(self.table_name(), self.table()), (AFTER, again)];
         if self.readings {
-            let axes = Axis::ALL.map(Axis::key);
-            let context = json!({ "job": JOB, "data": AFTER, "kit": KIT, "axes": axes });
-            files.push((AFTER_JOB, filled("after.toml.tera", &context)?));
+            files.push((AFTER_JOB, after_job(&Axis::ALL.map(Axis::key))?));
         }
         Ok(files)
     }
 
     /// Whether the control has part programs of the run.
-    pub(crate) fn has_programs(&self) -> bool {
+    fn has_programs(&self) -> bool {
         self.readings && self.profile.program.is_some()
     }
 
     /// The job.
-    pub fn job(&self) -> Result<String, Problems> {
+    fn job(&self) -> Result<String, Problems> {
         if self.profile.job_keys.is_empty() {
             let words =
                 format!("the profile `{}` does not say which keys its job needs", self.profile.id);
@@ -217,6 +250,12 @@ impl Visit<'_> {
         }
         text
     }
+}
+
+/// The job of the second measurement; `axes` = those with a linear measurement.
+fn after_job(axes: &[&str]) -> Result<String, Problem> {
+    let context = json!({ "job": JOB, "data": AFTER, "kit": KIT, "axes": axes });
+    filled("after.toml.tera", &context)
 }
 
 const AGAIN: &str = "\

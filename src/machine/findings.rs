@@ -6,7 +6,7 @@ use crate::text::finding::{findings, joined};
 findings! {
     /// What is found while the curves are made.
     ModelFinding {
-        NotDetermined { terms: Vec<ErrorTerm> } => Doubt, "not determined by the measurement, so without table and forecast: {}", joined(terms);
+        NotDetermined { terms: Vec<ErrorTerm> } => Doubt, "not determined by this measurement, so not judged: {}", joined(terms);
         HiddenReversal { um: f64 } => Doubt, "the readings show a reversal of about {um:.3} µm along the diagonals, which these curves do not hold: every figure here is without it";
         UnlikelySmall { largest_um: f64, least_um: f64 } => Doubt, "no error exceeds {} µm, and a machine tool below {least_um} µm throughout is unlikely: check the unit of the columns (mm under `_um`?), or state a `noise_um` below it", two_digits(*largest_um);
         AnglesNotCompensated => Note, "angular errors (`ea_…`, `eb_…`, `ec_…`) are not compensated by these tables; `nonius assess` counts what they do in the volume";
@@ -28,7 +28,7 @@ findings! {
 }
 
 /// A number with its first two digits that are not zero, as in `0.018`.
-fn two_digits(number: f64) -> String {
+pub(super) fn two_digits(number: f64) -> String {
     let rounded = format!("{number:.1e}").parse::<f64>();
     rounded.unwrap_or(number).to_string()
 }

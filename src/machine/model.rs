@@ -21,7 +21,7 @@
 //! are zero and holds noise and scale of the laser already.
 
 pub use self::measured::Measured;
-use self::measured::{check_axis, measured_range};
+use self::measured::{UNLIKELY_SMALL_UM, check_axis, measured_range};
 use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
@@ -32,10 +32,6 @@ use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 
 mod measured;
-
-/// Errors that stay below this in every term are more often a unit error, µm; a laser resolves
-/// a tenth of it at best.
-const UNLIKELY_SMALL_UM: f64 = 0.1;
 
 /// One measured term.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,6 +155,8 @@ impl ErrorModel {
                 terms[term] = measured_term(job, table.series(term.along), term, machine);
             }
         }
+        let sizes = terms.iter().filter_map(|(term, of)| Some((term, of.as_ref()?.largest_um())));
+        measured::refuse_unlikely(job, table, &sizes.collect::<Vec<_>>(), &mut problems);
         for (term, slope) in &job.measurement.squareness {
             add_squareness(job, &mut terms, *term, *slope, &mut problems);
         }

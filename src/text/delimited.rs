@@ -86,6 +86,15 @@ impl<'a> Line<'a> {
         Line { delimiter, decimal_comma, ..*self }
     }
 
+    /// The line without its last cells, if they are empty.
+    fn without_last(mut self, cells: usize) -> Line<'a> {
+        for _ in 0..cells {
+            let shorter = self.text.trim_end_matches([' ', '\t']);
+            self.text = shorter.strip_suffix(char::from(self.delimiter)).unwrap_or(self.text);
+        }
+        self
+    }
+
     /// What separates its columns.
     pub(crate) const fn delimiter(&self) -> u8 {
         self.delimiter
@@ -267,7 +276,8 @@ pub fn lines(source: &Source) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-/// The header and the rows below it, without comments and empty rows; `None` = neither.
+/// The header and the rows below it, without comments, empty rows and the empty columns that spreadsheets leave
+/// on the right; `None` = neither.
 pub(crate) fn header_and_rows(source: &Source) -> Option<(Line<'_>, Vec<Line<'_>>)> {
     let content = lines(source)
         .filter(|line| !line.text.trim().is_empty() && !line.text.trim_start().starts_with('#'));
@@ -280,7 +290,8 @@ pub(crate) fn header_and_rows(source: &Source) -> Option<(Line<'_>, Vec<Line<'_>
         .map(|line| line.separated_by(delimiter, delimiter == b';'))
         .filter(|line| !line.is_empty_row());
     let header = lines.next()?;
-    Some((header, lines.collect()))
+    let nameless = header.cells().iter().rev().take_while(|name| name.is_empty()).count();
+    Some((header.without_last(nameless), lines.map(|line| line.without_last(nameless)).collect()))
 }
 
 fn cells_of(line: &str, delimiter: u8) -> Vec<Cow<'_, str>> {

@@ -68,8 +68,13 @@ impl Source {
 
     /// The place of a key's value, by its dotted path, e.g. `compensation.axes.x.spacing_mm`.
     pub(crate) fn place_of(&self, path: &str) -> Option<Place> {
+        Some(self.place(&self.span_of(path)?))
+    }
+
+    /// The same as bytes of the text.
+    pub(crate) fn span_of(&self, path: &str) -> Option<Range<usize>> {
         let spot = self.spots.iter().find(|spot| spot.is_at(path))?;
-        Some(self.place(&spot.span))
+        Some(spot.span.clone())
     }
 
     /// A problem at a key, or at the nearest section above it that exists.

@@ -60,6 +60,8 @@ pub struct Compiled {
     pub assumptions: Vec<Assumption>,
     /// What a person has to see to.
     pub preconditions: Vec<Precondition>,
+    /// What switches old tables on that no file overwrites: the disable file, where there is one, sets it to 0.
+    pub stale: Vec<String>,
     /// What the user should know.
     pub notes: Vec<Finding>,
 }

@@ -82,6 +82,7 @@ impl Family for DeclaredFacts {
         Ok(Compiled {
             placements: placed.collect(),
             preconditions: self.preconditions(task, plan),
+            stale: Vec::new(),
             tables: Tables::Declared(DeclaredTables::of(tables)),
             state,
             assumptions: Vec::new(),

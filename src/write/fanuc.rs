@@ -99,6 +99,7 @@ impl Family for FanucFacts {
         out.problems.or_ok(Compiled {
             assumptions: requirements::assumptions(task, plan, &runs),
             preconditions: requirements::preconditions(task, plan, self, &runs),
+            stale: Vec::new(),
             notes: out.notes,
             tables: Tables::Fanuc(out.memory),
             placements: out.placements,

@@ -72,6 +72,7 @@ impl Family for GenericFacts {
             state: control_state(task, plan, |axis| plan.backlash_um[axis].map_or(0.0, backlash)),
             assumptions: Vec::new(),
             preconditions: preconditions(task, plan),
+            stale: Vec::new(),
             notes: Vec::new(),
         })
     }

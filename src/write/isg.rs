@@ -63,6 +63,7 @@ impl Family for IsgFacts {
         Ok(Compiled {
             placements: placed.collect(),
             preconditions: preconditions(task, plan, &tables),
+            stale: Vec::new(),
             tables: Tables::Isg(tables),
             state: control_state(task, plan, backlash_um),
             assumptions: Vec::new(),

@@ -69,6 +69,7 @@ impl Family for KlipperFacts {
             state: control_state(task, plan, |_| 0.0),
             assumptions: Vec::new(),
             preconditions: preconditions(),
+            stale: Vec::new(),
         })
     }
 

@@ -92,6 +92,7 @@ impl Family for LinuxcncFacts {
         Ok(Compiled {
             placements: placed.collect(),
             preconditions: preconditions(task, &joints, &cross),
+            stale: Vec::new(),
             tables: Tables::Linuxcnc(LinuxcncTables { joints, cross }),
             state,
             assumptions: Vec::new(),

@@ -100,6 +100,7 @@ impl Family for SiemensFacts {
         Ok(Compiled {
             assumptions: assumptions(task, plan, &tables),
             preconditions: preconditions(task, plan, &tables),
+            stale: Vec::new(),
             notes: Vec::new(),
             state: control_state(task, plan, |axis| plan.backlash_um[axis].map_or(0.0, backlash)),
             tables: Tables::Siemens(tables),

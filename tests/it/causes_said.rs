@@ -331,7 +331,7 @@ fn a_scale_that_does_not_grow_stays() {
             let mm = low + step * index;
             let wave = 0.02 * index.sin();
             let mut e = [0.02 + wave, -0.03 - wave, 0.01 + wave];
-            e[place] = kelvin * um_per_m * mm / 1000.0 + 0.05 * (index * 2.3).sin();
+            e[place] = kelvin * um_per_m * mm / 1000.0 + 0.2 * (index * 2.3).sin();
             csv += &format!("{axis},{mm},{:.4},{:.4},{:.4},0.1,0.1,0.1\n", e[0], e[1], e[2]);
         }
     }

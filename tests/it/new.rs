@@ -12,8 +12,8 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 const TRAVEL: [[f64; 2]; 3] = [[0.0, 800.0], [0.0, 500.0], [-400.0, 0.0]];
 
 /// Keys that nobody knows before the measurement.
-const MEASURED: [&str; 4] =
-    ["date", "active_while_measuring", "active_backlash_um", "slope_um_per_m"];
+const MEASURED: [&str; 5] =
+    ["date", "active_while_measuring", "active_backlash_um", "slope_um_per_m", "u_um_per_m"];
 
 /// Fills in the `""` of a job but those of `later`, and changes nothing else.
 fn fill_in(at: &Visit, job: &str, slopes: [f64; 3], later: &[&str]) {
@@ -287,9 +287,9 @@ fn what_is_there_stays_and_a_slip_of_the_options_is_refused() {
         at.run(&format!("new {options}")).ends(2).says(says);
         assert!(!at.has("other"), "{options}");
     }
-    let forced = "new --controller generic --travel 1,2,3 -o visit --force --format json";
+    let forced = "new --controller generic --travel 1,2,-3:0in -o visit --force --format json";
     assert_eq!(at.run(forced).ends(0).json()["steps"], 10);
-    assert!(at.has("visit.previous/job.toml"));
+    assert!(at.read("visit/job.toml").contains("[-76.2, 0]") && at.has("visit.previous/job.toml"));
 }
 
 #[test]
@@ -301,4 +301,34 @@ fn a_profile_of_ones_own_is_named_from_inside_the_visit() {
     machine(at, 16, false, &TRAVEL);
     at.yes("simulate visit/job.toml --machine machine.csv --without-tables --errors -o visit/errors.csv --force");
     at.run("generate visit/job.toml -o visit/kit").answers();
+}
+
+/// The errors, or the readings, of a visit once more while its kit is active; the place of its tables is one key.
+#[test]
+fn a_second_visit_begins_where_the_first_one_ended() {
+    for (start, table, form) in
+        [("start/errors", "errors.csv", "--errors"), ("start/readings", "readings.csv", "")]
+    {
+        let at = &Visit::of(start);
+        at.run("generate job.toml -o kit").answers();
+        at.run("new --from job.toml -o next").ends(0).says("`first_table` decides");
+        assert_eq!(
+            at.read("next/after.csv").lines().last(),
+            at.read(&format!("next/{table}")).lines().last()
+        );
+        at.yes(&format!(
+            "simulate job.toml --tables kit {form} --noise-um 0.1 -o next/{table} --force"
+        ));
+        fill_in(at, "next/job.toml", [0.1, -0.1, 0.1], &[]);
+        let page = at.read("next/job.toml");
+        assert!(page.contains("\nactive_while_measuring = \"../kit\"\n") && !page.contains("none"));
+        at.run("generate next/job.toml -o next/kit").answers().omits("assumed: first_table");
+        let off = |kit: &str| {
+            at.read(&format!("{kit}/NONIUS_DISABLE.MPF")).matches("TABLE_ENABLE[").count()
+        };
+        at.edit("next/job.toml", "first_table = 0 ", "first_table = 6 ");
+        at.run("generate next/job.toml -o next/beside").answers();
+        assert_eq!([off("kit"), off("next/kit"), off("next/beside")], [6, 6, 12]);
+        at.run("verify next/job.toml --tables next/beside").answers().says("job and tables agree");
+    }
 }

@@ -146,17 +146,19 @@ fn there_and_back(measurement: &DiagonalMeasurement, there: f64, back: f64) -> S
 }
 
 #[test]
-fn columns_in_any_order_with_semicolons_and_decimal_commas_are_the_same_readings() {
+fn columns_in_any_order_with_semicolons_and_a_laser_that_was_not_zeroed_are_the_same_readings() {
     let measurement = measurement(PathKind::Step);
     let plain = complete(&steps(), &measurement);
-    let mut text = "\u{feff}deviation_mm;moved;node;diagonal\r\n".to_string();
+    let mut text = "\u{feff}deviation_mm;moved;node;diagonal;;\r\n".to_string();
     for row in step_rows().iter().rev() {
         let cells: Vec<&str> = row.split(',').collect();
-        let um: f64 = cells[5].parse().unwrap();
+        let zero_um = if cells[0] == "PPP" { 12.5 } else { 0.0 };
+        let um = cells[5].parse::<f64>().unwrap() + zero_um;
         let mm = format!("{}", um / 1000.0).replace('.', ",");
-        text += &format!("{mm};{};{};{}\r\n", cells[4].to_uppercase(), cells[3], cells[0]);
+        text += &format!("{mm};{};{};{};;\r\n", cells[4].to_uppercase(), cells[3], cells[0]);
     }
     let other = complete(&text, &measurement);
+    assert!(other.notes()[0].to_string().ends_with("readings of PPP 12.500 µm"));
     for (a, b) in plain.runs.iter().zip(&other.runs) {
         assert_eq!(a.diagonal, b.diagonal);
         for (a, b) in a.deviations.iter().zip(&b.deviations) {

@@ -7,8 +7,7 @@ use serde_json::{Value, json};
 
 const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
 const EXACT: &str = "[measurement.uncertainty]\nlaser_ppm = 0\nbeam_mrad = 0\n";
-const NOISE: &str =
-    "[measurement.uncertainty]\nnoise_um = 0.1\nlaser_ppm = 0\nbeam_mrad = 0\n";
+const NOISE: &str = "[measurement.uncertainty]\nnoise_um = 0.1\nlaser_ppm = 0\nbeam_mrad = 0\n";
 
 /// A copy of a golden case.
 fn case(name: &str) -> Visit {

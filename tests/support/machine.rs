@@ -404,7 +404,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let replaces_backlash = super::replaces_backlash(profile);
     let job = format!(
         "schema = 1\n[machine]\nname = \"machine {seed}\"\n{machine_text}\
-         [measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{squareness}\
+         [measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\nuncertainty.noise_um = 0.0001\n{squareness}\
          [compensation]\n{control}{axes_text}\
          [limits]\nmax_correction_um = 5000.0\nmax_slope_um_per_mm = 50.0\n"
     );

@@ -68,7 +68,7 @@ fn squareness(result: &StraightResult) -> String {
             freedom(u.map(|u| u.freedom)),
         )
     });
-    let heading = "plane\t>squareness/(µm/m)\t>U(95 %)/(µm/m)\t>freedom";
+    let heading = "plane\t>squareness/(µm/m)\t>U(95 %)/(µm/m)\t>degrees of freedom";
     format!(
         "{}\n{SQUARENESS_SIGN}; from the totals of the diagonals, so of the lines through the end points",
         table(heading, rows)

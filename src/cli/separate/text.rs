@@ -89,9 +89,9 @@ fn terms(separation: &Separation) -> String {
         let (u, freedom) = (expanded(largest.map(|(um, _)| um)), freedom(largest.map(|(_, f)| f)));
         format!("{term}\t{slope:.3}\t{end:.3}\t{range:.3}\t{shape}\t{u}\t{freedom}")
     });
-    let heading = "error\t>slope/(µm/m)\t>far end/µm\t>max - min/µm\t>straightness/µm\t>largest U(95 %)/µm\t>freedom";
+    let heading = "error\t>slope/(µm/m)\t>far end/µm\t>max - min/µm\t>straightness/µm\t>largest U(95 %)/µm\t>degrees of freedom";
     format!(
-        "Errors (actual - commanded), zero at the low end of each axis\nslope, straightness: line through the end points; straightness of EXX, EYY, EZZ: what is left beside that line\n{}",
+        "Errors (actual - commanded), zero at the low end of each axis\nslope, straightness: line through the end points; straightness of EXX, EYY, EZZ: residual from that line\n{}",
         table(heading, rows)
     )
 }
@@ -167,7 +167,7 @@ fn squareness(separation: &Separation) -> String {
         false => ("", ""),
     };
     let heading = format!(
-        "plane\t>squareness/(µm/m)\t>U(95 %)/(µm/m)\t>freedom\t>by least squares/(µm/m){column}"
+        "plane\t>squareness/(µm/m)\t>U(95 %)/(µm/m)\t>degrees of freedom\t>by least squares/(µm/m){column}"
     );
     format!(
         "{}\n{SQUARENESS_SIGN}\nsquareness and U: lines through the end points, from the totals of the diagonals; by least squares: lines through the curves above, with their straightness{legend}",

@@ -44,7 +44,7 @@ pub(super) fn of_job(path: &Path, print: Print, plot: &PlotOnly) -> Result<Outco
     let page = Page {
         name: &measurement.readings,
         across: ALONG,
-        notes: notes(all > runs.len()),
+        notes: notes(all > runs.len()).into_iter().chain(files.readings.zeroed()).collect(),
         figures,
     };
     page.outcome(print, plot)
@@ -85,6 +85,7 @@ pub(super) fn of_readings(
     });
     let known: Vec<CorrectedRun> = known.collect();
     let mut notes = notes(known.len() < readings.runs.len());
+    notes.extend(readings.zeroed());
     notes.push(StandardFinding::NoJob.into());
     let (volume, kind) = (&measurement.volume, measurement.kind);
     let figures = StandardFigures::of_unknown_length(volume, kind, &known)?;

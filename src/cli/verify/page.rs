@@ -269,7 +269,7 @@ fn explanation(look: &SecondLook) -> Vec<String> {
                 "whether the tables act does not show: as left agrees with the forecast, and as well with the machine without tables ({off}); state the noise of both measurements (`noise_um`; `u_um_per_m` of linear axes)"
             ),
             false => format!(
-                "the tables act as forecast, no fault shows ({off}): what is left was left by the plan, or is noise"
+                "the tables act as forecast, no fault shows ({off}): the residual is that of the plan, or noise"
             ),
         };
         return (look.verdict != Verdict::Pass).then_some(words).into_iter().collect();

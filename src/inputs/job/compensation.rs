@@ -22,6 +22,8 @@ pub enum UseOf {
     Plan,
     /// Part programs of a run: nothing is measured yet.
     Programs,
+    /// Nothing yet: every key may be empty.
+    Begun,
 }
 
 impl UseOf {
@@ -43,6 +45,7 @@ impl UseOf {
         let section = key.split('.').next().unwrap_or_default();
         match self {
             UseOf::Tables | UseOf::Figures => true,
+            UseOf::Begun => false,
             UseOf::Separation => {
                 matches!(section, "machine" | "measurement") || key == "compensation.backlash"
             }
@@ -57,11 +60,12 @@ impl UseOf {
 }
 
 /// Keys of which nobody knows the value before the measurement.
-const MEASURED: [&str; 4] = [
+const MEASURED: [&str; 5] = [
     "measurement.date",
     "measurement.active_while_measuring",
     "measurement.active_backlash_um",
     "measurement.step_diagonal.linear.slope_um_per_m",
+    "measurement.step_diagonal.linear.u_um_per_m",
 ];
 
 /// Which terms to compensate.

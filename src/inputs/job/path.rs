@@ -94,7 +94,7 @@ pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
     PathRequest {
         setup,
         has_start: start.is_some(),
-        measured_tool_mm: section.length_up_to("measured_tool_mm", LONGEST_TOOL_MM),
+        measured_tool_mm: section.between("measured_tool_mm", 0.0..=LONGEST_TOOL_MM, "mm"),
         rapid: is_second("moves", "feed", "all"),
         chord_mm: chord_mm.unwrap_or(usual.chord_mm),
         sample_mm: sample_mm.unwrap_or(usual.sample_mm),

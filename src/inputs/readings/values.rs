@@ -10,7 +10,7 @@ use crate::inputs::job::DiagonalMeasurement;
 use crate::inputs::readings::nodes::{Walks, at_row};
 use crate::inputs::readings::rows::{Column, Columns, Quantity, Row, Walk};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{PerDiagonal, Run};
+use crate::quantity::diagonal::{Pass, Run};
 use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM};
 use crate::text::problem::{Problem, Problems};
 
@@ -49,30 +49,37 @@ fn nominal_mm(row: &Row<'_>, measurement: &DiagonalMeasurement) -> f64 {
     }
 }
 
-/// Notes readings that are no deviation of a machine, and forward runs that do not begin at zero.
+/// What stands at the start of a diagonal's first run and is subtracted from a walk, µm; `None` where the
+/// laser was zeroed there, or before this run.
+pub(super) fn zero_um(
+    walk: Walk,
+    walks: &Walks<'_, '_>,
+    quantity: Quantity,
+    measurement: &DiagonalMeasurement,
+) -> Option<f64> {
+    let start_um = |walk: &Walk| {
+        let um = deviation_um(walks.get(walk)?.first()?, quantity, measurement);
+        Some(um).filter(|um| um.abs() > ZERO_UM)
+    };
+    start_um(&Walk { direction: Pass::Forward, ..walk }).filter(|_| !walk.is_own())?;
+    let first = walks.keys().find(|of| of.diagonal == walk.diagonal && !of.is_own());
+    first.and_then(start_um)
+}
+
+/// Notes readings that are no deviation of a machine.
 pub(super) fn check(
     walks: &Walks<'_, '_>,
     quantity: Quantity,
     measurement: &DiagonalMeasurement,
     problems: &mut Problems,
 ) {
-    let first_forward = PerDiagonal::from_fn(|diagonal| {
-        let forward = |walk: &&Walk| walk.diagonal == diagonal && !walk.is_own();
-        walks.keys().find(forward).copied()
-    });
     let last = measurement.volume.last_node(measurement.kind);
     let deviation = |row: &Row<'_>| deviation_um(row, quantity, measurement);
-    for (walk, rows) in walks {
+    for rows in walks.values() {
         let is_implausible =
             |row: &&&Row<'_>| row.node <= last && deviation(row).abs() > LARGEST_DEVIATION_UM;
-        let start = rows.first().filter(|row| row.node == 0);
-        let start = start.filter(|_| first_forward[walk.diagonal] == Some(*walk));
         if let Some(row) = rows.iter().find(is_implausible) {
             problems.push(implausible_reading(row, quantity, measurement));
-        } else if let Some(row) = start.filter(|row| deviation(row).abs() > ZERO_UM) {
-            let um = rounded(deviation(row));
-            let message = format!("{walk} begins with {um} µm at node 0, expected 0");
-            problems.push(at_row(row, message, "the readings are zero where the run begins: subtract this reading from all of the run, the return pass included"));
         }
     }
 }
@@ -230,10 +237,11 @@ fn unusable(axis: Axis, measurement: &DiagonalMeasurement) -> Option<(String, St
     }
 }
 
-/// The run of a complete walk.
+/// The run of a complete walk, less its zero.
 pub(super) fn run(
     walk: Walk,
     rows: &[&Row<'_>],
+    zero_um: f64,
     quantity: Quantity,
     measurement: &DiagonalMeasurement,
 ) -> Run {
@@ -243,8 +251,9 @@ pub(super) fn run(
         forward.reverse();
         sign = -1.0;
     }
-    let deviation =
-        |row: &&Row<'_>| Deviation::from_um(sign * deviation_um(row, quantity, measurement));
+    let deviation = |row: &&Row<'_>| {
+        Deviation::from_um(sign * deviation_um(row, quantity, measurement) - zero_um)
+    };
     Run {
         diagonal: walk.diagonal,
         number: walk.run,

@@ -159,16 +159,18 @@ pub(crate) fn collisions(
     problems.or_ok(())
 }
 
-/// Old tables that the new files leave in the control: each has to be switched off.
-pub(crate) fn left_over(
+/// What switches old tables on that the new files leave in the control.
+pub(crate) fn left_over(profile: &Profile, active: &ActiveControl, new: &Tables) -> Vec<String> {
+    family(&profile.dialect).left_over(&active.tables, new)
+}
+
+/// Each of them has to be off.
+pub(crate) fn switched_off(
     profile: &Profile,
-    active: &ActiveControl,
-    new: &Tables,
-) -> Vec<Precondition> {
-    const WHY: &str =
-        "an old table that the new files do not overwrite would act in addition to them";
+    stale: &[String],
+) -> impl Iterator<Item = Precondition> {
+    const WHY: &str = "an old table that the new files do not overwrite would act in addition to them; the disable file, where the kit has one, switches it off";
     const SOURCE: &str = "the active tables that the job names";
-    let stale = family(&profile.dialect).left_over(&active.tables, new);
-    let stale = stale.into_iter();
-    stale.map(|what| Precondition::new(what, profile.family.off, WHY, SOURCE).dangerous()).collect()
+    let off = profile.family.off;
+    stale.iter().map(move |what| Precondition::new(what, off, WHY, SOURCE).dangerous())
 }

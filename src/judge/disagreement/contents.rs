@@ -14,6 +14,7 @@ use crate::judge::family::{Side, family};
 use crate::judge::findings::{Difference, InControl, listed};
 use crate::read::ReadBack;
 use crate::text::finding::Finding;
+use crate::write::compensation::Compiled;
 
 /// Everything surplus, missing or contradictory.
 ///
@@ -22,11 +23,11 @@ use crate::text::finding::Finding;
 /// tables, and everything of the machine data.
 pub fn contents(
     profile: &Profile,
-    wanted: &Tables,
+    compiled: &Compiled,
     read: &ReadBack,
     diagnosis: Option<&Disagreements>,
 ) -> Vec<Finding> {
-    let family = family(&profile.dialect);
+    let (family, wanted) = (family(&profile.dialect), &compiled.tables);
     let mut found = match wanted == &read.tables {
         true => Vec::new(),
         false => {
@@ -40,7 +41,7 @@ pub fn contents(
         let parameters = read.unwritten.clone();
         found.push(Difference::NotWritten { parameters });
     }
-    found.extend(family.other_settings(wanted, read));
+    found.extend(family.other_settings(compiled, read));
     found.into_iter().map(Finding::from).collect()
 }
 

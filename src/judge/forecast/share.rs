@@ -93,7 +93,7 @@ impl JudgedRange {
         };
         (!self.is_known()).then(|| {
             format!(
-            "{axis} was measured from {from} to {to} mm at places up to {} mm apart, {} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}",
+            "{axis} was measured from {from} to {to} mm with a target spacing of up to {} mm, {} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}",
             shown(self.gap_mm),
             percent(self.share)
         )
@@ -130,7 +130,7 @@ pub(crate) fn is_whole_travel(ranges: &[JudgedRange]) -> bool {
 
 /// On which part of the machine a verdict rests, for its line.
 pub(super) fn words(ranges: &[JudgedRange]) -> String {
-    let gap = format!(", places up to {} mm apart", shown(widest_gap_mm(ranges)));
+    let gap = format!(", target spacing up to {} mm", shown(widest_gap_mm(ranges)));
     if is_whole_travel(ranges) {
         return format!("over the whole travel{gap}");
     }

@@ -68,12 +68,20 @@ fn owned(role: Role, wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned>
 /// What files set that the job does not own, and what they do not set though they should.
 pub(super) fn differences(
     wanted: &SiemensTables,
+    stale: &[String],
     files: &[FileData],
     facts: &SiemensFacts,
 ) -> Vec<Difference> {
+    let switches_off = |datum: &MachineDatum| {
+        let (variable, off) = (datum.variable(), datum.value == MachineValue::Number(0.0));
+        off && stale.iter().any(|switch| switch.ends_with(&format!(" {variable}")))
+    };
     let foreign = files.iter().filter_map(|file| {
         let owned = owned(file.role, wanted, facts);
-        let is_foreign = |datum: &&MachineDatum| !owned.iter().any(|own| own.is(datum));
+        let is_foreign = |datum: &&MachineDatum| {
+            let is_old = file.role == Role::Disable && switches_off(datum);
+            !is_old && !owned.iter().any(|own| own.is(datum))
+        };
         let foreign = file.data.iter().filter(is_foreign);
         let foreign = foreign.map(|datum| format!("{} = {}", datum.variable(), text(&datum.value)));
         let data: Vec<String> = foreign.collect();

@@ -3,8 +3,8 @@
 
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{Job, MachineAxis};
-use crate::machine::findings::ModelFinding;
-use crate::quantity::axis::{Axis, Direction, PerTerm, Rotation};
+use crate::machine::findings::{ModelFinding, two_digits};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm, Rotation};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{Deviation, Millimetres};
 use crate::text::finding::Finding;
@@ -102,6 +102,41 @@ pub(super) fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &m
             Some(place) => problem.at(place),
             None => problem,
         });
+    }
+}
+
+/// Errors that stay below this in every term are more often a unit error, µm; a laser resolves
+/// a tenth of it at best.
+pub(super) const UNLIKELY_SMALL_UM: f64 = 0.1;
+/// How many times larger than those the largest of the other axes is where the unit of one axis is wrong.
+const UNLIKELY_TIMES: f64 = 100.0;
+
+/// Refuses terms in µm that stay below a tenth while others of their kind (positioning, cross terms) are hundred
+/// times larger: mm under `_um`. A smaller `noise_um` confirms them; a predicted or separated table has no such slip.
+pub(super) fn refuse_unlikely(
+    job: &Job,
+    table: &ErrorTable,
+    sizes: &[(ErrorTerm, f64)],
+    problems: &mut Problems,
+) {
+    let written = table.remarks.frame.is_none() && table.remarks.simulated().next().is_none();
+    let noise_um = job.measurement.uncertainty.noise_um.unwrap_or(f64::INFINITY);
+    for (term, um) in sizes.iter().filter(|_| written) {
+        let sisters = sizes.iter().filter(|(of, _)| of.is_positioning() == term.is_positioning());
+        let largest = sisters.max_by(|a, b| a.1.total_cmp(&b.1));
+        let small = *um > 0.0 && *um < UNLIKELY_SMALL_UM.min(noise_um);
+        let heading = table.heading(*term).filter(|heading| small && heading.to_um <= 1.0);
+        let (Some(heading), Some((sister, large))) = (heading, largest) else { continue };
+        if *large >= UNLIKELY_TIMES * um {
+            let (name, axis, um) = (&heading.name, term.along, two_digits(*um));
+            let words = format!(
+                "{term} reaches {um} µm only, and {sister} {large:.3} µm: are the values of `{name}` in the rows of {axis} mm?"
+            );
+            let help = format!(
+                "write them in µm; if they are right, state the `noise_um` of a reading, which then lies below {um}"
+            );
+            problems.push(Problem::new(words).at(heading.place.clone()).help(help));
+        }
     }
 }
 

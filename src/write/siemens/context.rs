@@ -34,6 +34,7 @@ pub(super) fn context(
         "lec_sense_evidence": facts.lec_sign.evidence.of_sense(),
         "cec_sense_evidence": facts.cec_sign.evidence.of_sense(),
         "cec_outputs": tables.cec_outputs(),
+        "stale": compiled.stale.iter().filter_map(|switch| switch.split(' ').next_back()).collect::<Vec<_>>(),
         "cec_memory_fixed": if facts.cec_memory_fixed.value { "yes" } else { "no" },
         "controller_reference": task.reference_text(),
         "lec_at_reference": zero_but_for(task, lecs.filter_map(|t| lec_held(t, facts, state))),

@@ -16,7 +16,6 @@ forward,3,z -> forward,3.0,z | `node` is `3.0`, expected a whole number from 0 |
 3,z,30 -> 3,z,30,5 | the row has 7 cells, expected 6 | decimal comma needs semicolons
 4,x -> 4,y | PPP run 1 forward, node 4: Y moved, expected X by the order XYZ | is empty at node 0
 0,,0 -> 0,x,0 | PPP run 1 forward, node 0: X moved, expected no axis | is empty at node 0
-0,,0 -> 0,,12.5 | PPP run 1 forward begins with 12.5 µm at node 0, expected 0 | subtract this reading
 3,z,30 -> 3,z,3e5 | PPP run 1 forward, node 3: the deviation is 300 mm, which no machine has | the unit in the column's name
 3,z,30 -> 3,z,68000 | PPP run 1 forward, node 3: the deviation is 68 mm | named `displacement_mm`
 - PPP,1,forward,2 | PPP run 1 forward: node 2 is missing | never filled in

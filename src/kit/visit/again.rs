@@ -1,0 +1,248 @@
+//! A visit after an earlier one: its job and its tables once more, without what belonged to that day.
+
+use super::{AFTER, AFTER_JOB, AGAIN, Begun, COMMENTS, ERRORS, after_job, millimetres, quoted};
+use crate::inputs::error_table::{ErrorTable, Series};
+use crate::inputs::job::{ActiveTables, Job, LinearSlope, MeasuredData, UseOf};
+use crate::quantity::axis::{Axis, Direction};
+use crate::text::delimited::header_and_rows;
+use crate::text::document::Source;
+use crate::text::plain::line;
+use crate::text::problem::{Problem, Problems};
+use std::ops::Range;
+
+/// Decisions and values of the earlier day that a new kit may not take over unseen.
+const OF_THE_DAY: [&str; 3] =
+    ["active_terms_not_measured", "active_reference", "active_backlash_um"];
+
+/// What the earlier visit left.
+pub struct Earlier<'a> {
+    /// Its job, that of its kit.
+    pub job: &'a Job,
+    /// The errors that it measured, or its readings.
+    pub measured: Measured,
+    /// Its linear measurements in tables of their own, with their paths.
+    pub linear: Vec<(String, ErrorTable)>,
+    /// The key of the job that places tables in the control; `None` = files are replaced.
+    pub place: Option<&'static str>,
+    /// Its kit as the new job names it; empty where none is known.
+    pub kit: String,
+}
+
+/// A table that is measured once more.
+pub enum Measured {
+    /// All error tables in one.
+    Errors(Box<ErrorTable>),
+    /// The file of readings.
+    Readings(Source),
+}
+
+impl Earlier<'_> {
+    /// The new visit; `rebased` = a path of the job as the new one names it.
+    pub fn again(&self, rebased: impl Fn(&str) -> String) -> Result<Begun, Problems> {
+        let (readings, name, table) = match &self.measured {
+            Measured::Errors(table) => (false, "errors.csv", positions(table)),
+            Measured::Readings(source) => (true, "readings.csv", emptied(source)),
+        };
+        let again = format!("{AGAIN}{table}");
+        let mut tables = vec![(name.to_string(), table), (AFTER.to_string(), again)];
+        let mut measured = vec![name.to_string()];
+        let linear = self.linear.iter().map(|(path, table)| (file_name(path), positions(table)));
+        for own in linear {
+            measured.push(own.0.clone());
+            tables.push(own);
+        }
+        let mut steps = None;
+        if let MeasuredData::Diagonals(how) = &self.job.measurement.data {
+            let axes: Vec<&str> = how.linear.iter().map(|linear| linear.axis.key()).collect();
+            tables.push((AFTER_JOB.to_string(), after_job(&axes)?));
+            steps = u32::try_from(how.volume.steps).ok();
+        }
+        let programs = readings && self.job.program.is_some();
+        Ok(Begun { job: self.page(name, rebased)?, tables, measured, readings, programs, steps })
+    }
+
+    /// The job, with its comments.
+    fn page(&self, name: &str, rebased: impl Fn(&str) -> String) -> Result<String, Problems> {
+        let (job, kit) = (self.job, quoted(&self.kit));
+        let mut page = Page { source: &job.source, changes: Vec::new() };
+        let data = match &self.measured {
+            Measured::Errors(_) => "measurement.errors",
+            Measured::Readings(_) => "measurement.readings",
+        };
+        page.remove("measurement.active_while_measuring", "active_while_measuring");
+        page.insert_above(data, format!("active_while_measuring = {kit}\n"));
+        self.state_place(&mut page);
+        page.set(data, quoted(name));
+        page.set("measurement.date", quoted(""));
+        for key in OF_THE_DAY {
+            page.remove(&format!("measurement.{key}"), key);
+        }
+        for key in ["xy", "xz", "yz"] {
+            page.set(&format!("measurement.squareness_um_per_m.{key}"), quoted(""));
+        }
+        if let Some(angles) = &job.measurement.angles {
+            page.set("measurement.angles", quoted(&rebased(angles)));
+        }
+        if job.source.place_of("compensation.controller").is_some()
+            && job.compensation.controller.contains(['/', '\\', '.'])
+        {
+            page.set("compensation.controller", quoted(&rebased(&job.compensation.controller)));
+        }
+        self.empty_run(&mut page);
+        let head = format!(
+            "# Begun from {}: \"\" is to be filled in, and the empty cells of {name}.\n",
+            line(&job.source.name)
+        );
+        self.checked(head + &page.text())
+    }
+
+    /// The key that decides whether the new tables lie in the place of the old ones.
+    fn state_place(&self, page: &mut Page<'_>) {
+        let compensation = &self.job.compensation;
+        let (key, as_before) = match self.place {
+            Some("first_table") => ("first_table", compensation.first_table.unwrap_or(0)),
+            Some("first_set") => ("first_set", compensation.first_set.unwrap_or(1)),
+            _ => return,
+        };
+        page.remove(&format!("compensation.{key}"), key);
+        let line = format!("{key} = {as_before}");
+        let words = "as before: the tables of the old kit are replaced; with the first free number they stay in the control, and must be off";
+        page.insert_above("compensation.controller", format!("{line:<COMMENTS$} # {words}\n"));
+    }
+
+    /// Slopes and temperatures of the earlier run.
+    fn empty_run(&self, page: &mut Page<'_>) {
+        const RUN: &str = "measurement.step_diagonal";
+        let MeasuredData::Diagonals(how) = &self.job.measurement.data else {
+            return;
+        };
+        for (index, linear) in how.linear.iter().enumerate() {
+            let key = |key: &str| format!("{RUN}.linear[{index}].{key}");
+            page.set(&key("slope_um_per_m"), quoted(""));
+            if let LinearSlope::Errors(path) = &linear.slope {
+                page.set(&key("errors"), quoted(&file_name(path)));
+            }
+        }
+        for index in 0..how.beams.len() {
+            page.set(&format!("{RUN}.beam[{index}].slope_um_per_m"), quoted(""));
+        }
+        for axis in Axis::ALL {
+            page.set(&format!("{RUN}.material.{}.temperature_c", axis.key()), quoted(""));
+        }
+    }
+
+    /// A page that was laid out in a way that nobody foresaw is not changed by halves.
+    fn checked(&self, text: String) -> Result<String, Problems> {
+        let read = Source::from_bytes("job.toml", text.as_bytes())
+            .and_then(|source| Job::read_for(source, UseOf::Begun));
+        let expected = ActiveTables::Path(self.kit.clone());
+        match read {
+            Ok(job) if self.kit.is_empty() || job.measurement.active == expected => Ok(text),
+            _ => {
+                let name = &self.job.source.name;
+                let words = format!("`{name}` is laid out in a way that cannot be carried over");
+                let help =
+                    "copy it, write `active_while_measuring` and empty what belonged to that day";
+                Err(Problem::new(words).help(help).into())
+            }
+        }
+    }
+}
+
+/// Changes of a text, by the places of its keys.
+struct Page<'a> {
+    source: &'a Source,
+    changes: Vec<(Range<usize>, String)>,
+}
+
+impl Page<'_> {
+    /// Writes another value where the key is stated.
+    fn set(&mut self, key: &str, value: String) -> bool {
+        let span = self.source.span_of(key);
+        self.changes.extend(span.clone().map(|span| (span, value)));
+        span.is_some()
+    }
+
+    /// The line in which the value of a key begins.
+    fn line(&self, key: &str) -> Option<Range<usize>> {
+        let span = self.source.span_of(key)?;
+        let text = &self.source.text;
+        let start = text[..span.start].rfind('\n').map_or(0, |end| end + 1);
+        let end = text[span.end..].find('\n').map_or(text.len(), |end| span.end + end + 1);
+        Some(start..end)
+    }
+
+    fn insert_above(&mut self, key: &str, line: String) {
+        let start = self.line(key).map(|line| line.start..line.start);
+        self.changes.extend(start.map(|start| (start, line)));
+    }
+
+    /// Leaves out the line of a key.
+    fn remove(&mut self, path: &str, key: &str) {
+        let line = self.line(path);
+        let is_own =
+            |line: &Range<usize>| self.source.text[line.clone()].trim_start().starts_with(key);
+        let own = line.filter(is_own);
+        self.changes.extend(own.map(|line| (line, String::new())));
+    }
+
+    fn text(mut self) -> String {
+        self.changes.sort_by_key(|(span, _)| span.start);
+        let mut text = self.source.text.clone();
+        for (span, value) in self.changes.into_iter().rev() {
+            text.replace_range(span, &value);
+        }
+        text
+    }
+}
+
+fn file_name(path: &str) -> String {
+    path.rsplit(['/', '\\']).next().unwrap_or(path).to_string()
+}
+
+/// The measured positions of a table, without values.
+fn positions(table: &ErrorTable) -> String {
+    let directed = |axis| table.series(axis).iter().any(|series| series.direction.is_some());
+    let both = Axis::ALL.into_iter().any(directed);
+    let has_angles = |series: &Series| series.angles_urad.iter().any(|(_, of)| of.is_some());
+    let angles = Axis::ALL.into_iter().any(|axis| table.series(axis).iter().any(has_angles));
+    let (columns, cells) = if angles { (",ea_urad,eb_urad,ec_urad", ",,,") } else { ("", "") };
+    let direction = if both { ",direction" } else { "" };
+    let mut text = format!("{ERRORS}axis,position_mm,ex_um,ey_um,ez_um{columns}{direction}\n");
+    for axis in Axis::ALL {
+        for way in [None, Some(Direction::Plus), Some(Direction::Minus)] {
+            let own = table.series(axis).iter().filter(|series| series.direction == way);
+            let mut mm: Vec<f64> = own.flat_map(|s| s.positions.iter().map(|p| p.mm())).collect();
+            mm.sort_by(f64::total_cmp);
+            mm.dedup();
+            let way = way.map_or("", Direction::symbol);
+            let way = if both { format!(",{way}") } else { String::new() };
+            let rows = mm
+                .into_iter()
+                .map(|mm| format!("{},{},,,{cells}{way}\n", axis.key(), millimetres(mm)));
+            text.extend(rows);
+        }
+    }
+    text
+}
+
+/// The rows of readings, without values.
+fn emptied(source: &Source) -> String {
+    const PLACE: [&str; 5] = ["diagonal", "run", "direction", "node", "moved"];
+    let Some((header, rows)) = header_and_rows(source) else {
+        return String::new();
+    };
+    let names = header.cells();
+    let separator = char::from(header.delimiter()).to_string();
+    let row = |cells: Vec<std::borrow::Cow<'_, str>>| {
+        let kept = names.iter().zip(cells);
+        let kept = kept.map(|(name, cell)| match PLACE.contains(&&**name) {
+            true => cell,
+            false => "".into(),
+        });
+        kept.collect::<Vec<_>>().join(&separator)
+    };
+    let rows = rows.iter().map(|line| row(line.cells()));
+    let lines: Vec<String> = std::iter::once(names.join(&separator)).chain(rows).collect();
+    lines.join("\n") + "\n"
+}
