@@ -191,7 +191,7 @@ fn what_stands_around_fanuc_points_is_judged() {
         # Unit, names, detection units and travel of the control are those of the job, or another machine's.
         N01001Q1L1P00000000L2P00000001\nN01020Q1A1P88A2P89A3P66\nN01013Q1A1P00000000\nN01820Q1A1P2A2P20\nN01320Q1A1P100.5A2P99999.0\nN01321Q1A1P0.0A2P99999.0 => pass
         N01001Q1L1P00000001L2P00000000\nN01240Q1A1P12.0 => fail: the control that was read out counts in inch, the job in mm
-        N01020Q1A1P66A2P85 => fail: 1020 of axis 1 is 66, which is B; in the job the axis is X
+        N01020Q1A1P89A2P88 => fail: 1020 of axis 1 is 89, which is Y; in the job the axis is X
         N01013Q1A1P00000000\nN01820Q1A1P20 => undecided: 1820 of axis 1 is 20 and 1013 says IS-B: a detection unit of 0.1 µm (from memory); the job states 1 µm, so every correction would be 0.1 times as large
         N01013Q1A1P00000010\nN01820Q1A1P2 => undecided: says IS-C: a detection unit of 0.1 µm
         N01013Q1A1P00000000\nN01820Q1A1P102 => undecided: a detection unit of 2 µm
