@@ -114,10 +114,10 @@ impl OnControl<'_> {
         };
         let (system, of_is_b) = match system & 0b1111 {
             0 => ("IS-B", 1.0),
-            0b0001 => ("IS-A", 10.0),
-            0b0010 => ("IS-C", 0.1),
-            0b0100 => ("IS-D", 0.01),
-            0b1000 => ("IS-E", 0.001),
+            1 => ("IS-A", 10.0),
+            2 => ("IS-C", 0.1),
+            4 => ("IS-D", 0.01),
+            8 => ("IS-E", 0.001),
             _ => return None,
         };
         let per_unit = match cmr {
