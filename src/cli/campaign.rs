@@ -167,7 +167,7 @@ impl CampaignFiles {
 
     /// The error table, with where it comes from and what it rests on.
     pub(super) fn draft(&self, separation: &Separation) -> Draft {
-        table::draft(separation, &self.job.compensation.backlash, self.comments())
+        table::draft(separation, &self.job, self.comments())
     }
 
     /// Where an error table comes from.

@@ -199,6 +199,7 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
         sigma,
         ranges: Axis::ALL.into_iter().filter_map(walked).collect(),
         silence: Silence::default(),
+        largest: None,
         terms: Vec::new(),
         diagonals: runs.range_um.iter().map(line).collect(),
         unmeasured: PerAxis::default(),

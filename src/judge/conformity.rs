@@ -130,6 +130,13 @@ pub fn expanded_um(figures: &[Magnitude], sigma: Sigma) -> f64 {
     expanded_at(figures, sigma, CONFIDENCE)
 }
 
+/// The same where it is known besides by how much the largest error of all may be off: whatever the figures,
+/// |figure + error| is at most the largest of each together.
+pub fn expanded_together(figures: &[Magnitude], sigma: Sigma, largest_um: Option<f64>) -> f64 {
+    let own = expanded_um(figures, sigma);
+    largest_um.map_or(own, |largest_um| own.min(largest_um))
+}
+
 fn expanded_at(figures: &[Magnitude], sigma: Sigma, confidence: f64) -> f64 {
     let largest = largest_um(figures);
     let u = figures.iter().map(|f| f.u_um).fold(0.0, larger);
@@ -165,10 +172,19 @@ fn root(of: impl Fn(f64) -> f64, mut high: f64, precision: f64) -> f64 {
 }
 
 /// A forecast: pass if all figures keep the limit with 95 % together, fail if one exceeds it with 95 %.
-pub(crate) fn judge_forecast(figures: &[Magnitude], sigma: Sigma, limit_um: f64) -> Verdict {
+/// `together_um`: see [`expanded_together`].
+pub(crate) fn judge_forecast(
+    figures: &[Magnitude],
+    sigma: Sigma,
+    together_um: Option<f64>,
+    limit_um: f64,
+) -> Verdict {
     let one_sided = sigma.one_sided();
     if figures.iter().any(|f| f.um - one_sided * f.u_um > limit_um) {
         return Verdict::Fail;
+    }
+    if together_um.is_some_and(|um| largest_um(figures) + um <= limit_um) {
+        return Verdict::Pass;
     }
     let all = chance_within(figures, &sigma.estimates(), limit_um);
     if all >= CONFIDENCE { Verdict::Pass } else { Verdict::Undecided }
@@ -247,7 +263,7 @@ mod tests {
     fn without_uncertainty_the_figures_decide() {
         let figures = [Magnitude { um: 1.0, u_um: 0.0 }];
         for (limit, verdict) in [(1.0, Verdict::Pass), (0.9, Verdict::Fail)] {
-            assert_eq!(judge_forecast(&figures, KNOWN, limit), verdict);
+            assert_eq!(judge_forecast(&figures, KNOWN, None, limit), verdict);
             assert_eq!(judge_measured(&figures, KNOWN, limit), verdict);
         }
         assert_eq!(expanded_um(&figures, KNOWN).to_bits(), 0.0_f64.to_bits());
@@ -258,8 +274,8 @@ mod tests {
         let figures: Vec<Magnitude> =
             (0..30).map(|i| Magnitude { um: f64::from(i) / 30.0, u_um: 0.4 }).collect();
         let bound = largest_um(&figures) + expanded_um(&figures, KNOWN);
-        assert_eq!(judge_forecast(&figures, KNOWN, bound * 1.0001), Verdict::Pass);
-        assert_eq!(judge_forecast(&figures, KNOWN, bound * 0.9999), Verdict::Undecided);
+        assert_eq!(judge_forecast(&figures, KNOWN, None, bound * 1.0001), Verdict::Pass);
+        assert_eq!(judge_forecast(&figures, KNOWN, None, bound * 0.9999), Verdict::Undecided);
     }
 
     #[test]

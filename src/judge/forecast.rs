@@ -22,7 +22,7 @@ use self::share::within;
 pub use self::share::{JudgedRange, Machine};
 pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_gap_mm};
 
-use crate::judge::conformity::{Magnitude, Sigma, expanded_um, largest_um};
+use crate::judge::conformity::{Magnitude, Sigma, expanded_together, largest_um};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
@@ -53,6 +53,7 @@ pub fn forecast(
 ) -> Emulated<Forecast> {
     let model = machine.as_measured;
     let sigma = Sigma::with_freedom(model.remarks.degrees_of_freedom);
+    let largest = model.remarks.largest.as_ref();
     let judged = share::stated(ranges);
     let lines = Straightened(control);
     let comparable: Option<&dyn Emulator> = machine.was_under_tables().then_some(&lines);
@@ -71,7 +72,10 @@ pub fn forecast(
                     None => largest_um(&figures),
                 },
                 u_um,
-                expanded_um: u_um.map(|_| expanded_um(&figures, sigma)),
+                expanded_um: u_um.map(|_| {
+                    let largest_um = largest.map(|largest| largest.terms[term]);
+                    expanded_together(&figures, sigma, largest_um)
+                }),
             },
             figures,
             compensated: plan.tables.iter().any(|t| t.term == term),
@@ -92,6 +96,7 @@ pub fn forecast(
         sigma,
         ranges: ranges.to_vec(),
         silence: model.remarks.silence.clone(),
+        largest: largest.cloned(),
         diagonals,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),

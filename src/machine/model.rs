@@ -25,6 +25,7 @@ use self::measured::{UNLIKELY_SMALL_UM, check_axis, measured_range};
 use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
+use crate::machine::separation::joint::zero;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres, larger};
@@ -173,7 +174,10 @@ impl ErrorModel {
             laser_um_per_m: laser_um_per_m(job).unwrap_or(0.0),
             headings: PerTerm::from_fn(|term| table.heading(term).cloned()),
             unused: measured::not_compensated(table).into_iter().collect(),
-            remarks: table.remarks.clone(),
+            remarks: Remarks {
+                largest: table.remarks.largest.clone().filter(|largest| largest.zero == zero(job)),
+                ..table.remarks.clone()
+            },
         })
     }
 

@@ -34,6 +34,7 @@ pub mod curves;
 mod exchange;
 mod expected;
 pub mod findings;
+pub(crate) mod joint;
 mod labels;
 mod linear;
 pub mod linear_reversal;

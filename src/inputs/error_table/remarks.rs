@@ -8,6 +8,7 @@
 //!   # degrees of freedom: 3
 //!   # not stated: angle_urad, setup_ppm
 //!   # neglected by decision: angle_urad
+//!   # largest error (95 %), um, zero at X 0 +, Y 0 +, Z 0 +: all 3.91, EXX 1.032, …, PPP 2.5, …
 //!   # frame: x-primary
 //!   # note: what whoever uses the values has to know
 //! ```
@@ -15,7 +16,8 @@
 
 use crate::inputs::findings::Remark;
 use crate::inputs::job::Frame;
-use crate::quantity::axis::ErrorTerm;
+use crate::quantity::axis::{ErrorTerm, PerTerm};
+use crate::quantity::diagonal::{Diagonal, PerDiagonal};
 use crate::quantity::units::smaller;
 use crate::text::finding::Finding;
 
@@ -24,6 +26,7 @@ const NOT_DETERMINED: &str = "not determined:";
 const REVERSAL: &str = "reversal not held:";
 const FREEDOM: &str = "degrees of freedom:";
 const NOT_STATED: &str = "not stated:";
+const LARGEST: &str = "largest error (95 %), um, zero at";
 const NEGLECTED: &str = "neglected by decision:";
 const FRAME: &str = "frame:";
 const NOTE: &str = "note:";
@@ -100,6 +103,45 @@ impl Silence {
     }
 }
 
+/// How far the largest of the errors may lie off, drawn together, with 95 %, µm.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LargestErrors {
+    /// The references where the errors are zero; of a job with others it says nothing.
+    pub zero: String,
+    /// Of all values of all terms.
+    pub all_um: f64,
+    /// Of all values of a term; 0 where there is none.
+    pub terms: PerTerm<f64>,
+    /// Of max − min along a body diagonal.
+    pub diagonals: PerDiagonal<f64>,
+}
+
+impl LargestErrors {
+    fn words(&self) -> String {
+        let terms = self.terms.iter().filter(|(_, um)| **um > 0.0);
+        let terms = terms.map(|(term, um)| format!(", {term} {um:.4}"));
+        let diagonals = self.diagonals.iter().map(|(d, um)| format!(", {} {um:.4}", d.name()));
+        let rest: String = terms.chain(diagonals).collect();
+        format!("{LARGEST} {}: all {:.4}{rest}", self.zero, self.all_um)
+    }
+
+    fn read(words: &str) -> Option<LargestErrors> {
+        let (zero, rest) = words.split_once(':')?;
+        let mut found = LargestErrors { zero: zero.trim().to_string(), ..LargestErrors::default() };
+        for pair in rest.split(',') {
+            let (name, um) = pair.trim().split_once(' ')?;
+            let um: f64 = um.trim().parse().ok().filter(|um: &f64| um.is_finite() && *um >= 0.0)?;
+            match (ErrorTerm::from_name(name), Diagonal::ALL.into_iter().find(|d| d.name() == name))
+            {
+                (Some(term), _) => found.terms[term] = um,
+                (_, Some(diagonal)) => found.diagonals[diagonal] = um,
+                _ => found.all_um = Some(um).filter(|_| name == "all")?,
+            }
+        }
+        Some(found)
+    }
+}
+
 /// The remarks of a table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Remarks {
@@ -114,6 +156,8 @@ pub struct Remarks {
     pub degrees_of_freedom: Option<f64>,
     /// What the job of a separation leaves unsaid.
     pub silence: Silence,
+    /// The largest errors of a separation.
+    pub largest: Option<LargestErrors>,
     /// Frame in which a separation gave the slopes of the cross terms; `None` = they are as given.
     pub frame: Option<Frame>,
     /// What whoever uses the values has to know.
@@ -154,6 +198,7 @@ impl Remarks {
         let both = [self.degrees_of_freedom, other.degrees_of_freedom];
         self.degrees_of_freedom = both.into_iter().flatten().reduce(smaller);
         self.silence.join(other.silence);
+        self.largest = None; // of each table by itself
     }
 
     fn hear(&mut self, comment: &str) {
@@ -164,6 +209,8 @@ impl Remarks {
             self.frame = self.frame.or(Some(frame));
         } else if let Some(words) = after(NOTE) {
             self.notes.push(note(words));
+        } else if let Some(words) = after(LARGEST) {
+            self.largest = LargestErrors::read(&words);
         } else if let Some(words) = after(NOT_STATED) {
             join(&mut self.silence.not_stated, Cause::listed(&words));
         } else if let Some(words) = after(NEGLECTED) {
@@ -194,13 +241,14 @@ impl Remarks {
         let reversal = self.hidden_reversal_um.iter();
         let reversal = reversal.map(|um| format!("{REVERSAL} {um:.3} um along the diagonals"));
         let silent = self.silence.by_key().map(|(key, causes)| format!("{key} {}", keys(causes)));
+        let largest = self.largest.iter().map(LargestErrors::words);
         let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
         let freedom = self.degrees_of_freedom.iter();
         let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
         let first = doubts.chain(missing).chain(reversal).chain(freedom);
         let frame = self.frame.iter();
         let frame = frame.map(|frame| format!("{FRAME} {}", frame.word()));
-        first.chain(silent).chain(frame).chain(notes).collect()
+        first.chain(silent).chain(largest).chain(frame).chain(notes).collect()
     }
 }
 
@@ -250,6 +298,12 @@ mod tests {
                 not_stated: vec![Cause::Angles, Cause::SetUps],
                 neglected: vec![Cause::Slopes],
             },
+            largest: Some(LargestErrors {
+                zero: "X 0 +, Y -5.5 -".to_string(),
+                all_um: 4.5,
+                terms: PerTerm::from_fn(|term| if term.is_positioning() { 0.0 } else { 0.0625 }),
+                diagonals: PerDiagonal::from_fn(|_| 2.25),
+            }),
             frame: Some(Frame::XPrimary),
             notes: vec![
                 note("frame: X primary".to_string()),

@@ -1,9 +1,9 @@
 //! The figures of a forecast.
 
-use crate::inputs::error_table::Silence;
+use crate::inputs::error_table::{LargestErrors, Silence};
 use crate::inputs::job::Acceptance;
 use crate::judge::conformity::{
-    Magnitude, Sigma, Verdict, expanded_um, judge_forecast, judge_measured,
+    Magnitude, Sigma, Verdict, expanded_together, expanded_um, judge_forecast, judge_measured,
 };
 use crate::judge::findings::InForecast;
 use crate::judge::forecast::share::JudgedRange;
@@ -114,6 +114,8 @@ pub struct Forecast {
     pub ranges: Vec<JudgedRange>,
     /// What the job of a separation leaves unsaid.
     pub silence: Silence,
+    /// The largest errors of a separation, drawn together; `None` = only the u of single values are known.
+    pub largest: Option<LargestErrors>,
     /// Every measured term, in the contract's order.
     pub terms: Vec<TermForecast>,
     /// The four body diagonals; empty unless all nine errors were measured, none in one direction only.
@@ -173,14 +175,33 @@ impl Forecast {
     /// uncertainty is stated.
     pub(crate) fn max_expanded_um(&self) -> Option<f64> {
         let stated = self.terms.iter().any(|term| term.change.u_um.is_some());
-        stated.then(|| expanded_um(&self.figures(), self.sigma))
+        let all_um = self.largest.as_ref().map(|largest| largest.all_um);
+        stated.then(|| expanded_together(&self.figures(), self.sigma, all_um))
     }
 
-    pub(super) fn judge(&self, figures: &[Magnitude], limit_um: f64) -> Verdict {
+    /// `largest_um`: how far the largest error of these figures lies off, where that is known of all together.
+    pub(super) fn judge(
+        &self,
+        figures: &[Magnitude],
+        largest_um: Option<f64>,
+        limit_um: f64,
+    ) -> Verdict {
         match self.basis {
-            Basis::Forecast => judge_forecast(figures, self.sigma, limit_um),
+            Basis::Forecast => judge_forecast(figures, self.sigma, largest_um, limit_um),
             Basis::Measured => judge_measured(figures, self.sigma, limit_um),
         }
+    }
+
+    /// Every term together.
+    pub(super) fn judge_all(&self, limit_um: f64) -> Verdict {
+        let largest_um = self.largest.as_ref().map(|largest| largest.all_um);
+        self.judge(&self.figures(), largest_um, limit_um)
+    }
+
+    /// One term.
+    pub(super) fn judge_term(&self, term: &TermForecast, limit_um: f64) -> Verdict {
+        let largest_um = self.largest.as_ref().map(|largest| largest.terms[term.term]);
+        self.judge(&term.figures, largest_um, limit_um)
     }
 
     /// Diagonals of a forecast are judged together; a measured one passes on the difference of its
@@ -192,7 +213,7 @@ impl Forecast {
     ) -> Verdict {
         let halves: Vec<Magnitude> =
             (diagonals.iter()).flat_map(|diagonal| diagonal.halves.clone()).collect();
-        let together = self.judge(&halves, limit_um / 2.0);
+        let together = self.judge(&halves, None, limit_um / 2.0);
         if self.basis == Basis::Forecast {
             return together;
         }
@@ -207,7 +228,7 @@ impl Forecast {
     pub fn verdict(&self, acceptance: Acceptance) -> Verdict {
         let unsaid = !self.silence.not_stated.is_empty();
         let unsaid = if unsaid { Verdict::Undecided } else { Verdict::Pass };
-        let judged = |limit| self.judge(&self.figures(), limit).max(unsaid);
+        let judged = |limit| self.judge_all(limit).max(unsaid);
         let terms = acceptance.max_deviation_um.map(judged);
         let all: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
         let diagonals = acceptance.max_diagonal_um.map(|limit| match all.is_empty() {

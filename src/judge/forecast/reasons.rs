@@ -142,7 +142,7 @@ impl Forecast {
             um: term.change.after_um,
             expanded_um: term.change.expanded_um,
             limit_um,
-            verdict: self.judge(&term.figures, limit_um),
+            verdict: self.judge_term(term, limit_um),
         };
         let all = |verdict| Miss::Figure {
             of: Of::Terms,
@@ -151,7 +151,7 @@ impl Forecast {
             limit_um,
             verdict,
         };
-        let verdict = || self.judge(&self.figures(), limit_um);
+        let verdict = || self.judge_all(limit_um);
         singly_or_together(self.terms.iter().map(one), verdict, all)
     }
 

@@ -262,7 +262,7 @@ fn usual(run: &ProgramRequest) -> DiagonalMeasurement {
 
 /// The forecast of the error table that `separate` would write, as if no table were loaded.
 fn forecast_of(job: &Job, expected: &Separation) -> Result<Forecast, Problems> {
-    let draft = table::draft(expected, &job.compensation.backlash, Vec::new());
+    let draft = table::draft(expected, job, Vec::new());
     let source = Source::from_bytes("expected errors", write(&draft).as_bytes())?;
     let model = ErrorModel::build(job, &ErrorTable::read(source)?)?;
     alone(&model, job)

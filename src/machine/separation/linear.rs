@@ -12,10 +12,12 @@
 use super::readings::Means;
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Squared;
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use std::ops::Range;
 
 /// Where the entries of z stand.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
     /// Readings of a pass along a diagonal.
     pub(super) nodes: usize,
@@ -68,7 +70,7 @@ impl Layout {
 }
 
 /// A figure by the entries of z that it hangs on; an entry may stand in it more than once.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Row(pub(super) Vec<(usize, f64)>);
 
 impl Row {
@@ -98,6 +100,7 @@ impl Row {
 }
 
 /// What is uncertain of z.
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Model {
     pub(super) layout: Layout,
     /// Variance by the noise of the readings; 0 for what is no reading.
@@ -149,6 +152,30 @@ impl Model {
     pub(super) fn drawn(&self) -> Vec<f64> {
         let both = self.noise.iter().zip(&self.other).take(self.layout.neglected(0));
         both.map(|(noise, other)| (noise + other).sqrt()).collect()
+    }
+
+    /// What is off in z in one draw: the noise so many times as large as estimated; these angles.
+    pub(super) fn draw(&self, noise: f64, angles: &[usize], random: &mut ChaCha8Rng) -> Vec<f64> {
+        let mut normal = || -> f64 { StandardNormal.sample(random) };
+        let each = self.noise.iter().zip(&self.other);
+        let spread = each.map(|(own, other)| (own * noise * noise + other).sqrt());
+        let mut z: Vec<f64> = spread.map(|u| if u > 0.0 { u * normal() } else { 0.0 }).collect();
+        let common = self.beam_ppm * normal();
+        let own = self.setup_ppm.hypot(self.beam_ppm);
+        let mut shares = vec![0.0; self.columns.len()];
+        self.strains.clone().chain(self.tilts.clone()).for_each(|at| shares[at] = normal());
+        self.setups.clone().for_each(|at| shares[at] = common + own * normal());
+        // Uniform, with a standard deviation of 1.
+        let even = |random: &mut ChaCha8Rng| {
+            let share: f64 = StandardUniform.sample(random);
+            12_f64.sqrt() * (share - 0.5)
+        };
+        angles.iter().for_each(|at| shares[*at] = even(random));
+        for (share, column) in shares.iter().zip(&self.columns).filter(|(share, _)| **share != 0.0)
+        {
+            z.iter_mut().zip(column).for_each(|(z, part)| *z += share * part);
+        }
+        z
     }
 
     /// A row with each entry once.
@@ -208,7 +235,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// A curve: at interval end i of n its value is start + steps 1 … i + (i/n) line.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct CurveRows {
     /// At the low end.
     pub(super) start: Row,

@@ -6,6 +6,7 @@ use super::closure::{Closure, Start, closure, large_noise};
 use super::curves::Curve;
 use super::exchange::{AsRead, names};
 use super::labels;
+use super::linear::Model;
 use super::linear_reversal::{LinearReversals, contradictions, hidden_reversal_um};
 use super::metric::{Metric, PerPlane, Plane};
 use super::noise::Noise;
@@ -29,6 +30,8 @@ pub struct Separation {
     pub setup: SetUp,
     /// The nine errors.
     pub errors: NineErrors,
+    /// What is uncertain of the readings and lines behind them.
+    pub(super) model: Model,
     /// Their shapes beside the line through the ends, µm: determined whatever the set-up.
     pub shapes: PerTerm<Curve>,
     /// Slopes as they fall out of the increments, µm/m: they hold the tilt of the mirror.
@@ -218,6 +221,7 @@ fn evaluated(
         labels,
         agreement,
         errors,
+        model: solved.model,
         closure,
         noise,
         diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {

@@ -240,7 +240,8 @@ impl<'a> Solved<'a> {
         let variances = rows.variances(&self.model);
         let of = |v: &Variance| ((v.all + left_out).sqrt(), v.noise.sqrt());
         let (u_um, u_noise_um) = is_known.then(|| variances.iter().map(of).unzip()).unzip();
-        SeparatedError { deviation_um: values, u_um, u_noise_um }
+        let rows = is_known.then(|| rows.clone());
+        SeparatedError { deviation_um: values, u_um, u_noise_um, rows, left_out }
     }
 
     /// The curve of a direction: that of its readings, with the slope of the mean. After a turn the − curve
@@ -349,6 +350,10 @@ pub struct SeparatedError {
     pub u_um: Option<Vec<f64>>,
     /// The part of them that comes from the noise of the readings, µm.
     pub u_noise_um: Option<Vec<f64>>,
+    /// How it hangs on what was measured; `None` where an uncertainty, or a part of the curve, has no row.
+    pub(super) rows: Option<CurveRows>,
+    /// Variance of what all of it but the first point lacks, µm².
+    pub(super) left_out: f64,
 }
 
 impl SeparatedError {
@@ -380,6 +385,8 @@ impl SeparatedError {
             deviation_um: directed_curve(&self.deviation_um, &reversal.um, direction),
             u_noise_um: self.u_noise_um.clone().filter(|_| u_um.is_some()),
             u_um,
+            rows: None,
+            left_out: 0.0,
         }
     }
 }

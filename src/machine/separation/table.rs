@@ -48,7 +48,7 @@ impl ErrorSource {
             }
         };
         check_policy(job, separation)?;
-        let draft = draft(separation, &job.compensation.backlash, comments.clone());
+        let draft = draft(separation, job, comments.clone());
         let text = error_table::write(&draft);
         let name = format!("nine errors separated from {readings}");
         let table = ErrorTable::read(Source::from_bytes(&name, text.as_bytes())?)?;
@@ -59,25 +59,23 @@ impl ErrorSource {
 /// The table that `separate` writes and `generate` reads. Terms that are not determined are
 /// absent. Directions stand apart only where the reversal between them is determined; without it
 /// a job that asks for the curves moving + gets these alone, any other one the mean of both.
-pub fn draft(
-    separation: &Separation,
-    policies: &PerAxis<Option<BacklashPolicy>>,
-    mut comments: Vec<String>,
-) -> Draft {
+pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> Draft {
     let plus_only = |axis: Axis| {
-        policies[axis] == Some(BacklashPolicy::ForwardOnly) && separation.means.reverse.is_some()
+        job.compensation.backlash[axis] == Some(BacklashPolicy::ForwardOnly)
+            && separation.means.reverse.is_some()
     };
-    let directions = |axis: Axis| -> &[Option<Direction>] {
+    let directions = PerAxis::from_fn(|axis| {
         if separation.is_directed(axis) {
-            &[Some(Direction::Plus), Some(Direction::Minus)]
+            vec![Some(Direction::Plus), Some(Direction::Minus)]
         } else if plus_only(axis) {
-            &[Some(Direction::Plus)]
+            vec![Some(Direction::Plus)]
         } else {
-            &[None]
+            vec![None]
         }
-    };
-    comments.extend(remarks(separation).lines());
-    let of_axis = |axis| directions(axis).iter().map(move |way| (axis, *way));
+    });
+    let largest = separation.largest_errors(job, &directions);
+    comments.extend(Remarks { largest, ..remarks(separation) }.lines());
+    let of_axis = |axis| directions[axis].iter().map(move |way| (axis, *way));
     let series = Axis::ALL.into_iter().flat_map(of_axis);
     let series = series.map(|(axis, way)| one_series(separation, axis, way));
     Draft { comments, series: series.collect() }
@@ -109,6 +107,7 @@ pub fn remarks(separation: &Separation) -> Remarks {
         hidden_reversal_um: separation.hidden_reversal_um,
         degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
         silence: separation.silence.clone(),
+        largest: None,
         frame,
         notes,
     }
