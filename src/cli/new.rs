@@ -7,7 +7,7 @@ use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, shell_word};
 use crate::cli::write::NamedBytes;
 use crate::control::controller::Profile;
-use crate::inputs::job::{LinearSlope, MeasuredData, UseOf};
+use crate::inputs::job::{MeasuredData, UseOf};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, Measured, Visit};
 use crate::quantity::axis::PerAxis;
@@ -89,8 +89,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let screen = Screen {
         verdict: format!(
             "{}: fill in every \"\" of {JOB}, and the empty cells of {}",
-            profile.name,
-            begun.measured.join(", ")
+            profile.name, begun.measured
         ),
         always: words,
         ..Screen::default()
@@ -130,17 +129,8 @@ fn again(path: &Path, directory: &Path) -> Result<Beginning, Problems> {
     let job = read_page(Source::from_bytes(&name, &bytes)?, folder_of(path), UseOf::Tables)?;
     let mut files = JobFiles::new(&job, path);
     let profile = files.profile()?;
-    let mut linear = Vec::new();
     let measured = match &job.measurement.data {
         MeasuredData::Diagonals(how) => {
-            for line in &how.linear {
-                if let LinearSlope::Errors(path) = &line.slope
-                    && !linear.iter().any(|(known, _)| known == path)
-                {
-                    let key = "measurement.step_diagonal.linear";
-                    linear.push((path.clone(), files.table(path, key)?));
-                }
-            }
             Measured::Readings(files.source(&how.readings, "measurement.readings")?.0)
         }
         MeasuredData::Errors(_) => {
@@ -165,7 +155,7 @@ fn again(path: &Path, directory: &Path) -> Result<Beginning, Problems> {
         (true, None) => format!("the new tables replace those of {}", kit.display()),
     });
     let kit = if is_kit { inside(&kit, directory) } else { String::new() };
-    let earlier = Earlier { job: &job, measured, linear, place, kit };
+    let earlier = Earlier { job: &job, measured, place, kit };
     let begun = earlier.again(|path| inside(&folder.join(path), directory))?;
     Ok((profile, begun, words))
 }
@@ -200,7 +190,7 @@ impl fmt::Display for Stage {
 fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
     let place = |name: &str| shell_word(&directory.join(name));
     let [job, kit] = [JOB, KIT].map(place);
-    let table = begun.measured.join(", ");
+    let table = begun.measured;
     let tables = format!("{job} --tables {kit}");
     let after = format!("{tables} --after {}", place(begun.after()));
     let stage = |words: String, commands: Vec<String>| Stage { words, commands };

@@ -62,8 +62,8 @@ pub struct Begun {
     pub job: String,
     /// The files beside it, with their names.
     pub tables: Vec<(String, String)>,
-    /// Those that are filled in first.
-    pub measured: Vec<String>,
+    /// The one that is filled in first.
+    pub measured: &'static str,
     /// Whether it is a visit of readings.
     pub readings: bool,
     /// Whether the control has part programs of the run.
@@ -89,7 +89,7 @@ impl Visit<'_> {
         Ok(Begun {
             tables: tables.map(|(name, text)| (name.to_string(), text)).collect(),
             job: self.job()?,
-            measured: vec![self.table_name().to_string()],
+            measured: self.table_name(),
             readings: self.readings,
             programs: self.has_programs(),
             steps: Some(self.steps()),

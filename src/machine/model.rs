@@ -21,7 +21,7 @@
 //! are zero and holds noise and scale of the laser already.
 
 pub use self::measured::Measured;
-use self::measured::{UNLIKELY_SMALL_UM, check_axis, measured_range};
+use self::measured::{FEWEST_POSITIONS, UNLIKELY_SMALL_UM, check_axis, measured_range};
 use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
@@ -156,8 +156,13 @@ impl ErrorModel {
                 terms[term] = measured_term(job, table.series(term.along), term, machine);
             }
         }
-        let sizes = terms.iter().filter_map(|(term, of)| Some((term, of.as_ref()?.largest_um())));
-        measured::refuse_unlikely(job, table, &sizes.collect::<Vec<_>>(), &mut problems);
+        let size = |(term, of): (ErrorTerm, &Option<MeasuredTerm>)| {
+            let of = of.as_ref()?;
+            let positions = of.curves().map(|curve| curve.knots().len()).max()?;
+            (positions >= FEWEST_POSITIONS).then(|| (term, of.largest_um()))
+        };
+        let sizes: Vec<(ErrorTerm, f64)> = terms.iter().filter_map(size).collect();
+        measured::refuse_unlikely(job, table, &sizes, &mut problems);
         for (term, slope) in &job.measurement.squareness {
             add_squareness(job, &mut terms, *term, *slope, &mut problems);
         }

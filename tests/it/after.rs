@@ -214,7 +214,11 @@ fn far_fewer_positions_leave_it_undecided() {
     for (step, verdict) in [(20, "pass"), (25, "undecided"), (100, "undecided")] {
         visit.put("after.csv", rows(step));
         let causes = again(&visit, "after.csv").is(verdict, &[]).page["causes"].to_string();
-        assert_eq!(causes.contains("known between them"), verdict != "pass", "every {step} mm");
+        assert_eq!(
+            causes.contains("between the targets is not known"),
+            verdict != "pass",
+            "every {step} mm"
+        );
     }
 }
 

@@ -179,7 +179,7 @@ fn refuse_readings(source: &Source) -> Result<(), Problem> {
     let problem = Problem::new(
         "these are readings of the diagonals, expected an error table (CSV) or a job (TOML)",
     )
-    .help("write a job that names them with `readings = …`: how they were walked stands there");
+    .help("give the job that names them (`after.toml` of `nonius new`): how they were walked stands there");
     Err(match header_and_rows(source) {
         Some((header, _)) => problem.at(header.cell_place(0)),
         None => problem,

@@ -20,8 +20,6 @@ pub struct Earlier<'a> {
     pub job: &'a Job,
     /// The errors that it measured, or its readings.
     pub measured: Measured,
-    /// Its linear measurements in tables of their own, with their paths.
-    pub linear: Vec<(String, ErrorTable)>,
     /// The key of the job that places tables in the control; `None` = files are replaced.
     pub place: Option<&'static str>,
     /// Its kit as the new job names it; empty where none is known.
@@ -45,12 +43,6 @@ impl Earlier<'_> {
         };
         let again = format!("{AGAIN}{table}");
         let mut tables = vec![(name.to_string(), table), (AFTER.to_string(), again)];
-        let mut measured = vec![name.to_string()];
-        let linear = self.linear.iter().map(|(path, table)| (file_name(path), positions(table)));
-        for own in linear {
-            measured.push(own.0.clone());
-            tables.push(own);
-        }
         let mut steps = None;
         if let MeasuredData::Diagonals(how) = &self.job.measurement.data {
             let axes: Vec<&str> = how.linear.iter().map(|linear| linear.axis.key()).collect();
@@ -58,7 +50,8 @@ impl Earlier<'_> {
             steps = u32::try_from(how.volume.steps).ok();
         }
         let programs = readings && self.job.program.is_some();
-        Ok(Begun { job: self.page(name, rebased)?, tables, measured, readings, programs, steps })
+        let job = self.page(name, rebased)?;
+        Ok(Begun { job, tables, measured: name, readings, programs, steps })
     }
 
     /// The job, with its comments.
@@ -83,10 +76,9 @@ impl Earlier<'_> {
         if let Some(angles) = &job.measurement.angles {
             page.set("measurement.angles", quoted(&rebased(angles)));
         }
-        if job.source.place_of("compensation.controller").is_some()
-            && job.compensation.controller.contains(['/', '\\', '.'])
-        {
-            page.set("compensation.controller", quoted(&rebased(&job.compensation.controller)));
+        let controller = &job.compensation.controller;
+        if controller.contains(['/', '\\', '.']) {
+            page.set("compensation.controller", quoted(&rebased(controller)));
         }
         self.empty_run(&mut page);
         let head = format!(

@@ -110,6 +110,8 @@ pub(super) fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &m
 pub(super) const UNLIKELY_SMALL_UM: f64 = 0.1;
 /// How many times larger than those the largest of the other axes is where the unit of one axis is wrong.
 const UNLIKELY_TIMES: f64 = 100.0;
+/// Fewer values than these may be small by chance.
+pub(super) const FEWEST_POSITIONS: usize = 4;
 
 /// Refuses terms in µm that stay below a tenth while others of their kind (positioning, cross terms) are hundred
 /// times larger: mm under `_um`. A smaller `noise_um` confirms them; a predicted or separated table has no such slip.
