@@ -112,7 +112,9 @@ pub struct LargestErrors {
     pub all_um: f64,
     /// Of all values of a term; 0 where there is none.
     pub terms: PerTerm<f64>,
-    /// Of max − min along a body diagonal.
+    /// Of max − min along any body diagonal.
+    pub ranges_um: f64,
+    /// Of max − min along one of them.
     pub diagonals: PerDiagonal<f64>,
 }
 
@@ -122,7 +124,8 @@ impl LargestErrors {
         let terms = terms.map(|(term, um)| format!(", {term} {um:.4}"));
         let diagonals = self.diagonals.iter().map(|(d, um)| format!(", {} {um:.4}", d.name()));
         let rest: String = terms.chain(diagonals).collect();
-        format!("{LARGEST} {}: all {:.4}{rest}", self.zero, self.all_um)
+        let (all, ranges) = (self.all_um, self.ranges_um);
+        format!("{LARGEST} {}: all {all:.4}, ranges {ranges:.4}{rest}", self.zero)
     }
 
     fn read(words: &str) -> Option<LargestErrors> {
@@ -135,7 +138,9 @@ impl LargestErrors {
             {
                 (Some(term), _) => found.terms[term] = um,
                 (_, Some(diagonal)) => found.diagonals[diagonal] = um,
-                _ => found.all_um = Some(um).filter(|_| name == "all")?,
+                _ if name == "all" => found.all_um = um,
+                _ if name == "ranges" => found.ranges_um = um,
+                _ => return None,
             }
         }
         Some(found)
@@ -301,6 +306,7 @@ mod tests {
             largest: Some(LargestErrors {
                 zero: "X 0 +, Y -5.5 -".to_string(),
                 all_um: 4.5,
+                ranges_um: 3.5,
                 terms: PerTerm::from_fn(|term| if term.is_positioning() { 0.0 } else { 0.0625 }),
                 diagonals: PerDiagonal::from_fn(|_| 2.25),
             }),

@@ -94,10 +94,9 @@ pub(super) fn forecast(
         let u_um = uncertainties(model, &measured_box, diagonal);
         let scale_um = model.laser_um_per_m * measured_box.length() / 1000.0;
         let (before, after) = (before.size(), after.size());
-        DiagonalForecast {
-            cosines: PerAxis::from_fn(|axis| measured_box.cosine(axis)),
-            ..DiagonalForecast::new(diagonal.name(), before, after, sigma, &u_um, scale_um)
-        }
+        let largest_um = model.remarks.largest.as_ref().map(|largest| largest.diagonals[diagonal]);
+        DiagonalForecast::new(diagonal.name(), before, after, sigma, &u_um, scale_um)
+            .drawn(largest_um)
     };
     Ok(Diagonal::ALL.into_iter().map(of_diagonal).collect())
 }

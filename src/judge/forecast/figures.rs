@@ -53,8 +53,8 @@ pub struct DiagonalForecast {
     /// Half of max − min with the uncertainty of a value, at each place of a measured position, one where none is stated:
     /// max − min keeps a limit where every value lies within half of it about the middle.
     pub halves: Vec<Magnitude>,
-    /// Share of a deviation in X, Y, Z along the beam.
-    pub cosines: PerAxis<f64>,
+    /// By how much max − min may be off, of all values drawn together, µm; `None` = not known.
+    pub largest_um: Option<f64>,
 }
 
 impl DiagonalForecast {
@@ -84,8 +84,15 @@ impl DiagonalForecast {
                 expanded_um: largest.map(|_| 2.0 * expanded_um(&halves, sigma)),
             },
             halves,
-            cosines: PerAxis::default(),
+            largest_um: None,
         }
+    }
+
+    /// With what is known of all values drawn together.
+    pub(super) fn drawn(mut self, largest_um: Option<f64>) -> DiagonalForecast {
+        let own = self.change.expanded_um.zip(largest_um);
+        self.change.expanded_um = own.map(|(own, um)| own.min(um)).or(self.change.expanded_um);
+        DiagonalForecast { largest_um, ..self }
     }
 
     /// max − min as one figure: the difference of two values.
@@ -213,7 +220,11 @@ impl Forecast {
     ) -> Verdict {
         let halves: Vec<Magnitude> =
             (diagonals.iter()).flat_map(|diagonal| diagonal.halves.clone()).collect();
-        let together = self.judge(&halves, None, limit_um / 2.0);
+        let largest_um = match diagonals {
+            [one] => one.largest_um,
+            _ => self.largest.as_ref().map(|largest| largest.ranges_um),
+        };
+        let together = self.judge(&halves, largest_um.map(|um| um / 2.0), limit_um / 2.0);
         if self.basis == Basis::Forecast {
             return together;
         }

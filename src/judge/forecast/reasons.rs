@@ -5,7 +5,7 @@ use super::share::{self, JudgedRange};
 use super::{DiagonalForecast, Forecast, TermForecast};
 use crate::inputs::error_table::Cause;
 use crate::inputs::job::{Acceptance, Job};
-use crate::judge::conformity::{Verdict, expanded_um};
+use crate::judge::conformity::{Verdict, expanded_together};
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::larger;
 use std::cmp::Ordering;
@@ -173,7 +173,10 @@ impl Forecast {
         let all = |verdict| Miss::Figure {
             of: Of::Diagonals,
             um,
-            expanded_um: stated.then(|| 2.0 * expanded_um(&halves, self.sigma)),
+            expanded_um: stated.then(|| {
+                let largest_um = self.largest.as_ref().map(|largest| largest.ranges_um / 2.0);
+                2.0 * expanded_together(&halves, self.sigma, largest_um)
+            }),
             limit_um,
             verdict,
         };

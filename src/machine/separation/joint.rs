@@ -59,6 +59,8 @@ impl Separation {
                 all.get(all.len() * 19 / 20).copied().unwrap_or(0.0)
             };
             largest.all_um = larger(largest.all_um, quantile(&|size| size.all_um()));
+            let ranges = |size: &Sizes| size.diagonals.iter().map(|(_, um)| *um).fold(0.0, larger);
+            largest.ranges_um = larger(largest.ranges_um, quantile(&ranges));
             for term in &terms {
                 let um = quantile(&|size| size.terms[*term]);
                 largest.terms[*term] = larger(largest.terms[*term], um);
