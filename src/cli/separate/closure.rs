@@ -100,7 +100,7 @@ fn test(closure: &Closure, noise: Option<Noise>) -> String {
     };
     let kind = match noise.source {
         NoiseSource::Repeats => "F test",
-        NoiseSource::Stated | NoiseSource::Closure => "chi-squared test",
+        NoiseSource::Stated | NoiseSource::Closure | NoiseSource::Joined => "chi-squared test",
     };
     let (sigma, from, p) = (noise.sigma_um, noise.source.words(), test.probability);
     format!(

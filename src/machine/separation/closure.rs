@@ -22,15 +22,15 @@ use super::corrections::recorded;
 use super::curves::{mean, noise_gain};
 use super::findings::SeparationFinding as Found;
 use super::noise::{
-    FALSE_DOUBT, Noise, NoiseSource, Outlier, Repeats, UNRESOLVED_UM, chance_of, float, repeats,
-    student, tails,
+    ENOUGH, FALSE_DOUBT, Noise, NoiseSource, Outlier, Repeats, UNRESOLVED_UM, chance_of, float,
+    repeats, student, tails,
 };
 use super::patterns::{Known, Patterns, Ramps, by_group};
 use super::readings::{CorrectedRun, Group, Means, PassMeans, RunCounts, means, run_counts};
 use super::uncertainty::{Budget, OfAngle, Unmeasured};
-use crate::inputs::job::{Material, SetUp, StatedUncertainty};
+use crate::inputs::job::{Material, SetUp};
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, Run, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
 
@@ -69,6 +69,13 @@ pub struct ScatterTest {
     pub larger: bool,
 }
 
+impl ScatterTest {
+    /// Whether the closure scatters more than the noise explains.
+    pub(super) fn is_larger(&self) -> bool {
+        self.larger && self.probability < FALSE_DOUBT
+    }
+}
+
 impl Closure {
     /// The noise of a single reading that the scatter of the closure speaks for; `None` without degrees
     /// of freedom.
@@ -84,7 +91,8 @@ impl Closure {
     /// Two-sided test against a noise that is known otherwise: χ² where it is stated, F where it
     /// comes from repeated runs. `None` where it comes from this closure, so that nothing is tested.
     pub fn test(&self, noise: &Noise) -> Option<ScatterTest> {
-        if noise.source == NoiseSource::Closure || noise.sigma_um <= 0.0 {
+        let is_own = matches!(noise.source, NoiseSource::Closure | NoiseSource::Joined);
+        if is_own || noise.sigma_um <= 0.0 {
             return None;
         }
         let ratio = self.weighted_square / noise.sigma_um.squared();
@@ -120,9 +128,6 @@ impl Closure {
         }
         let roll = self.ramps.as_ref().filter(|ramps| ramps.is_roll());
         doubts.extend(roll.map(|ramps| Found::Roll { changes: ramps.change_um }));
-        let test = noise.and_then(|noise| self.test(&noise));
-        let test = test.filter(|test| test.larger && test.probability < FALSE_DOUBT);
-        doubts.extend(test.map(|test| Found::Scatter { probability: test.probability }));
         if setup == SetUp::AssumePerfect {
             doubts.extend(noise.and_then(|noise| self.against_perfect(noise)));
         }
@@ -145,7 +150,8 @@ impl Closure {
 /// one in a thousand, with σ₀ = twice the stated `noise_um`, or 1 µm where none is stated. With few
 /// steps no reading stands out of such a scatter, however far it is off: it makes the scatter.
 pub(super) fn large_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Option<Finding> {
-    let found = noise.filter(|noise| noise.source != NoiseSource::Stated)?;
+    let is_found = |source| matches!(source, NoiseSource::Repeats | NoiseSource::Closure);
+    let found = noise.filter(|noise| is_found(noise.source))?;
     let freedom = found.freedom?;
     let limit_um = stated_um.map_or(ASSUMED_NOISE_UM, |um| FAR_ABOVE * um);
     let square = float(freedom) * (found.sigma_um / limit_um).squared();
@@ -241,7 +247,7 @@ impl Start {
             zeroed_runs: runs.iter().filter(zeroed).cloned().collect(),
             counts: run_counts(&runs),
             outliers,
-            noise: known_noise(&campaign.stated, noise),
+            noise: known_noise(campaign, noise),
             angles: stated_angles(campaign, &runs),
             runs,
         }
@@ -275,12 +281,17 @@ fn stated_angles(campaign: &Campaign<'_>, runs: &[CorrectedRun]) -> Vec<Vec<Mean
     orders.iter().map(of_order).collect()
 }
 
-/// Repeats say most; a stated noise comes next; a single run is left with its closure.
-pub(super) fn known_noise(stated: &StatedUncertainty, repeats: Option<Noise>) -> Option<Noise> {
-    let stated = stated.noise_um.map(|sigma_um| Noise {
+/// σ of a reading before the closure is judged: repeats say most; else the closure itself, unless it leaves few
+/// degrees of freedom and the job states one.
+pub(super) fn known_noise(campaign: &Campaign<'_>, repeats: Option<Noise>) -> Option<Noise> {
+    let stated_um = campaign.stated.noise_um;
+    let measurement = campaign.measurement;
+    let of_closure =
+        3 * measurement.volume.steps >= ENOUGH + 3 && measurement.kind == PathKind::Step;
+    let stated = stated_um.filter(|_| !of_closure).map(|sigma_um| Noise {
         sigma_um,
         freedom: None,
         source: NoiseSource::Stated,
     });
-    repeats.or(stated)
+    repeats.map(|found| found.with_stated(stated_um)).or(stated)
 }

@@ -200,7 +200,9 @@ impl<'a, 'c> Trial<'a, 'c> {
         });
         let (recorded, freedom) = tried.next()?;
         let others: Vec<Tried> = tried.map(|(tried, _)| tried).collect();
-        let known = as_read.noise.filter(|n| n.source != NoiseSource::Closure);
+        let known = as_read
+            .noise
+            .filter(|n| n.source != NoiseSource::Closure && n.source != NoiseSource::Joined);
         (freedom > 0).then_some(Trial {
             campaign,
             runs,

@@ -16,7 +16,6 @@ findings! {
         DisturbedTotal { which: String } => Doubt, "disturbed reading, which stays in the result: {which}; repeat that run";
         MoreDisturbed { more: usize } => Doubt, "{more} more disturbed readings stay in the result";
         Roll { changes: PerAxis<f64> } => Doubt, "the closure runs in straight ramps over the axes ({} µm from end to end): roll of an axis that carries others, which the nine errors do not hold; measure the roll and give it as `angles`", by_axis(changes, &Axis::ALL);
-        Scatter { probability: f64 } => Doubt, "the closure scatters more than the noise explains (probability {probability:.4}): the nine errors do not describe these readings";
         SetUpNotPerfect { means: PerAxis<f64>, off: Vec<Axis> } => Doubt, "the set-up is assumed perfect, but the mean of the closure is not zero ({} µm): tilt of the mirror, or roll; solve for the set-up", by_axis(means, off);
         NoiseFar { um: f64, source: &'static str, times: f64, stated_um: f64 } => Doubt, "noise of a single reading {um:.3} µm, {source}: more than {times} times the {stated_um} µm that `noise_um` states; a disturbed reading of any size may sit in it; repeat the runs, or correct `noise_um`";
         NoiseLarge { um: f64, source: &'static str, assumed_um: f64 } => Doubt, "noise of a single reading {um:.3} µm, {source}: above the {assumed_um} µm that are assumed where `noise_um` is not stated; a disturbed reading of any size may sit in it; repeat the runs, or state `noise_um`";
@@ -60,6 +59,8 @@ findings! {
         // What the uncertainty holds.
         NoAir => Label, "the readings are not corrected for air, and nothing corrects them here: about 1 µm/m of scale for each K of air temperature or 3.7 hPa";
         NoiseIs { um: f64, source: &'static str, freedom: Option<usize>, k: f64 } => Label, "noise of a single reading {um:.3} µm (k = 1), {source}{}", freedom.map_or_else(String::new, |freedom| format!(", {freedom} degrees of freedom: k = {k:.2} by Student holds 95 %"));
+        Scatter { um: f64, repeated_um: f64 } => Note, "the closure scatters by {um:.3} µm, repeated runs by {repeated_um:.3} µm: the walks differ by more than the runs show, and the larger counts";
+        NoiseContradicted { um: f64, source: &'static str, stated_um: f64 } => Note, "noise of a single reading {um:.3} µm, {source}: `noise_um = {stated_um}` contradicts it and does not count";
         NoiseUnknown => Label, "noise of the readings is not known (one run, no redundancy): no uncertainty is given";
         LaserCounts { ppm: f64, is_stated: bool } => Label, "laser_ppm {} counts in the scales ({ppm}, k = 1), as an error that all four set-ups share", if *is_stated { "as stated" } else { "is not stated: a usual one" };
         OfMaterialNotStated { key: &'static str } => Label, "{key} is not stated and not included";

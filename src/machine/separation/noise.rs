@@ -29,6 +29,8 @@ pub(super) const DIGIT_UM: f64 = 0.003;
 /// What an instrument does not resolve is no disturbance, no roll, no reversal and no doubt, however
 /// small the noise, µm.
 pub(super) const UNRESOLVED_UM: f64 = 0.02;
+/// Degrees of freedom from which on a noise that was found needs no stated one.
+pub(super) const ENOUGH: usize = 20;
 /// Chance that a test of the whole closure (scatter, ramps, mean) speaks against a sound
 /// measurement: rarer than the naming of a reading, because no repeated run answers it.
 pub const FALSE_DOUBT: f64 = 0.001;
@@ -42,6 +44,8 @@ pub enum NoiseSource {
     Closure,
     /// Stated in the job (`noise_um`).
     Stated,
+    /// Few degrees of freedom of the readings, together with what the job states.
+    Joined,
 }
 
 impl NoiseSource {
@@ -51,6 +55,7 @@ impl NoiseSource {
             NoiseSource::Repeats => "from the scatter of repeated runs",
             NoiseSource::Closure => "from the scatter of the closure",
             NoiseSource::Stated => "as stated in the job (noise_um)",
+            NoiseSource::Joined => "from the scatter, with few degrees of freedom, and noise_um",
         }
     }
 }
@@ -70,6 +75,30 @@ impl Noise {
     /// Degrees of freedom as a number; `None` = as good as known.
     pub fn freedom_f64(self) -> Option<f64> {
         self.freedom.map(float)
+    }
+
+    /// What counts where the job states a noise, too: with many degrees of freedom the one found; with few both,
+    /// the stated one as if found with so many; the one found where they contradict each other.
+    ///
+    /// formula  σ² = (ν s² + 20 σ_stated²)/(ν + 20), with ν + 20 degrees of freedom
+    pub(super) fn with_stated(self, stated_um: Option<f64>) -> Noise {
+        let few = self.freedom.filter(|freedom| *freedom < ENOUGH);
+        let (Some(freedom), Some(stated_um)) = (few, stated_um) else { return self };
+        if self.contradicts(stated_um) {
+            return self;
+        }
+        let (many, all) = (float(freedom), float(freedom + ENOUGH));
+        let square = many * self.sigma_um.squared() + float(ENOUGH) * stated_um.squared();
+        let (sigma_um, freedom) = ((square / all).sqrt(), Some(freedom + ENOUGH));
+        Noise { sigma_um, freedom, source: NoiseSource::Joined }
+    }
+
+    /// Whether a stated noise is not that of these readings: χ², two-sided, at 1 %.
+    pub(super) fn contradicts(self, stated_um: f64) -> bool {
+        let freedom = self.freedom.unwrap_or(0);
+        let square = float(freedom) * (self.sigma_um / stated_um.max(DIGIT_UM)).squared();
+        let both = tails(square, freedom, None);
+        both.is_some_and(|(below, above)| 2.0 * below.min(above) < FALSE_ALARM)
     }
 
     /// σ of a sum of squares of readings of 1 µm; `None` without degrees of freedom.

@@ -5,11 +5,12 @@ use super::campaign::Campaign;
 use super::closure::{Closure, Start, closure, large_noise};
 use super::curves::Curve;
 use super::exchange::{AsRead, names};
+use super::findings::SeparationFinding;
 use super::labels;
 use super::linear::Model;
 use super::linear_reversal::{LinearReversals, contradictions, hidden_reversal_um};
 use super::metric::{Metric, PerPlane, Plane};
-use super::noise::Noise;
+use super::noise::{Noise, NoiseSource};
 use super::patterns::Known;
 use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
 use super::reversal::{Turn, ran_over, separable, turn};
@@ -179,9 +180,52 @@ pub(super) fn of_start(
         skip_ends: means.reverse.is_some() && overrun != Some(true),
     };
     let closure = closure(volume, &means, &start.counts, known);
-    let noise = start.noise.or_else(|| closure.noise().map(of_closure));
+    let noise = noise_of(campaign, start, &closure, of_closure);
     let budget = start.budget(campaign, noise, turned);
-    evaluated(campaign, &budget, &measured, closure, overrun)
+    let notes = of_noise(start.noise, noise, campaign.stated.noise_um);
+    let mut separation = evaluated(campaign, &budget, &measured, closure, overrun);
+    separation.labels.extend(notes.map(Finding::from));
+    separation
+}
+
+/// What speaks against the noise of repeated runs, and against the stated one.
+fn of_noise(
+    known: Option<Noise>,
+    counts: Option<Noise>,
+    stated_um: Option<f64>,
+) -> impl Iterator<Item = SeparationFinding> {
+    let found = counts.filter(|noise| noise.source != NoiseSource::Stated);
+    let repeated = known.filter(|noise| noise.source == NoiseSource::Repeats);
+    let scatter = found.zip(repeated).filter(|(found, repeated)| found.source != repeated.source);
+    let scatter = scatter.map(|(found, repeated)| SeparationFinding::Scatter {
+        um: found.sigma_um,
+        repeated_um: repeated.sigma_um,
+    });
+    let stated = found.zip(stated_um).filter(|(found, stated_um)| found.contradicts(*stated_um));
+    let stated = stated.map(|(found, stated_um)| SeparationFinding::NoiseContradicted {
+        um: found.sigma_um,
+        source: found.source.words(),
+        stated_um,
+    });
+    scatter.into_iter().chain(stated)
+}
+
+/// σ that counts. Where repeated runs agree better with each other than the closure lets the readings be, they
+/// differ from one walk to the next by more than repeats show, and the closure's counts.
+fn noise_of(
+    campaign: &Campaign<'_>,
+    start: &Start,
+    closure: &Closure,
+    of_closure: impl Fn(Noise) -> Noise,
+) -> Option<Noise> {
+    let of_scatter = closure.noise().map(of_closure);
+    let found = start.noise.filter(|noise| noise.source != NoiseSource::Stated);
+    let is_larger =
+        found.and_then(|found| closure.test(&found)).is_some_and(|test| test.is_larger());
+    match found.filter(|_| !is_larger) {
+        Some(found) => Some(found),
+        None => of_scatter.map(|found| found.with_stated(campaign.stated.noise_um)).or(start.noise),
+    }
 }
 
 /// What readings say.
