@@ -191,7 +191,10 @@ impl<'a, 'c> Trial<'a, 'c> {
             };
             if !shared.as_ref().is_some_and(same) {
                 let known = renamed.known(as_read.start.noise);
-                let left = known.patterns(volume, &renamed.means, &renamed.counts)?;
+                let mut left = known.patterns(volume, &renamed.means, &renamed.counts)?;
+                // What stated angles do belongs to no other name.
+                let angles = as_read.start.angles.iter().flatten();
+                angles.for_each(|angle| left.leave_out_effect(volume, angle));
                 shared = Some((renamed.counts, renamed.outliers, left));
             }
             let (_, _, left) = shared.as_ref()?;
@@ -250,7 +253,8 @@ impl<'a, 'c> Trial<'a, 'c> {
         let best = self.others.iter().min_by(by_square)?;
         let before = self.as_read.closure;
         let seen = before.sigma_um().unwrap_or(0.0) > UNRESOLVED_UM;
-        let gain = self.gain(before.weighted_square, best.square) + self.accused();
+        let left = before.weighted_square.min(self.recorded.square);
+        let gain = self.gain(left, best.square) + self.accused();
         if !seen || gain <= self.margin(best.square) {
             return None;
         }

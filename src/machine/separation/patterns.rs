@@ -165,6 +165,12 @@ impl Patterns {
         }
     }
 
+    /// Leaves out what a cause does to the readings.
+    pub(super) fn leave_out_effect(&mut self, volume: &Volume, means: &Means) {
+        let pattern = values(volume, means, &self.rows);
+        self.add(&pattern);
+    }
+
     pub(super) fn leave_out_ramps(&mut self) {
         for ramp in self.ramps.clone() {
             self.add(&ramp);
