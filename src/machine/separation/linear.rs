@@ -93,6 +93,21 @@ impl Row {
         sum
     }
 
+    /// The same with each entry once.
+    fn merged(&self) -> Row {
+        let mut entries = self.0.clone();
+        entries.sort_by_key(|(place, _)| *place);
+        let mut merged: Vec<(usize, f64)> = Vec::new();
+        for (place, weight) in entries {
+            match merged.last_mut().filter(|(last, _)| *last == place) {
+                Some((_, sum)) => *sum += weight,
+                None => merged.push((place, weight)),
+            }
+        }
+        merged.retain(|(_, weight)| weight.abs() > 1e-12);
+        Row(merged)
+    }
+
     /// The figure of these entries.
     pub(super) fn dot(&self, z: &[f64]) -> f64 {
         self.0.iter().map(|(place, weight)| weight * z[*place]).sum()
@@ -246,6 +261,15 @@ pub(super) struct CurveRows {
 }
 
 impl CurveRows {
+    /// The same with each entry of a row once.
+    pub(super) fn merged(&self) -> CurveRows {
+        CurveRows {
+            start: self.start.merged(),
+            steps: self.steps.iter().map(Row::merged).collect(),
+            line: self.line.merged(),
+        }
+    }
+
     /// The values for these entries; `line_um`: the line at the high end, which need not be linear in z.
     pub(super) fn values(&self, z: &[f64], line_um: f64) -> Vec<f64> {
         let last = self.steps.len().max(1) as f64;
