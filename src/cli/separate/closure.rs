@@ -87,7 +87,7 @@ fn test(closure: &Closure, noise: Option<Noise>) -> String {
         return "no test of the scatter: the readings leave nothing over".into();
     };
     let Some(test) = closure.test(&noise) else {
-        return "no chi-squared test: the only noise known is that of this closure; repeat the runs or state `noise_um`".into();
+        return "no chi-squared test: the noise that counts is that of this closure; repeat the runs".into();
     };
     let verdict = match (test.probability < FALSE_DOUBT, test.larger) {
         (false, _) => "in keeping with that noise",
