@@ -27,7 +27,7 @@
 use super::campaign::{Campaign, corrected};
 use super::closure::{Closure, Start, closure};
 use super::findings::SeparationFinding;
-use super::noise::{DIGIT_UM, Noise, NoiseSource, Outlier, UNRESOLVED_UM, float};
+use super::noise::{DIGIT_UM, Noise, Outlier, UNRESOLVED_UM, float};
 use super::patterns::{Known, Patterns};
 use super::readings::{Means, RunCounts, means, run_counts};
 use super::reversal::separable;
@@ -203,9 +203,11 @@ impl<'a, 'c> Trial<'a, 'c> {
         });
         let (recorded, freedom) = tried.next()?;
         let others: Vec<Tried> = tried.map(|(tried, _)| tried).collect();
-        let known = as_read
-            .noise
-            .filter(|n| n.source != NoiseSource::Closure && n.source != NoiseSource::Joined);
+        // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
+        let stated_um = campaign.stated.noise_um;
+        let stated_um =
+            stated_um.filter(|um| as_read.noise.is_some_and(|found| !found.contradicts(*um)));
+        let known_um = as_read.start.noise.map(|noise| noise.sigma_um).or(stated_um);
         (freedom > 0).then_some(Trial {
             campaign,
             runs,
@@ -213,7 +215,7 @@ impl<'a, 'c> Trial<'a, 'c> {
             recorded,
             others,
             freedom,
-            sigma_um: known.map(|noise| noise.sigma_um.max(DIGIT_UM)),
+            sigma_um: known_um.map(|um| um.max(DIGIT_UM)),
         })
     }
 
