@@ -10,7 +10,9 @@ mod text;
 
 pub(crate) use self::read::{Column, Quantity, known_columns};
 pub use self::read::{Heading, Series};
-pub use self::remarks::{Cause, LargestErrors, Remarks, SIMULATED, Silence, is_simulated, keys};
+pub use self::remarks::{
+    Cause, LargestErrors, Remarks, SIMULATED, Silence, Sizes, is_simulated, keys,
+};
 pub use self::text::{Draft, DraftSeries, write};
 
 use self::read::{Columns, refuse_single_positions};

@@ -22,7 +22,7 @@ pub(crate) use self::observation::observations;
 pub use self::observation::{Control, Observation, Part, before_um};
 
 use self::ground::ensure_common_ground;
-use crate::inputs::error_table::Silence;
+use crate::inputs::error_table::{Silence, Sizes};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Sigma;
 use crate::judge::findings::AsLeft;
@@ -200,6 +200,7 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
         ranges: Axis::ALL.into_iter().filter_map(walked).collect(),
         silence: Silence::default(),
         largest: None,
+        doubtful: Sizes::default(),
         terms: Vec::new(),
         diagonals: runs.range_um.iter().map(line).collect(),
         unmeasured: PerAxis::default(),

@@ -54,6 +54,7 @@ pub fn forecast(
     let model = machine.as_measured;
     let sigma = Sigma::with_freedom(model.remarks.degrees_of_freedom);
     let largest = model.remarks.largest.as_ref();
+    let doubtful = &model.remarks.doubtful.clone().unwrap_or_default();
     let judged = share::stated(ranges);
     let lines = Straightened(control);
     let comparable: Option<&dyn Emulator> = machine.was_under_tables().then_some(&lines);
@@ -73,8 +74,8 @@ pub fn forecast(
                 },
                 u_um,
                 expanded_um: u_um.map(|_| {
-                    let largest_um = largest.map(|largest| largest.terms[term]);
-                    expanded_together(&figures, sigma, largest_um)
+                    let largest_um = largest.map(|largest| largest.single.terms[term]);
+                    doubtful.terms[term] + expanded_together(&figures, sigma, largest_um)
                 }),
             },
             figures,
@@ -97,6 +98,7 @@ pub fn forecast(
         ranges: ranges.to_vec(),
         silence: model.remarks.silence.clone(),
         largest: largest.cloned(),
+        doubtful: doubtful.clone(),
         diagonals,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),

@@ -62,8 +62,8 @@ fn a_disturbed_reading_of_three_runs_is_named_with_its_run() {
                 let noise = found.noise.unwrap();
                 assert_eq!(noise.source, NoiseSource::Repeats);
                 assert!((noise.sigma_um - SIGMA_UM).abs() < 0.03, "{noise:?}");
-                let words = &words(&found.doubts)[0];
-                says(words, &["PNP run 2 forward node 40", "that U does not hold"]);
+                let words = words(&found.labels).concat();
+                says(&words, &["PNP run 2 forward node 40", "counts in full beside U"]);
             }
         }
         assert!(named >= least, "{um} um: {named} of 20");
@@ -218,7 +218,7 @@ fn roll_makes_ramps_and_accuses_no_reading() {
         let tolerance = 4.0 * sigma * ramps.u.y + 0.07 * wanted;
         assert!((ramps.change_um.y.abs() - wanted).abs() < tolerance, "{ramps:?} {wanted}");
         assert!((ramps.change_um.y + ramps.change_um.z).abs() < 2.0 * tolerance);
-        assert!(words(&found.doubts)[0].contains("roll of an axis that carries others"));
+        assert!(words(&found.labels).concat().contains("roll of an axis that carries others"));
         let scatter = found.closure.sigma_um().unwrap();
         assert!((scatter - sigma).abs() < 0.03, "{scatter}");
     }
@@ -309,21 +309,21 @@ fn disturbed_case_b() -> Visit {
 fn a_disturbed_reading_reaches_every_output() {
     let visit = disturbed_case_b();
     let words = "PPP forward node 58";
-    two_step(&visit, 1).says("DOUBTFUL").says(words);
+    two_step(&visit, 1).says("note: disturbed reading").says(words);
     let page = visit.run("separate job.toml --format json").ends(1).json();
-    says(&page["doubts"].to_string(), &[words]);
+    says(&page["labels"].to_string(), &[words]);
     let csv = visit.read("errors.csv");
-    assert!(csv.lines().any(|l| l.starts_with("# doubt:") && l.contains(words)), "{csv}");
+    says(&csv, &["# note: disturbed reading", words, "# doubtful beside that, um: "]);
     for (ran, page) in kits(&visit) {
         let text = ran.all();
         says(text.split_once("verdict: undecided").unwrap().1, &[words]);
-        says(&page["doubts"].to_string(), &[words]);
+        says(&page["notes"].to_string(), &[words]);
     }
     for job in ["job", "nine"] {
         let verify = format!("verify {job}.toml --tables kit-{job} --format json");
         let page = visit.run(&verify).ends(1).json();
         assert_eq!(page["verdict"], "undecided");
-        says(&page["causes"].to_string(), &[words]);
+        says(&page["notes"].to_string(), &[words]);
     }
 }
 

@@ -9,6 +9,7 @@
 //!   # not stated: angle_urad, setup_ppm
 //!   # neglected by decision: angle_urad
 //!   # largest error (95 %), um, zero at X 0 +, Y 0 +, Z 0 +: all 3.91, EXX 1.032, …, PPP 2.5, …
+//!   # doubtful beside that, um: EXX 0.5, PPP 0.8
 //!   # frame: x-primary
 //!   # note: what whoever uses the values has to know
 //! ```
@@ -27,6 +28,7 @@ const REVERSAL: &str = "reversal not held:";
 const FREEDOM: &str = "degrees of freedom:";
 const NOT_STATED: &str = "not stated:";
 const LARGEST: &str = "largest error (95 %), um, zero at";
+const DOUBTFUL: &str = "doubtful beside that, um:";
 const NEGLECTED: &str = "neglected by decision:";
 const FRAME: &str = "frame:";
 const NOTE: &str = "note:";
@@ -103,6 +105,63 @@ impl Silence {
     }
 }
 
+/// The largest |value| of each term, µm, and max − min along each body diagonal.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sizes {
+    /// By term; 0 where there is none.
+    pub terms: PerTerm<f64>,
+    /// By diagonal.
+    pub diagonals: PerDiagonal<f64>,
+}
+
+impl Sizes {
+    /// Both, one by one.
+    pub(crate) fn joined(&self, other: &Sizes, of: impl Fn(f64, f64) -> f64) -> Sizes {
+        Sizes {
+            terms: PerTerm::from_fn(|term| of(self.terms[term], other.terms[term])),
+            diagonals: PerDiagonal::from_fn(|d| of(self.diagonals[d], other.diagonals[d])),
+        }
+    }
+
+    /// The largest of a term.
+    pub(crate) fn all_um(&self) -> f64 {
+        self.terms.iter().map(|(_, um)| *um).fold(0.0, f64::max)
+    }
+
+    /// The largest of a diagonal.
+    pub(crate) fn ranges_um(&self) -> f64 {
+        self.diagonals.iter().map(|(_, um)| *um).fold(0.0, f64::max)
+    }
+
+    fn words(&self) -> String {
+        let terms = self.terms.iter().map(|(term, um)| (term.to_string(), *um));
+        let diagonals = self.diagonals.iter().map(|(d, um)| (d.name().to_string(), *um));
+        let all = terms.chain(diagonals).filter(|(_, um)| *um > 0.0);
+        all.map(|(name, um)| format!(", {name} {um:.4}")).collect()
+    }
+
+    /// Takes in one of them; `None` where it is none.
+    fn hear(&mut self, name: &str, um: f64) -> Option<()> {
+        if let Some(term) = ErrorTerm::from_name(name) {
+            self.terms[term] = um;
+        } else {
+            let diagonal = Diagonal::ALL.into_iter().find(|d| d.name() == name)?;
+            self.diagonals[diagonal] = um;
+        }
+        Some(())
+    }
+}
+
+/// Name and size of each; `None` where one is none.
+fn pairs(words: &str) -> Option<Vec<(&str, f64)>> {
+    let pair = |pair| {
+        let (name, um) = str::trim(pair).split_once(' ')?;
+        let um: f64 = um.trim().parse().ok()?;
+        (um.is_finite() && um >= 0.0).then_some((name, um))
+    };
+    words.split(',').map(pair).collect()
+}
+
 /// How far the largest of the errors may lie off, drawn together, with 95 %, µm.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LargestErrors {
@@ -110,37 +169,27 @@ pub struct LargestErrors {
     pub zero: String,
     /// Of all values of all terms.
     pub all_um: f64,
-    /// Of all values of a term; 0 where there is none.
-    pub terms: PerTerm<f64>,
     /// Of max − min along any body diagonal.
     pub ranges_um: f64,
-    /// Of max − min along one of them.
-    pub diagonals: PerDiagonal<f64>,
+    /// Of all values of a term, of max − min along a diagonal.
+    pub single: Sizes,
 }
 
 impl LargestErrors {
     fn words(&self) -> String {
-        let terms = self.terms.iter().filter(|(_, um)| **um > 0.0);
-        let terms = terms.map(|(term, um)| format!(", {term} {um:.4}"));
-        let diagonals = self.diagonals.iter().map(|(d, um)| format!(", {} {um:.4}", d.name()));
-        let rest: String = terms.chain(diagonals).collect();
         let (all, ranges) = (self.all_um, self.ranges_um);
-        format!("{LARGEST} {}: all {all:.4}, ranges {ranges:.4}{rest}", self.zero)
+        let single = self.single.words();
+        format!("{LARGEST} {}: all {all:.4}, ranges {ranges:.4}{single}", self.zero)
     }
 
     fn read(words: &str) -> Option<LargestErrors> {
         let (zero, rest) = words.split_once(':')?;
         let mut found = LargestErrors { zero: zero.trim().to_string(), ..LargestErrors::default() };
-        for pair in rest.split(',') {
-            let (name, um) = pair.trim().split_once(' ')?;
-            let um: f64 = um.trim().parse().ok().filter(|um: &f64| um.is_finite() && *um >= 0.0)?;
-            match (ErrorTerm::from_name(name), Diagonal::ALL.into_iter().find(|d| d.name() == name))
-            {
-                (Some(term), _) => found.terms[term] = um,
-                (_, Some(diagonal)) => found.diagonals[diagonal] = um,
-                _ if name == "all" => found.all_um = um,
-                _ if name == "ranges" => found.ranges_um = um,
-                _ => return None,
+        for (name, um) in pairs(rest)? {
+            match name {
+                "all" => found.all_um = um,
+                "ranges" => found.ranges_um = um,
+                name => found.single.hear(name, um)?,
             }
         }
         Some(found)
@@ -163,6 +212,8 @@ pub struct Remarks {
     pub silence: Silence,
     /// The largest errors of a separation.
     pub largest: Option<LargestErrors>,
+    /// How far what speaks against a separation may move its errors, beside their uncertainty, µm.
+    pub doubtful: Option<Sizes>,
     /// Frame in which a separation gave the slopes of the cross terms; `None` = they are as given.
     pub frame: Option<Frame>,
     /// What whoever uses the values has to know.
@@ -204,6 +255,10 @@ impl Remarks {
         self.degrees_of_freedom = both.into_iter().flatten().reduce(smaller);
         self.silence.join(other.silence);
         self.largest = None; // of each table by itself
+        self.doubtful = match (self.doubtful.take(), other.doubtful) {
+            (Some(own), Some(other)) => Some(own.joined(&other, f64::max)),
+            (own, other) => own.or(other),
+        };
     }
 
     fn hear(&mut self, comment: &str) {
@@ -216,6 +271,11 @@ impl Remarks {
             self.notes.push(note(words));
         } else if let Some(words) = after(LARGEST) {
             self.largest = LargestErrors::read(&words);
+        } else if let Some(words) = after(DOUBTFUL) {
+            let mut sizes = Sizes::default();
+            let all = pairs(&words).unwrap_or_default();
+            all.iter().for_each(|(name, um)| sizes.hear(name, *um).unwrap_or_default());
+            self.doubtful = Some(sizes);
         } else if let Some(words) = after(NOT_STATED) {
             join(&mut self.silence.not_stated, Cause::listed(&words));
         } else if let Some(words) = after(NEGLECTED) {
@@ -246,7 +306,10 @@ impl Remarks {
         let reversal = self.hidden_reversal_um.iter();
         let reversal = reversal.map(|um| format!("{REVERSAL} {um:.3} um along the diagonals"));
         let silent = self.silence.by_key().map(|(key, causes)| format!("{key} {}", keys(causes)));
-        let largest = self.largest.iter().map(LargestErrors::words);
+        let doubtful = self.doubtful.iter();
+        let doubtful =
+            doubtful.map(|sizes| format!("{DOUBTFUL} {}", sizes.words().trim_start_matches(", ")));
+        let largest = self.largest.iter().map(LargestErrors::words).chain(doubtful);
         let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
         let freedom = self.degrees_of_freedom.iter();
         let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
@@ -288,6 +351,10 @@ mod tests {
 
     #[test]
     fn remarks_read_back_and_other_comments_mean_nothing() {
+        let sizes = Sizes {
+            terms: PerTerm::from_fn(|term| if term.is_positioning() { 0.0 } else { 0.0625 }),
+            diagonals: PerDiagonal::from_fn(|_| 2.25),
+        };
         let remarks = Remarks {
             doubts: vec![
                 Remark::Doubtful { words: "a reading is disturbed: PPP node 58".to_string() }
@@ -307,9 +374,9 @@ mod tests {
                 zero: "X 0 +, Y -5.5 -".to_string(),
                 all_um: 4.5,
                 ranges_um: 3.5,
-                terms: PerTerm::from_fn(|term| if term.is_positioning() { 0.0 } else { 0.0625 }),
-                diagonals: PerDiagonal::from_fn(|_| 2.25),
+                single: sizes.clone(),
             }),
+            doubtful: Some(sizes),
             frame: Some(Frame::XPrimary),
             notes: vec![
                 note("frame: X primary".to_string()),

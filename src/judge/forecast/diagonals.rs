@@ -94,9 +94,12 @@ pub(super) fn forecast(
         let u_um = uncertainties(model, &measured_box, diagonal);
         let scale_um = model.laser_um_per_m * measured_box.length() / 1000.0;
         let (before, after) = (before.size(), after.size());
-        let largest_um = model.remarks.largest.as_ref().map(|largest| largest.diagonals[diagonal]);
+        let largest_um =
+            model.remarks.largest.as_ref().map(|largest| largest.single.diagonals[diagonal]);
+        let doubtful_um =
+            model.remarks.doubtful.as_ref().map_or(0.0, |sizes| sizes.diagonals[diagonal]);
         DiagonalForecast::new(diagonal.name(), before, after, sigma, &u_um, scale_um)
-            .drawn(largest_um)
+            .drawn(largest_um, doubtful_um)
     };
     Ok(Diagonal::ALL.into_iter().map(of_diagonal).collect())
 }

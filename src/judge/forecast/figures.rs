@@ -1,9 +1,10 @@
 //! The figures of a forecast.
 
-use crate::inputs::error_table::{LargestErrors, Silence};
+use crate::inputs::error_table::{LargestErrors, Silence, Sizes};
 use crate::inputs::job::Acceptance;
 use crate::judge::conformity::{
     Magnitude, Sigma, Verdict, expanded_together, expanded_um, judge_forecast, judge_measured,
+    largest_um,
 };
 use crate::judge::findings::InForecast;
 use crate::judge::forecast::share::JudgedRange;
@@ -55,6 +56,8 @@ pub struct DiagonalForecast {
     pub halves: Vec<Magnitude>,
     /// By how much max − min may be off, of all values drawn together, µm; `None` = not known.
     pub largest_um: Option<f64>,
+    /// What may be off beside that, µm.
+    pub doubtful_um: f64,
 }
 
 impl DiagonalForecast {
@@ -85,14 +88,16 @@ impl DiagonalForecast {
             },
             halves,
             largest_um: None,
+            doubtful_um: 0.0,
         }
     }
 
     /// With what is known of all values drawn together.
-    pub(super) fn drawn(mut self, largest_um: Option<f64>) -> DiagonalForecast {
-        let own = self.change.expanded_um.zip(largest_um);
-        self.change.expanded_um = own.map(|(own, um)| own.min(um)).or(self.change.expanded_um);
-        DiagonalForecast { largest_um, ..self }
+    pub(super) fn drawn(mut self, largest_um: Option<f64>, doubtful_um: f64) -> DiagonalForecast {
+        let own = self.change.expanded_um;
+        self.change.expanded_um =
+            own.map(|own| doubtful_um + largest_um.map_or(own, |um| own.min(um)));
+        DiagonalForecast { largest_um, doubtful_um, ..self }
     }
 
     /// max − min as one figure: the difference of two values.
@@ -123,6 +128,8 @@ pub struct Forecast {
     pub silence: Silence,
     /// The largest errors of a separation, drawn together; `None` = only the u of single values are known.
     pub largest: Option<LargestErrors>,
+    /// What may be off beside every uncertainty; 0 where nothing speaks against the errors.
+    pub doubtful: Sizes,
     /// Every measured term, in the contract's order.
     pub terms: Vec<TermForecast>,
     /// The four body diagonals; empty unless all nine errors were measured, none in one direction only.
@@ -172,10 +179,11 @@ impl Forecast {
         terms.chain(diagonals).filter_map(worsened).collect()
     }
 
-    /// What is left of all terms, at every measured position.
-    pub(super) fn figures(&self) -> Vec<Magnitude> {
-        let all = self.terms.iter().flat_map(|term| &term.figures);
-        all.copied().collect()
+    /// What is left of all terms, at every measured position, so many times what is doubtful beside it.
+    fn shifted(&self, times: f64) -> Vec<Magnitude> {
+        let of =
+            |term: &TermForecast| shifted(&term.figures, times * self.doubtful.terms[term.term]);
+        self.terms.iter().flat_map(of).collect()
     }
 
     /// U of [`Forecast::max_residual_um`], the largest of all terms, with 95 %, µm; `None` = no
@@ -183,32 +191,41 @@ impl Forecast {
     pub(crate) fn max_expanded_um(&self) -> Option<f64> {
         let stated = self.terms.iter().any(|term| term.change.u_um.is_some());
         let all_um = self.largest.as_ref().map(|largest| largest.all_um);
-        stated.then(|| expanded_together(&self.figures(), self.sigma, all_um))
+        let figures = self.shifted(1.0);
+        let beside_um = largest_um(&figures) - self.max_residual_um();
+        stated.then(|| beside_um + expanded_together(&figures, self.sigma, all_um))
     }
 
-    /// `largest_um`: how far the largest error of these figures lies off, where that is known of all together.
-    pub(super) fn judge(
+    /// `largest_um`: how far the largest error of these figures lies off, where that is known of all together;
+    /// figures with what is doubtful added, and taken off.
+    fn judge(
         &self,
-        figures: &[Magnitude],
+        [above, below]: [&[Magnitude]; 2],
         largest_um: Option<f64>,
         limit_um: f64,
     ) -> Verdict {
-        match self.basis {
+        let judged = |figures| match self.basis {
             Basis::Forecast => judge_forecast(figures, self.sigma, largest_um, limit_um),
             Basis::Measured => judge_measured(figures, self.sigma, limit_um),
+        };
+        match judged(above) {
+            Verdict::Pass => Verdict::Pass,
+            _ => judged(below).max(Verdict::Undecided),
         }
     }
 
     /// Every term together.
     pub(super) fn judge_all(&self, limit_um: f64) -> Verdict {
         let largest_um = self.largest.as_ref().map(|largest| largest.all_um);
-        self.judge(&self.figures(), largest_um, limit_um)
+        self.judge([&self.shifted(1.0), &self.shifted(-1.0)], largest_um, limit_um)
     }
 
     /// One term.
     pub(super) fn judge_term(&self, term: &TermForecast, limit_um: f64) -> Verdict {
-        let largest_um = self.largest.as_ref().map(|largest| largest.terms[term.term]);
-        self.judge(&term.figures, largest_um, limit_um)
+        let largest_um = self.largest.as_ref().map(|largest| largest.single.terms[term.term]);
+        let doubtful_um = self.doubtful.terms[term.term];
+        let both = [1.0, -1.0].map(|times| shifted(&term.figures, times * doubtful_um));
+        self.judge([&both[0], &both[1]], largest_um, limit_um)
     }
 
     /// Diagonals of a forecast are judged together; a measured one passes on the difference of its
@@ -218,13 +235,21 @@ impl Forecast {
         diagonals: &[&DiagonalForecast],
         limit_um: f64,
     ) -> Verdict {
-        let halves: Vec<Magnitude> =
-            (diagonals.iter()).flat_map(|diagonal| diagonal.halves.clone()).collect();
+        let halves = |times: f64| -> Vec<Magnitude> {
+            let of = |diagonal: &&DiagonalForecast| {
+                shifted(&diagonal.halves, times * diagonal.doubtful_um / 2.0)
+            };
+            diagonals.iter().flat_map(of).collect()
+        };
         let largest_um = match diagonals {
             [one] => one.largest_um,
             _ => self.largest.as_ref().map(|largest| largest.ranges_um),
         };
-        let together = self.judge(&halves, largest_um.map(|um| um / 2.0), limit_um / 2.0);
+        let together = self.judge(
+            [&halves(1.0), &halves(-1.0)],
+            largest_um.map(|um| um / 2.0),
+            limit_um / 2.0,
+        );
         if self.basis == Basis::Forecast {
             return together;
         }
@@ -260,3 +285,9 @@ impl Forecast {
 
 /// Differences below the last digit that is shown are none, µm.
 const SHOWN_UM: f64 = 0.001;
+
+/// Figures with so much more, none below 0.
+fn shifted(figures: &[Magnitude], by_um: f64) -> Vec<Magnitude> {
+    let of = |figure: &Magnitude| Magnitude { um: (figure.um + by_um).max(0.0), ..*figure };
+    figures.iter().map(of).collect()
+}

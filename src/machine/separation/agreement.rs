@@ -10,13 +10,13 @@
 
 use super::findings::SeparationFinding;
 use super::metric::{Equation, Equations, Metric};
-use super::noise::chance_of;
+use super::noise::{NORMAL_ONE_SIDED, chance_of};
 use super::plane::Unknown;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::Figure;
 
 /// Below this probability the equations contradict each other.
-const SMALL_PROBABILITY: f64 = 0.01;
+const SMALL_PROBABILITY: f64 = 0.001;
 /// The first four equations are those of the diagonals.
 const DIAGONALS: usize = 4;
 
@@ -74,6 +74,8 @@ pub struct Agreement {
     pub lines: Vec<LineCheck>,
     /// Whether a line's uncertainty is not known: it counts as exact in this test.
     pub taken_as_exact: bool,
+    /// By how much each equation may be false if it alone is: the diagonals, then the lines, µm/m.
+    pub(super) false_by_um_per_m: Vec<f64>,
 }
 
 impl Agreement {
@@ -114,6 +116,13 @@ impl Equations {
             stated_um_per_m: line.value,
             others: self.others(DIAGONALS + index, largest, &variances),
         };
+        let false_by = |(index, one): (usize, &Equation)| {
+            let others = self.others(index, largest, &variances);
+            others.map_or(0.0, |others| {
+                let by = (one.value - others.found_um_per_m).abs();
+                (by - NORMAL_ONE_SIDED * others.u_difference_um_per_m).max(0.0)
+            })
+        };
         let known = diagonals.iter().all(|one| one.known);
         Some(Agreement {
             chi_squared,
@@ -121,6 +130,7 @@ impl Equations {
             probability: chance_of(chi_squared, freedom, None).filter(|_| known),
             lines: lines.iter().enumerate().map(check).collect(),
             taken_as_exact: lines.iter().any(|line| !line.known),
+            false_by_um_per_m: self.all.iter().enumerate().map(false_by).collect(),
         })
     }
 

@@ -12,15 +12,15 @@ findings! {
     /// What a separation can find.
     SeparationFinding {
         // Doubts.
-        Disturbed { um: f64, which: String } => Doubt, "disturbed reading, which stays in the curves and moves them by up to {um:.3} µm that U does not hold: {which}; repeat that run";
+        Disturbed { um: f64, which: String } => Note, "disturbed reading, which stays in the curves and moves them by up to {um:.3} µm: {which}; this counts in full beside U: repeat that run";
         DisturbedTotal { which: String } => Doubt, "disturbed reading, which stays in the result: {which}; repeat that run";
-        MoreDisturbed { more: usize } => Doubt, "{more} more disturbed readings stay in the result";
-        Roll { changes: PerAxis<f64> } => Doubt, "the closure runs in straight ramps over the axes ({} µm from end to end): roll of an axis that carries others, which the nine errors do not hold; measure the roll and give it as `angles`", by_axis(changes, &Axis::ALL);
+        MoreDisturbed { more: usize } => Note, "{more} more disturbed readings stay in the result";
+        Roll { changes: PerAxis<f64> } => Note, "the closure runs in straight ramps over the axes ({} µm from end to end): roll of an axis that carries others, which the nine errors do not hold; what is beyond `angle_urad` counts in full beside U: measure the roll and give it as `angles`", by_axis(changes, &Axis::ALL);
         SetUpNotPerfect { means: PerAxis<f64>, off: Vec<Axis> } => Doubt, "the set-up is assumed perfect, but the mean of the closure is not zero ({} µm): tilt of the mirror, or roll; solve for the set-up", by_axis(means, off);
         NoiseFar { um: f64, source: &'static str, times: f64, stated_um: f64 } => Doubt, "noise of a single reading {um:.3} µm, {source}: more than {times} times the {stated_um} µm that `noise_um` states; a disturbed reading of any size may sit in it; repeat the runs, or correct `noise_um`";
         NoiseLarge { um: f64, source: &'static str, assumed_um: f64 } => Doubt, "noise of a single reading {um:.3} µm, {source}: above the {assumed_um} µm that are assumed where `noise_um` is not stated; a disturbed reading of any size may sit in it; repeat the runs, or state `noise_um`";
         OtherNames { walked: String, after_um: f64, before_um: f64, odds: f64, is_order: bool } => Doubt, "as if {walked}: then the closure speaks for {after_um:.3} µm of noise, as recorded for {before_um:.3} µm, and nothing of it is against the nine errors (odds e^{odds:.0} to 1){}; compare the names in the file and the order in the job with the programs that were run", if *is_order { "; the closure cannot tell these apart" } else { "" };
-        LinesDisagree { lines: String, taken_as_exact: bool } => Disagreement, "linear axes and diagonals DISAGREE: each against all others, {lines}; {CHECK}{}; no uncertainty of scales and squareness and no tilt is given", if *taken_as_exact { "; a line without `u_um_per_m` counts as exact here: state it" } else { "" };
+        LinesDisagree { lines: String, taken_as_exact: bool } => Note, "linear axes and diagonals DISAGREE: each against all others, {lines}; {CHECK}{}; what the worst of them may falsify counts in full beside U", if *taken_as_exact { "; a line without `u_um_per_m` counts as exact here: state it" } else { "" };
         TurnAgainstLinear { axis: Axis, turn_um: f64, linear_um: f64 } => Disagreement, "the reversal of {axis} is {turn_um:.3} µm by the turn, {linear_um:.3} µm by its linear measurement: check `overrun`, and whether both were measured in the same state";
 
         // What stays undetermined.

@@ -11,9 +11,9 @@ use super::curves::Curve;
 use super::linear::CurveRows;
 use super::noise::float;
 use super::separate::Separation;
-use crate::inputs::error_table::LargestErrors;
+use crate::inputs::error_table::{LargestErrors, Sizes};
 use crate::inputs::job::{Job, MachineAxis};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::quantity::units::larger;
 use rand_chacha::ChaCha8Rng;
@@ -50,7 +50,13 @@ impl Separation {
         job: &Job,
         directions: &PerAxis<Vec<Option<Direction>>>,
     ) -> Option<LargestErrors> {
-        let table = Table::new(self, job, directions)?;
+        let table = Table::new(self, job, directions);
+        let known = |curve: &TableCurve| {
+            self.of_table(curve.term, curve.way).is_some_and(|found| found.u_um.is_some())
+        };
+        if table.curves.is_empty() || !table.curves.iter().all(known) {
+            return None;
+        }
         let none = vec![Vec::new()];
         let orders = if self.model.angles.is_empty() { &none } else { &self.model.angles };
         let mut largest = LargestErrors { zero: zero(job), ..LargestErrors::default() };
@@ -62,17 +68,42 @@ impl Separation {
                 all.sort_by(f64::total_cmp);
                 *own = larger(*own, all[DRAWS * 19 / 20]);
             };
-            let all = |of: &mut dyn Iterator<Item = f64>| of.fold(0.0, larger);
-            raise(&mut largest.all_um, &|s| all(&mut s.terms.iter().map(|(_, um)| *um)));
-            raise(&mut largest.ranges_um, &|s| all(&mut s.diagonals.iter().map(|(_, um)| *um)));
+            raise(&mut largest.all_um, &Sizes::all_um);
+            raise(&mut largest.ranges_um, &Sizes::ranges_um);
             for term in ErrorTerm::ALL {
-                raise(&mut largest.terms[term], &|s| s.terms[term]);
+                raise(&mut largest.single.terms[term], &|s| s.terms[term]);
             }
             for d in Diagonal::ALL {
-                raise(&mut largest.diagonals[d], &|s| s.diagonals[d]);
+                raise(&mut largest.single.diagonals[d], &|s| s.diagonals[d]);
             }
         }
         Some(largest)
+    }
+}
+
+impl Separation {
+    /// How far what speaks against the result by its size may move the errors of the table: each anomaly by its
+    /// worst cause, all anomalies added; `None` where nothing speaks against it.
+    pub(super) fn doubtful(
+        &self,
+        job: &Job,
+        directions: &PerAxis<Vec<Option<Direction>>>,
+    ) -> Option<Sizes> {
+        if self.anomalies.is_empty() {
+            return None;
+        }
+        let table = Table::new(self, job, directions);
+        let mut all = Sizes::default();
+        for causes in &self.anomalies {
+            let mut worst = Sizes::default();
+            for z in causes {
+                let rows = table.curves.iter().map(|curve| &curve.rows);
+                let moved: Vec<Curve> = rows.map(|rows| rows.values(z, rows.line.dot(z))).collect();
+                worst = worst.joined(&table.sizes(&moved), larger);
+            }
+            all = all.joined(&worst, |all, own| all + own);
+        }
+        Some(all)
     }
 }
 
@@ -81,7 +112,7 @@ impl<'a> Table<'a> {
         of: &'a Separation,
         job: &Job,
         directions: &PerAxis<Vec<Option<Direction>>>,
-    ) -> Option<Table<'a>> {
+    ) -> Table<'a> {
         let mut curves: Vec<TableCurve> = Vec::new();
         for term in ErrorTerm::ALL {
             let machine = job.machine.axes[term.along];
@@ -94,7 +125,7 @@ impl<'a> Table<'a> {
                 curves.push(TableCurve {
                     term,
                     way: *way,
-                    rows: found.rows.as_ref()?.merged(),
+                    rows: found.rows.merged(),
                     lacks_um: found.left_out.sqrt(),
                     zero: (zero, at),
                 });
@@ -116,7 +147,7 @@ impl<'a> Table<'a> {
             both.dedup();
             both
         });
-        (!curves.is_empty()).then_some(Table { of, curves, walks })
+        Table { of, curves, walks }
     }
 
     /// The curves of one draw.
@@ -180,13 +211,6 @@ fn at(curve: &[f64], place: f64) -> f64 {
     let low = curve.get(below).copied().unwrap_or(0.0);
     let high = curve.get(below + 1).copied().unwrap_or(low);
     low + (high - low) * place.fract()
-}
-
-/// The largest |error| of a draw, µm, and max − min along the diagonals.
-#[derive(Default)]
-struct Sizes {
-    terms: PerTerm<f64>,
-    diagonals: PerDiagonal<f64>,
 }
 
 /// Where the errors of a job are zero: its references, and the directions in which they are approached.

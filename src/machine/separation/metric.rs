@@ -91,11 +91,6 @@ impl Metric {
         }
     }
 
-    /// Equations that contradict each other leave no uncertainty known.
-    pub(super) fn forget_uncertainties(&mut self) {
-        self.u_um_per_m = [None; UNKNOWNS];
-    }
-
     /// What the data do not determine; empty where all is.
     pub(crate) fn undetermined(&self) -> Vec<Finding> {
         let open = |axis: &Axis| self.scale[*axis].is_none();

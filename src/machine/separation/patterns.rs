@@ -6,8 +6,8 @@
 use super::banded::{Banded, Factor};
 use super::curves::{closure_sign, closures};
 use super::noise::{
-    DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, Noise, Outlier, ReadingPlace, UNRESOLVED_UM, chance_of,
-    float, stands_out,
+    DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, NORMAL_ONE_SIDED, Noise, Outlier, ReadingPlace,
+    UNRESOLVED_UM, chance_of, float, stands_out,
 };
 use super::readings::{Group, Means, RunCounts};
 use crate::quantity::axis::{Axis, PerAxis};
@@ -82,6 +82,8 @@ pub struct Ramps {
     by_noise: f64,
     /// The same by noise and the stated angles.
     pub probability: f64,
+    /// How far they are beyond what noise and these angles make, µm.
+    pub(super) beyond_um: PerAxis<f64>,
 }
 
 impl Ramps {
@@ -211,15 +213,26 @@ impl Patterns {
             let spread = spread.fold(inverse * variance, |sum, one| sum + one);
             let ratio =
                 spread.cholesky().map_or(f64::INFINITY, |of| of.solve(&shares).dot(&shares));
-            chance_of(ratio, 3, freedom)
+            let u = PerAxis { x: spread.m11, y: spread.m22, z: spread.m33 };
+            Some((chance_of(ratio, 3, freedom)?, u))
         };
         let by_noise = chance(&[])?;
         let of_orders = known.angles.iter().filter_map(|angles| chance(angles));
+        let likeliest =
+            of_orders.fold(by_noise, |best, one| if one.0 > best.0 { one } else { best });
+        let (probability, variance) = likeliest;
+        let beyond =
+            |axis: Axis, um: f64| (um.abs() - NORMAL_ONE_SIDED * variance[axis].sqrt()).max(0.0);
         Some(Ramps {
             change_um: PerAxis { x: shares.x, y: shares.y, z: shares.z },
             u: PerAxis { x: inverse.m11.sqrt(), y: inverse.m22.sqrt(), z: inverse.m33.sqrt() },
-            by_noise,
-            probability: of_orders.fold(by_noise, f64::max),
+            by_noise: by_noise.0,
+            probability,
+            beyond_um: PerAxis {
+                x: beyond(Axis::X, shares.x),
+                y: beyond(Axis::Y, shares.y),
+                z: beyond(Axis::Z, shares.z),
+            },
         })
     }
 

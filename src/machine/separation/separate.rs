@@ -7,20 +7,20 @@ use super::curves::Curve;
 use super::exchange::{AsRead, names};
 use super::findings::SeparationFinding;
 use super::labels;
-use super::linear::Model;
+use super::linear::{Layout, Model};
 use super::linear_reversal::{LinearReversals, contradictions, hidden_reversal_um};
 use super::metric::{Metric, PerPlane, Plane};
-use super::noise::{Noise, NoiseSource};
+use super::noise::{Noise, NoiseSource, ReadingPlace};
 use super::patterns::Known;
 use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
 use super::reversal::{Turn, ran_over, separable, turn};
 use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness};
-use super::uncertainty::{Budget, SlopeUncertainty};
+use super::uncertainty::{Budget, SlopeUncertainty, rolls};
 use crate::inputs::error_table::Silence;
 use crate::inputs::job::{Material, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Run, Volume};
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, Severity};
 
 /// What a measurement of step diagonals says, and what it does not.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,6 +33,8 @@ pub struct Separation {
     pub errors: NineErrors,
     /// What is uncertain of the readings and lines behind them.
     pub(super) model: Model,
+    /// What speaks against the result by its size: of each, what its possible causes do to what was measured.
+    pub(super) anomalies: Vec<Vec<Vec<f64>>>,
     /// Their shapes beside the line through the ends, µm: determined whatever the set-up.
     pub shapes: PerTerm<Curve>,
     /// Slopes as they fall out of the increments, µm/m: they hold the tilt of the mirror.
@@ -121,7 +123,7 @@ impl Separation {
     /// Whether all nine errors are determined and nothing speaks against them: the answer of
     /// `separate`.
     pub fn stands(&self) -> bool {
-        self.doubts.is_empty() && self.missing().is_empty()
+        self.doubts.is_empty() && self.anomalies.is_empty() && self.missing().is_empty()
     }
 
     /// φ as the sum of two separated slopes, µm/m: it holds the tilt of the mirror.
@@ -228,6 +230,34 @@ fn noise_of(
     }
 }
 
+/// Disturbed readings; ramps of the closure beyond noise and stated angles; equations that contradict each other.
+fn anomalies(
+    campaign: &Campaign<'_>,
+    layout: Layout,
+    closure: &Closure,
+    agreement: Option<&Agreement>,
+) -> Vec<Vec<Vec<f64>>> {
+    let single = |place: usize, size: f64| {
+        let mut column = layout.column(|_, _, _| 0.0);
+        column[place] = size;
+        column
+    };
+    let disturbed = closure.outliers.iter().map(|outlier| {
+        let of = |place: &ReadingPlace| {
+            single(layout.reading(place.pass, place.diagonal, place.node), outlier.of_mean_um)
+        };
+        outlier.readings.iter().map(of).collect()
+    });
+    let roll = closure.ramps.iter().filter(|ramps| ramps.is_roll());
+    let roll = roll.flat_map(|ramps| rolls(campaign, layout, &ramps.beyond_um));
+    let refuted = agreement.filter(|agreement| agreement.is_refuted());
+    let refuted = refuted.map(|agreement| {
+        let by = agreement.false_by_um_per_m.iter().enumerate();
+        by.map(|(index, um_per_m)| single(layout.neglected(index), *um_per_m)).collect()
+    });
+    disturbed.chain(roll).chain(refuted).collect()
+}
+
 /// What readings say.
 fn evaluated(
     campaign: &Campaign<'_>,
@@ -237,8 +267,9 @@ fn evaluated(
     overrun: Option<bool>,
 ) -> Separation {
     let (volume, noise) = (budget.volume, budget.noise);
-    let mut solved = Solved::new(campaign, budget, measured);
+    let solved = Solved::new(campaign, budget, measured);
     let agreement = solved.judged();
+    let anomalies = anomalies(campaign, solved.model.layout, &closure, agreement.as_ref());
     let turn = turn(measured, volume, budget.runs, noise).filter(|_| budget.turned);
     let reversals = Some(&campaign.reversals).filter(|_| !budget.turned);
     let reversals = reversals.cloned().unwrap_or_default();
@@ -249,6 +280,11 @@ fn evaluated(
     labels.extend(labels::of_reversals(&reversals, measured.reverse.is_none()));
     labels.extend(solved.labels(agreement.is_some()));
     let hidden = overrun == Some(true) && campaign.reverse_zero_known;
+    let of_closure = closure.doubts(noise, volume, solved.setup).into_iter();
+    let (of_size, doubts): (Vec<Finding>, Vec<Finding>) =
+        of_closure.partition(|found| found.severity() == Severity::Note);
+    let contradiction = agreement.as_ref().and_then(Agreement::contradiction);
+    labels.extend(of_size.into_iter().chain(contradiction.map(Finding::from)));
     Separation {
         volume: volume.clone(),
         setup: solved.setup,
@@ -261,7 +297,8 @@ fn evaluated(
         tilts: solved.tilts(),
         undetermined: solved.undetermined(turn.is_some(), &reversals),
         scale_sum_um_mm: solved.totals.scale_sum_um_mm,
-        doubts: closure.doubts(noise, volume, solved.setup),
+        doubts,
+        anomalies,
         labels,
         agreement,
         errors,
@@ -294,11 +331,9 @@ impl Separation {
             AsRead { start, closure: &self.closure, noise: self.noise, overrun: self.overrun };
         let names = names(campaign, raw_runs, &as_read);
         self.labels.extend(names.blind);
-        let contradiction = self.agreement.as_ref().and_then(Agreement::contradiction);
         let turn = self.turn.iter();
         let doubts = large_noise(self.noise, campaign.stated.noise_um)
             .into_iter()
-            .chain(contradiction.map(Finding::from))
             .chain(turn.flat_map(|turn| contradictions(turn, &campaign.reversals)));
         self.doubts.extend(doubts);
         self.doubts.splice(0..0, names.doubt);

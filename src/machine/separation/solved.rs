@@ -39,8 +39,6 @@ pub(super) struct Solved<'a> {
     pub(super) metric: Metric,
     /// Scales and squareness by what was measured, µm/m.
     figures: [Row; UNKNOWNS],
-    /// Whether linear axes and beams contradict the diagonals.
-    is_refuted: bool,
     pub(super) ends_um: PerDiagonal<f64>,
     pub(super) totals: Totals,
 }
@@ -99,7 +97,6 @@ impl<'a> Solved<'a> {
             ratios,
             metric: equations.metric(),
             figures,
-            is_refuted: false,
             equations,
             totals: totals(volume, &ends_um),
             ends_um,
@@ -188,16 +185,10 @@ impl<'a> Solved<'a> {
         })
     }
 
-    /// The redundancy of (7); `None` where there is none or where the set-up is assumed. A contradiction
-    /// leaves no uncertainty of scales and squareness, and no tilt.
-    pub(super) fn judged(&mut self) -> Option<Agreement> {
+    /// The redundancy of (7); `None` where there is none or where the set-up is assumed.
+    pub(super) fn judged(&self) -> Option<Agreement> {
         let asked = self.setup == SetUp::Solve && self.equations.has_lines();
-        let agreement = asked.then(|| self.equations.agreement(&self.metric))??;
-        self.is_refuted = agreement.is_refuted();
-        if self.is_refuted {
-            self.metric.forget_uncertainties();
-        }
-        Some(agreement)
+        asked.then(|| self.equations.agreement(&self.metric))?
     }
 
     /// What turns a separated curve, at its high end, µm; `None` = its slope is not determined.
@@ -240,8 +231,7 @@ impl<'a> Solved<'a> {
         let variances = rows.variances(&self.model);
         let of = |v: &Variance| ((v.all + left_out).sqrt(), v.noise.sqrt());
         let (u_um, u_noise_um) = is_known.then(|| variances.iter().map(of).unzip()).unzip();
-        let rows = is_known.then(|| rows.clone());
-        SeparatedError { deviation_um: values, u_um, u_noise_um, rows, left_out }
+        SeparatedError { deviation_um: values, u_um, u_noise_um, rows: rows.clone(), left_out }
     }
 
     /// The curve of a direction: that of its readings, with the slope of the mean. After a turn the − curve
@@ -281,7 +271,7 @@ impl<'a> Solved<'a> {
     /// are not determined, because then the tilts are not either.
     pub(super) fn tilts(&self) -> Option<PerDiagonal<Tilt>> {
         let assumed = self.setup == SetUp::AssumePerfect;
-        if assumed || self.is_refuted || !self.metric.is_complete() {
+        if assumed || !self.metric.is_complete() {
             return None;
         }
         // X primary: EXY, EXZ and EYZ carry the squareness (p_xy = φxy …).
@@ -350,8 +340,8 @@ pub struct SeparatedError {
     pub u_um: Option<Vec<f64>>,
     /// The part of them that comes from the noise of the readings, µm.
     pub u_noise_um: Option<Vec<f64>>,
-    /// How it hangs on what was measured; `None` where an uncertainty, or a part of the curve, has no row.
-    pub(super) rows: Option<CurveRows>,
+    /// How it hangs on what was measured.
+    pub(super) rows: CurveRows,
     /// Variance of what all of it but the first point lacks, µm².
     pub(super) left_out: f64,
 }
@@ -385,8 +375,8 @@ impl SeparatedError {
             deviation_um: directed_curve(&self.deviation_um, &reversal.um, direction),
             u_noise_um: self.u_noise_um.clone().filter(|_| u_um.is_some()),
             u_um,
-            rows: None,
-            left_out: 0.0,
+            rows: self.rows.clone(),
+            left_out: reversal.u_um.iter().flatten().map(|u| u.squared()).fold(0.0, f64::max),
         }
     }
 }

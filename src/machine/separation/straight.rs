@@ -100,11 +100,8 @@ pub fn straight(
     let known = (&mut model, noise.is_some());
     let equations = Equations::new(volume, &diagonals, &campaign.lines, rows, known);
     let rows = equations.rows();
-    let mut metric = equations.metric();
+    let metric = equations.metric();
     let agreement = equations.agreement(&metric);
-    if agreement.as_ref().is_some_and(Agreement::is_refuted) {
-        metric.forget_uncertainties();
-    }
     let found = |unknown: Unknown| {
         metric.u(unknown)?;
         noise.map(|_| model.variance(&rows[unknown.index()]))

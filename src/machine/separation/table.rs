@@ -74,7 +74,8 @@ pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> D
         }
     });
     let largest = separation.largest_errors(job, &directions);
-    comments.extend(Remarks { largest, ..remarks(separation) }.lines());
+    let doubtful = separation.doubtful(job, &directions);
+    comments.extend(Remarks { largest, doubtful, ..remarks(separation) }.lines());
     let of_axis = |axis| directions[axis].iter().map(move |way| (axis, *way));
     let series = Axis::ALL.into_iter().flat_map(of_axis);
     let series = series.map(|(axis, way)| one_series(separation, axis, way));
@@ -108,6 +109,7 @@ pub fn remarks(separation: &Separation) -> Remarks {
         degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
         silence: separation.silence.clone(),
         largest: None,
+        doubtful: None,
         frame,
         notes,
     }

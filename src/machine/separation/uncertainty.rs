@@ -15,7 +15,8 @@ use super::corrections::REFERENCE_C;
 use super::linear::{Layout, Model, Variance};
 use super::metric::PerPlane;
 use super::noise::{Noise, coverage_factor, effective_freedom};
-use super::readings::PassMeans;
+use super::patterns::by_group;
+use super::readings::{Means, PassMeans};
 use crate::inputs::job::{AxisMaterial, Material, Reflector, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::chain::{displaced, unit};
@@ -217,6 +218,33 @@ impl Unmeasured {
         let orders = orders.iter().map(&mut of_order).collect();
         Unmeasured { parts, orders }
     }
+}
+
+/// What rolls do to the readings that make ramps of the closure of this size, µm from its first interval to its
+/// last: for each axis, by each order of the axes that may be.
+pub(super) fn rolls(
+    campaign: &Campaign<'_>,
+    layout: Layout,
+    ramps_um: &PerAxis<f64>,
+) -> Vec<Vec<Vec<f64>>> {
+    let volume = &campaign.measurement.volume;
+    let evidence = campaign.angle_evidence();
+    let orders = evidence.order.as_ref().map_or(&Axis::ORDERS[..], std::slice::from_ref);
+    let walks = walks(campaign);
+    let of_axis = |axis: Axis| {
+        let rotation = Rotation { about: axis, along: axis };
+        let of_order = |order: &[Axis; 3]| {
+            let [straight, _] = of_rotation(campaign, &walks, 1.0, *order, rotation);
+            let means = Means { forward: straight.readings.clone(), reverse: None };
+            let w = by_group(volume, &means).swap_remove(0);
+            let ramp = w[axis].last()? - w[axis].first()?;
+            let share = ramps_um[axis] / ramp;
+            let is_seen = ramp.abs() > f64::EPSILON && share.is_finite();
+            is_seen.then(|| layout.column(|_, d, node| share * straight.readings[d][node]))
+        };
+        orders.iter().filter_map(of_order).collect()
+    };
+    Axis::ALL.into_iter().filter(|axis| ramps_um[*axis] > 0.0).map(of_axis).collect()
 }
 
 /// Every node of each diagonal by its place, and how far the way to it leads off the laser's line, mm.
