@@ -66,8 +66,8 @@ pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String 
         format!(", without reversal (about {um:.3} µm on the diagonals)")
     });
     let figures = |of: &Change| {
-        let (before, after, u) = (of.before_um, of.after_um, expanded(of.expanded_um));
-        format!("{before:.3}\t{after:.3}\t{u}")
+        let (before, after, at_most) = (of.before_um, of.after_um, stated(of.at_most_um));
+        format!("{before:.3}\t{after:.3}\t{at_most}")
     };
     let terms = forecast.terms.iter().map(|t| {
         let place = places(placements, t.term, t.compensated);
@@ -87,8 +87,10 @@ pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String 
         let figures = figures(&d.change);
         format!("diagonal {}\t{figures}\tmax - min{reversal}", d.name)
     });
-    let heading = "term\t>before/µm\t>after/µm\t>U(95 %)/µm\ttable";
-    table(heading, terms.chain(missing).chain(diagonals)) + &together(forecast)
+    let all = largest_of_all(forecast);
+    let all = all.map(|(um, at_most)| format!("{OF_ALL}\t\t{um}\t{at_most}\t"));
+    let heading = "term\t>before/µm\t>after/µm\t>at most/µm\ttable";
+    table(heading, terms.chain(missing).chain(all).chain(diagonals)) + at_most(forecast)
 }
 
 /// Where the control holds a term.
@@ -106,21 +108,28 @@ fn places(placements: &[Placement], term: ErrorTerm, compensated: bool) -> Strin
     }
 }
 
-/// What U is, and the largest of all terms with the U of all of them together, where each is stated.
-pub(super) fn together(forecast: &Forecast) -> String {
-    let is_stated = forecast.terms.iter().all(|term| term.change.u_um.is_some());
-    forecast.max_expanded_um().map_or_else(String::new, |expanded| {
-        let words = "\n  U: with 95 % the largest value of the line exceeds its figure by no more";
-        let largest = forecast.max_residual_um();
-        match is_stated {
-            true => format!("{words}; of all terms {largest:.3} µm, U = {expanded:.3} µm"),
-            false => words.to_string(),
-        }
-    })
+/// The line that decides on a limit for errors.
+pub(super) const OF_ALL: &str = "largest of all";
+
+/// The largest of all terms, and what it is at most, where there are several and U is stated.
+pub(super) fn largest_of_all(forecast: &Forecast) -> Option<(String, String)> {
+    let um = forecast.all_at_most_um().filter(|_| forecast.terms.len() > 1)?;
+    Some((format!("{:.3}", forecast.max_residual_um()), format!("{um:.3}")))
 }
 
-pub(super) fn expanded(expanded_um: Option<f64>) -> String {
-    expanded_um.map_or_else(|| "not stated".to_string(), |um| format!("{um:.3}"))
+/// What *at most* means, where it is stated.
+pub(super) fn at_most(forecast: &Forecast) -> &'static str {
+    let is_stated = |change: &Change| change.at_most_um.is_some();
+    let terms = forecast.terms.iter().map(|term| &term.change);
+    let mut all = terms.chain(forecast.diagonals.iter().map(|d| &d.change));
+    match all.any(is_stated) {
+        true => "\n  at most: with 95 %; this is compared with the limit",
+        false => "",
+    }
+}
+
+pub(super) fn stated(um: Option<f64>) -> String {
+    um.map_or_else(|| "not stated".to_string(), |um| format!("{um:.3}"))
 }
 
 /// Slope of each cross term.

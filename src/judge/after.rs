@@ -53,6 +53,8 @@ pub struct ComparedLine {
     pub u_um: Option<f64>,
     /// U of the as-left figure, the largest of its values, with 95 %, µm; `None` = not stated.
     pub expanded_um: Option<f64>,
+    /// What the as-left figure is at most, with 95 %, µm; `None` = not stated.
+    pub at_most_um: Option<f64>,
     /// Largest |as left − forecast| over the positions measured afterwards, µm.
     pub difference_um: Option<f64>,
 }
@@ -123,7 +125,7 @@ pub fn compare(
         AfterMeasurement::Errors(model) => bare(model, plan, job)?,
         AfterMeasurement::Diagonals(runs) => figures(runs, job),
     };
-    let as_left = Forecast { basis: Basis::Measured, ..as_left };
+    let as_left = as_left.bounded(Basis::Measured);
     let seen = observations(before, after);
     let line = |name: &str| {
         let difference_um = off_forecast_um(name, control, &seen);
@@ -224,6 +226,7 @@ fn line(
         after_um: after.map(|row| row.after_um),
         u_um: after.and_then(|row| row.u_um),
         expanded_um: after.and_then(|row| row.expanded_um),
+        at_most_um: after.and_then(|row| row.at_most_um),
         difference_um,
     })
 }

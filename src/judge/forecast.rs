@@ -54,7 +54,6 @@ pub fn forecast(
     let model = machine.as_measured;
     let sigma = Sigma::with_freedom(model.remarks.degrees_of_freedom);
     let largest = model.remarks.largest.as_ref();
-    let doubtful = &model.remarks.doubtful.clone().unwrap_or_default();
     let judged = share::stated(ranges);
     let lines = Straightened(control);
     let comparable: Option<&dyn Emulator> = machine.was_under_tables().then_some(&lines);
@@ -75,8 +74,9 @@ pub fn forecast(
                 u_um,
                 expanded_um: u_um.map(|_| {
                     let largest_um = largest.map(|largest| largest.single.terms[term]);
-                    doubtful.terms[term] + expanded_together(&figures, sigma, largest_um)
+                    expanded_together(&figures, sigma, largest_um)
                 }),
+                at_most_um: None,
             },
             figures,
             compensated: plan.tables.iter().any(|t| t.term == term),
@@ -92,19 +92,20 @@ pub fn forecast(
     }
     let not_determined = model.remarks.not_determined.iter().map(|(term, _)| *term);
     let not_determined = not_determined.filter(|term| model.terms[*term].is_none());
-    Ok(Forecast {
+    let forecast = Forecast {
         basis: Basis::Forecast,
         sigma,
         ranges: ranges.to_vec(),
         silence: model.remarks.silence.clone(),
         largest: largest.cloned(),
-        doubtful: doubtful.clone(),
+        doubtful: model.remarks.doubtful.clone().unwrap_or_default(),
         diagonals,
         terms,
         unmeasured: PerAxis::from_fn(|axis| unmeasured(model, plan, axis)),
         not_determined: not_determined.collect(),
         without_reversal_um: model.remarks.hidden_reversal_um,
-    })
+    };
+    Ok(forecast.bounded(Basis::Forecast))
 }
 
 const fn one_way(measured: &Measured) -> Option<Option<Direction>> {

@@ -207,6 +207,7 @@ pub fn forecast(forecast: &Forecast) -> Value {
     let mut document = json!({
         "max_residual_um": picometres(forecast.max_residual_um()),
         "max_residual_expanded_um": forecast.max_expanded_um().map(picometres),
+        "max_residual_at_most_um": forecast.all_at_most_um().map(picometres),
         "terms": terms.collect::<Map<_, _>>(),
         "unmeasured_mm": unmeasured.collect::<Map<_, _>>(),
     });
@@ -226,6 +227,7 @@ pub(crate) fn change(change: &Change, after: &str) -> Value {
         after: picometres(change.after_um),
         "u_um": change.u_um.map(picometres),
         "expanded_um": change.expanded_um.map(picometres),
+        "at_most_um": change.at_most_um.map(picometres),
     })
 }
 

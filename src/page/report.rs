@@ -329,7 +329,7 @@ impl Report<'_> {
             json!({
                 "name": escaped(&name), "kind": self.t(kind),
                 "found": at("before_um"), "forecast": at("forecast_um"), "left": at("after_um"),
-                "expanded": at("expanded_um"),
+                "at_most": at("at_most_um"),
             })
         };
         names.map(line).collect()
@@ -347,7 +347,7 @@ impl Report<'_> {
             let found = self.figure("assess", &format!("{FOUND}/{name}"), Kind::Deviation);
             json!({
                 "name": escaped(&name), "found": found,
-                "forecast": "", "left": "", "expanded": NONE,
+                "forecast": "", "left": "", "at_most": NONE,
             })
         };
         names.into_iter().flatten().map(line).collect()

@@ -128,7 +128,7 @@ fn what_decides_and_what_leaves_it_undecided_is_named() {
         .is("fail", &["LOST MOTION, no fault of the tables", "EXX -5.000"])
         .omits("causes", "unknown");
     judged("axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,2,0\nx,100,0,0\n")
-        .says("causes", "EXX leaves 2.000 µm (U not stated)");
+        .says("causes", "EXX leaves 2.000 µm, U not stated");
     // Without limits a turned sign decides nothing.
     let visit = visit("axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,12,6\nx,100,32,-8\n");
     visit.edit("job.toml", ACCEPTANCE, "");

@@ -334,7 +334,7 @@ fn a_kit_without_scales_is_undecided_and_says_what_is_missing() {
     visit.put("job.toml", without(&visit.read("job.toml"), table));
     two_step(&visit, 1).says("Determined: 6 of 9 errors");
     for (ran, page) in kits(&visit) {
-        ran.says("EXX   not determined").says("no table for EXX, EYY, EZZ: not determined by the measurement: scale of X, Y and Z can be traded");
+        ran.says("EXX             not determined").says("no table for EXX, EYY, EZZ: not determined by the measurement: scale of X, Y and Z can be traded");
         let omitted = page["omitted"].as_array().unwrap();
         let terms: Vec<_> = omitted.iter().map(|o| &o["term"]).collect();
         assert_eq!(terms, ["EXX", "EYY", "EZZ"]);

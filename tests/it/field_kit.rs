@@ -432,7 +432,7 @@ fn a_checklist_names_what_misses_the_acceptance() {
     let job = replaced(&job, "max_deviation_um = 10.0", "max_deviation_um = 2.0");
     let (_, kit) = support::generate(&job, &nine_errors("errors.csv"));
     // Points at 0, 450 and 900 mm: 3.978 µm is the largest distance of EXX from the lines between.
-    let words = "of the job, over the whole travel, target spacing up to 30 mm: **fail**.\n- EXX leaves 3.978 µm (U not stated), the limit is 2 µm: fail\n\nMachine";
+    let words = "of the job, over the whole travel, target spacing up to 30 mm: **fail**.\n- EXX leaves 3.978 µm, U not stated, the limit is 2 µm: fail\n\nMachine";
     ensure_told(checklist(&kit), words);
 }
 

@@ -392,7 +392,7 @@ fn nothing_that_decides_is_lost() {
     for (line, reason) in shown.iter().zip(&reasons[..3]) {
         assert!(line.starts_with(reason.as_str()), "{line} / {reason}");
     }
-    let u = number(&verify["diagonals"]["PPP"]["expanded_um"]) / 0.0254;
+    let u = number(&verify["diagonals"]["NPP"]["at_most_um"]) / 0.0254;
     let u = format!("{u:.2}").replace('.', ",");
     assert!(text_of(&reasons[0]).contains(&u), "{reasons:?}: {u}");
     assert!(reasons[0].contains("236,2 µin") && !reasons[0].contains("µm "), "{reasons:?}");

@@ -45,6 +45,7 @@ fn term(found: &TermForecast) -> (String, Value) {
         "before_um": found.change.before_um,
         "u_um": found.change.u_um,
         "expanded_um": found.change.expanded_um,
+        "at_most_um": found.change.at_most_um,
     });
     (found.term.to_string(), figures)
 }

@@ -42,6 +42,7 @@ pub(in crate::cli) struct Document<'a> {
     terms: Value,
     max_residual_um: Option<f64>,
     max_residual_expanded_um: Option<f64>,
+    max_residual_at_most_um: Option<f64>,
     diagonals: Option<Value>,
     squareness: Value,
     causes: Vec<String>,
@@ -226,6 +227,7 @@ impl Page<'_> {
             terms: forecast.map_or_else(|| json!({}), forecast_terms),
             max_residual_um: forecast.map(Forecast::max_residual_um),
             max_residual_expanded_um: self.judged().and_then(Forecast::max_expanded_um),
+            max_residual_at_most_um: self.judged().and_then(Forecast::all_at_most_um),
             diagonals: forecast.map(|f| diagonals(&f.diagonals, "forecast_um")),
             squareness: self.squareness(),
             causes: causes.collect(),
@@ -333,6 +335,7 @@ fn figures(lines: &[ComparedLine]) -> Value {
             "after_um": line.after_um,
             "u_um": line.u_um,
             "expanded_um": line.expanded_um,
+            "at_most_um": line.at_most_um,
             "max_residual_um": line.after_um,
             "difference_um": line.difference_um,
         });
@@ -347,20 +350,22 @@ fn lines(comparison: &Comparison) -> String {
         some => um(some),
     };
     let row = |what: &str, line: &ComparedLine| {
-        let expanded = match line.after_um {
+        let at_most = match line.after_um {
             None => "-".to_string(),
-            Some(_) => show::expanded(line.expanded_um),
+            Some(_) => show::stated(line.at_most_um),
         };
         let (before, after) = (measured(line.before_um), measured(line.after_um));
         let (forecast, off) = (um(line.forecast_um), um(line.difference_um));
-        format!("{what}{}\t{before}\t{forecast}\t{after}\t{expanded}\t{off}", line.name)
+        format!("{what}{}\t{before}\t{forecast}\t{after}\t{at_most}\t{off}", line.name)
     };
     let terms = comparison.terms.iter().map(|line| row("", line));
     let diagonals = comparison.diagonals.iter().map(|line| row("diagonal ", line));
-    let heading = "term\t>as found/µm\t>forecast/µm\t>as left/µm\t>U(95 %)/µm\t>off forecast/µm";
+    let all = show::largest_of_all(&comparison.as_left);
+    let all = all.map(|(um, at_most)| format!("{}\t\t\t{um}\t{at_most}\t", show::OF_ALL));
+    let heading = "term\t>as found/µm\t>forecast/µm\t>as left/µm\t>at most/µm\t>off forecast/µm";
     format!(
-        "{}\n  terms: largest deviation, zero at the reference; diagonals: max - min; U of as left;\n  off forecast: largest difference of as left and forecast at a measured position{}",
-        table(heading, terms.chain(diagonals)),
-        show::together(&comparison.as_left)
+        "{}\n  terms: largest deviation, zero at the reference; diagonals: max - min; at most: of as left;\n  off forecast: largest difference of as left and forecast at a measured position{}",
+        table(heading, terms.chain(all).chain(diagonals)),
+        show::at_most(&comparison.as_left)
     )
 }

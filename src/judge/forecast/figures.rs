@@ -26,6 +26,9 @@ pub struct Change {
     pub u_um: Option<f64>,
     /// U of `after_um`, the largest of its values, with 95 %; `None` = not stated.
     pub expanded_um: Option<f64>,
+    /// What is compared with a limit: `after_um` is at most this, with 95 %, and with what is doubtful beside it;
+    /// `None` = no uncertainty is stated.
+    pub at_most_um: Option<f64>,
 }
 
 /// Forecast of one term.
@@ -85,6 +88,7 @@ impl DiagonalForecast {
                 comparable_um: after_um,
                 u_um: largest.map(|u| (std::f64::consts::SQRT_2 * u).hypot(scale_um)),
                 expanded_um: largest.map(|_| 2.0 * expanded_um(&halves, sigma)),
+                at_most_um: None,
             },
             halves,
             largest_um: None,
@@ -95,8 +99,7 @@ impl DiagonalForecast {
     /// With what is known of all values drawn together.
     pub(super) fn drawn(mut self, largest_um: Option<f64>, doubtful_um: f64) -> DiagonalForecast {
         let own = self.change.expanded_um;
-        self.change.expanded_um =
-            own.map(|own| doubtful_um + largest_um.map_or(own, |um| own.min(um)));
+        self.change.expanded_um = own.map(|own| largest_um.map_or(own, |um| own.min(um)));
         DiagonalForecast { largest_um, doubtful_um, ..self }
     }
 
@@ -191,9 +194,65 @@ impl Forecast {
     pub(crate) fn max_expanded_um(&self) -> Option<f64> {
         let stated = self.terms.iter().any(|term| term.change.u_um.is_some());
         let all_um = self.largest.as_ref().map(|largest| largest.all_um);
-        let figures = self.shifted(1.0);
-        let beside_um = largest_um(&figures) - self.max_residual_um();
-        stated.then(|| beside_um + expanded_together(&figures, self.sigma, all_um))
+        stated.then(|| expanded_together(&self.shifted(0.0), self.sigma, all_um))
+    }
+
+    /// What all terms together are at most, with 95 %, µm; `None` = no uncertainty is stated.
+    pub(crate) fn all_at_most_um(&self) -> Option<f64> {
+        let stated = self.terms.iter().any(|term| term.change.u_um.is_some());
+        let all_um = self.largest.as_ref().map(|largest| largest.all_um);
+        stated.then(|| self.at_most_um(&self.shifted(1.0), all_um))
+    }
+
+    /// What figures are at most, with 95 %.
+    ///
+    /// formula  forecast: largest + U; measured: the largest of value + 1.645 u, Student's where σ was estimated
+    fn at_most_um(&self, figures: &[Magnitude], together_um: Option<f64>) -> f64 {
+        match self.basis {
+            Basis::Forecast => {
+                largest_um(figures) + expanded_together(figures, self.sigma, together_um)
+            }
+            Basis::Measured => {
+                let one_sided = self.sigma.one_sided();
+                figures.iter().map(|f| f.um + one_sided * f.u_um).fold(0.0, larger)
+            }
+        }
+    }
+
+    /// What max − min of every diagonal is at most, with 95 %, µm; `None` = no uncertainty is stated.
+    pub(super) fn ranges_at_most_um(&self, diagonals: &[&DiagonalForecast]) -> Option<f64> {
+        let stated = diagonals.iter().any(|d| d.change.u_um.is_some());
+        let halves = diagonals.iter().flat_map(|d| shifted(&d.halves, d.doubtful_um / 2.0));
+        let halves: Vec<Magnitude> = halves.collect();
+        let ranges_um = self.largest.as_ref().map(|largest| largest.ranges_um / 2.0);
+        stated.then(|| 2.0 * self.at_most_um(&halves, ranges_um))
+    }
+
+    /// With what each figure is at most.
+    pub(in crate::judge) fn bounded(mut self, basis: Basis) -> Forecast {
+        self.basis = basis;
+        let of_terms = self.terms.iter().map(|term| {
+            let together_um = self.largest.as_ref().map(|of| of.single.terms[term.term]);
+            let figures = shifted(&term.figures, self.doubtful.terms[term.term]);
+            term.change.u_um.map(|_| self.at_most_um(&figures, together_um))
+        });
+        let of_diagonals = self.diagonals.iter().map(|d| {
+            d.change.u_um.map(|_| match basis {
+                Basis::Forecast => {
+                    let halves = shifted(&d.halves, d.doubtful_um / 2.0);
+                    2.0 * self.at_most_um(&halves, d.largest_um.map(|um| um / 2.0))
+                }
+                Basis::Measured => {
+                    self.at_most_um(&shifted(&[d.difference()], d.doubtful_um), None)
+                }
+            })
+        });
+        let (of_terms, of_diagonals): (Vec<_>, Vec<_>) =
+            (of_terms.collect(), of_diagonals.collect());
+        let terms = self.terms.iter_mut().map(|term| &mut term.change).zip(of_terms);
+        let diagonals = self.diagonals.iter_mut().map(|d| &mut d.change).zip(of_diagonals);
+        terms.chain(diagonals).for_each(|(change, at_most_um)| change.at_most_um = at_most_um);
+        self
     }
 
     /// `largest_um`: how far the largest error of these figures lies off, where that is known of all together;
@@ -253,7 +312,8 @@ impl Forecast {
         if self.basis == Basis::Forecast {
             return together;
         }
-        let differences: Vec<Magnitude> = diagonals.iter().map(|d| d.difference()).collect();
+        let difference = |d: &&DiagonalForecast| shifted(&[d.difference()], d.doubtful_um);
+        let differences: Vec<Magnitude> = diagonals.iter().flat_map(difference).collect();
         match judge_measured(&differences, self.sigma, limit_um) {
             Verdict::Pass => Verdict::Pass,
             _ => together.max(Verdict::Undecided),

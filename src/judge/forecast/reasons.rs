@@ -5,7 +5,7 @@ use super::share::{self, JudgedRange};
 use super::{DiagonalForecast, Forecast, TermForecast};
 use crate::inputs::error_table::Cause;
 use crate::inputs::job::{Acceptance, Job};
-use crate::judge::conformity::{Verdict, expanded_together};
+use crate::judge::conformity::Verdict;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::larger;
 use std::cmp::Ordering;
@@ -68,8 +68,8 @@ pub enum Miss {
         of: Of,
         /// What is left, µm.
         um: f64,
-        /// U of it, µm; `None` = not stated.
-        expanded_um: Option<f64>,
+        /// What it is at most, with 95 %, µm; `None` = not stated.
+        at_most_um: Option<f64>,
         /// The limit, µm.
         limit_um: f64,
         /// Fail or undecided.
@@ -90,8 +90,8 @@ impl Miss {
 
     fn rank(&self) -> (Verdict, f64) {
         match self {
-            Miss::Figure { um, expanded_um, limit_um, verdict, .. } => {
-                (*verdict, (um + expanded_um.unwrap_or(0.0)) / limit_um)
+            Miss::Figure { um, at_most_um, limit_um, verdict, .. } => {
+                (*verdict, at_most_um.unwrap_or(*um) / limit_um)
             }
             Miss::Range(_) => (Verdict::Undecided, 0.0),
             Miss::NotStated(_) => (Verdict::Undecided, f64::INFINITY),
@@ -140,14 +140,14 @@ impl Forecast {
         let one = |term: &TermForecast| Miss::Figure {
             of: Of::Term(term.term),
             um: term.change.after_um,
-            expanded_um: term.change.expanded_um,
+            at_most_um: term.change.at_most_um,
             limit_um,
             verdict: self.judge_term(term, limit_um),
         };
         let all = |verdict| Miss::Figure {
             of: Of::Terms,
             um: self.max_residual_um(),
-            expanded_um: self.max_expanded_um(),
+            at_most_um: self.all_at_most_um(),
             limit_um,
             verdict,
         };
@@ -159,7 +159,7 @@ impl Forecast {
         let one = |diagonal: &DiagonalForecast| Miss::Figure {
             of: Of::Diagonal(diagonal.name),
             um: diagonal.change.after_um,
-            expanded_um: diagonal.change.expanded_um,
+            at_most_um: diagonal.change.at_most_um,
             limit_um,
             verdict: self.judge_diagonals(&[diagonal], limit_um),
         };
@@ -167,16 +167,11 @@ impl Forecast {
         if diagonals.is_empty() {
             return Vec::new();
         }
-        let halves: Vec<_> = diagonals.iter().flat_map(|d| d.halves.clone()).collect();
         let um = diagonals.iter().map(|d| d.change.after_um).fold(0.0, larger);
-        let stated = diagonals.iter().any(|d| d.change.u_um.is_some());
         let all = |verdict| Miss::Figure {
             of: Of::Diagonals,
             um,
-            expanded_um: stated.then(|| {
-                let largest_um = self.largest.as_ref().map(|largest| largest.ranges_um / 2.0);
-                2.0 * expanded_together(&halves, self.sigma, largest_um)
-            }),
+            at_most_um: self.ranges_at_most_um(&diagonals),
             limit_um,
             verdict,
         };
@@ -277,21 +272,21 @@ impl fmt::Display for Of {
 
 impl fmt::Display for Miss {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (of, um, expanded_um, limit_um, verdict) = match self {
+        let (of, um, at_most_um, limit_um, verdict) = match self {
             Miss::Range(range) => return out.write_str(&range.missing().unwrap_or_default()),
             Miss::NotStated(cause) => {
                 let (what, key, advice) = (words(*cause), cause.key(), advice(*cause));
                 return write!(out, "{what} not stated: state `{key}` ({advice}): undecided");
             }
-            Miss::Figure { of, um, expanded_um, limit_um, verdict } => {
-                (of, um, expanded_um, limit_um, verdict.word())
+            Miss::Figure { of, um, at_most_um, limit_um, verdict } => {
+                (of, um, at_most_um, limit_um, verdict.word())
             }
         };
-        let expanded = match expanded_um {
+        let at_most = match at_most_um {
             None => "U not stated".to_string(),
-            Some(um) => format!("U = {um:.3} µm"),
+            Some(um) => format!("at most {um:.3} µm with 95 %"),
         };
-        write!(out, "{of} {um:.3} µm ({expanded}), the limit is {limit_um} µm: {verdict}")
+        write!(out, "{of} {um:.3} µm, {at_most}, the limit is {limit_um} µm: {verdict}")
     }
 }
 

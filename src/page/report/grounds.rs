@@ -167,7 +167,7 @@ impl Report<'_> {
     }
 
     fn miss(&self, miss: &Miss) -> String {
-        let (of, um, expanded_um, limit_um, verdict) = match miss {
+        let (of, um, at_most_um, limit_um, verdict) = match miss {
             Miss::Range(range) => return self.too_little(range),
             Miss::NotStated(cause) => {
                 let facts = [
@@ -177,14 +177,17 @@ impl Report<'_> {
                 ];
                 return self.fill("reason_not_stated", facts);
             }
-            Miss::Figure { of, um, expanded_um, limit_um, verdict } => {
-                (*of, *um, *expanded_um, *limit_um, *verdict)
+            Miss::Figure { of, um, at_most_um, limit_um, verdict } => {
+                (*of, *um, *at_most_um, *limit_um, *verdict)
             }
         };
         let unit = self.unit();
-        let u = match expanded_um {
+        let u = match at_most_um {
             None => self.t("u_not_stated"),
-            Some(um) => format!("U = {} {unit}", self.reason(of, true, um)),
+            Some(um) => {
+                let um = format!("{} {unit}", self.reason(of, true, um));
+                self.fill("at_most", [("um", um)])
+            }
         };
         let facts = [
             ("what", self.what(of)),
@@ -207,16 +210,16 @@ impl Report<'_> {
 
     /// What is left, or its U, with three decimals: two may hide that it lies beyond the limit. The document
     /// has no figure of all diagonals together.
-    fn reason(&self, of: Of, is_expanded: bool, um: f64) -> String {
-        let key = match (is_expanded, self.visit.is_measured) {
-            (true, _) => "expanded_um",
+    fn reason(&self, of: Of, is_bound: bool, um: f64) -> String {
+        let key = match (is_bound, self.visit.is_measured) {
+            (true, _) => "at_most_um",
             (false, true) => "after_um",
             (false, false) => "forecast_um",
         };
         let at = match of {
             Of::Term(term) => format!("/terms/{term}/{key}"),
             Of::Diagonal(name) => format!("/diagonals/{name}/{key}"),
-            Of::Terms if is_expanded => "/max_residual_expanded_um".to_string(),
+            Of::Terms if is_bound => "/max_residual_at_most_um".to_string(),
             Of::Terms => "/max_residual_um".to_string(),
             Of::Diagonals => return self.locale.deviation(um, 3),
         };
