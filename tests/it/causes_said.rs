@@ -104,11 +104,8 @@ fn job(machine: &Machine, errors: &str, active: &str) -> String {
 
 /// The machine measured and its kit made.
 fn visit(machine: &Machine) -> Visit {
-    let visit = Visit::new();
-    visit.put("errors.csv", table(machine, 1, machine.error_um));
-    visit.put("job.toml", job(machine, "errors.csv", "none"));
-    visit.run("generate job.toml -o kit").answers();
-    visit
+    let errors = table(machine, 1, machine.error_um);
+    Visit::with(job(machine, "errors.csv", "none"), errors).with_any_kit()
 }
 
 /// What is said of a second measurement.

@@ -1,6 +1,7 @@
 //! The field kit: what a sign proof does, that a rollback is what was read out, what the checklist
 //! says, and what is refused.
 use crate::support;
+use crate::support::parallel::in_parallel;
 use crate::support::published::short_or;
 use crate::support::visit::{fixture, replaced};
 use crate::support::{machine::machine, um_at};
@@ -207,7 +208,7 @@ fn sign_proofs_are_legal_and_move_nothing_else() {
         !matches!(dialect, Dialect::Generic(_) | Dialect::Klipper(_))
     };
     let ids = builtin::ids().into_iter().filter(has_bump);
-    std::thread::scope(|scope| ids.for_each(|id| drop(scope.spawn(|| ensure_contract(id)))));
+    in_parallel(ids, ensure_contract);
 }
 
 #[test]
@@ -439,11 +440,7 @@ fn a_checklist_names_what_misses_the_acceptance() {
 /// Controls that refuse points beyond the travel: tests/it/declared.rs.
 #[test]
 fn a_reference_point_off_the_travel_is_noted() {
-    std::thread::scope(|scope| {
-        for id in support::any_grid_ids() {
-            scope.spawn(|| ensure_reference_noted(id));
-        }
-    });
+    in_parallel(support::any_grid_ids(), ensure_reference_noted);
 }
 
 fn ensure_reference_noted(id: &str) {

@@ -310,8 +310,7 @@ fn a_second_visit_begins_where_the_first_one_ended() {
     for (start, table, form) in
         [("start/errors", "errors.csv", "--errors"), ("start/readings", "readings.csv", "")]
     {
-        let at = &Visit::of(start);
-        at.run("generate job.toml -o kit").answers();
+        let at = &Visit::of(start).with_any_kit();
         at.run("new --from job.toml -o next").ends(0).says("`first_table` decides");
         at.yes(&format!(
             "simulate job.toml --tables kit {form} --noise-um 0.1 -o next/{table} --force"

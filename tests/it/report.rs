@@ -7,9 +7,7 @@ use std::collections::BTreeSet;
 const SIEMENS: &str = "nine_errors_900/siemens-840d-sl.toml";
 
 fn with_kit(job: &str) -> Visit {
-    let visit = Visit::with_job(job);
-    visit.run("generate job.toml -q -o kit").answers();
-    visit
+    Visit::with_job(job).with_any_kit()
 }
 
 #[track_caller]
@@ -376,8 +374,7 @@ fn the_first_page_speaks_the_readers_language() {
 /// A few lines on the first page, the worst first; all of them, with the figures of `verify`, behind it.
 #[test]
 fn nothing_that_decides_is_lost() {
-    let visit = undecided();
-    visit.run("generate job.toml -q -o kit").answers();
+    let visit = undecided().with_any_kit();
     let whole = page(&visit, "job.toml --tables kit --language de --unit inch");
     let verify = visit.json("verify job.toml --tables kit");
     let causes = verify["causes"].as_array().unwrap().iter();

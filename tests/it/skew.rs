@@ -90,9 +90,7 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
 }
 
 fn visit((job, errors): (String, String)) -> Visit {
-    let visit = Visit::new();
-    visit.put("job.toml", job).put("errors.csv", errors);
-    visit
+    Visit::with(job, errors)
 }
 
 /// Home at 200 mm of Z: Klipper adds -(2e-5 * 200 mm) = -4 um to X there, and says so as a shift.

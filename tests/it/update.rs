@@ -10,6 +10,7 @@ mod read_outs;
 mod siemens_control;
 
 use crate::support;
+use crate::support::parallel::in_parallel;
 use crate::support::{Random, control, generate, inputs, response, um_at, words};
 use nonius::control::control_state::ControlState;
 use nonius::control::controller::{Profile, Role, builtin};

@@ -3,6 +3,7 @@
 pub(crate) mod diagonals;
 pub(crate) mod machine;
 pub(crate) mod machine_h;
+pub(crate) mod parallel;
 pub(crate) mod published;
 pub(crate) mod random_map;
 pub(crate) mod refusals;

@@ -209,13 +209,9 @@ fn points_hold_the_sum(case: &Case, found: &Inputs, old: &Kit, new: &Kit) -> usi
 
 #[test]
 fn new_is_old_plus_residual_on_every_control() {
-    std::thread::scope(|scope| {
-        for (family, points) in
-            [(&["siemens", "generic"][..], 3_000), (&["fanuc"], 1_000), (&["linuxcnc"], 2_000)]
-        {
-            scope.spawn(move || new_is_old_plus_residual(family, points));
-        }
-    });
+    let families =
+        [(&["siemens", "generic"][..], 3_000), (&["fanuc"], 1_000), (&["linuxcnc"], 2_000)];
+    in_parallel(families, |(family, points)| new_is_old_plus_residual(family, points));
 }
 
 #[test]
