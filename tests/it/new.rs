@@ -1,11 +1,9 @@
 //! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
-use crate::support::positioning_ids;
 use crate::support::published::short_or;
 use crate::support::visit::{Ran, Visit};
+use crate::support::{error_table, positioning_ids};
 use nonius::control::controller::{Dialect, builtin};
-use nonius::inputs::error_table::ErrorTable;
 use nonius::quantity::axis::Axis;
-use nonius::text::document::Source;
 use std::mem::discriminant;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -127,8 +125,7 @@ fn box_ends(at: &Visit) -> [[f64; 2]; 3] {
 
 /// Slopes of the positioning in an error table between the ends of a box, µm/m, mean of the directions.
 fn slopes(page: &str, ends: &[[f64; 2]; 3]) -> [f64; 3] {
-    let source = Source::from_bytes("linear.csv", page.as_bytes()).unwrap();
-    let table = ErrorTable::read(source).unwrap_or_else(|p| panic!("{}", p.render()));
+    let table = error_table(page);
     Axis::ALL.map(|axis| {
         let at = |end: f64| {
             let values = table.series(axis).iter().map(|own| {

@@ -1,6 +1,6 @@
 //! The page that is handed over: its figures are those of the commands, its bytes are the same twice, text of
 //! others is harmless, and a browser shows it without anything cut off.
-use crate::support::visit::{Visit, number, page as repository_page, replaced};
+use crate::support::visit::{Visit, holds, number, page as repository_page, replaced};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
@@ -13,12 +13,6 @@ fn with_kit(job: &str) -> Visit {
 #[track_caller]
 fn page(visit: &Visit, arguments: &str) -> String {
     visit.run(&format!("report {arguments} -o -")).answers().omits("\u{fffd}").out
-}
-
-#[track_caller]
-fn holds(page: &str, words: &[&str]) {
-    let missing = words.iter().find(|word| !page.contains(**word));
-    assert_eq!(missing, None, "is not on the page");
 }
 
 #[track_caller]

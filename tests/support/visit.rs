@@ -219,6 +219,14 @@ pub(crate) fn number(value: &Value) -> f64 {
 /// The last digit that documents hold.
 pub(crate) const LAST_DIGIT: f64 = 1.001e-6;
 
+/// A text holds all these words.
+#[track_caller]
+pub(crate) fn holds(text: &str, words: &[&str]) {
+    for words in words {
+        assert!(text.contains(words), "expected `{words}` in\n{text}");
+    }
+}
+
 #[track_caller]
 pub(crate) fn near(what: &str, got: f64, want: f64, room: f64) {
     assert!((got - want).abs() <= room, "{what}: {got}, expected {want}");

@@ -265,7 +265,7 @@ fn a_read_out_says_the_same_as_the_kit() {
     let by_kit = found.active.as_ref().unwrap();
     assert_eq!(read.tables, by_kit.tables);
     is_near(read.backlash_um[Axis::X].unwrap(), by_kit.backlash_um[Axis::X].unwrap());
-    said_in(&notes_of(&read), "2 other machine data");
+    holds(&notes_of(&read), &["2 other machine data"]);
     let model = found.as_measured().clone();
     let again = Inputs { active: None, under_tables: None, model, ..found.clone() };
     let again = shown(kit::generate(&shown(again.with_active(read))));
