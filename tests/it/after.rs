@@ -19,10 +19,9 @@ fn job() -> String {
 
 /// The job, its kit and the second measurement.
 fn visit(after: &str) -> Visit {
-    let visit = Visit::new();
-    visit.put("job.toml", job()).put("after.csv", after);
-    visit.put("errors.csv", "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,6,3\nx,100,16,-4\n");
-    visit.run("generate job.toml -o kit").answers();
+    let errors = "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,6,3\nx,100,16,-4\n";
+    let visit = Visit::with(job(), errors).with_any_kit();
+    visit.put("after.csv", after);
     visit
 }
 
@@ -151,8 +150,7 @@ fn tables_that_do_not_act_or_were_changed_fail() {
 
 #[test]
 fn a_job_with_readings_gives_what_its_separated_table_gives() {
-    let visit = Visit::of("start/readings");
-    visit.run("generate job.toml -o kit").answers();
+    let visit = Visit::of("start/readings").with_any_kit();
     visit.yes("separate job.toml -o after.csv");
     visit.put("after.toml", visit.read("job.toml").replace(NONE_ACTIVE, KIT_ACTIVE));
     let [by_job, by_table] = ["after.toml", "after.csv"].map(|after| again(&visit, after).page);
@@ -297,8 +295,7 @@ fn the_backlash_parameter_of_a_kit_is_the_one_of_its_manifest() {
 /// Files under names of the control's own, with data of no concern among them.
 #[test]
 fn a_read_out_is_judged_by_what_it_does() {
-    let visit = Visit::with_job("nine_errors_900/siemens-840d-sl.toml");
-    visit.run("generate job.toml -o kit").answers();
+    let visit = Visit::with_job("nine_errors_900/siemens-840d-sl.toml").with_any_kit();
     let [eec, cec] = ["EEC", "CEC"].map(|name| {
         let text = visit.read(&format!("kit/NONIUS_{name}.MPF"));
         let lines = text.lines().filter(|line| line.starts_with('$'));

@@ -1,11 +1,9 @@
 //! `nonius assess`: machine H to the digits, the tables of paper 000, before and after.
 
 use crate::support::visit::{LAST_DIGIT, Visit, fixture, near, number};
-use nonius::inputs::error_table::ErrorTable;
-use nonius::inputs::job::Job;
+use crate::support::{error_table, read_job};
 use nonius::machine::model::ErrorModel;
 use nonius::quantity::axis::{Axis, ErrorTerm, PerTerm};
-use nonius::text::document::Source;
 use nonius::volume::definitions::ByComponent;
 use nonius::volume::space::cloud::longest;
 use nonius::volume::volume_model::VolumeModel;
@@ -55,11 +53,8 @@ fn machine_h_has_the_figures_of_its_authority() {
 /// The same machine aligned differently: VA follows the frame, the length error does not.
 #[test]
 fn machine_h_in_other_frames() {
-    let read = |name: &str| {
-        Source::from_bytes(name, fixture(&format!("machine_h/{name}")).as_bytes()).unwrap()
-    };
-    let job = Job::read(read("job.toml")).unwrap();
-    let model = ErrorModel::build(&job, &ErrorTable::read(read("errors.csv")).unwrap()).unwrap();
+    let job = read_job(&fixture("machine_h/job.toml"));
+    let model = ErrorModel::build(&job, &error_table(&fixture("machine_h/errors.csv"))).unwrap();
     let volume = VolumeModel::build(&job, &model).unwrap();
     let map = volume.map(&volume.own_nodes()).unwrap();
     for (of, along, slope, va_um) in [

@@ -5,13 +5,6 @@ use super::assess::document;
 use crate::support::visit::{Visit, number, page, replaced};
 use serde_json::{Value, json};
 
-/// A job and its error table.
-fn visit(job: &str, errors: &str) -> Visit {
-    let visit = Visit::new();
-    visit.put("job.toml", job).put("errors.csv", errors);
-    visit
-}
-
 /// The page of a command that ends with 0.
 #[track_caller]
 fn explained(visit: &Visit, command: &str) -> String {
@@ -44,7 +37,7 @@ fn has_label(found: &Value, words: &str) {
 
 #[test]
 fn the_volume_is_claimed_only_where_no_place_is_worse() {
-    let visit = visit(&cube(), &humps());
+    let visit = Visit::with(cube(), humps());
     let spline = "[compensation]\ncontroller = \"generic\"\ncurve = \"natural-spline\"\n";
     visit.put("spline.toml", cube() + spline);
     let exact = |arguments: &str| {
@@ -143,7 +136,7 @@ fn tables_that_were_active_are_part_of_the_machine_as_measured() {
 #[test]
 fn places_that_levers_depend_on_are_named() {
     let offsets = "tool_offset_mm = { x = 0.0, y = 0.0, z = -120.5 }\noffsets_mm = { x = 4000.0, y = 100.0 }\n";
-    let visit = visit(&(cube() + offsets), &humps());
+    let visit = Visit::with(cube() + offsets, humps());
     let found = document(&visit, "assess job.toml");
     assert_eq!(found["tool_offset_mm"], json!([0.0, 0.0, -120.5]));
     assert_eq!(found["offsets_mm"], json!({"x": 4000.0, "y": 100.0, "z": null}));
@@ -156,7 +149,7 @@ fn places_that_levers_depend_on_are_named() {
 #[test]
 fn what_was_not_measured_is_no_error_of_nothing() {
     // Angles alone make a figure where their levers are known.
-    let visit = visit(&cube(), "axis,position_mm,ec_urad\nx,0,0\nx,300,100\n");
+    let visit = Visit::with(cube(), "axis,position_mm,ec_urad\nx,0,0\nx,300,100\n");
     let found = document(&visit, "assess job.toml");
     assert_eq!(number(&found["definitions"]["va_um"]), 30.0, "100 µrad of 300 mm");
     let table = "axis,position_mm,ex_um,ez_um,ea_urad,eb_urad,ec_urad\nx,0.1,0,0,5,20,10\nx,900.25,10,1,5,20,30\n";
@@ -223,7 +216,7 @@ fn the_map_of_sub_volumes_holds_the_extremes() {
 #[test]
 fn figures_need_neither_a_control_nor_a_backlash_policy() {
     let both = "axis,position_mm,direction,ex_um\nx,0,+,0\nx,300,+,10\nx,0,-,-2\nx,300,-,8\n";
-    let visit = visit(&cube(), both);
+    let visit = Visit::with(cube(), both);
     let found = document(&visit, "assess job.toml");
     assert_eq!(number(&found["definitions"]["va_um"]), 10.0);
     has_label(&found, "the mean of both counts");
@@ -234,7 +227,7 @@ fn figures_need_neither_a_control_nor_a_backlash_policy() {
 fn slips_of_the_unit_are_doubted() {
     let job = cube() + "[measurement.squareness_um_per_m]\nxy = 5001.0\n";
     let table = "axis,position_mm,ex_mm,ey_um\nx,0,0,0\nx,300,5.1,4999\ny,0,0,0\ny,300,0,0\n";
-    let found = document(&visit(&job, table), "assess job.toml");
+    let found = document(&Visit::with(&job, table), "assess job.toml");
     has_label(&found, "doubt: EXX reaches 5100 µm, and more than 5000 µm is unlikely");
     has_label(&found, "doubt: squareness_xy reaches 5001 µm/m");
     assert!(!found["labels"].to_string().contains("EYX reaches"), "{}", found["labels"]);
@@ -257,7 +250,7 @@ fn the_job_of_the_documentation_is_complete() {
     let (job, _) = rest.split_once("```").expect("it ends");
     let table = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\nx,0,0,0,0,0,0,0\nx,800,8,1,2,5,-4,3\ny,0,0,0,0,0,0,0\ny,500,1,6,0,2,1,0\nz,-450,-3,2,-4,1,1,1\nz,0,0,0,0,0,0,0\n";
     let options = "--grid 17,11,10 --window 300,200,200 --histogram 5";
-    let found = document(&visit(job, table), &format!("assess job.toml {options}"));
+    let found = document(&Visit::with(job, table), &format!("assess job.toml {options}"));
     assert_eq!(found["errors_measured"], 21);
     assert_eq!(found["missing"], json!([]));
     assert_eq!(found["definitions"]["va_exact"], true);

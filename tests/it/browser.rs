@@ -2,20 +2,12 @@
 //! a picture is cut off or lies on another, every link leads somewhere, the print has its pages. Skipped, with a
 //! word, where they are not installed.
 
-use crate::support::tree::skipped;
+use crate::support::tree::is_installed;
 use crate::support::visit::{Ran, Visit, fixture, replaced};
 use std::process::{Command, Output};
 
 const JOB: &str = "fixtures/nine_errors_900/siemens-840d-sl.toml";
 const READINGS: &str = "fixtures/start/readings/job.toml";
-
-fn installed(program: &str) -> bool {
-    let found = Command::new(program).arg("--version").output().is_ok();
-    if !found {
-        skipped(&format!("{program} is not installed"));
-    }
-    found
-}
 
 /// Runs the program in the repository; `OUT` is the folder of the visit.
 fn run(visit: &Visit, command: &str) -> Ran {
@@ -136,7 +128,7 @@ fn printed(visit: &Visit, page: &str) -> usize {
 /// long its verdict is.
 #[test]
 fn signatures_stand_on_the_first_sheet() {
-    if !installed("chromium") {
+    if !is_installed("chromium") {
         return;
     }
     let visit = Visit::new();
@@ -207,7 +199,7 @@ f.onload = () => {
 
 #[test]
 fn nothing_is_cut_off_or_lies_on_another() {
-    if !installed("chromium") {
+    if !is_installed("chromium") {
         return;
     }
     let visit = Visit::new();
@@ -228,7 +220,7 @@ fn nothing_is_cut_off_or_lies_on_another() {
 
 #[test]
 fn the_print_has_its_pages() {
-    if !installed("chromium") {
+    if !is_installed("chromium") {
         return;
     }
     let visit = Visit::new();
@@ -240,7 +232,7 @@ fn the_print_has_its_pages() {
 
 #[test]
 fn the_html_is_valid() {
-    if !installed("tidy") {
+    if !is_installed("tidy") {
         return;
     }
     let visit = Visit::new();

@@ -1,7 +1,7 @@
 //! What `verify --after` says of single faults: the number, the place to look at, the words, and
 //! what is refused. How often faults are named at all stands in tests/studies/causes.rs.
 use crate::support::Random;
-use crate::support::visit::{Visit, number};
+use crate::support::visit::{Visit, holds, number};
 use serde_json::Value;
 
 /// Noise of both measurements, µm.
@@ -104,11 +104,8 @@ fn job(machine: &Machine, errors: &str, active: &str) -> String {
 
 /// The machine measured and its kit made.
 fn visit(machine: &Machine) -> Visit {
-    let visit = Visit::new();
-    visit.put("errors.csv", table(machine, 1, machine.error_um));
-    visit.put("job.toml", job(machine, "errors.csv", "none"));
-    visit.run("generate job.toml -o kit").answers();
-    visit
+    let errors = table(machine, 1, machine.error_um);
+    Visit::with(job(machine, "errors.csv", "none"), errors).with_any_kit()
 }
 
 /// What is said of a second measurement.
@@ -135,13 +132,6 @@ fn after(machine: &Machine, left: impl Fn(Row) -> f64) -> Found {
     diagnosis(&visit, "job.toml --tables kit --after after.csv")
 }
 
-#[track_caller]
-fn has(text: &str, words: &[&str]) {
-    for words in words {
-        assert!(text.contains(words), "expected `{words}` in\n{text}");
-    }
-}
-
 /// The two numbers before ` µm if <what>`.
 #[track_caller]
 fn amounts(decides: &str, what: &str) -> (f64, f64) {
@@ -158,16 +148,16 @@ fn a_reversal_that_stays_is_a_parameter_or_a_table_that_does_not_act() {
     let left = |policy| after(&Machine { policy, both_ways: true, ..SIEMENS }, Row::reversal);
     let found = left("backlash = \"curve-and-parameter\"");
     assert_eq!(found.kinds, ["backlash not"]);
-    has(&found.words[0], &["the backlash parameter is 0"]);
+    holds(&found.words[0], &["the backlash parameter is 0"]);
     let said = &found.decides;
-    has(said, &["coming there moving + / moving -"]);
+    holds(said, &["coming there moving + / moving -"]);
     let (files, fault) = (amounts(said, "the control"), amounts(said, "backlash not"));
     assert!((files.0 - fault.0).abs() < 1e-9, "+ is as planned: {said}");
     assert!(((files.1 - fault.1).abs() - REVERSAL_UM).abs() < 0.3, "- is not: {said}");
     let found = left("backlash = \"two-tables\"");
     assert!(found.kinds.iter().all(|kind| *kind == "backlash not"));
     let either = ["the table for + acts in both", "the table for - acts in both"];
-    has(&found.words.join("\n"), &either);
+    holds(&found.words.join("\n"), &either);
     let said = &found.decides;
     let files = amounts(said, "the control");
     let plus = amounts(said, "backlash not (every axis: table of +");
@@ -180,15 +170,15 @@ fn amounts_are_those_of_the_file_and_its_sign_is_left_open() {
     let twice = after(&SIEMENS, |row| -wavy(row));
     assert_eq!(twice.kinds, ["applied twice", "measurement turned"]);
     let said = &twice.decides;
-    has(said, &["service display", "ENC_COMP", "the other axes at their reference points"]);
-    has(said, &["its sign on the display is not documented", "whether the laser counts in +"]);
+    holds(said, &["service display", "ENC_COMP", "the other axes at their reference points"]);
+    holds(said, &["its sign on the display is not documented", "whether the laser counts in +"]);
     assert!(!said.contains("is -") && !said.contains("is +"), "{said}");
     let turned = after(&SIEMENS, |row| 2.0 * wavy(row));
     assert_eq!(turned.kinds, ["sign turned"]);
-    has(&turned.decides, &["bump of at most 20 µm"]);
+    holds(&turned.decides, &["bump of at most 20 µm"]);
     let three = after(&SIEMENS, |row| -2.0 * wavy(row));
     assert_eq!(three.kinds, ["measurement turned", "other factor"]);
-    has(&three.words[0], &["the first measurement has the wrong sign"]);
+    holds(&three.words[0], &["the first measurement has the wrong sign"]);
 }
 
 #[test]
@@ -197,7 +187,7 @@ fn no_display_is_invented_for_a_control_without_one() {
         println!("{controller}");
         let machine = Machine { controller, spacing_mm: 60.0, ..SIEMENS };
         let said = after(&machine, |row| -wavy(row)).decides;
-        has(&said, &["no display of the correction is known"]);
+        holds(&said, &["no display of the correction is known"]);
         assert!(!said.contains("service display"), "{said}");
     }
 }
@@ -310,7 +300,7 @@ fn exchanged_axes_are_said_once() {
     });
     assert!(found.kinds.contains(&"wrong axis".to_string()));
     let said = found.words.join("\n");
-    has(&said, &["were made for X, Y, Z and act on Y, X, Z"]);
+    holds(&said, &["were made for X, Y, Z and act on Y, X, Z"]);
     assert!(!said.contains(",,") && !said.contains("µm um"), "{said}");
 }
 
@@ -339,7 +329,7 @@ fn a_scale_that_does_not_grow_stays() {
     let found = diagnosis(&visit, "job.toml --tables kit --after after.csv");
     assert!(found.kinds.contains(&"temperature".to_string()));
     let words = ["X does not grow (0e-6 per K)", "K at 11.5e-6 per K", "K at 8.0e-6 per K"];
-    has(&found.words.join("\n"), &words);
+    holds(&found.words.join("\n"), &words);
 }
 
 #[test]

@@ -27,8 +27,7 @@ fn visit() -> Visit {
 
 /// The same with its kit; what the kit's table says.
 fn with_kit() -> (Visit, String) {
-    let visit = visit();
-    visit.run("generate job.toml -o kit").answers();
+    let visit = visit().with_any_kit();
     let table = visit.read("kit/N5.TXT");
     (visit, table)
 }
@@ -187,8 +186,7 @@ fn a_profile_adds_steps_to_the_checklist_of_its_base() {
 /// The real file holds all parameters of an axis; what a person may have done to it is refused.
 #[test]
 fn a_parameter_file_in_utf_16_is_read_with_the_table_in_it() {
-    let visit = Visit::with_job("machines/five_points/fagor-8065.toml");
-    visit.run("generate job.toml -o kit").answers();
+    let visit = Visit::with_job("machines/five_points/fagor-8065.toml").with_any_kit();
     let utf16 = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
     let whole = |axis: &str| {
         let bytes = std::fs::read(visit.at(&format!("kit/draft-{axis}.mp"))).unwrap();

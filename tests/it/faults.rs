@@ -6,6 +6,7 @@
 //! takes all. They need Linux with `strace`, full disks need root; where that is missing, the tests say so.
 
 use super::lost::PROGRAM;
+use crate::support::parallel::in_parallel;
 use crate::support::tree::{Entry, Tree, below, copies, difference, lay, skipped, told, tree};
 use crate::support::visit::{Ran, Visit};
 use std::collections::BTreeMap;
@@ -327,18 +328,8 @@ fn try_faults(fault: Fault, ways: &[&str], step: usize) {
         let first = (number * step / SCENES.len()) % of_scene.len();
         cases.extend(of_scene.into_iter().skip(first).step_by(step));
     }
-    // Every third case in a thread.
-    let failed = &|first: usize| {
-        let of_thread = cases.iter().skip(first).step_by(3);
-        let failed = |(played, call, how): &(&Played, &Call, &str)| {
-            disturbed(played, call, fault, how).err()
-        };
-        of_thread.filter_map(failed).collect::<Vec<String>>()
-    };
-    let failures: Vec<String> = std::thread::scope(|scope| {
-        let threads = [0, 1, 2].map(|first| scope.spawn(move || failed(first)));
-        threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
-    });
+    let tried = in_parallel(&cases, |(played, call, how)| disturbed(played, call, fault, how));
+    let failures: Vec<String> = tried.into_iter().filter_map(Result::err).collect();
     told(&format!("{} of {all} cases", cases.len()));
     let shown = failures.iter().take(40).map(String::as_str).collect::<Vec<_>>().join("\n");
     assert!(failures.is_empty(), "{} of {} cases:\n{shown}", failures.len(), cases.len());

@@ -1,9 +1,10 @@
 //! The field kit: what a sign proof does, that a rollback is what was read out, what the checklist
 //! says, and what is refused.
 use crate::support;
+use crate::support::parallel::in_parallel;
 use crate::support::published::short_or;
-use crate::support::visit::{fixture, replaced};
-use crate::support::{machine::machine, um_at};
+use crate::support::visit::{fixture, holds, replaced};
+use crate::support::{files_of, machine::machine, shown, um_at};
 use nonius::control::controller::{Dialect, Evidence, Profile, Role, builtin};
 use nonius::control::table::Tables;
 use nonius::inputs::job::{ActiveTables, Job};
@@ -13,7 +14,6 @@ use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::{Direction, ErrorTerm};
 use nonius::read::emulate::{Emulator, Response};
 use nonius::read::{KitFile, read_apart};
-use nonius::text::document::Source;
 use nonius::text::finding::Finding;
 use nonius::write::findings::TableFinding;
 use nonius::write::plan::axis_pairs;
@@ -46,7 +46,7 @@ fn kit_of(profile: &str) -> Kit {
 }
 
 fn kit_from(inputs: &Inputs) -> Kit {
-    kit::generate(inputs).unwrap_or_else(|p| panic!("{}", p.render()))
+    shown(kit::generate(inputs))
 }
 
 fn text_of<'a>(kit: &'a Kit, path: &str) -> &'a str {
@@ -56,16 +56,6 @@ fn text_of<'a>(kit: &'a Kit, path: &str) -> &'a str {
 
 fn checklist(kit: &Kit) -> &str {
     text_of(kit, "checklist.md")
-}
-
-#[track_caller]
-fn ensure_told(page: &str, words: &str) {
-    assert!(page.contains(words), "expected `{words}` in\n{page}");
-}
-
-fn files_of(kit: &Kit, role: Role) -> Vec<KitFile<'_>> {
-    let files = kit.files.iter().filter(|file| file.role == role);
-    files.map(|file| KitFile { path: &file.path, role: file.role, bytes: &file.bytes }).collect()
 }
 
 /// The control after the kit's parameters and all sign proofs were loaded, as `profile` reads them.
@@ -186,7 +176,7 @@ fn ensure_contract(id: &str) {
                 as_known(&profile, proof["sign"].as_str().unwrap()),
                 number(proof, "other_sign_um"),
             );
-            ensure_told(checklist(&kit), &words);
+            holds(checklist(&kit), &[&words]);
             let gauge = format!("µm towards −{}, or", term_of(proof).of);
             let restarts = !id.starts_with("siemens") && id != "isg-volcomp";
             assert_eq!(checklist(&kit).contains(&gauge), !restarts, "{name}");
@@ -207,7 +197,7 @@ fn sign_proofs_are_legal_and_move_nothing_else() {
         !matches!(dialect, Dialect::Generic(_) | Dialect::Klipper(_))
     };
     let ids = builtin::ids().into_iter().filter(has_bump);
-    std::thread::scope(|scope| ids.for_each(|id| drop(scope.spawn(|| ensure_contract(id)))));
+    in_parallel(ids, ensure_contract);
 }
 
 #[test]
@@ -237,7 +227,7 @@ fn with_read_out(id: &str) -> (Inputs, Tables) {
     let files = files.map(|f| (f.path.clone(), f.bytes.clone())).collect();
     let mut inputs = support::inputs(&job, &errors);
     let active = from_read_out(&inputs.job, &profile, "read-out", files, ReadOutFor::OldTables);
-    inputs.active = Some(active.unwrap_or_else(|p| panic!("{}", p.render())));
+    inputs.active = Some(shown(active));
     (inputs, tables)
 }
 
@@ -251,7 +241,7 @@ fn rollback_is_what_was_read_out() {
         assert_eq!(read.tables, tables, "{id}");
         assert_ne!(support::loaded(&inputs.profile, &kit), tables, "{id}: nothing to go back to");
         for file in &files {
-            ensure_told(checklist(&kit), file.path);
+            holds(checklist(&kit), &[file.path]);
         }
         assert!(!checklist(&kit).contains("no rollback file"), "{id}");
         let set = read.machine_data.iter().flat_map(|file| &file.data).count();
@@ -269,7 +259,7 @@ fn an_incomplete_read_out_gives_no_rollback() {
     let kit = kit_from(&inputs);
     assert!(files_of(&kit, Role::Rollback).is_empty());
     let lacking = "do not hold all that this kit overwrites; missing: CEC table 3\n";
-    ensure_told(checklist(&kit), lacking);
+    holds(checklist(&kit), &[lacking]);
 }
 
 #[test]
@@ -295,7 +285,7 @@ fn a_changed_sign_proof_is_found_and_does_not_reach_the_tables() {
 #[test]
 fn a_bump_over_the_limit_is_refused() {
     let page = five_points("fanuc-30i").0 + "\n[limits]\nmax_bump_um = 25.0\n";
-    let job = Job::read(Source::from_bytes("job.toml", page.as_bytes()).unwrap());
+    let job = Job::read(support::source("job.toml", &page));
     let problems = job.unwrap_err().render();
     assert!(problems.contains("max_bump_um") && problems.contains("20"), "{problems}");
 }
@@ -318,7 +308,7 @@ fn no_legal_place_is_said_with_how_to_switch_off_by_hand_and_nothing_is_written(
         let kit = kit_of_x(id, "x,400,1,1,1\n", &limits);
         assert!(files_of(&kit, Role::SignProof).is_empty(), "{id}");
         for words in ["note 3623 of each axis, set it to 0", words, "## Rollback"] {
-            ensure_told(checklist(&kit), words);
+            holds(checklist(&kit), &[words]);
         }
     }
 }
@@ -352,7 +342,7 @@ fn a_checklist_says_what_moves_and_what_the_display_shows() {
         ),
     ] {
         let kit = kit_with(id, old, new);
-        ensure_told(checklist(&kit), words);
+        holds(checklist(&kit), &[words]);
         assert_eq!(kit.compiled.state.axes[0].backlash_um > 0.0, new == PARAMETER, "{id}");
     }
 }
@@ -363,7 +353,7 @@ fn the_limit_of_the_sum_lets_the_bump_through() {
     let list = &kit.compiled.preconditions;
     let found = list.iter().find(|p| p.what.contains("MD32720")).unwrap();
     assert_eq!(found.value, "at least 0.020 mm", "{}", found.why);
-    ensure_told(&found.why, "up to 0.001 mm");
+    holds(&found.why, &["up to 0.001 mm"]);
 }
 
 /// The bump of a straightness, which is 20 µm high.
@@ -417,11 +407,10 @@ fn a_rehearsal_and_doubts_are_seen_in_the_files() {
     let remarks = "# note: SIMULATED, not measured: predicted\n# doubt: a reading is disturbed\n";
     let (_, kit) = support::generate(&job, &format!("{remarks}{errors}"));
     let head = checklist(&kit).split("## ").next().unwrap();
-    ensure_told(head, "**SIMULATED, not measured: predicted**");
-    ensure_told(head, "**DOUBTFUL:** a reading is disturbed");
-    ensure_told(head, "**undecided**");
+    let doubtful = "**DOUBTFUL:** a reading is disturbed";
+    holds(head, &["**SIMULATED, not measured: predicted**", doubtful, "**undecided**"]);
     for file in &kit.files {
-        ensure_told(text_of(&kit, &file.path), "SIMULATED");
+        holds(text_of(&kit, &file.path), &["SIMULATED"]);
     }
 }
 
@@ -433,17 +422,13 @@ fn a_checklist_names_what_misses_the_acceptance() {
     let (_, kit) = support::generate(&job, &nine_errors("errors.csv"));
     // Points at 0, 450 and 900 mm: 3.978 µm is the largest distance of EXX from the lines between.
     let words = "of the job, over the whole travel, target spacing up to 30 mm: **fail**.\n- EXX leaves 3.978 µm, U not stated, the limit is 2 µm: fail\n\nMachine";
-    ensure_told(checklist(&kit), words);
+    holds(checklist(&kit), &[words]);
 }
 
 /// Controls that refuse points beyond the travel: tests/it/declared.rs.
 #[test]
 fn a_reference_point_off_the_travel_is_noted() {
-    std::thread::scope(|scope| {
-        for id in support::any_grid_ids() {
-            scope.spawn(|| ensure_reference_noted(id));
-        }
-    });
+    in_parallel(support::any_grid_ids(), ensure_reference_noted);
 }
 
 fn ensure_reference_noted(id: &str) {
@@ -464,9 +449,9 @@ fn ensure_reference_noted(id: &str) {
         let notes = |kit: &Kit| support::words(&kit.manifest.notes).join("\n");
         if let Some(beyond) = beyond {
             let told = format!("the reference point of X, {beyond} {words}, 0 to 400 mm: compare");
-            ensure_told(&notes(&kit), &told);
+            holds(&notes(&kit), &[&told]);
             let (work, _) = checklist(&kit).split_once("## Annex").unwrap();
-            ensure_told(work, &format!("- [ ] {told}"));
+            holds(work, &[&format!("- [ ] {told}")]);
         }
         assert_eq!(notes(&kit).contains(words), beyond.is_some(), "{id}, {reference}");
         assert!(!notes(&unmeasured).contains(words), "{id}, {reference}");
@@ -478,16 +463,16 @@ fn a_backlash_value_is_entered_with_the_tables_and_put_back() {
     for id in ["siemens-840d-sl", "fanuc-30i", "generic"] {
         let kit = kit_with(id, "two-tables", PARAMETER);
         let of = |part: &str| checklist(&kit).split_once(part)?.1.split("\n## ").next();
-        ensure_told(of("## Before anything").unwrap(), "found ________");
+        holds(of("## Before anything").unwrap(), &["found ________"]);
         let (load, back) = (of("## The real tables").unwrap(), of("## Rollback").unwrap());
         let entered: Vec<&str> = load.lines().filter(|line| line.contains(": enter ")).collect();
         assert_eq!(entered.len(), 1, "{id}: X alone has a reversal\n{load}");
         let (what, _) = entered[0].split_once(": enter ").unwrap();
         let put_back = format!("{what}: enter what was found");
-        ensure_told(back, &put_back);
+        holds(back, &[&put_back]);
         // Where a person switches the compensation off, its backlash goes too.
         if let Some(off) = of("\n## Switching off and on, by hand") {
-            ensure_told(off, &put_back);
+            holds(off, &[&put_back]);
         }
         let stop = back.split("To stop this compensation").nth(1);
         assert!(stop.is_none_or(|stop| stop.contains("backlash")), "{id}\n{back}");

@@ -28,10 +28,6 @@ fn told(visit: &Visit, command: &str) -> Ran {
     Ran::of(command, &output)
 }
 
-fn start() -> Visit {
-    Visit::of("start/errors")
-}
-
 /// The job with another name of the machine, as TOML writes it.
 fn with_name(job: &str, name: &str) -> String {
     replaced(job, "name = \"VMC 400\"", &format!("name = {name}"))
@@ -39,7 +35,7 @@ fn with_name(job: &str, name: &str) -> String {
 
 #[test]
 fn of_a_manifest() {
-    let visit = start();
+    let visit = Visit::of("start/errors");
     told(&visit, "generate job.toml -o kit");
     let mut document = visit.document("kit/manifest.json");
     for key in ["tool", "controller"] {
@@ -61,7 +57,7 @@ fn of_a_manifest() {
 
 #[test]
 fn of_comments_in_an_error_table() {
-    let visit = start();
+    let visit = Visit::of("start/errors");
     let table = visit.read("errors.csv");
     visit.put("errors.csv", format!("# doubt: {FOREIGN}\n# simulated: {FOREIGN}\n{table}"));
     told(&visit, "generate job.toml -o kit").says("owned"); // the doubt is told
@@ -77,7 +73,7 @@ fn of_comments_in_an_error_table() {
 
 #[test]
 fn of_the_header_of_another_makers_file() {
-    let visit = start();
+    let visit = Visit::of("start/errors");
     visit.put("x.rtl", format!(
         "HEADER::\nFile type : rtl\nOwner: {FOREIGN}\nTARGET DATA::\nTarget-count: 2\nTargets :\n0 100\nFlags: 0 1 2 0\n\
          USER-TEXT::\nMachine: {FOREIGN}\nSerial No: {FOREIGN}\nDate: {FOREIGN}\nAxis:X\nTITLE: {FOREIGN}\n\
@@ -92,7 +88,7 @@ fn of_the_header_of_another_makers_file() {
 
 #[test]
 fn of_names_of_machines_and_files() {
-    let visit = start();
+    let visit = Visit::of("start/errors");
     for name in ["A\\u202EB", "A\\u001BB", "A\\u2028B", "A\\u200BB"] {
         visit.put("named.toml", with_name(&visit.read("job.toml"), &format!("\"{name}\"")));
         told(&visit, "generate named.toml -o kit").ends(2).says("not seen");
@@ -108,7 +104,7 @@ fn of_names_of_machines_and_files() {
 
 #[test]
 fn no_profile_names_a_file_that_a_laptop_or_shell_takes_for_something_else() {
-    let visit = start();
+    let visit = Visit::of("start/errors");
     visit.edit("job.toml", "siemens-840d-sl", "./shop.toml");
     for name in ["CON", "nul.csv", "Com1.MPF", "LPT9", "-rf", "A.", "..", "a/b", "a:b", "a b"] {
         let shop = "schema = 1\nid = \"shop\"\nname = \"shop\"\nbased_on = \"generic\"\n[[files]]\nrole = \"table\"\ntemplate = \"generic.csv.tera\"\n";
@@ -127,7 +123,7 @@ const MARKS: &str = "A<b>\";(x)&";
 fn marks_of_others_mean_nothing() {
     let mut families = HashSet::new();
     for id in builtin::ids().into_iter().rev() {
-        let visit = start();
+        let visit = Visit::of("start/errors");
         let (named, table) = (format!("{MARKS}.toml"), format!("{MARKS}.csv"));
         visit.put(&table, format!("# {MARKS}\n{}", visit.read("errors.csv")));
         visit.edit("job.toml", "siemens-840d-sl", id);

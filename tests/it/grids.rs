@@ -1,10 +1,10 @@
 //! Every planned grid covers the travel, unless the job says where it begins and ends.
 use crate::support;
+use crate::support::fixed_seed;
 use nonius::quantity::axis::Axis;
 use nonius::write::grid::Grid;
 use nonius::write::plan::{Task, plan};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
 /// Rounding of binary fractions, mm; no control writes a digit as small.
 const DUST_MM: f64 = 2e-6;
@@ -52,12 +52,7 @@ fn covers(grid: &Grid, [low, high]: [f64; 2]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 300,
-        rng_seed: RngSeed::Fixed(16),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(fixed_seed(16, 300))]
 
     #[test]
     fn every_planned_grid_covers_the_travel(

@@ -2,15 +2,14 @@
 //!
 //! What is refused stands in `fixtures/cases/refuses/import*.txt`.
 use crate::support::visit::{fixture, replaced};
-use crate::support::words;
+use crate::support::{error_table, words};
 use encoding_rs::{Encoding, GBK, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 use nonius::control::controller::TableSign;
-use nonius::inputs::error_table::{ErrorTable, write};
+use nonius::inputs::error_table::write;
 use nonius::inputs::import::stated::{Decimal, MaterialCorrected, Rows, Runs, Stated, Travel};
 use nonius::inputs::import::{Component, ImportFinding, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
 use nonius::quantity::axis::{Axis, Direction};
-use nonius::text::document::Source;
 use nonius::text::finding::{Severity, of_severity};
 use nonius::text::problem::Problems;
 use proptest::prelude::*;
@@ -44,8 +43,7 @@ fn run(
 fn table(name: &str, file: impl AsRef<[u8]>, stated: &Stated) -> String {
     let imported = run(name, file, stated, None).unwrap_or_else(|p| panic!("{p}"));
     let text = write(&imported.draft);
-    let source = Source::from_bytes("errors.csv", text.as_bytes()).unwrap();
-    ErrorTable::read(source).unwrap_or_else(|p| panic!("not a table: {p}\n{text}"));
+    error_table(&text);
     text
 }
 

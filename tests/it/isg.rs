@@ -21,16 +21,12 @@ const JOB: &str = "schema = 1\n[machine]\nname = \"M\"\nchain = \"wXYZt\"\n\
     [acceptance]\nmax_deviation_um = 1\n";
 
 fn visit(old: &str, new: &str) -> Visit {
-    let visit = Visit::new();
-    visit.put("job.toml", replaced(JOB, old, new)).put("errors.csv", ERRORS);
-    visit
+    Visit::with(replaced(JOB, old, new), ERRORS)
 }
 
 #[track_caller]
 pub(super) fn kit(old: &str, new: &str) -> Visit {
-    let visit = visit(old, new);
-    visit.yes("generate job.toml -o kit");
-    visit
+    visit(old, new).with_kit()
 }
 
 /// The volumetric accuracy without and with the tables.

@@ -30,9 +30,7 @@ fn visit(measurement: &str, compensation: &str) -> Visit {
 
 #[track_caller]
 fn kit(measurement: &str, compensation: &str) -> Visit {
-    let visit = visit(measurement, compensation);
-    visit.yes("generate job.toml -o kit");
-    visit
+    visit(measurement, compensation).with_kit()
 }
 
 #[test]

@@ -101,8 +101,7 @@ fn the_work_of_refusing_an_input_grows_with_it_not_with_its_square() {
 
 #[test]
 fn a_manifest_that_lists_too_much_is_refused_and_what_stands_twice_is_told_once() {
-    let visit = with_job("fanuc-30i");
-    visit.yes("generate job.toml -o kit");
+    let visit = with_job("fanuc-30i").with_kit();
     let again = r#"{"path":"PITCH.TXT"},"#.repeat(3);
     visit.edit("kit/manifest.json", "\"files\": [", &format!("\"files\": [\n{again}"));
     let twice = "`PITCH.TXT` is listed twice";

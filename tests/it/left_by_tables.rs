@@ -14,8 +14,8 @@ fn visit(measurement: &str, compensation: &str, errors: &str) -> Visit {
          [compensation]\n{compensation}\n\
          [[path.offset]]\nsystem = \"G54\"\nx_mm = 0.0\ny_mm = 0.0\nz_mm = 0.0\n"
     );
-    let visit = Visit::new();
-    visit.put("job.toml", page).put("errors.csv", errors).put("p.nc", "G1 X900.\nM30\n");
+    let visit = Visit::with(page, errors);
+    visit.put("p.nc", "G1 X900.\nM30\n");
     visit
 }
 
@@ -51,8 +51,7 @@ fn what_is_left_along_one_axis_is_what_the_forecast_says() {
         for (curve, id) in curves.into_iter().flat_map(|curve| ids.map(|id| (curve, id))) {
             let what = format!("{id}, {curve}, {shape}");
             let curved = control(id, &format!("curve = \"{curve}\""));
-            let visit = visit("", &curved, &along_x(shape));
-            visit.run("generate job.toml -o kit").answers();
+            let visit = visit("", &curved, &along_x(shape)).with_any_kit();
             let manifest = visit.document("kit/manifest.json");
             let forecast = number(&manifest["forecast"]["terms"]["EXX"]["after_um"]);
             let is_easy = shape == straight && !id.starts_with("fanuc");
@@ -110,8 +109,7 @@ fn a_staircase_is_a_staircase() {
 
 /// A machine with its kit, measured once more while that kit was active.
 fn measured_again(naked: &str, left: &str) -> Visit {
-    let visit = visit("", &control("generic", ""), &along_x(naked));
-    visit.yes("generate job.toml -o kit");
+    let visit = visit("", &control("generic", ""), &along_x(naked)).with_kit();
     visit.edit("job.toml", "measuring = \"none\"", "measuring = \"kit\"");
     visit.put("errors.csv", along_x(left));
     visit

@@ -1,10 +1,10 @@
 //! Lists of captures into a form: all of them, one too few, one too many, of diagonals and of one axis.
+use crate::support::source;
 use crate::support::tree::skipped;
 use crate::support::visit::{Visit, fixture, fixtures};
 use nonius::inputs::import::stated::{Counting, Stated};
 use nonius::inputs::import::{List, Measurement, fill};
 use nonius::quantity::diagonal::Diagonal;
-use nonius::text::document::Source;
 use std::fs::read_to_string;
 
 /// The captures of case D in the order in which they are taken: three runs forth and back, scatter 0.2 µm.
@@ -44,7 +44,7 @@ fn fill_form(
     let lists: Vec<List<'_>> = lists.iter().map(|(of, text)| (*of, file(text))).collect();
     let columns = Some(format!("#1={column}"));
     let stated = Stated { columns, captures: Some(counting), ..Stated::default() };
-    let form = Source::from_bytes("form.csv", form.as_bytes()).unwrap();
+    let form = source("form.csv", form);
     fill(&form, &lists, None, &stated).map_err(|problems| problems.render())
 }
 

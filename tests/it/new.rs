@@ -1,11 +1,9 @@
 //! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
-use crate::support::positioning_ids;
 use crate::support::published::short_or;
 use crate::support::visit::{Ran, Visit};
+use crate::support::{error_table, positioning_ids};
 use nonius::control::controller::{Dialect, builtin};
-use nonius::inputs::error_table::ErrorTable;
 use nonius::quantity::axis::Axis;
-use nonius::text::document::Source;
 use std::mem::discriminant;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -127,8 +125,7 @@ fn box_ends(at: &Visit) -> [[f64; 2]; 3] {
 
 /// Slopes of the positioning in an error table between the ends of a box, µm/m, mean of the directions.
 fn slopes(page: &str, ends: &[[f64; 2]; 3]) -> [f64; 3] {
-    let source = Source::from_bytes("linear.csv", page.as_bytes()).unwrap();
-    let table = ErrorTable::read(source).unwrap_or_else(|p| panic!("{}", p.render()));
+    let table = error_table(page);
     Axis::ALL.map(|axis| {
         let at = |end: f64| {
             let values = table.series(axis).iter().map(|own| {
@@ -310,8 +307,7 @@ fn a_second_visit_begins_where_the_first_one_ended() {
     for (start, table, form) in
         [("start/errors", "errors.csv", "--errors"), ("start/readings", "readings.csv", "")]
     {
-        let at = &Visit::of(start);
-        at.run("generate job.toml -o kit").answers();
+        let at = &Visit::of(start).with_any_kit();
         at.run("new --from job.toml -o next").ends(0).says("`first_table` decides");
         at.yes(&format!(
             "simulate job.toml --tables kit {form} --noise-um 0.1 -o next/{table} --force"

@@ -202,8 +202,7 @@ fn a_lock_on_the_folder_is_not_waited_for() {
 
 #[test]
 fn the_directory_is_never_absent_while_it_is_replaced() {
-    let visit = start();
-    visit.yes("generate job.toml -o kit");
+    let visit = start().with_kit();
     for _ in 0..10 {
         let mut command = program(visit.folder(), "generate job.toml -o kit --force");
         command.stdout(Stdio::null()).stderr(Stdio::null());

@@ -11,10 +11,6 @@ use std::fs;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-fn start() -> Visit {
-    Visit::of("start/errors")
-}
-
 fn spawned(visit: &Visit, words: &str) -> Child {
     let mut command = program(visit.folder(), words);
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
@@ -31,7 +27,7 @@ fn only_whole_kits(visit: &Visit) {
 
 #[test]
 fn killed_at_any_moment_nothing_looks_finished_that_is_not() {
-    let visit = start();
+    let visit = Visit::of("start/errors");
     for round in 0..60_u64 {
         let mut child = spawned(&visit, "generate job.toml -o kit --force");
         std::thread::sleep(Duration::from_micros(round * 150));
@@ -61,7 +57,7 @@ fn twenty(visit: &Visit, words: &str) -> usize {
 
 #[test]
 fn of_twenty_at_once_one_writes_and_the_others_are_refused() {
-    let visit = start();
+    let visit = Visit::of("start/errors");
     for (words, output) in [
         ("generate job.toml -o kit", "kit"),
         ("generate job.toml -o new/deep/kit", "new"),
@@ -78,8 +74,7 @@ fn of_twenty_at_once_one_writes_and_the_others_are_refused() {
 
 #[test]
 fn twenty_at_once_with_force_lose_nothing() {
-    let visit = start();
-    visit.yes("generate job.toml -o kit");
+    let visit = Visit::of("start/errors").with_kit();
     let own = "what a person wrote\n";
     visit.put("kit/archive.arc", own);
     assert!(twenty(&visit, "generate job.toml -o kit --force") > 0);
@@ -98,7 +93,7 @@ fn with_a_closed_standard_output_the_same_is_written() {
         "generate job.toml -o new/kit --format json",
         "simulate job.toml --errors -o put.csv",
     ] {
-        let (undisturbed, visit) = (start(), start());
+        let (undisturbed, visit) = (Visit::of("start/errors"), Visit::of("start/errors"));
         let expected = undisturbed.run(words);
         let line = format!("exec '{}' {words} >&-", env!("CARGO_BIN_EXE_nonius"));
         let mut shell = Command::new("sh");
@@ -114,7 +109,7 @@ fn with_a_closed_standard_output_the_same_is_written() {
 #[test]
 fn a_place_that_is_read_only_is_refused() {
     use std::os::unix::fs::PermissionsExt;
-    let visit = start();
+    let visit = Visit::of("start/errors");
     let closed = visit.at("closed");
     fs::create_dir(&closed).expect("a directory");
     visit.yes("generate job.toml -o closed/kit");
@@ -160,7 +155,7 @@ fn a_place_that_is_read_only_is_refused() {
 #[cfg(unix)]
 #[test]
 fn a_kit_is_written_through_a_link_to_its_folder() {
-    let visit = start();
+    let visit = Visit::of("start/errors");
     fs::create_dir(visit.at("stick")).expect("a directory");
     std::os::unix::fs::symlink("stick", visit.at("link")).expect("a link");
     visit.yes("generate job.toml -o link/kit");
@@ -174,8 +169,7 @@ fn a_kit_is_written_through_a_link_to_its_folder() {
 #[cfg(unix)]
 #[test]
 fn a_link_is_not_replaced_by_a_kit() {
-    let visit = start();
-    visit.yes("generate job.toml -o kit");
+    let visit = Visit::of("start/errors").with_kit();
     fs::create_dir(visit.at("empty")).expect("a directory");
     for target in ["kit", "empty"] {
         let link = format!("link-{target}");
@@ -194,7 +188,7 @@ fn refused(visit: &Visit, words: &str) {
 
 #[test]
 fn no_output_lies_in_or_around_what_a_job_reads() {
-    let visit = start();
+    let visit = Visit::of("start/errors");
     visit.yes("generate job.toml -o old");
     visit.put("update.toml", replaced(&visit.read("job.toml"), "\"none\"", "\"old\""));
     fs::create_dir(visit.at("old.previous")).expect("a directory");

@@ -121,8 +121,7 @@ fn pipes_carry_program_and_samples() {
 
 #[test]
 fn tables_take_the_error_off() {
-    let visit = visit("", PART);
-    visit.yes("generate job.toml -o kit");
+    let visit = visit("", PART).with_kit();
     for tables in ["--tables kit", "--with-tables"] {
         let command = format!("path job.toml part.nc {tables} --format json -o p.csv --force");
         let found = visit.run(&command).ends(0).json();

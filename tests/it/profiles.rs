@@ -1,11 +1,10 @@
 //! Every built-in profile: its facts have a source, what is assumed has a consequence, its files
 //! can be made.
-use crate::support::{self, visit::fixtures};
+use crate::support::{self, source, visit::fixtures};
 use nonius::control::controller::{
     Dialect, EmittedFile, Evidence, FileFormat, Mechanism, Profile, ProfileSource, Role, Statement,
     StraightnessForm, builtin, load,
 };
-use nonius::text::document::Source;
 use std::collections::BTreeSet;
 
 fn all() -> Vec<Profile> {
@@ -92,9 +91,9 @@ fn every_template_renders() {
 
 /// A profile from the text of its page.
 fn of_page(page: &str) -> Result<Profile, String> {
-    let source = Source::from_bytes("own.toml", page.as_bytes()).unwrap();
     let template = |name: &str, is_own: bool| (!is_own).then(|| builtin::template(name))?;
-    let own = load::profile(source, ProfileSource::BuiltIn, &template, &builtin::page);
+    let own =
+        load::profile(source("own.toml", page), ProfileSource::BuiltIn, &template, &builtin::page);
     own.map_err(|problems| problems.render())
 }
 

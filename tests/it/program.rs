@@ -1,18 +1,16 @@
 //! Part programs of measuring runs: what the operator gets, and that every program is walked by
 //! code that knows nothing of how it was written.
 use crate::support::visit::replaced;
+use crate::support::{fixed_seed, read_job, readings, source};
 use nonius::control::controller::builtin;
 use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
-use nonius::inputs::readings::Readings;
 use nonius::inputs::target_runs::{Runs, Stated};
 use nonius::kit::program_kit::{ProgramKit, judge, make};
-use nonius::text::document::Source;
 use nonius::text::problem::Problems;
 use nonius::write::emit::program::{FileRole, ProgramFile};
 use nonius::write::findings::RunFinding;
 use nonius::write::program::{Open, RunTask, left_open};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 
 const STEP: &str = "what = \"step-diagonal\"";
 
@@ -104,11 +102,6 @@ fn siemens(keys: &str) -> Case {
 
 fn fanuc(keys: &str) -> Case {
     Case::small("fanuc-30i", &format!("{STEP}\n{keys}"))
-}
-
-fn read_job(text: &str) -> Job {
-    let job = Job::read(Source::from_bytes("job.toml", text.as_bytes()).unwrap());
-    job.unwrap_or_else(|p| panic!("{}\n{text}", p.render()))
 }
 
 /// The text of a file of the kit.
@@ -283,16 +276,9 @@ fn filled<'a>(form: &ProgramFile, cell: impl Fn(usize) -> &'a str) -> String {
     text.lines().enumerate().map(|(index, line)| format!("{line}{}\n", cell(index))).collect()
 }
 
-/// Readings as the reader of measurements takes them.
-fn as_readings(form: &str, measurement: &DiagonalMeasurement) -> Result<Readings, String> {
-    let source = Source::from_bytes("readings.csv", form.as_bytes()).unwrap();
-    Readings::read(source, measurement).map_err(|p| p.render())
-}
-
 /// Runs along one axis as the reader of measurements takes them.
 fn as_runs(form: &str) -> Result<Runs, String> {
-    let source = Source::from_bytes("readings-y.csv", form.as_bytes()).unwrap();
-    Runs::read(&source, Stated::default()).map_err(|p| p.render())
+    Runs::read(&source("readings-y.csv", form), Stated::default()).map_err(|p| p.render())
 }
 
 #[test]
@@ -302,7 +288,7 @@ fn a_reading_that_is_not_filled_in_is_refused_as_missing() {
     let form = text(&case.kit(), "readings.csv");
     let head = "diagonal,run,direction,node,moved,displacement_mm\nPPP,1,forward,0,,\nPPP,1,forward,1,z,\n";
     assert!(form.starts_with(head), "{form}");
-    let said = as_readings(&form, &measurement).unwrap_err();
+    let said = readings(&form, &measurement).unwrap_err();
     assert!(said.contains("a missing reading is never filled in"), "{said}");
     let case = Case::small("fanuc-30i", "what = \"single-axis\"\nruns = 1");
     let form = text(&case.kit(), "readings-y.csv");
@@ -412,7 +398,7 @@ fn cases() -> impl Strategy<Value = Case> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, rng_seed: RngSeed::Fixed(7), ..ProptestConfig::default() })]
+    #![proptest_config(fixed_seed(7, 64))]
 
     /// `make` itself reads its bytes back and walks them; here the positions go on as a file of
     /// readings, which the reader of measurements must take without a word.
@@ -432,7 +418,7 @@ proptest! {
         let positions = text(&kit, "positions.csv");
         let nominal: Vec<&str> = positions.lines().map(|row| row.split(',').nth(5).unwrap()).collect();
         let form = kit.files.iter().find(|file| file.role == FileRole::Readings).unwrap();
-        let read = as_readings(&filled(form, |line| nominal[line]), &measurement);
+        let read = readings(&filled(form, |line| nominal[line]), &measurement);
         let read = read.unwrap_or_else(|said| panic!("{said}\n{}", case.job()));
         for run in &read.runs {
             // Nominal displacements are no deviations; positions.csv has 1e-6 mm.

@@ -1,16 +1,13 @@
 //! Laws that hold for every machine: what may and what may not change the tables.
 use crate::support;
 use crate::support::published::short_or;
-use crate::support::{DUST_UM, um_at};
+use crate::support::{DUST_UM, fixed_seed, um_at};
 use nonius::control::table::Tables;
 use nonius::control::table::generic::GenericRow;
-use nonius::inputs::error_table::ErrorTable;
 use nonius::kit;
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
-use nonius::text::document::Source;
 use nonius::write::plan::{Task, plan};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use std::fmt::Write;
 
 /// One axis of a machine: targets, deviations in X, Y, Z there, travel from the first to the last.
@@ -159,17 +156,8 @@ fn same_value_um(ways: &str) -> f64 {
     if ways.contains("minimax") { 1e-6 } else { DUST_UM }
 }
 
-fn fixed_seed(cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(230),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
-
 proptest! {
-    #![proptest_config(fixed_seed(48))]
+    #![proptest_config(fixed_seed(230, 48))]
 
     #[test]
     fn twice_the_errors_twice_the_corrections(rails in rails(), ways in all_ways()) {
@@ -314,10 +302,7 @@ proptest! {
 
     #[test]
     fn an_error_table_in_inches_is_the_same_table(rails in rails(), ways in all_ways()) {
-        let tables = [Unit::Metric, Unit::Inch].map(|unit| {
-            let source = Source::from_bytes("errors.csv", csv(&rails, unit).as_bytes());
-            ErrorTable::read(source.unwrap()).unwrap()
-        });
+        let tables = [Unit::Metric, Unit::Inch].map(|unit| support::error_table(&csv(&rails, unit)));
         for axis in Axis::ALL {
             let [metric, inch] = [0, 1].map(|table: usize| &tables[table].series(axis)[0]);
             for (a, b) in metric.positions.iter().zip(&inch.positions) {
@@ -344,7 +329,7 @@ proptest! {
 
 proptest! {
     // Over all controls: a sixth of the cases in plain `cargo test`.
-    #![proptest_config(fixed_seed(short_or(4, 48)))]
+    #![proptest_config(fixed_seed(230, short_or(4, 48)))]
 
     #[test]
     fn a_machine_without_errors_gets_tables_of_zeros(

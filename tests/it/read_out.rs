@@ -30,9 +30,7 @@ impl Control {
         let job = format!(
             "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{acted}\n[compensation]\ncontroller = \"{control}\"\nbacklash = \"{policy}\"\n[machine.axes.x]\ntravel_mm = [0, 100]\nreference_mm = 0\n[machine.axes.y]\ntravel_mm = [0, 100]\nreference_mm = 0\n{axes}[acceptance]\nmax_deviation_um = 100\n"
         );
-        let visit = Visit::new();
-        visit.put("job.toml", job).put("errors.csv", ERRORS).yes("generate job.toml -o kit");
-        Control(visit)
+        Control(Visit::with(job, ERRORS).with_kit())
     }
 
     /// The tables as the control writes them, with `more` before them.

@@ -1,27 +1,12 @@
 //! Readings of the body diagonals: what is read from them, and what is refused in which words.
-use crate::support::visit::fixture;
-use nonius::inputs::job::{AxisMaterial, DiagonalMeasurement, Job, Material, MeasuredData};
+use crate::support::{golden_readings, readings};
+use nonius::inputs::job::{AxisMaterial, DiagonalMeasurement, Material};
 use nonius::inputs::readings::Readings;
 use nonius::quantity::axis::{Axis, Direction, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
 use nonius::quantity::units::Millimetres;
-use nonius::text::document::Source;
 
 mod mistakes;
-
-fn source(name: &str, text: &str) -> Source {
-    Source::from_bytes(name, text.as_bytes()).unwrap()
-}
-
-fn golden(case: &str) -> (DiagonalMeasurement, Readings) {
-    let job = fixture(&format!("diagonals/{case}/job.toml"));
-    let data = Job::read(source("job.toml", &job)).unwrap().measurement.data;
-    let MeasuredData::Diagonals(measurement) = data else {
-        panic!("{case} has no readings");
-    };
-    let text = fixture(&format!("diagonals/{case}/{}", measurement.readings));
-    (measurement.clone(), complete(&text, &measurement))
-}
 
 fn find(readings: &Readings, diagonal: Diagonal, pass: Pass) -> &Run {
     let wanted = |run: &&Run| (run.diagonal, run.number, run.pass) == (diagonal, 1, pass);
@@ -37,7 +22,7 @@ fn the_golden_readings_are_read_completely() {
         ("case_c2_mirror", 30, 4),
         ("case_d_bidirectional", 10, 24),
     ] {
-        let (measurement, readings) = golden(case);
+        let (measurement, readings) = golden_readings(case);
         assert_eq!(measurement.volume.steps, steps, "{case}");
         assert_eq!(readings.runs.len(), runs, "{case}");
         for run in &readings.runs {
@@ -50,17 +35,17 @@ fn the_golden_readings_are_read_completely() {
 
 #[test]
 fn a_reading_stands_at_its_node() {
-    let (_, readings) = golden("case_a_ideal");
+    let (_, readings) = golden_readings("case_a_ideal");
     let run = find(&readings, Diagonal::Ppp, Pass::Forward);
     assert_eq!([0, 2].map(|node| run.deviations[node].um()), [0.0, 1.591414825]);
-    let (_, readings) = golden("case_d_bidirectional");
+    let (_, readings) = golden_readings("case_d_bidirectional");
     let run = find(&readings, Diagonal::Ppp, Pass::Reverse);
     assert_eq!([0, 7].map(|node| run.deviations[node].um()), [-6.4112, 2.5334]);
 }
 
 #[test]
 fn linear_measurements_of_the_job_are_read() {
-    let (measurement, _) = golden("case_b_setup");
+    let (measurement, _) = golden_readings("case_b_setup");
     let axes: Vec<Axis> = measurement.linear.iter().map(|l| l.axis).collect();
     assert_eq!(axes, Axis::ALL);
 }
@@ -70,7 +55,7 @@ fn measurement(kind: PathKind) -> DiagonalMeasurement {
     let [x, y, z] = [90.0, 72.0, 72.0].map(Millimetres::new);
     let start = PerAxis::from_fn(|_| Millimetres::new(0.0));
     let volume = Volume { start, size: PerAxis { x, y, z }, steps: 2, order: Axis::ALL };
-    DiagonalMeasurement { kind, volume, ..golden("case_a_ideal").0 }
+    DiagonalMeasurement { kind, volume, ..golden_readings("case_a_ideal").0 }
 }
 
 const HEADER: &str = "diagonal,run,direction,node,moved,deviation_um";
@@ -113,12 +98,8 @@ fn of_nodes(header: &str, last: usize, rows: impl Fn(Diagonal, usize) -> String)
     file(header, &all.map(|(d, node)| rows(d, node)).collect::<Vec<_>>())
 }
 
-fn read(text: &str, measurement: &DiagonalMeasurement) -> Result<Readings, String> {
-    Readings::read(source("readings.csv", text), measurement).map_err(|problems| problems.render())
-}
-
 fn complete(text: &str, measurement: &DiagonalMeasurement) -> Readings {
-    read(text, measurement).unwrap_or_else(|said| panic!("{said}"))
+    readings(text, measurement).unwrap_or_else(|said| panic!("{said}"))
 }
 
 /// The header and rows with one more column.
@@ -226,7 +207,7 @@ fn temperatures_go_with_their_nodes() {
 /// Refused with the words of the problem, the place, and the words of the next step.
 #[track_caller]
 fn refused(text: &str, measurement: &DiagonalMeasurement, problem: &str, help: &str) {
-    let said = read(text, measurement).err().unwrap_or_else(|| panic!("accepted: {problem}"));
+    let said = readings(text, measurement).err().unwrap_or_else(|| panic!("accepted: {problem}"));
     let place = if text.is_empty() { "" } else { "--> readings.csv:" };
     for words in [problem, help, place] {
         assert!(said.contains(words), "expected `{words}` in\n{said}\nfor `{problem}`");
@@ -293,7 +274,7 @@ fn temperatures_that_the_job_does_not_explain_are_refused() {
 fn all_problems_of_a_file_are_shown_at_once() {
     let text = without(|row| row.starts_with("PPN") || row.starts_with("PPP,1,forward,2"))
         .replacen("NPP,1,forward,4,x", "NPP,1,forward,4,z", 1);
-    let said = read(&text, &measurement(PathKind::Step)).unwrap_err();
+    let said = readings(&text, &measurement(PathKind::Step)).unwrap_err();
     assert_eq!(said.matches("problem: ").count(), 3, "{said}");
 }
 
@@ -305,7 +286,7 @@ fn a_damaged_file_is_read_or_refused_and_stops_nothing() {
         for at in 0..text.len() {
             for with in ["", "9", "99", ";", "\"", "-", "\n"] {
                 let damaged = format!("{}{with}{}", &text[..at], &text[at + 1..]);
-                if let Err(said) = read(&damaged, &measurement) {
+                if let Err(said) = readings(&damaged, &measurement) {
                     assert!(said.starts_with("problem: "), "{said}");
                 }
             }

@@ -1,7 +1,7 @@
 //! Files that real controls wrote, read where they lie: not part of this repository, and nothing of
 //! them is copied here. What was understood of them is told in counts, ranges and largest values.
 use crate::support::visit::fixtures;
-use crate::support::{inputs, response, tree, um_at};
+use crate::support::{inputs, response, shown, tree, um_at};
 use nonius::control::controller::Role;
 use nonius::control::table::Tables;
 use nonius::control::table::siemens::SiemensGrid;
@@ -66,27 +66,22 @@ fn read(job: &Inputs, files: Files, purpose: ReadOutFor) -> Result<ActiveControl
     from_read_out(&job.job, &job.profile, "files", files, purpose)
 }
 
-#[track_caller]
-fn accepted<T>(result: Result<T, Problems>) -> T {
-    result.unwrap_or_else(|problems| panic!("{}", problems.render()))
-}
-
 /// What was active, and what a kit on top of it is judged to leave.
 fn understood(job: fn(&str) -> Inputs, files: Files) -> String {
     let with = job("files");
-    let active = accepted(read(&with, files.clone(), ReadOutFor::OldTables));
+    let active = shown(read(&with, files.clone(), ReadOutFor::OldTables));
     let mut said = told(&active);
     let control = emulator(&with.profile, &active.tables, &active.state).unwrap();
     said += &corrections(control.as_ref(), &with);
     for assumption in &active.assumptions {
         said += &format!("assumed: {} = {}\n", assumption.fact, assumption.value);
     }
-    let made = accepted(kit::generate(&accepted(with.with_active(active))));
+    let made = shown(kit::generate(&shown(with.with_active(active))));
     let back = made.files.iter().filter(|f| f.role == Role::Rollback).count();
     said += &format!("kit: {} with {back} rollback files\n", made.verdict.word());
     let judging = job("none");
-    let found = accepted(read(&judging, files, ReadOutFor::Judging));
-    let judged = accepted(kit::verify_read_out(&judging, &found));
+    let found = shown(read(&judging, files, ReadOutFor::Judging));
+    let judged = shown(kit::verify_read_out(&judging, &found));
     let causes = judged.disagreements().len();
     let doubts = of_severity(&judged.findings, Severity::Doubt).len();
     said + &format!("verify: {causes} causes, {doubts} doubts\n")
@@ -158,11 +153,11 @@ fn each_file_of_tables_is_accepted_as_it_is() {
         println!("{name}");
         let Some(files) = real("siemens", &[name]) else { return };
         let job = siemens("files");
-        let active = accepted(read(&job, files, ReadOutFor::OldTables));
+        let active = shown(read(&job, files, ReadOutFor::OldTables));
         let other = if name == "AX_EEC.INI" { "CEC" } else { "ENC_COMP" };
         let is_other = |fact: &str| fact.starts_with(other);
         assert!(active.assumptions.iter().any(|a| is_other(&a.fact)), "{name}");
-        accepted(kit::generate(&accepted(job.with_active(active))));
+        shown(kit::generate(&shown(job.with_active(active))));
     }
 }
 
@@ -191,11 +186,11 @@ fn a_complete_fanuc_backup_is_understood() {
     let (parameters, points) = (files[..1].to_vec(), files[1..].to_vec());
     insta::assert_snapshot!("real-fanuc", understood(fanuc, files));
     let job = fanuc("files");
-    let active = accepted(read(&job, parameters, ReadOutFor::OldTables));
+    let active = shown(read(&job, parameters, ReadOutFor::OldTables));
     let refused = job.with_active(active).unwrap_err().render();
     assert!(refused.contains("point 1 is missing"), "{refused}");
     let refused = read(&fanuc("files"), points, ReadOutFor::OldTables).unwrap_err().render();
     assert!(refused.contains("1536 points and no parameter 3620 to 3624"), "{refused}");
     let short = real("fanuc", &["Jir8taiwan_CNC-PARA.TXT"]).unwrap();
-    accepted(read(&fanuc("files"), short, ReadOutFor::Judging));
+    shown(read(&fanuc("files"), short, ReadOutFor::Judging));
 }

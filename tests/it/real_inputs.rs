@@ -113,9 +113,7 @@ fn machine() -> Visit {
     job.extend((1..=20).map(tool));
     let errors = "axis,position_mm,ex_um,ey_um,ez_um\nx,-9000,-90,0,0\nx,9000,90,0,0\n\
                   y,-9000,0,-90,0\ny,9000,0,90,0\nz,-9000,0,0,-90\nz,9000,0,0,90\n";
-    let visit = Visit::new();
-    visit.put("job.toml", job).put("errors.csv", errors);
-    visit
+    Visit::with(job, errors)
 }
 
 /// Why a program is refused, in one word.

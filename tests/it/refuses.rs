@@ -4,6 +4,7 @@
 //! with status 2, say exactly what the case expects, and leave the directory as it was.
 //! `NONIUS_UPDATE=1 cargo test --test it refuses` rewrites the expectations (fixtures/cases/README.md).
 
+use crate::support::parallel::in_parallel;
 use crate::support::refusals::{self, Case};
 use crate::support::visit::{Visit, fixtures, program};
 use std::collections::BTreeMap;
@@ -28,7 +29,7 @@ fn every_refusal_says_what_is_wrong_and_writes_nothing() {
     let pages = pages();
     let cases: Vec<&Case> = pages.iter().flat_map(|(_, _, cases)| cases).collect();
     assert!(cases.len() >= LEAST_CASES, "only {} cases found", cases.len());
-    let told = on_all_cores(&cases);
+    let told = in_parallel(&cases, |case| said(case));
     if std::env::var_os("NONIUS_UPDATE").is_some() {
         let mut told = told.into_iter();
         for (path, page, cases) in &pages {
@@ -52,21 +53,6 @@ fn every_refusal_says_what_is_wrong_and_writes_nothing() {
         cases.len(),
         failures.join("\n\n")
     );
-}
-
-/// What is said of each case, in their order.
-fn on_all_cores(cases: &[&Case]) -> Vec<String> {
-    let cores = std::thread::available_parallelism().map_or(1, |cores| cores.get());
-    let parts = cases.chunks(cases.len().div_ceil(cores));
-    std::thread::scope(|threads| {
-        let work = |part| threads.spawn(move || said_of(part));
-        let all: Vec<_> = parts.map(work).collect();
-        all.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
-    })
-}
-
-fn said_of(cases: &[&Case]) -> Vec<String> {
-    cases.iter().map(|case| said(case)).collect()
 }
 
 /// Exit status, standard error, then standard output of a case, which writes nothing.

@@ -1,26 +1,18 @@
 //! The page that is handed over: its figures are those of the commands, its bytes are the same twice, text of
 //! others is harmless, and a browser shows it without anything cut off.
-use crate::support::visit::{Visit, number, page as repository_page, replaced};
+use crate::support::visit::{Visit, holds, number, page as repository_page, replaced};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
 const SIEMENS: &str = "nine_errors_900/siemens-840d-sl.toml";
 
 fn with_kit(job: &str) -> Visit {
-    let visit = Visit::with_job(job);
-    visit.run("generate job.toml -q -o kit").answers();
-    visit
+    Visit::with_job(job).with_any_kit()
 }
 
 #[track_caller]
 fn page(visit: &Visit, arguments: &str) -> String {
     visit.run(&format!("report {arguments} -o -")).answers().omits("\u{fffd}").out
-}
-
-#[track_caller]
-fn holds(page: &str, words: &[&str]) {
-    let missing = words.iter().find(|word| !page.contains(**word));
-    assert_eq!(missing, None, "is not on the page");
 }
 
 #[track_caller]
@@ -376,8 +368,7 @@ fn the_first_page_speaks_the_readers_language() {
 /// A few lines on the first page, the worst first; all of them, with the figures of `verify`, behind it.
 #[test]
 fn nothing_that_decides_is_lost() {
-    let visit = undecided();
-    visit.run("generate job.toml -q -o kit").answers();
+    let visit = undecided().with_any_kit();
     let whole = page(&visit, "job.toml --tables kit --language de --unit inch");
     let verify = visit.json("verify job.toml --tables kit");
     let causes = verify["causes"].as_array().unwrap().iter();

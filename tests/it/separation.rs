@@ -1,14 +1,13 @@
 //! The separation against the golden cases of the project's reference (fixtures/diagonals): an
 //! independent numerical simulation made the readings and the expected figures.
-use crate::support::diagonals::curve;
+use crate::support::diagonals::{campaign, curve};
 use crate::support::visit::{fixture, number};
-use nonius::inputs::job::{Job, Linear, LinearSlope, MeasuredData};
-use nonius::inputs::readings::Readings;
+use crate::support::{read_job, readings};
+use nonius::inputs::job::{Linear, LinearSlope, MeasuredData};
 use nonius::machine::separation::metric::Plane;
-use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
+use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::Diagonal;
-use nonius::text::document::Source;
 use serde_json::Value;
 
 /// The readings files hold nine decimals (1e-9 µm); sums of 4·30 increments keep 1e-7 µm.
@@ -17,12 +16,11 @@ const FILE_DIGITS_UM: f64 = 1e-7;
 /// The separation of a golden case, and what the reference expects.
 fn separated(case: &str) -> (Separation, Value) {
     let text = |name: &str| fixture(&format!("diagonals/{case}/{name}"));
-    let source = |name: &str| Source::from_bytes(name, text(name).as_bytes()).unwrap();
-    let job = Job::read(source("job.toml")).unwrap();
+    let job = read_job(&text("job.toml"));
     let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
         panic!("the job of {case} has readings");
     };
-    let readings = Readings::read(source("readings.csv"), measurement).unwrap();
+    let readings = readings(&text("readings.csv"), measurement).unwrap();
     let line = |linear: &Linear| {
         let LinearSlope::Stated(slope_um_per_m) = linear.slope else {
             panic!("the golden cases state their slopes");
@@ -30,14 +28,8 @@ fn separated(case: &str) -> (Separation, Value) {
         let direction = PerAxis::from_fn(|axis| f64::from(axis == linear.axis));
         MeasuredLine { direction, slope_um_per_m, u_um_per_m: linear.u_um_per_m, ends: None }
     };
-    let campaign = Campaign {
-        measurement,
-        stated: job.measurement.uncertainty,
-        lines: measurement.linear.iter().map(line).collect(),
-        reversals: Default::default(),
-        angles: None,
-        reverse_zero_known: true,
-    };
+    let mut campaign = campaign(measurement, measurement.linear.iter().map(line).collect());
+    campaign.stated = job.measurement.uncertainty;
     let expected = serde_json::from_str(&text("expected.json")).unwrap();
     (separate(&campaign, &readings.runs), expected)
 }

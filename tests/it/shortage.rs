@@ -2,12 +2,9 @@
 use crate::support;
 use nonius::control::claims::{Precondition, SeenTo};
 use nonius::control::controller::builtin;
-use nonius::inputs::error_table::ErrorTable;
-use nonius::inputs::job::Job;
 use nonius::kit::Kit;
 use nonius::machine::model::ErrorModel;
 use nonius::quantity::axis::ErrorTerm;
-use nonius::text::document::Source;
 use nonius::text::finding::Finding;
 use nonius::write::findings::TableFinding;
 use nonius::write::plan::{PlannedTable, Task, plan};
@@ -36,11 +33,10 @@ fn every_table_is_exactly_zero_at_a_reference_between_measured_points() {
         let profile = builtin::profile(id).unwrap();
         let own = if support::has_cross_terms(&profile) { "ey" } else { "ex" };
         let table = format!("axis,position_mm,{own}_um\nx,0,1.812\nx,50,6.457\nx,100,4.722\n");
-        let source = |text: &str| Source::from_bytes("a file", text.as_bytes()).unwrap();
-        let errors = ErrorTable::read(source(&table)).unwrap();
+        let errors = support::error_table(&table);
         for reference in 1..100 {
             let text = job(id, "", f64::from(reference), 10.0);
-            let job = Job::read(source(&text)).unwrap();
+            let job = support::read_job(&text);
             let model = ErrorModel::build(&job, &errors).unwrap();
             let task = Task { job: &job, profile: &profile, model: &model };
             let tables = plan(task).unwrap_or_else(|p| panic!("{}\n{text}", p.render())).tables;

@@ -1,6 +1,6 @@
 //! Klipper's skew correction against its formula: whatever leans, and wherever the machine homes, the bytes take off
 //! the lean, and nothing else.
-use crate::support::visit::{Visit, number};
+use crate::support::visit::{Visit, holds, number};
 use crate::support::{self, Random, um_at};
 use nonius::control::controller::{Dialect, TableSign, builtin};
 use nonius::quantity::axis::{Direction, ErrorTerm};
@@ -90,9 +90,7 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
 }
 
 fn visit((job, errors): (String, String)) -> Visit {
-    let visit = Visit::new();
-    visit.put("job.toml", job).put("errors.csv", errors);
-    visit
+    Visit::with(job, errors)
 }
 
 /// Home at 200 mm of Z: Klipper adds -(2e-5 * 200 mm) = -4 um to X there, and says so as a shift.
@@ -132,7 +130,5 @@ fn files_are_judged_and_old_factors_are_added() {
     visit.edit("job.toml", "\"none\"", "\"out\"\nactive_terms_not_measured = \"keep\"");
     visit.yes("generate job.toml -o new");
     let new = visit.read("new/nonius-skew.cfg");
-    for line in ["xy_skew = 0.000200000", "yz_skew = 0.000100000"] {
-        assert!(new.contains(line), "{new}");
-    }
+    holds(&new, &["xy_skew = 0.000200000", "yz_skew = 0.000100000"]);
 }

@@ -3,6 +3,7 @@
 //! laws; and what is wrong with files of runs of one axis.
 use crate::support::tree::skipped;
 use crate::support::visit::{Ran, Visit, fixture, fixtures, number, page, program};
+use crate::support::{fixed_seed, source};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
@@ -11,9 +12,7 @@ use nonius::machine::standards::{
 };
 use nonius::quantity::axis::Direction;
 use nonius::text::delimited::LengthUnit;
-use nonius::text::document::Source;
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use serde_json::{Value, json};
 use std::fs;
 
@@ -56,8 +55,7 @@ fn measured_stages_give_the_figures_of_an_independent_computation() {
         let cells: Vec<&str> = line.split(',').collect();
         let text = fs::read_to_string(data.join(format!("iso230_2_{}.csv", cells[0]))).unwrap();
         let stated = Stated { unit: Some(LengthUnit::Mm), values: None };
-        let source = Source::from_bytes(cells[0], text.as_bytes()).unwrap();
-        let runs = Runs::read(&source, stated).unwrap();
+        let runs = read(&text, stated).unwrap();
         let um = by_name(&iso_230_2::figures(&runs).axis, cells[1]).unwrap();
         let mm: f64 = cells[2].parse().unwrap();
         assert!((um / 1000.0 - mm).abs() <= half_a_digit(cells[2]), "{line}: got {um} µm");
@@ -394,12 +392,7 @@ fn same(a: &[f64], b: &[f64]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig {
-        cases: 256,
-        rng_seed: RngSeed::Fixed(2302),
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    })]
+    #![proptest_config(fixed_seed(2302, 256))]
 
     #[test]
     fn a_constant_moves_means_and_nothing_else((mut up, mut down) in any_runs(), constant in -100.0..100.0_f64) {
@@ -448,8 +441,7 @@ proptest! {
 }
 
 fn read(text: &str, stated: Stated) -> Result<Runs, String> {
-    let source = Source::from_bytes("runs.csv", text.as_bytes()).unwrap();
-    Runs::read(&source, stated).map_err(|problems| problems.render())
+    Runs::read(&source("runs.csv", text), stated).map_err(|problems| problems.render())
 }
 
 /// Deviations of the first run at every target.

@@ -29,13 +29,6 @@ const TABLE: &str = "axis,position_mm,ex_um\nx,0,0\nx,50.8,2.54\nx,101.6,-1.27\n
 const GENERATE: &str = "generate job.toml -o kit";
 const VERIFY: &str = "verify job.toml --tables kit";
 
-/// A job and an error table.
-fn machine(job: &str, table: &str) -> Visit {
-    let visit = Visit::new();
-    visit.put("job.toml", job).put("errors.csv", table);
-    visit
-}
-
 /// The files of a kit without the hashes of its inputs.
 fn kit_in(visit: &Visit) -> Tree {
     let mut kit = below(&visit.files(), "kit").unwrap();
@@ -46,15 +39,13 @@ fn kit_in(visit: &Visit) -> Tree {
 }
 
 fn kit_of(job: &str, table: &str) -> Tree {
-    let visit = machine(job, table);
-    visit.yes(GENERATE);
+    let visit = Visit::with(job, table).with_kit();
     kit_in(&visit)
 }
 
 #[test]
 fn a_kit_within_its_acceptance_is_a_yes_and_its_manifest_the_json() {
-    let visit = machine(JOB, TABLE);
-    visit.yes(GENERATE);
+    let visit = Visit::with(JOB, TABLE).with_kit();
     assert!(visit.at("kit/manifest.json").is_file());
     let printed = visit.yes("generate job.toml -o other --format json");
     assert_eq!(printed, visit.read("other/manifest.json"));
@@ -62,7 +53,7 @@ fn a_kit_within_its_acceptance_is_a_yes_and_its_manifest_the_json() {
 
 #[test]
 fn a_forecast_that_misses_the_acceptance_is_a_no_with_files() {
-    let visit = machine(JOB, TABLE);
+    let visit = Visit::with(JOB, TABLE);
     visit
         .edit("job.toml", "siemens-840d-sl", "fanuc-30i")
         .edit("job.toml", "spacing_mm", "detection_unit_um = 1.0\nspacing_mm")
@@ -75,7 +66,7 @@ fn a_forecast_that_misses_the_acceptance_is_a_no_with_files() {
 
 #[test]
 fn an_empty_directory_is_taken() {
-    let visit = machine(JOB, TABLE);
+    let visit = Visit::with(JOB, TABLE);
     fs::create_dir(visit.at("kit")).unwrap();
     visit.yes(GENERATE);
     assert!(!visit.has("kit.previous"));
@@ -83,7 +74,7 @@ fn an_empty_directory_is_taken() {
 
 #[test]
 fn force_keeps_every_old_kit() {
-    let visit = machine(JOB, TABLE);
+    let visit = Visit::with(JOB, TABLE);
     let force = || visit.run("generate job.toml -o kit --force").ends(0);
     let files = |kit: &str| below(&visit.files(), kit).unwrap();
     let moved = "moved kit to kit.previous\n";
@@ -108,7 +99,7 @@ fn names(visit: &Visit) -> Vec<String> {
 
 #[test]
 fn a_place_that_cannot_be_written_leaves_nothing() {
-    let visit = machine(JOB, TABLE);
+    let visit = Visit::with(JOB, TABLE);
     visit.put("blocked", "a file in the way\n");
     let ran = visit.run("generate job.toml -o blocked/kit").ends(2);
     assert_eq!(names(&visit), ["blocked", "errors.csv", "job.toml"]);
@@ -117,7 +108,7 @@ fn a_place_that_cannot_be_written_leaves_nothing() {
 
 #[test]
 fn the_same_input_gives_the_same_bytes_from_anywhere() {
-    let (visit, other) = (machine(JOB, TABLE), Visit::new());
+    let (visit, other) = (Visit::with(JOB, TABLE), Visit::new());
     visit.yes("generate job.toml -o one");
     visit.yes("generate job.toml -o two");
     other.yes(&format!("generate \"{}\" -o three", visit.at("job.toml").display()));
@@ -128,7 +119,7 @@ fn the_same_input_gives_the_same_bytes_from_anywhere() {
 
 #[test]
 fn a_job_on_standard_input() {
-    let visit = machine(JOB, TABLE);
+    let visit = Visit::with(JOB, TABLE);
     fs::remove_file(visit.at("job.toml")).unwrap();
     let mut program = program(visit.folder(), "generate - -o kit");
     program.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null());
@@ -157,8 +148,7 @@ fn inches_are_converted_at_the_edge() {
 fn a_kit_of_one_axis_verifies() {
     let job = replaced(JOB, "spacing_mm", "detection_unit_um = 0.1\nspacing_mm");
     for controller in ["siemens-840d-sl", "fanuc-30i", "generic"] {
-        let visit = machine(&replaced(&job, "siemens-840d-sl", controller), TABLE);
-        visit.yes(GENERATE);
+        let visit = Visit::with(replaced(&job, "siemens-840d-sl", controller), TABLE).with_kit();
         visit.yes(VERIFY);
     }
 }

@@ -8,9 +8,7 @@ const VERIFY: &str = "verify job.toml --tables kit";
 
 /// A fresh kit of the job to start from, beside its inputs.
 fn kit() -> Visit {
-    let visit = Visit::of("start/errors");
-    visit.yes("generate job.toml -o kit");
-    visit
+    Visit::of("start/errors").with_kit()
 }
 
 #[test]

@@ -27,8 +27,7 @@ impl Kit {
     }
 
     fn made(visit: Visit) -> Kit {
-        visit.yes("generate job.toml -o kit");
-        Kit(visit)
+        Kit(visit.with_kit())
     }
 
     /// As it is read out of a control: only the contents can tell.

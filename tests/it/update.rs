@@ -10,7 +10,9 @@ mod read_outs;
 mod siemens_control;
 
 use crate::support;
-use crate::support::{Random, control, generate, inputs, response, um_at, words};
+use crate::support::parallel::in_parallel;
+use crate::support::visit::holds;
+use crate::support::{Random, control, files_of, generate, inputs, response, shown, um_at, words};
 use nonius::control::control_state::ControlState;
 use nonius::control::controller::{Profile, Role, builtin};
 use nonius::control::table::Tables;
@@ -19,7 +21,6 @@ use nonius::judge::findings::InForecast;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::units::Millimetres;
-use nonius::read::KitFile;
 use nonius::read::emulate::Emulator;
 use nonius::text::finding::{Finding, Severity, of_severity};
 use nonius::text::problem::Problems;
@@ -28,17 +29,6 @@ use nonius::write::findings::TableFinding;
 /// What is told of the files that were active.
 fn notes_of(active: &ActiveControl) -> String {
     words(&of_severity(&active.findings, Severity::Note)).join("\n")
-}
-
-/// The value, or the problems shown.
-#[track_caller]
-fn shown<T>(result: Result<T, Problems>) -> T {
-    result.unwrap_or_else(|problems| panic!("{}", problems.render()))
-}
-
-#[track_caller]
-fn said_in(text: &str, words: &str) {
-    assert!(text.contains(words), "expected `{words}` in\n{text}");
 }
 
 #[track_caller]
@@ -102,7 +92,7 @@ fn taken(job: &str, errors: &str, file: &str) -> Inputs {
 /// That the file is refused with these words.
 #[track_caller]
 fn refused(job: &str, errors: &str, file: &str, words: &str) {
-    said_in(&read_out(job, errors, file).unwrap_err(), words);
+    holds(&read_out(job, errors, file).unwrap_err(), &[words]);
 }
 
 /// What acted according to a kit.
@@ -125,7 +115,7 @@ fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
     };
     let refused = with("").unwrap_err().render();
     for term in ["EYX", "EXY", "EYY"] {
-        said_in(&refused, &format!("correct {term}, which was not measured"));
+        holds(&refused, &[&format!("correct {term}, which was not measured")]);
     }
     let kept = shown(with("active_terms_not_measured = \"keep\""));
     let new = shown(kit::generate(&kept));
@@ -140,9 +130,9 @@ fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
     let dropped = shown(kit::generate(&shown(with("active_terms_not_measured = \"drop\""))));
     let what = dropped.compiled.preconditions.iter().map(|p| format!("\n{}\n", p.what));
     let what: String = what.collect();
-    said_in(&what, "\nSD41300 $SN_CEC_TABLE_ENABLE[0]\n");
-    said_in(&what, "\nSD41300 $SN_CEC_TABLE_ENABLE[1]\n");
-    said_in(&what, "\nMD32700 $MA_ENC_COMP_ENABLE[0,AX2]\n");
+    holds(&what, &["\nSD41300 $SN_CEC_TABLE_ENABLE[0]\n"]);
+    holds(&what, &["\nSD41300 $SN_CEC_TABLE_ENABLE[1]\n"]);
+    holds(&what, &["\nMD32700 $MA_ENC_COMP_ENABLE[0,AX2]\n"]);
 }
 
 #[test]
@@ -182,11 +172,6 @@ fn old_and_new(controller: &str, axes: &str, (old, new): (&str, &str)) -> (Kit, 
     (before, job(ACTIVE, new), left)
 }
 
-fn files_of(kit: &Kit, role: Role) -> Vec<KitFile<'_>> {
-    let files = kit.files.iter().filter(|file| file.role == role);
-    files.map(|file| KitFile { path: &file.path, role, bytes: &file.bytes }).collect()
-}
-
 /// What the axes get of tables, at places on and between the points, in both directions.
 fn acts(profile: &Profile, tables: &Tables, state: &ControlState, names: [&str; 2]) -> Vec<f64> {
     let control = kit::emulator(profile, tables, state).unwrap_or_else(|no| panic!("{}", no.0));
@@ -213,13 +198,13 @@ fn a_kit_of_another_machine_is_refused() {
     let one = "name = \"M\"\nserial = \"1\"\nchain = \"wXYZt\"";
     assert_eq!(read(one, one).unwrap(), "");
     let other = read(&one.replace("\"1\"", "\"999\""), one).unwrap_err();
-    said_in(&other, "its serial number is `999`, that of the job `1`");
+    holds(&other, &["its serial number is `999`, that of the job `1`"]);
     let renamed = read(&one.replace("\"M\"", "\"other mill\""), one).unwrap();
-    said_in(&renamed, "the machine name `other mill`, the job `M`");
+    holds(&renamed, &["the machine name `other mill`, the job `M`"]);
     let unsure = read("name = \"other mill\"", one).unwrap_err();
-    said_in(&unsure, "its name is `other mill`, that of the job `M`");
+    holds(&unsure, &["its name is `other mill`, that of the job `M`"]);
     let chain = read("name = \"M\"\nchain = \"XwYZt\"", one).unwrap_err();
-    said_in(&chain, "its chain is `XwYZt`, that of the job `wXYZt`");
+    holds(&chain, &["its chain is `XwYZt`, that of the job `wXYZt`"]);
     assert_eq!(read("name = \"M\"", one).unwrap(), "", "what is not stated does not contradict");
 }
 

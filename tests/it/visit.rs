@@ -115,8 +115,7 @@ fn a_whole_visit_passes() {
 
 #[test]
 fn a_visit_without_loaded_tables_fails() {
-    let visit = as_found();
-    visit.yes("generate job.toml -o kit");
+    let visit = as_found().with_kit();
     let after = judged(&visit, "--without-tables");
     assert_eq!(after["verdict"], "fail", "{after:#}");
     let named = kinds(&after);

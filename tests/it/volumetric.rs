@@ -1,14 +1,12 @@
 //! The model of 21 errors: against matrices, against paper 002, and against itself.
 
 use crate::support::visit::fixture;
+use crate::support::{error_table, read_job};
 use nalgebra::{Matrix4, Rotation3, Vector3, Vector4};
-use nonius::inputs::error_table::ErrorTable;
-use nonius::inputs::job::Job;
 use nonius::machine::model::ErrorModel;
 use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use nonius::quantity::chain::Chain;
 use nonius::quantity::units::Millimetres;
-use nonius::text::document::Source;
 use nonius::volume::definitions::{self, Definitions};
 use nonius::volume::volume_model::{Component, Nodes, VolumeModel};
 
@@ -73,9 +71,7 @@ impl Machine {
 
 /// The model of a job and its table.
 fn volume(job: &str, table: &str) -> VolumeModel {
-    let source = |text: &str| Source::from_bytes("text", text.as_bytes()).unwrap();
-    let job = Job::read(source(job)).expect("a job");
-    let table = ErrorTable::read(source(table)).expect("a table");
+    let (job, table) = (read_job(job), error_table(table));
     VolumeModel::build(&job, &ErrorModel::build(&job, &table).expect("a model")).expect("a volume")
 }
 

@@ -13,6 +13,7 @@ mod one_way;
 
 use crate::support;
 use crate::support::machine::{Machine, machine};
+use crate::support::parallel::in_parallel;
 use crate::support::published::short_or;
 use crate::support::{control, loaded, um_at, with_signs_turned};
 use case::Case;
@@ -153,9 +154,5 @@ fn contract_of(id: &str) {
 /// All but that of lines alone: tests/it/skew.rs.
 #[test]
 fn every_profile_keeps_the_contract() {
-    std::thread::scope(|scope| {
-        for id in support::positioning_ids() {
-            scope.spawn(move || contract_of(id));
-        }
-    });
+    in_parallel(support::positioning_ids(), contract_of);
 }

@@ -7,7 +7,7 @@ mod canonical;
 mod own;
 mod real;
 
-use crate::support::tree::skipped;
+use crate::support::tree::{is_installed, skipped};
 use crate::support::visit::{Visit, fixtures, number};
 use canonical::{Walked, walked};
 use std::fs;
@@ -162,15 +162,6 @@ fn compare(ours: &Walked, theirs: &Walked) -> Result<(), String> {
     Err(format!("length by {length:.4} mm, box by {box_mm:.4} mm\n{both}"))
 }
 
-/// Whether `rs274` is installed.
-fn is_installed() -> bool {
-    let found = Command::new("rs274").arg("-?").output().is_ok();
-    if !found {
-        skipped("`rs274` (LinuxCNC) is not installed");
-    }
-    found
-}
-
 /// Unit and language of a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Unit {
@@ -199,7 +190,7 @@ fn real_programs_go_where_linuxcnc_goes() {
     if !directory.is_dir() {
         return skipped("the collection of real programs is not here");
     }
-    if !is_installed() {
+    if !is_installed("rs274") {
         return;
     }
     let bench = Bench::new();
@@ -223,7 +214,7 @@ fn real_programs_go_where_linuxcnc_goes() {
 /// Programs of our own: cycles, subprograms, offsets, variables.
 #[test]
 fn own_programs_go_where_linuxcnc_goes() {
-    if !is_installed() {
+    if !is_installed("rs274") {
         return;
     }
     let bench = Bench::new();

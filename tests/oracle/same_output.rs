@@ -11,9 +11,10 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Stdio};
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
+#[path = "../support/parallel.rs"]
+#[allow(clippy::expect_used, reason = "shared with the tests")]
+mod parallel;
 #[path = "../support/refusals.rs"]
 #[allow(dead_code, clippy::expect_used, clippy::panic, reason = "shared with the tests")]
 mod refusals;
@@ -86,32 +87,13 @@ fn main() -> ExitCode {
         return ExitCode::from(2);
     };
     let scenes = scenes(&new);
-    let found = in_parallel(&scenes, |scene| compare(scene, &old, &new));
+    let found = parallel::in_parallel(&scenes, |scene| compare(scene, &old, &new));
     let outputs: usize = found.iter().map(|(count, _)| count).sum();
     let differing: Vec<Difference> = found.into_iter().flat_map(|(_, found)| found).collect();
     print!("{}", page(&differing, is_list));
     let (count, differ) = (scenes.len(), differing.len());
     println!("{outputs} outputs of {count} jobs, refusals and controls compared: {differ} differ");
     ExitCode::from(u8::from(differ > 0))
-}
-
-/// Each scene once, on all cores; the results in their order.
-fn in_parallel<T: Send>(scenes: &[Scene], of: impl Fn(&Scene) -> T + Sync) -> Vec<T> {
-    let next = AtomicUsize::new(0);
-    let results = Mutex::new(BTreeMap::new());
-    let work = || {
-        while let Some((index, scene)) =
-            Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, scenes.get(i)?)))
-        {
-            let result = of(scene);
-            if let Ok(mut results) = results.lock() {
-                results.insert(index, result);
-            }
-        }
-    };
-    let cores = std::thread::available_parallelism().map_or(2, usize::from);
-    std::thread::scope(|scope| (0..cores).for_each(|_| drop(scope.spawn(work))));
-    results.into_inner().map_or_else(|_| Vec::new(), |results| results.into_values().collect())
 }
 
 fn scenes(program: &Path) -> Vec<Scene> {

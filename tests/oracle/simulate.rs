@@ -1,11 +1,9 @@
 //! Laws of the rehearsal: what `simulate` predicts is what the test's own arithmetic reads on the
 //! same machine, and what `separate` takes apart again.
 use crate::support::diagonals::{Machine, curve, measurement, mm, naive, volume};
-use crate::support::inputs;
-use nonius::inputs::error_table::ErrorTable;
+use crate::support::{self, error_table, inputs, shown};
 use nonius::inputs::findings::Remark;
 use nonius::inputs::job::{Frame, SetUp};
-use nonius::inputs::readings::Readings;
 use nonius::kit::simulate::{
     Noise, Rehearsal, SIMULATED, SimulatedMachine, SimulatedTables, Simulation, Wishes, readings,
     single_axes, write,
@@ -14,7 +12,6 @@ use nonius::kit::{Inputs, generate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
 use nonius::quantity::units::Millimetres;
-use nonius::text::document::Source;
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -82,7 +79,7 @@ fn table(machine: &Machine, directed: bool) -> String {
 fn simulate(inputs: &Inputs, loaded: Option<&SimulatedTables>, wishes: Wishes) -> Simulation {
     let machine = SimulatedMachine::new(inputs, loaded, 0.0);
     let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
-    readings(&machine, &rehearsal, &inputs.job).unwrap_or_else(|p| panic!("{}", p.render()))
+    shown(readings(&machine, &rehearsal, &inputs.job))
 }
 
 fn any_machine() -> impl Strategy<Value = Machine> {
@@ -134,7 +131,7 @@ proptest! {
         let job = job(&machine.volume, directed, true, true);
         let inputs = inputs(&job, &table(&machine, directed));
         let kit = generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
-        let loaded = SimulatedTables::read(&inputs, &kit.kit_files(), None).unwrap_or_else(|p| panic!("{}", p.render()));
+        let loaded = shown(SimulatedTables::read(&inputs, &kit.kit_files(), None));
         let after = simulate(&inputs, Some(&loaded), Wishes::default());
         for run in &after.runs {
             for left in &run.deviations {
@@ -213,9 +210,8 @@ fn the_file_reads_back_to_the_same_runs_and_says_what_it_is() {
     let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
     let found = simulate(&inputs, None, wishes);
     let text = write(&found, &rehearsal, &[format!("note: {SIMULATED}: a test")]);
-    let source = Source::from_bytes("readings.csv", text.as_bytes()).unwrap();
     let given = measurement(&machine.volume, SetUp::Solve, Frame::XPrimary);
-    let read = Readings::read(source, &given).unwrap_or_else(|p| panic!("{}", p.render()));
+    let read = support::readings(&text, &given).unwrap_or_else(|said| panic!("{said}"));
     let by = |run: &nonius::quantity::diagonal::Run| (run.diagonal, run.number, run.pass);
     let mut runs = found.runs;
     runs.sort_by_key(by);
@@ -265,7 +261,7 @@ fn the_error_table_holds_what_is_left_at_every_measured_position() {
     let note = format!("note: {SIMULATED}: a test");
     let left = single_axes(&plain, 1, Noise::default(), vec![note.clone()]);
     let csv = nonius::inputs::error_table::write(&left);
-    let found = ErrorTable::read(Source::from_bytes("after.csv", csv.as_bytes()).unwrap()).unwrap();
+    let found = error_table(&csv);
     assert_eq!(found.remarks.lines(), [note]);
     for along in Axis::ALL {
         for series in found.series(along) {

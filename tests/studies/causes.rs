@@ -7,6 +7,7 @@
 //! faults into each machine, every fault into one at least; `NONIUS_SIMULATIONS=twentieth` or `all`
 //! injects all and compares the table of docs/accuracy.md, with `NONIUS_UPDATE=1` it writes it.
 use crate::support::diagonals::index;
+use crate::support::parallel::in_parallel;
 use crate::support::published::{published, short_or};
 use crate::support::visit::Visit;
 use crate::support::{Lines, Random, generate, loaded, response};
@@ -215,9 +216,7 @@ fn rig(plan: &'static Plan) -> Rig {
     let job = job_of(plan);
     let errors = table(plan, &truth, |_, _, _, um| um + NOISE_UM * gauss(&mut random));
     let (inputs, kit) = generate(&job, &errors);
-    let visit = Visit::new();
-    visit.put("job.toml", &job).put("errors.csv", errors);
-    visit.run("generate job.toml -o kit").answers();
+    let visit = Visit::with(&job, errors).with_any_kit();
     Rig { plan, inputs, kit, truth, job, visit }
 }
 
@@ -500,10 +499,7 @@ fn confusion(outcomes: &[Outcome]) -> String {
 
 #[test]
 fn the_true_cause_is_in_the_named_set_and_clean_runs_name_none() {
-    let outcomes: Vec<Outcome> = std::thread::scope(|scope| {
-        let threads = RIGS.each_ref().map(|plan| scope.spawn(move || outcomes(plan)));
-        threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
-    });
+    let outcomes: Vec<Outcome> = in_parallel(&RIGS, outcomes).into_iter().flatten().collect();
     let faults = outcomes.iter().filter(|o| o.injected != Injected::Nothing);
     let injected = faults.clone().count();
     assert!(injected >= short_or(30, 60), "only {injected} faults");

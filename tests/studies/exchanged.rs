@@ -6,6 +6,7 @@
 use crate::support::diagonals::{
     Machine, Readings, float, noisy_lines, noisy_runs, normal, solved, squareness_error, volume,
 };
+use crate::support::parallel::in_parallel;
 use crate::support::published::{is_held, is_whole, published, share};
 use crate::support::tree::skipped;
 use crate::support::visit::{Ran, fixtures, program};
@@ -293,10 +294,7 @@ fn at_most(count: usize, all: usize, percent: f64, what: &str) {
 
 #[test]
 fn exchanged_names_and_orders_are_found_or_the_page_says_that_it_would_not() {
-    let outcomes: Vec<(Way, Outcome)> = std::thread::scope(|scope| {
-        let threads = WAYS.map(|way| scope.spawn(move || (way, outcome(way, share(MACHINES, 4)))));
-        threads.map(|thread| thread.join().unwrap()).into()
-    });
+    let outcomes = in_parallel(WAYS, |way| (way, outcome(way, share(MACHINES, 4))));
     let even = even_machines(WAYS[0]);
     let page = table(&outcomes) + &right_table(&outcomes, &even);
     println!("{page}");

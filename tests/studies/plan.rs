@@ -9,13 +9,13 @@ use crate::support::diagonals::{
 };
 use crate::support::published::{is_held, is_whole, published, share};
 use crate::support::visit::{self, fixture};
+use crate::support::{shown, source};
 use nonius::inputs::job::{Frame, Job, SetUp, UseOf};
 use nonius::kit::visit_plan::{Design, SetUpTimes, Visit, plan};
 use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal};
-use nonius::text::document::Source;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use std::fmt::Write;
@@ -109,8 +109,7 @@ impl Row {
 }
 
 fn read(text: &str) -> Job {
-    let source = Source::from_bytes("job.toml", text.as_bytes()).unwrap();
-    Job::read_for(source, UseOf::Figures).unwrap_or_else(|p| panic!("{}\n{text}", p.render()))
+    shown(Job::read_for(source("job.toml", text), UseOf::Figures))
 }
 
 /// Readings of a laser whose scale is off by so much in each set-up, 10⁻⁶.

@@ -5,34 +5,11 @@
 //! without it four of each kind are run.
 use super::causes::{Travels, gauss, job_text};
 use crate::support::Random;
+use crate::support::parallel::in_parallel;
 use crate::support::published::{is_held, is_whole, may_be, published, share, short_or};
 use crate::support::visit::Visit;
 use serde_json::Value;
 use std::fmt::Write;
-use std::sync::atomic::{AtomicU64, Ordering};
-
-/// Runs the trials on all processors, in their order.
-fn trials<T: Send>(count: u64, trial: impl Fn(u64) -> T + Sync) -> Vec<T> {
-    let next = AtomicU64::new(0);
-    let workers = std::thread::available_parallelism().map_or(2, usize::from);
-    let mut found: Vec<(u64, T)> = std::thread::scope(|scope| {
-        let work = || {
-            let mut own = Vec::new();
-            loop {
-                let index = next.fetch_add(1, Ordering::Relaxed);
-                if index >= count {
-                    return own;
-                }
-                own.push((index, trial(index)));
-            }
-        };
-        let threads: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
-        let results = threads.into_iter().flat_map(|t| t.join().unwrap());
-        results.collect()
-    });
-    found.sort_by_key(|(index, _)| *index);
-    found.into_iter().map(|(_, result)| result).collect()
-}
 
 const AXES: Travels = [("x", 0.0, 900.0), ("y", 0.0, 720.0), ("z", -720.0, 0.0)];
 
@@ -307,11 +284,11 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
         (3, true, "step diagonals, three runs"),
     ] {
         let first = 10_000 * u64::from(runs);
-        let all = trials(diagonals, |i| by_diagonals(first + i, runs, u_of_lines));
+        let all = in_parallel(0..diagonals, |i| by_diagonals(first + i, runs, u_of_lines));
         kinds.push((name.to_string(), u_of_lines, all));
     }
     for (index, (first, second, name)) in (1..).zip(STATED) {
-        let all = trials(tables, |i| by_tables(100_000 * index + i, (first, second)));
+        let all = in_parallel(0..tables, |i| by_tables(100_000 * index + i, (first, second)));
         kinds.push((format!("error tables, {name}"), first, all));
     }
     for (name, known, all) in &kinds {

@@ -6,10 +6,9 @@ use crate::support::diagonals::{
 };
 use crate::support::published::{is_held, short_or};
 use crate::support::visit::fixture;
-use crate::support::words;
+use crate::support::{error_table, golden_readings, words};
 use nonius::inputs::error_table::ErrorTable;
-use nonius::inputs::job::{Frame, Job, Levers, MeasuredData, Reflector, SetUp};
-use nonius::inputs::readings::Readings;
+use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
 use nonius::machine::separation::corrections::{AngleModel, angle_effects};
 use nonius::machine::separation::curves::Curve;
 use nonius::machine::separation::metric::Plane;
@@ -17,7 +16,6 @@ use nonius::machine::separation::{Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use nonius::quantity::chain::Chain;
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use nonius::text::document::Source;
 use proptest::prelude::*;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -396,14 +394,6 @@ fn clean_noise_names_no_reading() {
     assert!(is_held(share, machines as usize, 0.0..=0.04, 0.0..=0.04), "{false_names}");
 }
 
-fn source(name: &str, text: &str) -> Source {
-    Source::from_bytes(name, text.as_bytes()).unwrap()
-}
-
-fn error_table(text: &str) -> ErrorTable {
-    ErrorTable::read(source("errors.csv", text)).unwrap_or_else(|p| panic!("{}", p.render()))
-}
-
 /// A = 5, B = −8, C = 12 µrad · t · (1 − 0.3 k) for axis k = 0, 1, 2.
 fn angles() -> ErrorTable {
     let mut text = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\n".to_string();
@@ -423,20 +413,14 @@ fn measured_angles_give_the_true_errors_back() {
         ("case_c_angles", Reflector::Retroreflector, 3e-4),
         ("case_c2_mirror", Reflector::FlatMirror, 6e-4),
     ] {
-        let golden = |file: &str| fixture(&format!("diagonals/{case}/{file}"));
-        let job = Job::read(source("job.toml", &golden("job.toml"))).unwrap();
-        let MeasuredData::Diagonals(measured) = job.measurement.data else {
-            panic!("the job of {case} has readings");
-        };
-        let readings =
-            Readings::read(source("readings.csv", &golden("readings.csv")), &measured).unwrap();
+        let (measured, readings) = golden_readings(case);
         let chain = Chain::ALL_AXES_MOVE_THE_TOOL;
         let model =
             AngleModel::new(&table, chain, (&Levers::default(), PerAxis::default()), reflector);
         let mut campaign = simulated::campaign(&measured, Vec::new());
         campaign.angles = Some(angle_effects(&model, &measured.volume, PathKind::Step));
         let found = separate(&campaign, &readings.runs);
-        let truth = error_table(&golden("truth.csv"));
+        let truth = error_table(&fixture(&format!("diagonals/{case}/truth.csv")));
         let mut largest = 0.0f64;
         for term in ErrorTerm::ALL {
             let series = &truth.series(term.along)[0];

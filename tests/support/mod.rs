@@ -3,6 +3,7 @@
 pub(crate) mod diagonals;
 pub(crate) mod machine;
 pub(crate) mod machine_h;
+pub(crate) mod parallel;
 pub(crate) mod published;
 pub(crate) mod random_map;
 pub(crate) mod refusals;
@@ -10,29 +11,70 @@ pub(crate) mod tree;
 pub(crate) mod visit;
 
 use nonius::control::controller::{
-    BesideTable, CrossTerms, DeclaredFacts, Dialect, Profile, TableSign, TypedValue, builtin,
+    BesideTable, CrossTerms, DeclaredFacts, Dialect, Profile, Role, TableSign, TypedValue, builtin,
 };
 use nonius::control::table::Tables;
 use nonius::inputs::error_table::ErrorTable;
-use nonius::inputs::job::Job;
+use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
+use nonius::inputs::readings::Readings;
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::Direction;
 use nonius::quantity::units::{Millimetres, power_of_ten};
 use nonius::read::emulate::{Emulator, Response};
-use nonius::read::read;
+use nonius::read::{KitFile, read};
 use nonius::text::document::Source;
 use nonius::text::finding::Finding;
+use nonius::text::problem::Problems;
+use proptest::test_runner::{Config as ProptestConfig, RngSeed};
+use visit::fixture;
 
 /// Rounding of sums and products of numbers up to a few hundred micrometres.
 pub(crate) const DUST_UM: f64 = 1e-9;
 
+/// What was made; its problems end the test.
+#[track_caller]
+pub(crate) fn shown<T>(made: Result<T, Problems>) -> T {
+    made.unwrap_or_else(|problems| panic!("{}", problems.render()))
+}
+
+/// A file in memory.
+pub(crate) fn source(name: &str, text: &str) -> Source {
+    Source::from_bytes(name, text.as_bytes()).unwrap()
+}
+
+pub(crate) fn read_job(text: &str) -> Job {
+    let read = Job::read(source("job.toml", text));
+    read.unwrap_or_else(|p| panic!("{}\n{text}", p.render()))
+}
+
+#[track_caller]
+pub(crate) fn error_table(text: &str) -> ErrorTable {
+    shown(ErrorTable::read(source("errors.csv", text)))
+}
+
+pub(crate) fn readings(text: &str, of: &DiagonalMeasurement) -> Result<Readings, String> {
+    Readings::read(source("readings.csv", text), of).map_err(|problems| problems.render())
+}
+
+/// The measurement of a golden case of diagonals, and its readings.
+pub(crate) fn golden_readings(case: &str) -> (DiagonalMeasurement, Readings) {
+    let text = |name: &str| fixture(&format!("diagonals/{case}/{name}"));
+    let MeasuredData::Diagonals(measurement) = read_job(&text("job.toml")).measurement.data else {
+        panic!("{case} has no readings");
+    };
+    let read = readings(&text(&measurement.readings), &measurement);
+    (measurement, read.unwrap_or_else(|said| panic!("{said}")))
+}
+
+/// The files of a kit that have this role.
+pub(crate) fn files_of(kit: &Kit, role: Role) -> Vec<KitFile<'_>> {
+    let files = kit.files.iter().filter(|file| file.role == role);
+    files.map(|file| KitFile { path: &file.path, role, bytes: &file.bytes }).collect()
+}
+
 /// The inputs of a kit from their texts.
 pub(crate) fn inputs(job: &str, errors: &str) -> Inputs {
-    let source = |name: &str, text: &str| Source::from_bytes(name, text.as_bytes()).unwrap();
-    let read = |text| Job::read(source("job.toml", text));
-    let read_job = read(job).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
-    let table =
-        ErrorTable::read(source("errors.csv", errors)).unwrap_or_else(|p| panic!("{}", p.render()));
+    let (read_job, table) = (read_job(job), error_table(errors));
     let profile = builtin::profile(&read_job.compensation.controller).unwrap();
     let hashes =
         vec![kit::hashed("job.toml", job.as_bytes()), kit::hashed("errors.csv", errors.as_bytes())];
@@ -137,7 +179,7 @@ pub(crate) fn generate(job: &str, errors: &str) -> (Inputs, Kit) {
 
 /// The tables that a control would hold after loading the bytes of the kit.
 pub(crate) fn loaded(profile: &Profile, kit: &Kit) -> Tables {
-    read(profile, &kit.kit_files()).unwrap_or_else(|p| panic!("{}", p.render())).tables
+    shown(read(profile, &kit.kit_files())).tables
 }
 
 /// The control, loaded with the bytes of the kit, as `profile` describes it.
@@ -219,6 +261,16 @@ impl Lines {
         let (x0, x1) = (self.mm[right - 1], self.mm[right]);
         let (y0, y1) = (self.um[right - 1], self.um[right]);
         y0 + (x - x0) / (x1 - x0) * (y1 - y0)
+    }
+}
+
+/// Generated cases that are the same in every run.
+pub(crate) fn fixed_seed(seed: u64, cases: u32) -> ProptestConfig {
+    ProptestConfig {
+        cases,
+        rng_seed: RngSeed::Fixed(seed),
+        failure_persistence: None,
+        ..ProptestConfig::default()
     }
 }
 

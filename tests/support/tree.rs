@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 use tempfile::TempDir;
 
 /// What lies at a name below a directory.
@@ -93,6 +94,15 @@ pub(crate) fn copy_of(fixture: &str) -> TempDir {
 /// Says why a test did nothing.
 pub(crate) fn skipped(why: &str) {
     told(&format!("skipped: {why}"));
+}
+
+/// Whether a program is here; says so where it is not.
+pub(crate) fn is_installed(program: &str) -> bool {
+    let is_here = Command::new(program).arg("--version").output().is_ok();
+    if !is_here {
+        skipped(&format!("`{program}` is not installed"));
+    }
+    is_here
 }
 
 /// Says something of a test past the capture of the test runner.

@@ -118,10 +118,28 @@ impl Visit {
     /// A job of the fixtures as `job.toml`, e.g. `nine_errors_900/generic.toml`, with the error table beside it.
     pub(crate) fn with_job(job: &str) -> Visit {
         let (folder, _) = job.rsplit_once('/').expect("a folder and a job");
+        Visit::with(fixture(job), fixture(&format!("{folder}/errors.csv")))
+    }
+
+    /// A job and its error table.
+    pub(crate) fn with(job: impl AsRef<[u8]>, errors: impl AsRef<[u8]>) -> Visit {
         let visit = Visit::new();
-        visit.put("job.toml", fixture(job));
-        visit.put("errors.csv", fixture(&format!("{folder}/errors.csv")));
+        visit.put("job.toml", job).put("errors.csv", errors);
         visit
+    }
+
+    /// With a kit that keeps the acceptance.
+    #[track_caller]
+    pub(crate) fn with_kit(self) -> Visit {
+        self.yes("generate job.toml -o kit");
+        self
+    }
+
+    /// With a kit, whether it keeps the acceptance or not.
+    #[track_caller]
+    pub(crate) fn with_any_kit(self) -> Visit {
+        self.run("generate job.toml -o kit").answers();
+        self
     }
 
     /// The folder, or what lies in it by that name.
@@ -200,6 +218,14 @@ pub(crate) fn number(value: &Value) -> f64 {
 
 /// The last digit that documents hold.
 pub(crate) const LAST_DIGIT: f64 = 1.001e-6;
+
+/// A text holds all these words.
+#[track_caller]
+pub(crate) fn holds(text: &str, words: &[&str]) {
+    for words in words {
+        assert!(text.contains(words), "expected `{words}` in\n{text}");
+    }
+}
 
 #[track_caller]
 pub(crate) fn near(what: &str, got: f64, want: f64, room: f64) {

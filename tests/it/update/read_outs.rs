@@ -35,7 +35,7 @@ fn what_acted_is_found_in_a_siemens_archive() {
     // A table of an axis that the job does not have lies where the new one would go.
     let other = taken(&job, EXX_ONLY, &archive(&table(0, "AX4", "AX5", 9.0), ""));
     let said = kit::generate(&other).unwrap_err().render();
-    said_in(&said, "CEC table 0 is in use in the read-out");
+    holds(&said, &["CEC table 0 is in use in the read-out"]);
     let inch = archive("", "$MN_SCALING_SYSTEM_IS_METRIC=0\n");
     refused(&job, EXX_ONLY, &inch, "counts in inch");
 }
@@ -91,7 +91,7 @@ fn what_acted_is_found_in_a_fanuc_parameter_file() {
         .replace("N03620Q1A4P500", "N03620Q1A4P1");
     let said = read_out(&job, EXX_ONLY, &in_use)
         .map_or_else(|said| said, |found| kit::generate(&found).unwrap_err().render());
-    said_in(&said, "points 0 to 510");
+    holds(&said, &["points 0 to 510"]);
 }
 
 /// Tables that lie in part programs beside active data were loaded or not: nobody knows.
@@ -104,8 +104,8 @@ fn tables_in_part_programs_alone_are_no_old_tables() {
     refused(&job, EXX_ONLY, &format!("{data}{program}"), says);
     let active = format!("%_N_AX_EEC_INI\n{}M17\n", lec("0.010"));
     let notes = |file: &str| notes_of(&taken(&job, EXX_ONLY, file).active.unwrap());
-    said_in(&notes(&format!("{active}{program}")), "part programs were ignored (EEC_MPF)");
-    said_in(&notes(&program), "count as run and active");
+    holds(&notes(&format!("{active}{program}")), &["part programs were ignored (EEC_MPF)"]);
+    holds(&notes(&program), &["count as run and active"]);
     let twice = active.replace("M17", "$AA_ENC_COMP[0,1,AX1]=0.012\nM17");
     refused(&job, EXX_ONLY, &twice, "$AA_ENC_COMP[0,1,AX1] has several values");
 }
@@ -187,7 +187,7 @@ fn a_table_that_ends_between_two_points_is_taken_with_an_assumption() {
     let (active, open) = assumed("0");
     let open = open.unwrap();
     assert_eq!(open.fact, "$AN_CEC[0] behind 60 mm, where MAX lies between two points");
-    said_in(&open.consequence, "by up to 2.0 µm");
+    holds(&open.consequence, &["by up to 2.0 µm"]);
     let Tables::Siemens(tables) = &active.tables else { panic!("Siemens") };
     assert_eq!((tables.cec[0].values.len(), tables.cec[0].grid.max), (2, 60.0));
     let (_, same) = assumed("0.004");

@@ -196,17 +196,17 @@ fn what_no_file_holds_is_left_to_a_person_and_named() {
         "SD41300 $SN_CEC_TABLE_ENABLE[1]: not in the rollback files; switch on what was on",
         "MD32450 $MA_BACKLASH[0,AX2]: not in the rollback files. A precondition may make you change it",
     ] {
-        said_in(&words, lacking);
+        holds(&words, &[lacking]);
     }
     assert!(!words.contains("[0,AX2]: not in the rollback files. The files"), "{words}");
     // A table that the control only reserves: off, it may keep the new values; on, it may not.
     before.tables.lec.retain(|t| t.axis != "AX2");
     let reserved = "$AA_ENC_COMP_STEP[0,AX2]=0\n$AA_ENC_COMP[0,0,AX2]=0\n";
     let on = "missing: ENC_COMP[0,AX2] (read out without a grid, and not as switched off)";
-    said_in(&page(&before, reserved), on);
+    holds(&page(&before, reserved), &[on]);
     before.set("MA_ENC_COMP_ENABLE[0,AX2]", 0.0);
     let off = "ENC_COMP[0,AX2] was reserved without a grid: the values of this kit stay in it";
-    said_in(&page(&before, reserved), off);
+    holds(&page(&before, reserved), &[off]);
 }
 
 #[test]
@@ -219,7 +219,7 @@ fn a_way_back_that_moves_an_axis_at_its_reference_says_so() {
     let job = job.replace(ACTIVE, &format!("{ACTIVE}\nactive_reference = \"rezero\""));
     let new = shown(kit::generate(&taken(&job, &left, &before.archive(""))));
     let moves = "X (AX1) moves by 5.000 µm towards −X when the old tables act again";
-    said_in(&checklist(&new), &format!("at the reference point {moves}"));
+    holds(&checklist(&new), &[&format!("at the reference point {moves}")]);
     for file in files_of(&new, Role::Rollback) {
         let text = String::from_utf8_lossy(file.bytes);
         assert!(!text.contains("contained in these"), "{text}");

@@ -141,8 +141,6 @@ pub(crate) fn signs_are_proved(visit: &Visit, machine: &Machine, terms: &[&str])
 
 /// The sign proofs of a kit made by the program from the error table of a machine.
 pub(crate) fn of_case(case: &Case, terms: &[&str]) {
-    let visit = Visit::new();
-    visit.put("job.toml", case.job()).put("errors.csv", case.error_table());
-    visit.yes("generate job.toml -o kit");
+    let visit = Visit::with(case.job(), case.error_table()).with_kit();
     signs_are_proved(&visit, &case.machine, terms);
 }
