@@ -239,6 +239,21 @@ fn a_stated_noise_that_the_scatter_contradicts_is_told_and_does_not_count() {
     }
 }
 
+/// Without overrun the first and last interval of each axis, in both groups of readings, hold its reversal.
+#[test]
+fn without_overrun_the_closure_leaves_the_turns_out() {
+    let machine = Machine::perfect(&box_30());
+    let freedom = |overrun: bool| {
+        let mut measurement = measurement(&box_30(), SetUp::Solve, Frame::XPrimary);
+        measurement.overrun = Some(overrun);
+        let forward = runs(1, Pass::Forward, &machine.readings(None));
+        let back = runs(1, Pass::Reverse, &machine.readings(Some(overrun)));
+        let campaign = campaign(&measurement, machine.lines(&Axis::ALL, Some(0.5)));
+        separate(&campaign, &[forward, back].concat()).closure.freedom
+    };
+    assert_eq!(freedom(true) - freedom(false), 2 * 3 * 2);
+}
+
 #[test]
 fn a_perfect_set_up_is_contradicted_by_the_mean_of_the_closure() {
     let mut machine = Machine::perfect(&box_30());

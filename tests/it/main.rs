@@ -51,6 +51,7 @@ mod real_inputs;
 mod real_stages;
 mod refuses;
 mod report;
+mod repro;
 mod separate;
 mod separation;
 mod shortage;

@@ -197,6 +197,7 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("N3 G4", "N4 G4", "has another number"),
         ("\nD0\n", "\n", "before ToolLength is cancelled"),
         ("G710", "G700", "outside its travel"),
+        ("G0 X97.000", "G0 X-2097.000", "outside its travel"),
         ("G710", "", "before mm or inch is chosen"),
         ("SUPA G90 G0", "G90 G0", "this is neither"),
         ("SUPA G91 G1", "G91 G1", "this is neither"),

@@ -180,7 +180,7 @@ impl Count {
         let named = accuses(found).is_some_and(|said| said.contains(&slip.words()));
         if named {
             self.named += 1;
-        } else if !found.doubts.is_empty() {
+        } else if !found.stands() {
             self.otherwise += 1;
         } else {
             self.silent += 1;
@@ -213,9 +213,9 @@ fn outcome(way: Way, machines: u64) -> Outcome {
         let (_, right) = measured((seed, 0), way, WAVY, None);
         outcome.right += 1;
         outcome.accused += usize::from(accuses(&right).is_some());
-        outcome.doubted += usize::from(!right.doubts.is_empty());
+        outcome.doubted += usize::from(!right.stands());
         outcome.carrying += usize::from(hardly(&right).is_some());
-        if !right.doubts.is_empty() {
+        if !right.stands() {
             continue;
         }
         for (index, slip) in Slip::all().into_iter().enumerate() {

@@ -69,17 +69,12 @@ pub(super) struct Names {
 
 /// Compares the recorded names with every other way to share them out.
 pub(super) fn names(campaign: &Campaign<'_>, runs: &[Run], as_read: &AsRead<'_>) -> Names {
-    let volume = &campaign.measurement.volume;
     let Some(trial) = Trial::new(campaign, runs, as_read) else {
         return Names::default();
     };
-    let doubts = as_read.closure.doubts(as_read.noise, volume, SetUp::Solve);
     let doubt = trial.likelier();
-    let sound = doubt.is_none() && doubts.is_empty();
-    Names {
-        doubt: doubt.map(Finding::from),
-        blind: sound.then(|| trial.hardly_shown()).flatten().map(Finding::from),
-    }
+    let blind = doubt.is_none().then(|| trial.hardly_shown()).flatten();
+    Names { doubt: doubt.map(Finding::from), blind: blind.map(Finding::from) }
 }
 
 /// Under which diagonal's name the readings of a file belong: by the name in the file.

@@ -16,6 +16,9 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal, StandardUniform};
 use std::ops::Range;
 
+/// Parts of a variance below this share of it are rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// Where the entries of z stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Layout {
@@ -307,8 +310,10 @@ impl CurveRows {
                 }
                 let share = index as f64 / last;
                 let by_entries = [0, 1].map(|i| {
-                    let all = of_sum[i] + share * (2.0 * with_line[i] + share * of_line[i]);
-                    all.max(0.0)
+                    let (mixed, line) = (2.0 * share * with_line[i], share * share * of_line[i]);
+                    let all = of_sum[i] + mixed + line;
+                    // What is left of parts that cancel is rounding.
+                    if all > ROUNDING * (of_sum[i] + line) { all } else { 0.0 }
                 });
                 let both = by_column.iter().zip(&line_by_column);
                 let effects: Vec<f64> = both.map(|(sum, line)| sum + share * line).collect();

@@ -17,6 +17,7 @@ forward,3,z -> forward,3.0,z | `node` is `3.0`, expected a whole number from 0 |
 4,x -> 4,y | PPP run 1 forward, node 4: Y moved, expected X by the order XYZ | is empty at node 0
 0,,0 -> 0,x,0 | PPP run 1 forward, node 0: X moved, expected no axis | is empty at node 0
 3,z,30 -> 3,z,3e5 | PPP run 1 forward, node 3: the deviation is 300 mm, which no machine has | the unit in the column's name
+6,z,60 -> 6,z,3e5 | PPP run 1 forward, node 6: the deviation is 300 mm, which no machine has | the unit in the column's name
 3,z,30 -> 3,z,68000 | PPP run 1 forward, node 3: the deviation is 68 mm | named `displacement_mm`
 - PPP,1,forward,2 | PPP run 1 forward: node 2 is missing | never filled in
 - NPP,1,forward,1 NPP,1,forward,3 NPP,1,forward,4 NPP,1,forward,5 | NPP run 1 forward: nodes 1 and 3 to 5 are missing | never filled in
