@@ -186,21 +186,6 @@ fn bins_that_no_drawn_pair_hit_are_unknown() {
     assert!(said.contains("no drawn pair fell there"), "{said}");
 }
 
-/// One record has no other to be compared with.
-#[test]
-fn a_machine_without_errors_has_no_longest_difference() {
-    let visit = Visit::of("start/errors");
-    let row = |axis: &str, at: &str| format!("{axis},{at},0,0,0\n");
-    let ends = [("x", "0"), ("x", "400"), ("y", "0"), ("y", "300"), ("z", "-200"), ("z", "0")];
-    let rows: String = ends.iter().map(|(axis, at)| row(axis, at)).collect();
-    visit.put("errors.csv", format!("axis,position_mm,ex_um,ey_um,ez_um\n{rows}"));
-    let found = document(&visit, "assess job.toml --grid 3,3,3 --grouping 0.1");
-    assert_eq!(
-        (&found["grouping"]["records"], &found["grouping"]["um"]),
-        (&json!(1), &Value::Null)
-    );
-}
-
 #[test]
 fn the_map_of_sub_volumes_holds_the_extremes() {
     let command = "assess job.toml --window 6000,2000,1000 --grouping 0.1";
