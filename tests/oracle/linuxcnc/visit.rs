@@ -79,6 +79,7 @@ fn job(machine: &Machine, readings: &str, active: &str) -> String {
     let job = format!(
         "schema = 1\n[machine]\nname = \"{}\"\n[measurement]\nreadings = \"{readings}\"\n\
          active_while_measuring = \"{active}\"\n\
+         uncertainty = {{ angle_urad = 0, setup_ppm = 0, tilt_arcsec = 0, laser_ppm = 0, beam_mrad = 0 }}\n\
          [measurement.step_diagonal]\nstart_mm = {{ x = 10.0, y = 10.0, z = -190.0 }}\n\
          size_mm = {{ x = 380.0, y = 280.0, z = 180.0 }}\nsteps = 5\norder = \"XYZ\"\nsetup = \"assume-perfect\"\noverrun = false\n\
          [program]\nwhat = \"step-diagonal\"\ndwell_s = 0.1\nfeed_mm_per_min = 30000\nalignment_pass = false\noverrun_mm = 0\n\
