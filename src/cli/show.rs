@@ -113,7 +113,8 @@ pub(super) const OF_ALL: &str = "largest of all";
 
 /// The largest of all terms, and what it is at most, where there are several and U is stated.
 pub(super) fn largest_of_all(forecast: &Forecast) -> Option<(String, String)> {
-    let um = forecast.all_at_most_um().filter(|_| forecast.terms.len() > 1)?;
+    let is_stated = forecast.terms.iter().all(|term| term.change.u_um.is_some());
+    let um = forecast.all_at_most_um().filter(|_| is_stated && forecast.terms.len() > 1)?;
     Some((format!("{:.3}", forecast.max_residual_um()), format!("{um:.3}")))
 }
 

@@ -16,6 +16,7 @@
 //! (Šidák, J. Amer. Statist. Assoc. 62 (1967) 626–633). Where σ was estimated, all share its
 //! error: the product is averaged over χ² (multivariate Student). Nothing is drawn by chance.
 
+use crate::machine::separation::noise::NORMAL_ONE_SIDED;
 use crate::quantity::units::larger;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::erf::erfc;
@@ -24,8 +25,6 @@ use statrs::function::erf::erfc;
 pub const CONFIDENCE: f64 = 0.95;
 /// From here on an estimated σ is as good as a known one: k differs by less than 0.3 %.
 const MANY: f64 = 1000.0;
-/// 95 % quantile of the normal distribution.
-const NORMAL_ONE_SIDED: f64 = 1.644_853_626_951_472;
 /// Places at which the distribution of an estimated σ is averaged.
 const PLACES: u32 = 32;
 /// Rounds of the search for U; ten are enough as a rule.

@@ -140,6 +140,14 @@ impl Sizes {
         all.map(|(name, um)| format!(", {name} {um:.4}")).collect()
     }
 
+    fn read(words: &str) -> Option<Sizes> {
+        let mut sizes = Sizes::default();
+        for (name, um) in pairs(words)? {
+            sizes.hear(name, um)?;
+        }
+        Some(sizes)
+    }
+
     /// Takes in one of them; `None` where it is none.
     fn hear(&mut self, name: &str, um: f64) -> Option<()> {
         if let Some(term) = ErrorTerm::from_name(name) {
@@ -272,12 +280,16 @@ impl Remarks {
         } else if let Some(words) = after(LARGEST) {
             self.largest = LargestErrors::read(&words);
         } else if let Some(words) = after(DOUBTFUL) {
-            let mut sizes = Sizes::default();
-            let all = pairs(&words).unwrap_or_default();
-            all.iter().for_each(|(name, um)| sizes.hear(name, *um).unwrap_or_default());
-            self.doubtful = Some(sizes);
+            match Sizes::read(&words) {
+                Some(sizes) => self.doubtful = Some(sizes),
+                None => self.doubts.push(Remark::Doubtful { words: comment.to_string() }.into()),
+            }
         } else if let Some(words) = after(NOT_STATED) {
-            join(&mut self.silence.not_stated, Cause::listed(&words));
+            let causes = Cause::listed(&words);
+            if causes.len() < words.split(',').count() {
+                self.doubts.push(Remark::Doubtful { words: comment.to_string() }.into());
+            }
+            join(&mut self.silence.not_stated, causes);
         } else if let Some(words) = after(NEGLECTED) {
             join(&mut self.silence.neglected, Cause::listed(&words));
         } else if let Some(words) = after(REVERSAL) {
@@ -392,6 +404,9 @@ mod tests {
         assert_eq!(read, remarks);
         assert_eq!(read.simulated().count(), 1);
         assert_eq!(Remarks::read("# made by hand\n"), Remarks::default());
+        for damaged in ["# doubtful beside that, um: EXX", "# not stated: angles"] {
+            assert_eq!(Remarks::read(damaged).doubts.len(), 1, "{damaged}");
+        }
     }
 
     #[test]

@@ -35,34 +35,30 @@ struct TableCurve {
     zero: (usize, f64),
 }
 
-/// What is drawn of a table.
-struct Table<'a> {
+/// The curves of a table, to be drawn.
+pub(super) struct Table<'a> {
     of: &'a Separation,
     curves: Vec<TableCurve>,
     /// Along each diagonal, both passes: curves, their shares along the beam, and whether they run upwards.
     walks: PerDiagonal<Vec<Vec<(usize, f64, bool)>>>,
 }
 
-impl Separation {
-    /// The largest errors of the table in these directions; `None` where an uncertainty is not known.
-    pub(super) fn largest_errors(
-        &self,
-        job: &Job,
-        directions: &PerAxis<Vec<Option<Direction>>>,
-    ) -> Option<LargestErrors> {
-        let table = Table::new(self, job, directions);
+impl Table<'_> {
+    /// The largest errors; `None` where an uncertainty is not known.
+    pub(super) fn largest_errors(&self, job: &Job) -> Option<LargestErrors> {
         let known = |curve: &TableCurve| {
-            self.of_table(curve.term, curve.way).is_some_and(|found| found.u_um.is_some())
+            self.of.of_table(curve.term, curve.way).is_some_and(|found| found.u_um.is_some())
         };
-        if table.curves.is_empty() || !table.curves.iter().all(known) {
+        if self.curves.is_empty() || !self.curves.iter().all(known) {
             return None;
         }
         let none = vec![Vec::new()];
-        let orders = if self.model.angles.is_empty() { &none } else { &self.model.angles };
+        let angles = &self.of.model.angles;
+        let orders = if angles.is_empty() { &none } else { angles };
         let mut largest = LargestErrors { zero: zero(job), ..LargestErrors::default() };
         for order in orders {
             let sizes: Vec<Sizes> =
-                (0..DRAWS).map(|number| table.sizes(&table.drawn(number, order))).collect();
+                (0..DRAWS).map(|number| self.sizes(&self.drawn(number, order))).collect();
             let raise = |own: &mut f64, of: &dyn Fn(&Sizes) -> f64| {
                 let mut all: Vec<f64> = sizes.iter().map(of).collect();
                 all.sort_by(f64::total_cmp);
@@ -79,36 +75,26 @@ impl Separation {
         }
         Some(largest)
     }
-}
 
-impl Separation {
-    /// How far what speaks against the result by its size may move the errors of the table: each anomaly by its
-    /// worst cause, all anomalies added; `None` where nothing speaks against it.
-    pub(super) fn doubtful(
-        &self,
-        job: &Job,
-        directions: &PerAxis<Vec<Option<Direction>>>,
-    ) -> Option<Sizes> {
-        if self.anomalies.is_empty() {
-            return None;
-        }
-        let table = Table::new(self, job, directions);
+    /// How far what speaks against the result by its size may move the errors: each anomaly by its worst cause,
+    /// all anomalies added; `None` where nothing speaks against it.
+    pub(super) fn doubtful(&self) -> Option<Sizes> {
         let mut all = Sizes::default();
-        for causes in &self.anomalies {
+        for causes in &self.of.anomalies {
             let mut worst = Sizes::default();
             for z in causes {
-                let rows = table.curves.iter().map(|curve| &curve.rows);
+                let rows = self.curves.iter().map(|curve| &curve.rows);
                 let moved: Vec<Curve> = rows.map(|rows| rows.values(z, rows.line.dot(z))).collect();
-                worst = worst.joined(&table.sizes(&moved), larger);
+                worst = worst.joined(&self.sizes(&moved), larger);
             }
             all = all.joined(&worst, |all, own| all + own);
         }
-        Some(all)
+        (all.all_um().max(all.ranges_um()) > 0.0).then_some(all)
     }
 }
 
 impl<'a> Table<'a> {
-    fn new(
+    pub(super) fn new(
         of: &'a Separation,
         job: &Job,
         directions: &PerAxis<Vec<Option<Direction>>>,

@@ -30,7 +30,7 @@ pub(super) const DIGIT_UM: f64 = 0.003;
 /// small the noise, µm.
 pub(super) const UNRESOLVED_UM: f64 = 0.02;
 /// 95 % quantile of the normal distribution.
-pub(super) const NORMAL_ONE_SIDED: f64 = 1.644_853_626_951_472;
+pub(crate) const NORMAL_ONE_SIDED: f64 = 1.644_853_626_951_472;
 /// Degrees of freedom from which on a noise that was found needs no stated one.
 pub(super) const ENOUGH: usize = 20;
 /// Chance that a test of the whole closure (scatter, ramps, mean) speaks against a sound

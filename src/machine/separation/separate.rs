@@ -253,6 +253,7 @@ fn anomalies(
     let refuted = agreement.filter(|agreement| agreement.is_refuted());
     let refuted = refuted.map(|agreement| {
         let by = agreement.false_by_um_per_m.iter().enumerate();
+        let by = by.filter(|(_, um_per_m)| **um_per_m > 0.0);
         by.map(|(index, um_per_m)| single(layout.neglected(index), *um_per_m)).collect()
     });
     disturbed.chain(roll).chain(refuted).collect()
@@ -281,10 +282,13 @@ fn evaluated(
     labels.extend(solved.labels(agreement.is_some()));
     let hidden = overrun == Some(true) && campaign.reverse_zero_known;
     let of_closure = closure.doubts(noise, volume, solved.setup).into_iter();
-    let (of_size, doubts): (Vec<Finding>, Vec<Finding>) =
-        of_closure.partition(|found| found.severity() == Severity::Note);
     let contradiction = agreement.as_ref().and_then(Agreement::contradiction);
-    labels.extend(of_size.into_iter().chain(contradiction.map(Finding::from)));
+    // What no known cause makes has no size.
+    let has_size = !anomalies.iter().any(Vec::is_empty);
+    let (of_size, doubts): (Vec<Finding>, Vec<Finding>) = of_closure
+        .chain(contradiction.map(Finding::from))
+        .partition(|found| has_size && found.severity() == Severity::Note);
+    labels.extend(of_size);
     Separation {
         volume: volume.clone(),
         setup: solved.setup,

@@ -1,6 +1,7 @@
 //! Nine errors → the rows of an error table (contract §2.1), as the backlash policy of a job asks for them.
 
 use super::findings::SeparationFinding;
+use super::joint::Table;
 use super::noise::Noise;
 use super::separate::Separation;
 use super::solved::SeparatedError;
@@ -73,8 +74,8 @@ pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> D
             vec![None]
         }
     });
-    let largest = separation.largest_errors(job, &directions);
-    let doubtful = separation.doubtful(job, &directions);
+    let table = Table::new(separation, job, &directions);
+    let (largest, doubtful) = (table.largest_errors(job), table.doubtful());
     comments.extend(Remarks { largest, doubtful, ..remarks(separation) }.lines());
     let of_axis = |axis| directions[axis].iter().map(move |way| (axis, *way));
     let series = Axis::ALL.into_iter().flat_map(of_axis);
