@@ -45,6 +45,14 @@ impl AfterMeasurement {
         }
     }
 
+    /// Standard uncertainty (k = 1) of the laser's scale that no u of a value holds, µm/m.
+    pub(crate) fn laser_um_per_m(&self) -> f64 {
+        match self {
+            AfterMeasurement::Errors(model) => model.laser_um_per_m,
+            AfterMeasurement::Diagonals(runs) => runs.scale_um_per_m,
+        }
+    }
+
     /// What was measured at five places or more and is the same at all of them, to the last digit.
     pub(super) fn flat(&self) -> String {
         let is_flat = |measured: &MeasuredTerm| {
