@@ -113,7 +113,7 @@ pub(super) const OF_ALL: &str = "largest of all";
 
 /// The largest of all terms, and what it is at most, where there are several and U is stated.
 pub(super) fn largest_of_all(forecast: &Forecast) -> Option<(String, String)> {
-    let is_stated = forecast.terms.iter().all(|term| term.change.u_um.is_some());
+    let is_stated = forecast.terms.iter().all(|term| term.change.at_most_um.is_some());
     let um = forecast.all_at_most_um().filter(|_| is_stated && forecast.terms.len() > 1)?;
     Some((format!("{:.3}", forecast.max_residual_um()), format!("{um:.3}")))
 }
@@ -238,8 +238,7 @@ pub(super) fn preconditions(preconditions: &[Precondition]) -> More {
 
 /// The signs that are only assumed, in one line, with what proves them.
 pub(super) fn assumed_signs(assumptions: &[Assumption], proofs: &[&str]) -> Vec<String> {
-    let signs =
-        assumptions.iter().filter(|a| a.fact.ends_with("_sign") && a.without_effect.is_none());
+    let signs = assumptions.iter().filter(|a| a.is_sign());
     let signs: Vec<String> = signs.map(|a| format!("{} = {}", a.fact, a.value)).collect();
     let proof = match proofs {
         [] => "prove it with one small bump before use".to_string(),

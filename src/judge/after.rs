@@ -189,11 +189,13 @@ fn not_evaluated(reason: CannotEmulate) -> Problems {
 fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
     let sigma = Sigma::with_freedom(runs.degrees_of_freedom);
     let scale_um = runs.scale_um_per_m * runs.volume.diagonal_mm() / 1000.0;
+    let between = job.measurement.uncertainty.between();
     let line = |(diagonal, range): (Diagonal, &f64)| {
         let own = runs.walks.iter().filter(|walk| walk.diagonal == diagonal);
         let values: usize = own.map(|walk| walk.readings_um.len()).sum();
         let u_um = runs.u_um.map_or_else(Vec::new, |u| vec![u; values]);
         DiagonalForecast::new(diagonal.name(), *range, *range, sigma, &u_um, scale_um)
+            .drawn(None, between.diagonals[diagonal])
     };
     let walked = |axis| range_of(job, axis, &runs.volume.positions(axis));
     Forecast {

@@ -175,7 +175,7 @@ impl<'a> Data<'a> {
     /// formula  σ = median |r(i−1) − 2 r(i) + r(i+1)| / (0.6745·√6): a few wild values do not move it
     fn scatter(&self, fit: &Fit) -> Option<(f64, f64)> {
         let mut curves: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-        for (observation, left, _) in self.left(fit, &|_| true).0 {
+        for (observation, left, _) in self.left(&fit.residuals_um, &|_| true).0 {
             curves.entry(observation.curve).or_default().push(left);
         }
         let second = |w: &[f64]| (w[0] - 2.0 * w[1] + w[2]).abs();
@@ -265,35 +265,35 @@ impl<'a> Data<'a> {
 
     /// Values by their σ, less what the scale of the laser may have added, whose own size stands behind them.
     pub(super) fn weighted(&self, values_um: &[f64]) -> Vec<f64> {
-        let (left, laser) = self.less_laser(values_um, &|_| true);
-        let pairs = left.iter().zip(&self.sigma_um);
-        pairs.map(|(value, sigma)| value / sigma).chain(laser).collect()
+        let (left, laser) = self.left(values_um, &|_| true);
+        left.into_iter().map(|(_, left, sigma)| left / sigma).chain(laser).collect()
     }
 
-    /// Values less what the scale of the laser may have added to them, which is one error of all positions, axes
-    /// and directions; and how much of it that takes, by its standard uncertainty. `None` = none is stated.
+    /// Observations, their values less what the scale of the laser may have added, which is one error of all positions,
+    /// axes and directions, and their σ, µm; how much of it that takes, by its own u. `None` = none is stated.
     ///
     /// formula  the s with least Σ ((value − s c)/σ)² + s²; c = what one standard uncertainty adds, less its zeros
-    fn less_laser(
+    fn left(
         &self,
         values_um: &[f64],
         of: &dyn Fn(&Observation) -> bool,
-    ) -> (Vec<f64>, Option<f64>) {
+    ) -> (Vec<(&'a Observation, f64, f64)>, Option<f64>) {
         let question = self.question;
-        if question.laser_um_per_m <= 0.0 {
-            return (values_um.to_vec(), None);
-        }
-        let grown = |o: &Observation| question.grown_um(o, question.laser_um_per_m);
-        let added = self.less_zeros(&question.seen.iter().map(grown).collect::<Vec<f64>>());
-        let (mut share, mut known) = (0.0, 1.0);
+        let grown = |o: &Observation| {
+            o.predicted(|part| Some(question.grown_um(part, question.laser_um_per_m)))
+        };
+        let grown = question.seen.iter().map(|o| grown(o).unwrap_or(0.0));
+        let added = self.less_zeros(&grown.collect::<Vec<f64>>());
         let each = question.seen.iter().zip(&self.sigma_um).zip(added.iter().zip(values_um));
-        for ((_, sigma), (added, value)) in each.filter(|((o, _), _)| of(o)) {
-            share += added * value / sigma.squared();
-            known += (added / sigma).squared();
+        let each: Vec<_> = each.filter(|((o, _), _)| of(o)).collect();
+        let (mut share, mut known) = (0.0, 1.0);
+        for ((_, sigma), (added, value)) in &each {
+            share += *added * *value / sigma.squared();
+            known += (*added / *sigma).squared();
         }
         let size = share / known;
-        let left = values_um.iter().zip(&added).map(|(value, added)| value - size * added);
-        (left.collect(), Some(size))
+        let left = each.into_iter().map(|((o, sigma), (added, um))| (o, um - size * added, *sigma));
+        (left.collect(), (question.laser_um_per_m > 0.0).then_some(size))
     }
 
     /// Sum over the curves of the mean squared residual over σ²; that of chi-squared with as many
@@ -305,26 +305,13 @@ impl<'a> Data<'a> {
     /// The mean of each curve; the scale of the laser is one figure more.
     fn by_curve(&self, fit: &Fit, of: &dyn Fn(&Observation) -> bool) -> Vec<f64> {
         let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
-        let (left, laser) = self.left(fit, of);
+        let (left, laser) = self.left(&fit.residuals_um, of);
         for (observation, left, sigma) in left {
             let sum = sums.entry(observation.curve).or_default();
             *sum = (sum.0 + (left / sigma).squared(), sum.1 + 1.0);
         }
         let means = sums.into_values().map(|(square, count)| square / count);
         means.chain(laser.map(f64::squared)).collect()
-    }
-
-    /// Observations with what a fit leaves of them and their σ, µm; what the scale of the laser takes of them.
-    fn left(
-        &self,
-        fit: &Fit,
-        of: &dyn Fn(&Observation) -> bool,
-    ) -> (Vec<(&'a Observation, f64, f64)>, Option<f64>) {
-        let (left, laser) = self.less_laser(&fit.residuals_um, of);
-        let values = self.question.seen.iter().zip(left).zip(&self.sigma_um);
-        let values = values.filter(|((o, _), _)| of(o));
-        let values = values.map(|((observation, left), sigma)| (observation, left, *sigma));
-        (values.collect(), laser)
     }
 
     /// Whether a fit is not rejected: all curves together, each by itself, and the two values of
@@ -347,7 +334,7 @@ impl<'a> Data<'a> {
     /// [`RISK`] shared by all pairs (Bonferroni).
     fn no_two_values_apart(&self, fit: &Fit, of: &dyn Fn(&Observation) -> bool) -> bool {
         let mut groups: BTreeMap<usize, Vec<(f64, f64)>> = BTreeMap::new();
-        for (observation, left, sigma) in self.left(fit, of).0 {
+        for (observation, left, sigma) in self.left(&fit.residuals_um, of).0 {
             let group = groups.entry(observation.zero).or_default();
             group.push((left, sigma));
         }
@@ -451,14 +438,11 @@ fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
         }
         (false, false) => "",
     };
-    let laser = match question.laser_um_per_m {
-        laser if laser > 0.0 && !words.is_empty() => {
-            format!(", and {laser:.2} µm/m of laser scale, common to all axes")
-        }
-        _ => String::new(),
-    };
+    let laser = question.laser_um_per_m;
+    let counts = laser > 0.0 && !words.is_empty();
+    let laser = counts.then(|| format!(", and {laser:.2} µm/m of laser scale, common to all axes"));
     let sigmas = question.seen.iter().map(sigma).collect();
-    (sigmas, format!("{words}{laser}"))
+    (sigmas, format!("{words}{}", laser.unwrap_or_default()))
 }
 
 /// Risk of rejecting what is right.

@@ -120,14 +120,10 @@ impl Question<'_> {
         kelvin * self.alpha_per_k[axis] * 1e6
     }
 
-    /// What a value gains where every scale is longer by so much, µm.
-    pub(super) fn grown_um(&self, observation: &Observation, um_per_m: f64) -> f64 {
-        let grown = |part: &Part| {
-            let along = part.term.along;
-            let from_zero = part.at.mm() - self.reference_mm[along];
-            Some(if part.term.is_positioning() { um_per_m * from_zero / 1000.0 } else { 0.0 })
-        };
-        observation.predicted(grown).unwrap_or(0.0)
+    /// What a positioning error gains where its scale is longer by so much, µm; a cross term gains nothing.
+    pub(super) fn grown_um(&self, part: &Part, um_per_m: f64) -> f64 {
+        let from_zero = part.at.mm() - self.reference_mm[part.term.along];
+        if part.term.is_positioning() { um_per_m * from_zero / 1000.0 } else { 0.0 }
     }
 
     /// Whether the second measurement sees the positions of an axis whose scale grows.

@@ -27,8 +27,15 @@ pub struct Change {
     /// U of `after_um`, the largest of its values, with 95 %; `None` = not stated.
     pub expanded_um: Option<f64>,
     /// What is compared with a limit: `after_um` is at most this, with 95 %, and with what is doubtful beside it;
-    /// `None` = no uncertainty is stated.
+    /// `None` = no uncertainty is stated, and nothing is doubtful.
     pub at_most_um: Option<f64>,
+}
+
+impl Change {
+    /// Whether anything is known of what it is at most.
+    fn is_bounded(&self, doubtful_um: f64) -> bool {
+        self.u_um.is_some() || doubtful_um > 0.0
+    }
 }
 
 /// Forecast of one term.
@@ -97,7 +104,11 @@ impl DiagonalForecast {
     }
 
     /// With what is known of all values drawn together.
-    pub(super) fn drawn(mut self, largest_um: Option<f64>, doubtful_um: f64) -> DiagonalForecast {
+    pub(in crate::judge) fn drawn(
+        mut self,
+        largest_um: Option<f64>,
+        doubtful_um: f64,
+    ) -> DiagonalForecast {
         let own = self.change.expanded_um;
         self.change.expanded_um = own.map(|own| largest_um.map_or(own, |um| own.min(um)));
         DiagonalForecast { largest_um, doubtful_um, ..self }
@@ -199,7 +210,8 @@ impl Forecast {
 
     /// What all terms together are at most, with 95 %, µm; `None` = no uncertainty is stated.
     pub(crate) fn all_at_most_um(&self) -> Option<f64> {
-        let stated = self.terms.iter().any(|term| term.change.u_um.is_some());
+        let doubtful = &self.doubtful.terms;
+        let stated = self.terms.iter().any(|term| term.change.is_bounded(doubtful[term.term]));
         let all_um = self.largest.as_ref().map(|largest| largest.all_um);
         stated.then(|| self.at_most_um(&self.shifted(1.0), all_um))
     }
@@ -221,7 +233,7 @@ impl Forecast {
 
     /// What max − min of every diagonal is at most, with 95 %, µm; `None` = no uncertainty is stated.
     pub(super) fn ranges_at_most_um(&self, diagonals: &[&DiagonalForecast]) -> Option<f64> {
-        let stated = diagonals.iter().any(|d| d.change.u_um.is_some());
+        let stated = diagonals.iter().any(|d| d.change.is_bounded(d.doubtful_um));
         let halves = diagonals.iter().flat_map(|d| shifted(&d.halves, d.doubtful_um / 2.0));
         let halves: Vec<Magnitude> = halves.collect();
         let ranges_um = self.largest.as_ref().map(|largest| largest.ranges_um / 2.0);
@@ -233,11 +245,12 @@ impl Forecast {
         self.basis = basis;
         let of_terms = self.terms.iter().map(|term| {
             let together_um = self.largest.as_ref().map(|of| of.single.terms[term.term]);
-            let figures = shifted(&term.figures, self.doubtful.terms[term.term]);
-            term.change.u_um.map(|_| self.at_most_um(&figures, together_um))
+            let doubtful_um = self.doubtful.terms[term.term];
+            let figures = shifted(&term.figures, doubtful_um);
+            term.change.is_bounded(doubtful_um).then(|| self.at_most_um(&figures, together_um))
         });
         let of_diagonals = self.diagonals.iter().map(|d| {
-            d.change.u_um.map(|_| match basis {
+            d.change.is_bounded(d.doubtful_um).then(|| match basis {
                 Basis::Forecast => {
                     let halves = shifted(&d.halves, d.doubtful_um / 2.0);
                     2.0 * self.at_most_um(&halves, d.largest_um.map(|um| um / 2.0))
