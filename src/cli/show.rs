@@ -38,7 +38,7 @@ pub(super) fn placements(placements: &[Placement]) -> String {
     let rows = placements.iter().map(|p| {
         let direction = p.direction.map_or("+ and -", Direction::symbol);
         let count = Some(p.count_um).filter(|um| *um > 0.0);
-        let count = count.map_or_else(|| "unrounded".to_string(), short);
+        let count = count.map_or_else(|| "unrounded".to_string(), |um| Figure(um).trimmed(6));
         let row = format!(
             "{}\t{direction}\t{}\t{}\t{count}\t{:.3}",
             p.term, p.place, p.points, p.grid_residual_um
@@ -53,11 +53,6 @@ pub(super) fn placements(placements: &[Placement]) -> String {
         "{}\n  count: smallest step of a table value; grid residual: largest difference of curve and table{legend}",
         table(&format!("{heading}{column}"), rows)
     )
-}
-
-fn short(number: f64) -> String {
-    let text = format!("{:.6}", Figure(number));
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 /// Every measured term before and after, with the place of its table.

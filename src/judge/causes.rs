@@ -31,7 +31,7 @@ pub use self::question::{Corrected, Question, Slip};
 
 use self::candidates::{all_faults, alone, cause};
 use self::data::{Data, RISK, quantile};
-use self::decide::{decides, short};
+use self::decide::decides;
 use self::fault::{Act, Fault, Fit, Scope};
 use crate::judge::after::Observation;
 use crate::judge::findings::OfTerm;
@@ -235,8 +235,8 @@ fn term_by_term(data: &Data<'_>) -> Vec<Finding> {
 fn off_forecast(um: f64, seen: &Observation) -> String {
     let place = match seen.parts.as_slice() {
         [] => String::new(),
-        [one] => format!(" at {} mm moving {}", short(one.at), one.direction),
-        [mean, ..] => format!(" at {} mm", short(mean.at)),
+        [one] => format!(" at {} mm moving {}", Figure(one.at.mm()).trimmed(3), one.direction),
+        [mean, ..] => format!(" at {} mm", Figure(mean.at.mm()).trimmed(3)),
     };
     format!("{:+.3} µm off the forecast{place}, ", Figure(um))
 }

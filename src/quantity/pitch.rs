@@ -27,9 +27,8 @@ pub(crate) fn seen(step_mm: f64, steps: u32) -> usize {
     let has_all = |pitch: f64| {
         let turns = (0..=steps).map(|k| f64::from(k) * step_mm / pitch + ROUNDING);
         let places = turns.map(|turns| PHASES * turns.fract());
-        [0.0, 1.0, 2.0, 3.0, 4.0]
-            .iter()
-            .all(|n| places.clone().any(|at| (*n..n + 1.0).contains(&at)))
+        let is_met = |n: f64| places.clone().any(|at| (n..n + 1.0).contains(&at));
+        [0.0, 1.0, 2.0, 3.0, 4.0].into_iter().all(is_met)
     };
     USUAL_MM.into_iter().filter(|pitch| has_all(*pitch)).count()
 }

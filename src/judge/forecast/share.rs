@@ -5,7 +5,7 @@ use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::pitch::{self, USUAL_MM};
-use crate::quantity::units::{Millimetres, larger};
+use crate::quantity::units::{Figure, Millimetres, larger};
 
 /// Share of a judged range that has to be measured before a limit counts as kept: the offset
 /// targets of an acceptance test stay clear of the ends by half a step or so.
@@ -98,7 +98,7 @@ impl JudgedRange {
         (!self.is_known()).then(|| {
             format!(
             "{axis} was measured from {from} to {to} mm with a target spacing of up to {} mm, {} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}",
-            shown(self.gap_mm),
+            Figure(self.gap_mm).trimmed(3),
             percent(self.share)
         )
         })
@@ -108,11 +108,6 @@ impl JudgedRange {
     pub(crate) fn is_whole(&self) -> bool {
         self.share >= WHOLE
     }
-}
-
-fn shown(mm: f64) -> String {
-    let text = format!("{mm:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 fn percent(share: f64) -> String {
@@ -146,7 +141,7 @@ pub(crate) fn is_whole_travel(ranges: &[JudgedRange]) -> bool {
 
 /// On which part of the machine a verdict rests, for its line.
 pub(super) fn words(ranges: &[JudgedRange]) -> String {
-    let gap = format!(", target spacing up to {} mm", shown(widest_gap_mm(ranges)));
+    let gap = format!(", target spacing up to {} mm", Figure(widest_gap_mm(ranges)).trimmed(3));
     if is_whole_travel(ranges) {
         return format!("over the whole travel{gap}");
     }
