@@ -1,9 +1,9 @@
 //! `ETALON_EXCHANGE`: a section for each parameter, `[EXY]` with `Gridpoints = {`, rows and `}`, or `[C0Y]` with
 //! `VALUE = …`; `//` begins a comment.
 
-use super::line::{number, without_comment, words};
+use super::line::{number, without_comment};
 use crate::control::table::isg::{Curve, Parameter, Point};
-use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
+use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, words};
 use crate::text::problem::{Problems, shown};
 use std::ops::Range;
 

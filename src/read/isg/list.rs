@@ -1,9 +1,8 @@
 //! The list of a volumetric compensation: `key value` in each line, `#` begins a comment.
 
-use super::line::words;
 use crate::control::controller::FileFormat;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
+use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, words};
 use crate::text::problem::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
