@@ -131,7 +131,6 @@ fn state(stated: &mut Stated, option: &str, word: &str) {
         "--unit" => stated.unit = choice(word),
         "--values" => stated.values = choice(word),
         "--runs" => stated.runs = choice(word),
-        "--rows" => stated.rows = choice(word),
         "--material-corrected" => stated.material_corrected = choice(word),
         "--decimal" => stated.decimal = choice(word),
         "--columns" => stated.columns = Some(word.to_string()),

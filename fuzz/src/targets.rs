@@ -275,7 +275,7 @@ const ON_KITS: [&str; 6] = [
 const OPTIONS: [&str; 4] = [
     "--axis x --term EXX --first-target-at-mm 0 --targets-run + --sign as-error --material-corrected yes",
     "--sign as-correction --direction both --axis y --term EYY --values absolute --unit um",
-    "--sign as-error --plus-moves + --rows measured --runs bidirectional",
+    "--sign as-error --plus-moves + --runs bidirectional",
     "--columns #1=position_mm,#2=ex_um --axis x --direction + --unit um --decimal point",
 ];
 
