@@ -109,10 +109,10 @@ impl InControl {
                 "state `measuring_system` in [compensation.axes] as it is active on the control"
             }
             Self::LecNotRead { .. } => {
-                "read out the tables too ($AA_ENC_COMP, `AX_EEC.INI`) and name all files together, or name the commissioning archive (.arc)"
+                "read out the tables too ($AA_ENC_COMP, `AX_EEC.INI`) and name all files together"
             }
             Self::CecNotRead { .. } | Self::CecUnknown { .. } => {
-                "read out the tables too ($AN_CEC, `NC_CEC.INI`) and name all files together, or name the commissioning archive (.arc)"
+                "read out the tables too ($AN_CEC, `NC_CEC.INI`) and name all files together"
             }
             Self::CecUnit { .. } | Self::MayBeCecUnit { .. } => {
                 "state the `control_unit` of the tables, or read out MD10260 = 0 as well"
