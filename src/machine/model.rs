@@ -182,9 +182,18 @@ impl ErrorModel {
             remarks: Remarks {
                 largest: table.remarks.largest.clone().filter(|largest| largest.zero == zero(job)),
                 doubtful: with_periods(job, table.remarks.doubtful.as_ref()),
+                measured: table.remarks.measured.clone().filter(|most| most.zero == zero(job)),
                 ..table.remarks.clone()
             },
         })
+    }
+
+    /// Largest standard uncertainty (k = 1) of a value of a term, without what the other measurement of this machine
+    /// repeats, µm; `None` = not stated.
+    pub(crate) fn u_anew_um(&self, other: &ErrorModel, term: ErrorTerm) -> Option<f64> {
+        let anew = self.remarks.anew.as_ref().filter(|_| other.remarks.anew.is_some());
+        let of_value = || self.terms[term].as_ref().and_then(MeasuredTerm::u_value_um);
+        anew.map_or_else(of_value, |anew| Some(anew.terms[term]))
     }
 
     /// Why figures that rest on these curves are doubtful; `asked` = the terms

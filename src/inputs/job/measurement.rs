@@ -102,6 +102,11 @@ impl StatedUncertainty {
         self.beam_mrad.unwrap_or(BEAM_MRAD)
     }
 
+    /// Of a length read in one set-up, 10⁻⁶: laser, what changes from one set-up to the next, beam.
+    pub(crate) fn of_length_ppm(&self) -> f64 {
+        self.of_laser_ppm().hypot(self.setup_ppm.unwrap_or(0.0)).hypot(self.beam_ppm())
+    }
+
     /// What the beam may take off every length, 10⁻⁶: 1 − cos of its angle. All of it counts as a
     /// standard uncertainty: it has one sign and stays in the readings.
     pub(crate) fn beam_ppm(&self) -> f64 {

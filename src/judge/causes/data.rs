@@ -3,7 +3,6 @@
 use super::fault::{Fault, Fit, Planned};
 use super::question::Question;
 use crate::judge::after::{Observation, Part};
-use crate::machine::model::MeasuredTerm;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::{Squared, larger, smaller};
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
@@ -82,7 +81,7 @@ impl<'a> Data<'a> {
     /// Whether both measurements state an uncertainty.
     pub(super) fn has_both_uncertainties(&self) -> bool {
         let after = self.question.seen.iter().all(|o| o.u_um.is_some());
-        let stated = |o: &Observation| found_variance(self.question, o) > 0.0;
+        let stated = |o: &Observation| o.found_variance > 0.0;
         after && self.question.seen.iter().all(stated)
     }
 
@@ -129,7 +128,6 @@ impl<'a> Data<'a> {
     /// formula  second difference of a sum: e(i+1) − e(i), √2 σ(e); of independent values: √6 σ
     fn widen(&mut self, sigma: f64) -> Option<f64> {
         let seen = self.question.seen;
-        let is_stated = |o: &Observation| is_stated(self.question, o);
         let is_mixed = seen.iter().any(is_stated);
         let mut widest = None;
         for (observation, own) in seen.iter().zip(&mut self.sigma_um) {
@@ -191,7 +189,7 @@ impl<'a> Data<'a> {
     /// The same with the second measurement in another unit; its u is that of the values, or
     /// (`u_times` = 1) right as it stands.
     pub(super) fn in_another_unit(&self, times: f64, u_times: f64) -> Data<'a> {
-        let found = |o: &Observation| found_variance(self.question, o);
+        let found = |o: &Observation| o.found_variance;
         let seen = self.question.seen.iter();
         let sigma = |o: &Observation| {
             let u = o.u_um.unwrap_or(0.0) * u_times;
@@ -392,23 +390,12 @@ fn root_mean_square(values: &[f64]) -> f64 {
 }
 
 /// Whether the uncertainty of a value is stated in one of both measurements at least.
-fn is_stated(question: &Question<'_>, observation: &Observation) -> bool {
-    observation.u_um.is_some() || found_variance(question, observation) > 0.0
+fn is_stated(observation: &Observation) -> bool {
+    observation.u_um.is_some() || observation.found_variance > 0.0
 }
 
 fn floor_um(question: &Question<'_>) -> f64 {
     larger(question.count_um / 2.0, SMALLEST_UM)
-}
-
-/// Σ (weight · u as found)² over the errors that a value sees; parts of one term move together.
-fn found_variance(question: &Question<'_>, observation: &Observation) -> f64 {
-    let of = |term: ErrorTerm| {
-        let parts = observation.parts.iter().filter(|part| part.term == term);
-        let weight: f64 = parts.map(|part| part.weight).sum();
-        let u = question.before.terms[term].as_ref().and_then(MeasuredTerm::u_value_um);
-        (weight * u.unwrap_or(0.0)).squared()
-    };
-    ErrorTerm::ALL.into_iter().map(of).sum()
 }
 
 /// Table values are whole counts, spread evenly over one.
@@ -420,7 +407,7 @@ fn rounding_variance(question: &Question<'_>) -> f64 {
 fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
     let rounding = rounding_variance(question);
     let sigma = |o: &Observation| {
-        let found = found_variance(question, o);
+        let found = o.found_variance;
         let left = o.u_um.map_or(found, |u| u * u);
         let found = if found > 0.0 { found } else { left };
         (left + found + rounding).sqrt()
