@@ -42,3 +42,18 @@ pub(crate) fn step_mm(shortest: f64, longest: f64, steps: u32) -> f64 {
     let rated = lengths.map(|digits| (seen(digits * DIGIT_MM, steps), digits * DIGIT_MM));
     rated.reduce(better).map_or(0.0, |(_, mm)| mm)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_that_are_no_multiple_show_every_pitch() {
+        // 50 mm: 5.08, 6.35, 12, 12.7 and 16 mm only.
+        assert_eq!([seen(50.0, 16), seen(49.0, 16)], [5, USUAL_MM.len()]);
+        assert!((step_mm(46.0, 49.5, 16) - 49.0).abs() < 1e-9);
+        let places = [0.0, 50.0, 100.0].map(Millimetres::new);
+        let hidden = USUAL_MM.iter().zip(unseen(&places)).filter(|(_, unseen)| *unseen);
+        assert_eq!(hidden.map(|(mm, _)| *mm).collect::<Vec<_>>(), [5.0, 10.0, 25.0]);
+    }
+}
