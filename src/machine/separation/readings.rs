@@ -3,7 +3,7 @@
 
 use super::curves::{mean, range};
 use crate::inputs::target_runs::Runs;
-use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 use crate::text::problem::Problem;
@@ -23,10 +23,6 @@ pub struct CorrectedRun {
 
 /// Mean reading errors of one pass along each diagonal, µm, by node of the forward path.
 pub type PassMeans = PerDiagonal<Vec<f64>>;
-
-/// m of formula (1): by diagonal and moving axis, one value for each machine interval, lowest
-/// first; µm.
-pub type Increments = PerDiagonal<PerAxis<Vec<f64>>>;
 
 /// How many runs stand behind the means of each pass: forward, reverse.
 pub type RunCounts = PerDiagonal<[f64; 2]>;
@@ -80,23 +76,6 @@ impl Means {
     /// The groups that the readings hold.
     pub(crate) fn groups(&self) -> &'static [Group] {
         Group::all(self.reverse.is_some())
-    }
-
-    /// Increments of a group. A step of an axis that travels in − on the forward run is filed
-    /// from the far end; the sign of the increment stays, formula (1) has it.
-    pub fn increments(&self, volume: &Volume, group: Group) -> Increments {
-        PerDiagonal::from_fn(|diagonal| {
-            PerAxis::from_fn(|axis| {
-                let readings = &self.of(group.pass(diagonal, axis))[diagonal];
-                let steps = (volume.node_after(axis, 0)..).step_by(3).take(volume.steps);
-                let mut increments: Vec<f64> =
-                    steps.map(|node| readings[node] - readings[node - 1]).collect();
-                if diagonal.forward(axis) == Direction::Minus {
-                    increments.reverse();
-                }
-                increments
-            })
-        })
     }
 }
 

@@ -13,8 +13,9 @@ use super::metric::{Metric, PerPlane, Plane};
 use super::noise::{Noise, NoiseSource, ReadingPlace};
 use super::patterns::Known;
 use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
-use super::reversal::{Turn, ran_over, separable, turn};
+use super::reversal::{Turn, ran_over, turn};
 use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness};
+use super::steps::Steps;
 use super::uncertainty::{Budget, SlopeUncertainty, rolls};
 use crate::inputs::error_table::Silence;
 use crate::inputs::job::{Material, SetUp};
@@ -174,14 +175,15 @@ pub(super) fn of_start(
     let measured = means(&start.runs);
     let overrun = overrun(campaign, start, &measured);
     let turned = overrun == Some(false);
-    let means = separable(&measured, volume, turned);
+    let causes = start.budget(campaign, None, turned).model(campaign);
     let known = Known {
         noise: start.noise,
         outliers: &start.outliers,
-        angles: &start.angles,
-        skip_ends: means.reverse.is_some() && overrun != Some(true),
+        causes: Some(&causes),
+        skip_ends: start.walked_back() && overrun != Some(true),
     };
-    let closure = closure(volume, &means, &start.counts, known);
+    let steps = Steps::of_readings(volume, &measured, turned);
+    let closure = closure(&steps, &measured, &start.counts, known);
     let noise = noise_of(campaign, start, &closure, of_closure);
     let budget = start.budget(campaign, noise, turned);
     let notes = of_noise(start.noise, noise, campaign.stated.noise_um);
@@ -331,16 +333,18 @@ fn evaluated(
 impl Separation {
     /// What remains to be said: the names of the diagonals, noise, lines and reversals.
     fn say(&mut self, campaign: &Campaign<'_>, raw_runs: &[Run], start: &Start) {
-        let as_read =
-            AsRead { start, closure: &self.closure, noise: self.noise, overrun: self.overrun };
+        let (closure, causes) = (&self.closure, &self.model);
+        let as_read = AsRead { start, closure, noise: self.noise, overrun: self.overrun, causes };
         let names = names(campaign, raw_runs, &as_read);
-        self.labels.extend(names.blind);
+        let (doubt, blind): (Vec<Finding>, Vec<Finding>) =
+            names.into_iter().partition(|found| found.severity() > Severity::Note);
+        self.labels.extend(blind);
         let turn = self.turn.iter();
         let doubts = large_noise(self.noise, campaign.stated.noise_um)
             .into_iter()
             .chain(turn.flat_map(|turn| contradictions(turn, &campaign.reversals)));
         self.doubts.extend(doubts);
-        self.doubts.splice(0..0, names.doubt);
+        self.doubts.splice(0..0, doubt);
     }
 }
 
@@ -350,7 +354,8 @@ fn overrun(campaign: &Campaign<'_>, start: &Start, measured: &Means) -> Option<b
     let volume = &campaign.measurement.volume;
     let judged = || {
         let rough = Known { skip_ends: true, ..Known::default() };
-        let guess = || closure(volume, measured, &start.counts, rough).noise();
+        let steps = Steps::of_readings(volume, measured, false);
+        let guess = || closure(&steps, measured, &start.counts, rough).noise();
         let noise = start.noise.or_else(guess);
         ran_over(measured, volume, &start.counts, noise?)
     };

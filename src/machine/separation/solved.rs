@@ -56,7 +56,7 @@ impl<'a> Solved<'a> {
         let slopes: Vec<f64> = campaign.lines.iter().map(|l| l.slope_um_per_m).collect();
         let z = model.layout.measured(means, &slopes);
         let steps = Steps::new(volume, model.layout, budget.turned);
-        let mean_steps = PerTerm::from_fn(|term| steps.mean(term));
+        let mean_steps = PerTerm::from_fn(|term| steps.mean_of(term));
         let ratios = displacement_ratios(volume, &steps.mean_increments(&z));
         let metres = volume.diagonal_mm() / 1000.0;
         let ends = PerDiagonal::from_fn(|d| steps.total(d));
