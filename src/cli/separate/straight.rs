@@ -82,7 +82,7 @@ fn scales(result: &StraightResult) -> String {
     let mut lines = vec![format!(
         "One combination of the scales from the diagonals alone: {} = {:.3} µm/m",
         shares.join(" + "),
-        Figure(result.totals.scale_sum_um_mm / square_m)
+        Figure(result.scale_sum_um_mm / square_m)
     )];
     for axis in Axis::ALL {
         if let Some(scale) = result.metric.scale[axis] {
@@ -152,7 +152,7 @@ pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
 fn diagonals(result: &StraightResult) -> Result<Value, Problems> {
     let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
     let range_um = result.range_over_all_um;
-    let mut all = diagonal_totals(&figures.all, range_um, result.totals.scale_sum_um_mm);
+    let mut all = diagonal_totals(&figures.all, range_um, result.scale_sum_um_mm);
     for (diagonal, f) in result.diagonals.iter() {
         let entry = &mut all[diagonal.name()];
         *entry = json!({

@@ -187,7 +187,7 @@ impl Solved<'_> {
             // Their squareness is another one than that of the totals.
             (SetUp::AssumePerfect, Frame::AsMeasured) => labels.push(Found::SeparatedSlopesKept {
                 separated: squareness(&|plane| naive_squareness(&self.naive, plane)),
-                totals: squareness(&|plane| self.totals.squareness_um_per_m.of(plane)),
+                totals: squareness(&|plane| self.squareness().of(plane).unwrap_or(0.0)),
             }),
             (SetUp::Solve, frame) => {
                 if !self.metric.is_complete() {

@@ -193,7 +193,7 @@ impl<'a> Linear<'a> {
             }
         };
         let of_plane = |(plane, um_per_m): &(Plane, f64)| {
-            let moved = self.solved.figure_row(Unknown::Squareness(*plane)).dot(noise);
+            let moved = self.solved.figure_row(Unknown::squareness(*plane)).dot(noise);
             (Quantity::Squareness(*plane), um_per_m + moved)
         };
         self.curves.iter().map(of_curve).chain(self.squareness.iter().map(of_plane)).collect()

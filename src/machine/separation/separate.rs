@@ -14,7 +14,7 @@ use super::noise::{Noise, NoiseSource, ReadingPlace};
 use super::patterns::Known;
 use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
 use super::reversal::{Turn, ran_over, turn};
-use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness};
+use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness, scale_sum_um_mm};
 use super::steps::Steps;
 use super::uncertainty::{Budget, SlopeUncertainty, rolls};
 use crate::inputs::error_table::Silence;
@@ -302,7 +302,7 @@ fn evaluated(
         squareness_least_squares_um_per_m: errors.least_squares_squareness(volume),
         tilts: solved.tilts(),
         undetermined: solved.undetermined(turn.is_some(), &reversals),
-        scale_sum_um_mm: solved.totals.scale_sum_um_mm,
+        scale_sum_um_mm: scale_sum_um_mm(volume, &solved.ends_um),
         doubts,
         anomalies,
         labels,

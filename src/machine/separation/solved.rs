@@ -1,4 +1,9 @@
 //! Slopes of the nine curves, from increments, totals and lines, and the curves with their uncertainties.
+//!
+//! ```text
+//!   slope(term) = share · figure + a · (separated slope) + b · (separated slope of the twin)
+//!   figure      = a scale or a squareness: of (7), or of the totals where the set-up is assumed (4)
+//! ```
 
 use super::agreement::Agreement;
 use super::campaign::{Campaign, MeasuredLine};
@@ -7,10 +12,9 @@ use super::linear::{CurveRows, Model, Row, Variance};
 use super::linear_reversal::{LinearReversal, LinearReversals};
 use super::metric::{Equations, Metric, PerPlane, Plane, displacement_ratios, stepped};
 use super::noise::{Noise, coverage_factor, effective_freedom};
-use super::plane::{UNKNOWNS, Unknown};
+use super::plane::Unknown;
 use super::readings::{Group, Means};
 use super::reversal::Turn;
-use super::slopes::{Rule, Totals, totals};
 use super::steps::Steps;
 use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, SetUp};
@@ -38,9 +42,13 @@ pub(super) struct Solved<'a> {
     equations: Equations,
     pub(super) metric: Metric,
     /// Scales and squareness by what was measured, µm/m.
-    figures: [Row; UNKNOWNS],
+    figures: [Row; 6],
     pub(super) ends_um: PerDiagonal<f64>,
-    pub(super) totals: Totals,
+}
+
+/// S = X²p_xx + Y²p_yy + Z²p_zz, µm·mm: the one combination of the scales that the readings at the far ends tell, µm.
+pub(super) fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f64 {
+    volume.diagonal_mm() * ends_um.iter().map(|(_, um)| um).sum::<f64>() / 4.0
 }
 
 impl<'a> Solved<'a> {
@@ -72,33 +80,30 @@ impl<'a> Solved<'a> {
         }
         let known = (&mut model, budget.noise.is_some());
         let equations = Equations::new(volume, &stepped(&ratios), &lines, rows, known);
-        let totals_of = |plane: Plane| {
-            let part = |d: Diagonal| {
-                let one = PerDiagonal::from_fn(|other| f64::from(other == d));
-                (totals(volume, &one).squareness_um_per_m.of(plane), &ends[d])
-            };
-            Row::sum(Diagonal::ALL.map(part))
-        };
-        let figures = match setup {
-            SetUp::Solve => equations.rows(),
-            SetUp::AssumePerfect => Unknown::ALL.map(|unknown| match unknown {
-                Unknown::Scale(_) => Row::default(),
-                Unknown::Squareness(plane) => totals_of(plane),
-            }),
-        };
+        let (metric, mut figures) = equations.metric();
+        if setup == SetUp::AssumePerfect {
+            figures = Default::default();
+            for plane in Plane::ALL {
+                let (a, b) = plane.axes();
+                let edges = volume.size[a].mm() * volume.size[b].mm();
+                let share = 1000.0 * volume.diagonal_mm() / (4.0 * edges);
+                let of = |d: Diagonal| (share * d.sign(a) * d.sign(b), &ends[d]);
+                figures[Unknown::squareness(plane).0] = Row::sum(Diagonal::ALL.map(of));
+            }
+        }
         let length = |axis: Axis| volume.size[axis].mm() / 1000.0;
         let rise =
             |term: ErrorTerm| mean_steps[term].iter().map(|step: &Row| step.dot(&z)).sum::<f64>();
+        let naive = PerTerm::from_fn(|term| rise(term) / length(term.along));
         Solved {
             budget,
             setup,
             frame,
-            naive: PerTerm::from_fn(|term| rise(term) / length(term.along)),
+            naive,
             ratios,
-            metric: equations.metric(),
+            metric,
             figures,
             equations,
-            totals: totals(volume, &ends_um),
             ends_um,
             model,
             z,
@@ -111,70 +116,72 @@ impl<'a> Solved<'a> {
         self.budget.volume.size[term.along].mm() / 1000.0
     }
 
-    fn rule(&self, term: ErrorTerm) -> Rule {
-        Rule::of(self.setup, self.frame, term)
+    /// What the slope of a term is made of: shares of its figure, of its separated slope, of that of its twin.
+    fn rule(&self, term: ErrorTerm) -> [f64; 3] {
+        match (self.setup, self.frame) {
+            (SetUp::AssumePerfect, frame)
+                if term.is_positioning() || frame == Frame::AsMeasured =>
+            {
+                [0.0, 1.0, 0.0]
+            }
+            // The rotation is that of the separated slopes, their sum that of the totals.
+            (SetUp::Solve, Frame::AsMeasured) if term.is_cross() => [0.5, 0.5, -0.5],
+            // EXY, EXZ and EYZ carry the squareness of their plane.
+            _ if term.of <= term.along => [1.0, 0.0, 0.0],
+            _ => [0.0; 3],
+        }
     }
 
     /// A scale or a squareness, µm/m; `None` = not determined.
     fn figure(&self, unknown: Unknown) -> Option<f64> {
-        match (self.setup, unknown) {
-            (SetUp::AssumePerfect, Unknown::Squareness(plane)) => {
-                Some(self.totals.squareness_um_per_m.of(plane))
-            }
-            _ => self.metric.value(unknown),
+        match self.setup {
+            SetUp::AssumePerfect => Some(self.figure_row(unknown).dot(&self.z)),
+            SetUp::Solve => self.metric.value(unknown),
         }
     }
 
     pub(super) fn squareness(&self) -> PerPlane<Option<f64>> {
-        PerPlane::from_fn(|plane| self.figure(Unknown::Squareness(plane)))
+        PerPlane::from_fn(|plane| self.figure(Unknown::squareness(plane)))
     }
 
     /// Slope of a term, µm/m; `None` = not determined.
     fn slope(&self, term: ErrorTerm) -> Option<f64> {
-        let rule = self.rule(term);
-        let figure = match rule.figure {
-            None => 0.0,
-            Some((unknown, share)) => share * self.figure(unknown)?,
-        };
-        Some(figure + rule.own * self.naive[term] + rule.of_twin * self.naive[term.twin()])
+        let [share, own, of_twin] = self.rule(term);
+        let figure = if share > 0.0 { share * self.figure(Unknown::of(term))? } else { 0.0 };
+        Some(figure + own * self.naive[term] + of_twin * self.naive[term.twin()])
     }
 
     /// A scale or a squareness by what was measured, µm/m.
-    pub(super) fn figure_row(&self, unknown: Unknown) -> &Row {
-        &self.figures[unknown.index()]
+    pub(super) fn figure_row(&self, Unknown(index): Unknown) -> &Row {
+        &self.figures[index]
     }
 
     /// u² of a scale or a squareness; `None` where it is not known.
     fn figure_variance(&self, unknown: Unknown) -> Option<Variance> {
-        let of_totals =
-            matches!(unknown, Unknown::Squareness(_)) && self.setup == SetUp::AssumePerfect;
+        let of_totals = self.setup == SetUp::AssumePerfect;
         self.budget.noise.filter(|_| of_totals || self.metric.u(unknown).is_some())?;
         Some(self.model.variance(self.figure_row(unknown)))
     }
 
     /// The mean curve of a term, its slope put right; as far as its uncertainty is known.
     pub(super) fn mean_rows(&self, term: ErrorTerm) -> CurveRows {
-        let rule = self.rule(term);
+        let [share, own, of_twin] = self.rule(term);
         let steps = self.mean_steps[term].clone();
-        if rule.keeps_separated_slope() {
-            return CurveRows { steps, ..CurveRows::default() };
-        }
-        let rise = |term: ErrorTerm| Row::sum(self.mean_steps[term].iter().map(|s| (1.0, s)));
-        let twin = term.twin();
-        let metres = self.metres(term);
-        let mut line = Row::sum([
-            (rule.own - 1.0, &rise(term)),
-            (rule.of_twin * metres / self.metres(twin), &rise(twin)),
-        ]);
-        if let Some((unknown, share)) = rule.figure {
-            line.add(share * metres, self.figure_row(unknown));
+        let mut line = Row::default();
+        // A separated slope stays as it is.
+        if own < 1.0 {
+            let rise = |term: ErrorTerm| Row::sum(self.mean_steps[term].iter().map(|s| (1.0, s)));
+            let (twin, metres) = (term.twin(), self.metres(term));
+            line.add(own - 1.0, &rise(term));
+            line.add(of_twin * metres / self.metres(twin), &rise(twin));
+            line.add(share * metres, self.figure_row(Unknown::of(term)));
         }
         CurveRows { start: Row::default(), steps, line }
     }
 
     /// u² of the squareness; `None` = not known.
     pub(super) fn plane_variances(&self) -> PerPlane<Option<Variance>> {
-        PerPlane::from_fn(|plane| self.figure_variance(Unknown::Squareness(plane)))
+        PerPlane::from_fn(|plane| self.figure_variance(Unknown::squareness(plane)))
     }
 
     /// The curves beside the lines through their ends: determined whatever the set-up.
@@ -221,11 +228,11 @@ impl<'a> Solved<'a> {
         values: Curve,
         left_out: f64,
     ) -> SeparatedError {
-        let rule = self.rule(term);
+        let [share, own, _] = self.rule(term);
         // A separated slope holds the tilt of the mirror.
-        let is_known = match rule.figure {
-            Some((unknown, _)) => self.figure_variance(unknown).is_some(),
-            None => !rule.keeps_separated_slope() || self.budget.stated.tilt_arcsec.is_some(),
+        let is_known = match share > 0.0 {
+            true => self.figure_variance(Unknown::of(term)).is_some(),
+            false => own < 1.0 || self.budget.stated.tilt_arcsec.is_some(),
         };
         let is_known = is_known && self.budget.noise.is_some();
         let variances = rows.variances(&self.model);
@@ -275,8 +282,10 @@ impl<'a> Solved<'a> {
             return None;
         }
         // X primary: EXY, EXZ and EYZ carry the squareness (p_xy = φxy …).
-        let slope = |term| Rule::of(SetUp::Solve, Frame::XPrimary, term).figure;
-        let slope = |term| slope(term).and_then(|(unknown, _)| self.metric.value(unknown));
+        let slope = |term: ErrorTerm| {
+            let carries = term.of <= term.along;
+            carries.then(|| self.metric.value(Unknown::of(term))).flatten()
+        };
         Some(PerDiagonal::from_fn(|diagonal| {
             let u = self.budget.volume.laser(diagonal);
             let expected = |along: Axis| {

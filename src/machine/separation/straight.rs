@@ -26,7 +26,7 @@ use super::metric::{Equations, Metric, PerPlane};
 use super::noise::{Noise, float};
 use super::plane::Unknown;
 use super::readings::{CorrectedRun, DiagonalFigures, figures, means, run_counts};
-use super::slopes::{Totals, totals};
+use super::solved::scale_sum_um_mm;
 use super::uncertainty::SlopeUncertainty;
 use super::{labels, metric};
 use crate::inputs::error_table::{ErrorTable, Series, Silence};
@@ -59,8 +59,8 @@ pub struct StraightResult {
     pub diagonals: PerDiagonal<DiagonalFigures>,
     /// Max − min over all diagonals, µm.
     pub range_over_all_um: f64,
-    /// Formula (4), from the readings alone.
-    pub totals: Totals,
+    /// S, µm·mm, from the readings alone.
+    pub scale_sum_um_mm: f64,
     /// Scales and squareness with linear axes and other beams.
     pub metric: Metric,
     /// Whether linear axes, beams and diagonals agree; `None` where nothing is redundant.
@@ -99,14 +99,13 @@ pub fn straight(
     let rows = rows(volume, model.layout);
     let known = (&mut model, noise.is_some());
     let equations = Equations::new(volume, &diagonals, &campaign.lines, rows, known);
-    let rows = equations.rows();
-    let metric = equations.metric();
+    let (metric, rows) = equations.metric();
     let agreement = equations.agreement(&metric);
     let found = |unknown: Unknown| {
         metric.u(unknown)?;
-        noise.map(|_| model.variance(&rows[unknown.index()]))
+        noise.map(|_| model.variance(&rows[unknown.0]))
     };
-    let planes = PerPlane::from_fn(|plane| found(Unknown::Squareness(plane)));
+    let planes = PerPlane::from_fn(|plane| found(Unknown::squareness(plane)));
     let known = |found: Option<Variance>| Some(found?.as_slope(noise?));
     Ok(StraightResult {
         volume: volume.clone(),
@@ -115,11 +114,11 @@ pub fn straight(
             range_um: of_zeroed[d].range_um,
         }),
         range_over_all_um,
-        totals: totals(volume, &ends),
+        scale_sum_um_mm: scale_sum_um_mm(volume, &ends),
         u_squareness: planes.map(known),
         silence: campaign.silence(),
         u_scale: PerAxis::from_fn(|axis| {
-            metric.scale[axis].and_then(|_| known(found(Unknown::Scale(axis))))
+            metric.scale[axis].and_then(|_| known(found(Unknown::scale(axis))))
         }),
         doubts: doubts(campaign, &start, agreement.as_ref()),
         agreement,
