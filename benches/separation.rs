@@ -89,13 +89,10 @@ fn separation(criterion: &mut Criterion) {
     });
     group.sample_size(10);
     group.throughput(Throughput::Elements(TRIALS));
-    for threads in [1, 2] {
-        let plan = Trials { trials: 4000, seed: 1502, threads };
-        let name = format!("Monte Carlo, 4000 trials, threads: {threads}");
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| simulate(&campaign, &budget, black_box(&whole.means), plan, &|_| {}))
-        });
-    }
+    let plan = Trials { trials: 4000, seed: 1502 };
+    group.bench_function("Monte Carlo, 4000 trials", |bencher| {
+        bencher.iter(|| simulate(&campaign, &budget, black_box(&whole.means), plan, || ()))
+    });
     match Numpy::start() {
         Some(mut numpy) => {
             group.bench_function("numpy, 4000 simpler trials, one process", |bencher| {

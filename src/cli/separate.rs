@@ -20,7 +20,6 @@ use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 // Options of `separate`.
@@ -108,14 +107,9 @@ fn simulated(
         stated: campaign.stated,
         material: separation.material,
     };
-    let plan = Trials {
-        trials: options.trials,
-        seed: options.seed,
-        threads: std::thread::available_parallelism().map_or(1, usize::from),
-    };
-    let progress = Progress::new(options.trials);
-    let hear = |done: usize| progress.add(done);
-    let simulated = simulate(&campaign, &budget, &separation.means, plan, &hear);
+    let plan = Trials { trials: options.trials, seed: options.seed };
+    let mut progress = Progress::new(options.trials);
+    let simulated = simulate(&campaign, &budget, &separation.means, plan, || progress.add());
     progress.close();
     Ok(simulated.map(|simulated| known_only(simulated, separation)))
 }
@@ -135,7 +129,7 @@ fn known_only(mut simulated: Simulated, separation: &Separation) -> Simulated {
 
 /// A bar on standard error, if that is a terminal and the simulation takes long.
 struct Progress {
-    done: AtomicUsize,
+    done: usize,
     all: usize,
     begun: Instant,
     shown: bool,
@@ -143,18 +137,13 @@ struct Progress {
 
 impl Progress {
     fn new(all: usize) -> Progress {
-        Progress {
-            done: AtomicUsize::new(0),
-            all,
-            begun: Instant::now(),
-            shown: std::io::stderr().is_terminal(),
-        }
+        Progress { done: 0, all, begun: Instant::now(), shown: std::io::stderr().is_terminal() }
     }
 
-    fn add(&self, trials: usize) {
-        let before = self.done.fetch_add(trials, Ordering::Relaxed);
+    fn add(&mut self) {
         let percent = |done: usize| 100 * done / self.all.max(1);
-        let (before, now) = (percent(before), percent(before + trials));
+        let (before, now) = (percent(self.done), percent(self.done + 1));
+        self.done += 1;
         if self.shown && now > before && self.begun.elapsed() > PATIENCE {
             let bar = "#".repeat(now / 4);
             // A bar that cannot be drawn is no failure.

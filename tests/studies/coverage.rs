@@ -403,8 +403,8 @@ fn intervals_of_ranges_are_measured() {
             stated: campaign.stated,
             material: None,
         };
-        let plan = Trials { trials: 400, seed: 7, threads: 1 };
-        let simulated = simulate(&campaign, &budget, &found.means, plan, &|_| {}).unwrap();
+        let plan = Trials { trials: 400, seed: 7 };
+        let simulated = simulate(&campaign, &budget, &found.means, plan, || ()).unwrap();
         let estimates = PerTerm::from_fn(|term| curve(&found, term).to_vec());
         let (mut wanted, found) = (figures(&truth, &truth.curves), figures(&truth, &estimates));
         wanted.extend(Plane::ALL.map(|plane| truth.squareness(plane)));

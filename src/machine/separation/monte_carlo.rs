@@ -7,12 +7,10 @@
 //! (2·estimate − q). How often such intervals hold the true value was measured, see
 //! docs/accuracy.md; nothing is promised.
 //!
-//! Trial number t draws from stream t of the generator, so that neither the number of threads
-//! nor their order changes a digit.
+//! Trial number t draws from stream t of the generator, so that more trials begin with the same ones.
 
 use super::campaign::Campaign;
 use super::curves::{ReferenceLine, mean, range};
-use super::linear::CurveRows;
 use super::metric::Plane;
 use super::noise::float;
 use super::plane::Unknown;
@@ -25,10 +23,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use std::fmt;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Trials that are added up together: the same blocks whatever the number of threads.
-const BLOCK: usize = 64;
 
 /// How to simulate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,8 +31,6 @@ pub struct Trials {
     pub trials: usize,
     /// Seed of the generator.
     pub seed: u64,
-    /// Threads.
-    pub threads: usize,
 }
 
 /// What is simulated.
@@ -122,115 +114,61 @@ pub struct Simulated {
     pub figures: Vec<Figure>,
 }
 
-/// Runs the trials on mean readings as measured. `budget.noise` must be known, else `None`. `progress` hears of finished trials.
+/// Runs the trials on mean readings as measured. `budget.noise` must be known, else `None`. `progress` hears of each
+/// finished trial.
 pub fn simulate(
     campaign: &Campaign<'_>,
     budget: &Budget<'_>,
     means: &Means,
     plan: Trials,
-    progress: &(dyn Fn(usize) + Sync),
+    mut progress: impl FnMut(),
 ) -> Option<Simulated> {
     budget.noise?;
     let solved = Solved::new(campaign, budget, means);
-    let linear = Linear::new(&solved);
+    let (volume, squareness) = (budget.volume, solved.squareness());
+    let curve = |term: ErrorTerm| {
+        let at: Vec<f64> = (0..=volume.steps).map(|at| volume.along_mm(term.along, at)).collect();
+        Some((term, solved.mean_rows(term), solved.turned_um(term)?, at))
+    };
+    let curves: Vec<_> = ErrorTerm::ALL.into_iter().filter_map(curve).collect();
+    let planes = Plane::ALL.into_iter().filter_map(|plane| Some((plane, squareness.of(plane)?)));
+    let planes: Vec<_> = planes.collect();
+    // The figures as far as they are determined, with so much added to what was measured.
+    let figures = |noise: &[f64]| -> Vec<f64> {
+        let noisy: Vec<f64> = solved.z.iter().zip(noise).map(|(z, noise)| z + noise).collect();
+        let of_curves = curves.iter().map(|(term, rows, line_um, at)| {
+            let curve = rows.values(&noisy, line_um + rows.line.dot(noise));
+            match term.is_positioning() {
+                true => range(curve.into_iter()),
+                false => ReferenceLine::LeastSquares.straightness_um(at, &curve),
+            }
+        });
+        let row = |plane| solved.figure_row(Unknown::squareness(plane));
+        let of_planes = planes.iter().map(|(plane, um_per_m)| um_per_m + row(*plane).dot(noise));
+        of_curves.chain(of_planes).collect()
+    };
     let sigmas = solved.model.drawn();
-    let still = vec![0.0; solved.z.len()];
-    let estimates = linear.figures(&still);
-    let trial = |number: usize| -> Vec<f64> {
+    let mut noise = vec![0.0; solved.z.len()];
+    let estimates = figures(&noise);
+    let mut trials = vec![Vec::with_capacity(plan.trials); estimates.len()];
+    for number in 0..plan.trials {
         let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
         random.set_stream(number as u64);
-        let mut noise = still.clone();
         for (entry, sigma) in noise.iter_mut().zip(&sigmas) {
             let draw: f64 = StandardNormal.sample(&mut random);
             *entry = sigma * draw;
         }
-        linear.figures(&noise).into_iter().map(|(_, value)| value).collect()
-    };
-    let trials = in_blocks(plan, &trial, progress);
-    let figures = estimates.into_iter().enumerate();
-    let figures = figures.map(|(index, (quantity, estimate))| {
-        let values = trials.iter().map(|figures| figures[index]);
-        Figure::of(quantity, estimate, values.collect())
-    });
-    Some(Simulated { plan, figures: figures.collect() })
-}
-
-/// The simulated figures as far as they are determined, by rows over what was measured.
-struct Linear<'a> {
-    solved: &'a Solved<'a>,
-    /// Curves with the line that turns them at the high end, µm, and their positions, mm.
-    curves: Vec<(ErrorTerm, CurveRows, f64, Vec<f64>)>,
-    squareness: Vec<(Plane, f64)>,
-}
-
-impl<'a> Linear<'a> {
-    fn new(solved: &'a Solved<'a>) -> Linear<'a> {
-        let volume = solved.budget.volume;
-        let curve = |term: ErrorTerm| {
-            let at = (0..=volume.steps).map(|index| volume.along_mm(term.along, index));
-            Some((term, solved.mean_rows(term), solved.turned_um(term)?, at.collect()))
-        };
-        let squareness = solved.squareness();
-        let plane = |plane: Plane| Some((plane, squareness.of(plane)?));
-        Linear {
-            solved,
-            curves: ErrorTerm::ALL.into_iter().filter_map(curve).collect(),
-            squareness: Plane::ALL.into_iter().filter_map(plane).collect(),
-        }
+        trials.iter_mut().zip(figures(&noise)).for_each(|(all, value)| all.push(value));
+        progress();
     }
-
-    /// The figures with so much added to what was measured.
-    fn figures(&self, noise: &[f64]) -> Vec<(Quantity, f64)> {
-        let noisy: Vec<f64> = self.solved.z.iter().zip(noise).map(|(z, noise)| z + noise).collect();
-        let of_curve = |(term, rows, line_um, at): &(ErrorTerm, CurveRows, f64, Vec<f64>)| {
-            let curve = rows.values(&noisy, line_um + rows.line.dot(noise));
-            match term.is_positioning() {
-                true => (Quantity::Range(*term), range(curve.into_iter())),
-                false => {
-                    let um = ReferenceLine::LeastSquares.straightness_um(at, &curve);
-                    (Quantity::Straightness(*term), um)
-                }
-            }
-        };
-        let of_plane = |(plane, um_per_m): &(Plane, f64)| {
-            let moved = self.solved.figure_row(Unknown::squareness(*plane)).dot(noise);
-            (Quantity::Squareness(*plane), um_per_m + moved)
-        };
-        self.curves.iter().map(of_curve).chain(self.squareness.iter().map(of_plane)).collect()
-    }
-}
-
-/// What each trial gives, in their order, however many threads work.
-fn in_blocks(
-    plan: Trials,
-    trial: &(dyn Fn(usize) -> Vec<f64> + Sync),
-    progress: &(dyn Fn(usize) + Sync),
-) -> Vec<Vec<f64>> {
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut done = Vec::new();
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let numbers = index * BLOCK..((index + 1) * BLOCK).min(plan.trials);
-            let count = numbers.len();
-            if count == 0 {
-                return done;
-            }
-            done.push((index, numbers.map(trial).collect()));
-            progress(count);
-        }
-    };
-    let mut done: Vec<(usize, Vec<Vec<f64>>)> = std::thread::scope(|scope| {
-        let threads = (1..plan.threads.max(1)).map(|_| scope.spawn(work));
-        let threads: Vec<_> = threads.collect();
-        let mut done = work();
-        for thread in threads {
-            done.extend(thread.join().unwrap_or_default());
-        }
-        done
+    let of_curves = curves.iter().map(|(term, ..)| match term.is_positioning() {
+        true => Quantity::Range(*term),
+        false => Quantity::Straightness(*term),
     });
-    done.sort_by_key(|(index, _)| *index);
-    done.into_iter().flat_map(|(_, block)| block).collect()
+    let quantities = of_curves.chain(planes.iter().map(|(plane, _)| Quantity::Squareness(*plane)));
+    let found = quantities.zip(estimates).zip(trials);
+    let found = found.map(|((quantity, um), trials)| Figure::of(quantity, um, trials));
+    Some(Simulated { plan, figures: found.collect() })
 }
 
 /// Quantile of sorted values by straight lines between them.
