@@ -11,9 +11,7 @@ use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::plot::Plot;
 use crate::inputs::error_table;
 use crate::machine::separation::Separation;
-use crate::machine::separation::monte_carlo::{Quantity, Simulated, Trials, simulate};
-use crate::machine::separation::readings::run_counts;
-use crate::machine::separation::uncertainty::Budget;
+use crate::machine::separation::monte_carlo::{Simulated, Trials, simulate};
 use crate::page::{Locale, separated};
 use crate::quantity::diagonal::PathKind;
 use crate::text::problem::{Problem, Problems};
@@ -59,7 +57,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         return straight_runs(options, &campaign);
     }
     let separation = campaign.separate()?;
-    let simulated = simulated(options, &campaign, &separation)?;
+    let simulated = (options.trials > 0).then(|| simulated(options, &separation)).flatten();
     let csv = || Content::Bytes(error_table::write(&campaign.draft(&separation)).into_bytes());
     let csv = output.is_asked_for().then(csv);
     let document = document::separation(&separation, simulated.as_ref())?;
@@ -89,41 +87,11 @@ fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome,
     Ok(outcome.answering(result.doubts.is_empty()))
 }
 
-fn simulated(
-    options: &Options,
-    files: &CampaignFiles,
-    separation: &Separation,
-) -> Result<Option<Simulated>, Problems> {
-    if options.trials == 0 {
-        return Ok(None);
-    }
-    let campaign = files.campaign()?;
-    let runs = run_counts(&separation.runs);
-    let budget = Budget {
-        volume: &separation.volume,
-        noise: separation.noise,
-        runs: &runs,
-        turned: separation.turn.is_some(),
-        stated: campaign.stated,
-        material: separation.material,
-    };
-    let plan = Trials { trials: options.trials, seed: options.seed };
+fn simulated(options: &Options, separation: &Separation) -> Option<Simulated> {
     let mut progress = Progress::new(options.trials);
-    let simulated = simulate(&campaign, &budget, &separation.means, plan, || progress.add());
+    let plan = Trials { trials: options.trials, seed: options.seed };
+    let simulated = simulate(separation, plan, || progress.add());
     progress.close();
-    Ok(simulated.map(|simulated| known_only(simulated, separation)))
-}
-
-/// Without the figures whose uncertainty is not known: a simulation knows no more of them.
-fn known_only(mut simulated: Simulated, separation: &Separation) -> Simulated {
-    simulated.figures.retain(|figure| match figure.quantity {
-        Quantity::Range(term) => {
-            let found = separation.errors.mean[term].as_ref();
-            found.is_some_and(|found| found.u_um.is_some())
-        }
-        Quantity::Straightness(_) => true,
-        Quantity::Squareness(plane) => separation.u_squareness.of(plane).is_some(),
-    });
     simulated
 }
 

@@ -12,9 +12,7 @@ use nonius::machine::separation::curves::{ReferenceLine, range};
 use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor};
-use nonius::machine::separation::readings::run_counts;
 use nonius::machine::separation::reversal::{Estimate, Turn};
-use nonius::machine::separation::uncertainty::Budget;
 use nonius::machine::separation::{MeasuredLine, SeparatedError, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
@@ -392,19 +390,9 @@ fn intervals_of_ranges_are_measured() {
     let (mut inside, mut bias, mut told, mut all) = ([0; 3], [0.0; 2], [0.0; 2], [0; 3]);
     let mut printed = [0.0; 3];
     for seed in 0..short_or(10, 100) {
-        let (truth, found, lines) = measured(10_000 + seed, Way { axes: &Axis::ALL, ..PLAIN });
-        let measurement = simulated::measurement(&truth.volume, SetUp::Solve, Frame::XPrimary);
-        let campaign = simulated::campaign(&measurement, lines);
-        let budget = Budget {
-            volume: &truth.volume,
-            noise: found.noise,
-            runs: &run_counts(&found.runs),
-            turned: false,
-            stated: campaign.stated,
-            material: None,
-        };
+        let (truth, found, _) = measured(10_000 + seed, Way { axes: &Axis::ALL, ..PLAIN });
         let plan = Trials { trials: 400, seed: 7 };
-        let simulated = simulate(&campaign, &budget, &found.means, plan, || ()).unwrap();
+        let simulated = simulate(&found, plan, || ()).unwrap();
         let estimates = PerTerm::from_fn(|term| curve(&found, term).to_vec());
         let (mut wanted, found) = (figures(&truth, &truth.curves), figures(&truth, &estimates));
         wanted.extend(Plane::ALL.map(|plane| truth.squareness(plane)));

@@ -2,21 +2,18 @@
 //!
 //! Ranges and straightness are largest-minus-smallest figures: noise makes them larger. Every
 //! trial adds noise to the mean readings, and to linear axes and beams what their uncertainty
-//! states, and takes the rows of the [linear model](super::linear) of them: (7) is not solved again. The mean of the trials less the
+//! states, by the rows of the [linear model](super::linear): (7) is not solved again. The mean of the trials less the
 //! estimate is the bias; the interval is the estimate mirrored in the trials' quantiles
 //! (2·estimate − q). How often such intervals hold the true value was measured, see
 //! docs/accuracy.md; nothing is promised.
 //!
 //! Trial number t draws from stream t of the generator, so that more trials begin with the same ones.
 
-use super::campaign::Campaign;
 use super::curves::{ReferenceLine, mean, range};
 use super::metric::Plane;
 use super::noise::float;
 use super::plane::Unknown;
-use super::readings::Means;
-use super::solved::Solved;
-use super::uncertainty::Budget;
+use super::separate::Separation;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
@@ -114,41 +111,44 @@ pub struct Simulated {
     pub figures: Vec<Figure>,
 }
 
-/// Runs the trials on mean readings as measured. `budget.noise` must be known, else `None`. `progress` hears of each
-/// finished trial.
+/// Runs the trials, of the figures whose uncertainty is known: a simulation knows no more of them. `None` where the noise
+/// of the readings is not known. `progress` hears of each finished trial.
 pub fn simulate(
-    campaign: &Campaign<'_>,
-    budget: &Budget<'_>,
-    means: &Means,
+    separation: &Separation,
     plan: Trials,
     mut progress: impl FnMut(),
 ) -> Option<Simulated> {
-    budget.noise?;
-    let solved = Solved::new(campaign, budget, means);
-    let (volume, squareness) = (budget.volume, solved.squareness());
-    let curve = |term: ErrorTerm| {
+    separation.noise?;
+    let volume = &separation.volume;
+    let curves = separation.errors.mean.iter().filter_map(|(term, found)| {
+        let found = found.as_ref().filter(|of| of.u_um.is_some() || term.is_cross())?;
         let at: Vec<f64> = (0..=volume.steps).map(|at| volume.along_mm(term.along, at)).collect();
-        Some((term, solved.mean_rows(term), solved.turned_um(term)?, at))
-    };
-    let curves: Vec<_> = ErrorTerm::ALL.into_iter().filter_map(curve).collect();
-    let planes = Plane::ALL.into_iter().filter_map(|plane| Some((plane, squareness.of(plane)?)));
+        Some((term, found, at))
+    });
+    let curves: Vec<_> = curves.collect();
+    let planes = Plane::ALL.into_iter().filter_map(|plane| {
+        separation.u_squareness.of(plane)?;
+        Some((plane, separation.squareness_um_per_m.of(plane)?))
+    });
     let planes: Vec<_> = planes.collect();
-    // The figures as far as they are determined, with so much added to what was measured.
+    // With so much added to what was measured.
     let figures = |noise: &[f64]| -> Vec<f64> {
-        let noisy: Vec<f64> = solved.z.iter().zip(noise).map(|(z, noise)| z + noise).collect();
-        let of_curves = curves.iter().map(|(term, rows, line_um, at)| {
-            let curve = rows.values(&noisy, line_um + rows.line.dot(noise));
+        let of_curves = curves.iter().map(|(term, found, at)| {
+            let moved = found.rows.values(noise, found.rows.line.dot(noise));
+            let curve = found.deviation_um.iter().zip(moved).map(|(um, moved)| um + moved);
             match term.is_positioning() {
-                true => range(curve.into_iter()),
-                false => ReferenceLine::LeastSquares.straightness_um(at, &curve),
+                true => range(curve),
+                false => {
+                    ReferenceLine::LeastSquares.straightness_um(at, &curve.collect::<Vec<_>>())
+                }
             }
         });
-        let row = |plane| solved.figure_row(Unknown::squareness(plane));
+        let row = |plane| &separation.figures[Unknown::squareness(plane).0];
         let of_planes = planes.iter().map(|(plane, um_per_m)| um_per_m + row(*plane).dot(noise));
         of_curves.chain(of_planes).collect()
     };
-    let sigmas = solved.model.drawn();
-    let mut noise = vec![0.0; solved.z.len()];
+    let sigmas = separation.model.drawn();
+    let mut noise = vec![0.0; separation.model.layout.len()];
     let estimates = figures(&noise);
     let mut trials = vec![Vec::with_capacity(plan.trials); estimates.len()];
     for number in 0..plan.trials {

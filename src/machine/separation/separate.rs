@@ -7,7 +7,7 @@ use super::curves::Curve;
 use super::exchange::{AsRead, names};
 use super::findings::SeparationFinding;
 use super::labels;
-use super::linear::{Layout, Model};
+use super::linear::{Layout, Model, Row};
 use super::linear_reversal::{LinearReversals, contradictions, hidden_reversal_um};
 use super::metric::{Metric, PerPlane, Plane};
 use super::noise::{Noise, NoiseSource, ReadingPlace};
@@ -18,7 +18,7 @@ use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness, 
 use super::steps::Steps;
 use super::uncertainty::{Budget, SlopeUncertainty, rolls};
 use crate::inputs::error_table::Silence;
-use crate::inputs::job::{Material, SetUp};
+use crate::inputs::job::SetUp;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Run, Volume};
 use crate::text::finding::{Finding, Severity};
@@ -34,6 +34,8 @@ pub struct Separation {
     pub errors: NineErrors,
     /// What is uncertain of the readings and lines behind them.
     pub(super) model: Model,
+    /// Scales and squareness by what was measured, µm/m.
+    pub(super) figures: [Row; 6],
     /// What speaks against the result by its size: of each, what its possible causes do to what was measured.
     pub(super) anomalies: Vec<Vec<Vec<f64>>>,
     /// Their shapes beside the line through the ends, µm: determined whatever the set-up.
@@ -81,8 +83,6 @@ pub struct Separation {
     pub doubts: Vec<Finding>,
     /// What was assumed and what the uncertainty holds.
     pub labels: Vec<Finding>,
-    /// Expansion of the scales at the mean of the recorded temperatures.
-    pub material: Option<Material>,
     /// The corrected runs.
     pub runs: Vec<CorrectedRun>,
     /// The runs whose zero is that of the forward run: all, or the forward passes only.
@@ -157,12 +157,7 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     }
     found.range_over_all_um = zeroed.1;
     found.say(campaign, raw_runs, &start);
-    Separation {
-        material: start.material,
-        runs: start.runs,
-        zeroed_runs: start.zeroed_runs,
-        ..found
-    }
+    Separation { runs: start.runs, zeroed_runs: start.zeroed_runs, ..found }
 }
 
 /// What the runs say together; `of_closure`: the noise that counts where only the closure tells it.
@@ -309,6 +304,7 @@ fn evaluated(
         agreement,
         errors,
         model: solved.model,
+        figures: solved.figures,
         closure,
         noise,
         diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {
@@ -322,7 +318,6 @@ fn evaluated(
             .then(|| hidden_reversal_um(measured, noise, volume, &reversals))
             .flatten(),
         linear_reversals: reversals,
-        material: budget.material,
         means: measured.clone(),
         metric: solved.metric.clone(),
         runs: Vec::new(),

@@ -42,7 +42,7 @@ pub(super) struct Solved<'a> {
     equations: Equations,
     pub(super) metric: Metric,
     /// Scales and squareness by what was measured, µm/m.
-    figures: [Row; 6],
+    pub(super) figures: [Row; 6],
     pub(super) ends_um: PerDiagonal<f64>,
 }
 
