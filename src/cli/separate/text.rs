@@ -191,7 +191,7 @@ fn setup(separation: &Separation) -> String {
 }
 
 fn diagonals(separation: &Separation, figures: &StandardFigures) -> String {
-    let table = figures.as_read(|diagonal| separation.diagonals[diagonal].end_um);
+    let table = figures.as_read(|diagonal| separation.end_um[diagonal]);
     format!(
         "{table}\n`generate` computes its diagonals from the nine errors instead: without the tilt of the mirror, without noise between the nodes"
     )

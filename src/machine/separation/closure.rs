@@ -26,7 +26,7 @@ use super::noise::{
     repeats, student, tails,
 };
 use super::patterns::{Known, Patterns, Ramps};
-use super::readings::{CorrectedRun, Means, RunCounts, run_counts};
+use super::readings::{CorrectedRun, Means, RunCounts, pass_of, run_counts};
 use super::steps::Steps;
 use super::uncertainty::Budget;
 use crate::inputs::job::{Material, SetUp};
@@ -204,7 +204,8 @@ pub(super) fn closure(
 /// Standard deviation of one w, mean of the groups, for readings of 1 µm.
 fn scatter(steps: &Steps<'_>, runs: &RunCounts, axis: Axis) -> f64 {
     let groups = steps.groups();
-    let walks = groups.iter().flat_map(|group| Diagonal::ALL.map(|d| (d, group.pass(d, axis))));
+    let walks =
+        groups.iter().flat_map(|group| Diagonal::ALL.map(|d| (d, pass_of(*group, d, axis))));
     let variances = walks.map(|(d, pass)| 2.0 / runs[d][pass as usize]);
     variances.sum::<f64>().sqrt() / float(groups.len())
 }

@@ -10,6 +10,7 @@
 //! Trial number t draws from stream t of the generator, so that more trials begin with the same ones.
 
 use super::curves::{ReferenceLine, mean, range};
+use super::joint::at;
 use super::metric::Plane;
 use super::noise::float;
 use super::plane::Unknown;
@@ -81,13 +82,14 @@ impl Figure {
         values.sort_by(f64::total_cmp);
         let mean = mean(values.iter().copied());
         let square: f64 = values.iter().map(|value| (value - mean).squared()).sum();
-        let mirrored = |share| 2.0 * estimate - quantile(&values, share);
+        let last = float(values.len() - 1);
+        let mirrored = |share: f64| 2.0 * estimate - at(&values, share * last);
         Figure {
             quantity,
             estimate,
             bias: mean - estimate,
             interval: [mirrored(0.975), mirrored(0.025)],
-            u: (square / (float(values.len()) - 1.0)).sqrt(),
+            u: (square / last).sqrt(),
         }
     }
 
@@ -169,16 +171,4 @@ pub fn simulate(
     let found = quantities.zip(estimates).zip(trials);
     let found = found.map(|((quantity, um), trials)| Figure::of(quantity, um, trials));
     Some(Simulated { plan, figures: found.collect() })
-}
-
-/// Quantile of sorted values by straight lines between them.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    #[allow(clippy::cast_possible_truncation, reason = "a place in a list")]
-    let (place, below) = {
-        let place = share * sorted.len().saturating_sub(1) as f64;
-        (place, place.floor() as usize)
-    };
-    let low = sorted.get(below).copied().unwrap_or(0.0);
-    let high = sorted.get(below + 1).copied().unwrap_or(low);
-    low + (high - low) * place.fract()
 }

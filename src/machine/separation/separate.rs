@@ -12,7 +12,7 @@ use super::linear_reversal::{LinearReversals, contradictions, hidden_reversal_um
 use super::metric::{Metric, PerPlane, Plane};
 use super::noise::{Noise, NoiseSource, ReadingPlace};
 use super::patterns::Known;
-use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
+use super::readings::{CorrectedRun, Means, means};
 use super::reversal::{Turn, ran_over, turn};
 use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness, scale_sum_um_mm};
 use super::steps::Steps;
@@ -20,7 +20,7 @@ use super::uncertainty::{Budget, SlopeUncertainty, rolls};
 use crate::inputs::error_table::Silence;
 use crate::inputs::job::SetUp;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Run, Volume};
+use crate::quantity::diagonal::{PerDiagonal, Run, Volume};
 use crate::text::finding::{Finding, Severity};
 
 /// What a measurement of step diagonals says, and what it does not.
@@ -61,10 +61,8 @@ pub struct Separation {
     pub closure: Closure,
     /// Noise of a single reading.
     pub noise: Option<Noise>,
-    /// Figures of the diagonals.
-    pub diagonals: PerDiagonal<DiagonalFigures>,
-    /// Max − min over all diagonals, µm.
-    pub range_over_all_um: f64,
+    /// Reading error of each diagonal at the far end less that at the start, mean of all runs, µm.
+    pub end_um: PerDiagonal<f64>,
     /// Whether the axes ran past the end point; `None` without reverse passes, and where neither the
     /// job nor the readings tell.
     pub overrun: Option<bool>,
@@ -151,11 +149,6 @@ impl Separation {
 pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let start = Start::new(campaign, raw_runs);
     let mut found = of_start(campaign, &start, |noise| noise);
-    let zeroed = figures(&start.zeroed_runs, PathKind::Step);
-    for diagonal in Diagonal::ALL {
-        found.diagonals[diagonal].range_um = zeroed.0[diagonal].range_um;
-    }
-    found.range_over_all_um = zeroed.1;
     found.say(campaign, raw_runs, &start);
     Separation { runs: start.runs, zeroed_runs: start.zeroed_runs, ..found }
 }
@@ -274,7 +267,7 @@ fn evaluated(
     let errors = solved.errors(turn.as_ref(), &reversals);
     let planes = solved.plane_variances();
     let u_squareness = planes.map(|found| Some(found?.as_slope(noise?)));
-    let mut labels = labels::of_steps(campaign, budget, measured, overrun, turn.as_ref());
+    let mut labels = labels::of_steps(campaign, budget, overrun, turn.as_ref());
     labels.extend(labels::of_reversals(&reversals, measured.reverse.is_none()));
     labels.extend(solved.labels(agreement.is_some()));
     let hidden = overrun == Some(true) && campaign.reverse_zero_known;
@@ -307,11 +300,7 @@ fn evaluated(
         figures: solved.figures,
         closure,
         noise,
-        diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {
-            end_um: solved.ends_um[d],
-            range_um: 0.0,
-        }),
-        range_over_all_um: 0.0,
+        end_um: solved.ends_um,
         overrun,
         turn,
         hidden_reversal_um: hidden

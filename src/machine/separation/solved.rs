@@ -13,7 +13,7 @@ use super::linear_reversal::{LinearReversal, LinearReversals};
 use super::metric::{Equations, Metric, PerPlane, Plane, displacement_ratios, stepped};
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::plane::Unknown;
-use super::readings::{Group, Means};
+use super::readings::Means;
 use super::reversal::Turn;
 use super::steps::Steps;
 use super::uncertainty::Budget;
@@ -251,14 +251,14 @@ impl<'a> Solved<'a> {
     ) -> Option<SeparatedError> {
         let mut rows = self.mean_rows(term);
         let mut line_um = self.turned_um(term)?;
-        rows.steps = self.steps.of(term, Group::Moving(direction));
+        rows.steps = self.steps.of(term, Some(direction));
         let side = if direction == Direction::Plus { 1.0 } else { -1.0 };
         let mut left_out = 0.0;
         if let Some(turn) = turn {
             let [low, growth] = turn.ends_of(term, self.model.layout, self.budget.volume);
             let mut off = growth;
             if term.is_positioning() {
-                let [plus, minus] = Direction::BOTH.map(|d| self.steps.of(term, Group::Moving(d)));
+                let [plus, minus] = Direction::BOTH.map(|d| self.steps.of(term, Some(d)));
                 off.add(-1.0, &Row::sum(plus.iter().map(|step| (1.0, step))));
                 off.add(1.0, &Row::sum(minus.iter().map(|step| (1.0, step))));
             }

@@ -3,7 +3,7 @@
 
 use super::curves::{closure_sign, noise_gain};
 use super::linear::{Layout, Row};
-use super::readings::{Group, Means};
+use super::readings::{Group, Means, groups, pass_of};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 
@@ -24,19 +24,19 @@ impl<'a> Steps<'a> {
     /// Of readings without lines beside them.
     pub(super) fn of_readings(volume: &'a Volume, means: &Means, turned: bool) -> Steps<'a> {
         let nodes = means.forward[Diagonal::Ppp].len();
-        let passes = means.groups().len();
+        let passes = 1 + usize::from(means.reverse.is_some());
         Steps::new(volume, Layout { nodes, passes, lines: 0 }, turned)
     }
 
     pub(super) fn groups(&self) -> &'static [Group] {
-        Group::all(self.layout.passes == 2)
+        groups(self.layout.passes == 2)
     }
 
     /// m: the reading at the end of a step less that at its beginning.
     fn increment(&self, group: Group, d: Diagonal, axis: Axis, interval: usize) -> Row {
         let step = self.volume.interval(d, axis, interval);
         let is_turn = self.turned && step + 1 == self.volume.steps;
-        let pass = if is_turn { Pass::Forward } else { group.pass(d, axis) };
+        let pass = if is_turn { Pass::Forward } else { pass_of(group, d, axis) };
         let node = self.volume.node_after(axis, step);
         let at = |node| self.layout.reading(pass, d, node);
         Row(vec![(at(node), 1.0), (at(node - 1), -1.0)])

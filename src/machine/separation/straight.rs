@@ -25,7 +25,7 @@ use super::linear::{Layout, Row};
 use super::metric::{Equations, Metric, PerPlane};
 use super::noise::{Noise, Outlier, float};
 use super::plane::Unknown;
-use super::readings::{CorrectedRun, DiagonalFigures, figures, means, run_counts};
+use super::readings::{CorrectedRun, figures, means, run_counts};
 use super::solved::scale_sum_um_mm;
 use super::uncertainty::SlopeUncertainty;
 use super::{labels, metric};
@@ -55,10 +55,8 @@ pub struct StraightResult {
     /// The runs whose zero is that of the forward run: all, or the forward ones only. Figures
     /// that compare the two directions are made of these.
     pub zeroed_runs: Vec<CorrectedRun>,
-    /// Figures of the diagonals: totals of all runs, ranges of the zeroed ones.
-    pub diagonals: PerDiagonal<DiagonalFigures>,
-    /// Max − min over all diagonals, µm.
-    pub range_over_all_um: f64,
+    /// Reading error of each diagonal at the far end less that at the start, mean of all runs, µm.
+    pub end_um: PerDiagonal<f64>,
     /// S, µm·mm, from the readings alone.
     pub scale_sum_um_mm: f64,
     /// Scales and squareness with linear axes and other beams.
@@ -92,9 +90,8 @@ pub fn straight(
     let noise = start.noise;
     let budget = start.budget(campaign, noise, false);
     let (all, _) = figures(&start.runs, PathKind::Straight);
-    let (of_zeroed, range_over_all_um) = figures(&start.zeroed_runs, PathKind::Straight);
-    let ends = PerDiagonal::from_fn(|d| all[d].end_um);
-    let diagonals = metric::straight(volume, &ends);
+    let end_um = PerDiagonal::from_fn(|d| all[d].end_um);
+    let diagonals = metric::straight(volume, &end_um);
     let mut model = budget.model(campaign);
     let rows = rows(volume, model.layout);
     let known = (&mut model, noise.is_some());
@@ -107,12 +104,8 @@ pub fn straight(
     };
     Ok(StraightResult {
         volume: volume.clone(),
-        diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {
-            range_um: of_zeroed[d].range_um,
-            ..all[d]
-        }),
-        range_over_all_um,
-        scale_sum_um_mm: scale_sum_um_mm(volume, &ends),
+        scale_sum_um_mm: scale_sum_um_mm(volume, &end_um),
+        end_um,
         u_squareness: PerPlane::from_fn(|plane| found(Unknown::squareness(plane))),
         silence: campaign.silence(),
         u_scale: PerAxis::from_fn(|axis| {
