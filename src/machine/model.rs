@@ -100,14 +100,8 @@ impl MeasuredTerm {
 
     /// Slope of the line through the ends of the curve (mean of both directions), µm/m.
     pub(crate) fn end_point_slope_um_per_m(&self) -> f64 {
-        match &self.measured {
-            Measured::Undirected(curve) | Measured::OneWay(_, curve) => {
-                curve.end_point_slope_um_per_m()
-            }
-            Measured::BothWays { plus, minus } => {
-                f64::midpoint(plus.end_point_slope_um_per_m(), minus.end_point_slope_um_per_m())
-            }
-        }
+        let slopes: Vec<f64> = self.curves().map(ErrorCurve::end_point_slope_um_per_m).collect();
+        slopes.iter().sum::<f64>() / slopes.len() as f64
     }
 }
 

@@ -145,15 +145,15 @@ fn count_metric(tally: &mut Tally, truth: &Machine, found: &Separation) {
         let own = ErrorTerm { of: axis, along: axis };
         // The scale is the slope of the curve: its end has the same effective freedom.
         let curve = found.errors.mean[own].as_ref().unwrap();
-        let freedom = curve.freedom(truth.volume.steps, found.noise);
         let error = found.metric.scale[axis].unwrap() - truth.slope(own);
-        let expanded = coverage_factor(freedom) * found.metric.u_scale(axis).unwrap();
+        let expanded = curve.expanded_um(truth.volume.steps, found.noise).unwrap();
+        let expanded = 1000.0 * expanded / truth.volume.size[axis].mm();
         tally.add(&format!("scale {axis}"), error, expanded);
     }
     for plane in Plane::ALL {
         let error = squareness_error(truth, found, plane);
         let name = format!("squareness {}", plane.key());
-        tally.add(&name, error, k * found.metric.u_squareness(plane).unwrap());
+        tally.add(&name, error, k * found.u_squareness.of(plane).unwrap().u_um_per_m);
         let expanded = found.expanded_squareness_um_per_m(plane).unwrap();
         tally.add(&format!("stated {name}"), error, expanded);
     }

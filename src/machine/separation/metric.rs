@@ -59,9 +59,8 @@ pub struct Metric {
     /// How much φ moves with what is not determined of the scales, because the mirrors are tilted,
     /// µm/m for each µm/m; 0 where all is determined.
     pub leak: PerPlane<f64>,
-    /// Standard uncertainties of the unknowns, µm/m; of one that is not determined that of its
-    /// determined part. `None` = something that it depends on is not known.
-    u_um_per_m: [Option<f64>; 6],
+    /// Whether the uncertainties of all that an unknown depends on are known.
+    known: [bool; 6],
 }
 
 impl Metric {
@@ -70,18 +69,8 @@ impl Metric {
         self.rank == 6
     }
 
-    /// Standard uncertainty of a scale, µm/m; `None` = not known.
-    pub fn u_scale(&self, axis: Axis) -> Option<f64> {
-        self.u(Unknown::scale(axis))
-    }
-
-    /// Standard uncertainty of a squareness, µm/m; `None` = not known.
-    pub fn u_squareness(&self, plane: Plane) -> Option<f64> {
-        self.u(Unknown::squareness(plane))
-    }
-
-    pub(super) fn u(&self, Unknown(index): Unknown) -> Option<f64> {
-        self.u_um_per_m[index]
+    pub(super) fn is_known(&self, Unknown(index): Unknown) -> bool {
+        self.known[index]
     }
 
     pub(super) fn value(&self, Unknown(index): Unknown) -> Option<f64> {
@@ -320,7 +309,6 @@ impl Equations {
             let is_determined = (1.0 - length).abs() < SHARE_TOLERANCE;
             Some(solution.as_ref().filter(|_| is_determined)?.unknowns[index])
         };
-        let u = |index| solution.as_ref().map_or(0.0, |found| found.spread[(index, index)].sqrt());
         // Length of the row of dθ̂/d(open).
         let leaks = solution.as_ref().map(|found| &found.gain * &found.design * &self.open);
         let leak = |Unknown(index)| leaks.as_ref().map_or(0.0, |moved| moved.row(index).norm());
@@ -334,7 +322,7 @@ impl Equations {
             squareness: PerPlane::from_fn(|plane| value(Unknown::squareness(plane))),
             rank: self.determined.ncols(),
             leak: PerPlane::from_fn(|plane| leak(Unknown::squareness(plane))),
-            u_um_per_m: std::array::from_fn(|index| is_known(index).then(|| u(index))),
+            known: std::array::from_fn(is_known),
         };
         (metric, std::array::from_fn(row))
     }

@@ -149,7 +149,18 @@ impl Separation {
 pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let start = Start::new(campaign, raw_runs);
     let mut found = of_start(campaign, &start, |noise| noise);
-    found.say(campaign, raw_runs, &start);
+    // What remains to be said: the names of the diagonals, noise, lines and reversals.
+    let (closure, noise) = (&found.closure, found.noise);
+    let (overrun, causes) = (found.overrun, &found.model);
+    let as_read = AsRead { start: &start, closure, noise, overrun, causes };
+    let names = names(campaign, raw_runs, &as_read);
+    let turn = found.turn.iter();
+    let turn = turn.flat_map(|turn| contradictions(turn, &campaign.reversals));
+    found.doubts.extend(large_noise(noise, campaign.stated.noise_um).into_iter().chain(turn));
+    match names {
+        Some(names) if names.severity() > Severity::Note => found.doubts.insert(0, names),
+        blind => found.labels.extend(blind),
+    }
     Separation { runs: start.runs, zeroed_runs: start.zeroed_runs, ..found }
 }
 
@@ -174,8 +185,8 @@ pub(super) fn of_start(
     let closure = closure(&steps, &measured, &start.counts, known);
     let noise = noise_of(campaign, start, &closure, of_closure);
     let budget = start.budget(campaign, noise, turned);
-    let notes = of_noise(start.noise, noise, campaign.stated.noise_um);
     let mut separation = evaluated(campaign, &budget, &measured, closure, overrun);
+    let notes = of_noise(start.noise, noise, campaign.stated.noise_um);
     separation.labels.extend(notes.map(Finding::from));
     separation
 }
@@ -228,23 +239,21 @@ fn anomalies(
     agreement: Option<&Agreement>,
 ) -> Vec<Vec<Vec<f64>>> {
     let single = |place: usize, size: f64| {
-        let mut column = layout.column(|_, _, _| 0.0);
+        let mut column = vec![0.0; layout.len()];
         column[place] = size;
         column
     };
+    let place = |of: &ReadingPlace| layout.reading(of.pass, of.diagonal, of.node);
     let disturbed = closure.outliers.iter().map(|outlier| {
-        let of = |place: &ReadingPlace| {
-            single(layout.reading(place.pass, place.diagonal, place.node), outlier.of_mean_um)
-        };
-        outlier.readings.iter().map(of).collect()
+        let places = outlier.readings.iter().map(place);
+        places.map(|place| single(place, outlier.of_mean_um)).collect()
     });
     let roll = closure.ramps.iter().filter(|ramps| ramps.is_roll());
     let roll = roll.flat_map(|ramps| rolls(campaign, layout, &ramps.beyond_um));
     let refuted = agreement.filter(|agreement| agreement.is_refuted());
     let refuted = refuted.map(|agreement| {
-        let by = agreement.false_by_um_per_m.iter().enumerate();
-        let by = by.filter(|(_, um_per_m)| **um_per_m > 0.0);
-        by.map(|(index, um_per_m)| single(layout.neglected(index), *um_per_m)).collect()
+        let by = agreement.false_by_um_per_m.iter().enumerate().filter(|(_, by)| **by > 0.0);
+        by.map(|(index, by)| single(layout.neglected(index), *by)).collect()
     });
     disturbed.chain(roll).chain(refuted).collect()
 }
@@ -257,20 +266,16 @@ fn evaluated(
     closure: Closure,
     overrun: Option<bool>,
 ) -> Separation {
-    let (volume, noise) = (budget.volume, budget.noise);
+    let (volume, noise, turned) = (budget.volume, budget.noise, budget.turned);
     let solved = Solved::new(campaign, budget, measured);
     let agreement = solved.judged();
     let anomalies = anomalies(campaign, solved.model.layout, &closure, agreement.as_ref());
-    let turn = turn(measured, volume, budget.runs, noise).filter(|_| budget.turned);
-    let reversals = Some(&campaign.reversals).filter(|_| !budget.turned);
-    let reversals = reversals.cloned().unwrap_or_default();
+    let turn = turn(measured, volume, budget.runs, noise).filter(|_| turned);
+    let reversals = if turned { LinearReversals::default() } else { campaign.reversals.clone() };
     let errors = solved.errors(turn.as_ref(), &reversals);
-    let planes = solved.plane_variances();
-    let u_squareness = planes.map(|found| Some(found?.as_slope(noise?)));
     let mut labels = labels::of_steps(campaign, budget, overrun, turn.as_ref());
-    labels.extend(labels::of_reversals(&reversals, measured.reverse.is_none()));
+    labels.extend(labels::of_reversals(&reversals, !budget.both_ways()));
     labels.extend(solved.labels(agreement.is_some()));
-    let hidden = overrun == Some(true) && campaign.reverse_zero_known;
     let of_closure = closure.doubts(noise, volume, solved.setup).into_iter();
     let contradiction = agreement.as_ref().and_then(Agreement::contradiction);
     // What no known cause makes has no size.
@@ -279,18 +284,20 @@ fn evaluated(
         .chain(contradiction.map(Finding::from))
         .partition(|found| has_size && found.severity() == Severity::Note);
     labels.extend(of_size);
+    let hides = overrun == Some(true) && campaign.reverse_zero_known;
+    let hidden = hides.then(|| hidden_reversal_um(measured, noise, volume, &reversals));
     Separation {
         volume: volume.clone(),
         setup: solved.setup,
         shapes: solved.shapes(),
-        naive_slopes_um_per_m: solved.naive.clone(),
         squareness_um_per_m: solved.squareness(),
         silence: campaign.silence(),
-        u_squareness,
+        u_squareness: solved.plane_variances().map(|found| Some(found?.as_slope(noise?))),
         squareness_least_squares_um_per_m: errors.least_squares_squareness(volume),
         tilts: solved.tilts(),
         undetermined: solved.undetermined(turn.is_some(), &reversals),
         scale_sum_um_mm: scale_sum_um_mm(volume, &solved.ends_um),
+        naive_slopes_um_per_m: solved.naive,
         doubts,
         anomalies,
         labels,
@@ -303,32 +310,12 @@ fn evaluated(
         end_um: solved.ends_um,
         overrun,
         turn,
-        hidden_reversal_um: hidden
-            .then(|| hidden_reversal_um(measured, noise, volume, &reversals))
-            .flatten(),
+        hidden_reversal_um: hidden.flatten(),
         linear_reversals: reversals,
         means: measured.clone(),
-        metric: solved.metric.clone(),
+        metric: solved.metric,
         runs: Vec::new(),
         zeroed_runs: Vec::new(),
-    }
-}
-
-impl Separation {
-    /// What remains to be said: the names of the diagonals, noise, lines and reversals.
-    fn say(&mut self, campaign: &Campaign<'_>, raw_runs: &[Run], start: &Start) {
-        let (closure, causes) = (&self.closure, &self.model);
-        let as_read = AsRead { start, closure, noise: self.noise, overrun: self.overrun, causes };
-        let names = names(campaign, raw_runs, &as_read);
-        let (doubt, blind): (Vec<Finding>, Vec<Finding>) =
-            names.into_iter().partition(|found| found.severity() > Severity::Note);
-        self.labels.extend(blind);
-        let turn = self.turn.iter();
-        let doubts = large_noise(self.noise, campaign.stated.noise_um)
-            .into_iter()
-            .chain(turn.flat_map(|turn| contradictions(turn, &campaign.reversals)));
-        self.doubts.extend(doubts);
-        self.doubts.splice(0..0, doubt);
     }
 }
 

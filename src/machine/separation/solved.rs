@@ -43,6 +43,8 @@ pub(super) struct Solved<'a> {
     pub(super) metric: Metric,
     /// Scales and squareness by what was measured, µm/m.
     pub(super) figures: [Row; 6],
+    /// The same, µm/m; `None` = not determined.
+    found: [Option<f64>; 6],
     pub(super) ends_um: PerDiagonal<f64>,
 }
 
@@ -81,14 +83,16 @@ impl<'a> Solved<'a> {
         let known = (&mut model, budget.noise.is_some());
         let equations = Equations::new(volume, &stepped(&ratios), &lines, rows, known);
         let (metric, mut figures) = equations.metric();
+        let mut found = std::array::from_fn(|index| metric.value(Unknown(index)));
         if setup == SetUp::AssumePerfect {
-            figures = Default::default();
             for plane in Plane::ALL {
                 let (a, b) = plane.axes();
                 let edges = volume.size[a].mm() * volume.size[b].mm();
                 let share = 1000.0 * volume.diagonal_mm() / (4.0 * edges);
                 let of = |d: Diagonal| (share * d.sign(a) * d.sign(b), &ends[d]);
-                figures[Unknown::squareness(plane).0] = Row::sum(Diagonal::ALL.map(of));
+                let Unknown(index) = Unknown::squareness(plane);
+                figures[index] = Row::sum(Diagonal::ALL.map(of));
+                found[index] = Some(figures[index].dot(&z));
             }
         }
         let length = |axis: Axis| volume.size[axis].mm() / 1000.0;
@@ -103,6 +107,7 @@ impl<'a> Solved<'a> {
             ratios,
             metric,
             figures,
+            found,
             equations,
             ends_um,
             model,
@@ -132,51 +137,35 @@ impl<'a> Solved<'a> {
         }
     }
 
-    /// A scale or a squareness, µm/m; `None` = not determined.
-    fn figure(&self, unknown: Unknown) -> Option<f64> {
-        match self.setup {
-            SetUp::AssumePerfect => Some(self.figure_row(unknown).dot(&self.z)),
-            SetUp::Solve => self.metric.value(unknown),
-        }
-    }
-
     pub(super) fn squareness(&self) -> PerPlane<Option<f64>> {
-        PerPlane::from_fn(|plane| self.figure(Unknown::squareness(plane)))
-    }
-
-    /// Slope of a term, µm/m; `None` = not determined.
-    fn slope(&self, term: ErrorTerm) -> Option<f64> {
-        let [share, own, of_twin] = self.rule(term);
-        let figure = if share > 0.0 { share * self.figure(Unknown::of(term))? } else { 0.0 };
-        Some(figure + own * self.naive[term] + of_twin * self.naive[term.twin()])
-    }
-
-    /// A scale or a squareness by what was measured, µm/m.
-    pub(super) fn figure_row(&self, Unknown(index): Unknown) -> &Row {
-        &self.figures[index]
+        PerPlane::from_fn(|plane| self.found[Unknown::squareness(plane).0])
     }
 
     /// u² of a scale or a squareness; `None` where it is not known.
     fn figure_variance(&self, unknown: Unknown) -> Option<Variance> {
         let of_totals = self.setup == SetUp::AssumePerfect;
-        self.budget.noise.filter(|_| of_totals || self.metric.u(unknown).is_some())?;
-        Some(self.model.variance(self.figure_row(unknown)))
+        self.budget.noise.filter(|_| of_totals || self.metric.is_known(unknown))?;
+        Some(self.model.variance(&self.figures[unknown.0]))
     }
 
-    /// The mean curve of a term, its slope put right; as far as its uncertainty is known.
-    pub(super) fn mean_rows(&self, term: ErrorTerm) -> CurveRows {
+    /// The mean curve of a term, its slope put right, and what turns it at its high end, µm; `None` = its slope is not
+    /// determined.
+    fn mean_rows(&self, term: ErrorTerm) -> Option<(CurveRows, f64)> {
         let [share, own, of_twin] = self.rule(term);
+        let (twin, metres, Unknown(index)) = (term.twin(), self.metres(term), Unknown::of(term));
         let steps = self.mean_steps[term].clone();
+        let figure = if share > 0.0 { share * self.found[index]? } else { 0.0 };
+        let slope = figure + own * self.naive[term] + of_twin * self.naive[twin];
         let mut line = Row::default();
         // A separated slope stays as it is.
         if own < 1.0 {
             let rise = |term: ErrorTerm| Row::sum(self.mean_steps[term].iter().map(|s| (1.0, s)));
-            let (twin, metres) = (term.twin(), self.metres(term));
             line.add(own - 1.0, &rise(term));
             line.add(of_twin * metres / self.metres(twin), &rise(twin));
-            line.add(share * metres, self.figure_row(Unknown::of(term)));
+            line.add(share * metres, &self.figures[index]);
         }
-        CurveRows { start: Row::default(), steps, line }
+        let line_um = (slope - self.naive[term]) * metres;
+        Some((CurveRows { start: Row::default(), steps, line }, line_um))
     }
 
     /// u² of the squareness; `None` = not known.
@@ -198,17 +187,11 @@ impl<'a> Solved<'a> {
         asked.then(|| self.equations.agreement(&self.metric))?
     }
 
-    /// What turns a separated curve, at its high end, µm; `None` = its slope is not determined.
-    pub(super) fn turned_um(&self, term: ErrorTerm) -> Option<f64> {
-        Some((self.slope(term)? - self.naive[term]) * self.metres(term))
-    }
-
     /// The nine errors with their uncertainties.
     pub(super) fn errors(&self, turn: Option<&Turn>, reversals: &LinearReversals) -> NineErrors {
         let mean = PerTerm::from_fn(|term| {
-            let rows = self.mean_rows(term);
-            let values = rows.values(&self.z, self.turned_um(term)?);
-            Some(self.evidence(term, &rows, values, 0.0))
+            let (rows, line_um) = self.mean_rows(term)?;
+            Some(self.evidence(term, rows, line_um, 0.0))
         });
         let directed = |direction: Direction| {
             let both = self.budget.both_ways();
@@ -224,8 +207,8 @@ impl<'a> Solved<'a> {
     fn evidence(
         &self,
         term: ErrorTerm,
-        rows: &CurveRows,
-        values: Curve,
+        rows: CurveRows,
+        line_um: f64,
         left_out: f64,
     ) -> SeparatedError {
         let [share, own, _] = self.rule(term);
@@ -238,7 +221,8 @@ impl<'a> Solved<'a> {
         let variances = rows.variances(&self.model);
         let of = |v: &Variance| ((v.all + left_out).sqrt(), v.noise.sqrt());
         let (u_um, u_noise_um) = is_known.then(|| variances.iter().map(of).unzip()).unzip();
-        SeparatedError { deviation_um: values, u_um, u_noise_um, rows: rows.clone(), left_out }
+        let deviation_um = rows.values(&self.z, line_um);
+        SeparatedError { deviation_um, u_um, u_noise_um, rows, left_out }
     }
 
     /// The curve of a direction: that of its readings, with the slope of the mean. After a turn the − curve
@@ -249,18 +233,17 @@ impl<'a> Solved<'a> {
         direction: Direction,
         turn: Option<&Turn>,
     ) -> Option<SeparatedError> {
-        let mut rows = self.mean_rows(term);
-        let mut line_um = self.turned_um(term)?;
+        let (mut rows, mut line_um) = self.mean_rows(term)?;
         rows.steps = self.steps.of(term, Some(direction));
         let side = if direction == Direction::Plus { 1.0 } else { -1.0 };
         let mut left_out = 0.0;
         if let Some(turn) = turn {
             let [low, growth] = turn.ends_of(term, self.model.layout, self.budget.volume);
             let mut off = growth;
-            if term.is_positioning() {
-                let [plus, minus] = Direction::BOTH.map(|d| self.steps.of(term, Some(d)));
-                off.add(-1.0, &Row::sum(plus.iter().map(|step| (1.0, step))));
-                off.add(1.0, &Row::sum(minus.iter().map(|step| (1.0, step))));
+            for (sign, way) in [(-1.0, Direction::Plus), (1.0, Direction::Minus)] {
+                let steps = self.steps.of(term, Some(way)).into_iter();
+                let steps = steps.filter(|_| term.is_positioning());
+                off.add(1.0, &Row::sum(steps.map(|step| (sign, step))));
             }
             rows.line.add(side / 2.0, &off);
             line_um += side / 2.0 * off.dot(&self.z);
@@ -270,26 +253,24 @@ impl<'a> Solved<'a> {
                 left_out = dropped.map_or(0.0, f64::squared);
             }
         }
-        let values = rows.values(&self.z, line_um);
-        Some(self.evidence(term, &rows, values, left_out))
+        Some(self.evidence(term, rows, line_um, left_out))
     }
 
     /// η_d = q_d − Aᵀ u_d with the slopes of the X-primary frame; `None` where scales or squareness
     /// are not determined, because then the tilts are not either.
     pub(super) fn tilts(&self) -> Option<PerDiagonal<Tilt>> {
-        let assumed = self.setup == SetUp::AssumePerfect;
-        if assumed || !self.metric.is_complete() {
+        if self.setup == SetUp::AssumePerfect || !self.metric.is_complete() {
             return None;
         }
         // X primary: EXY, EXZ and EYZ carry the squareness (p_xy = φxy …).
-        let slope = |term: ErrorTerm| {
-            let carries = term.of <= term.along;
-            carries.then(|| self.metric.value(Unknown::of(term))).flatten()
+        let slope = |of: Axis, along: Axis| {
+            let found = self.found[Unknown::of(ErrorTerm { of, along }).0];
+            found.filter(|_| of <= along).unwrap_or(0.0)
         };
         Some(PerDiagonal::from_fn(|diagonal| {
             let u = self.budget.volume.laser(diagonal);
             let expected = |along: Axis| {
-                let part = |of: Axis| slope(ErrorTerm { of, along }).unwrap_or(0.0) * u[of];
+                let part = |of: Axis| slope(of, along) * u[of];
                 u[along] + 1e-6 * Axis::ALL.into_iter().map(part).sum::<f64>()
             };
             let eta = PerAxis::from_fn(|axis| self.ratios[diagonal][axis] - expected(axis));

@@ -99,8 +99,8 @@ pub fn straight(
     let (metric, rows) = equations.metric();
     let agreement = equations.agreement(&metric);
     let found = |unknown: Unknown| {
-        metric.u(unknown)?;
-        Some(model.variance(&rows[unknown.0]).as_slope(noise?))
+        let variance = metric.is_known(unknown).then(|| model.variance(&rows[unknown.0]))?;
+        Some(variance.as_slope(noise?))
     };
     Ok(StraightResult {
         volume: volume.clone(),
