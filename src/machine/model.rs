@@ -78,11 +78,7 @@ impl MeasuredTerm {
 
     /// Its curves, + before −.
     pub fn curves(&self) -> impl Iterator<Item = &ErrorCurve> {
-        let (first, second) = match &self.measured {
-            Measured::Undirected(curve) | Measured::OneWay(_, curve) => (curve, None),
-            Measured::BothWays { plus, minus } => (plus, Some(minus)),
-        };
-        std::iter::once(first).chain(second)
+        self.measured.ways().into_iter().map(|(_, curve)| curve)
     }
 
     /// Reversal B = mean deviation moving + minus mean deviation moving − over the target

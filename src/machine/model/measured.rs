@@ -39,6 +39,17 @@ impl Measured {
         })
     }
 
+    /// Its curves with the direction that each is for, + before −.
+    pub(crate) fn ways(&self) -> Vec<(Option<Direction>, &ErrorCurve)> {
+        match self {
+            Measured::Undirected(curve) => vec![(None, curve)],
+            Measured::OneWay(way, curve) => vec![(Some(*way), curve)],
+            Measured::BothWays { plus, minus } => {
+                vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
+            }
+        }
+    }
+
     /// The curve without regard to direction: of two the mean, over the range that both cover.
     pub fn mean(&self) -> ErrorCurve {
         match self {

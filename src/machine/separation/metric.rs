@@ -39,7 +39,7 @@ const RANK_TOLERANCE: f64 = 1e-9;
 /// A share of an unknown in what is not measured, below which it counts as determined; also a
 /// share of an equation in an unknown, below which the unknown does not depend on it.
 const SHARE_TOLERANCE: f64 = 1e-6;
-const UM_PER_M: f64 = 1e-6;
+pub(super) const UM_PER_M: f64 = 1e-6;
 /// What (7) neglects, µm/m. No equation is weighed as if it were more certain: readings without
 /// any noise would make the system singular beside a line with a stated uncertainty.
 const NEGLECTED_UM_PER_M: f64 = 1e-3;
@@ -90,19 +90,6 @@ impl Metric {
     }
 }
 
-/// Displacement per commanded unit: q_dk = s_dk (V_k/R + n m̄_dk/V_k). Dimensionless; `means` in µm.
-pub(super) fn displacement_ratios(
-    volume: &Volume,
-    means: &PerDiagonal<PerAxis<f64>>,
-) -> PerDiagonal<PerAxis<f64>> {
-    PerDiagonal::from_fn(|diagonal| {
-        PerAxis::from_fn(|axis| {
-            let step_um = volume.step_mm(axis) * 1000.0;
-            diagonal.sign(axis) * (volume.cosine(axis) + means[diagonal][axis] / step_um)
-        })
-    })
-}
-
 /// One equation of (7): vᵀ h v = value.
 #[derive(Clone, Debug)]
 pub(super) struct Equation {
@@ -123,20 +110,6 @@ pub(super) struct Equation {
 /// vᵀ h v as a row of the six unknowns.
 fn products(v: &PerAxis<f64>) -> Vector6<f64> {
     Vector6::new(v.x * v.x, v.y * v.y, v.z * v.z, v.x * v.y, v.x * v.z, v.y * v.z)
-}
-
-/// (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
-pub(super) fn stepped(ratios: &PerDiagonal<PerAxis<f64>>) -> PerDiagonal<(PerAxis<f64>, f64)> {
-    PerDiagonal::from_fn(|d| (ratios[d], (ratios[d].dot(ratios[d]) - 1.0) / 2.0 / UM_PER_M))
-}
-
-/// (7) of straight runs, of first order: u_dᵀ h u_d = e_d(end)/R. `ends_um`: totals.
-pub(super) fn straight(
-    volume: &Volume,
-    ends_um: &PerDiagonal<f64>,
-) -> PerDiagonal<(PerAxis<f64>, f64)> {
-    let length_m = volume.diagonal_mm() / 1000.0;
-    PerDiagonal::from_fn(|d| (volume.laser(d), ends_um[d] / length_m))
 }
 
 /// The equations of (7), the four diagonals first, then lines.

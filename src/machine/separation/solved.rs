@@ -10,7 +10,7 @@ use super::campaign::{Campaign, MeasuredLine};
 use super::curves::{Curve, ReferenceLine};
 use super::linear::{CurveRows, Model, Row, Variance};
 use super::linear_reversal::{LinearReversal, LinearReversals};
-use super::metric::{Equations, Metric, PerPlane, Plane, displacement_ratios, stepped};
+use super::metric::{Equations, Metric, PerPlane, Plane, UM_PER_M};
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::plane::Unknown;
 use super::readings::Means;
@@ -38,6 +38,7 @@ pub(super) struct Solved<'a> {
     mean_steps: PerTerm<Vec<Row>>,
     /// Slopes of the increments, µm/m.
     pub(super) naive: PerTerm<f64>,
+    /// Displacement per commanded unit: q_dk = s_dk (V_k/R + n m̄_dk/V_k), without dimension.
     ratios: PerDiagonal<PerAxis<f64>>,
     equations: Equations,
     pub(super) metric: Metric,
@@ -67,7 +68,15 @@ impl<'a> Solved<'a> {
         let z = model.layout.measured(means, &slopes);
         let steps = Steps::new(volume, model.layout, budget.turned);
         let mean_steps = PerTerm::from_fn(|term| steps.mean_of(term));
-        let ratios = displacement_ratios(volume, &steps.mean_increments(&z));
+        let means = steps.mean_increments(&z);
+        let ratio = |d: Diagonal, axis: Axis| {
+            let step_um = volume.step_mm(axis) * 1000.0;
+            d.sign(axis) * (volume.cosine(axis) + means[d][axis] / step_um)
+        };
+        let ratios = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| ratio(d, axis)));
+        // (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
+        let stepped = |q: PerAxis<f64>| (q, (q.dot(q) - 1.0) / 2.0 / UM_PER_M);
+        let stepped = PerDiagonal::from_fn(|d| stepped(ratios[d]));
         let metres = volume.diagonal_mm() / 1000.0;
         let ends = PerDiagonal::from_fn(|d| steps.total(d));
         let ends_um = PerDiagonal::from_fn(|d| ends[d].dot(&z));
@@ -81,7 +90,7 @@ impl<'a> Solved<'a> {
             rows.push(row);
         }
         let known = (&mut model, budget.noise.is_some());
-        let equations = Equations::new(volume, &stepped(&ratios), &lines, rows, known);
+        let equations = Equations::new(volume, &stepped, &lines, rows, known);
         let (metric, mut figures) = equations.metric();
         let mut found = std::array::from_fn(|index| metric.value(Unknown(index)));
         if setup == SetUp::AssumePerfect {
@@ -193,14 +202,19 @@ impl<'a> Solved<'a> {
             let (rows, line_um) = self.mean_rows(term)?;
             Some(self.evidence(term, rows, line_um, 0.0))
         });
+        // Positioning errors stand apart by a reversal that was measured apart.
+        let both = self.budget.both_ways();
         let directed = |direction: Direction| {
-            let both = self.budget.both_ways();
-            both.then(|| PerTerm::from_fn(|term| self.directed(term, direction, turn)))
+            let errors = PerTerm::from_fn(|term| match &reversals[term.along] {
+                Some(apart) if term.is_positioning() => {
+                    Some(SeparatedError::beside(mean[term].as_ref()?, apart, direction))
+                }
+                _ => self.directed(term, direction, turn).filter(|_| both),
+            });
+            Some(errors).filter(|errors| both || errors.iter().any(|(_, found)| found.is_some()))
         };
-        let mut errors =
-            NineErrors { plus: directed(Direction::Plus), minus: directed(Direction::Minus), mean };
-        errors.set_apart(reversals);
-        errors
+        let [plus, minus] = Direction::BOTH.map(directed);
+        NineErrors { plus, minus, mean }
     }
 
     /// A curve with its uncertainties; `left_out` = variance of what it lacks, µm².
@@ -349,37 +363,31 @@ impl SeparatedError {
         Some(u * coverage_factor(self.freedom(index, noise)))
     }
 
-    /// The curve of a direction beside this mean of both, by a reversal that was measured apart.
+    /// The curve of a direction beside this mean of both, by a reversal that was measured apart: the mean of both is that
+    /// of curves which start at 0, and the − curve lies B below the + curve.
     fn beside(&self, reversal: &LinearReversal, direction: Direction) -> SeparatedError {
-        let u_um = self.u_um.as_ref().zip(reversal.u_um.as_ref());
-        let u_um: Option<Vec<f64>> = u_um.map(|(mean, of_reversal)| {
-            let start = of_reversal.first().copied().unwrap_or(0.0);
-            let at = |(index, (mean, u)): (usize, (&f64, &f64))| match (index, direction) {
-                (0, Direction::Plus) => *mean,
-                (0, Direction::Minus) => mean.hypot(start),
+        let is_plus = direction == Direction::Plus;
+        let first = |values: &[f64]| values.first().copied().unwrap_or(0.0);
+        let curve = self.deviation_um.iter().zip(&reversal.um);
+        let half = if is_plus { 0.5 } else { -0.5 };
+        let curve = curve.map(|(mean, b)| mean + half * b - first(&reversal.um) / 2.0);
+        let u_um = self.u_um.as_ref().zip(reversal.u_um.as_ref()).map(|(mean, of_reversal)| {
+            let start = first(of_reversal);
+            let at = |(index, (mean, u)): (usize, (&f64, &f64))| match index {
+                0 if is_plus => *mean,
+                0 => mean.hypot(start),
                 _ => mean.hypot(u.hypot(start) / 2.0),
             };
-            mean.iter().zip(of_reversal).enumerate().map(at).collect()
+            mean.iter().zip(of_reversal).enumerate().map(at).collect::<Vec<f64>>()
         });
         SeparatedError {
-            deviation_um: directed_curve(&self.deviation_um, &reversal.um, direction),
+            deviation_um: curve.collect(),
             u_noise_um: self.u_noise_um.clone().filter(|_| u_um.is_some()),
             u_um,
             rows: self.rows.clone(),
             left_out: reversal.u_um.iter().flatten().map(|u| u.squared()).fold(0.0, f64::max),
         }
     }
-}
-
-/// The curve of a direction: the mean of both is that of curves which start at 0, and the − curve
-/// lies B below the + curve.
-pub(super) fn directed_curve(mean: &[f64], reversal: &[f64], direction: Direction) -> Curve {
-    let start = reversal.first().copied().unwrap_or(0.0);
-    let value = |(mean, b): (&f64, &f64)| match direction {
-        Direction::Plus => mean + (b - start) / 2.0,
-        Direction::Minus => mean - (b + start) / 2.0,
-    };
-    mean.iter().zip(reversal).map(value).collect()
 }
 
 /// The nine errors; `None` = not determined.
@@ -411,20 +419,5 @@ impl NineErrors {
             Some(ReferenceLine::LeastSquares.slope_um_per_m(&positions, curve))
         };
         PerPlane::from_fn(|plane| plane.terms().map(slope).into_iter().sum())
-    }
-
-    /// Sets the two directions of each positioning error apart by its reversal.
-    fn set_apart(&mut self, reversals: &LinearReversals) {
-        for axis in Axis::ALL {
-            let term = ErrorTerm::positioning(axis);
-            let (Some(reversal), Some(mean)) = (&reversals[axis], &self.mean[term]) else {
-                continue;
-            };
-            for (errors, direction) in
-                [(&mut self.plus, Direction::Plus), (&mut self.minus, Direction::Minus)]
-            {
-                errors.get_or_insert_default()[term] = Some(mean.beside(reversal, direction));
-            }
-        }
     }
 }

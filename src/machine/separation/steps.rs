@@ -65,11 +65,10 @@ impl<'a> Steps<'a> {
         Row::sum(groups.iter().map(|group| (1.0 / groups.len() as f64, of(*group))))
     }
 
-    /// The same, mean of the groups.
+    /// δ of each interval of a term, mean of the groups.
     pub(super) fn mean_of(&self, term: ErrorTerm) -> Vec<Row> {
-        let groups = self.groups();
-        let all: Vec<Vec<Row>> = groups.iter().map(|group| self.of(term, *group)).collect();
-        let share = 1.0 / groups.len() as f64;
+        let all = self.groups().iter().map(|group| self.of(term, *group)).collect::<Vec<_>>();
+        let share = 1.0 / all.len() as f64;
         let at = |interval: usize| Row::sum(all.iter().map(|steps| (share, &steps[interval])));
         (0..self.volume.steps).map(at).collect()
     }

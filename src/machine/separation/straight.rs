@@ -21,6 +21,7 @@ use super::campaign::Campaign;
 use super::closure::{Start, large_noise};
 use super::curves::at;
 use super::findings::SeparationFinding;
+use super::labels;
 use super::linear::{Layout, Row};
 use super::metric::{Equations, Metric, PerPlane};
 use super::noise::{Noise, Outlier, float};
@@ -28,7 +29,6 @@ use super::plane::Unknown;
 use super::readings::{CorrectedRun, figures, means, run_counts};
 use super::solved::scale_sum_um_mm;
 use super::uncertainty::SlopeUncertainty;
-use super::{labels, metric};
 use crate::inputs::error_table::{ErrorTable, Silence};
 use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
@@ -91,7 +91,9 @@ pub fn straight(
     let budget = start.budget(campaign, noise, false);
     let (all, _) = figures(&start.runs, PathKind::Straight);
     let end_um = PerDiagonal::from_fn(|d| all[d].end_um);
-    let diagonals = metric::straight(volume, &end_um);
+    // (7) of first order: u_dᵀ h u_d = e_d(end)/R.
+    let length_m = volume.diagonal_mm() / 1000.0;
+    let diagonals = PerDiagonal::from_fn(|d| (volume.laser(d), end_um[d] / length_m));
     let mut model = budget.model(campaign);
     let rows = rows(volume, model.layout);
     let known = (&mut model, noise.is_some());
