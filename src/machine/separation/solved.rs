@@ -209,7 +209,8 @@ impl<'a> Solved<'a> {
                 Some(apart) if term.is_positioning() => {
                     Some(SeparatedError::beside(mean[term].as_ref()?, apart, direction))
                 }
-                _ => self.directed(term, direction, turn).filter(|_| both),
+                _ if both => self.directed(term, direction, turn),
+                _ => None,
             });
             Some(errors).filter(|errors| both || errors.iter().any(|(_, found)| found.is_some()))
         };
