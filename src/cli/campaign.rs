@@ -152,7 +152,7 @@ impl CampaignFiles {
         let fewest = counts.iter().flat_map(|(_, both)| both).copied();
         let fewest = fewest.filter(|count| *count > 0.0).fold(f64::INFINITY, f64::min);
         let stated = self.job.measurement.uncertainty.noise_um;
-        let repeated = repeats(&result.runs).noise;
+        let (repeated, _) = repeats(&result.runs);
         let sigma_um = repeated.map(|noise| noise.sigma_um).or(stated);
         Ok(StraightRuns {
             volume: self.measurement.volume.clone(),

@@ -404,7 +404,7 @@ fn intervals_of_ranges_are_measured() {
             let [low, high] = figure.interval;
             inside[kind] += usize::from((low..=high).contains(&wanted));
             all[kind] += 1;
-            printed[kind] = figure.measured_coverage();
+            printed[kind] = figure.measured_coverage;
             if kind < 2 {
                 bias[kind] += found[index] - wanted;
                 told[kind] += figure.bias;

@@ -229,12 +229,12 @@ pub(super) fn diagonal_totals(figures: &Diagonals, scale_sum_um_mm: f64) -> Valu
 fn monte_carlo(simulated: &Simulated) -> Value {
     let figure = |f: &Figure| {
         json!({
-            "name": f.quantity.to_string(),
-            "unit": f.quantity.unit(),
+            "name": f.name,
+            "unit": f.unit,
             "estimate": picometres(f.estimate),
             "bias": picometres(f.bias),
             "interval_95": f.interval.map(picometres),
-            "interval_coverage_measured": f.measured_coverage(),
+            "interval_coverage_measured": f.measured_coverage,
             "u": picometres(f.u),
         })
     };

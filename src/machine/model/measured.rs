@@ -91,13 +91,10 @@ pub(super) fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &m
         return;
     }
     let Some(machine) = job.machine.axes[axis] else {
-        problems.push(
-            job.problem_at(
-                "machine.axes",
-                format!("axis {axis} was measured, but [machine.axes.{}] is missing", axis.key()),
-            )
-            .help("add travel_mm and reference_mm of this axis"),
-        );
+        let words =
+            format!("axis {axis} was measured, but [machine.axes.{}] is missing", axis.key());
+        let problem = job.problem_at("machine.axes", words);
+        problems.push(problem.help("add travel_mm and reference_mm of this axis"));
         return;
     };
     for series in series {

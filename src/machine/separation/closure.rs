@@ -22,8 +22,8 @@ use super::corrections::recorded;
 use super::curves::{mean, noise_gain};
 use super::findings::SeparationFinding as Found;
 use super::noise::{
-    ENOUGH, FALSE_DOUBT, Noise, NoiseSource, Outlier, Repeats, UNRESOLVED_UM, chance_of, float,
-    repeats, student, tails,
+    ENOUGH, FALSE_DOUBT, Noise, NoiseSource, Outlier, UNRESOLVED_UM, chance_of, float, repeats,
+    student, tails,
 };
 use super::patterns::{Known, Patterns, Ramps};
 use super::readings::{CorrectedRun, Means, RunCounts, pass_of, run_counts};
@@ -229,7 +229,7 @@ impl Start {
     pub(super) fn new(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Start {
         let material = campaign.measurement.material;
         let runs = corrected(campaign, raw_runs);
-        let Repeats { noise, outliers } = repeats(&runs);
+        let (noise, outliers) = repeats(&runs);
         let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
         Start {
             material: material.map(|material| recorded(&material, raw_runs)),

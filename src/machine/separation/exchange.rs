@@ -27,10 +27,10 @@
 use super::campaign::{Campaign, corrected};
 use super::closure::{Closure, Start, closure};
 use super::findings::SeparationFinding;
-use super::linear::Model;
-use super::noise::{DIGIT_UM, Noise, Outlier, UNRESOLVED_UM, float};
+use super::noise::{DIGIT_UM, Outlier, UNRESOLVED_UM, float};
 use super::patterns::{Known, Patterns};
 use super::readings::{Means, RunCounts, means, run_counts};
+use super::separate::Separation;
 use super::steps::Steps;
 use crate::inputs::job::SetUp;
 use crate::quantity::axis::Axis;
@@ -52,24 +52,15 @@ const SURE: f64 = 0.95;
 /// A scatter of the best assignment above this quantile belies the noise that is known otherwise.
 const BELIEVED: f64 = 0.999;
 
-/// What the closure of the readings says under the names of the file.
-pub(super) struct AsRead<'a> {
-    pub(super) start: &'a Start,
-    pub(super) closure: &'a Closure,
-    pub(super) noise: Option<Noise>,
-    pub(super) overrun: Option<bool>,
-    /// What stated angles do.
-    pub(super) causes: &'a Model,
-}
-
 /// Compares the recorded names with every other way to share them out: a doubt where another assignment is clearly
 /// likelier, else a note of slips that these readings would hardly show.
 pub(super) fn names(
     campaign: &Campaign<'_>,
     runs: &[Run],
-    as_read: &AsRead<'_>,
+    start: &Start,
+    as_read: &Separation,
 ) -> Option<Finding> {
-    let trial = Trial::new(campaign, runs, as_read)?;
+    let trial = Trial::new(campaign, runs, start, as_read)?;
     trial.likelier().or_else(|| trial.hardly_shown()).map(Finding::from)
 }
 
@@ -130,7 +121,9 @@ type Tried = (Naming, f64);
 struct Trial<'a, 'c> {
     campaign: &'a Campaign<'c>,
     runs: &'a [Run],
-    as_read: &'a AsRead<'a>,
+    start: &'a Start,
+    /// What the readings say under the names of the file.
+    as_read: &'a Separation,
     /// Q of the recorded names.
     recorded: f64,
     others: Vec<Tried>,
@@ -147,19 +140,29 @@ impl<'a, 'c> Trial<'a, 'c> {
     fn new(
         campaign: &'a Campaign<'c>,
         runs: &'a [Run],
-        as_read: &'a AsRead<'a>,
+        start: &'a Start,
+        as_read: &'a Separation,
     ) -> Option<Trial<'a, 'c>> {
         // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
         let stated_um = campaign.stated.noise_um;
         let stated_um =
             stated_um.filter(|um| as_read.noise.is_some_and(|found| !found.contradicts(*um)));
-        let known_um = as_read.start.noise.map(|noise| noise.sigma_um).or(stated_um);
+        let known_um = start.noise.map(|noise| noise.sigma_um).or(stated_um);
         let intervals = campaign.measurement.volume.steps_f64() - 1.0;
         let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
         let others = Vec::new();
         let (recorded, freedom) = (0.0, 0.0);
-        let mut trial =
-            Trial { campaign, runs, as_read, recorded, others, freedom, intervals, sigma_um };
+        let mut trial = Trial {
+            campaign,
+            runs,
+            start,
+            as_read,
+            recorded,
+            others,
+            freedom,
+            intervals,
+            sigma_um,
+        };
         // Ways that share counts and disturbed readings share the least-squares problem.
         let mut shared: Option<(RunCounts, Vec<Outlier>, Patterns)> = None;
         for naming in Naming::all() {
@@ -168,7 +171,7 @@ impl<'a, 'c> Trial<'a, 'c> {
                 let steps = trial.steps(&means);
                 let mut left = Patterns::new(&steps, &means, &counts, trial.known(&outliers))?;
                 // What stated angles do belongs to no other name.
-                left.leave_out_angles(as_read.causes);
+                left.leave_out_angles(&as_read.model);
                 let freedom = float(left.scatter().1);
                 trial.freedom = if shared.is_none() { freedom } else { trial.freedom };
                 shared = Some((counts, outliers, left));
@@ -184,7 +187,7 @@ impl<'a, 'c> Trial<'a, 'c> {
         let mut runs = self.runs.to_vec();
         runs.iter_mut().for_each(|run| run.diagonal = naming.0[run.diagonal]);
         let runs = corrected(self.campaign, &runs);
-        let mut outliers = self.as_read.start.outliers.clone();
+        let mut outliers = self.start.outliers.clone();
         for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
             place.diagonal = naming.0[place.diagonal];
         }
@@ -197,8 +200,8 @@ impl<'a, 'c> Trial<'a, 'c> {
     }
 
     fn known<'o>(&self, outliers: &'o [Outlier]) -> Known<'o> {
-        let skip_ends = self.as_read.start.walked_back() && self.as_read.overrun != Some(true);
-        Known { noise: self.as_read.start.noise, outliers, skip_ends, causes: None }
+        let skip_ends = self.start.walked_back() && self.as_read.overrun != Some(true);
+        Known { noise: self.start.noise, outliers, skip_ends, causes: None }
     }
 
     /// What scatters less than the last digit of a reading is as good as nothing.
@@ -230,7 +233,7 @@ impl<'a, 'c> Trial<'a, 'c> {
     /// disturbed readings and roll explain of the recorded names is left out of these before.
     fn likelier(&self) -> Option<SeparationFinding> {
         let (naming, best) = self.others.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let before = self.as_read.closure;
+        let before = &self.as_read.closure;
         let seen = before.sigma_um().unwrap_or(0.0) > UNRESOLVED_UM;
         // That just the readings are off that the closure of the recorded names calls disturbed has a chance of its own.
         let singly = |o: &&Outlier| o.readings.iter().all(|place| place.run.is_none());
@@ -254,7 +257,7 @@ impl<'a, 'c> Trial<'a, 'c> {
     fn judged(&self, naming: &Naming) -> Option<Closure> {
         let (means, counts, outliers) = self.renamed(naming);
         let closure = closure(&self.steps(&means), &means, &counts, self.known(&outliers));
-        let noise = self.as_read.start.noise.or_else(|| closure.noise());
+        let noise = self.start.noise.or_else(|| closure.noise());
         let doubts = closure.doubts(noise, &self.campaign.measurement.volume, SetUp::Solve);
         doubts.is_empty().then_some(closure)
     }

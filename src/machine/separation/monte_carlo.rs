@@ -20,7 +20,6 @@ use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use std::fmt;
 
 /// How to simulate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,75 +30,46 @@ pub struct Trials {
     pub seed: u64,
 }
 
-/// What is simulated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Quantity {
-    /// Max − min of a positioning error, µm.
-    Range(ErrorTerm),
-    /// Straightness of a cross term, µm.
-    Straightness(ErrorTerm),
-    /// Squareness, µm/m.
-    Squareness(Plane),
-}
-
-impl Quantity {
-    /// Its unit.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Quantity::Range(_) | Quantity::Straightness(_) => "µm",
-            Quantity::Squareness(_) => "µm/m",
-        }
-    }
-}
-
-impl fmt::Display for Quantity {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Quantity::Range(term) => write!(out, "range {term}"),
-            Quantity::Straightness(term) => write!(out, "straightness {term}"),
-            Quantity::Squareness(plane) => write!(out, "squareness {}", plane.key()),
-        }
-    }
-}
+/// How often 95 % intervals held the true value on simulated machines, 0 … 1 (docs/accuracy.md §8): of squareness, and of
+/// largest-minus-smallest figures, which are too short: the noise of the readings has moved the extremes already, and the
+/// trials move them again.
+const HELD: f64 = 0.95;
+const HELD_OF_EXTREMES: f64 = 0.887;
 
 /// A figure with what noise does to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Of what.
-    pub quantity: Quantity,
+    /// Of what: max − min of a positioning error, straightness of a cross term, squareness.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
     /// From the readings as they are.
     pub estimate: f64,
     /// Mean of the trials less the estimate.
     pub bias: f64,
     /// 95 % interval.
     pub interval: [f64; 2],
+    /// How often such intervals held the true value on simulated machines.
+    pub measured_coverage: f64,
     /// Standard deviation of the trials.
     pub u: f64,
 }
 
 impl Figure {
-    fn of(quantity: Quantity, estimate: f64, mut values: Vec<f64>) -> Figure {
+    fn of(name: String, estimate: f64, mut values: Vec<f64>) -> Figure {
         values.sort_by(f64::total_cmp);
         let mean = mean(values.iter().copied());
         let square: f64 = values.iter().map(|value| (value - mean).squared()).sum();
         let last = float(values.len() - 1);
         let mirrored = |share: f64| 2.0 * estimate - at(&values, share * last);
         Figure {
-            quantity,
+            name,
+            unit: "µm",
             estimate,
             bias: mean - estimate,
             interval: [mirrored(0.975), mirrored(0.025)],
+            measured_coverage: HELD_OF_EXTREMES,
             u: (square / last).sqrt(),
-        }
-    }
-
-    /// How often such 95 % intervals held the true value on simulated machines, 0 … 1
-    /// (docs/accuracy.md §8). Those of largest-minus-smallest figures are too short: the noise of the
-    /// readings has moved the extremes already, and the trials move them again.
-    pub fn measured_coverage(&self) -> f64 {
-        match self.quantity {
-            Quantity::Squareness(_) => 0.95,
-            Quantity::Range(_) | Quantity::Straightness(_) => 0.887,
         }
     }
 }
@@ -163,12 +133,16 @@ pub fn simulate(
         trials.iter_mut().zip(figures(&noise)).for_each(|(all, value)| all.push(value));
         progress();
     }
-    let of_curves = curves.iter().map(|(term, ..)| match term.is_positioning() {
-        true => Quantity::Range(*term),
-        false => Quantity::Straightness(*term),
-    });
-    let quantities = of_curves.chain(planes.iter().map(|(plane, _)| Quantity::Squareness(*plane)));
-    let found = quantities.zip(estimates).zip(trials);
-    let found = found.map(|((quantity, um), trials)| Figure::of(quantity, um, trials));
-    Some(Simulated { plan, figures: found.collect() })
+    let mut found = estimates.into_iter().zip(trials);
+    let of_curve = |((term, ..), (um, trials)): (&(ErrorTerm, _, _), _)| {
+        let what = if term.is_positioning() { "range" } else { "straightness" };
+        Figure::of(format!("{what} {term}"), um, trials)
+    };
+    let mut figures: Vec<Figure> = curves.iter().zip(&mut found).map(of_curve).collect();
+    figures.extend(planes.iter().zip(found).map(|((plane, _), (um_per_m, trials))| Figure {
+        unit: "µm/m",
+        measured_coverage: HELD,
+        ..Figure::of(format!("squareness {}", plane.key()), um_per_m, trials)
+    }));
+    Some(Simulated { plan, figures })
 }

@@ -239,17 +239,9 @@ pub(super) fn stands_out(
     (ratio > limit && size_um.abs() > UNRESOLVED_UM).then_some(ratio)
 }
 
-/// What repeated runs say.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Repeats {
-    /// σ of a single reading, without the disturbed ones; `None` where no pass was repeated.
-    pub noise: Option<Noise>,
-    /// Disturbed readings of single runs, the largest first.
-    pub outliers: Vec<Outlier>,
-}
-
-/// σ of a single reading and the disturbed readings of repeated runs, pooled over all passes.
-pub fn repeats(runs: &[CorrectedRun]) -> Repeats {
+/// σ of a single reading, without the disturbed ones (`None` where no pass was repeated), and the disturbed readings of
+/// single runs, the largest first; pooled over all passes.
+pub fn repeats(runs: &[CorrectedRun]) -> (Option<Noise>, Vec<Outlier>) {
     let of_pass = |diagonal| Pass::BOTH.map(|pass| RepeatedPass::new(runs, diagonal, pass));
     let mut passes: Vec<RepeatedPass> =
         Diagonal::ALL.into_iter().flat_map(of_pass).flatten().collect();
@@ -269,8 +261,7 @@ pub fn repeats(runs: &[CorrectedRun]) -> Repeats {
         residuals(&mut pass.left);
         freedom -= 1;
     }
-    let noise = Noise::of_scatter(square(&passes), freedom, NoiseSource::Repeats);
-    Repeats { noise, outliers }
+    (Noise::of_scatter(square(&passes), freedom, NoiseSource::Repeats), outliers)
 }
 
 /// Readings of one pass along a diagonal that was walked more than once.

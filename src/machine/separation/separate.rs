@@ -4,7 +4,7 @@ use super::agreement::Agreement;
 use super::campaign::Campaign;
 use super::closure::{Closure, Start, closure, large_noise};
 use super::curves::Curve;
-use super::exchange::{AsRead, names};
+use super::exchange::names;
 use super::findings::SeparationFinding;
 use super::labels;
 use super::linear::{Layout, Model, Row};
@@ -150,13 +150,10 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let start = Start::new(campaign, raw_runs);
     let mut found = of_start(campaign, &start, |noise| noise);
     // What remains to be said: the names of the diagonals, noise, lines and reversals.
-    let (closure, noise) = (&found.closure, found.noise);
-    let (overrun, causes) = (found.overrun, &found.model);
-    let as_read = AsRead { start: &start, closure, noise, overrun, causes };
-    let names = names(campaign, raw_runs, &as_read);
+    let names = names(campaign, raw_runs, &start, &found);
     let turn = found.turn.iter();
     let turn = turn.flat_map(|turn| contradictions(turn, &campaign.reversals));
-    found.doubts.extend(large_noise(noise, campaign.stated.noise_um).into_iter().chain(turn));
+    found.doubts.extend(large_noise(found.noise, campaign.stated.noise_um).into_iter().chain(turn));
     match names {
         Some(names) if names.severity() > Severity::Note => found.doubts.insert(0, names),
         blind => found.labels.extend(blind),

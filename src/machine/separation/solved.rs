@@ -68,17 +68,18 @@ impl<'a> Solved<'a> {
         let z = model.layout.measured(means, &slopes);
         let steps = Steps::new(volume, model.layout, budget.turned);
         let mean_steps = PerTerm::from_fn(|term| steps.mean_of(term));
-        let means = steps.mean_increments(&z);
+        let sums = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| steps.sum(d, axis)));
         let ratio = |d: Diagonal, axis: Axis| {
-            let step_um = volume.step_mm(axis) * 1000.0;
-            d.sign(axis) * (volume.cosine(axis) + means[d][axis] / step_um)
+            let length_um = volume.size[axis].mm() * 1000.0;
+            d.sign(axis) * (volume.cosine(axis) + sums[d][axis].dot(&z) / length_um)
         };
         let ratios = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| ratio(d, axis)));
         // (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
         let stepped = |q: PerAxis<f64>| (q, (q.dot(q) - 1.0) / 2.0 / UM_PER_M);
         let stepped = PerDiagonal::from_fn(|d| stepped(ratios[d]));
         let metres = volume.diagonal_mm() / 1000.0;
-        let ends = PerDiagonal::from_fn(|d| steps.total(d));
+        let total = |d: Diagonal| Row::sum(sums[d].iter().map(|(_, sum)| (1.0, sum)));
+        let ends = PerDiagonal::from_fn(total);
         let ends_um = PerDiagonal::from_fn(|d| ends[d].dot(&z));
         let mut rows: Vec<Row> =
             ends.iter().map(|(_, row)| Row::sum([(1.0 / metres, row)])).collect();

@@ -4,8 +4,8 @@
 use super::curves::{closure_sign, noise_gain};
 use super::linear::{Layout, Row};
 use super::readings::{Group, Means, groups, pass_of};
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::diagonal::{Diagonal, Pass, Volume};
 
 /// Formulas (1) and (2) as rows over what was measured. The slopes hold the tilt of the mirror.
 #[derive(Clone, Copy)]
@@ -74,20 +74,9 @@ impl<'a> Steps<'a> {
     }
 
     /// Sum of the increments of a (diagonal, axis) pair, mean of the groups.
-    fn sum(&self, d: Diagonal, axis: Axis) -> Row {
-        let all =
-            |group| (0..self.volume.steps).map(move |at| (1.0, self.increment(group, d, axis, at)));
-        self.mean(|group| Row::sum(all(group)))
-    }
-
-    /// Mean of the increments of each (diagonal, axis) pair, µm.
-    pub(super) fn mean_increments(&self, z: &[f64]) -> PerDiagonal<PerAxis<f64>> {
-        let n = self.volume.steps_f64();
-        PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| self.sum(d, axis).dot(z) / n))
-    }
-
-    /// E_d: the total of a diagonal.
-    pub(super) fn total(&self, d: Diagonal) -> Row {
-        Row::sum(Axis::ALL.map(|axis| (1.0, self.sum(d, axis))))
+    pub(super) fn sum(&self, d: Diagonal, axis: Axis) -> Row {
+        let all = 0..self.volume.steps;
+        let of = |group| all.clone().map(move |at| (1.0, self.increment(group, d, axis, at)));
+        self.mean(|group| Row::sum(of(group)))
     }
 }
