@@ -49,6 +49,14 @@ pub(super) struct Solved<'a> {
     pub(super) ends_um: PerDiagonal<f64>,
 }
 
+/// φ by the totals of the diagonals (4), µm/m.
+fn of_totals(volume: &Volume, ends: &PerDiagonal<Row>, plane: Plane) -> Row {
+    let (a, b) = plane.axes();
+    let area = volume.size[a].mm() * volume.size[b].mm();
+    let share = 1000.0 * volume.diagonal_mm() / (4.0 * area);
+    Row::sum(Diagonal::ALL.map(|d| (share * d.sign(a) * d.sign(b), &ends[d])))
+}
+
 /// S = X²p_xx + Y²p_yy + Z²p_zz, µm·mm: the one combination of the scales that the readings at the far ends tell, µm.
 pub(super) fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f64 {
     volume.diagonal_mm() * ends_um.iter().map(|(_, um)| um).sum::<f64>() / 4.0
@@ -96,12 +104,8 @@ impl<'a> Solved<'a> {
         let mut found = std::array::from_fn(|index| metric.value(Unknown(index)));
         if setup == SetUp::AssumePerfect {
             for plane in Plane::ALL {
-                let (a, b) = plane.axes();
-                let edges = volume.size[a].mm() * volume.size[b].mm();
-                let share = 1000.0 * volume.diagonal_mm() / (4.0 * edges);
-                let of = |d: Diagonal| (share * d.sign(a) * d.sign(b), &ends[d]);
                 let Unknown(index) = Unknown::squareness(plane);
-                figures[index] = Row::sum(Diagonal::ALL.map(of));
+                figures[index] = of_totals(volume, &ends, plane);
                 found[index] = Some(figures[index].dot(&z));
             }
         }
