@@ -166,6 +166,7 @@ impl ErrorModel {
             unused: measured::not_compensated(table).into_iter().collect(),
             remarks: Remarks {
                 largest: table.remarks.largest.clone().filter(|largest| largest.zero == zero(job)),
+                measured: table.remarks.measured.clone().filter(|most| most.zero == zero(job)),
                 ..table.remarks.clone()
             },
         })

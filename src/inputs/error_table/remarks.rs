@@ -9,17 +9,20 @@
 //!   # not stated: angle_urad, setup_ppm
 //!   # neglected by decision: angle_urad
 //!   # largest error (95 %), um, zero at X 0 +, Y 0 +, Z 0 +: all 3.91, EXX 1.032, …, PPP 2.5, …
+//!   # as measured at most so much more (95 %), um, zero at X 0 +, Y 0 +, Z 0 +: all 1.8, EXX 0.721, …, PPP 1.1, …
+//!   # u of what another measurement does not repeat, um: EXX 0.44, …
 //!   # doubtful beside that, um: EXX 0.5, PPP 0.8
 //!   # frame: x-primary
+//!   # on the lines X, Y, Z, mm: 450, 360, 360
 //!   # note: what whoever uses the values has to know
 //! ```
 //! Any other comment is free text and means nothing to the program.
 
 use crate::inputs::findings::Remark;
 use crate::inputs::job::Frame;
-use crate::quantity::axis::{ErrorTerm, PerTerm};
+use crate::quantity::axis::{ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal};
-use crate::quantity::units::smaller;
+use crate::quantity::units::{Millimetres, smaller};
 use crate::text::finding::Finding;
 
 const DOUBT: &str = "doubt:";
@@ -28,9 +31,12 @@ const REVERSAL: &str = "reversal not held:";
 const FREEDOM: &str = "degrees of freedom:";
 const NOT_STATED: &str = "not stated:";
 const LARGEST: &str = "largest error (95 %), um, zero at";
+const MEASURED: &str = "as measured at most so much more (95 %), um, zero at";
+const ANEW: &str = "u of what another measurement does not repeat, um:";
 const DOUBTFUL: &str = "doubtful beside that, um:";
 const NEGLECTED: &str = "neglected by decision:";
 const FRAME: &str = "frame:";
+const LINES: &str = "on the lines X, Y, Z, mm:";
 const NOTE: &str = "note:";
 
 /// The words by which a simulation is told from a measurement: a note of the table begins so.
@@ -184,10 +190,20 @@ pub struct LargestErrors {
 }
 
 impl LargestErrors {
-    fn words(&self) -> String {
+    /// Both, one by one.
+    pub(crate) fn joined(&self, other: &LargestErrors, of: impl Fn(f64, f64) -> f64) -> Self {
+        LargestErrors {
+            zero: self.zero.clone(),
+            all_um: of(self.all_um, other.all_um),
+            ranges_um: of(self.ranges_um, other.ranges_um),
+            single: self.single.joined(&other.single, of),
+        }
+    }
+
+    fn words(&self, key: &str) -> String {
         let (all, ranges) = (self.all_um, self.ranges_um);
         let single = self.single.words();
-        format!("{LARGEST} {}: all {all:.4}, ranges {ranges:.4}{single}", self.zero)
+        format!("{key} {}: all {all:.4}, ranges {ranges:.4}{single}", self.zero)
     }
 
     fn read(words: &str) -> Option<LargestErrors> {
@@ -220,10 +236,16 @@ pub struct Remarks {
     pub silence: Silence,
     /// The largest errors of a separation.
     pub largest: Option<LargestErrors>,
+    /// How far its errors as measured may lie beyond the largest of them.
+    pub measured: Option<LargestErrors>,
+    /// Their largest u by what another measurement does not repeat, µm; `None` = it repeats nothing.
+    pub anew: Option<Sizes>,
     /// How far what speaks against a separation may move its errors, beside their uncertainty, µm.
     pub doubtful: Option<Sizes>,
     /// Frame in which a separation gave the slopes of the cross terms; `None` = they are as given.
     pub frame: Option<Frame>,
+    /// The lines whose errors these are, where the effects of angles were taken off: there the angles are zero.
+    pub lines: Option<PerAxis<Millimetres>>,
     /// What whoever uses the values has to know.
     pub notes: Vec<Finding>,
 }
@@ -257,12 +279,13 @@ impl Remarks {
             self.doubts.push(Remark::OtherFrames { first, second }.into());
         }
         self.frame = self.frame.or(other.frame);
+        self.lines = self.lines.or(other.lines);
         let both = [self.hidden_reversal_um, other.hidden_reversal_um];
         self.hidden_reversal_um = both.into_iter().flatten().reduce(f64::max);
         let both = [self.degrees_of_freedom, other.degrees_of_freedom];
         self.degrees_of_freedom = both.into_iter().flatten().reduce(smaller);
         self.silence.join(other.silence);
-        self.largest = None; // of each table by itself
+        (self.largest, self.measured, self.anew) = (None, None, None); // of each table by itself
         self.doubtful = match (self.doubtful.take(), other.doubtful) {
             (Some(own), Some(other)) => Some(own.joined(&other, f64::max)),
             (own, other) => own.or(other),
@@ -275,10 +298,24 @@ impl Remarks {
             self.doubts.push(Remark::Doubtful { words }.into());
         } else if let Some(frame) = after(FRAME).as_deref().and_then(Frame::from_word) {
             self.frame = self.frame.or(Some(frame));
+        } else if let Some(words) = after(LINES) {
+            let places: Option<Vec<f64>> =
+                words.split(',').map(|mm| mm.trim().parse().ok()).collect();
+            match places.as_deref() {
+                Some([x, y, z]) => {
+                    let [x, y, z] = [*x, *y, *z].map(Millimetres::new);
+                    self.lines = Some(PerAxis { x, y, z });
+                }
+                _ => self.doubts.push(Remark::Doubtful { words: comment.to_string() }.into()),
+            }
         } else if let Some(words) = after(NOTE) {
             self.notes.push(note(words));
         } else if let Some(words) = after(LARGEST) {
             self.largest = LargestErrors::read(&words);
+        } else if let Some(words) = after(MEASURED) {
+            self.measured = LargestErrors::read(&words);
+        } else if let Some(words) = after(ANEW) {
+            self.anew = Sizes::read(&words);
         } else if let Some(words) = after(DOUBTFUL) {
             match Sizes::read(&words) {
                 Some(sizes) => self.doubtful = Some(sizes),
@@ -321,14 +358,20 @@ impl Remarks {
         let doubtful = self.doubtful.iter();
         let doubtful =
             doubtful.map(|sizes| format!("{DOUBTFUL} {}", sizes.words().trim_start_matches(", ")));
-        let largest = self.largest.iter().map(LargestErrors::words).chain(doubtful);
+        let anew = self.anew.iter();
+        let anew = anew.map(|sizes| format!("{ANEW} {}", sizes.words().trim_start_matches(", ")));
+        let largest = self.largest.iter().map(|largest| largest.words(LARGEST));
+        let measured = self.measured.iter().map(|largest| largest.words(MEASURED));
+        let largest = largest.chain(measured).chain(anew).chain(doubtful);
         let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
         let freedom = self.degrees_of_freedom.iter();
         let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
         let first = doubts.chain(missing).chain(reversal).chain(freedom);
         let frame = self.frame.iter();
         let frame = frame.map(|frame| format!("{FRAME} {}", frame.word()));
-        first.chain(silent).chain(largest).chain(frame).chain(notes).collect()
+        let lines = self.lines.iter();
+        let lines = lines.map(|at| format!("{LINES} {}, {}, {}", at.x.mm(), at.y.mm(), at.z.mm()));
+        first.chain(silent).chain(largest).chain(frame).chain(lines).chain(notes).collect()
     }
 }
 
@@ -367,6 +410,12 @@ mod tests {
             terms: PerTerm::from_fn(|term| if term.is_positioning() { 0.0 } else { 0.0625 }),
             diagonals: PerDiagonal::from_fn(|_| 2.25),
         };
+        let largest = LargestErrors {
+            zero: "X 0 +, Y -5.5 -".to_string(),
+            all_um: 4.5,
+            ranges_um: 3.5,
+            single: sizes.clone(),
+        };
         let remarks = Remarks {
             doubts: vec![
                 Remark::Doubtful { words: "a reading is disturbed: PPP node 58".to_string() }
@@ -382,14 +431,12 @@ mod tests {
                 not_stated: vec![Cause::Angles, Cause::SetUps],
                 neglected: vec![Cause::Slopes],
             },
-            largest: Some(LargestErrors {
-                zero: "X 0 +, Y -5.5 -".to_string(),
-                all_um: 4.5,
-                ranges_um: 3.5,
-                single: sizes.clone(),
-            }),
+            largest: Some(largest.clone()),
+            measured: Some(LargestErrors { all_um: 1.25, ..largest }),
+            anew: Some(sizes.clone()),
             doubtful: Some(sizes),
             frame: Some(Frame::XPrimary),
+            lines: Some(PerAxis::from_fn(|axis| Millimetres::new(1.5 * f64::from(axis as u8)))),
             notes: vec![
                 note("frame: X primary".to_string()),
                 note(format!("{SIMULATED}: predicted")),

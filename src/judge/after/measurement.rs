@@ -28,7 +28,7 @@ pub struct StraightRuns {
     pub u_um: Option<f64>,
     /// Degrees of freedom of the estimate behind it; `None` = it is stated.
     pub degrees_of_freedom: Option<f64>,
-    /// Standard uncertainty of the laser's scale, µm/m; 0 = not stated.
+    /// Standard uncertainty of a length: laser, set-up, beam, µm/m.
     pub scale_um_per_m: f64,
     /// The reverse passes count from the forward start.
     pub one_zero: bool,

@@ -8,7 +8,7 @@ use super::solved::SeparatedError;
 use crate::inputs::error_table::{self, Draft, DraftSeries, ErrorTable, Remarks};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::units::rounded;
+use crate::quantity::units::{Millimetres, rounded};
 use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
@@ -75,8 +75,9 @@ pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> D
         }
     });
     let table = Table::new(separation, job, &directions);
-    let (largest, doubtful) = (table.largest_errors(job), table.doubtful());
-    comments.extend(Remarks { largest, doubtful, ..remarks(separation) }.lines());
+    let (all, doubtful) = (table.largest(job), table.doubtful());
+    let (largest, measured, anew) = (all.forecast, all.measured, all.anew);
+    comments.extend(Remarks { largest, measured, anew, doubtful, ..remarks(separation) }.lines());
     let of_axis = |axis| directions[axis].iter().map(move |way| (axis, *way));
     let series = Axis::ALL.into_iter().flat_map(of_axis);
     let series = series.map(|(axis, way)| one_series(separation, axis, way));
@@ -100,6 +101,10 @@ pub fn remarks(separation: &Separation) -> Remarks {
         Some(SeparationFinding::FrameOf { frame }) => Some(*frame),
         _ => None,
     });
+    let lines = separation.labels.iter().find_map(|label| match label.kind() {
+        Some(SeparationFinding::OnLines { lines, .. }) => Some(*lines),
+        _ => None,
+    });
     let mut labels = separation.labels.clone();
     labels.sort_by_key(|label| Reverse(label.severity())); // what the readings say of themselves first
     let notes = other.chain(labels).collect();
@@ -110,8 +115,11 @@ pub fn remarks(separation: &Separation) -> Remarks {
         degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
         silence: separation.silence.clone(),
         largest: None,
+        measured: None,
+        anew: None,
         doubtful: None,
         frame,
+        lines: lines.map(|lines| PerAxis::from_fn(|axis| Millimetres::new(lines[axis]))),
         notes,
     }
 }
