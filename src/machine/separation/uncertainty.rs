@@ -26,6 +26,9 @@ use crate::quantity::units::Squared;
 /// Radians of one second of arc, times 10⁶.
 const URAD_PER_ARCSEC: f64 = 1e6 * std::f64::consts::PI / (180.0 * 3600.0);
 
+/// A ramp below this share of the readings that make it is their rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// How well a slope is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlopeUncertainty {
@@ -245,8 +248,8 @@ pub(super) fn rolls(
             let w = |at| steps.mean(|group| steps.closure(group, axis, at)).dot(&column);
             let ramp = w(volume.steps - 1) - w(0);
             let share = ramps_um[axis] / ramp;
-            let is_seen = ramp.abs() > f64::EPSILON && share.is_finite();
-            is_seen.then(|| column.iter().map(|um| share * um).collect())
+            let largest = column.iter().fold(0.0, |most: f64, um| most.max(um.abs()));
+            (ramp.abs() > ROUNDING * largest).then(|| column.iter().map(|um| share * um).collect())
         };
         orders.iter().filter_map(of_order).collect()
     };
