@@ -27,10 +27,10 @@
 use super::campaign::{Campaign, corrected};
 use super::closure::{Closure, Start, closure};
 use super::findings::SeparationFinding;
-use super::noise::{DIGIT_UM, Outlier, UNRESOLVED_UM, float};
+use super::linear::Model;
+use super::noise::{DIGIT_UM, Noise, Outlier, UNRESOLVED_UM, float};
 use super::patterns::{Known, Patterns};
 use super::readings::{Means, RunCounts, means, run_counts};
-use super::separate::Separation;
 use super::steps::Steps;
 use crate::inputs::job::SetUp;
 use crate::quantity::axis::Axis;
@@ -52,13 +52,22 @@ const SURE: f64 = 0.95;
 /// A scatter of the best assignment above this quantile belies the noise that is known otherwise.
 const BELIEVED: f64 = 0.999;
 
+/// What the readings say under the names of the file.
+pub(super) struct AsRead<'a> {
+    pub(super) closure: &'a Closure,
+    pub(super) noise: Option<Noise>,
+    pub(super) overrun: Option<bool>,
+    /// What stated angles do.
+    pub(super) causes: &'a Model,
+}
+
 /// Compares the recorded names with every other way to share them out: a doubt where another assignment is clearly
 /// likelier, else a note of slips that these readings would hardly show.
 pub(super) fn names(
     campaign: &Campaign<'_>,
     runs: &[Run],
     start: &Start,
-    as_read: &Separation,
+    as_read: &AsRead<'_>,
 ) -> Option<Finding> {
     let trial = Trial::new(campaign, runs, start, as_read)?;
     trial.likelier().or_else(|| trial.hardly_shown()).map(Finding::from)
@@ -122,8 +131,7 @@ struct Trial<'a, 'c> {
     campaign: &'a Campaign<'c>,
     runs: &'a [Run],
     start: &'a Start,
-    /// What the readings say under the names of the file.
-    as_read: &'a Separation,
+    as_read: &'a AsRead<'a>,
     /// Q of the recorded names.
     recorded: f64,
     others: Vec<Tried>,
@@ -141,7 +149,7 @@ impl<'a, 'c> Trial<'a, 'c> {
         campaign: &'a Campaign<'c>,
         runs: &'a [Run],
         start: &'a Start,
-        as_read: &'a Separation,
+        as_read: &'a AsRead<'a>,
     ) -> Option<Trial<'a, 'c>> {
         // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
         let stated_um = campaign.stated.noise_um;
@@ -171,7 +179,7 @@ impl<'a, 'c> Trial<'a, 'c> {
                 let steps = trial.steps(&means);
                 let mut left = Patterns::new(&steps, &means, &counts, trial.known(&outliers))?;
                 // What stated angles do belongs to no other name.
-                left.leave_out_angles(&as_read.model);
+                left.leave_out_angles(as_read.causes);
                 let freedom = float(left.scatter().1);
                 trial.freedom = if shared.is_none() { freedom } else { trial.freedom };
                 shared = Some((counts, outliers, left));
@@ -233,7 +241,7 @@ impl<'a, 'c> Trial<'a, 'c> {
     /// disturbed readings and roll explain of the recorded names is left out of these before.
     fn likelier(&self) -> Option<SeparationFinding> {
         let (naming, best) = self.others.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let before = &self.as_read.closure;
+        let before = self.as_read.closure;
         let seen = before.sigma_um().unwrap_or(0.0) > UNRESOLVED_UM;
         // That just the readings are off that the closure of the recorded names calls disturbed has a chance of its own.
         let singly = |o: &&Outlier| o.readings.iter().all(|place| place.run.is_none());

@@ -4,7 +4,7 @@ use super::agreement::Agreement;
 use super::campaign::Campaign;
 use super::closure::{Closure, Start, closure, large_noise};
 use super::curves::Curve;
-use super::exchange::names;
+use super::exchange::{AsRead, names};
 use super::findings::SeparationFinding;
 use super::labels;
 use super::linear::{Layout, Model, Row};
@@ -150,7 +150,9 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let start = Start::new(campaign, raw_runs);
     let mut found = of_start(campaign, &start, |noise| noise);
     // What remains to be said: the names of the diagonals, noise, lines and reversals.
-    let names = names(campaign, raw_runs, &start, &found);
+    let (closure, noise) = (&found.closure, found.noise);
+    let as_read = AsRead { closure, noise, overrun: found.overrun, causes: &found.model };
+    let names = names(campaign, raw_runs, &start, &as_read);
     let turn = found.turn.iter();
     let turn = turn.flat_map(|turn| contradictions(turn, &campaign.reversals));
     found.doubts.extend(large_noise(found.noise, campaign.stated.noise_um).into_iter().chain(turn));
