@@ -9,9 +9,6 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use nonius::inputs::readings::Readings;
 use nonius::machine::separation::monte_carlo::{Trials, simulate};
-use nonius::machine::separation::noise::{Noise, NoiseSource};
-use nonius::machine::separation::readings::run_counts;
-use nonius::machine::separation::uncertainty::Budget;
 use nonius::machine::separation::{Campaign, MeasuredLine, separate};
 use nonius::quantity::axis::PerAxis;
 use nonius::quantity::diagonal::Run;
@@ -74,28 +71,16 @@ fn separation(criterion: &mut Criterion) {
         reverse_zero_known: true,
     };
     let whole = separate(&campaign, &runs);
-    let counts = run_counts(&whole.runs);
-    let budget = Budget {
-        volume: &measurement.volume,
-        noise: Some(Noise { sigma_um: 0.3, freedom: None, source: NoiseSource::Stated }),
-        runs: &counts,
-        turned: false,
-        stated: campaign.stated,
-        material: None,
-    };
     let mut group = criterion.benchmark_group("separation");
     group.bench_function("separate, one forward run", |bencher| {
         bencher.iter(|| separate(black_box(&campaign), black_box(&runs)))
     });
     group.sample_size(10);
     group.throughput(Throughput::Elements(TRIALS));
-    for threads in [1, 2] {
-        let plan = Trials { trials: 4000, seed: 1502, threads };
-        let name = format!("Monte Carlo, 4000 trials, threads: {threads}");
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| simulate(&campaign, &budget, black_box(&whole.means), plan, &|_| {}))
-        });
-    }
+    let plan = Trials { trials: 4000, seed: 1502 };
+    group.bench_function("Monte Carlo, 4000 trials", |bencher| {
+        bencher.iter(|| simulate(black_box(&whole), plan, || ()))
+    });
     match Numpy::start() {
         Some(mut numpy) => {
             group.bench_function("numpy, 4000 simpler trials, one process", |bencher| {

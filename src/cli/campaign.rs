@@ -9,11 +9,11 @@ use crate::judge::after::{StraightRuns, Walk};
 use crate::judge::causes::Slip;
 use crate::machine::separation::campaign::{self, NamedTables};
 use crate::machine::separation::noise::{Noise, repeats};
-use crate::machine::separation::readings::{means, run_counts};
+use crate::machine::separation::readings::{figures, means, run_counts};
 use crate::machine::separation::straight::{StraightResult, straight};
 use crate::machine::separation::table::{self, ErrorSource};
 use crate::machine::separation::{self, Campaign, Separation};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
 use crate::write::emit::TOOL;
@@ -136,6 +136,7 @@ impl CampaignFiles {
         let result = self.straight()?;
         let counts = run_counts(&result.runs);
         let means = means(&result.runs);
+        let (figures, _) = figures(&result.zeroed_runs, PathKind::Straight);
         let mut walks = Vec::new();
         for diagonal in Diagonal::ALL {
             let passes =
@@ -151,12 +152,12 @@ impl CampaignFiles {
         let fewest = counts.iter().flat_map(|(_, both)| both).copied();
         let fewest = fewest.filter(|count| *count > 0.0).fold(f64::INFINITY, f64::min);
         let stated = self.job.measurement.uncertainty.noise_um;
-        let repeated = repeats(&result.runs).noise;
+        let (repeated, _) = repeats(&result.runs);
         let sigma_um = repeated.map(|noise| noise.sigma_um).or(stated);
         Ok(StraightRuns {
             volume: self.measurement.volume.clone(),
             walks,
-            range_um: PerDiagonal::from_fn(|d| result.diagonals[d].range_um),
+            range_um: PerDiagonal::from_fn(|d| figures[d].range_um),
             u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
             degrees_of_freedom: repeated.and_then(Noise::freedom_f64),
             scale_um_per_m: self.job.measurement.uncertainty.of_length_ppm(),

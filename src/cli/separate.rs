@@ -11,16 +11,13 @@ use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::plot::Plot;
 use crate::inputs::error_table;
 use crate::machine::separation::Separation;
-use crate::machine::separation::monte_carlo::{Quantity, Simulated, Trials, simulate};
-use crate::machine::separation::readings::run_counts;
-use crate::machine::separation::uncertainty::Budget;
+use crate::machine::separation::monte_carlo::{Simulated, Trials, simulate};
 use crate::page::{Locale, separated};
 use crate::quantity::diagonal::PathKind;
 use crate::text::problem::{Problem, Problems};
 use clap::Args;
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 // Options of `separate`.
@@ -60,7 +57,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
         return straight_runs(options, &campaign);
     }
     let separation = campaign.separate()?;
-    let simulated = simulated(options, &campaign, &separation)?;
+    let simulated = (options.trials > 0).then(|| simulated(options, &separation)).flatten();
     let csv = || Content::Bytes(error_table::write(&campaign.draft(&separation)).into_bytes());
     let csv = output.is_asked_for().then(csv);
     let document = document::separation(&separation, simulated.as_ref())?;
@@ -90,52 +87,17 @@ fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome,
     Ok(outcome.answering(result.doubts.is_empty()))
 }
 
-fn simulated(
-    options: &Options,
-    files: &CampaignFiles,
-    separation: &Separation,
-) -> Result<Option<Simulated>, Problems> {
-    if options.trials == 0 {
-        return Ok(None);
-    }
-    let campaign = files.campaign()?;
-    let runs = run_counts(&separation.runs);
-    let budget = Budget {
-        volume: &separation.volume,
-        noise: separation.noise,
-        runs: &runs,
-        turned: separation.turn.is_some(),
-        stated: campaign.stated,
-        material: separation.material,
-    };
-    let plan = Trials {
-        trials: options.trials,
-        seed: options.seed,
-        threads: std::thread::available_parallelism().map_or(1, usize::from),
-    };
-    let progress = Progress::new(options.trials);
-    let hear = |done: usize| progress.add(done);
-    let simulated = simulate(&campaign, &budget, &separation.means, plan, &hear);
+fn simulated(options: &Options, separation: &Separation) -> Option<Simulated> {
+    let mut progress = Progress::new(options.trials);
+    let plan = Trials { trials: options.trials, seed: options.seed };
+    let simulated = simulate(separation, plan, || progress.add());
     progress.close();
-    Ok(simulated.map(|simulated| known_only(simulated, separation)))
-}
-
-/// Without the figures whose uncertainty is not known: a simulation knows no more of them.
-fn known_only(mut simulated: Simulated, separation: &Separation) -> Simulated {
-    simulated.figures.retain(|figure| match figure.quantity {
-        Quantity::Range(term) => {
-            let found = separation.errors.mean[term].as_ref();
-            found.is_some_and(|found| found.u_um.is_some())
-        }
-        Quantity::Straightness(_) => true,
-        Quantity::Squareness(plane) => separation.u_squareness.of(plane).is_some(),
-    });
     simulated
 }
 
 /// A bar on standard error, if that is a terminal and the simulation takes long.
 struct Progress {
-    done: AtomicUsize,
+    done: usize,
     all: usize,
     begun: Instant,
     shown: bool,
@@ -143,18 +105,13 @@ struct Progress {
 
 impl Progress {
     fn new(all: usize) -> Progress {
-        Progress {
-            done: AtomicUsize::new(0),
-            all,
-            begun: Instant::now(),
-            shown: std::io::stderr().is_terminal(),
-        }
+        Progress { done: 0, all, begun: Instant::now(), shown: std::io::stderr().is_terminal() }
     }
 
-    fn add(&self, trials: usize) {
-        let before = self.done.fetch_add(trials, Ordering::Relaxed);
+    fn add(&mut self) {
         let percent = |done: usize| 100 * done / self.all.max(1);
-        let (before, now) = (percent(before), percent(before + trials));
+        let (before, now) = (percent(self.done), percent(self.done + 1));
+        self.done += 1;
         if self.shown && now > before && self.begun.elapsed() > PATIENCE {
             let bar = "#".repeat(now / 4);
             // A bar that cannot be drawn is no failure.

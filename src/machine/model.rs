@@ -78,11 +78,7 @@ impl MeasuredTerm {
 
     /// Its curves, + before −.
     pub fn curves(&self) -> impl Iterator<Item = &ErrorCurve> {
-        let (first, second) = match &self.measured {
-            Measured::Undirected(curve) | Measured::OneWay(_, curve) => (curve, None),
-            Measured::BothWays { plus, minus } => (plus, Some(minus)),
-        };
-        std::iter::once(first).chain(second)
+        self.measured.ways().into_iter().map(|(_, curve)| curve)
     }
 
     /// Reversal B = mean deviation moving + minus mean deviation moving − over the target
@@ -100,14 +96,8 @@ impl MeasuredTerm {
 
     /// Slope of the line through the ends of the curve (mean of both directions), µm/m.
     pub(crate) fn end_point_slope_um_per_m(&self) -> f64 {
-        match &self.measured {
-            Measured::Undirected(curve) | Measured::OneWay(_, curve) => {
-                curve.end_point_slope_um_per_m()
-            }
-            Measured::BothWays { plus, minus } => {
-                f64::midpoint(plus.end_point_slope_um_per_m(), minus.end_point_slope_um_per_m())
-            }
-        }
+        let slopes: Vec<f64> = self.curves().map(ErrorCurve::end_point_slope_um_per_m).collect();
+        slopes.iter().sum::<f64>() / slopes.len() as f64
     }
 }
 
@@ -150,12 +140,7 @@ impl ErrorModel {
             check_axis(job, table, axis, &mut problems);
         }
         measured::check_zeros(job, table, &mut problems);
-        let mut terms = PerTerm::from_fn(|_| None);
-        for term in ErrorTerm::ALL {
-            if let Some(machine) = job.machine.axes[term.along] {
-                terms[term] = measured_term(job, table.series(term.along), term, machine);
-            }
-        }
+        let mut terms = PerTerm::from_fn(|term| measured_term(job, table, term));
         let size = |(term, of): (ErrorTerm, &Option<MeasuredTerm>)| {
             let of = of.as_ref()?;
             let positions = of.curves().map(|curve| curve.knots().len()).max()?;
@@ -250,32 +235,22 @@ impl ErrorModel {
     }
 }
 
-fn measured_term(
-    job: &Job,
-    series: &[Series],
-    term: ErrorTerm,
-    machine: MachineAxis,
-) -> Option<MeasuredTerm> {
-    let between = job.compensation.curve;
+fn measured_term(job: &Job, table: &ErrorTable, term: ErrorTerm) -> Option<MeasuredTerm> {
+    let (between, machine) = (job.compensation.curve, job.machine.axes[term.along]?);
+    let series = table.series(term.along);
     let curve = |s: &Series| {
         let deviations = s.deviations[term.of].as_ref()?;
         let curve = ErrorCurve::through(&s.positions, deviations, between);
         Some((s.direction, curve))
     };
     let curves: Vec<(Option<Direction>, ErrorCurve)> = series.iter().filter_map(curve).collect();
-    let zero = value_at_reference(&curves, machine)?;
+    let homing = Some(machine.homing());
+    let (_, zeroed) =
+        curves.iter().find(|(direction, _)| *direction == homing).or(curves.first())?;
+    let zero = zeroed.at(machine.reference);
     let zeroed = curves.into_iter().map(|(direction, curve)| (direction, curve.less(zero)));
     let measured = Measured::of(zeroed)?;
     Some(MeasuredTerm { measured, uncertainty: points(job, series, term, machine) })
-}
-
-fn value_at_reference(
-    curves: &[(Option<Direction>, ErrorCurve)],
-    machine: MachineAxis,
-) -> Option<Deviation> {
-    let homing = Some(machine.homing());
-    let (_, curve) = curves.iter().find(|(direction, _)| *direction == homing).or(curves.first())?;
-    Some(curve.at(machine.reference))
 }
 
 fn add_squareness(
@@ -288,23 +263,16 @@ fn add_squareness(
     let machine = job.machine.axes[term.along];
     let (Some(measured), Some(machine)) = (terms[term].as_mut(), machine) else {
         let key = format!("measurement.squareness_um_per_m.{}{}", term.of.key(), term.along.key());
-        problems.push(
-            job.problem_at(
-                &key,
-                format!("squareness is added to {term}, but {term} was not measured"),
-            )
-            .help(format!(
-                "give the straightness {term} in the error table, or leave this squareness out"
-            )),
-        );
+        let words = format!("squareness is added to {term}, but {term} was not measured");
+        let help = "in the error table, or leave this squareness out";
+        let help = format!("give the straightness {term} {help}");
+        problems.push(job.problem_at(&key, words).help(help));
         return;
     };
     // Outside the measured range the tilt is held with the curve, so off that range the line has
     // its zero at the near end: the reference stays zero.
     let homing = measured.measured.curve(machine.homing());
-    let Some(curve) = homing.or(measured.curves().next()) else {
-        return;
-    };
+    let Some(curve) = homing.or(measured.curves().next()) else { return };
     let (low, high) = curve.measured_range();
     let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
     let tilt = |curve: &ErrorCurve| curve.plus_slope(slope, zero);

@@ -47,7 +47,6 @@ mod plane;
 pub mod readings;
 pub mod reversal;
 mod separate;
-pub mod slopes;
 pub mod solved;
 mod steps;
 pub mod straight;

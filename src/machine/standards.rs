@@ -15,32 +15,16 @@ pub mod vdi_3441;
 pub(crate) use self::diagonals::diagonal_of_unknown_length;
 pub use self::diagonals::{DiagonalFigures, DiagonalMotion, Diagonals, diagonal};
 
-/// How surely a formula or a condition is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Confidence {
-    /// The same in all sources, and recomputed on measured data.
-    Sure,
-    /// From secondary sources; not compared with the text of the standard.
-    Likely,
-}
-
-impl Confidence {
-    /// `sure` or `likely`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Confidence::Sure => "sure",
-            Confidence::Likely => "likely",
-        }
-    }
-}
-
+/// How surely a formula or a condition is known: the same in all sources, and recomputed on measured data.
+pub const SURE: &str = "sure";
+/// From secondary sources; not compared with the text of the standard.
+pub const LIKELY: &str = "likely";
 /// How surely the formulas of VDI/DGQ 3441 are known.
-pub const VDI_3441: Confidence = Confidence::Likely;
+pub const VDI_3441: &str = LIKELY;
 /// How surely the formulas of ISO 230-2 are known.
-pub const ISO_230_2: Confidence = Confidence::Sure;
+pub const ISO_230_2: &str = SURE;
 /// How surely the figures of ISO 230-6 and ASME B5.54 are known.
-pub const DIAGONALS: Confidence = Confidence::Likely;
+pub const DIAGONALS: &str = LIKELY;
 
 /// Whether a condition of a standard is met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -85,7 +69,7 @@ pub struct Condition {
     /// Editions that ask for it, by their year.
     pub editions: &'static [u16],
     /// How surely it is known that they do.
-    pub confidence: Confidence,
+    pub confidence: &'static str,
 }
 
 fn null_if_empty<S: Serializer>(found: &str, to: S) -> Result<S::Ok, S::Error> {
@@ -93,6 +77,16 @@ fn null_if_empty<S: Serializer>(found: &str, to: S) -> Result<S::Ok, S::Error> {
 }
 
 impl Condition {
+    /// One that is likely asked for.
+    fn likely(
+        editions: &'static [u16],
+        asked: impl Into<String>,
+        found: impl Into<String>,
+        met: Met,
+    ) -> Condition {
+        Condition { asked: asked.into(), found: found.into(), met, editions, confidence: LIKELY }
+    }
+
     /// What was found where a condition is not met.
     pub fn missed(conditions: &[Condition]) -> Vec<String> {
         let missed = conditions.iter().filter(|of| of.met == Met::No);
@@ -109,6 +103,12 @@ pub struct ByDirection {
     pub down_um: Option<f64>,
     /// Of both directions.
     pub both_um: Option<f64>,
+}
+
+impl ByDirection {
+    const fn of([up_um, down_um]: [Option<f64>; 2], both_um: Option<f64>) -> ByDirection {
+        ByDirection { up_um, down_um, both_um }
+    }
 }
 
 /// Largest of some values; `None` of none.

@@ -1,6 +1,6 @@
 //! Values that look like a slip of the pen: a lost motion of the wrong sign, a single value off its neighbours.
 
-use crate::machine::model::{ErrorModel, Measured};
+use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::Millimetres;
@@ -9,7 +9,7 @@ use crate::write::findings::TableFinding;
 /// What to look at in the measured values before tables are made from them.
 pub(super) fn slips(model: &ErrorModel) -> Vec<TableFinding> {
     let lone = model.measured().flat_map(|(term, measured)| {
-        let curves = directed(&measured.measured).into_iter();
+        let curves = measured.measured.ways().into_iter();
         curves.filter_map(move |(way, curve)| lone_value(term, way, curve))
     });
     unlikely_reversals(model).chain(lone).collect()
@@ -24,17 +24,6 @@ fn unlikely_reversals(model: &ErrorModel) -> impl Iterator<Item = TableFinding> 
         .filter_map(|(term, measured)| Some((term, measured.reversal()?.um())))
         .filter(move |(term, um)| unlikely(*term, *um))
         .map(|(term, um)| TableFinding::UnlikelyReversal { term, um })
-}
-
-/// The measured curves, with the direction that each is for.
-fn directed(measured: &Measured) -> Vec<(Option<Direction>, &ErrorCurve)> {
-    match measured {
-        Measured::Undirected(curve) => vec![(None, curve)],
-        Measured::OneWay(way, curve) => vec![(Some(*way), curve)],
-        Measured::BothWays { plus, minus } => {
-            vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
-        }
-    }
 }
 
 /// Fewer values than these tell nothing of a single one.

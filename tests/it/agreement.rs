@@ -292,10 +292,10 @@ fn the_share_of_unknown_scales_in_squareness_is_told() {
     }
     let all = runs(1, Pass::Forward, &machine.readings(None));
     let found = solved(&machine.volume, Vec::new(), &all);
-    let xy = found.squareness_um_per_m.xy.unwrap();
+    let xy = found.squareness_um_per_m.of(Plane::Xy).unwrap();
     assert!(xy.abs() > 0.005, "the tilts let scales in: {xy}");
     // Length of (20, −31.25, 0) is 37.1: all of it is open, because S = 0.
-    let told = found.metric.leak.xy * 20f64.hypot(31.25);
+    let told = found.metric.leak.of(Plane::Xy) * 20f64.hypot(31.25);
     assert!(xy.abs() <= told * 1.05 + 1e-3, "{xy} against {told}");
     assert!(xy.abs() >= told * 0.2, "{xy} against {told}");
     labelled(&found, "through the tilts of the mirror");

@@ -311,7 +311,7 @@ fn conditions_are_stated_by_edition() {
     let all = conditions(&flat(&UNEVEN, 5));
     assert!(all[..7].iter().all(|of| of.editions == [1997, 2006, 2014]));
     assert_eq!(all[7].editions, [2014], "uncertainty");
-    assert!(all.iter().all(|of| of.confidence.word() == "likely"));
+    assert!(all.iter().all(|of| of.confidence == "likely"));
 }
 
 /// Straight runs carry the name of ISO 230-6 only if they meet what is known of its conditions.

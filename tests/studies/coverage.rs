@@ -12,9 +12,7 @@ use nonius::machine::separation::curves::{ReferenceLine, range};
 use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor};
-use nonius::machine::separation::readings::run_counts;
 use nonius::machine::separation::reversal::{Estimate, Turn};
-use nonius::machine::separation::uncertainty::Budget;
 use nonius::machine::separation::{MeasuredLine, SeparatedError, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
@@ -147,15 +145,15 @@ fn count_metric(tally: &mut Tally, truth: &Machine, found: &Separation) {
         let own = ErrorTerm { of: axis, along: axis };
         // The scale is the slope of the curve: its end has the same effective freedom.
         let curve = found.errors.mean[own].as_ref().unwrap();
-        let freedom = curve.freedom(truth.volume.steps, found.noise);
         let error = found.metric.scale[axis].unwrap() - truth.slope(own);
-        let expanded = coverage_factor(freedom) * found.metric.u_scale(axis).unwrap();
+        let expanded = curve.expanded_um(truth.volume.steps, found.noise).unwrap();
+        let expanded = 1000.0 * expanded / truth.volume.size[axis].mm();
         tally.add(&format!("scale {axis}"), error, expanded);
     }
     for plane in Plane::ALL {
         let error = squareness_error(truth, found, plane);
         let name = format!("squareness {}", plane.key());
-        tally.add(&name, error, k * found.metric.u_squareness(plane).unwrap());
+        tally.add(&name, error, k * found.u_squareness.of(plane).unwrap().u_um_per_m);
         let expanded = found.expanded_squareness_um_per_m(plane).unwrap();
         tally.add(&format!("stated {name}"), error, expanded);
     }
@@ -393,19 +391,9 @@ fn intervals_of_ranges_are_measured() {
     let (mut inside, mut bias, mut told, mut all) = ([0; 3], [0.0; 2], [0.0; 2], [0; 3]);
     let mut printed = [0.0; 3];
     for seed in 0..short_or(10, 100) {
-        let (truth, found, lines) = measured(10_000 + seed, Way { axes: &Axis::ALL, ..PLAIN });
-        let measurement = simulated::measurement(&truth.volume, SetUp::Solve, Frame::XPrimary);
-        let campaign = simulated::campaign(&measurement, lines);
-        let budget = Budget {
-            volume: &truth.volume,
-            noise: found.noise,
-            runs: &run_counts(&found.runs),
-            turned: false,
-            stated: campaign.stated,
-            material: None,
-        };
-        let plan = Trials { trials: 400, seed: 7, threads: 1 };
-        let simulated = simulate(&campaign, &budget, &found.means, plan, &|_| {}).unwrap();
+        let (truth, found, _) = measured(10_000 + seed, Way { axes: &Axis::ALL, ..PLAIN });
+        let plan = Trials { trials: 400, seed: 7 };
+        let simulated = simulate(&found, plan, || ()).unwrap();
         let estimates = PerTerm::from_fn(|term| curve(&found, term).to_vec());
         let (mut wanted, found) = (figures(&truth, &truth.curves), figures(&truth, &estimates));
         wanted.extend(Plane::ALL.map(|plane| truth.squareness(plane)));
@@ -417,7 +405,7 @@ fn intervals_of_ranges_are_measured() {
             let [low, high] = figure.interval;
             inside[kind] += usize::from((low..=high).contains(&wanted));
             all[kind] += 1;
-            printed[kind] = figure.measured_coverage();
+            printed[kind] = figure.measured_coverage;
             if kind < 2 {
                 bias[kind] += found[index] - wanted;
                 told[kind] += figure.bias;

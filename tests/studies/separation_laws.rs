@@ -297,7 +297,7 @@ fn scales_that_cancel_are_named_as_undetermined() {
     let runs = forward(&machine);
     let found = solved(&machine.volume, Vec::new(), &runs);
     for d in Diagonal::ALL {
-        close(found.diagonals[d].end_um, 0.0, DUST_UM, d);
+        close(found.end_um[d], 0.0, DUST_UM, d);
     }
     close(found.scale_sum_um_mm, 0.0, 1e-5, "S");
     assert_eq!(
@@ -330,7 +330,7 @@ fn a_hidden_set_up_error_is_solved_away_with_linear_axes() {
     }
     for d in Diagonal::ALL {
         // Second order: R |eta|^2 / 2.
-        close(naive.diagonals[d].end_um, 0.0, 0.003, d);
+        close(naive.end_um[d], 0.0, 0.003, d);
     }
     let blind = solved(&machine.volume, Vec::new(), &runs);
     assert!(words(&blind.undetermined)[0].starts_with("scale of X, Y and Z"));

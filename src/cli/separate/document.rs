@@ -203,12 +203,11 @@ fn diagonals(separation: &Separation) -> Result<Value, Problems> {
         let of = |pass| repeatability_um(&separation.runs, diagonal, pass);
         json!({"forward": of(Pass::Forward), "reverse": of(Pass::Reverse)})
     };
-    let range_um = separation.range_over_all_um;
-    let mut all = diagonal_totals(&figures.all, range_um, separation.scale_sum_um_mm);
-    for (diagonal, of) in separation.diagonals.iter() {
+    let mut all = diagonal_totals(&figures.all, separation.scale_sum_um_mm);
+    for (diagonal, end_um) in separation.end_um.iter() {
         all[diagonal.name()] = json!({
-            "end_reading_um": of.end_um,
-            "range_um": of.range_um,
+            "end_reading_um": end_um,
+            "range_um": figures.all.diagonals[diagonal as usize].range_um,
             "figures_um": figures.document(diagonal),
             "repeatability_um": repeatability(diagonal),
         });
@@ -217,13 +216,9 @@ fn diagonals(separation: &Separation) -> Result<Value, Problems> {
 }
 
 /// The figures of all four diagonals together.
-pub(super) fn diagonal_totals(
-    figures: &Diagonals,
-    range_over_all_um: f64,
-    scale_sum_um_mm: f64,
-) -> Value {
+pub(super) fn diagonal_totals(figures: &Diagonals, scale_sum_um_mm: f64) -> Value {
     json!({
-        "range_over_all_um": range_over_all_um,
+        "range_over_all_um": figures.range_over_all_um,
         "scale_sum_um_mm": scale_sum_um_mm,
         "e_d_um": figures.e_d_um,
         "b_d_um": figures.b_d_um,
@@ -234,12 +229,12 @@ pub(super) fn diagonal_totals(
 fn monte_carlo(simulated: &Simulated) -> Value {
     let figure = |f: &Figure| {
         json!({
-            "name": f.quantity.to_string(),
-            "unit": f.quantity.unit(),
+            "name": f.name,
+            "unit": f.unit,
             "estimate": picometres(f.estimate),
             "bias": picometres(f.bias),
             "interval_95": f.interval.map(picometres),
-            "interval_coverage_measured": f.measured_coverage(),
+            "interval_coverage_measured": f.measured_coverage,
             "u": picometres(f.u),
         })
     };

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 pub(super) fn screen(result: &StraightResult) -> Result<Screen, Problems> {
     let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
-    let diagonals = figures.as_read(|diagonal| result.diagonals[diagonal].end_um);
+    let diagonals = figures.as_read(|diagonal| result.end_um[diagonal]);
     let closure = result.closure.as_ref();
     let (open, advice) = (result.metric.undetermined(), advice(&result.metric));
     Ok(words::screen(
@@ -82,7 +82,7 @@ fn scales(result: &StraightResult) -> String {
     let mut lines = vec![format!(
         "One combination of the scales from the diagonals alone: {} = {:.3} µm/m",
         shares.join(" + "),
-        Figure(result.totals.scale_sum_um_mm / square_m)
+        Figure(result.scale_sum_um_mm / square_m)
     )];
     for axis in Axis::ALL {
         if let Some(scale) = result.metric.scale[axis] {
@@ -151,13 +151,12 @@ pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
 
 fn diagonals(result: &StraightResult) -> Result<Value, Problems> {
     let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
-    let range_um = result.range_over_all_um;
-    let mut all = diagonal_totals(&figures.all, range_um, result.totals.scale_sum_um_mm);
-    for (diagonal, f) in result.diagonals.iter() {
+    let mut all = diagonal_totals(&figures.all, result.scale_sum_um_mm);
+    for (diagonal, end_um) in result.end_um.iter() {
         let entry = &mut all[diagonal.name()];
         *entry = json!({
-            "end_reading_um": f.end_um,
-            "range_um": f.range_um,
+            "end_reading_um": end_um,
+            "range_um": figures.all.diagonals[diagonal as usize].range_um,
             "figures_um": figures.document(diagonal),
         });
         if let Some(test) = largest(result, diagonal) {

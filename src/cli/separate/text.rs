@@ -191,7 +191,7 @@ fn setup(separation: &Separation) -> String {
 }
 
 fn diagonals(separation: &Separation, figures: &StandardFigures) -> String {
-    let table = figures.as_read(|diagonal| separation.diagonals[diagonal].end_um);
+    let table = figures.as_read(|diagonal| separation.end_um[diagonal]);
     format!(
         "{table}\n`generate` computes its diagonals from the nine errors instead: without the tilt of the mirror, without noise between the nodes"
     )
@@ -201,15 +201,14 @@ fn monte_carlo(simulated: &Simulated) -> String {
     let rows = simulated.figures.iter().map(|f: &Simulation| {
         let [estimate, bias, from, to] =
             [f.estimate, f.bias, f.interval[0], f.interval[1]].map(Figure);
-        let held = 100.0 * f.measured_coverage();
+        let held = 100.0 * f.measured_coverage;
         format!(
             "{}\t{estimate:.3}\t{bias:+.3}\t{from:.3}\t{to:.3}\t{}\t{held:.1} %",
-            f.quantity,
-            f.quantity.unit()
+            f.name, f.unit
         )
     });
     let heading = "figure\t>estimate\t>bias by noise\t>from\t>to\tunit\t>held the truth";
-    let size = |f: &Simulation| f.quantity.unit() == "µm" && f.interval[0] < 0.0;
+    let size = |f: &Simulation| f.unit == "µm" && f.interval[0] < 0.0;
     let hidden = if simulated.figures.iter().any(size) {
         "\na range or straightness whose interval reaches below 0 cannot be told from noise"
     } else {

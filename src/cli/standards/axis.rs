@@ -7,7 +7,7 @@ use crate::cli::show::{self, um};
 use crate::inputs::target_runs::Runs;
 use crate::machine::standards::iso_230_2::{self, Travel};
 use crate::machine::standards::{
-    self, ByDirection, Condition, Confidence, Met, VDI_3441, in_words, vdi_3441,
+    self, ByDirection, Condition, Met, SURE, VDI_3441, in_words, vdi_3441,
 };
 use crate::page::{Locale, Picture, targets};
 use crate::quantity::axis::Direction;
@@ -127,7 +127,7 @@ impl Page<'_> {
         let iso = joined([
             json!({
                 "editions": iso_230_2::EDITIONS,
-                "confidence": standards::ISO_230_2.word(),
+                "confidence": standards::ISO_230_2,
                 "condition_missed": self.conditions.iter().any(|of| of.met == Met::No),
                 "label": iso_230_2::label(&self.conditions),
             }),
@@ -157,7 +157,7 @@ fn vdi_document(figures: &vdi_3441::Figures) -> Value {
         at_target(of.target_mm, figures)
     };
     joined([
-        json!({ "confidence": VDI_3441.word() }),
+        json!({ "confidence": VDI_3441 }),
         named_um(vdi_figures(figures).map(|(name, _, um)| (name, um))),
         json!({ "targets": figures.targets.iter().map(target).collect::<Vec<_>>() }),
     ])
@@ -188,10 +188,10 @@ fn editions_words(editions: &[u16]) -> String {
     years.join(", ")
 }
 
-pub(super) fn likely_words(confidence: Confidence) -> &'static str {
+pub(super) fn likely_words(confidence: &str) -> &str {
     match confidence {
-        Confidence::Sure => "sure",
-        Confidence::Likely => "likely: from secondary sources, not compared with the text",
+        SURE => SURE,
+        _ => "likely: from secondary sources, not compared with the text",
     }
 }
 
@@ -210,7 +210,7 @@ pub(super) fn conditions(heading: &str, conditions: &[Condition]) -> More {
             condition.asked,
             condition.found,
             editions_words(condition.editions),
-            condition.confidence.word()
+            condition.confidence
         )
     });
     let table = table("outcome\tasked\tfound\teditions", rows);

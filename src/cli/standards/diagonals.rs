@@ -151,7 +151,7 @@ impl Page<'_> {
             diagonals.map(|(name, runs, of)| (name.to_string(), diagonal_json(runs, of)));
         let part = joined([
             json!({
-                "confidence": DIAGONALS.word(),
+                "confidence": DIAGONALS,
                 "label": all.label,
                 "diagonals": diagonals.collect::<Map<_, _>>(),
             }),

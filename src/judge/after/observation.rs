@@ -1,7 +1,7 @@
 //! What each value of the second measurement sees: which deviations, where, with which weight.
 
 use super::measurement::{AfterMeasurement, StraightRuns};
-use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
+use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::quantity::axis::{Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::quantity::units::{Correction, Millimetres, Squared};
@@ -159,13 +159,7 @@ fn of_term(
     let Some(first) = &before.terms[term] else {
         return;
     };
-    let ways: Vec<(Option<Direction>, _)> = match &measured.measured {
-        Measured::Undirected(curve) => vec![(None, curve)],
-        Measured::OneWay(direction, curve) => vec![(Some(*direction), curve)],
-        Measured::BothWays { plus, minus } => {
-            vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
-        }
-    };
+    let ways = measured.measured.ways();
     let u_um = after.u_anew_um(before, term);
     for (number, (way, curve)) in ways.into_iter().enumerate() {
         for at in curve.knots() {

@@ -39,6 +39,17 @@ impl Measured {
         })
     }
 
+    /// Its curves with the direction that each is for, + before −.
+    pub(crate) fn ways(&self) -> Vec<(Option<Direction>, &ErrorCurve)> {
+        match self {
+            Measured::Undirected(curve) => vec![(None, curve)],
+            Measured::OneWay(way, curve) => vec![(Some(*way), curve)],
+            Measured::BothWays { plus, minus } => {
+                vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
+            }
+        }
+    }
+
     /// The curve without regard to direction: of two the mean, over the range that both cover.
     pub fn mean(&self) -> ErrorCurve {
         match self {
@@ -80,13 +91,10 @@ pub(super) fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &m
         return;
     }
     let Some(machine) = job.machine.axes[axis] else {
-        problems.push(
-            job.problem_at(
-                "machine.axes",
-                format!("axis {axis} was measured, but [machine.axes.{}] is missing", axis.key()),
-            )
-            .help("add travel_mm and reference_mm of this axis"),
-        );
+        let words =
+            format!("axis {axis} was measured, but [machine.axes.{}] is missing", axis.key());
+        let problem = job.problem_at("machine.axes", words);
+        problems.push(problem.help("add travel_mm and reference_mm of this axis"));
         return;
     };
     for series in series {
@@ -97,11 +105,7 @@ pub(super) fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &m
             "the two directions of axis {axis} were measured at places that do not overlap"
         ))
         .help("measure both directions over the same range");
-        let second = series.last().and_then(|second| table.place(second, 0));
-        problems.push(match second {
-            Some(place) => problem.at(place),
-            None => problem,
-        });
+        problems.push(at_row(problem, table, series.last().map(|second| (second, 0))));
     }
 }
 
@@ -158,15 +162,12 @@ fn check_inside_travel(
     };
     let rows: Vec<usize> =
         (0..series.positions.len()).filter(|row| outside(&series.positions[*row])).collect();
-    let Some(first) = rows.first() else {
-        return;
-    };
+    let Some(first) = rows.first() else { return };
     let position = series.positions[*first].mm();
-    let more = if rows.len() > 1 {
-        let rows_too = if rows.len() > 2 { "rows" } else { "row" };
-        format!(", and {} more {rows_too}", rows.len() - 1)
-    } else {
-        String::new()
+    let more = match rows.len() - 1 {
+        0 => String::new(),
+        1 => ", and 1 more row".to_string(),
+        more => format!(", and {more} more rows"),
     };
     let problem = Problem::new(format!(
         "position {position} mm of axis {axis} lies outside its travel {} … {} mm{more}",
@@ -174,19 +175,20 @@ fn check_inside_travel(
         machine.high.mm()
     ))
     .help("positions are machine coordinates in the unit of their column; correct them or `travel_mm`");
-    problems.push(match table.place(series, *first) {
-        Some(place) => problem.at(place),
-        None => problem,
-    });
+    problems.push(at_row(problem, table, Some((series, *first))));
+}
+
+fn at_row(problem: Problem, table: &ErrorTable, row: Option<(&Series, usize)>) -> Problem {
+    let place = row.and_then(|(series, row)| table.place(series, row));
+    place.into_iter().fold(problem, Problem::at)
 }
 
 /// The measured rotations of a table, µrad in place of µm.
 pub(super) fn rotations(job: &Job, table: &ErrorTable) -> PerTerm<Option<Measured>> {
-    let mut measured = PerTerm::from_fn(|_| None);
-    for rotation in Rotation::all() {
-        measured[rotation] = of_rotation(job, table.series(rotation.along), rotation);
-    }
-    measured
+    // Rotations stand in the places of the terms.
+    PerTerm::from_fn(|ErrorTerm { of, along }| {
+        of_rotation(job, table.series(along), Rotation { about: of, along })
+    })
 }
 
 fn of_rotation(job: &Job, series: &[Series], rotation: Rotation) -> Option<Measured> {
@@ -262,21 +264,17 @@ pub(super) fn added(
 
 /// What a kit has to say of measured angles.
 pub(super) fn not_compensated(table: &ErrorTable) -> Option<Finding> {
-    let has_angles = |axis: Axis| {
-        let series = table.series(axis).iter();
-        series
-            .flat_map(|s| Axis::ALL.map(|about| s.angles_urad[about].is_some()))
-            .any(|measured| measured)
-    };
-    let has_any = Axis::ALL.into_iter().any(has_angles);
-    has_any.then(|| ModelFinding::AnglesNotCompensated.into())
+    let has_angles = |s: &Series| s.angles_urad.iter().any(|(_, angles)| angles.is_some());
+    holds(table, has_angles).then(|| ModelFinding::AnglesNotCompensated.into())
 }
 
 /// What a table of `angles` holds that nobody reads.
 pub(super) fn deviations_beside(table: &ErrorTable) -> Option<Finding> {
-    let deviation = |series: &Series| series.deviations.iter().any(|(_, d)| d.is_some());
-    let has = |axis: Axis| table.series(axis).iter().any(deviation);
-    let file = || table.source.name.clone();
-    let has_any = Axis::ALL.into_iter().any(has);
-    has_any.then(|| ModelFinding::DeviationsBeside { file: file() }.into())
+    let has_deviations = |s: &Series| s.deviations.iter().any(|(_, d)| d.is_some());
+    let file = || ModelFinding::DeviationsBeside { file: table.source.name.clone() };
+    holds(table, has_deviations).then(|| file().into())
+}
+
+fn holds(table: &ErrorTable, what: impl Fn(&Series) -> bool) -> bool {
+    Axis::ALL.into_iter().flat_map(|axis| table.series(axis)).any(what)
 }

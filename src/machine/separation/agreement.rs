@@ -106,43 +106,38 @@ impl Equations {
         if freedom == 0 {
             return None;
         }
-        let slopes = Unknown::ALL.into_iter().filter_map(|one| metric.value(one));
+        let slopes = (0..6).filter_map(|index| metric.value(Unknown(index)));
         let largest = slopes.fold(0.0, |largest: f64, slope| largest.max(slope.abs()));
         let variances = self.test_variances(largest);
-        let chi_squared = self.solved_with(&variances)?.chi_squared;
-        let (diagonals, lines) = self.all.split_at(DIAGONALS);
-        let check = |(index, line): (usize, &Equation)| LineCheck {
-            direction: line.direction,
-            stated_um_per_m: line.value,
-            others: self.others(DIAGONALS + index, largest, &variances),
+        let chi_squared = self.solved_with(|one| one.direction, &variances)?.chi_squared;
+        let check = |(index, one): (usize, &Equation)| {
+            let rest = self.without(index);
+            let solved = || rest.solved_with(|one| one.direction, &rest.test_variances(largest));
+            let found = rest.holds(&one.direction).then(solved).flatten();
+            let others = found.map(|solution| {
+                let (found_um_per_m, variance) = solution.along(&one.direction);
+                let u_difference_um_per_m = (variances[index] + variance).sqrt();
+                Others { found_um_per_m, u_difference_um_per_m }
+            });
+            LineCheck { direction: one.direction, stated_um_per_m: one.value, others }
         };
-        let false_by = |(index, one): (usize, &Equation)| {
-            let others = self.others(index, largest, &variances);
-            others.map_or(0.0, |others| {
-                let by = (one.value - others.found_um_per_m).abs();
-                (by - NORMAL_ONE_SIDED * others.u_difference_um_per_m).max(0.0)
-            })
+        let mut lines: Vec<LineCheck> = self.all.iter().enumerate().map(check).collect();
+        let false_by = |line: &LineCheck| {
+            let by = line.difference().zip(line.others);
+            let beyond = by.map(|((by, _), others)| {
+                by.abs() - NORMAL_ONE_SIDED * others.u_difference_um_per_m
+            });
+            beyond.unwrap_or(0.0).max(0.0)
         };
-        let known = diagonals.iter().all(|one| one.known);
+        let false_by_um_per_m = lines.iter().map(false_by).collect();
+        let known = self.all[..DIAGONALS].iter().all(|one| one.known);
         Some(Agreement {
             chi_squared,
             freedom,
             probability: chance_of(chi_squared, freedom, None).filter(|_| known),
-            lines: lines.iter().enumerate().map(check).collect(),
-            taken_as_exact: lines.iter().any(|line| !line.known),
-            false_by_um_per_m: self.all.iter().enumerate().map(false_by).collect(),
+            lines: lines.split_off(DIAGONALS),
+            taken_as_exact: self.all[DIAGONALS..].iter().any(|line| !line.known),
+            false_by_um_per_m,
         })
-    }
-
-    /// What all equations but one say of it.
-    fn others(&self, index: usize, largest: f64, variances: &[f64]) -> Option<Others> {
-        let direction = &self.all[index].direction;
-        let rest = self.without(index);
-        if !rest.holds(direction) {
-            return None;
-        }
-        let solution = rest.solved_with(&rest.test_variances(largest))?;
-        let (found_um_per_m, variance) = solution.along(direction);
-        Some(Others { found_um_per_m, u_difference_um_per_m: (variances[index] + variance).sqrt() })
     }
 }

@@ -1,71 +1,56 @@
-//! Systems of equations whose matrix has entries near its diagonal only.
+//! Systems of equations whose matrix is symmetric, positive definite and has entries near its diagonal only.
 
-/// Lower half of a symmetric band matrix; after [`Banded::factor`] its Cholesky factor.
+use nalgebra::DVector;
+
+/// The Cholesky factor of such a matrix.
 pub(super) struct Banded {
-    size: usize,
     /// How far below the diagonal entries lie.
     reach: usize,
-    /// Row by row, `reach` + 1 entries each, the last one on the diagonal.
-    entries: Vec<f64>,
+    /// Its lower half, row by row, each from so far before the diagonal on.
+    lower: Vec<Vec<f64>>,
 }
 
-/// Cholesky factor of a symmetric positive definite matrix whose entries lie near its diagonal.
-pub(super) struct Factor(Banded);
-
 impl Banded {
-    pub(super) fn zero(size: usize, reach: usize) -> Banded {
-        Banded { size, reach, entries: vec![0.0; size * (reach + 1)] }
-    }
-
-    fn at(&self, row: usize, column: usize) -> usize {
-        row * (self.reach + 1) + self.reach + column - row
-    }
-
-    /// Adds to the entry of a row and a column at or before it.
-    pub(super) fn add(&mut self, row: usize, column: usize, value: f64) {
-        let at = self.at(row, column);
-        self.entries[at] += value;
-    }
-
-    /// `None` where the matrix is not positive definite.
-    pub(super) fn factor(mut self) -> Option<Factor> {
-        for row in 0..self.size {
-            let first = row.saturating_sub(self.reach);
+    /// Of the sum of entries by row and column, of which the upper half is not needed; `None` where the matrix is not
+    /// positive definite.
+    pub(super) fn factor(
+        (size, reach): (usize, usize),
+        entries: impl Iterator<Item = (usize, usize, f64)>,
+    ) -> Option<Banded> {
+        let mut found = Banded { reach, lower: vec![vec![0.0; reach + 1]; size] };
+        for (row, column, value) in entries.filter(|(row, column, _)| column <= row) {
+            found.lower[row][reach + column - row] += value;
+        }
+        for row in 0..size {
+            let first = row.saturating_sub(reach);
             for column in first..=row {
-                let shared = first.max(column.saturating_sub(self.reach))..column;
-                let known: f64 = shared
-                    .map(|k| self.entries[self.at(row, k)] * self.entries[self.at(column, k)])
-                    .sum();
-                let at = self.at(row, column);
-                let rest = self.entries[at] - known;
-                self.entries[at] = if column == row {
-                    if rest <= 0.0 {
-                        return None;
-                    }
-                    rest.sqrt()
-                } else {
-                    rest / self.entries[self.at(column, column)]
+                let known = (first..column).map(|k| found.at(row, k) * found.at(column, k));
+                let rest = found.at(row, column) - known.sum::<f64>();
+                found.lower[row][reach + column - row] = match column < row {
+                    true => rest / found.at(column, column),
+                    false => Some(rest.sqrt()).filter(|_| rest > 0.0)?,
                 };
             }
         }
-        Some(Factor(self))
+        Some(found)
     }
-}
 
-impl Factor {
+    fn at(&self, row: usize, column: usize) -> f64 {
+        self.lower[row][self.reach + column - row]
+    }
+
     /// The solution of matrix · x = `right`.
-    pub(super) fn solve(&self, right: &[f64]) -> Vec<f64> {
-        let Factor(lower) = self;
-        let mut x = right.to_vec();
-        for row in 0..lower.size {
-            let first = row.saturating_sub(lower.reach);
-            let known: f64 = (first..row).map(|k| lower.entries[lower.at(row, k)] * x[k]).sum();
-            x[row] = (x[row] - known) / lower.entries[lower.at(row, row)];
+    pub(super) fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
+        let mut x = right.clone();
+        for row in 0..x.len() {
+            let before = row.saturating_sub(self.reach)..row;
+            let known: f64 = before.map(|k| self.at(row, k) * x[k]).sum();
+            x[row] = (x[row] - known) / self.at(row, row);
         }
-        for row in (0..lower.size).rev() {
-            let last = (row + lower.reach).min(lower.size.saturating_sub(1));
-            let known: f64 = (row + 1..=last).map(|k| lower.entries[lower.at(k, row)] * x[k]).sum();
-            x[row] = (x[row] - known) / lower.entries[lower.at(row, row)];
+        for row in (0..x.len()).rev() {
+            let behind = row + 1..x.len().min(row + self.reach + 1);
+            let known: f64 = behind.map(|k| self.at(k, row) * x[k]).sum();
+            x[row] = (x[row] - known) / self.at(row, row);
         }
         x
     }
@@ -78,18 +63,9 @@ mod tests {
     #[test]
     fn a_small_system_is_solved() {
         // [4 2 0; 2 5 1; 0 1 3] · [1 2 3] = [8 15 11]
-        let mut matrix = Banded::zero(3, 1);
-        for (row, column, value) in
-            [(0, 0, 4.0), (1, 0, 2.0), (1, 1, 5.0), (2, 1, 1.0), (2, 2, 3.0)]
-        {
-            matrix.add(row, column, value);
-        }
-        let Some(factor) = matrix.factor() else {
-            panic!("the matrix is positive definite");
-        };
-        let x = factor.solve(&[8.0, 15.0, 11.0]);
-        for (found, wanted) in x.iter().zip([1.0, 2.0, 3.0]) {
-            assert!((found - wanted).abs() < 1e-12, "{x:?}");
-        }
+        let entries = [(0, 0, 4.0), (1, 0, 2.0), (1, 1, 5.0), (2, 1, 1.0), (2, 2, 3.0)];
+        let factor = Banded::factor((3, 1), entries.into_iter()).expect("positive definite");
+        let x = factor.solve(&DVector::from_vec(vec![8.0, 15.0, 11.0]));
+        assert!((x - DVector::from_vec(vec![1.0, 2.0, 3.0])).norm() < 1e-12);
     }
 }

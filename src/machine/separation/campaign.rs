@@ -118,11 +118,10 @@ pub fn campaign<'a>(
     let mut lines = Vec::new();
     let mut reversals = LinearReversals::default();
     for (linear, table) in measurement.linear.iter().zip(&tables.linear) {
-        let table = table.as_ref();
-        lines.extend(problems.take(linear_line(&measurement.volume, linear, table)));
-        let volume = &measurement.volume;
-        let found = table.and_then(|table| LinearReversal::of_table(volume, linear.axis, table));
-        reversals[linear.axis] = reversals[linear.axis].take().or(found);
+        let (table, volume) = (table.as_ref(), &measurement.volume);
+        lines.extend(problems.take(linear_line(volume, linear, table)));
+        let found = || LinearReversal::of_table(volume, linear.axis, table?);
+        reversals[linear.axis] = reversals[linear.axis].take().or_else(found);
     }
     lines.extend(measurement.beams.iter().map(beam_line));
     let angles = match &tables.angles {
@@ -146,6 +145,7 @@ fn linear_line(
 ) -> Result<MeasuredLine, Problems> {
     let (slope_um_per_m, u_of_table) = match (&linear.slope, table) {
         (LinearSlope::Stated(slope), _) => (*slope, None),
+        (LinearSlope::Errors(_), Some(table)) => slope_over_box(volume, linear.axis, table)?,
         (LinearSlope::Errors(path), None) => {
             return Err(Problem::new(format!("`{path}` was not read")).into());
         }
@@ -153,7 +153,6 @@ fn linear_line(
             let words = format!("the slope of axis {} is not stated", linear.axis);
             return Err(Problem::new(words).help("state `slope_um_per_m`").into());
         }
-        (LinearSlope::Errors(_), Some(table)) => slope_over_box(volume, linear.axis, table)?,
     };
     Ok(MeasuredLine {
         direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
@@ -175,41 +174,38 @@ fn slope_over_box(
     let low = volume.start[axis].mm();
     let high = low + volume.size[axis].mm();
     let refuse = |message: String, help: &str| {
-        Problems::from(Problem::new(message).at(table.header.clone()).help(help))
+        Err(Problems::from(Problem::new(message).at(table.header.clone()).help(help)))
     };
     let (mut slopes, mut uncertainties) = (Vec::new(), Vec::new());
     for series in table.series(axis) {
-        let Some(values) = &series.deviations[axis] else {
-            continue;
-        };
-        let ends = series.positions.first().zip(series.positions.last());
-        if let Some((first, last)) = ends
+        let Some(values) = &series.deviations[axis] else { continue };
+        if let (Some(first), Some(last)) = (series.positions.first(), series.positions.last())
             && (first.mm() > low + END_TOLERANCE_MM || last.mm() < high - END_TOLERANCE_MM)
         {
-            return Err(refuse(
+            return refuse(
                 format!(
                     "E{axis}{axis} is measured from {} to {} mm, but the diagonals go from {low} to {high} mm",
                     first.mm(),
                     last.mm()
                 ),
                 "measure the axis over the whole box; nothing is extrapolated",
-            ));
+            );
         }
         let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
-        let rise = at(&series.positions, &values, high) - at(&series.positions, &values, low);
-        slopes.push(1000.0 * rise / (high - low));
-        uncertainties.extend(series.uncertainties_um[axis].as_ref().map(|u| {
-            let end = |position: f64| at(&series.positions, u, position);
-            1000.0 * end(high).hypot(end(low)) / (high - low)
-        }));
+        let ends = |um: &[f64]| [low, high].map(|end| at(&series.positions, um, end));
+        let per_m = |um: f64| 1000.0 * um / (high - low);
+        let [from, to] = ends(&values);
+        slopes.push(per_m(to - from));
+        let u = series.uncertainties_um[axis].as_deref().map(ends);
+        uncertainties.extend(u.map(|[from, to]| per_m(to.hypot(from))));
     }
     if slopes.is_empty() {
-        return Err(refuse(
+        return refuse(
             format!(
                 "the table holds no positioning error of {axis} (E{axis}{axis}), expected its linear measurement"
             ),
             "name a table with rows of that axis and its own direction",
-        ));
+        );
     }
     let all_known = uncertainties.len() == slopes.len();
     let u = all_known.then(|| mean(uncertainties.into_iter()));

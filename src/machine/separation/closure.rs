@@ -22,12 +22,13 @@ use super::corrections::recorded;
 use super::curves::{mean, noise_gain};
 use super::findings::SeparationFinding as Found;
 use super::noise::{
-    ENOUGH, FALSE_DOUBT, Noise, NoiseSource, Outlier, Repeats, UNRESOLVED_UM, chance_of, float,
-    repeats, student, tails,
+    ENOUGH, FALSE_DOUBT, Noise, NoiseSource, Outlier, UNRESOLVED_UM, chance_of, float, repeats,
+    student, tails,
 };
-use super::patterns::{Known, Patterns, Ramps, by_group};
-use super::readings::{CorrectedRun, Group, Means, PassMeans, RunCounts, means, run_counts};
-use super::uncertainty::{Budget, OfAngle, Unmeasured};
+use super::patterns::{Known, Patterns, Ramps};
+use super::readings::{CorrectedRun, Means, RunCounts, pass_of, run_counts};
+use super::steps::Steps;
+use super::uncertainty::Budget;
 use crate::inputs::job::{Material, SetUp};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
@@ -165,58 +166,48 @@ pub(super) fn large_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Optio
 
 /// The closure of mean readings.
 pub(super) fn closure(
-    volume: &Volume,
+    steps: &Steps<'_>,
     means: &Means,
     runs: &RunCounts,
     known: Known<'_>,
 ) -> Closure {
-    let all = by_group(volume, means);
-    let by_interval: PerAxis<Vec<f64>> = PerAxis::from_fn(|axis| {
-        let at = |interval| mean(all.iter().map(|w| w[axis][interval]));
-        (0..volume.steps).map(at).collect()
-    });
+    let z = steps.layout.measured(means, &[]);
+    let w = |axis, at| steps.mean(|group| steps.closure(group, axis, at)).dot(&z);
+    let by_interval: PerAxis<Vec<f64>> =
+        PerAxis::from_fn(|axis| (0..steps.volume.steps).map(|at| w(axis, at)).collect());
+    let outliers = known.outliers.to_vec();
     let mut closure = Closure {
         mean: PerAxis::from_fn(|axis| mean(by_interval[axis].iter().copied())),
         by_interval,
-        scatter: PerAxis::from_fn(|axis| scatter(means.groups(), runs, axis)),
+        scatter: PerAxis::from_fn(|axis| scatter(steps, runs, axis)),
         ramps: None,
         weighted_square: 0.0,
         freedom: 0,
-        outliers: known.outliers.to_vec(),
+        outliers,
     };
-    if let Some(patterns) = known.patterns(volume, means, runs) {
-        closure.judge(volume, patterns, known);
+    let Some(mut patterns) = Patterns::new(steps, means, runs, known) else { return closure };
+    // Disturbed readings with the ramps left free; then the ramps without those readings.
+    let before = patterns.out.clone();
+    patterns.leave_out_ramps();
+    let found = patterns.name_outliers(known.noise.map(|noise| noise.sigma_um));
+    patterns.out = before;
+    patterns.leave_out_readings(found.iter().filter_map(|outlier| outlier.readings.first()));
+    closure.outliers.extend(found);
+    closure.ramps = patterns.ramps(known);
+    if closure.ramps.as_ref().is_some_and(Ramps::is_no_noise) {
+        patterns.leave_out_ramps();
     }
+    (closure.weighted_square, closure.freedom) = patterns.scatter();
     closure
 }
 
-impl Closure {
-    /// Disturbed readings with the ramps left free; then the ramps without those readings.
-    fn judge(&mut self, volume: &Volume, mut patterns: Patterns, known: Known<'_>) {
-        let before = patterns.out.clone();
-        patterns.leave_out_ramps();
-        let found = patterns.name_outliers(known.noise.map(|noise| noise.sigma_um));
-        patterns.out = before;
-        patterns.leave_out(found.iter().filter_map(|outlier| outlier.readings.first()));
-        self.outliers.extend(found);
-        self.ramps = patterns.ramps(volume, known);
-        if self.ramps.as_ref().is_some_and(Ramps::is_no_noise) {
-            patterns.leave_out_ramps();
-        }
-        (self.weighted_square, self.freedom) = patterns.scatter();
-    }
-}
-
 /// Standard deviation of one w, mean of the groups, for readings of 1 µm.
-fn scatter(groups: &[Group], runs: &RunCounts, axis: Axis) -> f64 {
-    let variance = |group: &Group| {
-        let of = |d: Diagonal| {
-            let pass = group.pass(d, axis);
-            2.0 / runs[d][usize::from(pass == Pass::Reverse)]
-        };
-        Diagonal::ALL.into_iter().map(of).sum::<f64>()
-    };
-    groups.iter().map(variance).sum::<f64>().sqrt() / float(groups.len())
+fn scatter(steps: &Steps<'_>, runs: &RunCounts, axis: Axis) -> f64 {
+    let groups = steps.groups();
+    let walks =
+        groups.iter().flat_map(|group| Diagonal::ALL.map(|d| (d, pass_of(*group, d, axis))));
+    let variances = walks.map(|(d, pass)| 2.0 / runs[d][pass as usize]);
+    variances.sum::<f64>().sqrt() / float(groups.len())
 }
 
 /// The runs of a measurement and what they say by themselves.
@@ -232,15 +223,13 @@ pub(super) struct Start {
     pub(super) outliers: Vec<Outlier>,
     /// σ of a reading where repeats or the job give it.
     pub(super) noise: Option<Noise>,
-    /// See [`Known::angles`].
-    pub(super) angles: Vec<Vec<Means>>,
 }
 
 impl Start {
     pub(super) fn new(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Start {
         let material = campaign.measurement.material;
         let runs = corrected(campaign, raw_runs);
-        let Repeats { noise, outliers } = repeats(&runs);
+        let (noise, outliers) = repeats(&runs);
         let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
         Start {
             material: material.map(|material| recorded(&material, raw_runs)),
@@ -248,9 +237,13 @@ impl Start {
             counts: run_counts(&runs),
             outliers,
             noise: known_noise(campaign, noise),
-            angles: stated_angles(campaign, &runs),
             runs,
         }
+    }
+
+    /// Whether every diagonal was walked back, too.
+    pub(super) fn walked_back(&self) -> bool {
+        self.counts.iter().all(|(_, runs)| runs[1] > 0.0)
     }
 
     pub(super) fn budget<'a>(
@@ -270,20 +263,9 @@ impl Start {
     }
 }
 
-fn stated_angles(campaign: &Campaign<'_>, runs: &[CorrectedRun]) -> Vec<Vec<Means>> {
-    let backs = means(runs).reverse.is_some();
-    let of = |angle: &OfAngle| Means {
-        reverse: backs.then(|| PassMeans::clone(&angle.readings)),
-        forward: angle.readings.clone(),
-    };
-    let Unmeasured { parts, orders } = Unmeasured::stated(campaign);
-    let of_order = |acting: &Vec<usize>| acting.iter().map(|part| of(&parts[*part])).collect();
-    orders.iter().map(of_order).collect()
-}
-
 /// σ of a reading before the closure is judged: repeats say most; else the closure itself, unless it leaves few
 /// degrees of freedom and the job states one.
-pub(super) fn known_noise(campaign: &Campaign<'_>, repeats: Option<Noise>) -> Option<Noise> {
+fn known_noise(campaign: &Campaign<'_>, repeats: Option<Noise>) -> Option<Noise> {
     let stated_um = campaign.stated.noise_um;
     let measurement = campaign.measurement;
     let of_closure =

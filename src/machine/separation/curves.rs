@@ -1,8 +1,7 @@
-//! Formula (2): increments → their closure; and the reference lines of
-//! ISO 230-1 that their slopes and straightness refer to.
+//! Curves, and the reference lines of ISO 230-1 that their slopes and straightness refer to.
 
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
+use crate::quantity::axis::Axis;
+use crate::quantity::diagonal::{Diagonal, Volume};
 use crate::quantity::units::Millimetres;
 
 /// Values of one curve at the n + 1 interval ends of its moving axis, lowest first; µm, the
@@ -12,20 +11,6 @@ pub type Curve = Vec<f64>;
 /// R/(2 V_j): noise of a separated increment by the noise of a measured one (docs/method.md §7).
 pub(super) fn noise_gain(volume: &Volume, of: Axis) -> f64 {
     1.0 / (2.0 * volume.cosine(of))
-}
-
-/// w of formula (2): by axis, one value for each machine interval; µm.
-pub(super) fn closures(
-    volume: &Volume,
-    increments: &PerDiagonal<PerAxis<Vec<f64>>>,
-) -> PerAxis<Vec<f64>> {
-    PerAxis::from_fn(|axis| {
-        let interval = |i: usize| {
-            let part = |d: Diagonal| closure_sign(d, axis) * increments[d][axis][i];
-            Diagonal::ALL.into_iter().map(part).sum()
-        };
-        (0..volume.steps).map(interval).collect()
-    })
 }
 
 /// s_dk (s_x s_y s_z)_d: the sign with which a diagonal enters the closure of an axis.

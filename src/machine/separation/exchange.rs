@@ -27,13 +27,15 @@
 use super::campaign::{Campaign, corrected};
 use super::closure::{Closure, Start, closure};
 use super::findings::SeparationFinding;
+use super::linear::Model;
 use super::noise::{DIGIT_UM, Noise, Outlier, UNRESOLVED_UM, float};
 use super::patterns::{Known, Patterns};
 use super::readings::{Means, RunCounts, means, run_counts};
-use super::reversal::separable;
+use super::steps::Steps;
 use crate::inputs::job::SetUp;
 use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Run};
+use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
@@ -50,31 +52,25 @@ const SURE: f64 = 0.95;
 /// A scatter of the best assignment above this quantile belies the noise that is known otherwise.
 const BELIEVED: f64 = 0.999;
 
-/// What the closure of the readings says under the names of the file.
+/// What the readings say under the names of the file.
 pub(super) struct AsRead<'a> {
-    pub(super) start: &'a Start,
     pub(super) closure: &'a Closure,
     pub(super) noise: Option<Noise>,
     pub(super) overrun: Option<bool>,
+    /// What stated angles do.
+    pub(super) causes: &'a Model,
 }
 
-/// What the readings say of their names and of the order of their steps.
-#[derive(Debug, Default, PartialEq)]
-pub(super) struct Names {
-    /// Another assignment is clearly likelier.
-    pub(super) doubt: Option<Finding>,
-    /// Slips that these readings would hardly show.
-    pub(super) blind: Option<Finding>,
-}
-
-/// Compares the recorded names with every other way to share them out.
-pub(super) fn names(campaign: &Campaign<'_>, runs: &[Run], as_read: &AsRead<'_>) -> Names {
-    let Some(trial) = Trial::new(campaign, runs, as_read) else {
-        return Names::default();
-    };
-    let doubt = trial.likelier();
-    let blind = doubt.is_none().then(|| trial.hardly_shown()).flatten();
-    Names { doubt: doubt.map(Finding::from), blind: blind.map(Finding::from) }
+/// Compares the recorded names with every other way to share them out: a doubt where another assignment is clearly
+/// likelier, else a note of slips that these readings would hardly show.
+pub(super) fn names(
+    campaign: &Campaign<'_>,
+    runs: &[Run],
+    start: &Start,
+    as_read: &AsRead<'_>,
+) -> Option<Finding> {
+    let trial = Trial::new(campaign, runs, start, as_read)?;
+    trial.likelier().or_else(|| trial.hardly_shown()).map(Finding::from)
 }
 
 /// Under which diagonal's name the readings of a file belong: by the name in the file.
@@ -83,28 +79,11 @@ struct Naming(PerDiagonal<Diagonal>);
 
 impl Naming {
     /// All 24, the recorded one first.
-    fn all() -> Vec<Naming> {
-        let mut found = vec![Vec::new()];
-        for _ in Diagonal::ALL {
-            let longer = |part: &Vec<Diagonal>| -> Vec<Vec<Diagonal>> {
-                let free = Diagonal::ALL.into_iter().filter(|d| !part.contains(d));
-                free.map(|d| [part.as_slice(), &[d]].concat()).collect()
-            };
-            found = found.iter().flat_map(longer).collect();
-        }
-        let naming = |belong: Vec<Diagonal>| {
-            let mut belong = belong.into_iter();
-            Naming(PerDiagonal::from_fn(|name| belong.next().unwrap_or(name)))
-        };
-        found.into_iter().map(naming).collect()
-    }
-
-    fn renamed(&self, runs: &[Run]) -> Vec<Run> {
-        let mut runs = runs.to_vec();
-        for run in &mut runs {
-            run.diagonal = self.0[run.diagonal];
-        }
-        runs
+    fn all() -> impl Iterator<Item = Naming> {
+        let walked = |number: usize| [64, 16, 4, 1].map(|part| Diagonal::ALL[number / part % 4]);
+        let is_whole = |walked: &[Diagonal; 4]| Diagonal::ALL.iter().all(|d| walked.contains(d));
+        let all = (0..256).map(walked).filter(is_whole);
+        all.map(|walked| Naming(PerDiagonal::from_fn(|name| walked[name as usize])))
     }
 
     /// The names that are not their own: name in the file, diagonal that was walked.
@@ -116,14 +95,10 @@ impl Naming {
     /// The order of the steps that looks the same, if there is one: PPP keeps its name, and each
     /// other diagonal stands for the axis that it walks in −.
     fn as_order(&self, recorded: [Axis; 3]) -> Option<[Axis; 3]> {
-        let keeps = self.0[Diagonal::Ppp] == Diagonal::Ppp;
-        let named = |axis: Axis| {
-            let walks_back = |d: Diagonal, axis: Axis| d.sign(axis) < 0.0;
-            let mut all = self.0.iter();
-            let (name, _) = all.find(|(_, walked)| walks_back(**walked, axis))?;
-            Axis::ALL.into_iter().find(|axis| walks_back(name, *axis))
-        };
+        let back = |d: Diagonal| Axis::ALL.into_iter().find(|axis| d.sign(*axis) < 0.0);
+        let named = |axis| back(self.0.iter().find(|(_, d)| back(**d) == Some(axis))?.0);
         let [first, second, third] = recorded.map(named);
+        let keeps = self.0[Diagonal::Ppp] == Diagonal::Ppp;
         keeps.then_some([first?, second?, third?])
     }
 
@@ -148,23 +123,22 @@ fn in_words(order: [Axis; 3]) -> String {
     order.map(|axis| axis.to_string()).join(", ")
 }
 
-/// One way to share out the names and what it leaves over.
-#[derive(Clone, Copy)]
-struct Tried {
-    naming: Naming,
-    /// Q for readings of 1 µm, disturbed readings of single runs left out.
-    square: f64,
-}
+/// One way to share out the names and Q of what it leaves over, disturbed readings of single runs left out.
+type Tried = (Naming, f64);
 
 /// All ways, and what they are compared by.
 struct Trial<'a, 'c> {
     campaign: &'a Campaign<'c>,
     runs: &'a [Run],
+    start: &'a Start,
     as_read: &'a AsRead<'a>,
-    recorded: Tried,
+    /// Q of the recorded names.
+    recorded: f64,
     others: Vec<Tried>,
     /// ν of each.
-    freedom: usize,
+    freedom: f64,
+    /// n − 1.
+    intervals: f64,
     /// σ where repeats or the job give it, µm.
     sigma_um: Option<f64>,
 }
@@ -174,114 +148,125 @@ impl<'a, 'c> Trial<'a, 'c> {
     fn new(
         campaign: &'a Campaign<'c>,
         runs: &'a [Run],
+        start: &'a Start,
         as_read: &'a AsRead<'a>,
     ) -> Option<Trial<'a, 'c>> {
-        let volume = &campaign.measurement.volume;
-        // Ways that share counts and disturbed readings share the least-squares problem.
-        let mut shared: Option<(RunCounts, Vec<Outlier>, Patterns)> = None;
-        let mut tried = Naming::all().into_iter().map_while(|naming| {
-            let renamed = Renamed::new(campaign, runs, &naming, as_read);
-            let same = |(counts, outliers, _): &(RunCounts, Vec<Outlier>, Patterns)| {
-                *counts == renamed.counts && *outliers == renamed.outliers
-            };
-            if !shared.as_ref().is_some_and(same) {
-                let known = renamed.known(as_read.start.noise);
-                let mut left = known.patterns(volume, &renamed.means, &renamed.counts)?;
-                // What stated angles do belongs to no other name.
-                let angles = as_read.start.angles.iter().flatten();
-                angles.for_each(|angle| left.leave_out_effect(volume, angle));
-                shared = Some((renamed.counts, renamed.outliers, left));
-            }
-            let (_, _, left) = shared.as_ref()?;
-            let square = left.square_of(volume, &renamed.means);
-            Some((Tried { naming, square }, left.scatter().1))
-        });
-        let (recorded, freedom) = tried.next()?;
-        let others: Vec<Tried> = tried.map(|(tried, _)| tried).collect();
         // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
         let stated_um = campaign.stated.noise_um;
         let stated_um =
             stated_um.filter(|um| as_read.noise.is_some_and(|found| !found.contradicts(*um)));
-        let known_um = as_read.start.noise.map(|noise| noise.sigma_um).or(stated_um);
-        (freedom > 0).then_some(Trial {
+        let known_um = start.noise.map(|noise| noise.sigma_um).or(stated_um);
+        let intervals = campaign.measurement.volume.steps_f64() - 1.0;
+        let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
+        let others = Vec::new();
+        let (recorded, freedom) = (0.0, 0.0);
+        let mut trial = Trial {
             campaign,
             runs,
+            start,
             as_read,
             recorded,
             others,
             freedom,
-            sigma_um: known_um.map(|um| um.max(DIGIT_UM)),
-        })
+            intervals,
+            sigma_um,
+        };
+        // Ways that share counts and disturbed readings share the least-squares problem.
+        let mut shared: Option<(RunCounts, Vec<Outlier>, Patterns)> = None;
+        for naming in Naming::all() {
+            let (means, counts, outliers) = trial.renamed(&naming);
+            if !shared.as_ref().is_some_and(|(c, o, _)| *c == counts && *o == outliers) {
+                let steps = trial.steps(&means);
+                let mut left = Patterns::new(&steps, &means, &counts, trial.known(&outliers))?;
+                // What stated angles do belongs to no other name.
+                left.leave_out_angles(as_read.causes);
+                let freedom = float(left.scatter().1);
+                trial.freedom = if shared.is_none() { freedom } else { trial.freedom };
+                shared = Some((counts, outliers, left));
+            }
+            trial.others.push((naming, shared.as_ref()?.2.square_of(&means)));
+        }
+        trial.recorded = trial.others.remove(0).1;
+        (trial.freedom > 0.0).then_some(trial)
+    }
+
+    /// The readings under some names: their means and counts, the disturbed ones of single runs.
+    fn renamed(&self, naming: &Naming) -> (Means, RunCounts, Vec<Outlier>) {
+        let mut runs = self.runs.to_vec();
+        runs.iter_mut().for_each(|run| run.diagonal = naming.0[run.diagonal]);
+        let runs = corrected(self.campaign, &runs);
+        let mut outliers = self.start.outliers.clone();
+        for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
+            place.diagonal = naming.0[place.diagonal];
+        }
+        (means(&runs), run_counts(&runs), outliers)
+    }
+
+    fn steps(&self, means: &Means) -> Steps<'c> {
+        let turned = self.as_read.overrun == Some(false);
+        Steps::of_readings(&self.campaign.measurement.volume, means, turned)
+    }
+
+    fn known<'o>(&self, outliers: &'o [Outlier]) -> Known<'o> {
+        let skip_ends = self.start.walked_back() && self.as_read.overrun != Some(true);
+        Known { noise: self.start.noise, outliers, skip_ends, causes: None }
+    }
+
+    /// What scatters less than the last digit of a reading is as good as nothing.
+    fn ratio(&self, worse: f64, better: f64) -> f64 {
+        let digit = self.freedom * DIGIT_UM.squared();
+        (worse + digit) / (better + digit)
     }
 
     /// 2 ln of the odds of `better` against what leaves `worse` over.
     fn gain(&self, worse: f64, better: f64) -> f64 {
-        let freedom = float(self.freedom);
-        match self.sigma_um {
-            Some(sigma_um) => {
-                let spread = ChiSquared::new(freedom).map_or(freedom, |s| s.inverse_cdf(BELIEVED));
-                (worse - better) / (sigma_um * sigma_um).max(better / spread)
-            }
-            None => {
-                let digit = freedom * DIGIT_UM * DIGIT_UM;
-                freedom * ((worse + digit) / (better + digit)).ln()
-            }
-        }
+        let Some(sigma_um) = self.sigma_um else {
+            return self.freedom * self.ratio(worse, better).ln();
+        };
+        let spread = ChiSquared::new(self.freedom);
+        let spread = spread.map_or(self.freedom, |spread| spread.inverse_cdf(BELIEVED));
+        (worse - better) / sigma_um.squared().max(better / spread)
     }
 
     /// m, where `best` leaves this over.
     fn margin(&self, best: f64) -> f64 {
-        let deviation = 2.0 * self.intervals().sqrt();
-        let near = |one: &&Tried| self.gain(one.square, best) < NEAR * deviation;
+        let deviation = 2.0 * self.intervals.sqrt();
+        let near = |one: &&Tried| self.gain(one.1, best) < NEAR * deviation;
         let competing = float(self.others.iter().filter(near).count().max(1));
         let z = Normal::standard().inverse_cdf(1.0 - ACCUSED / competing);
         (z * deviation).max(CLEARLY)
     }
 
-    /// n − 1.
-    fn intervals(&self) -> f64 {
-        self.campaign.measurement.volume.steps_f64() - 1.0
-    }
-
     /// The names that are clearly likelier than the recorded ones and leave nothing to doubt. What
     /// disturbed readings and roll explain of the recorded names is left out of these before.
     fn likelier(&self) -> Option<SeparationFinding> {
-        let by_square = |a: &&Tried, b: &&Tried| a.square.total_cmp(&b.square);
-        let best = self.others.iter().min_by(by_square)?;
+        let (naming, best) = self.others.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
         let before = self.as_read.closure;
         let seen = before.sigma_um().unwrap_or(0.0) > UNRESOLVED_UM;
-        let left = before.weighted_square.min(self.recorded.square);
-        let gain = self.gain(left, best.square) + self.accused();
-        if !seen || gain <= self.margin(best.square) {
+        // That just the readings are off that the closure of the recorded names calls disturbed has a chance of its own.
+        let singly = |o: &&Outlier| o.readings.iter().all(|place| place.run.is_none());
+        let accused = DISTURBED * float(before.outliers.iter().filter(singly).count());
+        let gain = self.gain(before.weighted_square.min(self.recorded), *best) + accused;
+        if !seen || gain <= self.margin(*best) {
             return None;
         }
-        let after = self.judged(&best.naming)?;
+        let after = self.judged(naming)?;
         let order = self.campaign.measurement.volume.order;
         Some(SeparationFinding::OtherNames {
-            walked: best.naming.words(order),
+            walked: naming.words(order),
             after_um: after.sigma_um()?,
             before_um: before.sigma_um()?,
             odds: (gain / 2.0).min(999.0),
-            is_order: best.naming.as_order(order).is_some(),
+            is_order: naming.as_order(order).is_some(),
         })
-    }
-
-    /// What the readings that the closure of the recorded names calls disturbed count against these:
-    /// that just this reading is off has a chance of its own.
-    fn accused(&self) -> f64 {
-        let singly = |o: &&Outlier| o.readings.iter().all(|place| place.run.is_none());
-        let accused = self.as_read.closure.outliers.iter().filter(singly).count();
-        DISTURBED * float(accused)
     }
 
     /// The closure under other names; `None` where it leaves a doubt.
     fn judged(&self, naming: &Naming) -> Option<Closure> {
-        let volume = &self.campaign.measurement.volume;
-        let renamed = Renamed::new(self.campaign, self.runs, naming, self.as_read);
-        let known = renamed.known(self.as_read.start.noise);
-        let closure = closure(volume, &renamed.means, &renamed.counts, known);
-        let noise = self.as_read.start.noise.or_else(|| closure.noise());
-        let doubts = closure.doubts(noise, volume, SetUp::Solve);
+        let (means, counts, outliers) = self.renamed(naming);
+        let closure = closure(&self.steps(&means), &means, &counts, self.known(&outliers));
+        let noise = self.start.noise.or_else(|| closure.noise());
+        let doubts = closure.doubts(noise, &self.campaign.measurement.volume, SetUp::Solve);
         doubts.is_empty().then_some(closure)
     }
 
@@ -289,23 +274,16 @@ impl<'a, 'c> Trial<'a, 'c> {
     /// normal about G with variance 4G + 4(n − 1) for each exchange, and so is G itself, which these
     /// readings tell, taken one standard deviation low; two and by ln where σ is that of the
     /// closure.
-    fn power(&self, slip: &Tried) -> f64 {
-        let (worse, better) = (slip.square, self.recorded.square);
-        let gain = self.gain(worse, better);
-        let scatter =
-            |square: f64, many: f64| (8.0 * (square.max(0.0) + many * self.intervals())).sqrt();
-        let (square, share) = match self.sigma_um {
-            Some(_) => (gain, 1.0),
-            None => {
-                let digit = float(self.freedom) * DIGIT_UM * DIGIT_UM;
-                let ratio = (worse + digit) / (better + digit);
-                (float(self.freedom) * (ratio - 1.0), 1.0 / ratio)
-            }
+    fn power(&self, (naming, worse): &Tried) -> f64 {
+        let gain = self.gain(*worse, self.recorded);
+        let ratio = self.ratio(*worse, self.recorded);
+        let (square, share, low) = match self.sigma_um {
+            Some(_) => (gain, 1.0, 1.0),
+            None => (self.freedom * (ratio - 1.0), 1.0 / ratio, 2.0),
         };
-        let moved = float(slip.naming.moved().len().saturating_sub(1));
-        let spread = share * scatter(square, moved);
-        let low = self.sigma_um.map_or(2.0, |_| 1.0);
-        let far = (gain - self.margin(better)) / spread.max(f64::MIN_POSITIVE);
+        let moved = float(naming.moved().len().saturating_sub(1));
+        let spread = share * (8.0 * (square.max(0.0) + moved * self.intervals)).sqrt();
+        let far = (gain - self.margin(self.recorded)) / spread.max(f64::MIN_POSITIVE);
         Normal::standard().cdf(far - low)
     }
 
@@ -314,58 +292,22 @@ impl<'a, 'c> Trial<'a, 'c> {
     fn hardly_shown(&self) -> Option<SeparationFinding> {
         let recorded = self.campaign.measurement.volume.order;
         let is_weak = |slip: &&Tried| self.power(slip) < SURE;
-        let exchanges = self.others.iter().filter(|one| one.naming.moved().len() == 2);
+        let exchanges = self.others.iter().filter(|(naming, _)| naming.moved().len() == 2);
         let weak: Vec<&Tried> = exchanges.clone().filter(is_weak).collect();
         if weak.len() == exchanges.count() {
             return Some(SeparationFinding::NothingShown);
         }
         let orders = self.others.iter().filter_map(|one| {
-            let order = one.naming.as_order(recorded)?;
+            let order = one.0.as_order(recorded)?;
             (self.sigma_um.is_none() || is_weak(&one)).then(|| in_words(order))
         });
         let orders = orders.collect::<Vec<_>>().join(" or ");
-        let pairs = weak.iter().filter_map(|slip| {
-            let (one, other) = *slip.naming.moved().first()?;
+        let pairs = weak.iter().filter_map(|(naming, _)| {
+            let (one, other) = *naming.moved().first()?;
             Some(format!("{one} and {other}"))
         });
         let pairs = pairs.collect::<Vec<_>>().join(" or ");
         let said = !pairs.is_empty() || !orders.is_empty();
         said.then_some(SeparationFinding::HardlyShown { pairs, orders })
-    }
-}
-
-/// The readings under some names.
-struct Renamed {
-    counts: RunCounts,
-    means: Means,
-    outliers: Vec<Outlier>,
-    skip_ends: bool,
-}
-
-impl Renamed {
-    fn new(
-        campaign: &Campaign<'_>,
-        runs: &[Run],
-        naming: &Naming,
-        as_read: &AsRead<'_>,
-    ) -> Renamed {
-        let volume = &campaign.measurement.volume;
-        let runs = corrected(campaign, &naming.renamed(runs));
-        let means = means(&runs);
-        let means = separable(&means, volume, as_read.overrun == Some(false)).into_owned();
-        let mut outliers = as_read.start.outliers.clone();
-        for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
-            place.diagonal = naming.0[place.diagonal];
-        }
-        Renamed {
-            skip_ends: means.reverse.is_some() && as_read.overrun != Some(true),
-            counts: run_counts(&runs),
-            outliers,
-            means,
-        }
-    }
-
-    fn known(&self, noise: Option<Noise>) -> Known<'_> {
-        Known { noise, outliers: &self.outliers, skip_ends: self.skip_ends, angles: &[] }
     }
 }

@@ -36,18 +36,16 @@ pub(crate) fn expected(
 /// Raw readings that are 0 when they are corrected.
 fn exact(campaign: &Campaign<'_>, passes: &[Pass], runs: u32) -> Vec<Run> {
     let last = campaign.measurement.volume.last_node(PathKind::Step);
-    let mut all = Vec::new();
-    for number in 1..=runs {
-        for pass in passes {
-            all.extend(Diagonal::ALL.map(|diagonal| Run {
-                diagonal,
-                number,
-                pass: *pass,
-                deviations: vec![Deviation::from_um(0.0); last + 1],
-                temperatures_c: PerAxis::default(),
-            }));
-        }
-    }
+    let walks = (1..=runs).flat_map(|number| passes.iter().map(move |pass| (number, *pass)));
+    let run = |number, pass, diagonal| Run {
+        diagonal,
+        number,
+        pass,
+        deviations: vec![Deviation::from_um(0.0); last + 1],
+        temperatures_c: PerAxis::default(),
+    };
+    let all = walks.flat_map(|(number, pass)| Diagonal::ALL.map(|d| run(number, pass, d)));
+    let mut all: Vec<Run> = all.collect();
     let corrected = corrected(campaign, &all);
     for (run, corrected) in all.iter_mut().zip(corrected) {
         let taken_off = corrected.readings_um.into_iter();

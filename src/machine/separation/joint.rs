@@ -353,7 +353,7 @@ impl Separation {
 }
 
 /// A curve between its points.
-fn at(curve: &[f64], place: f64) -> f64 {
+pub(super) fn at(curve: &[f64], place: f64) -> f64 {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in a list")]
     let below = place.floor() as usize;
     let low = curve.get(below).copied().unwrap_or(0.0);

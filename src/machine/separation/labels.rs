@@ -3,10 +3,9 @@
 use super::campaign::Campaign;
 use super::curves::noise_gain;
 use super::findings::SeparationFinding as Found;
-use super::linear_reversal::LinearReversals;
+use super::linear_reversal::{LinearReversal, LinearReversals};
 use super::metric::Plane;
 use super::noise::coverage_factor;
-use super::readings::Means;
 use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
 use super::uncertainty::{Budget, u_squareness};
@@ -19,42 +18,36 @@ use crate::text::finding::Finding;
 pub(super) fn of_steps(
     campaign: &Campaign<'_>,
     budget: &Budget<'_>,
-    means: &Means,
     overrun: Option<bool>,
     turn: Option<&Turn>,
 ) -> Vec<Finding> {
     let measurement = campaign.measurement;
-    let mut labels = Vec::new();
-    if measurement.setup == SetUp::AssumePerfect {
-        labels.push(Found::SetUpAssumed { tilt_arcsec: campaign.stated.tilt_arcsec });
-    }
-    labels.push(Found::FrameOf { frame: measurement.frame });
+    let (backs, tilt_arcsec) = (budget.both_ways(), campaign.stated.tilt_arcsec);
+    let is_perfect = measurement.setup == SetUp::AssumePerfect;
     let from = if measurement.overrun.is_some() { "as stated" } else { "judged from the readings" };
-    labels.push(match (means.reverse.is_some(), overrun) {
-        (false, _) => Found::ForwardOnly,
-        (true, Some(true)) => Found::Overran { from },
-        (true, Some(false)) => Found::Turned { from },
-        (true, None) => Found::OverrunOpen,
+    let way = match overrun.filter(|_| backs) {
+        _ if !backs => Found::ForwardOnly,
+        Some(true) => Found::Overran { from },
+        Some(false) => Found::Turned { from },
+        None => Found::OverrunOpen,
+    };
+    let kept = turn.map(|turn| {
+        let crosses = ErrorTerm::ALL.into_iter().filter(|term| term.is_cross());
+        crosses.filter(|term| turn.in_curves[*term]).map(|term| term.to_string()).collect()
     });
-    if means.reverse.is_some() && !campaign.reverse_zero_known {
-        labels.push(Found::OwnZero);
-    }
-    labels.extend(turn.map(|turn| {
-        Found::FromTurn {
-            kept: ErrorTerm::ALL
-                .iter()
-                .filter(|term| term.is_cross() && turn.in_curves[**term])
-                .map(ToString::to_string)
-                .collect(),
-        }
-    }));
-    labels.extend(means.reverse.is_some().then_some(Found::Directions));
-    labels.extend(Axis::ALL.into_iter().filter_map(|axis| {
-        let gain = noise_gain(&measurement.volume, axis);
-        (gain > 3.0).then_some(Found::ShortEdge { axis, gain })
-    }));
-    let labels = labels.into_iter().map(Finding::from);
-    labels.chain(common(campaign, budget)).collect()
+    let short = Axis::ALL.map(|axis| (axis, noise_gain(&measurement.volume, axis)));
+    let short = short.into_iter().filter(|(_, gain)| *gain > 3.0);
+    let labels = [
+        is_perfect.then_some(Found::SetUpAssumed { tilt_arcsec }),
+        Some(Found::FrameOf { frame: measurement.frame }),
+        Some(way),
+        (backs && !campaign.reverse_zero_known).then_some(Found::OwnZero),
+        kept.map(|kept| Found::FromTurn { kept }),
+        backs.then_some(Found::Directions),
+    ];
+    let labels = labels.into_iter().flatten();
+    let labels = labels.chain(short.map(|(axis, gain)| Found::ShortEdge { axis, gain }));
+    labels.chain(common(campaign, budget)).map(Finding::from).collect()
 }
 
 /// Of straight runs.
@@ -64,64 +57,49 @@ pub(super) fn of_straight(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec<F
         (true, true) => Found::StraightOneZero,
         (true, false) => Found::StraightOwnZero,
     };
-    let mut labels: Vec<Finding> = vec![runs.into()];
-    if campaign.lines.iter().any(|line| line.ends.is_some()) {
-        labels.push(Found::WholeBeams.into());
-    }
-    labels.extend(common(campaign, budget));
-    labels
+    let has_ends = campaign.lines.iter().any(|line| line.ends.is_some());
+    let labels = [Some(runs), has_ends.then_some(Found::WholeBeams)];
+    labels.into_iter().flatten().chain(common(campaign, budget)).map(Finding::from).collect()
 }
 
 /// What is assumed of readings of any kind, and what their uncertainty holds.
-fn common(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec<Finding> {
-    let material = campaign.measurement.material;
-    let mut labels = Vec::new();
-    if material.is_some_and(|material| !material.air_corrected) {
-        labels.push(Found::NoAir);
-    }
-    labels.push(budget.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs {
+fn common(campaign: &Campaign<'_>, budget: &Budget<'_>) -> impl Iterator<Item = Found> {
+    let has_air = campaign.measurement.material.is_none_or(|material| material.air_corrected);
+    let noise = budget.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs {
         um: noise.sigma_um,
         source: noise.source.words(),
         freedom: noise.freedom,
         k: coverage_factor(noise.freedom_f64()),
-    }));
-    labels.extend(stated(budget));
-    labels.extend(campaign.angle_evidence().labels(campaign.stated.angle_urad));
-    labels.extend(lines(campaign));
-    labels.into_iter().map(Finding::from).collect()
+    });
+    let labels = [(!has_air).then_some(Found::NoAir), Some(noise)].into_iter().flatten();
+    let angles = campaign.angle_evidence().labels(campaign.stated.angle_urad);
+    labels.chain(stated(budget)).chain(angles).chain(lines(campaign))
 }
 
 /// What of `[measurement.uncertainty]` counts, and for which axes.
-fn stated(budget: &Budget<'_>) -> Vec<Found> {
+fn stated(budget: &Budget<'_>) -> [Found; 6] {
     let stated = budget.stated;
     let material = |axis: Axis| budget.material.and_then(|material| material.axes[axis]);
-    let by_axis = |key, is_stated: bool, known: &dyn Fn(Axis) -> bool, needs| {
-        let names = |wanted: bool| {
-            let axes = Axis::ALL.iter().filter(|axis| known(**axis) == wanted);
-            axes.map(ToString::to_string).collect::<Vec<_>>().join(", ")
-        };
-        let (with, without) = (names(true), names(false));
-        match is_stated {
-            false => Found::OfMaterialNotStated { key },
-            true => Found::OfMaterial { key, with, without, needs },
-        }
+    let by_axis = |key, is_stated: Option<f64>, known: &dyn Fn(Axis) -> bool, needs| {
+        let (with, without): (Vec<Axis>, Vec<Axis>) =
+            Axis::ALL.into_iter().partition(|axis| known(*axis));
+        let [with, without] = [with, without]
+            .map(|axes| axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "));
+        is_stated.map_or(Found::OfMaterialNotStated { key }, |_| Found::OfMaterial {
+            key,
+            with,
+            without,
+            needs,
+        })
     };
     let is_warm = |axis| material(axis).is_some_and(|m| m.temperature_c.is_some());
     let each = u_squareness(budget.volume, budget.volume.diagonal_mm() / 1000.0);
-    vec![
+    let warm = "alpha_per_k and temperature_c, or a column of temperatures";
+    let is_known = |axis| material(axis).is_some();
+    [
         Found::LaserCounts { ppm: stated.of_laser_ppm(), is_stated: stated.laser_ppm.is_some() },
-        by_axis(
-            "temperature_k",
-            stated.temperature_k.is_some(),
-            &|axis| material(axis).is_some(),
-            "alpha_per_k",
-        ),
-        by_axis(
-            "alpha_per_k",
-            stated.alpha_per_k.is_some(),
-            &is_warm,
-            "alpha_per_k and temperature_c, or a column of temperatures",
-        ),
+        by_axis("temperature_k", stated.temperature_k, &is_known, "alpha_per_k"),
+        by_axis("alpha_per_k", stated.alpha_per_k, &is_warm, warm),
         Found::SetUpCounts {
             ppm: stated.setup_ppm,
             each: by_plane(|plane| format!("{} {:.2}", plane.key(), each.of(plane))),
@@ -136,42 +114,35 @@ fn by_plane(words: impl Fn(Plane) -> String) -> String {
 }
 
 /// What is assumed of linear axes and beams.
-fn lines(campaign: &Campaign<'_>) -> Vec<Found> {
-    let mut labels = Vec::new();
-    if campaign.lines.iter().any(|line| line.u_um_per_m.is_none()) {
-        labels.push(Found::LineNotKnown);
-    }
-    if campaign.lines.iter().any(|line| line.u_um_per_m.is_some()) {
-        labels.push(Found::LinesHoldAll);
-    }
+fn lines(campaign: &Campaign<'_>) -> impl Iterator<Item = Found> {
+    let states_u =
+        |wanted: bool| campaign.lines.iter().any(|line| line.u_um_per_m.is_some() == wanted);
     let volume = &campaign.measurement.volume;
-    let spans: Vec<String> = (campaign.measurement.linear.iter())
-        .filter(|linear| matches!(linear.slope, LinearSlope::Stated(_)))
-        .map(|linear| {
-            let low = volume.start[linear.axis];
-            let high = low + volume.size[linear.axis];
-            format!("{} {} to {} mm", linear.axis, low.shown(), high.shown())
-        })
-        .collect();
-    if !spans.is_empty() {
-        let spans = spans.join(", ");
-        labels.push(Found::SlopesOverBox { spans });
-    }
-    labels
+    let linear = campaign.measurement.linear.iter();
+    let linear = linear.filter(|linear| matches!(linear.slope, LinearSlope::Stated(_)));
+    let spans = linear.map(|linear| {
+        let low = volume.start[linear.axis];
+        let high = low + volume.size[linear.axis];
+        format!("{} {} to {} mm", linear.axis, low.shown(), high.shown())
+    });
+    let spans = spans.collect::<Vec<_>>().join(", ");
+    let labels = [
+        states_u(false).then_some(Found::LineNotKnown),
+        states_u(true).then_some(Found::LinesHoldAll),
+        (!spans.is_empty()).then_some(Found::SlopesOverBox { spans }),
+    ];
+    labels.into_iter().flatten()
 }
 
 /// Where the reversals of single axes come from and what they leave open; `None` without any.
 pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> Option<Finding> {
-    let known = |(axis, reversal): (Axis, &Option<_>)| {
-        let um = || {
-            reversal.as_ref().map(|b: &super::linear_reversal::LinearReversal| b.um.iter().copied())
-        };
-        let (low, high) = (um()?.reduce(f64::min)?, um()?.reduce(f64::max)?);
+    let known = |(axis, reversal): (Axis, &Option<LinearReversal>)| {
+        let um = reversal.as_ref()?.um.iter().copied();
+        let (low, high) = (um.clone().reduce(f64::min)?, um.reduce(f64::max)?);
         Some(format!("{axis} {:+.3} to {:+.3}", Figure(low), Figure(high)))
     };
-    let found: Vec<String> = reversals.iter().filter_map(known).collect();
-    (!found.is_empty())
-        .then(|| Finding::from(Found::LinearReversals { found: found.join(", "), forward_only }))
+    let found = reversals.iter().filter_map(known).collect::<Vec<_>>().join(", ");
+    (!found.is_empty()).then(|| Found::LinearReversals { found, forward_only }.into())
 }
 
 impl Solved<'_> {
@@ -181,27 +152,28 @@ impl Solved<'_> {
             by_plane(|p| format!("{} {:.3}", p.key().to_uppercase(), rounded(of(p), 3)))
         };
         let leak = |plane: Plane| 10.0 * self.metric.leak.of(plane);
-        let mut labels = Vec::new();
-        match (self.setup, self.frame) {
-            (SetUp::AssumePerfect, Frame::XPrimary) => {}
+        let totals = self.squareness();
+        let as_measured = self.frame == Frame::AsMeasured;
+        let is_complete = self.metric.is_complete();
+        let labels = match self.setup {
             // Their squareness is another one than that of the totals.
-            (SetUp::AssumePerfect, Frame::AsMeasured) => labels.push(Found::SeparatedSlopesKept {
-                separated: squareness(&|plane| naive_squareness(&self.naive, plane)),
-                totals: squareness(&|plane| self.totals.squareness_um_per_m.of(plane)),
-            }),
-            (SetUp::Solve, frame) => {
-                if !self.metric.is_complete() {
-                    let by_plane = by_plane(|p| format!("{} {:.3}", p.key(), leak(p)));
-                    labels.push(Found::Leak { by_plane });
-                } else if !is_checked {
-                    labels.push(Found::Unchecked);
-                }
-                if frame == Frame::AsMeasured {
-                    labels.push(Found::RotationOfCrossTerms);
-                }
-            }
-        }
-        labels.into_iter().map(Finding::from).collect()
+            SetUp::AssumePerfect => [
+                as_measured.then(|| Found::SeparatedSlopesKept {
+                    separated: squareness(&|plane| naive_squareness(&self.naive, plane)),
+                    totals: squareness(&|plane| totals.of(plane).unwrap_or(0.0)),
+                }),
+                None,
+                None,
+            ],
+            SetUp::Solve => [
+                (!is_complete).then(|| Found::Leak {
+                    by_plane: by_plane(|p| format!("{} {:.3}", p.key(), leak(p))),
+                }),
+                (is_complete && !is_checked).then_some(Found::Unchecked),
+                as_measured.then_some(Found::RotationOfCrossTerms),
+            ],
+        };
+        labels.into_iter().flatten().map(Finding::from).collect()
     }
 
     /// What the readings do not determine.
@@ -213,10 +185,7 @@ impl Solved<'_> {
         let axes = Axis::ALL.iter().filter(|axis| known[**axis].is_none());
         let axes: Vec<String> = axes.map(ToString::to_string).collect();
         if self.budget.both_ways() && !from_turn && !axes.is_empty() {
-            let of = match axes.len() {
-                3 => "each axis".to_string(),
-                _ => axes.join(", "),
-            };
+            let of = if axes.len() == 3 { "each axis".to_string() } else { axes.join(", ") };
             open.push(Found::OpenReversal { of }.into());
         }
         open

@@ -9,11 +9,13 @@
 //! Rows are of first order: of the tilt of the mirror times noise nothing is kept.
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
+use super::noise::ReadingPlace;
 use super::readings::Means;
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use std::borrow::Borrow;
 use std::ops::Range;
 
 /// Parts of a variance below this share of it are rounding.
@@ -35,6 +37,17 @@ impl Layout {
     pub(super) fn reading(self, pass: Pass, diagonal: Diagonal, node: usize) -> usize {
         let line = usize::from(pass == Pass::Reverse) * 4 + diagonal as usize;
         line * self.nodes + node
+    }
+
+    /// Which mean reading stands at a place.
+    pub(super) fn place(self, index: usize) -> ReadingPlace {
+        let (line, node) = (index / self.nodes, index % self.nodes);
+        ReadingPlace {
+            diagonal: Diagonal::ALL[line % 4],
+            pass: Pass::BOTH[line / 4],
+            run: None,
+            node,
+        }
     }
 
     /// Place of a linear axis or beam.
@@ -67,7 +80,7 @@ impl Layout {
         z
     }
 
-    fn len(self) -> usize {
+    pub(super) fn len(self) -> usize {
         self.neglected(4 + self.lines)
     }
 }
@@ -90,9 +103,9 @@ impl Row {
     }
 
     /// The sum of figures, each so many times.
-    pub(super) fn sum<'a>(of: impl IntoIterator<Item = (f64, &'a Row)>) -> Row {
+    pub(super) fn sum<R: Borrow<Row>>(of: impl IntoIterator<Item = (f64, R)>) -> Row {
         let mut sum = Row::default();
-        of.into_iter().for_each(|(times, row)| sum.add(times, row));
+        of.into_iter().for_each(|(times, row)| sum.add(times, row.borrow()));
         sum
     }
 

@@ -2,33 +2,24 @@
 //!
 //! Ranges and straightness are largest-minus-smallest figures: noise makes them larger. Every
 //! trial adds noise to the mean readings, and to linear axes and beams what their uncertainty
-//! states, and takes the rows of the [linear model](super::linear) of them: (7) is not solved again. The mean of the trials less the
+//! states, by the rows of the [linear model](super::linear): (7) is not solved again. The mean of the trials less the
 //! estimate is the bias; the interval is the estimate mirrored in the trials' quantiles
 //! (2·estimate − q). How often such intervals hold the true value was measured, see
 //! docs/accuracy.md; nothing is promised.
 //!
-//! Trial number t draws from stream t of the generator, so that neither the number of threads
-//! nor their order changes a digit.
+//! Trial number t draws from stream t of the generator, so that more trials begin with the same ones.
 
-use super::campaign::Campaign;
 use super::curves::{ReferenceLine, mean, range};
-use super::linear::CurveRows;
+use super::joint::at;
 use super::metric::Plane;
 use super::noise::float;
 use super::plane::Unknown;
-use super::readings::Means;
-use super::solved::Solved;
-use super::uncertainty::Budget;
+use super::separate::Separation;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
-use std::fmt;
-use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Trials that are added up together: the same blocks whatever the number of threads.
-const BLOCK: usize = 64;
 
 /// How to simulate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,78 +28,48 @@ pub struct Trials {
     pub trials: usize,
     /// Seed of the generator.
     pub seed: u64,
-    /// Threads.
-    pub threads: usize,
 }
 
-/// What is simulated.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Quantity {
-    /// Max − min of a positioning error, µm.
-    Range(ErrorTerm),
-    /// Straightness of a cross term, µm.
-    Straightness(ErrorTerm),
-    /// Squareness, µm/m.
-    Squareness(Plane),
-}
-
-impl Quantity {
-    /// Its unit.
-    pub fn unit(self) -> &'static str {
-        match self {
-            Quantity::Range(_) | Quantity::Straightness(_) => "µm",
-            Quantity::Squareness(_) => "µm/m",
-        }
-    }
-}
-
-impl fmt::Display for Quantity {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Quantity::Range(term) => write!(out, "range {term}"),
-            Quantity::Straightness(term) => write!(out, "straightness {term}"),
-            Quantity::Squareness(plane) => write!(out, "squareness {}", plane.key()),
-        }
-    }
-}
+/// How often 95 % intervals held the true value on simulated machines, 0 … 1 (docs/accuracy.md §8): of squareness, and of
+/// largest-minus-smallest figures, which are too short: the noise of the readings has moved the extremes already, and the
+/// trials move them again.
+const HELD: f64 = 0.95;
+const HELD_OF_EXTREMES: f64 = 0.887;
 
 /// A figure with what noise does to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Of what.
-    pub quantity: Quantity,
+    /// Of what: max − min of a positioning error, straightness of a cross term, squareness.
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
     /// From the readings as they are.
     pub estimate: f64,
     /// Mean of the trials less the estimate.
     pub bias: f64,
     /// 95 % interval.
     pub interval: [f64; 2],
+    /// How often such intervals held the true value on simulated machines.
+    pub measured_coverage: f64,
     /// Standard deviation of the trials.
     pub u: f64,
 }
 
 impl Figure {
-    fn of(quantity: Quantity, estimate: f64, mut values: Vec<f64>) -> Figure {
+    fn of(name: String, estimate: f64, mut values: Vec<f64>) -> Figure {
         values.sort_by(f64::total_cmp);
         let mean = mean(values.iter().copied());
         let square: f64 = values.iter().map(|value| (value - mean).squared()).sum();
-        let mirrored = |share| 2.0 * estimate - quantile(&values, share);
+        let last = float(values.len() - 1);
+        let mirrored = |share: f64| 2.0 * estimate - at(&values, share * last);
         Figure {
-            quantity,
+            name,
+            unit: "µm",
             estimate,
             bias: mean - estimate,
             interval: [mirrored(0.975), mirrored(0.025)],
-            u: (square / (float(values.len()) - 1.0)).sqrt(),
-        }
-    }
-
-    /// How often such 95 % intervals held the true value on simulated machines, 0 … 1
-    /// (docs/accuracy.md §8). Those of largest-minus-smallest figures are too short: the noise of the
-    /// readings has moved the extremes already, and the trials move them again.
-    pub fn measured_coverage(&self) -> f64 {
-        match self.quantity {
-            Quantity::Squareness(_) => 0.95,
-            Quantity::Range(_) | Quantity::Straightness(_) => 0.887,
+            measured_coverage: HELD_OF_EXTREMES,
+            u: (square / last).sqrt(),
         }
     }
 }
@@ -122,125 +83,66 @@ pub struct Simulated {
     pub figures: Vec<Figure>,
 }
 
-/// Runs the trials on mean readings as measured. `budget.noise` must be known, else `None`. `progress` hears of finished trials.
+/// Runs the trials, of the figures whose uncertainty is known: a simulation knows no more of them. `None` where the noise
+/// of the readings is not known. `progress` hears of each finished trial.
 pub fn simulate(
-    campaign: &Campaign<'_>,
-    budget: &Budget<'_>,
-    means: &Means,
+    separation: &Separation,
     plan: Trials,
-    progress: &(dyn Fn(usize) + Sync),
+    mut progress: impl FnMut(),
 ) -> Option<Simulated> {
-    budget.noise?;
-    let solved = Solved::new(campaign, budget, means);
-    let linear = Linear::new(&solved);
-    let sigmas = solved.model.drawn();
-    let still = vec![0.0; solved.z.len()];
-    let estimates = linear.figures(&still);
-    let trial = |number: usize| -> Vec<f64> {
+    separation.noise?;
+    let volume = &separation.volume;
+    let curves = separation.errors.mean.iter().filter_map(|(term, found)| {
+        let found = found.as_ref().filter(|of| of.u_um.is_some() || term.is_cross())?;
+        let at: Vec<f64> = (0..=volume.steps).map(|at| volume.along_mm(term.along, at)).collect();
+        Some((term, found, at))
+    });
+    let curves: Vec<_> = curves.collect();
+    let planes = Plane::ALL.into_iter().filter_map(|plane| {
+        separation.u_squareness.of(plane)?;
+        Some((plane, separation.squareness_um_per_m.of(plane)?))
+    });
+    let planes: Vec<_> = planes.collect();
+    // With so much added to what was measured.
+    let figures = |noise: &[f64]| -> Vec<f64> {
+        let of_curves = curves.iter().map(|(term, found, at)| {
+            let moved = found.rows.values(noise, found.rows.line.dot(noise));
+            let curve = found.deviation_um.iter().zip(moved).map(|(um, moved)| um + moved);
+            match term.is_positioning() {
+                true => range(curve),
+                false => {
+                    ReferenceLine::LeastSquares.straightness_um(at, &curve.collect::<Vec<_>>())
+                }
+            }
+        });
+        let row = |plane| &separation.figures[Unknown::squareness(plane).0];
+        let of_planes = planes.iter().map(|(plane, um_per_m)| um_per_m + row(*plane).dot(noise));
+        of_curves.chain(of_planes).collect()
+    };
+    let sigmas = separation.model.drawn();
+    let mut noise = vec![0.0; separation.model.layout.len()];
+    let estimates = figures(&noise);
+    let mut trials = vec![Vec::with_capacity(plan.trials); estimates.len()];
+    for number in 0..plan.trials {
         let mut random = ChaCha8Rng::seed_from_u64(plan.seed);
         random.set_stream(number as u64);
-        let mut noise = still.clone();
         for (entry, sigma) in noise.iter_mut().zip(&sigmas) {
             let draw: f64 = StandardNormal.sample(&mut random);
             *entry = sigma * draw;
         }
-        linear.figures(&noise).into_iter().map(|(_, value)| value).collect()
-    };
-    let trials = in_blocks(plan, &trial, progress);
-    let figures = estimates.into_iter().enumerate();
-    let figures = figures.map(|(index, (quantity, estimate))| {
-        let values = trials.iter().map(|figures| figures[index]);
-        Figure::of(quantity, estimate, values.collect())
-    });
-    Some(Simulated { plan, figures: figures.collect() })
-}
-
-/// The simulated figures as far as they are determined, by rows over what was measured.
-struct Linear<'a> {
-    solved: &'a Solved<'a>,
-    /// Curves with the line that turns them at the high end, µm, and their positions, mm.
-    curves: Vec<(ErrorTerm, CurveRows, f64, Vec<f64>)>,
-    squareness: Vec<(Plane, f64)>,
-}
-
-impl<'a> Linear<'a> {
-    fn new(solved: &'a Solved<'a>) -> Linear<'a> {
-        let volume = solved.budget.volume;
-        let curve = |term: ErrorTerm| {
-            let at = (0..=volume.steps).map(|index| volume.along_mm(term.along, index));
-            Some((term, solved.mean_rows(term), solved.turned_um(term)?, at.collect()))
-        };
-        let squareness = solved.squareness();
-        let plane = |plane: Plane| Some((plane, squareness.of(plane)?));
-        Linear {
-            solved,
-            curves: ErrorTerm::ALL.into_iter().filter_map(curve).collect(),
-            squareness: Plane::ALL.into_iter().filter_map(plane).collect(),
-        }
+        trials.iter_mut().zip(figures(&noise)).for_each(|(all, value)| all.push(value));
+        progress();
     }
-
-    /// The figures with so much added to what was measured.
-    fn figures(&self, noise: &[f64]) -> Vec<(Quantity, f64)> {
-        let noisy: Vec<f64> = self.solved.z.iter().zip(noise).map(|(z, noise)| z + noise).collect();
-        let of_curve = |(term, rows, line_um, at): &(ErrorTerm, CurveRows, f64, Vec<f64>)| {
-            let curve = rows.values(&noisy, line_um + rows.line.dot(noise));
-            match term.is_positioning() {
-                true => (Quantity::Range(*term), range(curve.into_iter())),
-                false => {
-                    let um = ReferenceLine::LeastSquares.straightness_um(at, &curve);
-                    (Quantity::Straightness(*term), um)
-                }
-            }
-        };
-        let of_plane = |(plane, um_per_m): &(Plane, f64)| {
-            let moved = self.solved.figure_row(Unknown::Squareness(*plane)).dot(noise);
-            (Quantity::Squareness(*plane), um_per_m + moved)
-        };
-        self.curves.iter().map(of_curve).chain(self.squareness.iter().map(of_plane)).collect()
-    }
-}
-
-/// What each trial gives, in their order, however many threads work.
-fn in_blocks(
-    plan: Trials,
-    trial: &(dyn Fn(usize) -> Vec<f64> + Sync),
-    progress: &(dyn Fn(usize) + Sync),
-) -> Vec<Vec<f64>> {
-    let next = AtomicUsize::new(0);
-    let work = || {
-        let mut done = Vec::new();
-        loop {
-            let index = next.fetch_add(1, Ordering::Relaxed);
-            let numbers = index * BLOCK..((index + 1) * BLOCK).min(plan.trials);
-            let count = numbers.len();
-            if count == 0 {
-                return done;
-            }
-            done.push((index, numbers.map(trial).collect()));
-            progress(count);
-        }
+    let mut found = estimates.into_iter().zip(trials);
+    let of_curve = |((term, ..), (um, trials)): (&(ErrorTerm, _, _), _)| {
+        let what = if term.is_positioning() { "range" } else { "straightness" };
+        Figure::of(format!("{what} {term}"), um, trials)
     };
-    let mut done: Vec<(usize, Vec<Vec<f64>>)> = std::thread::scope(|scope| {
-        let threads = (1..plan.threads.max(1)).map(|_| scope.spawn(work));
-        let threads: Vec<_> = threads.collect();
-        let mut done = work();
-        for thread in threads {
-            done.extend(thread.join().unwrap_or_default());
-        }
-        done
-    });
-    done.sort_by_key(|(index, _)| *index);
-    done.into_iter().flat_map(|(_, block)| block).collect()
-}
-
-/// Quantile of sorted values by straight lines between them.
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    #[allow(clippy::cast_possible_truncation, reason = "a place in a list")]
-    let (place, below) = {
-        let place = share * sorted.len().saturating_sub(1) as f64;
-        (place, place.floor() as usize)
-    };
-    let low = sorted.get(below).copied().unwrap_or(0.0);
-    let high = sorted.get(below + 1).copied().unwrap_or(low);
-    low + (high - low) * place.fract()
+    let mut figures: Vec<Figure> = curves.iter().zip(&mut found).map(of_curve).collect();
+    figures.extend(planes.iter().zip(found).map(|((plane, _), (um_per_m, trials))| Figure {
+        unit: "µm/m",
+        measured_coverage: HELD,
+        ..Figure::of(format!("squareness {}", plane.key()), um_per_m, trials)
+    }));
+    Some(Simulated { plan, figures })
 }

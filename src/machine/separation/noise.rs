@@ -13,10 +13,10 @@
 //! allows: t = size/u(size) against Student's t, with one false alarm in a hundred measurements
 //! shared among all readings. The standard deviation is that of the others.
 
-use super::curves::mean;
 use super::readings::{CorrectedRun, of};
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::{Figure, Squared};
+use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
 /// Share of a normal distribution within two standard deviations: what U stands for.
@@ -148,16 +148,11 @@ pub(super) fn tails(square: f64, count: usize, freedom: Option<usize>) -> Option
         return Some((1.0, 0.0));
     }
     let square = square.max(0.0);
-    Some(match freedom {
-        Some(freedom) => {
-            let spread = FisherSnedecor::new(many, float(freedom)).ok()?;
-            (spread.cdf(square / many), spread.sf(square / many))
-        }
-        None => {
-            let spread = ChiSquared::new(many).ok()?;
-            (spread.cdf(square), spread.sf(square))
-        }
-    })
+    let both = |spread: &dyn ContinuousCDF<f64, f64>, at| Some((spread.cdf(at), spread.sf(at)));
+    match freedom {
+        Some(own) => both(&FisherSnedecor::new(many, float(own)).ok()?, square / many),
+        None => both(&ChiSquared::new(many).ok()?, square),
+    }
 }
 
 /// The probability of such a sum at least as large.
@@ -244,39 +239,29 @@ pub(super) fn stands_out(
     (ratio > limit && size_um.abs() > UNRESOLVED_UM).then_some(ratio)
 }
 
-/// What repeated runs say.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Repeats {
-    /// σ of a single reading, without the disturbed ones; `None` where no pass was repeated.
-    pub noise: Option<Noise>,
-    /// Disturbed readings of single runs, the largest first.
-    pub outliers: Vec<Outlier>,
-}
-
-/// σ of a single reading and the disturbed readings of repeated runs, pooled over all passes.
-pub fn repeats(runs: &[CorrectedRun]) -> Repeats {
-    let mut passes = passes(runs);
-    let sum = |of: fn(&RepeatedPass) -> usize| passes.iter().map(of).sum::<usize>();
-    let readings = sum(|pass| pass.left.len() * pass.nodes());
-    let mut freedom = sum(|pass| (pass.left.len() - 1) * pass.nodes().saturating_sub(1));
-    let square = |passes: &[RepeatedPass]| -> f64 { passes.iter().map(RepeatedPass::square).sum() };
+/// σ of a single reading, without the disturbed ones (`None` where no pass was repeated), and the disturbed readings of
+/// single runs, the largest first; pooled over all passes.
+pub fn repeats(runs: &[CorrectedRun]) -> (Option<Noise>, Vec<Outlier>) {
+    let of_pass = |diagonal| Pass::BOTH.map(|pass| RepeatedPass::new(runs, diagonal, pass));
+    let mut passes: Vec<RepeatedPass> =
+        Diagonal::ALL.into_iter().flat_map(of_pass).flatten().collect();
+    let readings = passes.iter().map(|pass| pass.left.len()).sum();
+    let each = passes.iter().map(|pass| (pass.runs.len() - 1) * (pass.left.ncols() - 1));
+    let mut freedom: usize = each.sum();
+    let square = |passes: &[RepeatedPass]| passes.iter().map(|of| of.left.norm_squared()).sum();
     let mut outliers: Vec<Outlier> = Vec::new();
     while outliers.len() < MOST_OUTLIERS {
-        let all = square(&passes);
-        let candidates = passes.iter_mut();
-        let candidates = candidates.filter_map(|pass| Some((pass.largest()?, pass)));
-        let by_drop = candidates.max_by(|(a, _), (b, _)| a.drop.total_cmp(&b.drop));
-        let Some((found, pass)) = by_drop else { break };
-        let size = (found.size_um, found.drop);
-        let Some(ratio) = stands_out(size, (all, freedom), None, readings) else {
-            break;
-        };
-        outliers.push(pass.named(&found, ratio));
-        pass.take_off(&found);
+        let all: f64 = square(&passes);
+        let candidates = passes.iter_mut().filter_map(|pass| Some((pass.largest()?, pass)));
+        let by_drop = candidates.max_by(|((_, a), _), ((_, b), _)| a.1.total_cmp(&b.1));
+        let Some(((place, size), pass)) = by_drop else { break };
+        let Some(ratio) = stands_out(size, (all, freedom), None, readings) else { break };
+        outliers.push(pass.named(place, size.0, ratio));
+        pass.left[place] -= size.0;
+        residuals(&mut pass.left);
         freedom -= 1;
     }
-    let noise = Noise::of_scatter(square(&passes), freedom, NoiseSource::Repeats);
-    Repeats { noise, outliers }
+    (Noise::of_scatter(square(&passes), freedom, NoiseSource::Repeats), outliers)
 }
 
 /// Readings of one pass along a diagonal that was walked more than once.
@@ -285,96 +270,46 @@ struct RepeatedPass {
     pass: Pass,
     runs: Vec<u32>,
     /// By run and node: readings less the mean of their node and the mean of their run, µm.
-    left: Vec<Vec<f64>>,
-}
-
-/// The reading that stands out most.
-struct Candidate {
-    run: usize,
-    node: usize,
-    size_um: f64,
-    drop: f64,
-}
-
-fn passes(runs: &[CorrectedRun]) -> Vec<RepeatedPass> {
-    let of_pass = |diagonal, pass| {
-        let walked: Vec<&CorrectedRun> = of(runs, diagonal, pass).collect();
-        let readings = walked.iter().map(|run| run.readings_um.clone());
-        (walked.len() > 1).then(|| RepeatedPass {
-            diagonal,
-            pass,
-            runs: walked.iter().map(|run| run.number).collect(),
-            left: residuals(readings.collect()),
-        })
-    };
-    let each = Diagonal::ALL.map(|diagonal| Pass::BOTH.map(|pass| of_pass(diagonal, pass)));
-    each.into_iter().flatten().flatten().collect()
+    left: DMatrix<f64>,
 }
 
 impl RepeatedPass {
-    fn nodes(&self) -> usize {
-        self.left.first().map_or(0, Vec::len)
+    fn new(runs: &[CorrectedRun], diagonal: Diagonal, pass: Pass) -> Option<RepeatedPass> {
+        let walked: Vec<&CorrectedRun> = of(runs, diagonal, pass).collect();
+        let nodes = walked.first().filter(|_| walked.len() > 1)?.readings_um.len();
+        let reading = |run: usize, node: usize| walked[run].readings_um[node];
+        let mut left = DMatrix::from_fn(walked.len(), nodes, reading);
+        residuals(&mut left);
+        let runs = walked.iter().map(|run| run.number).collect();
+        Some(RepeatedPass { diagonal, pass, runs, left })
     }
 
-    fn square(&self) -> f64 {
-        self.left.iter().flatten().map(|r| r * r).sum()
-    }
-
-    /// What is left of a reading of size 1 in a complete table of runs and nodes.
-    fn share(&self) -> f64 {
-        (1.0 - 1.0 / float(self.left.len())) * (1.0 - 1.0 / float(self.nodes()))
-    }
-
-    fn largest(&self) -> Option<Candidate> {
-        let cells = self.left.iter().enumerate();
-        let cells = cells.flat_map(|(run, left)| {
-            let nodes = left.iter().enumerate();
-            nodes.map(move |(node, left)| (run, node, *left))
-        });
-        let (run, node, left) = cells.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
-        let share = self.share();
-        (share > 0.0).then(|| Candidate {
-            run,
-            node,
-            size_um: left / share,
-            drop: left * left / share,
-        })
+    /// The reading that stands out most: its run and node; its size, and what the sum of squares loses with it.
+    fn largest(&self) -> Option<((usize, usize), (f64, f64))> {
+        let (runs, nodes) = self.left.shape();
+        let cells = (0..runs).flat_map(|run| (0..nodes).map(move |node| (run, node)));
+        let place = cells.max_by(|a, b| self.left[*a].abs().total_cmp(&self.left[*b].abs()))?;
+        // What is left of a reading of size 1 in a complete table of runs and nodes.
+        let share = (1.0 - 1.0 / float(runs)) * (1.0 - 1.0 / float(nodes));
+        let left = self.left[place];
+        (share > 0.0).then(|| (place, (left / share, left * left / share)))
     }
 
     /// With two runs their difference does not say which one is disturbed.
-    fn named(&self, found: &Candidate, ratio: f64) -> Outlier {
-        let place = |run: &u32| ReadingPlace {
-            diagonal: self.diagonal,
-            pass: self.pass,
-            run: Some(*run),
-            node: found.node,
-        };
+    fn named(&self, (run, node): (usize, usize), size_um: f64, ratio: f64) -> Outlier {
+        let (diagonal, pass) = (self.diagonal, self.pass);
+        let place = |run: &u32| ReadingPlace { diagonal, pass, run: Some(*run), node };
         let others = self.runs.iter().enumerate();
-        let others = others.filter(|(at, _)| *at != found.run && self.runs.len() == 2);
-        let first = std::iter::once(place(&self.runs[found.run]));
-        Outlier {
-            readings: first.chain(others.map(|(_, run)| place(run))).collect(),
-            size_um: found.size_um,
-            ratio,
-            of_mean_um: found.size_um / float(self.runs.len()),
-        }
-    }
-
-    fn take_off(&mut self, found: &Candidate) {
-        self.left[found.run][found.node] -= found.size_um;
-        self.left = residuals(std::mem::take(&mut self.left));
+        let others = others.filter(|(at, _)| *at != run && self.runs.len() == 2);
+        let first = std::iter::once(place(&self.runs[run]));
+        let readings = first.chain(others.map(|(_, run)| place(run))).collect();
+        let of_mean_um = size_um / float(self.runs.len());
+        Outlier { readings, size_um, ratio, of_mean_um }
     }
 }
 
 /// Readings less the mean of their node and the mean of their run.
-fn residuals(mut runs: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    for node in 0..runs.first().map_or(0, Vec::len) {
-        let middle = mean(runs.iter().map(|run| run[node]));
-        runs.iter_mut().for_each(|run| run[node] -= middle);
-    }
-    for run in &mut runs {
-        let offset = mean(run.iter().copied());
-        run.iter_mut().for_each(|left| *left -= offset);
-    }
-    runs
+fn residuals(runs: &mut DMatrix<f64>) {
+    runs.column_iter_mut().for_each(|mut node| node.add_scalar_mut(-node.mean()));
+    runs.row_iter_mut().for_each(|mut run| run.add_scalar_mut(-run.mean()));
 }

@@ -1,22 +1,23 @@
 //! All w in one least-squares problem, and the patterns in them that are no noise.
 //!
-//! The patterns are kept as an orthonormal basis in the metric of C⁻¹, so that
-//! P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step.
+//! w = K z, with rows as in [`linear`](super::linear); what anything does to the readings is a column c, and K c the
+//! pattern that it makes of w. Patterns are kept as an orthonormal basis in the metric of C⁻¹, C = K diag(1/runs) Kᵀ, so
+//! that P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step.
 
-use super::banded::{Banded, Factor};
-use super::curves::{closure_sign, closures};
+use super::banded::Banded;
+use super::linear::{Layout, Model, Row};
 use super::noise::{
     DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, NORMAL_ONE_SIDED, Noise, Outlier, ReadingPlace,
     UNRESOLVED_UM, chance_of, float, stands_out,
 };
-use super::readings::{Group, Means, RunCounts};
+use super::readings::{Means, RunCounts};
+use super::steps::Steps;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DVector, Matrix3, Vector3};
 
 /// What is known of the readings before the closure is judged.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Known<'a> {
     /// Standard deviation of a single reading, where repeats or the job give it.
     pub(super) noise: Option<Noise>,
@@ -24,51 +25,30 @@ pub(super) struct Known<'a> {
     pub(super) outliers: &'a [Outlier],
     /// The first and last interval are left out (missing overrun).
     pub(super) skip_ends: bool,
-    /// What one standard uncertainty of each stated angle does to the readings, for each order of the axes.
-    pub(super) angles: &'a [Vec<Means>],
-}
-
-impl Known<'_> {
-    /// All w, with nothing taken out but the constants of the axes and the disturbed readings of single
-    /// runs; `None` where C is singular.
-    pub(super) fn patterns(
-        &self,
-        volume: &Volume,
-        means: &Means,
-        runs: &RunCounts,
-    ) -> Option<Patterns> {
-        let mut patterns = Patterns::new(volume, means, runs, self.skip_ends)?;
-        patterns.leave_out(self.outliers.iter().flat_map(|outlier| &outlier.readings));
-        Some(patterns)
-    }
-}
-
-/// One w.
-#[derive(Clone, Copy)]
-struct Row {
-    group: usize,
-    axis: Axis,
-    interval: usize,
+    /// What the stated angles do to the readings.
+    pub(super) causes: Option<&'a Model>,
 }
 
 /// The least-squares problem of all w.
 pub(super) struct Patterns {
+    layout: Layout,
+    /// K.
     rows: Vec<Row>,
-    values: Vec<f64>,
-    factor: Factor,
+    w: DVector<f64>,
+    factor: Banded,
     /// The straight ramp of each axis.
-    ramps: [Vec<f64>; 3],
+    ramps: [DVector<f64>; 3],
     /// For each reading, the w that it takes part in and how.
-    effects: Vec<(ReadingPlace, Vec<(usize, f64)>)>,
+    effects: Vec<Vec<(usize, f64)>>,
     pub(super) out: LeftOut,
 }
 
 /// What is left out so far.
 #[derive(Clone, Default)]
 pub(super) struct LeftOut {
-    basis: Vec<Vec<f64>>,
-    /// P times the values.
-    left: Vec<f64>,
+    basis: Vec<DVector<f64>>,
+    /// P w.
+    left: DVector<f64>,
 }
 
 /// Straight ramps of w over each axis.
@@ -103,103 +83,118 @@ impl Ramps {
 const NOTHING: f64 = 1e-9;
 
 impl Patterns {
-    /// With the constants of the axes left out; `None` where C is singular. `skip_ends`: without the
-    /// first and last interval.
+    /// With nothing left out but the constants of the axes and the disturbed readings of single runs; `None` where C
+    /// is singular.
     pub(super) fn new(
-        volume: &Volume,
+        steps: &Steps<'_>,
         means: &Means,
         runs: &RunCounts,
-        skip_ends: bool,
+        known: Known<'_>,
     ) -> Option<Patterns> {
-        let rows = rows(volume, means.groups(), skip_ends);
-        let effects = effects(volume, means, &rows);
-        let factor = covariance(rows.len(), &effects, runs).factor()?;
-        let values = values(volume, means, &rows);
-        let middle = (volume.steps_f64() - 1.0) / 2.0;
-        let ramp = |row: &Row| (float(row.interval) - middle) / (2.0 * middle).max(1.0);
-        let over = |axis: Axis, value: &dyn Fn(&Row) -> f64| -> Vec<f64> {
-            let of = |row: &Row| if row.axis == axis { value(row) } else { 0.0 };
-            rows.iter().map(of).collect()
+        let (layout, last) = (steps.layout, steps.volume.steps - 1);
+        // Those that share readings stand close to each other: diagonals that travel an axis in − cross its intervals
+        // from the other end.
+        let is_end = |at: &usize| *at == 0 || *at == last;
+        let mut intervals: Vec<usize> =
+            (0..=last).filter(|at| !(known.skip_ends && is_end(at))).collect();
+        intervals.sort_by_key(|at| (*at.min(&(last - at)), *at));
+        let of_group = |at: usize| steps.groups().iter().map(move |group| (at, *group));
+        let places = intervals.into_iter().flat_map(of_group);
+        let places = places.flat_map(|(at, group)| Axis::ALL.map(|axis| (group, axis, at)));
+        let places: Vec<_> = places.collect();
+        let rows = places.iter().map(|(group, axis, at)| steps.closure(*group, *axis, *at));
+        let rows: Vec<Row> = rows.collect();
+        let mut effects = vec![Vec::new(); layout.len()];
+        for (index, row) in rows.iter().enumerate() {
+            row.0.iter().for_each(|(place, weight)| effects[*place].push((index, *weight)));
+        }
+        let ends = effects.iter().filter_map(|effect| effect.first().zip(effect.last()));
+        let reach = ends.map(|((first, _), (last, _))| last - first).max().unwrap_or(0);
+        let variances = layout.column(|pass, d, _| 1.0 / runs[d][pass as usize]);
+        let weighed = effects.iter().zip(&variances);
+        let products = weighed.flat_map(|(effect, variance)| {
+            let row = effect.iter().flat_map(|one| effect.iter().map(move |other| (*one, *other)));
+            row.map(move |((row, a), (column, b))| (row, column, a * b * variance))
+        });
+        let factor = Banded::factor((rows.len(), reach), products)?;
+        let over = |of: &dyn Fn(f64) -> f64| {
+            Axis::ALL.map(|wanted| {
+                let each = places.iter().map(|(_, axis, at)| (*axis == wanted, float(*at)));
+                let each = each.map(|(is_on_it, at)| if is_on_it { of(at) } else { 0.0 });
+                DVector::from_iterator(rows.len(), each)
+            })
         };
-        let constants = Axis::ALL.map(|axis| over(axis, &|_| 1.0));
-        let ramps = Axis::ALL.map(|axis| over(axis, &ramp));
-        let mut patterns = Patterns {
-            out: LeftOut { basis: Vec::new(), left: factor.solve(&values) },
-            rows,
-            values,
-            factor,
-            ramps,
-            effects,
-        };
-        constants.iter().for_each(|constant| patterns.add(constant));
+        let middle = float(last) / 2.0;
+        let ramps = over(&|at| (at - middle) / (2.0 * middle).max(1.0));
+        let constants = over(&|_| 1.0);
+        let w = of_column(&rows, &layout.measured(means, &[]));
+        let out = LeftOut { basis: Vec::new(), left: factor.solve(&w) };
+        let mut patterns = Patterns { layout, rows, w, factor, ramps, effects, out };
+        patterns.leave_out(&constants);
+        patterns.leave_out_readings(known.outliers.iter().flat_map(|outlier| &outlier.readings));
         Some(patterns)
     }
 
     /// P x.
-    fn projected(&self, x: &[f64]) -> Vec<f64> {
+    fn projected(&self, x: &DVector<f64>) -> DVector<f64> {
         let mut left = self.factor.solve(x);
-        for base in &self.out.basis {
-            less(&mut left, base, dot(base, x));
-        }
+        self.out.basis.iter().for_each(|base| left.axpy(-base.dot(x), base, 1.0));
         left
     }
 
-    fn add(&mut self, pattern: &[f64]) {
-        let mut base = self.projected(pattern);
-        let weight = dot(pattern, &base);
-        if weight > NOTHING * dot(pattern, pattern) {
-            base.iter_mut().for_each(|value| *value /= weight.sqrt());
-            let share = dot(&base, &self.values);
-            less(&mut self.out.left, &base, share);
-            self.out.basis.push(base);
-        }
-    }
-
-    /// Leaves the effects of disturbed readings out, whichever runs they are of.
-    pub(super) fn leave_out<'a>(&mut self, places: impl Iterator<Item = &'a ReadingPlace>) {
-        let key = |place: &ReadingPlace| (place.diagonal, place.pass, place.node);
-        for place in places {
-            let same = |(known, _): &(ReadingPlace, _)| key(known) == key(place);
-            if let Some(index) = self.effects.iter().position(same) {
-                let pattern = self.pattern(index);
-                self.add(&pattern);
+    fn leave_out<'a>(&mut self, patterns: impl IntoIterator<Item = &'a DVector<f64>>) {
+        for pattern in patterns {
+            let mut base = self.projected(pattern);
+            let weight = pattern.dot(&base);
+            if weight > NOTHING * pattern.norm_squared() {
+                base /= weight.sqrt();
+                self.out.left.axpy(-base.dot(&self.w), &base, 1.0);
+                self.out.basis.push(base);
             }
         }
     }
 
-    /// Leaves out what a cause does to the readings.
-    pub(super) fn leave_out_effect(&mut self, volume: &Volume, means: &Means) {
-        let pattern = values(volume, means, &self.rows);
-        self.add(&pattern);
+    /// Leaves the effects of disturbed readings out, whichever runs they are of.
+    pub(super) fn leave_out_readings<'a>(&mut self, of: impl Iterator<Item = &'a ReadingPlace>) {
+        for place in of {
+            let pattern = self.pattern(self.layout.reading(place.pass, place.diagonal, place.node));
+            self.leave_out([&pattern]);
+        }
+    }
+
+    /// Leaves out what stated angles do.
+    pub(super) fn leave_out_angles(&mut self, causes: &Model) {
+        for cause in causes.angles.iter().flatten() {
+            let pattern = of_column(&self.rows, &causes.columns[*cause]);
+            self.leave_out([&pattern]);
+        }
     }
 
     pub(super) fn leave_out_ramps(&mut self) {
-        for ramp in self.ramps.clone() {
-            self.add(&ramp);
-        }
+        let ramps = self.ramps.clone();
+        self.leave_out(&ramps);
     }
 
     /// Q and ν.
     pub(super) fn scatter(&self) -> (f64, usize) {
-        let square = dot(&self.values, &self.out.left);
-        let freedom = self.values.len().saturating_sub(self.out.basis.len());
-        (square.max(0.0), freedom)
+        let freedom = self.w.len().saturating_sub(self.out.basis.len());
+        (self.w.dot(&self.out.left).max(0.0), freedom)
     }
 
     /// Q of other readings.
-    pub(super) fn square_of(&self, volume: &Volume, means: &Means) -> f64 {
-        let values = values(volume, means, &self.rows);
-        dot(&values, &self.projected(&values)).max(0.0)
+    pub(super) fn square_of(&self, means: &Means) -> f64 {
+        let w = of_column(&self.rows, &self.layout.measured(means, &[]));
+        w.dot(&self.projected(&w)).max(0.0)
     }
 
     /// The ramps beside what is left out, and how likely noise and the stated angles make them: by the order of
     /// the axes that explains them best. `None` where too little is left to tell them or to judge them by.
-    pub(super) fn ramps(&self, volume: &Volume, known: Known<'_>) -> Option<Ramps> {
+    pub(super) fn ramps(&self, known: Known<'_>) -> Option<Ramps> {
         let weighed = self.ramps.each_ref().map(|ramp| self.projected(ramp));
-        let normal = Matrix3::from_fn(|i, j| dot(&self.ramps[i], &weighed[j]));
+        let normal = Matrix3::from_fn(|i, j| self.ramps[i].dot(&weighed[j]));
         let inverse = normal.cholesky()?.inverse();
-        let of = |values: &[f64]| inverse * Vector3::from_fn(|i, _| dot(&weighed[i], values));
-        let shares = of(&self.values);
+        let of = |w: &DVector<f64>| inverse * Vector3::from_fn(|i, _| weighed[i].dot(w));
+        let shares = of(&self.w);
         let (square, freedom) = self.scatter();
         let rest = freedom.checked_sub(3).filter(|rest| *rest > 0)?;
         let drop = (normal * shares).dot(&shares);
@@ -207,190 +202,82 @@ impl Patterns {
             Some(noise) => (noise.sigma_um.max(DIGIT_UM).squared(), noise.freedom),
             None => ((square - drop).max(0.0) / float(rest), Some(rest)),
         };
-        let chance = |angles: &[Means]| {
-            let of_angle = |means: &Means| of(&values(volume, means, &self.rows));
+        let chance = |angles: &[usize], columns: &[Vec<f64>]| {
+            let of_angle = |cause: &usize| of(&of_column(&self.rows, &columns[*cause]));
             let spread = angles.iter().map(of_angle).map(|c| c * c.transpose());
             let spread = spread.fold(inverse * variance, |sum, one| sum + one);
             let ratio =
                 spread.cholesky().map_or(f64::INFINITY, |of| of.solve(&shares).dot(&shares));
-            let u = PerAxis { x: spread.m11, y: spread.m22, z: spread.m33 };
-            Some((chance_of(ratio, 3, freedom)?, u))
+            Some((chance_of(ratio, 3, freedom)?, spread))
         };
-        let by_noise = chance(&[])?;
-        let of_orders = known.angles.iter().filter_map(|angles| chance(angles));
-        let likeliest =
-            of_orders.fold(by_noise, |best, one| if one.0 > best.0 { one } else { best });
-        let (probability, variance) = likeliest;
-        let beyond =
-            |axis: Axis, um: f64| (um.abs() - NORMAL_ONE_SIDED * variance[axis].sqrt()).max(0.0);
+        let by_noise = chance(&[], &[])?;
+        let orders = known.causes.iter().flat_map(|causes| {
+            causes.angles.iter().filter_map(|angles| chance(angles, &causes.columns))
+        });
+        let (probability, spread) =
+            orders.fold(by_noise, |best, one| if one.0 > best.0 { one } else { best });
+        let by_axis = |of: &dyn Fn(usize) -> f64| PerAxis::from_fn(|axis| of(axis as usize));
+        let beyond = |i: usize| shares[i].abs() - NORMAL_ONE_SIDED * spread[(i, i)].sqrt();
         Some(Ramps {
-            change_um: PerAxis { x: shares.x, y: shares.y, z: shares.z },
-            u: PerAxis { x: inverse.m11.sqrt(), y: inverse.m22.sqrt(), z: inverse.m33.sqrt() },
+            change_um: by_axis(&|i| shares[i]),
+            u: by_axis(&|i| inverse[(i, i)].sqrt()),
             by_noise: by_noise.0,
             probability,
-            beyond_um: PerAxis {
-                x: beyond(Axis::X, shares.x),
-                y: beyond(Axis::Y, shares.y),
-                z: beyond(Axis::Z, shares.z),
-            },
+            beyond_um: by_axis(&|i| beyond(i).max(0.0)),
         })
     }
 
     /// Names disturbed readings one by one, the largest first, until none stands out, and leaves
     /// them out.
     pub(super) fn name_outliers(&mut self, known_sigma_um: Option<f64>) -> Vec<Outlier> {
-        let mut found: Vec<Outlier> = Vec::new();
-        while found.len() < MOST_OUTLIERS {
-            let Some((outlier, pattern)) = self.largest(known_sigma_um) else {
-                break;
-            };
-            self.add(&pattern);
-            found.push(outlier);
-        }
-        found
+        let next = || {
+            let found = self.largest(known_sigma_um)?;
+            self.leave_out_readings(found.readings.iter().take(1));
+            Some(found)
+        };
+        std::iter::from_fn(next).take(MOST_OUTLIERS).collect()
     }
 
-    fn largest(&self, known_sigma_um: Option<f64>) -> Option<(Outlier, Vec<f64>)> {
-        let mut best: Option<(f64, usize)> = None;
-        for (index, (_, effect)) in self.effects.iter().enumerate() {
-            let share: f64 = effect.iter().map(|(row, part)| part * self.out.left[*row]).sum();
-            if best.is_none_or(|(largest, _)| share.abs() > largest) {
-                best = Some((share.abs(), index));
-            }
-        }
-        let (_, index) = best?;
+    fn largest(&self, known_sigma_um: Option<f64>) -> Option<Outlier> {
+        let share = |effect: &[(usize, f64)]| -> f64 {
+            effect.iter().map(|(row, part)| part * self.out.left[*row]).sum()
+        };
+        let shares = self.effects.iter().map(|effect| share(effect).abs()).enumerate();
+        // Of equal ones the first.
+        let (index, _) = shares.rev().max_by(|(_, a), (_, b)| a.total_cmp(b))?;
         let pattern = self.pattern(index);
-        let weight = dot(&pattern, &self.projected(&pattern));
-        if weight <= NOTHING * dot(&pattern, &pattern) {
+        let weight = pattern.dot(&self.projected(&pattern));
+        if weight <= NOTHING * pattern.norm_squared() {
             return None;
         }
-        let size_um = dot(&pattern, &self.out.left) / weight;
-        let drop = size_um * size_um * weight;
-        let readings = self.effects.len();
-        let ratio = stands_out((size_um, drop), self.scatter(), known_sigma_um, readings)?;
-        let outlier = Outlier { readings: self.twins(index), size_um, ratio, of_mean_um: size_um };
-        Some((outlier, pattern))
+        let size_um = pattern.dot(&self.out.left) / weight;
+        let many = self.effects.iter().filter(|effect| !effect.is_empty()).count();
+        let size = (size_um, size_um * size_um * weight);
+        let ratio = stands_out(size, self.scatter(), known_sigma_um, many)?;
+        Some(Outlier { readings: self.twins(index), size_um, ratio, of_mean_um: size_um })
     }
 
-    fn pattern(&self, index: usize) -> Vec<f64> {
-        let mut pattern = vec![0.0; self.values.len()];
-        for (row, part) in &self.effects[index].1 {
-            pattern[*row] += part;
-        }
+    fn pattern(&self, reading: usize) -> DVector<f64> {
+        let mut pattern = DVector::zeros(self.w.len());
+        self.effects[reading].iter().for_each(|(row, part)| pattern[*row] += part);
         pattern
     }
 
-    /// All readings whose effect on w is the same but for its sign.
+    /// A reading, then all whose effect on w is the same but for its sign.
     fn twins(&self, index: usize) -> Vec<ReadingPlace> {
-        let rows = |index: usize| {
-            let mut rows = self.effects[index].1.clone();
-            rows.sort_by_key(|(row, _)| *row);
-            rows
+        let shape = |reading: usize| {
+            let effect = &self.effects[reading];
+            let sign = effect.first().map_or(1.0, |(_, part)| part.signum());
+            effect.iter().map(|(row, part)| (*row, sign * part)).collect::<Vec<_>>()
         };
-        let wanted = rows(index);
-        let same = |other: &[(usize, f64)], sign: f64| {
-            other.len() == wanted.len()
-                && other
-                    .iter()
-                    .zip(&wanted)
-                    .all(|((a, x), (b, y))| a == b && (x - sign * y).abs() < 1e-12)
-        };
-        let mut twins = vec![self.effects[index].0];
-        for (other, (place, _)) in self.effects.iter().enumerate() {
-            let theirs = rows(other);
-            if other != index && (same(&theirs, 1.0) || same(&theirs, -1.0)) {
-                twins.push(*place);
-            }
-        }
-        twins
+        let wanted = shape(index);
+        let others = (0..self.effects.len()).filter(|other| *other != index);
+        let twins = others.filter(|other| shape(*other) == wanted);
+        std::iter::once(index).chain(twins).map(|reading| self.layout.place(reading)).collect()
     }
 }
 
-fn less(from: &mut [f64], what: &[f64], times: f64) {
-    for (value, part) in from.iter_mut().zip(what) {
-        *value -= times * part;
-    }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// w by axis and interval of every group of readings, as rows.
-fn values(volume: &Volume, means: &Means, rows: &[Row]) -> Vec<f64> {
-    let all = by_group(volume, means);
-    let of = |row: &Row| all[row.group][row.axis][row.interval];
-    rows.iter().map(of).collect()
-}
-
-/// w by axis and interval of every group of readings.
-pub(super) fn by_group(volume: &Volume, means: &Means) -> Vec<PerAxis<Vec<f64>>> {
-    let groups = means.groups().iter();
-    groups.map(|group| closures(volume, &means.increments(volume, *group))).collect()
-}
-
-/// All w, those that share readings close to each other: diagonals that travel an axis in −
-/// cross its intervals from the other end.
-fn rows(volume: &Volume, groups: &[Group], skip_ends: bool) -> Vec<Row> {
-    let last = volume.steps - 1;
-    let intervals = (0..volume.steps).filter(|at| !(skip_ends && (*at == 0 || *at == last)));
-    let of_interval = |interval: usize| {
-        (0..groups.len()).flat_map(move |group| Axis::ALL.map(|axis| Row { group, axis, interval }))
-    };
-    let mut rows: Vec<Row> = intervals.flat_map(of_interval).collect();
-    rows.sort_by_key(|row| (row.interval.min(last - row.interval), row.interval));
-    rows
-}
-
-fn effects(volume: &Volume, means: &Means, rows: &[Row]) -> Vec<(ReadingPlace, Vec<(usize, f64)>)> {
-    let passes = 1 + usize::from(means.reverse.is_some());
-    let nodes = 3 * volume.steps + 1;
-    let mut effects = Vec::with_capacity(passes * 4 * nodes);
-    for pass in &Pass::BOTH[..passes] {
-        for diagonal in Diagonal::ALL {
-            effects.extend((0..nodes).map(|node| {
-                let place = ReadingPlace { diagonal, pass: *pass, run: None, node };
-                (place, Vec::with_capacity(2))
-            }));
-        }
-    }
-    let mut first = (0..4).map(|line| line * nodes);
-    let first = PerDiagonal::from_fn(|_| first.next().unwrap_or(0));
-    for (index, row) in rows.iter().enumerate() {
-        for diagonal in Diagonal::ALL {
-            let pass = means.groups()[row.group].pass(diagonal, row.axis);
-            let step = volume.interval(diagonal, row.axis, row.interval);
-            let back = usize::from(pass == Pass::Reverse) * 4 * nodes;
-            let at = back + first[diagonal] + volume.node_after(row.axis, step);
-            let sign = closure_sign(diagonal, row.axis);
-            effects[at].1.push((index, sign));
-            effects[at - 1].1.push((index, -sign));
-        }
-    }
-    effects.retain(|(_, effect)| !effect.is_empty());
-    effects
-}
-
-fn covariance(
-    size: usize,
-    effects: &[(ReadingPlace, Vec<(usize, f64)>)],
-    runs: &RunCounts,
-) -> Banded {
-    let span = |effect: &[(usize, f64)]| {
-        let rows = effect.iter().map(|(row, _)| *row);
-        rows.clone().max().unwrap_or(0) - rows.min().unwrap_or(0)
-    };
-    let reach = effects.iter().map(|(_, effect)| span(effect)).max();
-    let mut matrix = Banded::zero(size, reach.unwrap_or(0));
-    for (place, effect) in effects {
-        let variance = 1.0 / runs[place.diagonal][usize::from(place.pass == Pass::Reverse)];
-        for (row, a) in effect {
-            for (column, b) in effect {
-                if column <= row {
-                    matrix.add(*row, *column, a * b * variance);
-                }
-            }
-        }
-    }
-    matrix
+/// What a column of the readings makes of w.
+fn of_column(rows: &[Row], column: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(rows.len(), rows.iter().map(|row| row.dot(column)))
 }

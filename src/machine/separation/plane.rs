@@ -3,9 +3,6 @@
 use crate::quantity::axis::{Axis, ErrorTerm};
 use serde::{Serialize, Serializer};
 
-/// Number of unknowns: three scales, three squareness errors.
-pub(super) const UNKNOWNS: usize = 6;
-
 /// A plane of two axes, for squareness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Plane {
@@ -23,20 +20,12 @@ impl Plane {
 
     /// Its key in documents.
     pub const fn key(self) -> &'static str {
-        match self {
-            Plane::Xy => "xy",
-            Plane::Xz => "xz",
-            Plane::Yz => "yz",
-        }
+        ["xy", "xz", "yz"][self as usize]
     }
 
     /// Its two axes.
     pub const fn axes(self) -> (Axis, Axis) {
-        match self {
-            Plane::Xy => (Axis::X, Axis::Y),
-            Plane::Xz => (Axis::X, Axis::Z),
-            Plane::Yz => (Axis::Y, Axis::Z),
-        }
+        [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)][self as usize]
     }
 
     /// Its two cross terms; the first one carries the squareness in the X-primary frame.
@@ -48,36 +37,24 @@ impl Plane {
 
 /// One value for each plane.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct PerPlane<T> {
-    /// XY.
-    pub xy: T,
-    /// XZ.
-    pub xz: T,
-    /// YZ.
-    pub yz: T,
-}
+pub struct PerPlane<T>([T; 3]);
 
 impl<T> PerPlane<T> {
     /// The value of each plane from a function of the plane.
     pub(crate) fn from_fn(of: impl FnMut(Plane) -> T) -> PerPlane<T> {
-        let [xy, xz, yz] = Plane::ALL.map(of);
-        PerPlane { xy, xz, yz }
+        PerPlane(Plane::ALL.map(of))
     }
 }
 
 impl<T: Copy> PerPlane<T> {
     /// The value of a plane.
     pub const fn of(&self, plane: Plane) -> T {
-        match plane {
-            Plane::Xy => self.xy,
-            Plane::Xz => self.xz,
-            Plane::Yz => self.yz,
-        }
+        self.0[plane as usize]
     }
 
     /// Another value for each plane.
     pub fn map<U>(&self, to: impl Fn(T) -> U) -> PerPlane<U> {
-        PerPlane::from_fn(|plane| to(self.of(plane)))
+        PerPlane(self.0.map(to))
     }
 }
 
@@ -89,32 +66,24 @@ impl Serialize for PerPlane<Option<f64>> {
     }
 }
 
-/// One of the unknowns of (7).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Unknown {
-    Scale(Axis),
-    Squareness(Plane),
-}
+/// One of the six unknowns of (7), by its place: the scales of X, Y, Z, then the squareness of the planes.
+#[derive(Clone, Copy)]
+pub(super) struct Unknown(pub(super) usize);
 
 impl Unknown {
-    pub(super) const ALL: [Unknown; UNKNOWNS] = [
-        Unknown::Scale(Axis::X),
-        Unknown::Scale(Axis::Y),
-        Unknown::Scale(Axis::Z),
-        Unknown::Squareness(Plane::Xy),
-        Unknown::Squareness(Plane::Xz),
-        Unknown::Squareness(Plane::Yz),
-    ];
+    /// The scale of an axis.
+    pub(super) fn scale(axis: Axis) -> Unknown {
+        Unknown(axis as usize)
+    }
+
+    /// φ of a plane.
+    pub(super) fn squareness(plane: Plane) -> Unknown {
+        Unknown(3 + plane as usize)
+    }
 
     /// The one that the slope of a term is a part of.
     pub(super) fn of(term: ErrorTerm) -> Unknown {
-        let of_plane = |plane: &Plane| plane.terms().contains(&term);
-        let plane = Plane::ALL.into_iter().find(of_plane);
-        plane.map_or(Unknown::Scale(term.along), Unknown::Squareness)
-    }
-
-    pub(super) fn index(self) -> usize {
-        let place = Self::ALL.iter().position(|known| *known == self);
-        place.unwrap_or(0)
+        let plane = Plane::ALL.into_iter().find(|plane| plane.terms().contains(&term));
+        plane.map_or(Unknown::scale(term.along), Unknown::squareness)
     }
 }

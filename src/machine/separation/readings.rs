@@ -3,9 +3,9 @@
 
 use super::curves::{mean, range};
 use crate::inputs::target_runs::Runs;
-use crate::quantity::axis::{Axis, Direction, PerAxis};
+use crate::machine::standards::iso_230_2;
+use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
-use crate::quantity::units::Squared;
 use crate::text::problem::Problem;
 
 /// One corrected run, µm, by node.
@@ -24,39 +24,22 @@ pub struct CorrectedRun {
 /// Mean reading errors of one pass along each diagonal, µm, by node of the forward path.
 pub type PassMeans = PerDiagonal<Vec<f64>>;
 
-/// m of formula (1): by diagonal and moving axis, one value for each machine interval, lowest
-/// first; µm.
-pub type Increments = PerDiagonal<PerAxis<Vec<f64>>>;
-
 /// How many runs stand behind the means of each pass: forward, reverse.
 pub type RunCounts = PerDiagonal<[f64; 2]>;
 
-/// Which readings stand for a curve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Group {
-    /// The forward pass of all diagonals: an axis that a diagonal walks in − is mixed in.
-    ForwardOnly,
-    /// Every axis moving in this direction: forward passes of the diagonals that travel so,
-    /// reverse passes of the others.
-    Moving(Direction),
+/// Which readings stand for a curve: of every axis moving in this direction, forward passes of the diagonals that travel
+/// so and reverse passes of the others; or the forward pass of all, with axes that a diagonal walks in − mixed in.
+pub type Group = Option<Direction>;
+
+/// The groups of readings of one pass, or of both.
+pub(super) fn groups(both_ways: bool) -> &'static [Group] {
+    if both_ways { &[Some(Direction::Plus), Some(Direction::Minus)] } else { &[None] }
 }
 
-impl Group {
-    /// The groups of readings of one pass, or of both.
-    pub(super) fn all(both_ways: bool) -> &'static [Group] {
-        match both_ways {
-            false => &[Group::ForwardOnly],
-            true => &[Group::Moving(Direction::Plus), Group::Moving(Direction::Minus)],
-        }
-    }
-
-    /// The pass along a diagonal on which this group finds the steps of an axis.
-    pub fn pass(self, diagonal: Diagonal, axis: Axis) -> Pass {
-        match self {
-            Group::Moving(direction) if direction != diagonal.forward(axis) => Pass::Reverse,
-            _ => Pass::Forward,
-        }
-    }
+/// The pass along a diagonal on which a group finds the steps of an axis.
+pub(super) fn pass_of(group: Group, diagonal: Diagonal, axis: Axis) -> Pass {
+    let is_forward = group.is_none_or(|direction| direction == diagonal.forward(axis));
+    if is_forward { Pass::Forward } else { Pass::Reverse }
 }
 
 /// Mean reading errors of all passes that were walked.
@@ -75,28 +58,6 @@ impl Means {
             (Pass::Reverse, Some(reverse)) => reverse,
             _ => &self.forward,
         }
-    }
-
-    /// The groups that the readings hold.
-    pub(crate) fn groups(&self) -> &'static [Group] {
-        Group::all(self.reverse.is_some())
-    }
-
-    /// Increments of a group. A step of an axis that travels in − on the forward run is filed
-    /// from the far end; the sign of the increment stays, formula (1) has it.
-    pub fn increments(&self, volume: &Volume, group: Group) -> Increments {
-        PerDiagonal::from_fn(|diagonal| {
-            PerAxis::from_fn(|axis| {
-                let readings = &self.of(group.pass(diagonal, axis))[diagonal];
-                let steps = (volume.node_after(axis, 0)..).step_by(3).take(volume.steps);
-                let mut increments: Vec<f64> =
-                    steps.map(|node| readings[node] - readings[node - 1]).collect();
-                if diagonal.forward(axis) == Direction::Minus {
-                    increments.reverse();
-                }
-                increments
-            })
-        })
     }
 }
 
@@ -144,23 +105,16 @@ pub(crate) fn repeatability_um(
 ) -> Option<f64> {
     let runs = of(runs, diagonal, pass);
     let nodes = runs.clone().next()?.readings_um.len();
-    let freedom = runs.clone().skip(1).map(|_| 1.0).sum::<f64>();
-    let deviation = |node: usize| {
-        let at = runs.clone().map(|run| run.readings_um[node]);
-        let middle = mean(at.clone());
-        let square: f64 = at.map(|reading| (reading - middle).squared()).sum();
-        (square / freedom).sqrt()
-    };
-    (freedom > 0.0).then(|| 4.0 * (0..nodes).map(deviation).fold(0.0, f64::max))
+    let at = |node: usize| runs.clone().map(|run| run.readings_um[node]).collect();
+    let places = (0..nodes).map(|node| node as f64);
+    let runs = Runs::new(places.collect(), Some((0..nodes).map(at).collect()), None);
+    iso_230_2::figures(&runs.ok()?).axis.r.up_um
 }
 
 /// Every how many nodes the target is on the diagonal: between the cell ends of a step run it is
 /// beside it.
-const fn spacing(kind: PathKind) -> usize {
-    match kind {
-        PathKind::Step => 3,
-        PathKind::Straight => 1,
-    }
+fn spacing(kind: PathKind) -> usize {
+    if kind == PathKind::Step { 3 } else { 1 }
 }
 
 /// Runs of one diagonal over its cell ends (step) or nodes (straight) as runs of a standard's test; up =

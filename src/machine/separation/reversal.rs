@@ -26,7 +26,6 @@ use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
-use std::borrow::Cow;
 
 /// Chance that a reversal, an offset or a jump is believed where there is only noise.
 const FALSE_ALARM: f64 = 0.01;
@@ -309,23 +308,4 @@ pub(super) fn turn(
         low: PerTerm::from_fn(|term| low(term).map_or_else(Effect::default, |(f, i)| f.shares(i))),
         high: PerAxis::from_fn(|axis| axes[axis].at_ends.shares(1)),
     })
-}
-
-/// The readings that are separated: after a turn the jumps are taken off the reverse pass, so that its
-/// last cell carries the same increments as the forward pass: those of the lost motion are no error of
-/// the interval.
-pub(super) fn separable<'a>(measured: &'a Means, volume: &Volume, turned: bool) -> Cow<'a, Means> {
-    let Some(reverse) = measured.reverse.as_ref().filter(|_| turned) else {
-        return Cow::Borrowed(measured);
-    };
-    let corner = 3 * volume.steps - 3;
-    let mut means = measured.clone();
-    means.reverse = Some(PerDiagonal::from_fn(|diagonal| {
-        let forward = &measured.forward[diagonal];
-        let before = &reverse[diagonal][..=corner];
-        let offset = before[corner] - forward[corner];
-        let moved = forward[corner + 1..].iter().map(|um| um + offset);
-        before.iter().copied().chain(moved).collect()
-    }));
-    Cow::Owned(means)
 }

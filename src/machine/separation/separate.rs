@@ -7,19 +7,20 @@ use super::curves::Curve;
 use super::exchange::{AsRead, names};
 use super::findings::SeparationFinding;
 use super::labels;
-use super::linear::{Layout, Model};
+use super::linear::{Layout, Model, Row};
 use super::linear_reversal::{LinearReversals, contradictions, hidden_reversal_um};
 use super::metric::{Metric, PerPlane, Plane};
 use super::noise::{Noise, NoiseSource, ReadingPlace};
 use super::patterns::Known;
-use super::readings::{CorrectedRun, DiagonalFigures, Means, figures, means};
-use super::reversal::{Turn, ran_over, separable, turn};
-use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness};
+use super::readings::{CorrectedRun, Means, means};
+use super::reversal::{Turn, ran_over, turn};
+use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness, scale_sum_um_mm};
+use super::steps::Steps;
 use super::uncertainty::{Budget, SlopeUncertainty, rolls};
 use crate::inputs::error_table::Silence;
-use crate::inputs::job::{Material, SetUp};
+use crate::inputs::job::SetUp;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal, Run, Volume};
+use crate::quantity::diagonal::{PerDiagonal, Run, Volume};
 use crate::text::finding::{Finding, Severity};
 
 /// What a measurement of step diagonals says, and what it does not.
@@ -33,6 +34,8 @@ pub struct Separation {
     pub errors: NineErrors,
     /// What is uncertain of the readings and lines behind them.
     pub(super) model: Model,
+    /// Scales and squareness by what was measured, µm/m.
+    pub(super) figures: [Row; 6],
     /// What speaks against the result by its size: of each, what its possible causes do to what was measured.
     pub(super) anomalies: Vec<Vec<Vec<f64>>>,
     /// Their shapes beside the line through the ends, µm: determined whatever the set-up.
@@ -58,10 +61,8 @@ pub struct Separation {
     pub closure: Closure,
     /// Noise of a single reading.
     pub noise: Option<Noise>,
-    /// Figures of the diagonals.
-    pub diagonals: PerDiagonal<DiagonalFigures>,
-    /// Max − min over all diagonals, µm.
-    pub range_over_all_um: f64,
+    /// Reading error of each diagonal at the far end less that at the start, mean of all runs, µm.
+    pub end_um: PerDiagonal<f64>,
     /// Whether the axes ran past the end point; `None` without reverse passes, and where neither the
     /// job nor the readings tell.
     pub overrun: Option<bool>,
@@ -80,8 +81,6 @@ pub struct Separation {
     pub doubts: Vec<Finding>,
     /// What was assumed and what the uncertainty holds.
     pub labels: Vec<Finding>,
-    /// Expansion of the scales at the mean of the recorded temperatures.
-    pub material: Option<Material>,
     /// The corrected runs.
     pub runs: Vec<CorrectedRun>,
     /// The runs whose zero is that of the forward run: all, or the forward passes only.
@@ -150,18 +149,18 @@ impl Separation {
 pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let start = Start::new(campaign, raw_runs);
     let mut found = of_start(campaign, &start, |noise| noise);
-    let zeroed = figures(&start.zeroed_runs, PathKind::Step);
-    for diagonal in Diagonal::ALL {
-        found.diagonals[diagonal].range_um = zeroed.0[diagonal].range_um;
+    // What remains to be said: the names of the diagonals, noise, lines and reversals.
+    let (closure, noise) = (&found.closure, found.noise);
+    let as_read = AsRead { closure, noise, overrun: found.overrun, causes: &found.model };
+    let names = names(campaign, raw_runs, &start, &as_read);
+    let turn = found.turn.iter();
+    let turn = turn.flat_map(|turn| contradictions(turn, &campaign.reversals));
+    found.doubts.extend(large_noise(found.noise, campaign.stated.noise_um).into_iter().chain(turn));
+    match names {
+        Some(names) if names.severity() > Severity::Note => found.doubts.insert(0, names),
+        blind => found.labels.extend(blind),
     }
-    found.range_over_all_um = zeroed.1;
-    found.say(campaign, raw_runs, &start);
-    Separation {
-        material: start.material,
-        runs: start.runs,
-        zeroed_runs: start.zeroed_runs,
-        ..found
-    }
+    Separation { runs: start.runs, zeroed_runs: start.zeroed_runs, ..found }
 }
 
 /// What the runs say together; `of_closure`: the noise that counts where only the closure tells it.
@@ -174,18 +173,19 @@ pub(super) fn of_start(
     let measured = means(&start.runs);
     let overrun = overrun(campaign, start, &measured);
     let turned = overrun == Some(false);
-    let means = separable(&measured, volume, turned);
+    let causes = start.budget(campaign, None, turned).model(campaign);
     let known = Known {
         noise: start.noise,
         outliers: &start.outliers,
-        angles: &start.angles,
-        skip_ends: means.reverse.is_some() && overrun != Some(true),
+        causes: Some(&causes),
+        skip_ends: start.walked_back() && overrun != Some(true),
     };
-    let closure = closure(volume, &means, &start.counts, known);
+    let steps = Steps::of_readings(volume, &measured, turned);
+    let closure = closure(&steps, &measured, &start.counts, known);
     let noise = noise_of(campaign, start, &closure, of_closure);
     let budget = start.budget(campaign, noise, turned);
-    let notes = of_noise(start.noise, noise, campaign.stated.noise_um);
     let mut separation = evaluated(campaign, &budget, &measured, closure, overrun);
+    let notes = of_noise(start.noise, noise, campaign.stated.noise_um);
     separation.labels.extend(notes.map(Finding::from));
     separation
 }
@@ -238,23 +238,21 @@ fn anomalies(
     agreement: Option<&Agreement>,
 ) -> Vec<Vec<Vec<f64>>> {
     let single = |place: usize, size: f64| {
-        let mut column = layout.column(|_, _, _| 0.0);
+        let mut column = vec![0.0; layout.len()];
         column[place] = size;
         column
     };
+    let place = |of: &ReadingPlace| layout.reading(of.pass, of.diagonal, of.node);
     let disturbed = closure.outliers.iter().map(|outlier| {
-        let of = |place: &ReadingPlace| {
-            single(layout.reading(place.pass, place.diagonal, place.node), outlier.of_mean_um)
-        };
-        outlier.readings.iter().map(of).collect()
+        let places = outlier.readings.iter().map(place);
+        places.map(|place| single(place, outlier.of_mean_um)).collect()
     });
     let roll = closure.ramps.iter().filter(|ramps| ramps.is_roll());
     let roll = roll.flat_map(|ramps| rolls(campaign, layout, &ramps.beyond_um));
     let refuted = agreement.filter(|agreement| agreement.is_refuted());
     let refuted = refuted.map(|agreement| {
-        let by = agreement.false_by_um_per_m.iter().enumerate();
-        let by = by.filter(|(_, um_per_m)| **um_per_m > 0.0);
-        by.map(|(index, um_per_m)| single(layout.neglected(index), *um_per_m)).collect()
+        let by = agreement.false_by_um_per_m.iter().enumerate().filter(|(_, by)| **by > 0.0);
+        by.map(|(index, by)| single(layout.neglected(index), *by)).collect()
     });
     disturbed.chain(roll).chain(refuted).collect()
 }
@@ -267,20 +265,16 @@ fn evaluated(
     closure: Closure,
     overrun: Option<bool>,
 ) -> Separation {
-    let (volume, noise) = (budget.volume, budget.noise);
+    let (volume, noise, turned) = (budget.volume, budget.noise, budget.turned);
     let solved = Solved::new(campaign, budget, measured);
     let agreement = solved.judged();
     let anomalies = anomalies(campaign, solved.model.layout, &closure, agreement.as_ref());
-    let turn = turn(measured, volume, budget.runs, noise).filter(|_| budget.turned);
-    let reversals = Some(&campaign.reversals).filter(|_| !budget.turned);
-    let reversals = reversals.cloned().unwrap_or_default();
+    let turn = turn(measured, volume, budget.runs, noise).filter(|_| turned);
+    let reversals = if turned { LinearReversals::default() } else { campaign.reversals.clone() };
     let errors = solved.errors(turn.as_ref(), &reversals);
-    let planes = solved.plane_variances();
-    let u_squareness = planes.map(|found| Some(found?.as_slope(noise?)));
-    let mut labels = labels::of_steps(campaign, budget, measured, overrun, turn.as_ref());
-    labels.extend(labels::of_reversals(&reversals, measured.reverse.is_none()));
+    let mut labels = labels::of_steps(campaign, budget, overrun, turn.as_ref());
+    labels.extend(labels::of_reversals(&reversals, !budget.both_ways()));
     labels.extend(solved.labels(agreement.is_some()));
-    let hidden = overrun == Some(true) && campaign.reverse_zero_known;
     let of_closure = closure.doubts(noise, volume, solved.setup).into_iter();
     let contradiction = agreement.as_ref().and_then(Agreement::contradiction);
     // What no known cause makes has no size.
@@ -289,58 +283,38 @@ fn evaluated(
         .chain(contradiction.map(Finding::from))
         .partition(|found| has_size && found.severity() == Severity::Note);
     labels.extend(of_size);
+    let hides = overrun == Some(true) && campaign.reverse_zero_known;
+    let hidden = hides.then(|| hidden_reversal_um(measured, noise, volume, &reversals));
     Separation {
         volume: volume.clone(),
         setup: solved.setup,
         shapes: solved.shapes(),
-        naive_slopes_um_per_m: solved.naive.clone(),
         squareness_um_per_m: solved.squareness(),
         silence: campaign.silence(),
-        u_squareness,
+        u_squareness: solved.plane_variances().map(|found| Some(found?.as_slope(noise?))),
         squareness_least_squares_um_per_m: errors.least_squares_squareness(volume),
         tilts: solved.tilts(),
         undetermined: solved.undetermined(turn.is_some(), &reversals),
-        scale_sum_um_mm: solved.totals.scale_sum_um_mm,
+        scale_sum_um_mm: scale_sum_um_mm(volume, &solved.ends_um),
+        naive_slopes_um_per_m: solved.naive,
         doubts,
         anomalies,
         labels,
         agreement,
         errors,
         model: solved.model,
+        figures: solved.figures,
         closure,
         noise,
-        diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {
-            end_um: solved.ends_um[d],
-            range_um: 0.0,
-        }),
-        range_over_all_um: 0.0,
+        end_um: solved.ends_um,
         overrun,
         turn,
-        hidden_reversal_um: hidden
-            .then(|| hidden_reversal_um(measured, noise, volume, &reversals))
-            .flatten(),
+        hidden_reversal_um: hidden.flatten(),
         linear_reversals: reversals,
-        material: budget.material,
         means: measured.clone(),
-        metric: solved.metric.clone(),
+        metric: solved.metric,
         runs: Vec::new(),
         zeroed_runs: Vec::new(),
-    }
-}
-
-impl Separation {
-    /// What remains to be said: the names of the diagonals, noise, lines and reversals.
-    fn say(&mut self, campaign: &Campaign<'_>, raw_runs: &[Run], start: &Start) {
-        let as_read =
-            AsRead { start, closure: &self.closure, noise: self.noise, overrun: self.overrun };
-        let names = names(campaign, raw_runs, &as_read);
-        self.labels.extend(names.blind);
-        let turn = self.turn.iter();
-        let doubts = large_noise(self.noise, campaign.stated.noise_um)
-            .into_iter()
-            .chain(turn.flat_map(|turn| contradictions(turn, &campaign.reversals)));
-        self.doubts.extend(doubts);
-        self.doubts.splice(0..0, names.doubt);
     }
 }
 
@@ -350,7 +324,8 @@ fn overrun(campaign: &Campaign<'_>, start: &Start, measured: &Means) -> Option<b
     let volume = &campaign.measurement.volume;
     let judged = || {
         let rough = Known { skip_ends: true, ..Known::default() };
-        let guess = || closure(volume, measured, &start.counts, rough).noise();
+        let steps = Steps::of_readings(volume, measured, false);
+        let guess = || closure(&steps, measured, &start.counts, rough).noise();
         let noise = start.noise.or_else(guess);
         ran_over(measured, volume, &start.counts, noise?)
     };

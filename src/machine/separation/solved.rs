@@ -1,16 +1,20 @@
 //! Slopes of the nine curves, from increments, totals and lines, and the curves with their uncertainties.
+//!
+//! ```text
+//!   slope(term) = share · figure + a · (separated slope) + b · (separated slope of the twin)
+//!   figure      = a scale or a squareness: of (7), or of the totals where the set-up is assumed (4)
+//! ```
 
 use super::agreement::Agreement;
 use super::campaign::{Campaign, MeasuredLine};
 use super::curves::{Curve, ReferenceLine};
 use super::linear::{CurveRows, Model, Row, Variance};
 use super::linear_reversal::{LinearReversal, LinearReversals};
-use super::metric::{Equations, Metric, PerPlane, Plane, displacement_ratios, stepped};
+use super::metric::{Equations, Metric, PerPlane, Plane, UM_PER_M};
 use super::noise::{Noise, coverage_factor, effective_freedom};
-use super::plane::{UNKNOWNS, Unknown};
-use super::readings::{Group, Means};
+use super::plane::Unknown;
+use super::readings::Means;
 use super::reversal::Turn;
-use super::slopes::{Rule, Totals, totals};
 use super::steps::Steps;
 use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, SetUp};
@@ -34,13 +38,28 @@ pub(super) struct Solved<'a> {
     mean_steps: PerTerm<Vec<Row>>,
     /// Slopes of the increments, µm/m.
     pub(super) naive: PerTerm<f64>,
+    /// Displacement per commanded unit: q_dk = s_dk (V_k/R + n m̄_dk/V_k), without dimension.
     ratios: PerDiagonal<PerAxis<f64>>,
     equations: Equations,
     pub(super) metric: Metric,
     /// Scales and squareness by what was measured, µm/m.
-    figures: [Row; UNKNOWNS],
+    pub(super) figures: [Row; 6],
+    /// The same, µm/m; `None` = not determined.
+    found: [Option<f64>; 6],
     pub(super) ends_um: PerDiagonal<f64>,
-    pub(super) totals: Totals,
+}
+
+/// φ by the totals of the diagonals (4), µm/m.
+fn of_totals(volume: &Volume, ends: &PerDiagonal<Row>, plane: Plane) -> Row {
+    let (a, b) = plane.axes();
+    let area = volume.size[a].mm() * volume.size[b].mm();
+    let share = 1000.0 * volume.diagonal_mm() / (4.0 * area);
+    Row::sum(Diagonal::ALL.map(|d| (share * d.sign(a) * d.sign(b), &ends[d])))
+}
+
+/// S = X²p_xx + Y²p_yy + Z²p_zz, µm·mm: the one combination of the scales that the readings at the far ends tell, µm.
+pub(super) fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f64 {
+    volume.diagonal_mm() * ends_um.iter().map(|(_, um)| um).sum::<f64>() / 4.0
 }
 
 impl<'a> Solved<'a> {
@@ -56,10 +75,19 @@ impl<'a> Solved<'a> {
         let slopes: Vec<f64> = campaign.lines.iter().map(|l| l.slope_um_per_m).collect();
         let z = model.layout.measured(means, &slopes);
         let steps = Steps::new(volume, model.layout, budget.turned);
-        let mean_steps = PerTerm::from_fn(|term| steps.mean(term));
-        let ratios = displacement_ratios(volume, &steps.mean_increments(&z));
+        let mean_steps = PerTerm::from_fn(|term| steps.mean_of(term));
+        let sums = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| steps.sum(d, axis)));
+        let ratio = |d: Diagonal, axis: Axis| {
+            let length_um = volume.size[axis].mm() * 1000.0;
+            d.sign(axis) * (volume.cosine(axis) + sums[d][axis].dot(&z) / length_um)
+        };
+        let ratios = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| ratio(d, axis)));
+        // (7) of step runs: q_dᵀ h q_d = (q_d² − 1)/2.
+        let stepped = |q: PerAxis<f64>| (q, (q.dot(q) - 1.0) / 2.0 / UM_PER_M);
+        let stepped = PerDiagonal::from_fn(|d| stepped(ratios[d]));
         let metres = volume.diagonal_mm() / 1000.0;
-        let ends = PerDiagonal::from_fn(|d| steps.total(d));
+        let total = |d: Diagonal| Row::sum(sums[d].iter().map(|(_, sum)| (1.0, sum)));
+        let ends = PerDiagonal::from_fn(total);
         let ends_um = PerDiagonal::from_fn(|d| ends[d].dot(&z));
         let mut rows: Vec<Row> =
             ends.iter().map(|(_, row)| Row::sum([(1.0 / metres, row)])).collect();
@@ -71,34 +99,30 @@ impl<'a> Solved<'a> {
             rows.push(row);
         }
         let known = (&mut model, budget.noise.is_some());
-        let equations = Equations::new(volume, &stepped(&ratios), &lines, rows, known);
-        let totals_of = |plane: Plane| {
-            let part = |d: Diagonal| {
-                let one = PerDiagonal::from_fn(|other| f64::from(other == d));
-                (totals(volume, &one).squareness_um_per_m.of(plane), &ends[d])
-            };
-            Row::sum(Diagonal::ALL.map(part))
-        };
-        let figures = match setup {
-            SetUp::Solve => equations.rows(),
-            SetUp::AssumePerfect => Unknown::ALL.map(|unknown| match unknown {
-                Unknown::Scale(_) => Row::default(),
-                Unknown::Squareness(plane) => totals_of(plane),
-            }),
-        };
+        let equations = Equations::new(volume, &stepped, &lines, rows, known);
+        let (metric, mut figures) = equations.metric();
+        let mut found = std::array::from_fn(|index| metric.value(Unknown(index)));
+        if setup == SetUp::AssumePerfect {
+            for plane in Plane::ALL {
+                let Unknown(index) = Unknown::squareness(plane);
+                figures[index] = of_totals(volume, &ends, plane);
+                found[index] = Some(figures[index].dot(&z));
+            }
+        }
         let length = |axis: Axis| volume.size[axis].mm() / 1000.0;
         let rise =
             |term: ErrorTerm| mean_steps[term].iter().map(|step: &Row| step.dot(&z)).sum::<f64>();
+        let naive = PerTerm::from_fn(|term| rise(term) / length(term.along));
         Solved {
             budget,
             setup,
             frame,
-            naive: PerTerm::from_fn(|term| rise(term) / length(term.along)),
+            naive,
             ratios,
-            metric: equations.metric(),
+            metric,
             figures,
+            found,
             equations,
-            totals: totals(volume, &ends_um),
             ends_um,
             model,
             z,
@@ -111,70 +135,56 @@ impl<'a> Solved<'a> {
         self.budget.volume.size[term.along].mm() / 1000.0
     }
 
-    fn rule(&self, term: ErrorTerm) -> Rule {
-        Rule::of(self.setup, self.frame, term)
-    }
-
-    /// A scale or a squareness, µm/m; `None` = not determined.
-    fn figure(&self, unknown: Unknown) -> Option<f64> {
-        match (self.setup, unknown) {
-            (SetUp::AssumePerfect, Unknown::Squareness(plane)) => {
-                Some(self.totals.squareness_um_per_m.of(plane))
+    /// What the slope of a term is made of: shares of its figure, of its separated slope, of that of its twin.
+    fn rule(&self, term: ErrorTerm) -> [f64; 3] {
+        match (self.setup, self.frame) {
+            (SetUp::AssumePerfect, frame)
+                if term.is_positioning() || frame == Frame::AsMeasured =>
+            {
+                [0.0, 1.0, 0.0]
             }
-            _ => self.metric.value(unknown),
+            // The rotation is that of the separated slopes, their sum that of the totals.
+            (SetUp::Solve, Frame::AsMeasured) if term.is_cross() => [0.5, 0.5, -0.5],
+            // EXY, EXZ and EYZ carry the squareness of their plane.
+            _ if term.of <= term.along => [1.0, 0.0, 0.0],
+            _ => [0.0; 3],
         }
     }
 
     pub(super) fn squareness(&self) -> PerPlane<Option<f64>> {
-        PerPlane::from_fn(|plane| self.figure(Unknown::Squareness(plane)))
-    }
-
-    /// Slope of a term, µm/m; `None` = not determined.
-    fn slope(&self, term: ErrorTerm) -> Option<f64> {
-        let rule = self.rule(term);
-        let figure = match rule.figure {
-            None => 0.0,
-            Some((unknown, share)) => share * self.figure(unknown)?,
-        };
-        Some(figure + rule.own * self.naive[term] + rule.of_twin * self.naive[term.twin()])
-    }
-
-    /// A scale or a squareness by what was measured, µm/m.
-    pub(super) fn figure_row(&self, unknown: Unknown) -> &Row {
-        &self.figures[unknown.index()]
+        PerPlane::from_fn(|plane| self.found[Unknown::squareness(plane).0])
     }
 
     /// u² of a scale or a squareness; `None` where it is not known.
     fn figure_variance(&self, unknown: Unknown) -> Option<Variance> {
-        let of_totals =
-            matches!(unknown, Unknown::Squareness(_)) && self.setup == SetUp::AssumePerfect;
-        self.budget.noise.filter(|_| of_totals || self.metric.u(unknown).is_some())?;
-        Some(self.model.variance(self.figure_row(unknown)))
+        let of_totals = self.setup == SetUp::AssumePerfect;
+        self.budget.noise.filter(|_| of_totals || self.metric.is_known(unknown))?;
+        Some(self.model.variance(&self.figures[unknown.0]))
     }
 
-    /// The mean curve of a term, its slope put right; as far as its uncertainty is known.
-    pub(super) fn mean_rows(&self, term: ErrorTerm) -> CurveRows {
-        let rule = self.rule(term);
+    /// The mean curve of a term, its slope put right, and what turns it at its high end, µm; `None` = its slope is not
+    /// determined.
+    fn mean_rows(&self, term: ErrorTerm) -> Option<(CurveRows, f64)> {
+        let [share, own, of_twin] = self.rule(term);
+        let (twin, metres, Unknown(index)) = (term.twin(), self.metres(term), Unknown::of(term));
         let steps = self.mean_steps[term].clone();
-        if rule.keeps_separated_slope() {
-            return CurveRows { steps, ..CurveRows::default() };
+        let figure = if share > 0.0 { share * self.found[index]? } else { 0.0 };
+        let slope = figure + own * self.naive[term] + of_twin * self.naive[twin];
+        let mut line = Row::default();
+        // A separated slope stays as it is.
+        if own < 1.0 {
+            let rise = |term: ErrorTerm| Row::sum(self.mean_steps[term].iter().map(|s| (1.0, s)));
+            line.add(own - 1.0, &rise(term));
+            line.add(of_twin * metres / self.metres(twin), &rise(twin));
+            line.add(share * metres, &self.figures[index]);
         }
-        let rise = |term: ErrorTerm| Row::sum(self.mean_steps[term].iter().map(|s| (1.0, s)));
-        let twin = term.twin();
-        let metres = self.metres(term);
-        let mut line = Row::sum([
-            (rule.own - 1.0, &rise(term)),
-            (rule.of_twin * metres / self.metres(twin), &rise(twin)),
-        ]);
-        if let Some((unknown, share)) = rule.figure {
-            line.add(share * metres, self.figure_row(unknown));
-        }
-        CurveRows { start: Row::default(), steps, line }
+        let line_um = (slope - self.naive[term]) * metres;
+        Some((CurveRows { start: Row::default(), steps, line }, line_um))
     }
 
     /// u² of the squareness; `None` = not known.
     pub(super) fn plane_variances(&self) -> PerPlane<Option<Variance>> {
-        PerPlane::from_fn(|plane| self.figure_variance(Unknown::Squareness(plane)))
+        PerPlane::from_fn(|plane| self.figure_variance(Unknown::squareness(plane)))
     }
 
     /// The curves beside the lines through their ends: determined whatever the set-up.
@@ -191,47 +201,48 @@ impl<'a> Solved<'a> {
         asked.then(|| self.equations.agreement(&self.metric))?
     }
 
-    /// What turns a separated curve, at its high end, µm; `None` = its slope is not determined.
-    pub(super) fn turned_um(&self, term: ErrorTerm) -> Option<f64> {
-        Some((self.slope(term)? - self.naive[term]) * self.metres(term))
-    }
-
     /// The nine errors with their uncertainties.
     pub(super) fn errors(&self, turn: Option<&Turn>, reversals: &LinearReversals) -> NineErrors {
         let mean = PerTerm::from_fn(|term| {
-            let rows = self.mean_rows(term);
-            let values = rows.values(&self.z, self.turned_um(term)?);
-            Some(self.evidence(term, &rows, values, 0.0))
+            let (rows, line_um) = self.mean_rows(term)?;
+            Some(self.evidence(term, rows, line_um, 0.0))
         });
+        // Positioning errors stand apart by a reversal that was measured apart.
+        let both = self.budget.both_ways();
         let directed = |direction: Direction| {
-            let both = self.budget.both_ways();
-            both.then(|| PerTerm::from_fn(|term| self.directed(term, direction, turn)))
+            let errors = PerTerm::from_fn(|term| match &reversals[term.along] {
+                Some(apart) if term.is_positioning() => {
+                    Some(SeparatedError::beside(mean[term].as_ref()?, apart, direction))
+                }
+                _ if both => self.directed(term, direction, turn),
+                _ => None,
+            });
+            Some(errors).filter(|errors| both || errors.iter().any(|(_, found)| found.is_some()))
         };
-        let mut errors =
-            NineErrors { plus: directed(Direction::Plus), minus: directed(Direction::Minus), mean };
-        errors.set_apart(reversals);
-        errors
+        let [plus, minus] = Direction::BOTH.map(directed);
+        NineErrors { plus, minus, mean }
     }
 
     /// A curve with its uncertainties; `left_out` = variance of what it lacks, µm².
     fn evidence(
         &self,
         term: ErrorTerm,
-        rows: &CurveRows,
-        values: Curve,
+        rows: CurveRows,
+        line_um: f64,
         left_out: f64,
     ) -> SeparatedError {
-        let rule = self.rule(term);
+        let [share, own, _] = self.rule(term);
         // A separated slope holds the tilt of the mirror.
-        let is_known = match rule.figure {
-            Some((unknown, _)) => self.figure_variance(unknown).is_some(),
-            None => !rule.keeps_separated_slope() || self.budget.stated.tilt_arcsec.is_some(),
+        let is_known = match share > 0.0 {
+            true => self.figure_variance(Unknown::of(term)).is_some(),
+            false => own < 1.0 || self.budget.stated.tilt_arcsec.is_some(),
         };
         let is_known = is_known && self.budget.noise.is_some();
         let variances = rows.variances(&self.model);
         let of = |v: &Variance| ((v.all + left_out).sqrt(), v.noise.sqrt());
         let (u_um, u_noise_um) = is_known.then(|| variances.iter().map(of).unzip()).unzip();
-        SeparatedError { deviation_um: values, u_um, u_noise_um, rows: rows.clone(), left_out }
+        let deviation_um = rows.values(&self.z, line_um);
+        SeparatedError { deviation_um, u_um, u_noise_um, rows, left_out }
     }
 
     /// The curve of a direction: that of its readings, with the slope of the mean. After a turn the − curve
@@ -242,18 +253,17 @@ impl<'a> Solved<'a> {
         direction: Direction,
         turn: Option<&Turn>,
     ) -> Option<SeparatedError> {
-        let mut rows = self.mean_rows(term);
-        let mut line_um = self.turned_um(term)?;
-        rows.steps = self.steps.of(term, Group::Moving(direction));
+        let (mut rows, mut line_um) = self.mean_rows(term)?;
+        rows.steps = self.steps.of(term, Some(direction));
         let side = if direction == Direction::Plus { 1.0 } else { -1.0 };
         let mut left_out = 0.0;
         if let Some(turn) = turn {
             let [low, growth] = turn.ends_of(term, self.model.layout, self.budget.volume);
             let mut off = growth;
-            if term.is_positioning() {
-                let [plus, minus] = Direction::BOTH.map(|d| self.steps.of(term, Group::Moving(d)));
-                off.add(-1.0, &Row::sum(plus.iter().map(|step| (1.0, step))));
-                off.add(1.0, &Row::sum(minus.iter().map(|step| (1.0, step))));
+            for (sign, way) in [(-1.0, Direction::Plus), (1.0, Direction::Minus)] {
+                let steps = self.steps.of(term, Some(way)).into_iter();
+                let steps = steps.filter(|_| term.is_positioning());
+                off.add(1.0, &Row::sum(steps.map(|step| (sign, step))));
             }
             rows.line.add(side / 2.0, &off);
             line_um += side / 2.0 * off.dot(&self.z);
@@ -263,24 +273,24 @@ impl<'a> Solved<'a> {
                 left_out = dropped.map_or(0.0, f64::squared);
             }
         }
-        let values = rows.values(&self.z, line_um);
-        Some(self.evidence(term, &rows, values, left_out))
+        Some(self.evidence(term, rows, line_um, left_out))
     }
 
     /// η_d = q_d − Aᵀ u_d with the slopes of the X-primary frame; `None` where scales or squareness
     /// are not determined, because then the tilts are not either.
     pub(super) fn tilts(&self) -> Option<PerDiagonal<Tilt>> {
-        let assumed = self.setup == SetUp::AssumePerfect;
-        if assumed || !self.metric.is_complete() {
+        if self.setup == SetUp::AssumePerfect || !self.metric.is_complete() {
             return None;
         }
         // X primary: EXY, EXZ and EYZ carry the squareness (p_xy = φxy …).
-        let slope = |term| Rule::of(SetUp::Solve, Frame::XPrimary, term).figure;
-        let slope = |term| slope(term).and_then(|(unknown, _)| self.metric.value(unknown));
+        let slope = |of: Axis, along: Axis| {
+            let found = self.found[Unknown::of(ErrorTerm { of, along }).0];
+            found.filter(|_| of <= along).unwrap_or(0.0)
+        };
         Some(PerDiagonal::from_fn(|diagonal| {
             let u = self.budget.volume.laser(diagonal);
             let expected = |along: Axis| {
-                let part = |of: Axis| slope(ErrorTerm { of, along }).unwrap_or(0.0) * u[of];
+                let part = |of: Axis| slope(of, along) * u[of];
                 u[along] + 1e-6 * Axis::ALL.into_iter().map(part).sum::<f64>()
             };
             let eta = PerAxis::from_fn(|axis| self.ratios[diagonal][axis] - expected(axis));
@@ -359,37 +369,31 @@ impl SeparatedError {
         Some(u * coverage_factor(self.freedom(index, noise)))
     }
 
-    /// The curve of a direction beside this mean of both, by a reversal that was measured apart.
+    /// The curve of a direction beside this mean of both, by a reversal that was measured apart: the mean of both is that
+    /// of curves which start at 0, and the − curve lies B below the + curve.
     fn beside(&self, reversal: &LinearReversal, direction: Direction) -> SeparatedError {
-        let u_um = self.u_um.as_ref().zip(reversal.u_um.as_ref());
-        let u_um: Option<Vec<f64>> = u_um.map(|(mean, of_reversal)| {
-            let start = of_reversal.first().copied().unwrap_or(0.0);
-            let at = |(index, (mean, u)): (usize, (&f64, &f64))| match (index, direction) {
-                (0, Direction::Plus) => *mean,
-                (0, Direction::Minus) => mean.hypot(start),
+        let is_plus = direction == Direction::Plus;
+        let first = |values: &[f64]| values.first().copied().unwrap_or(0.0);
+        let curve = self.deviation_um.iter().zip(&reversal.um);
+        let half = if is_plus { 0.5 } else { -0.5 };
+        let curve = curve.map(|(mean, b)| mean + half * b - first(&reversal.um) / 2.0);
+        let u_um = self.u_um.as_ref().zip(reversal.u_um.as_ref()).map(|(mean, of_reversal)| {
+            let start = first(of_reversal);
+            let at = |(index, (mean, u)): (usize, (&f64, &f64))| match index {
+                0 if is_plus => *mean,
+                0 => mean.hypot(start),
                 _ => mean.hypot(u.hypot(start) / 2.0),
             };
-            mean.iter().zip(of_reversal).enumerate().map(at).collect()
+            mean.iter().zip(of_reversal).enumerate().map(at).collect::<Vec<f64>>()
         });
         SeparatedError {
-            deviation_um: directed_curve(&self.deviation_um, &reversal.um, direction),
+            deviation_um: curve.collect(),
             u_noise_um: self.u_noise_um.clone().filter(|_| u_um.is_some()),
             u_um,
             rows: self.rows.clone(),
             left_out: reversal.u_um.iter().flatten().map(|u| u.squared()).fold(0.0, f64::max),
         }
     }
-}
-
-/// The curve of a direction: the mean of both is that of curves which start at 0, and the − curve
-/// lies B below the + curve.
-pub(super) fn directed_curve(mean: &[f64], reversal: &[f64], direction: Direction) -> Curve {
-    let start = reversal.first().copied().unwrap_or(0.0);
-    let value = |(mean, b): (&f64, &f64)| match direction {
-        Direction::Plus => mean + (b - start) / 2.0,
-        Direction::Minus => mean - (b + start) / 2.0,
-    };
-    mean.iter().zip(reversal).map(value).collect()
 }
 
 /// The nine errors; `None` = not determined.
@@ -421,20 +425,5 @@ impl NineErrors {
             Some(ReferenceLine::LeastSquares.slope_um_per_m(&positions, curve))
         };
         PerPlane::from_fn(|plane| plane.terms().map(slope).into_iter().sum())
-    }
-
-    /// Sets the two directions of each positioning error apart by its reversal.
-    fn set_apart(&mut self, reversals: &LinearReversals) {
-        for axis in Axis::ALL {
-            let term = ErrorTerm::positioning(axis);
-            let (Some(reversal), Some(mean)) = (&reversals[axis], &self.mean[term]) else {
-                continue;
-            };
-            for (errors, direction) in
-                [(&mut self.plus, Direction::Plus), (&mut self.minus, Direction::Minus)]
-            {
-                errors.get_or_insert_default()[term] = Some(mean.beside(reversal, direction));
-            }
-        }
     }
 }

@@ -1,16 +1,17 @@
 //! Formulas (1) and (3): the increments of the nine curves and the totals of the diagonals, as rows over what was
 //! measured.
 
-use super::curves::noise_gain;
+use super::curves::{closure_sign, noise_gain};
 use super::linear::{Layout, Row};
-use super::readings::Group;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use super::readings::{Group, Means, groups, pass_of};
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::diagonal::{Diagonal, Pass, Volume};
 
-/// Formula (1) as rows over what was measured. The slopes hold the tilt of the mirror.
+/// Formulas (1) and (2) as rows over what was measured. The slopes hold the tilt of the mirror.
+#[derive(Clone, Copy)]
 pub(super) struct Steps<'a> {
-    volume: &'a Volume,
-    layout: Layout,
+    pub(super) volume: &'a Volume,
+    pub(super) layout: Layout,
     /// Whether the axes turned without overrun: of the last cell the forward increments stand for both passes.
     turned: bool,
 }
@@ -20,65 +21,62 @@ impl<'a> Steps<'a> {
         Steps { volume, layout, turned }
     }
 
-    fn groups(&self) -> &'static [Group] {
-        Group::all(self.layout.passes == 2)
+    /// Of readings without lines beside them.
+    pub(super) fn of_readings(volume: &'a Volume, means: &Means, turned: bool) -> Steps<'a> {
+        let nodes = means.forward[Diagonal::Ppp].len();
+        let passes = 1 + usize::from(means.reverse.is_some());
+        Steps::new(volume, Layout { nodes, passes, lines: 0 }, turned)
+    }
+
+    pub(super) fn groups(&self) -> &'static [Group] {
+        groups(self.layout.passes == 2)
     }
 
     /// m: the reading at the end of a step less that at its beginning.
     fn increment(&self, group: Group, d: Diagonal, axis: Axis, interval: usize) -> Row {
         let step = self.volume.interval(d, axis, interval);
         let is_turn = self.turned && step + 1 == self.volume.steps;
-        let pass = if is_turn { Pass::Forward } else { group.pass(d, axis) };
+        let pass = if is_turn { Pass::Forward } else { pass_of(group, d, axis) };
         let node = self.volume.node_after(axis, step);
         let at = |node| self.layout.reading(pass, d, node);
         Row(vec![(at(node), 1.0), (at(node - 1), -1.0)])
     }
 
+    /// w: closure of an interval.
+    pub(super) fn closure(&self, group: Group, axis: Axis, interval: usize) -> Row {
+        let of = |d: Diagonal| (closure_sign(d, axis), self.increment(group, d, axis, interval));
+        Row::sum(Diagonal::ALL.map(of))
+    }
+
     /// δ of each interval of a term for one group of readings.
     pub(super) fn of(&self, term: ErrorTerm, group: Group) -> Vec<Row> {
         let gain = noise_gain(self.volume, term.of) / 2.0;
-        let interval = |interval: usize| {
-            let of = |d: Diagonal| {
-                let sign = gain * d.sign(term.along) * d.sign(term.of);
-                (sign, self.increment(group, d, term.along, interval))
-            };
-            let parts = Diagonal::ALL.map(of);
-            Row::sum(parts.iter().map(|(sign, row)| (*sign, row)))
+        let of = |d: Diagonal, interval: usize| {
+            let sign = gain * d.sign(term.along) * d.sign(term.of);
+            (sign, self.increment(group, d, term.along, interval))
         };
+        let interval = |interval| Row::sum(Diagonal::ALL.map(|d| of(d, interval)));
         (0..self.volume.steps).map(interval).collect()
     }
 
-    /// The same, mean of the groups.
-    pub(super) fn mean(&self, term: ErrorTerm) -> Vec<Row> {
+    /// The mean of the groups.
+    pub(super) fn mean(&self, of: impl Fn(Group) -> Row) -> Row {
         let groups = self.groups();
-        let share = 1.0 / groups.len() as f64;
-        let all: Vec<Vec<Row>> = groups.iter().map(|group| self.of(term, *group)).collect();
+        Row::sum(groups.iter().map(|group| (1.0 / groups.len() as f64, of(*group))))
+    }
+
+    /// δ of each interval of a term, mean of the groups.
+    pub(super) fn mean_of(&self, term: ErrorTerm) -> Vec<Row> {
+        let all = self.groups().iter().map(|group| self.of(term, *group)).collect::<Vec<_>>();
+        let share = 1.0 / all.len() as f64;
         let at = |interval: usize| Row::sum(all.iter().map(|steps| (share, &steps[interval])));
         (0..self.volume.steps).map(at).collect()
     }
 
     /// Sum of the increments of a (diagonal, axis) pair, mean of the groups.
-    fn sum(&self, d: Diagonal, axis: Axis) -> Row {
-        let groups = self.groups();
-        let share = 1.0 / groups.len() as f64;
-        let mut sum = Row::default();
-        for group in groups {
-            for interval in 0..self.volume.steps {
-                sum.add(share, &self.increment(*group, d, axis, interval));
-            }
-        }
-        sum
-    }
-
-    /// Mean of the increments of each (diagonal, axis) pair, µm.
-    pub(super) fn mean_increments(&self, z: &[f64]) -> PerDiagonal<PerAxis<f64>> {
-        let n = self.volume.steps_f64();
-        PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| self.sum(d, axis).dot(z) / n))
-    }
-
-    /// E_d: the total of a diagonal.
-    pub(super) fn total(&self, d: Diagonal) -> Row {
-        let sums = Axis::ALL.map(|axis| self.sum(d, axis));
-        Row::sum(sums.iter().map(|sum| (1.0, sum)))
+    pub(super) fn sum(&self, d: Diagonal, axis: Axis) -> Row {
+        let all = 0..self.volume.steps;
+        let of = |group| all.clone().map(move |at| (1.0, self.increment(group, d, axis, at)));
+        self.mean(|group| Row::sum(of(group)))
     }
 }

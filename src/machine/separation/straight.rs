@@ -21,16 +21,16 @@ use super::campaign::Campaign;
 use super::closure::{Start, large_noise};
 use super::curves::at;
 use super::findings::SeparationFinding;
-use super::linear::{Layout, Row, Variance};
+use super::labels;
+use super::linear::{Layout, Row};
 use super::metric::{Equations, Metric, PerPlane};
-use super::noise::{Noise, float};
+use super::noise::{Noise, Outlier, float};
 use super::plane::Unknown;
-use super::readings::{CorrectedRun, DiagonalFigures, figures, means, run_counts};
-use super::slopes::{Totals, totals};
+use super::readings::{CorrectedRun, figures, means, run_counts};
+use super::solved::scale_sum_um_mm;
 use super::uncertainty::SlopeUncertainty;
-use super::{labels, metric};
-use crate::inputs::error_table::{ErrorTable, Series, Silence};
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::inputs::error_table::{ErrorTable, Silence};
+use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
@@ -55,12 +55,10 @@ pub struct StraightResult {
     /// The runs whose zero is that of the forward run: all, or the forward ones only. Figures
     /// that compare the two directions are made of these.
     pub zeroed_runs: Vec<CorrectedRun>,
-    /// Figures of the diagonals: totals of all runs, ranges of the zeroed ones.
-    pub diagonals: PerDiagonal<DiagonalFigures>,
-    /// Max − min over all diagonals, µm.
-    pub range_over_all_um: f64,
-    /// Formula (4), from the readings alone.
-    pub totals: Totals,
+    /// Reading error of each diagonal at the far end less that at the start, mean of all runs, µm.
+    pub end_um: PerDiagonal<f64>,
+    /// S, µm·mm, from the readings alone.
+    pub scale_sum_um_mm: f64,
     /// Scales and squareness with linear axes and other beams.
     pub metric: Metric,
     /// Whether linear axes, beams and diagonals agree; `None` where nothing is redundant.
@@ -92,42 +90,35 @@ pub fn straight(
     let noise = start.noise;
     let budget = start.budget(campaign, noise, false);
     let (all, _) = figures(&start.runs, PathKind::Straight);
-    let (of_zeroed, range_over_all_um) = figures(&start.zeroed_runs, PathKind::Straight);
-    let ends = PerDiagonal::from_fn(|d| all[d].end_um);
-    let diagonals = metric::straight(volume, &ends);
+    let end_um = PerDiagonal::from_fn(|d| all[d].end_um);
+    // (7) of first order: u_dᵀ h u_d = e_d(end)/R.
+    let length_m = volume.diagonal_mm() / 1000.0;
+    let diagonals = PerDiagonal::from_fn(|d| (volume.laser(d), end_um[d] / length_m));
     let mut model = budget.model(campaign);
     let rows = rows(volume, model.layout);
     let known = (&mut model, noise.is_some());
     let equations = Equations::new(volume, &diagonals, &campaign.lines, rows, known);
-    let rows = equations.rows();
-    let metric = equations.metric();
+    let (metric, rows) = equations.metric();
     let agreement = equations.agreement(&metric);
     let found = |unknown: Unknown| {
-        metric.u(unknown)?;
-        noise.map(|_| model.variance(&rows[unknown.index()]))
+        let variance = metric.is_known(unknown).then(|| model.variance(&rows[unknown.0]))?;
+        Some(variance.as_slope(noise?))
     };
-    let planes = PerPlane::from_fn(|plane| found(Unknown::Squareness(plane)));
-    let known = |found: Option<Variance>| Some(found?.as_slope(noise?));
     Ok(StraightResult {
         volume: volume.clone(),
-        diagonals: PerDiagonal::from_fn(|d| DiagonalFigures {
-            end_um: ends[d],
-            range_um: of_zeroed[d].range_um,
-        }),
-        range_over_all_um,
-        totals: totals(volume, &ends),
-        u_squareness: planes.map(known),
+        scale_sum_um_mm: scale_sum_um_mm(volume, &end_um),
+        end_um,
+        u_squareness: PerPlane::from_fn(|plane| found(Unknown::squareness(plane))),
         silence: campaign.silence(),
         u_scale: PerAxis::from_fn(|axis| {
-            metric.scale[axis].and_then(|_| known(found(Unknown::Scale(axis))))
+            metric.scale[axis].and_then(|_| found(Unknown::scale(axis)))
         }),
         doubts: doubts(campaign, &start, agreement.as_ref()),
         agreement,
         noise,
-        closure: match errors {
-            None => None,
-            Some(table) => Some(closure_tests(volume, table, &start.runs, noise)?),
-        },
+        closure: errors
+            .map(|table| closure_tests(volume, table, &start.runs, noise))
+            .transpose()?,
         labels: labels::of_straight(campaign, &budget),
         metric,
         runs: start.runs,
@@ -151,11 +142,9 @@ fn rows(volume: &Volume, layout: Layout) -> Vec<Row> {
 }
 
 fn doubts(campaign: &Campaign<'_>, start: &Start, agreement: Option<&Agreement>) -> Vec<Finding> {
-    let disturbed = start.outliers.iter().map(|outlier| {
-        let which = outlier.words();
-        SeparationFinding::DisturbedTotal { which }
-    });
+    let disturbed = start.outliers.iter().map(Outlier::words);
     disturbed
+        .map(|which| SeparationFinding::DisturbedTotal { which })
         .chain(agreement.and_then(Agreement::contradiction))
         .map(Finding::from)
         .chain(large_noise(start.noise, campaign.stated.noise_um))
@@ -200,11 +189,7 @@ impl ClosureTests {
 }
 
 /// A predicted reading, µm, and the square of what the table states of its uncertainty.
-#[derive(Clone, Copy)]
-struct Predicted {
-    um: f64,
-    square_um2: Option<f64>,
-}
+type Predicted = (f64, Option<f64>);
 
 /// Compares straight runs with what nine errors predict. `noise`: of a single reading.
 fn closure_tests(
@@ -214,28 +199,21 @@ fn closure_tests(
     noise: Option<Noise>,
 ) -> Result<ClosureTests, Problems> {
     let (means, counts) = (means(runs), run_counts(runs));
-    let mut tests = Vec::new();
-    let mut table_states_u = true;
-    for diagonal in Diagonal::ALL {
-        for pass in Pass::BOTH {
-            let count = counts[diagonal][usize::from(pass == Pass::Reverse)];
-            if count == 0.0 {
-                continue;
-            }
+    let mut found = ClosureTests { tests: Vec::new(), k: 0.0, table_states_u: true };
+    for (diagonal, pass) in Diagonal::ALL.into_iter().flat_map(|d| Pass::BOTH.map(|p| (d, p))) {
+        let count = counts[diagonal][pass as usize];
+        if count > 0.0 {
             let predicted = predicted(volume, table, diagonal, pass)?;
-            table_states_u &= predicted.iter().all(|p| p.square_um2.is_some());
+            found.table_states_u &= predicted.iter().all(|(_, square)| square.is_some());
             let readings = noise.map(|noise| 2.0 * noise.sigma_um.squared() / count);
             let measured = &means.of(pass)[diagonal];
-            tests.push(compared(diagonal, pass, measured, &predicted, readings));
+            found.tests.push(compared(diagonal, pass, measured, &predicted, readings));
         }
     }
-    Ok(ClosureTests { k: limit(tests.len() * volume.steps), tests, table_states_u })
-}
-
-/// k of a test of so many differences together.
-fn limit(differences: usize) -> f64 {
-    let count = float(differences.max(1));
-    Normal::standard().inverse_cdf(1.0 - FALSE_ALARM / (2.0 * count))
+    // k of a test of so many differences together.
+    let differences = float((found.tests.len() * volume.steps).max(1));
+    found.k = Normal::standard().inverse_cdf(1.0 - FALSE_ALARM / (2.0 * differences));
+    Ok(found)
 }
 
 fn compared(
@@ -245,22 +223,13 @@ fn compared(
     predicted: &[Predicted],
     square_um2: Option<f64>,
 ) -> ClosureTest {
-    let start = match pass {
-        Pass::Forward => 0,
-        Pass::Reverse => measured.len() - 1,
-    };
-    let end = measured.len() - 1 - start;
-    let left =
-        |node: usize| measured[node] - measured[start] - (predicted[node].um - predicted[start].um);
-    let u = |node: usize| {
-        let stated = |node: usize| predicted[node].square_um2.unwrap_or(0.0);
-        Some((square_um2? + stated(node) + stated(start)).sqrt())
-    };
-    let others = || (0..measured.len()).filter(|node| *node != start);
-    let ratio = |node: usize| {
-        let u = u(node).filter(|u| *u > 0.0)?;
-        Some(left(node).abs() / u)
-    };
+    let last = measured.len() - 1;
+    let [start, end] = if pass == Pass::Forward { [0, last] } else { [last, 0] };
+    let left = |at: usize| measured[at] - measured[start] - (predicted[at].0 - predicted[start].0);
+    let stated = |node: usize| predicted[node].1.unwrap_or(0.0);
+    let u = |node: usize| Some((square_um2? + stated(node) + stated(start)).sqrt());
+    let others = || (0..=last).filter(|node| *node != start);
+    let ratio = |node: usize| Some(left(node).abs() / u(node).filter(|u| *u > 0.0)?);
     let ratios: Option<Vec<f64>> = others().map(ratio).collect();
     ClosureTest {
         diagonal,
@@ -278,23 +247,23 @@ fn predicted(
     table: &ErrorTable,
     diagonal: Diagonal,
     pass: Pass,
-) -> Result<Vec<Predicted>, Problems> {
+) -> Result<Vec<Predicted>, Problem> {
     let u = volume.laser(diagonal);
-    let at_node = |node: usize| -> Option<Predicted> {
+    let at_node = |node: usize| {
         let place = volume.place(diagonal, PathKind::Straight, node);
-        let (mut um, mut square_um2) = (0.0, Some(0.0));
-        for along in Axis::ALL {
-            let direction = diagonal.travelled(along, pass);
-            let all = table.series(along);
-            let directed = all.iter().find(|s| s.direction == Some(direction));
-            let series = directed.or_else(|| all.first())?;
-            for of in Axis::ALL {
-                let (value, stated) = point(series, of, place[along].mm())?;
-                um += u[of] * value;
-                square_um2 = square_um2.zip(stated).map(|(sum, s)| sum + (u[of] * s).squared());
-            }
+        let mut all = (0.0, Some(0.0));
+        for ErrorTerm { of, along } in ErrorTerm::ALL {
+            let direction = Some(diagonal.travelled(along, pass));
+            let series = table.series(along);
+            let series =
+                series.iter().find(|s| s.direction == direction).or_else(|| series.first())?;
+            let here = |um: &[f64]| u[of] * at(&series.positions, um, place[along].mm());
+            let values = series.deviations[of].as_ref()?.iter().map(|value| value.um());
+            let stated = series.uncertainties_um[of].as_ref();
+            all.0 += here(&values.collect::<Vec<f64>>());
+            all.1 = all.1.zip(stated).map(|(sum, stated)| sum + here(stated).squared());
         }
-        Some(Predicted { um, square_um2 })
+        Some(all)
     };
     let all: Option<Vec<Predicted>> = (0..=volume.steps).map(at_node).collect();
     all.ok_or_else(|| {
@@ -303,17 +272,5 @@ fn predicted(
         )
         .at(table.header.clone())
         .help("measure it, or leave `closure_errors` out")
-        .into()
     })
-}
-
-/// Deviation and stated uncertainty of a curve at a machine position, µm.
-fn point(series: &Series, of: Axis, position_mm: f64) -> Option<(f64, Option<f64>)> {
-    let values = series.deviations[of].as_ref()?;
-    let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
-    let stated = series.uncertainties_um[of].as_ref();
-    Some((
-        at(&series.positions, &values, position_mm),
-        stated.map(|stated| at(&series.positions, stated, position_mm)),
-    ))
 }

@@ -15,8 +15,8 @@ use super::corrections::REFERENCE_C;
 use super::linear::{Layout, Model, Variance};
 use super::metric::PerPlane;
 use super::noise::{Noise, coverage_factor, effective_freedom};
-use super::patterns::by_group;
-use super::readings::{Means, PassMeans};
+use super::readings::PassMeans;
+use super::steps::Steps;
 use crate::inputs::job::{AxisMaterial, Material, Reflector, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::chain::{displaced, unit};
@@ -25,6 +25,9 @@ use crate::quantity::units::Squared;
 
 /// Radians of one second of arc, times 10⁶.
 const URAD_PER_ARCSEC: f64 = 1e6 * std::f64::consts::PI / (180.0 * 3600.0);
+
+/// A ramp below this share of the readings that make it is their rounding.
+const ROUNDING: f64 = 1e-9;
 
 /// How well a slope is known.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -236,17 +239,17 @@ pub(super) fn rolls(
     let volume = &campaign.measurement.volume;
     let evidence = campaign.angle_evidence();
     let orders = evidence.order.as_ref().map_or(&Axis::ORDERS[..], std::slice::from_ref);
-    let walks = walks(campaign);
+    let (walks, steps) = (walks(campaign), Steps::new(volume, layout, false));
     let of_axis = |axis: Axis| {
         let rotation = Rotation { about: axis, along: axis };
         let of_order = |order: &[Axis; 3]| {
             let [straight, _] = of_rotation(campaign, &walks, 1.0, *order, rotation);
-            let means = Means { forward: straight.readings.clone(), reverse: None };
-            let w = by_group(volume, &means).swap_remove(0);
-            let ramp = w[axis].last()? - w[axis].first()?;
+            let column = layout.column(|_, d, node| straight.readings[d][node]);
+            let w = |at| steps.mean(|group| steps.closure(group, axis, at)).dot(&column);
+            let ramp = w(volume.steps - 1) - w(0);
             let share = ramps_um[axis] / ramp;
-            let is_seen = ramp.abs() > f64::EPSILON && share.is_finite();
-            is_seen.then(|| layout.column(|_, d, node| share * straight.readings[d][node]))
+            let largest = column.iter().fold(0.0, |most: f64, um| most.max(um.abs()));
+            (ramp.abs() > ROUNDING * largest).then(|| column.iter().map(|um| share * um).collect())
         };
         orders.iter().filter_map(of_order).collect()
     };

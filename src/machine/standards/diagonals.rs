@@ -2,7 +2,7 @@
 
 use crate::inputs::target_runs::Runs;
 use crate::machine::standards::iso_230_2::{self, AxisFigures, Travel};
-use crate::machine::standards::{Condition, DIAGONALS, Met, largest, range};
+use crate::machine::standards::{Condition, Met, largest, range};
 
 /// Body diagonals of a machine.
 const BODY_DIAGONALS: usize = 4;
@@ -95,40 +95,39 @@ fn figures_of(
     motion: DiagonalMotion,
     targets: Option<Vec<(&str, Condition)>>,
 ) -> Diagonals {
-    let figures: Vec<DiagonalFigures> = diagonals
-        .iter()
-        .map(|(name, runs)| DiagonalFigures {
-            name: (*name).to_string(),
-            figures: iso_230_2::figures(runs).axis,
-            range_um: range(means_um(runs)),
-        })
-        .collect();
-    let means: Vec<f64> = diagonals.iter().flat_map(|(_, runs)| means_um(runs)).collect();
+    let mut means = Vec::new();
+    let figures = diagonals.iter().map(|(name, runs)| {
+        let iso_230_2::Figures { targets, axis } = iso_230_2::figures(runs);
+        // Mean deviations x̄_i↑ and x̄_i↓ of all targets, µm.
+        let own = targets.iter().flat_map(|target| [target.mean.up_um, target.mean.down_um]);
+        let own: Vec<f64> = own.flatten().collect();
+        means.extend_from_slice(&own);
+        DiagonalFigures { name: (*name).to_string(), figures: axis, range_um: range(own) }
+    });
+    let figures: Vec<DiagonalFigures> = figures.collect();
     let complete = figures.len() == BODY_DIAGONALS;
-    let of_machine = |figure: &dyn Fn(&DiagonalFigures) -> Option<f64>| {
+    let of_machine = |figure: fn(&DiagonalFigures) -> Option<f64>| {
         let all: Option<Vec<f64>> = figures.iter().map(figure).collect();
         largest(all.filter(|_| complete)?)
     };
     let conditions = conditions(diagonals, motion, targets);
+    let missed = Condition::missed(&conditions);
+    let label = match motion {
+        DiagonalMotion::StraightRuns if !missed.is_empty() => {
+            format!("NOT after ISO 230-6: {}", missed.join("; "))
+        }
+        _ => motion.label().to_string(),
+    };
     Diagonals {
-        label: label(motion, &conditions),
-        e_d_um: of_machine(&|of| of.figures.e.both_um),
-        b_d_um: of_machine(&|of| of.figures.b_um),
-        largest_range_um: of_machine(&|of| of.range_um),
+        label,
+        e_d_um: of_machine(|of| of.figures.e.both_um),
+        b_d_um: of_machine(|of| of.figures.b_um),
+        largest_range_um: of_machine(|of| of.range_um),
         range_over_all_um: range(means).filter(|_| complete),
         diagonals: figures,
         conditions,
     }
 }
-
-/// Mean deviations x̄_i↑ and x̄_i↓ of all targets, µm.
-fn means_um(runs: &Runs) -> Vec<f64> {
-    let targets = iso_230_2::figures(runs).targets;
-    targets.iter().flat_map(|target| [target.mean.up_um, target.mean.down_um]).flatten().collect()
-}
-
-// ---------------------------------------------------------------------------------------------
-// Conditions
 
 /// Conditions of ISO 230-6: motion, the four diagonals, and targets and approaches as in ISO 230-2.
 fn conditions(
@@ -136,59 +135,42 @@ fn conditions(
     motion: DiagonalMotion,
     targets: Option<Vec<(&str, Condition)>>,
 ) -> Vec<Condition> {
+    let likely = |asked: &str, found: &str, met| Condition::likely(&EDITION, asked, found, met);
+    // A condition that every diagonal has to meet; what is said is that of the first that does not.
+    let of_all = |asked: &str, each: Vec<(&str, Condition)>| {
+        let missed = each.iter().find(|(_, of)| of.met == Met::No);
+        match (missed, each.first()) {
+            (Some((name, of)), _) => likely(asked, &format!("{name}: {}", of.found), Met::No),
+            (None, Some((_, of))) => likely(asked, &of.found, Met::Yes),
+            (None, None) => likely(asked, "", Met::NotTested),
+        }
+    };
     let straight = motion == DiagonalMotion::StraightRuns;
     let names: Vec<&str> = diagonals.iter().map(|(name, _)| *name).collect();
     let directions = diagonals.iter().map(|(name, runs)| (*name, iso_230_2::directions(runs)));
-    let asked_targets = "targets as in ISO 230-2: five per metre and at least five";
+    let unknown = "the length of the diagonals is not known";
+    let asked = "targets as in ISO 230-2: five per metre and at least five";
+    let runs = diagonals.first().map_or_else(String::new, |(_, runs)| iso_230_2::runs_words(runs));
     vec![
         likely(
             "all three axes move at once, straight along the diagonal",
-            if straight { "straight runs" } else { "single-axis steps" }.to_string(),
+            if straight { "straight runs" } else { "single-axis steps" },
             Met::of(straight),
         ),
         likely(
             "the four body diagonals",
-            names.join(", "),
+            &names.join(", "),
             Met::of(diagonals.len() == BODY_DIAGONALS),
         ),
-        match targets {
-            Some(targets) => of_all(asked_targets, targets),
-            None => likely(
-                asked_targets,
-                "the length of the diagonals is not known".to_string(),
-                Met::NotTested,
-            ),
-        },
+        targets.map_or_else(
+            || likely(asked, unknown, Met::NotTested),
+            |targets| of_all(asked, targets),
+        ),
         of_all("approach in both directions", directions.collect()),
         likely(
             "number of runs, whether R and A are reported: to be looked up in the standard",
-            diagonals.first().map_or_else(String::new, |(_, runs)| iso_230_2::runs_words(runs)),
+            &runs,
             Met::NotTested,
         ),
     ]
-}
-
-fn likely(asked: &str, found: String, met: Met) -> Condition {
-    Condition { asked: asked.to_string(), found, met, editions: &EDITION, confidence: DIAGONALS }
-}
-
-/// A condition that every diagonal has to meet; what is said is that of the first that does not.
-fn of_all(asked: &str, each: Vec<(&str, Condition)>) -> Condition {
-    let missed = each.iter().find(|(_, of)| of.met == Met::No);
-    match (missed, each.first()) {
-        (Some((name, of)), _) => likely(asked, format!("{name}: {}", of.found), Met::No),
-        (None, Some((_, of))) => likely(asked, of.found.clone(), Met::Yes),
-        (None, None) => likely(asked, String::new(), Met::NotTested),
-    }
-}
-
-/// The label of the motion; of straight runs also the conditions that they miss.
-fn label(motion: DiagonalMotion, conditions: &[Condition]) -> String {
-    let missed = Condition::missed(conditions);
-    match motion {
-        DiagonalMotion::StraightRuns if !missed.is_empty() => {
-            format!("NOT after ISO 230-6: {}", missed.join("; "))
-        }
-        _ => motion.label().to_string(),
-    }
 }

@@ -113,36 +113,24 @@ pub fn figures(runs: &Runs) -> Figures {
 }
 
 fn of_target(runs: &Runs, index: usize) -> TargetFigures {
-    let at = |direction| {
-        let um = runs.deviations_um(direction)?.get(index)?;
-        Some((mean(um), standard_deviation(um)))
-    };
-    let (up, down) = (at(Direction::Plus), at(Direction::Minus));
-    let (mean_up, mean_down) = (up.map(|of| of.0), down.map(|of| of.0));
-    let (s_up, s_down) = (up.and_then(|of| of.1), down.and_then(|of| of.1));
-    let b_um = both(mean_up, mean_down, |up, down| up - down);
-    let r_up = s_up.map(|s| 2.0 * K * s);
-    let r_down = s_down.map(|s| 2.0 * K * s);
-    let bands = both(r_up, r_down, |up, down| (up + down) / 2.0);
-    let r_both = both(bands, b_um, |bands, b| bands + b.abs());
+    let um = Direction::BOTH.map(|direction| runs.deviations_um(direction)?.get(index));
+    let means = um.map(|um| Some(mean(um?)));
+    let s = um.map(|um| standard_deviation(um?));
+    let bands = s.map(|s| Some(2.0 * K * s?));
+    let b_um = both(means, |up, down| up - down);
+    let with_b = both([both(bands, f64::midpoint), b_um], |bands, b| bands + b.abs());
+    let [up, down] = bands;
+    let r = with_b.and_then(|with_b| largest([Some(with_b), up, down].into_iter().flatten()));
     TargetFigures {
         target_mm: runs.targets_mm()[index],
-        mean: ByDirection {
-            up_um: mean_up,
-            down_um: mean_down,
-            both_um: both(mean_up, mean_down, |up, down| (up + down) / 2.0),
-        },
-        s: ByDirection { up_um: s_up, down_um: s_down, both_um: None },
+        mean: ByDirection::of(means, both(means, f64::midpoint)),
+        s: ByDirection::of(s, None),
         b_um,
-        r: ByDirection {
-            up_um: r_up,
-            down_um: r_down,
-            both_um: r_both.and_then(|r| largest([Some(r), r_up, r_down].into_iter().flatten())),
-        },
+        r: ByDirection::of(bands, r),
     }
 }
 
-fn both(up: Option<f64>, down: Option<f64>, of: impl Fn(f64, f64) -> f64) -> Option<f64> {
+fn both([up, down]: [Option<f64>; 2], of: fn(f64, f64) -> f64) -> Option<f64> {
     Some(of(up?, down?))
 }
 
@@ -159,44 +147,33 @@ fn standard_deviation(um: &[f64]) -> Option<f64> {
 
 fn of_axis(targets: &[TargetFigures]) -> AxisFigures {
     // A figure of the axis is absent where it is absent at one target.
-    let each = |figure: &dyn Fn(&TargetFigures) -> Option<f64>| -> Option<Vec<f64>> {
+    let each = |figure: fn(&TargetFigures) -> Option<f64>| -> Option<Vec<f64>> {
         targets.iter().map(figure).collect()
     };
-    let up = each(&|of| of.mean.up_um);
-    let down = each(&|of| of.mean.down_um);
-    let reversals = each(&|of| of.b_um);
-    let largest_of = |values: Option<Vec<f64>>| values.and_then(largest);
-    let range_of = |values: Option<Vec<f64>>| values.and_then(range);
-    let bands_up = bands(up.as_ref(), each(&|of| of.s.up_um));
-    let bands_down = bands(down.as_ref(), each(&|of| of.s.down_um));
+    let means = [each(|of| of.mean.up_um), each(|of| of.mean.down_um)];
+    let [s_up, s_down] = [each(|of| of.s.up_um), each(|of| of.s.down_um)];
+    let [up, down] = means.clone();
+    let r_um = [each(|of| of.r.up_um), each(|of| of.r.down_um)];
     AxisFigures {
-        a: ByDirection {
-            up_um: range_of(bands_up.clone()),
-            down_um: range_of(bands_down.clone()),
-            both_um: range_of(joined(bands_up, bands_down)),
-        },
-        e: ByDirection {
-            up_um: range_of(up.clone()),
-            down_um: range_of(down.clone()),
-            both_um: range_of(joined(up, down)),
-        },
-        r: ByDirection {
-            up_um: largest_of(each(&|of| of.r.up_um)),
-            down_um: largest_of(each(&|of| of.r.down_um)),
-            both_um: largest_of(each(&|of| of.r.both_um)),
-        },
-        m_um: range_of(each(&|of| of.mean.both_um)),
-        b_um: largest_of(each(&|of| of.b_um.map(f64::abs))),
-        b_mean_um: reversals.map(|b| mean(&b)),
+        a: ranges([bands(up, s_up), bands(down, s_down)]),
+        e: ranges(means),
+        r: ByDirection::of(
+            r_um.map(|um| um.and_then(largest)),
+            each(|of| of.r.both_um).and_then(largest),
+        ),
+        m_um: each(|of| of.mean.both_um).and_then(range),
+        b_um: each(|of| of.b_um.map(f64::abs)).and_then(largest),
+        b_mean_um: each(|of| of.b_um).map(|b| mean(&b)),
     }
 }
 
 /// x̄_i − 2 s_i and x̄_i + 2 s_i of every target.
-fn bands(means: Option<&Vec<f64>>, s: Option<Vec<f64>>) -> Option<Vec<f64>> {
-    let pairs = means?.iter().zip(s?);
+fn bands(means: Option<Vec<f64>>, s: Option<Vec<f64>>) -> Option<Vec<f64>> {
+    let pairs = means?.into_iter().zip(s?);
     Some(pairs.flat_map(|(mean, s)| [mean - K * s, mean + K * s]).collect())
 }
 
-fn joined(up: Option<Vec<f64>>, down: Option<Vec<f64>>) -> Option<Vec<f64>> {
-    Some([up?, down?].concat())
+fn ranges(um: [Option<Vec<f64>>; 2]) -> ByDirection {
+    let both: Option<Vec<Vec<f64>>> = um.iter().cloned().collect();
+    ByDirection::of(um.map(|um| um.and_then(range)), both.and_then(|both| range(both.concat())))
 }

@@ -3,7 +3,7 @@
 use crate::inputs::target_runs::Runs;
 use crate::machine::findings::StandardFinding;
 use crate::machine::standards::iso_230_2::EDITIONS;
-use crate::machine::standards::{Condition, Confidence, Met, in_words, range};
+use crate::machine::standards::{Condition, Met, in_words, range};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::UM_PER_MM;
 use crate::text::finding::Finding;
@@ -88,17 +88,9 @@ impl Travel {
 ///        1997, 2006 and 2014 apart in nothing but the uncertainty)
 /// limits without a stated travel the length is that from the first to the last target
 pub fn conditions(runs: &Runs, travel: Travel) -> Vec<Condition> {
-    let mut conditions = if travel.is_long() {
-        vec![long_spacing(runs), spread(runs, travel), one_run(runs), directions(runs)]
-    } else {
-        vec![
-            number_of_targets(runs, travel),
-            spread(runs, travel),
-            random_spacing(runs),
-            five_runs(runs),
-            directions(runs),
-        ]
-    };
+    let mut conditions = if travel.is_long() { long(runs) } else { short(runs, travel) };
+    conditions.insert(1, spread(runs, travel));
+    conditions.push(directions(runs));
     let untested = [
         (
             "warm-up, temperature of machine and instrument near 20 °C or corrected to it",
@@ -107,21 +99,52 @@ pub fn conditions(runs: &Runs, travel: Travel) -> Vec<Condition> {
         ("feed, dwell, line of measurement and position of the other axes stated", &EDITIONS[..]),
         ("uncertainty of measurement stated with every figure", &WITH_UNCERTAINTY[..]),
     ];
-    conditions.extend(untested.map(|(asked, editions)| Condition {
-        editions,
-        ..likely(asked, String::new(), Met::NotTested)
-    }));
+    let untested = untested.into_iter();
+    conditions.extend(untested.map(|(asked, of)| Condition::likely(of, asked, "", Met::NotTested)));
     conditions
 }
 
-fn likely(asked: impl Into<String>, found: String, met: Met) -> Condition {
-    Condition {
-        asked: asked.into(),
-        found,
-        met,
-        editions: &EDITIONS,
-        confidence: Confidence::Likely,
-    }
+fn likely(asked: impl Into<String>, found: impl Into<String>, met: Met) -> Condition {
+    Condition::likely(&EDITIONS, asked, found, met)
+}
+
+/// Up to 2 m.
+fn short(runs: &Runs, travel: Travel) -> Vec<Condition> {
+    let mean = mean_distance(runs);
+    let equal = range(distances(runs)).is_some_and(|range| range <= EQUAL_SPACING * mean);
+    let random = "distances differ; whether at random cannot be seen";
+    let (found, met) = match equal {
+        true => (format!("targets all {} mm apart", in_words(mean)), Met::No),
+        false => (random.to_string(), Met::NotTested),
+    };
+    let counts = Direction::BOTH.map(|direction| runs.count(direction));
+    vec![
+        number_of_targets(runs, travel),
+        likely("up to 2 m: targets at random distances, P_i = (i - 1)p + r", found, met),
+        likely(
+            "up to 2 m: five runs in each direction that is reported",
+            runs_words(runs),
+            Met::of(counts.into_iter().all(|count| count == 0 || count == RUNS)),
+        ),
+    ]
+}
+
+/// Above 2 m.
+fn long(runs: &Runs) -> Vec<Condition> {
+    let (spacing, length) = (mean_distance(runs), in_words(runs.length_mm()));
+    let targets = runs.targets_mm().len();
+    vec![
+        likely(
+            "above 2 m: a target about every 250 mm",
+            format!("{targets} targets on {length} mm, every {spacing:.1} mm"),
+            Met::of(spacing < LONG_SPACING_MM + ABOUT_MM),
+        ),
+        likely(
+            "above 2 m: one run in each direction, and only E, B and M are reported",
+            runs_words(runs),
+            Met::of(Direction::BOTH.into_iter().all(|direction| runs.count(direction) == 1)),
+        ),
+    ]
 }
 
 /// Five targets per metre and at least five.
@@ -135,25 +158,12 @@ pub(in crate::machine::standards) fn number_of_targets(runs: &Runs, travel: Trav
     )
 }
 
-fn five_runs(runs: &Runs) -> Condition {
-    let counts = Direction::BOTH.map(|direction| runs.count(direction));
-    let mut measured = counts.into_iter().filter(|count| *count > 0);
-    likely(
-        "up to 2 m: five runs in each direction that is reported",
-        runs_words(runs),
-        Met::of(measured.all(|count| count == RUNS)),
-    )
-}
-
 /// Figures of both directions need both.
 pub(in crate::machine::standards) fn directions(runs: &Runs) -> Condition {
     let missing = Direction::BOTH.into_iter().find(|direction| runs.count(*direction) == 0);
-    let found = match missing {
-        None => "both were measured".to_string(),
-        Some(missing) => {
-            format!("unidirectional figures only: moving {} was not measured", way(missing))
-        }
-    };
+    let found = missing.map_or("both were measured".to_string(), |missing| {
+        format!("unidirectional figures only: moving {} was not measured", way(missing))
+    });
     likely("approach in both directions", found, Met::of(missing.is_none()))
 }
 
@@ -173,46 +183,12 @@ fn spread(runs: &Runs, travel: Travel) -> Condition {
     let beyond = travel.mm() - runs.length_mm();
     let mut found = format!("largest gap {largest:.1} mm, mean distance {mean:.1} mm");
     if travel.stated {
-        found = format!("{found}, {beyond:.1} mm of travel beyond the targets");
+        found += &format!(", {beyond:.1} mm of travel beyond the targets");
     }
     likely(
         "targets spread over the travel: nowhere more than two mean distances without one",
         found,
         Met::of(largest.max(beyond) <= LARGEST_GAP * mean),
-    )
-}
-
-fn random_spacing(runs: &Runs) -> Condition {
-    let mean = mean_distance(runs);
-    let equal = range(distances(runs)).is_some_and(|range| range <= EQUAL_SPACING * mean);
-    let (found, met) = if equal {
-        (format!("targets all {} mm apart", in_words(mean)), Met::No)
-    } else {
-        let words = "distances differ; whether at random cannot be seen";
-        (words.to_string(), Met::NotTested)
-    };
-    likely("up to 2 m: targets at random distances, P_i = (i - 1)p + r", found, met)
-}
-
-fn long_spacing(runs: &Runs) -> Condition {
-    let spacing = mean_distance(runs);
-    likely(
-        "above 2 m: a target about every 250 mm",
-        format!(
-            "{} targets on {} mm, every {spacing:.1} mm",
-            runs.targets_mm().len(),
-            in_words(runs.length_mm())
-        ),
-        Met::of(spacing < LONG_SPACING_MM + ABOUT_MM),
-    )
-}
-
-fn one_run(runs: &Runs) -> Condition {
-    let one = |direction| runs.count(direction) == 1;
-    likely(
-        "above 2 m: one run in each direction, and only E, B and M are reported",
-        runs_words(runs),
-        Met::of(Direction::BOTH.into_iter().all(one)),
     )
 }
 
