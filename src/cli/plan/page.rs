@@ -27,20 +27,20 @@ impl Page<'_> {
         let is_noise =
             |label: &&Finding| matches!(label.kind(), Some(SeparationFinding::NoiseIs { .. }));
         let labels: Vec<&Finding> = labels.filter(|label| !is_noise(label)).collect();
-        let (answer, best) = (self.answer(), self.best());
+        let lines = [Some(self.answer()), self.decided(), Some(self.proposed()), self.likely()];
+        let lines: Vec<String> = lines.into_iter().flatten().collect();
         Screen {
-            verdict: format!("{}: {answer}\n{best}", self.machine),
-            figures: paragraphs(&[
-                self.variants(),
-                self.uncertainties(),
-                list("assumed", &assumed),
-            ]),
+            verdict: format!("{}: {}", self.machine, lines.join("\n")),
+            figures: paragraphs(&[self.variants(), list("assumed", &assumed)]),
             findings: described.shortcomings().iter().map(said).collect(),
-            more: vec![More::new(
-                labels.len(),
-                ["label", "labels"],
-                list("labels of the separation", &labels),
-            )],
+            more: vec![
+                More::part("U of each error", self.uncertainties()),
+                More::new(
+                    labels.len(),
+                    ["label", "labels"],
+                    list("labels of the separation", &labels),
+                ),
+            ],
             ..Screen::default()
         }
     }
@@ -48,12 +48,25 @@ impl Page<'_> {
     fn answer(&self) -> String {
         let described = &self.found.visits[0];
         let count = ErrorTerm::ALL.len() - described.expected.missing().len();
+        let at_most = described.at_most_um().filter(|_| described.open.is_empty());
+        let at_most = at_most.map(|um| format!(", the forecast is at most {um:.3} µm"));
         let keeps = match (self.limits(), described.reaches(self.design.acceptance())) {
             (None, _) => "; no acceptance is stated".to_string(),
-            (Some(limits), true) => format!("; U keeps the acceptance ({limits})"),
+            (Some(limits), true) => format!("; the acceptance ({limits}) is reached"),
             (Some(limits), false) => format!("; the acceptance ({limits}) is not reached"),
         };
-        format!("as described, {count} of 9 errors are determined{keeps}")
+        format!("as described, {count} of 9 errors are determined{}{keeps}", at_most.unwrap_or_default())
+    }
+
+    /// What makes most of U as described.
+    pub(super) fn decides(&self) -> Vec<(String, f64)> {
+        self.design.largest_parts(&self.found.visits[0], None)
+    }
+
+    fn decided(&self) -> Option<String> {
+        let parts = self.decides();
+        let parts: Vec<String> = parts.iter().map(|(what, um)| format!("{what} {um:.2} µm")).collect();
+        (!parts.is_empty()).then(|| format!("what decides: {} (they add as squares)", parts.join(", ")))
     }
 
     fn limits(&self) -> Option<String> {
@@ -64,20 +77,35 @@ impl Page<'_> {
         (!limits.is_empty()).then(|| limits.join(", "))
     }
 
-    fn best(&self) -> String {
+    fn proposed(&self) -> String {
         let aim = match self.limits() {
             None => "determines all wanted errors",
-            Some(_) => "reaches the acceptance",
+            Some(_) => "reaches the acceptance by its forecast",
         };
-        let Some(index) = self.found.best else {
-            return format!("no variant {aim}");
-        };
-        let (name, visit) = (letter(index), &self.found.visits[index]);
-        let (change, minutes) = (self.change(&visit.variant), visit.minutes);
-        match visit.reaches(self.design.acceptance()) {
-            true => format!("the quickest that {aim}: {name} ({change}), {minutes:.0} min"),
-            false => format!("no variant {aim}; the smallest U: {name} ({change})"),
+        match self.found.forecast {
+            None => format!("no variant {aim}"),
+            Some(index) => format!("the quickest that {aim}: {}", self.named(index)),
         }
+    }
+
+    /// What will pass after loading, too.
+    fn likely(&self) -> Option<String> {
+        self.limits()?;
+        let aim = "whose second measurement passes with 80 % or more";
+        Some(match self.found.second {
+            None => format!("{aim}: none"),
+            Some(index) => format!("the quickest {aim}: {}", self.named(index)),
+        })
+    }
+
+    /// A visit by its letter, with what it needs of the tables.
+    fn named(&self, index: usize) -> String {
+        let visit = &self.found.visits[index];
+        let (change, minutes) = (self.change(&visit.variant), visit.minutes);
+        let grid = self.design.other_grid(&visit.variant).map(|mm| {
+            format!("; change spacing_mm to x {}, y {}, z {}", mm.x, mm.y, mm.z)
+        });
+        format!("{} ({change}), {minutes:.0} min{}", letter(index), grid.unwrap_or_default())
     }
 
     /// What a variant does otherwise.
@@ -89,9 +117,11 @@ impl Page<'_> {
         }
         let linear = Axis::letters(&variant.linear);
         let linear = (!linear.is_empty()).then(|| format!("+ linear {linear}"));
+        let angles = variant.angles.as_slice();
+        let angles = (!angles.is_empty()).then(|| format!("+ {} measured", joined(angles)));
         let pairs = own.into_iter().zip(of_base);
         let others = pairs.filter_map(|(own, base)| (own != base).then_some(own));
-        linear.into_iter().chain(others).collect::<Vec<_>>().join(", ")
+        linear.into_iter().chain(angles).chain(others).collect::<Vec<_>>().join(", ")
     }
 
     fn variants(&self) -> String {
@@ -99,18 +129,16 @@ impl Page<'_> {
             let (name, change) = (letter(index), self.change(&visit.variant));
             let reversal = or_dash(Axis::letters(&visit.reversals()));
             let open = or_dash(joined(visit.expected.missing()));
-            let reaches = match visit.reaches(self.design.acceptance()) {
-                true => "yes",
-                false => "no",
-            };
+            let chance = visit.chance.map_or("-".into(), |chance| format!("{:.0} %", 100.0 * chance));
             format!(
-                "{name}\t{change}\t{:.0}\t{open}\t{reversal}\t{}\t{reaches}",
+                "{name}\t{change}\t{:.0}\t{:.0}\t{open}\t{reversal}\t{}\t{chance}",
                 visit.minutes,
-                um(visit.together_um())
+                visit.variant.target_spacing_mm(),
+                um(visit.at_most_um())
             )
         };
         let rows = self.found.visits.iter().enumerate().map(row);
-        table("\tvisit\t>min\tnot determined\treversal of\t>U of all/µm\treached", rows)
+        table("\tvisit\t>min\t>targets/mm\tnot determined\treversal of\t>at most/µm\t>second passes", rows)
     }
 
     fn uncertainties(&self) -> String {

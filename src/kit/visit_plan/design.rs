@@ -3,16 +3,17 @@
 use super::variant::{Variant, Visit, expanded_um};
 use crate::inputs::error_table::{ErrorTable, write};
 use crate::inputs::job::{
-    Acceptance, DiagonalMeasurement, Frame, Job, Linear, LinearSlope, MeasuredData, Measurement,
+    Acceptance, DiagonalMeasurement, Frame, GridRequest, Job, Linear, LinearSlope, MeasuredData, Measurement,
     ProgramRequest, RunType, SetUp,
 };
 use crate::judge::after::alone;
-use crate::judge::forecast::Forecast;
+use crate::judge::forecast::{Forecast, TermForecast};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
-use crate::machine::separation::{Instrument, Separation, expected, linear_axis, table};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::machine::separation::joint::Rule;
+use crate::machine::separation::{Instrument, Part, Separation, expected, linear_axis, table};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, Rotation};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use crate::write::program::motion;
@@ -22,6 +23,10 @@ use crate::write::target::wants;
 pub(super) const NOISE_UM: f64 = 1.0;
 /// More steps than these are no variant: no published measurement has more.
 const MOST_STEPS: usize = 100;
+/// Targets farther apart than five a metre are no variant, mm.
+const WIDEST_MM: f64 = 200.0;
+/// What the printed digits do not show is no part, µm.
+const SHOWN_UM: f64 = 0.005;
 /// A step that differs less from whole micrometres is one, mm.
 const WHOLE_MM: f64 = 1e-7;
 
@@ -62,7 +67,7 @@ impl<'a> Design<'a> {
         let stated = job.measurement.uncertainty;
         Ok(Design {
             measurement: measured.map_or_else(|| usual(&run), Clone::clone),
-            described: Variant { run, linear: Vec::new() },
+            described: Variant { run, linear: Vec::new(), angles: Vec::new() },
             instrument: Instrument { noise_um: stated.noise_um.unwrap_or(NOISE_UM), stated },
             job,
             angles,
@@ -103,32 +108,53 @@ impl<'a> Design<'a> {
         Axis::ALL.into_iter().filter(open).collect()
     }
 
-    /// Twice the steps, where a program can make them.
-    pub(super) fn finer(&self, variant: &Variant) -> Option<Variant> {
-        let finer = variant.in_steps(2 * self.described.run.volume.steps);
-        let volume = &finer.run.volume;
-        let between = |axis: Axis| {
-            let um = 1000.0 * volume.step_mm(axis);
-            (um - um.round()).abs() < 1000.0 * WHOLE_MM
+    /// Half and twice the steps, where a program can make them and they show enough of an axis.
+    pub(super) fn in_other_steps(&self, variant: &Variant) -> Vec<Variant> {
+        let steps = self.described.run.volume.steps;
+        let fits = |other: &Variant| {
+            let volume = &other.run.volume;
+            let is_whole = |axis: Axis| {
+                let um = 1000.0 * volume.step_mm(axis);
+                (um - um.round()).abs() < 1000.0 * WHOLE_MM
+            };
+            let is_close = volume.steps > steps || other.target_spacing_mm() <= WIDEST_MM;
+            is_close && volume.steps <= MOST_STEPS && Axis::ALL.into_iter().all(is_whole)
         };
-        let fits = volume.steps <= MOST_STEPS && Axis::ALL.into_iter().all(between);
-        fits.then_some(finer)
+        let others = [steps.div_ceil(2), 2 * steps].map(|steps| variant.in_steps(steps));
+        others.into_iter().filter(fits).collect()
+    }
+
+    /// The spacing of each axis that tables need where the targets lie farther apart than their points, mm.
+    pub(crate) fn other_grid(&self, variant: &Variant) -> Option<PerAxis<f64>> {
+        let needed = |of: &Variant| {
+            let step = PerAxis::from_fn(|axis| of.run.volume.step_mm(axis));
+            let is_wider = |axis: Axis| {
+                let own = self.job.compensation.axes[axis].as_ref().and_then(|own| own.grid);
+                matches!(own, Some(GridRequest::Spacing(mm)) if step[axis] > mm + WHOLE_MM)
+            };
+            Axis::ALL.into_iter().any(is_wider).then_some(step)
+        };
+        needed(variant).filter(|_| variant.run.volume.steps < self.described.run.volume.steps)
     }
 
     /// Motion, standstills and set-ups of a variant, min.
     pub(super) fn minutes(&self, variant: &Variant) -> f64 {
         let run = |request: &ProgramRequest| motion(request).duration_s(request) / 60.0;
         let diagonals = Diagonal::ALL.map(|_| self.times.diagonal_min).iter().sum::<f64>();
-        let linear = variant.linear.iter();
-        let linear = linear.map(|axis| self.times.linear_min + run(&variant.run.along(*axis)));
-        run(&variant.run) + diagonals + linear.sum::<f64>()
+        let angles = variant.angles.iter().map(|angle| &angle.along);
+        let single = variant.linear.iter().chain(angles);
+        let single = single.map(|axis| self.times.linear_min + run(&variant.run.along(*axis)));
+        run(&variant.run) + diagonals + single.sum::<f64>()
     }
 
     /// What a variant costs and gives.
     pub fn visit(&self, variant: Variant) -> Result<Visit, Problems> {
         let (measurement, tables) = self.measurement(&variant)?;
         let job = self.job_of(&measurement);
-        let campaign = campaign(&job, &measurement, &tables, true)?;
+        let mut campaign = campaign(&job, &measurement, &tables, true)?;
+        if let Some(angles) = &mut campaign.angles {
+            angles.evidence.missing.retain(|angle| !variant.angles.contains(angle));
+        }
         let back = usize::from(variant.run.bidirectional);
         let noise_um = self.instrument.noise_um;
         let passes = &Pass::BOTH[..=back];
@@ -143,7 +169,60 @@ impl<'a> Design<'a> {
             lines: campaign.lines,
             variant,
             expected,
+            chance: None,
         })
+    }
+
+    /// Probability that a second measurement made like a visit passes, if the machine does not change and the tables
+    /// leave nothing but the errors of the first one; `None` = nothing is asked, or an uncertainty is not known.
+    pub(super) fn chance(&self, visit: &Visit) -> Option<f64> {
+        let is_asked = !self.job.acceptance.asks_nothing() && visit.open.is_empty();
+        let outlook = || visit.expected.outlook(self.job, None, &self.rule(&visit.forecast));
+        let chance = is_asked.then(outlook)??.passes;
+        Some(if visit.expected.silence.not_stated.is_empty() { chance } else { 0.0 })
+    }
+
+    /// How the figures of a measurement are judged.
+    fn rule(&self, forecast: &Forecast) -> Rule {
+        let values = forecast.terms.iter().map(|term| term.figures.len()).sum();
+        let u_of = |d: Diagonal| forecast.change(d.name()).and_then(|change| change.u_um);
+        Rule {
+            one_sided: forecast.sigma.one_sided(),
+            joint: forecast.sigma.joint(values),
+            limits: self.job.acceptance,
+            u_diagonals_um: PerDiagonal::from_fn(|d| u_of(d).unwrap_or(0.0)),
+        }
+    }
+
+    /// What U of the largest of all consists of: the term, and the parts in µm that make it together as squares,
+    /// the largest first.
+    pub(crate) fn parts(&self, visit: &Visit, found: Option<&ErrorModel>) -> Option<(ErrorTerm, Vec<(Part, f64)>)> {
+        let bound = |term: &TermForecast| term.change.expanded_um.unwrap_or(0.0);
+        let terms = visit.forecast.terms.iter();
+        let term = terms.max_by(|a, b| bound(a).total_cmp(&bound(b)))?.term;
+        let mut parts = visit.expected.parts(self.job, term, found);
+        let all: f64 = parts.iter().map(|(_, square)| square).sum();
+        let u_um = visit.at_most_um()?;
+        parts.iter_mut().for_each(|(_, part)| *part = u_um * (*part / all).sqrt());
+        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Some((term, parts))
+    }
+
+    /// The three largest parts, in words.
+    pub(crate) fn largest_parts(&self, visit: &Visit, found: Option<&ErrorModel>) -> Vec<(String, f64)> {
+        let parts = self.parts(visit, found).map_or_else(Vec::new, |(_, parts)| parts);
+        let parts = parts.into_iter().filter(|(_, um)| *um >= SHOWN_UM).take(3);
+        parts.map(|(part, um)| (visit.words(part), um)).collect()
+    }
+
+    /// Angles without a measurement that are stated, by what they do to U, the largest first.
+    pub(super) fn angles_by_size(&self, described: &Visit) -> Vec<Rotation> {
+        let parts = self.parts(described, None).map_or_else(Vec::new, |(_, parts)| parts);
+        let angle = |(part, um): (Part, f64)| match part {
+            Part::Angle(angle) if um > 0.0 => Some(angle),
+            _ => None,
+        };
+        parts.into_iter().filter_map(angle).collect()
     }
 
     /// How a variant is measured, with a table for each linear axis.

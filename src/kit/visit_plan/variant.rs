@@ -3,8 +3,8 @@
 use crate::inputs::job::{Acceptance, ProgramRequest};
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, JudgedRange};
-use crate::machine::separation::{MeasuredLine, Separation};
-use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::machine::separation::{MeasuredLine, Part, Separation};
+use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
 use crate::quantity::units::{Millimetres, larger};
 use crate::write::program::MirrorSize;
 
@@ -15,6 +15,8 @@ pub struct Variant {
     pub run: ProgramRequest,
     /// Axes that are measured along their length beside those that the job names.
     pub linear: Vec<Axis>,
+    /// Angles that are measured beside those that the job names.
+    pub angles: Vec<Rotation>,
 }
 
 impl Variant {
@@ -48,6 +50,15 @@ impl Variant {
     pub(super) fn with(&self, linear: &[Axis]) -> Variant {
         Variant { linear: linear.to_vec(), ..self.clone() }
     }
+
+    pub(super) fn with_angles(&self, angles: &[Rotation]) -> Variant {
+        Variant { angles: angles.to_vec(), ..self.clone() }
+    }
+
+    /// Largest distance of two targets of an axis, mm.
+    pub(crate) fn target_spacing_mm(&self) -> f64 {
+        Axis::ALL.map(|axis| self.run.volume.step_mm(axis)).into_iter().fold(0.0, larger)
+    }
 }
 
 /// What a variant costs and gives.
@@ -67,6 +78,8 @@ pub struct Visit {
     pub forecast: Forecast,
     /// Terms that the job wants and that are not determined, or without a known U.
     pub open: Vec<ErrorTerm>,
+    /// Probability that a second measurement made likewise passes; `None` = not computed, or nothing is asked.
+    pub chance: Option<f64>,
 }
 
 impl Visit {
@@ -75,9 +88,29 @@ impl Visit {
         expanded_um(&self.expected, term)
     }
 
-    /// U of all determined terms together: the smallest `max_deviation_um` that can be passed, µm.
-    pub fn together_um(&self) -> Option<f64> {
-        self.forecast.max_expanded_um()
+    /// What the forecast of all determined terms is at most: the smallest `max_deviation_um` that it can pass, µm.
+    pub fn at_most_um(&self) -> Option<f64> {
+        self.forecast.all_at_most_um()
+    }
+
+    /// A cause of uncertainty in words.
+    pub(crate) fn words(&self, part: Part) -> String {
+        let words = match part {
+            Part::Noise => "noise of the readings",
+            Part::Laser => "scale of the laser",
+            Part::Mirror => "tilt of the mirror",
+            Part::SetUps => "scale from set-up to set-up",
+            Part::Beam => "beam",
+            Part::Angle(angle) => {
+                return format!("{angle} (rotation of {} about {})", angle.along, angle.about);
+            }
+            Part::Line(index) => {
+                let along = |axis: &Axis| self.lines[index].direction[*axis] > 0.999;
+                let axis = Axis::ALL.into_iter().find(along);
+                return axis.map_or("other beam".into(), |axis| format!("slope of linear {axis}"));
+            }
+        };
+        words.to_string()
     }
 
     /// Axes whose reversal is determined.

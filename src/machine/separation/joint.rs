@@ -7,6 +7,9 @@
 //! ```
 //! |value + e| is then at most the largest |value| + q, with 95 % (`docs/method.md` §23).
 
+mod outlook;
+
+pub(crate) use self::outlook::{Found, Outlook, Rule};
 use super::curves::Curve;
 use super::linear::CurveRows;
 use super::noise::float;
@@ -46,10 +49,7 @@ pub(super) struct Table<'a> {
 impl Table<'_> {
     /// The largest errors; `None` where an uncertainty is not known.
     pub(super) fn largest_errors(&self, job: &Job) -> Option<LargestErrors> {
-        let known = |curve: &TableCurve| {
-            self.of.of_table(curve.term, curve.way).is_some_and(|found| found.u_um.is_some())
-        };
-        if self.curves.is_empty() || !self.curves.iter().all(known) {
+        if !self.is_known() {
             return None;
         }
         let none = vec![Vec::new()];
@@ -74,6 +74,14 @@ impl Table<'_> {
             }
         }
         Some(largest)
+    }
+
+    /// Whether there are curves, and every uncertainty is known.
+    fn is_known(&self) -> bool {
+        let known = |curve: &TableCurve| {
+            self.of.of_table(curve.term, curve.way).is_some_and(|found| found.u_um.is_some())
+        };
+        !self.curves.is_empty() && self.curves.iter().all(known)
     }
 
     /// How far what speaks against the result by its size may move the errors: each anomaly by its worst cause,
@@ -146,9 +154,14 @@ impl<'a> Table<'a> {
             Some((float(freedom) / spread).sqrt())
         });
         let z = self.of.model.draw(off.unwrap_or(1.0), order, &mut random);
+        self.of_entries(&z, &mut random)
+    }
+
+    /// The curves of what was measured, and what they lack beside it.
+    fn of_entries(&self, z: &[f64], random: &mut ChaCha8Rng) -> Vec<Curve> {
         let curve = |curve: &TableCurve| {
-            let draw: f64 = StandardNormal.sample(&mut random);
-            let mut values = curve.rows.values(&z, curve.rows.line.dot(&z));
+            let draw: f64 = StandardNormal.sample(random);
+            let mut values = curve.rows.values(z, curve.rows.line.dot(z));
             values.iter_mut().for_each(|um| *um += curve.lacks_um * draw);
             values
         };

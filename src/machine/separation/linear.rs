@@ -10,6 +10,7 @@
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
 use super::readings::Means;
+use crate::quantity::axis::Rotation;
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
@@ -137,6 +138,27 @@ pub(super) struct Model {
     pub(super) beam_ppm: f64,
     /// Which are unmeasured angles with a stated bound, for each order of the axes that may be; the worst counts.
     pub(super) angles: Vec<Vec<usize>>,
+    /// Which angle each of the columns is of; `None` = another cause.
+    pub(super) rotations: Vec<Option<Rotation>>,
+}
+
+/// A cause of uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Of the readings.
+    Noise,
+    /// Scale of the laser, temperature and expansion, alike in all set-ups.
+    Laser,
+    /// Its tilt, where the set-up is assumed perfect.
+    Mirror,
+    /// Change of scale from one set-up to the next.
+    SetUps,
+    /// Between the beam and the mirror's normal.
+    Beam,
+    /// A linear axis or another beam, by its place among the lines.
+    Line(usize),
+    /// Without a measurement.
+    Angle(Rotation),
 }
 
 /// u² of a figure.
@@ -163,6 +185,7 @@ impl Model {
             setup_ppm: 0.0,
             beam_ppm: 0.0,
             angles: Vec::new(),
+            rotations: Vec::new(),
         }
     }
 
@@ -174,6 +197,22 @@ impl Model {
 
     /// What is off in z in one draw: the noise so many times as large as estimated; these angles.
     pub(super) fn draw(&self, noise: f64, angles: &[usize], random: &mut ChaCha8Rng) -> Vec<f64> {
+        let mut z = self.draw_new(noise, random);
+        self.add_angles(&mut z, angles, random);
+        z
+    }
+
+    /// Adds what angles do in one draw: uniform, with a standard deviation of 1.
+    pub(super) fn add_angles(&self, z: &mut [f64], angles: &[usize], random: &mut ChaCha8Rng) {
+        for at in angles {
+            let share: f64 = StandardUniform.sample(random);
+            let share = 12_f64.sqrt() * (share - 0.5);
+            z.iter_mut().zip(&self.columns[*at]).for_each(|(z, part)| *z += share * part);
+        }
+    }
+
+    /// What is off in one draw beside angles: they stay, all else is new each time.
+    pub(super) fn draw_new(&self, noise: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let each = self.noise.iter().zip(&self.other);
         let spread = each.map(|(own, other)| (own * noise * noise + other).sqrt());
@@ -183,12 +222,6 @@ impl Model {
         let mut shares = vec![0.0; self.columns.len()];
         self.strains.clone().chain(self.tilts.clone()).for_each(|at| shares[at] = normal());
         self.setups.clone().for_each(|at| shares[at] = common + own * normal());
-        // Uniform, with a standard deviation of 1.
-        let even = |random: &mut ChaCha8Rng| {
-            let share: f64 = StandardUniform.sample(random);
-            12_f64.sqrt() * (share - 0.5)
-        };
-        angles.iter().for_each(|at| shares[*at] = even(random));
         for (share, column) in shares.iter().zip(&self.columns).filter(|(share, _)| **share != 0.0)
         {
             z.iter_mut().zip(column).for_each(|(z, part)| *z += share * part);
@@ -237,6 +270,39 @@ impl Model {
     fn by_entries(&self, one: &[f64], other: &[f64]) -> [f64; 2] {
         let weighed = |v: &[f64]| one.iter().zip(other).zip(v).map(|((a, b), v)| a * b * v).sum();
         [weighed(&self.noise), weighed(&self.other)]
+    }
+
+    /// What the variance of a figure is made of; angles for the order of the axes with which they make most.
+    pub(super) fn parts(&self, row: &Row) -> Vec<(Part, f64)> {
+        let row = self.dense(row);
+        let effects = self.by_column(&row);
+        let square = |at: usize| effects[at].squared();
+        let noise: f64 = row.iter().zip(&self.noise).map(|(w, v)| w * w * v).sum();
+        let setup = self.setup_ppm.squared();
+        let on_lines = (0..self.layout.lines).map(|line| {
+            let place = self.layout.line(line);
+            (line, row[place].squared(), self.other[place] - setup)
+        });
+        let setups: f64 = self.setups.clone().map(square).sum();
+        let common = effects[self.setups.clone()].iter().sum::<f64>().squared();
+        let of_lines: f64 = on_lines.clone().map(|(_, square, _)| square).sum();
+        let mut parts = vec![
+            (Part::Noise, noise),
+            (Part::Laser, self.strains.clone().map(square).sum()),
+            (Part::Mirror, self.tilts.clone().map(square).sum()),
+            (Part::SetUps, setup * (setups + of_lines)),
+            (Part::Beam, self.beam_ppm.squared() * (setups + common)),
+        ];
+        parts.extend(on_lines.map(|(line, square, own)| (Part::Line(line), square * own)));
+        let sum = |order: &&Vec<usize>| order.iter().map(|at| square(*at)).sum::<f64>();
+        let worst = self.angles.iter().max_by(|a, b| sum(a).total_cmp(&sum(b)));
+        for (at, angle) in worst.into_iter().flatten().filter_map(|at| Some((at, self.rotations[*at]?))) {
+            match parts.iter_mut().find(|(part, _)| *part == Part::Angle(angle)) {
+                Some((_, sum)) => *sum += square(*at),
+                None => parts.push((Part::Angle(angle), square(*at))),
+            }
+        }
+        parts
     }
 
     fn combined(&self, [noise, other]: [f64; 2], effects: &[f64]) -> Variance {

@@ -61,19 +61,7 @@ impl ErrorSource {
 /// absent. Directions stand apart only where the reversal between them is determined; without it
 /// a job that asks for the curves moving + gets these alone, any other one the mean of both.
 pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> Draft {
-    let plus_only = |axis: Axis| {
-        job.compensation.backlash[axis] == Some(BacklashPolicy::ForwardOnly)
-            && separation.means.reverse.is_some()
-    };
-    let directions = PerAxis::from_fn(|axis| {
-        if separation.is_directed(axis) {
-            vec![Some(Direction::Plus), Some(Direction::Minus)]
-        } else if plus_only(axis) {
-            vec![Some(Direction::Plus)]
-        } else {
-            vec![None]
-        }
-    });
+    let directions = directions(separation, job);
     let table = Table::new(separation, job, &directions);
     let (largest, doubtful) = (table.largest_errors(job), table.doubtful());
     comments.extend(Remarks { largest, doubtful, ..remarks(separation) }.lines());
@@ -81,6 +69,23 @@ pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> D
     let series = Axis::ALL.into_iter().flat_map(of_axis);
     let series = series.map(|(axis, way)| one_series(separation, axis, way));
     Draft { comments, series: series.collect() }
+}
+
+/// Which directions stand apart.
+pub(super) fn directions(separation: &Separation, job: &Job) -> PerAxis<Vec<Option<Direction>>> {
+    let plus_only = |axis: Axis| {
+        job.compensation.backlash[axis] == Some(BacklashPolicy::ForwardOnly)
+            && separation.means.reverse.is_some()
+    };
+    PerAxis::from_fn(|axis| {
+        if separation.is_directed(axis) {
+            vec![Some(Direction::Plus), Some(Direction::Minus)]
+        } else if plus_only(axis) {
+            vec![Some(Direction::Plus)]
+        } else {
+            vec![None]
+        }
+    })
 }
 
 /// What the table has to say of itself, so that it reaches whoever uses the table.
