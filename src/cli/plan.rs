@@ -72,7 +72,7 @@ fn document(page: &Page<'_>) -> Value {
         "linear_u_um_per_m": { "x": u.x, "y": u.y, "z": u.z },
         "best": found.forecast.map(letter),
         "best_second": found.second.map(letter),
-        "decides": page.decides().iter().map(|(what, um)| json!({ "what": what, "um": um })).collect::<Vec<_>>(),
+        "decides": page.decides(),
         "visits": visits.collect::<Vec<_>>(),
         "assumed": design.assumed(&found.visits[0]),
     })
@@ -83,7 +83,7 @@ fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
     let missing = expected.missing().into_iter();
     json!({
         "name": letter(index),
-        "change": page.change(&visit.variant),
+        "change": visit.variant.change(page.design.described()),
         "steps": run.volume.steps,
         "runs": run.runs,
         "return_pass": run.bidirectional,

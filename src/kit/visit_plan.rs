@@ -13,7 +13,10 @@ mod assumed;
 mod compared;
 mod design;
 mod variant;
+mod what_decides;
 
 pub use self::compared::{VisitPlan, plan};
 pub use self::design::{Design, SetUpTimes};
 pub use self::variant::{Variant, Visit};
+pub use self::what_decides::{Act, Share, WhatDecides};
+pub(crate) use self::what_decides::{Judged, listed};

@@ -8,6 +8,7 @@ use crate::judge::forecast::{Forecast, Machine, forecast, judged_ranges};
 use crate::kit::alternatives::{Alternative, other_policies};
 use crate::kit::inputs::judged;
 use crate::kit::made::Made;
+use crate::machine::separation::table::ErrorSource;
 use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::units::larger;
 use crate::text::finding::{Finding, findings};
@@ -110,6 +111,8 @@ fn of_terms(made: &Made<'_>) -> Vec<Way> {
             grid.push(t.term);
         }
     }
+    // Of readings it is told what would do.
+    uncertain.retain(|_| matches!(made.inputs.errors, ErrorSource::Table(_)));
     let largest_um = grid.iter().map(|term| grid_um(*term)).fold(0.0, larger);
     let ways = [
         (grid.is_empty(), Way::Grid { terms: grid, largest_um }),

@@ -3,9 +3,8 @@
 use crate::cli::screen::{More, Screen, list, paragraphs, table, wrapped};
 use crate::cli::show::um;
 use crate::judge::findings::joined;
-use crate::kit::visit_plan::{Design, Variant, Visit, VisitPlan};
+use crate::kit::visit_plan::{Design, Share, Visit, VisitPlan, listed as in_words};
 use crate::machine::separation::findings::SeparationFinding;
-use crate::machine::separation::metric::Plane;
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::text::finding::Finding;
 
@@ -33,14 +32,11 @@ impl Page<'_> {
             verdict: format!("{}: {}", self.machine, lines.join("\n")),
             figures: paragraphs(&[self.variants(), list("assumed", &assumed)]),
             findings: described.shortcomings().iter().map(said).collect(),
-            more: vec![
-                More::part("U of each error", self.uncertainties()),
-                More::new(
-                    labels.len(),
-                    ["label", "labels"],
-                    list("labels of the separation", &labels),
-                ),
-            ],
+            more: vec![More::new(
+                labels.len(),
+                ["label", "labels"],
+                list("labels of the separation", &labels),
+            )],
             ..Screen::default()
         }
     }
@@ -55,18 +51,20 @@ impl Page<'_> {
             (Some(limits), true) => format!("; the acceptance ({limits}) is reached"),
             (Some(limits), false) => format!("; the acceptance ({limits}) is not reached"),
         };
-        format!("as described, {count} of 9 errors are determined{}{keeps}", at_most.unwrap_or_default())
+        format!(
+            "as described, {count} of 9 errors are determined{}{keeps}",
+            at_most.unwrap_or_default()
+        )
     }
 
     /// What makes most of U as described.
-    pub(super) fn decides(&self) -> Vec<(String, f64)> {
-        self.design.largest_parts(&self.found.visits[0], None)
+    pub(super) fn decides(&self) -> Vec<Share> {
+        self.design.decides(&self.found.visits[0])
     }
 
     fn decided(&self) -> Option<String> {
         let parts = self.decides();
-        let parts: Vec<String> = parts.iter().map(|(what, um)| format!("{what} {um:.2} µm")).collect();
-        (!parts.is_empty()).then(|| format!("what decides: {} (they add as squares)", parts.join(", ")))
+        (!parts.is_empty()).then(|| format!("what decides: {}", in_words(&parts)))
     }
 
     fn limits(&self) -> Option<String> {
@@ -101,35 +99,21 @@ impl Page<'_> {
     /// A visit by its letter, with what it needs of the tables.
     fn named(&self, index: usize) -> String {
         let visit = &self.found.visits[index];
-        let (change, minutes) = (self.change(&visit.variant), visit.minutes);
-        let grid = self.design.other_grid(&visit.variant).map(|mm| {
-            format!("; change spacing_mm to x {}, y {}, z {}", mm.x, mm.y, mm.z)
-        });
+        let (change, minutes) = (visit.variant.change(self.design.described()), visit.minutes);
+        let grid = self
+            .design
+            .other_grid(&visit.variant)
+            .map(|mm| format!("; change spacing_mm to x {}, y {}, z {}", mm.x, mm.y, mm.z));
         format!("{} ({change}), {minutes:.0} min{}", letter(index), grid.unwrap_or_default())
-    }
-
-    /// What a variant does otherwise.
-    pub(super) fn change(&self, variant: &Variant) -> String {
-        let base = self.design.described();
-        let [own, of_base] = [variant, base].map(parts);
-        if variant == base {
-            return format!("as described: {}", own.join(", "));
-        }
-        let linear = Axis::letters(&variant.linear);
-        let linear = (!linear.is_empty()).then(|| format!("+ linear {linear}"));
-        let angles = variant.angles.as_slice();
-        let angles = (!angles.is_empty()).then(|| format!("+ {} measured", joined(angles)));
-        let pairs = own.into_iter().zip(of_base);
-        let others = pairs.filter_map(|(own, base)| (own != base).then_some(own));
-        linear.into_iter().chain(angles).chain(others).collect::<Vec<_>>().join(", ")
     }
 
     fn variants(&self) -> String {
         let row = |(index, visit): (usize, &Visit)| {
-            let (name, change) = (letter(index), self.change(&visit.variant));
+            let (name, change) = (letter(index), visit.variant.change(self.design.described()));
             let reversal = or_dash(Axis::letters(&visit.reversals()));
             let open = or_dash(joined(visit.expected.missing()));
-            let chance = visit.chance.map_or("-".into(), |chance| format!("{:.0} %", 100.0 * chance));
+            let chance =
+                visit.chance.map_or("-".into(), |chance| format!("{:.0} %", 100.0 * chance));
             format!(
                 "{name}\t{change}\t{:.0}\t{:.0}\t{open}\t{reversal}\t{}\t{chance}",
                 visit.minutes,
@@ -138,43 +122,11 @@ impl Page<'_> {
             )
         };
         let rows = self.found.visits.iter().enumerate().map(row);
-        table("\tvisit\t>min\t>targets/mm\tnot determined\treversal of\t>at most/µm\t>second passes", rows)
-    }
-
-    fn uncertainties(&self) -> String {
-        let visits = &self.found.visits;
-        let letters: Vec<String> = (0..visits.len()).map(|i| format!(">{}", letter(i))).collect();
-        let cells = |of: &dyn Fn(&Visit) -> Option<f64>| {
-            let cells = visits.iter().map(|visit| um(of(visit)));
-            cells.collect::<Vec<_>>().join("\t")
-        };
-        let term =
-            |term: ErrorTerm| format!("{term}/µm\t{}", cells(&|visit| visit.expanded_um(term)));
-        let plane = |plane: Plane| {
-            let u = cells(&|visit| visit.expected.expanded_squareness_um_per_m(plane));
-            format!("squareness {}/(µm/m)\t{u}", plane.key())
-        };
-        let rows = ErrorTerm::ALL.into_iter().map(term);
         table(
-            &format!("largest U (95 %), mean of both directions\t{}", letters.join("\t")),
-            rows.chain(Plane::ALL.map(plane)),
+            "\tvisit\t>min\t>targets/mm\tnot determined\treversal of\t>at most/µm\t>second passes",
+            rows,
         )
     }
-}
-
-/// Steps, passes and runs of a variant.
-fn parts(variant: &Variant) -> [String; 3] {
-    let run = &variant.run;
-    let back = match run.runs_over() {
-        None => "one direction",
-        Some(true) => "return pass after overrun",
-        Some(false) => "return pass without overrun",
-    };
-    let runs = match run.runs {
-        1 => "1 run".to_string(),
-        runs => format!("{runs} runs"),
-    };
-    [format!("{} steps", run.volume.steps), back.to_string(), runs]
 }
 
 fn said(shortcoming: &Finding) -> String {

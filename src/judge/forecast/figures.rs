@@ -204,6 +204,13 @@ impl Forecast {
         stated.then(|| self.at_most_um(&self.shifted(1.0), all_um))
     }
 
+    /// The term that is at most most; `None` = no uncertainty is stated.
+    pub(crate) fn least_certain(&self) -> Option<&TermForecast> {
+        let at_most_um = |term: &&TermForecast| term.change.at_most_um.unwrap_or(0.0);
+        let stated = self.terms.iter().filter(|term| term.change.at_most_um.is_some());
+        stated.max_by(|a, b| at_most_um(a).total_cmp(&at_most_um(b)))
+    }
+
     /// What figures are at most, with 95 %.
     ///
     /// formula  forecast: largest + U; measured: the largest of value + 1.645 u, Student's where σ was estimated

@@ -1,19 +1,21 @@
 //! What the job says of the visit, and what one variant of it costs and gives.
 
 use super::variant::{Variant, Visit, expanded_um};
+use super::what_decides::{DIGITS, Share};
 use crate::inputs::error_table::{ErrorTable, write};
 use crate::inputs::job::{
-    Acceptance, DiagonalMeasurement, Frame, GridRequest, Job, Linear, LinearSlope, MeasuredData, Measurement,
-    ProgramRequest, RunType, SetUp,
+    Acceptance, DiagonalMeasurement, Frame, GridRequest, Job, Linear, LinearSlope, MeasuredData,
+    Measurement, ProgramRequest, RunType, SetUp,
 };
 use crate::judge::after::alone;
-use crate::judge::forecast::{Forecast, TermForecast};
+use crate::judge::forecast::Forecast;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::joint::Rule;
 use crate::machine::separation::{Instrument, Part, Separation, expected, linear_axis, table};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, Rotation};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::quantity::units::{Millimetres, larger, rounded};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use crate::write::program::motion;
@@ -44,6 +46,8 @@ pub struct SetUpTimes {
 pub struct Design<'a> {
     job: &'a Job,
     angles: Option<ErrorTable>,
+    /// Angles that count; `None` = as `angles` has them.
+    unmeasured: Option<Vec<Rotation>>,
     described: Variant,
     measurement: DiagonalMeasurement,
     instrument: Instrument,
@@ -71,13 +75,40 @@ impl<'a> Design<'a> {
             instrument: Instrument { noise_um: stated.noise_um.unwrap_or(NOISE_UM), stated },
             job,
             angles,
+            unmeasured: None,
             times,
         })
+    }
+
+    /// A measurement that was made, with the noise that it found.
+    pub(crate) fn made(job: &'a Job, found: &Separation) -> Result<Design<'a>, Problems> {
+        let times = SetUpTimes { diagonal_min: 30.0, linear_min: 20.0 };
+        let mut design = Design::of(job, None, times)?;
+        let run = &mut design.described.run;
+        run.volume = found.volume.clone();
+        run.runs = found.runs.iter().map(|run| run.number).max().unwrap_or(1);
+        run.bidirectional = found.means.reverse.is_some();
+        if let Some(overrun) = found.overrun {
+            run.overrun =
+                Millimetres::new(if overrun { larger(run.overrun.mm(), 1.0) } else { 0.0 });
+        }
+        let sigma_um = found.noise.map(|noise| noise.sigma_um);
+        design.instrument.noise_um = sigma_um.unwrap_or(design.instrument.noise_um);
+        design.unmeasured = Some(found.unmeasured_angles());
+        for (index, linear) in design.measurement.linear.iter_mut().enumerate() {
+            linear.u_um_per_m = Some(found.u_of_line(index));
+        }
+        Ok(design)
     }
 
     /// The run of the job.
     pub fn described(&self) -> &Variant {
         &self.described
+    }
+
+    /// Runs that there are already, or one.
+    pub(super) fn fewest_runs(&self) -> u32 {
+        self.unmeasured.as_ref().map_or(1, |_| self.described.run.runs)
     }
 
     /// The laser.
@@ -153,7 +184,10 @@ impl<'a> Design<'a> {
         let job = self.job_of(&measurement);
         let mut campaign = campaign(&job, &measurement, &tables, true)?;
         if let Some(angles) = &mut campaign.angles {
-            angles.evidence.missing.retain(|angle| !variant.angles.contains(angle));
+            let counts =
+                |angle: &Rotation| self.unmeasured.as_ref().is_none_or(|all| all.contains(angle));
+            let open = |angle: &Rotation| counts(angle) && !variant.angles.contains(angle);
+            angles.evidence.missing.retain(open);
         }
         let back = usize::from(variant.run.bidirectional);
         let noise_um = self.instrument.noise_um;
@@ -173,56 +207,71 @@ impl<'a> Design<'a> {
         })
     }
 
-    /// Probability that a second measurement made like a visit passes, if the machine does not change and the tables
-    /// leave nothing but the errors of the first one; `None` = nothing is asked, or an uncertainty is not known.
+    /// Probability that a second measurement made like a visit keeps the limit of errors, if the machine does not
+    /// change and the tables leave nothing but the errors of the first one; `None` = no limit, or an uncertainty or
+    /// a statement is missing.
     pub(super) fn chance(&self, visit: &Visit) -> Option<f64> {
-        let is_asked = !self.job.acceptance.asks_nothing() && visit.open.is_empty();
-        let outlook = || visit.expected.outlook(self.job, None, &self.rule(&visit.forecast));
-        let chance = is_asked.then(outlook)??.passes;
-        Some(if visit.expected.silence.not_stated.is_empty() { chance } else { 0.0 })
+        let is_known = visit.open.is_empty() && visit.expected.silence.not_stated.is_empty();
+        let rule = self.rule(&visit.forecast).filter(|_| is_known)?;
+        Some(visit.expected.outlook(self.job, None, rule)?.passes)
     }
 
-    /// How the figures of a measurement are judged.
-    fn rule(&self, forecast: &Forecast) -> Rule {
+    /// How the values of a measurement are judged; `None` = no limit.
+    pub(super) fn rule(&self, forecast: &Forecast) -> Option<Rule> {
         let values = forecast.terms.iter().map(|term| term.figures.len()).sum();
-        let u_of = |d: Diagonal| forecast.change(d.name()).and_then(|change| change.u_um);
-        Rule {
-            one_sided: forecast.sigma.one_sided(),
-            joint: forecast.sigma.joint(values),
-            limits: self.job.acceptance,
-            u_diagonals_um: PerDiagonal::from_fn(|d| u_of(d).unwrap_or(0.0)),
-        }
+        let (one_sided, joint) = (forecast.sigma.one_sided(), forecast.sigma.joint(values));
+        Some(Rule { one_sided, joint, limit_um: self.job.acceptance.max_deviation_um? })
     }
 
-    /// What U of the largest of all consists of: the term, and the parts in µm that make it together as squares,
-    /// the largest first.
-    pub(crate) fn parts(&self, visit: &Visit, found: Option<&ErrorModel>) -> Option<(ErrorTerm, Vec<(Part, f64)>)> {
-        let bound = |term: &TermForecast| term.change.expanded_um.unwrap_or(0.0);
-        let terms = visit.forecast.terms.iter();
-        let term = terms.max_by(|a, b| bound(a).total_cmp(&bound(b)))?.term;
+    /// What makes so much of U of the least certain error of a term: parts that make it together as squares, the
+    /// largest first.
+    fn parts(
+        &self,
+        visit: &Visit,
+        term: ErrorTerm,
+        u_um: f64,
+        found: Option<&ErrorModel>,
+    ) -> Vec<(Part, f64)> {
         let mut parts = visit.expected.parts(self.job, term, found);
         let all: f64 = parts.iter().map(|(_, square)| square).sum();
-        let u_um = visit.at_most_um()?;
         parts.iter_mut().for_each(|(_, part)| *part = u_um * (*part / all).sqrt());
+        parts.retain(|(_, um)| *um >= SHOWN_UM);
         parts.sort_by(|a, b| b.1.total_cmp(&a.1));
-        Some((term, parts))
+        parts
     }
 
-    /// The three largest parts, in words.
-    pub(crate) fn largest_parts(&self, visit: &Visit, found: Option<&ErrorModel>) -> Vec<(String, f64)> {
-        let parts = self.parts(visit, found).map_or_else(Vec::new, |(_, parts)| parts);
-        let parts = parts.into_iter().filter(|(_, um)| *um >= SHOWN_UM).take(3);
-        parts.map(|(part, um)| (visit.words(part), um)).collect()
+    /// The three largest of them, in words.
+    pub(crate) fn largest_parts(
+        &self,
+        visit: &Visit,
+        term: ErrorTerm,
+        u_um: f64,
+        found: Option<&ErrorModel>,
+    ) -> Vec<Share> {
+        let parts = self.parts(visit, term, u_um, found).into_iter().take(3);
+        parts.map(|(part, um)| Share { what: visit.words(part), um: rounded(um, DIGITS) }).collect()
     }
 
-    /// Angles without a measurement that are stated, by what they do to U, the largest first.
-    pub(super) fn angles_by_size(&self, described: &Visit) -> Vec<Rotation> {
-        let parts = self.parts(described, None).map_or_else(Vec::new, |(_, parts)| parts);
-        let angle = |(part, um): (Part, f64)| match part {
-            Part::Angle(angle) if um > 0.0 => Some(angle),
+    /// The same of the term of a visit that is at most most.
+    pub(crate) fn decides(&self, visit: &Visit) -> Vec<Share> {
+        let parts = visit.forecast.least_certain().zip(visit.at_most_um());
+        parts.map_or_else(Vec::new, |(term, um)| self.largest_parts(visit, term.term, um, None))
+    }
+
+    /// What can be measured in addition: each linear axis, that angle of the stated ones that does most, all of them.
+    pub(super) fn additions(&self, described: &Visit) -> Vec<Variant> {
+        let one = |axis: Axis| self.described.with(&[axis], &[]);
+        let mut additions: Vec<Variant> = self.axes_open().into_iter().map(one).collect();
+        let term = described.forecast.least_certain();
+        let parts = term.map_or_else(Vec::new, |term| self.parts(described, term.term, 1.0, None));
+        let angle = |(part, _): &(Part, f64)| match part {
+            Part::Angle(angle) => Some(self.described.with(&[], &[*angle])),
             _ => None,
         };
-        parts.into_iter().filter_map(angle).collect()
+        additions.extend(parts.iter().find_map(angle));
+        let all = described.expected.unmeasured_angles();
+        additions.extend((!all.is_empty()).then(|| self.described.with(&[], &all)));
+        additions
     }
 
     /// How a variant is measured, with a table for each linear axis.

@@ -47,18 +47,59 @@ impl Variant {
         other
     }
 
-    pub(super) fn with(&self, linear: &[Axis]) -> Variant {
-        Variant { linear: linear.to_vec(), ..self.clone() }
+    pub(super) fn with(&self, linear: &[Axis], angles: &[Rotation]) -> Variant {
+        Variant { run: self.run.clone(), linear: linear.to_vec(), angles: angles.to_vec() }
     }
 
-    pub(super) fn with_angles(&self, angles: &[Rotation]) -> Variant {
-        Variant { angles: angles.to_vec(), ..self.clone() }
+    /// This, with what another one measures in addition.
+    pub(super) fn and(&self, other: &Variant) -> Variant {
+        let mut both = self.clone();
+        both.linear.extend(&other.linear);
+        both.angles.extend(&other.angles);
+        both.linear.sort();
+        both.linear.dedup();
+        both.angles.sort();
+        both.angles.dedup();
+        both
+    }
+
+    /// What it does otherwise.
+    pub(crate) fn change(&self, base: &Variant) -> String {
+        let [own, of_base] = [self, base].map(parts);
+        if self == base {
+            return format!("as described: {}", own.join(", "));
+        }
+        let linear = Axis::letters(&self.linear);
+        let linear = (!linear.is_empty()).then(|| format!("+ linear {linear}"));
+        let angles = match self.angles.as_slice() {
+            [] => None,
+            [one] => Some(format!("+ {one} measured")),
+            all => Some(format!("+ {} angles measured", all.len())),
+        };
+        let pairs = own.into_iter().zip(of_base);
+        let others = pairs.filter_map(|(own, base)| (own != base).then_some(own));
+        linear.into_iter().chain(angles).chain(others).collect::<Vec<_>>().join(", ")
     }
 
     /// Largest distance of two targets of an axis, mm.
     pub(crate) fn target_spacing_mm(&self) -> f64 {
         Axis::ALL.map(|axis| self.run.volume.step_mm(axis)).into_iter().fold(0.0, larger)
     }
+}
+
+/// Steps, passes and runs of a variant.
+fn parts(variant: &Variant) -> [String; 3] {
+    let run = &variant.run;
+    let back = match run.runs_over() {
+        None => "one direction",
+        Some(true) => "return pass after overrun",
+        Some(false) => "return pass without overrun",
+    };
+    let runs = match run.runs {
+        1 => "1 run".to_string(),
+        runs => format!("{runs} runs"),
+    };
+    [format!("{} steps", run.volume.steps), back.to_string(), runs]
 }
 
 /// What a variant costs and gives.

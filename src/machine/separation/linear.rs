@@ -272,37 +272,44 @@ impl Model {
         [weighed(&self.noise), weighed(&self.other)]
     }
 
-    /// What the variance of a figure is made of; angles for the order of the axes with which they make most.
+    /// What the variance of a figure is made of: by how much it is less without each cause.
     pub(super) fn parts(&self, row: &Row) -> Vec<(Part, f64)> {
-        let row = self.dense(row);
-        let effects = self.by_column(&row);
-        let square = |at: usize| effects[at].squared();
-        let noise: f64 = row.iter().zip(&self.noise).map(|(w, v)| w * w * v).sum();
-        let setup = self.setup_ppm.squared();
-        let on_lines = (0..self.layout.lines).map(|line| {
-            let place = self.layout.line(line);
-            (line, row[place].squared(), self.other[place] - setup)
-        });
-        let setups: f64 = self.setups.clone().map(square).sum();
-        let common = effects[self.setups.clone()].iter().sum::<f64>().squared();
-        let of_lines: f64 = on_lines.clone().map(|(_, square, _)| square).sum();
-        let mut parts = vec![
-            (Part::Noise, noise),
-            (Part::Laser, self.strains.clone().map(square).sum()),
-            (Part::Mirror, self.tilts.clone().map(square).sum()),
-            (Part::SetUps, setup * (setups + of_lines)),
-            (Part::Beam, self.beam_ppm.squared() * (setups + common)),
-        ];
-        parts.extend(on_lines.map(|(line, square, own)| (Part::Line(line), square * own)));
-        let sum = |order: &&Vec<usize>| order.iter().map(|at| square(*at)).sum::<f64>();
-        let worst = self.angles.iter().max_by(|a, b| sum(a).total_cmp(&sum(b)));
-        for (at, angle) in worst.into_iter().flatten().filter_map(|at| Some((at, self.rotations[*at]?))) {
-            match parts.iter_mut().find(|(part, _)| *part == Part::Angle(angle)) {
-                Some((_, sum)) => *sum += square(*at),
-                None => parts.push((Part::Angle(angle), square(*at))),
+        let causes = [Part::Noise, Part::Laser, Part::Mirror, Part::SetUps, Part::Beam];
+        let angles = self.unmeasured().into_iter().map(Part::Angle);
+        let lines = (0..self.layout.lines).map(Part::Line);
+        let all = self.variance(row).all;
+        let of = |cause: Part| (cause, all - self.without(cause).variance(row).all);
+        causes.into_iter().chain(lines).chain(angles).map(of).collect()
+    }
+
+    /// Angles that count without a measurement.
+    pub(super) fn unmeasured(&self) -> Vec<Rotation> {
+        let mut angles: Vec<Rotation> = self.rotations.iter().flatten().copied().collect();
+        angles.sort();
+        angles.dedup();
+        angles
+    }
+
+    /// The same with one cause less.
+    fn without(&self, cause: Part) -> Model {
+        let mut model = self.clone();
+        let lines = self.layout.line(0)..self.layout.neglected(0);
+        match cause {
+            Part::Noise => model.noise.fill(0.0),
+            Part::Laser => model.strains = 0..0,
+            Part::Mirror => model.tilts = 0..0,
+            Part::SetUps => {
+                model.other[lines].iter_mut().for_each(|v| *v -= self.setup_ppm.squared());
+                model.setup_ppm = 0.0;
+            }
+            Part::Beam => model.beam_ppm = 0.0,
+            Part::Line(index) => model.other[self.layout.line(index)] = self.setup_ppm.squared(),
+            Part::Angle(angle) => {
+                let stays = |at: &usize| self.rotations[*at] != Some(angle);
+                model.angles.iter_mut().for_each(|order| order.retain(stays));
             }
         }
-        parts
+        model
     }
 
     fn combined(&self, [noise, other]: [f64; 2], effects: &[f64]) -> Variance {

@@ -1,0 +1,200 @@
+//! What keeps a limit from being decided, and the cheapest measurements that decide it, with what each would
+//! come to: computed as `plan` computes it, for the noise that was found.
+
+use super::compared::{MOST_RUNS, cheapest, fewest_runs, together};
+use super::design::Design;
+use super::variant::Visit;
+use crate::inputs::job::Job;
+use crate::judge::conformity::Verdict;
+use crate::judge::forecast::Forecast;
+use crate::machine::model::ErrorModel;
+use crate::machine::separation::joint::Found;
+use crate::machine::separation::table::ErrorSource;
+use crate::quantity::units::rounded;
+use serde::Serialize;
+use std::fmt;
+
+/// Digits of a figure that many draws have made, µm.
+pub(super) const DIGITS: u32 = 4;
+/// Acts that are told.
+const MOST: usize = 3;
+/// Share of the visits that have to come to an answer before it is promised.
+const SURE: f64 = 0.9;
+/// So many standard deviations an estimated noise may be larger the next time: 90 %.
+const ROOM: f64 = 1.28;
+
+/// What decides.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct WhatDecides {
+    /// The error that is at most most.
+    pub term: String,
+    /// What is left of it, µm.
+    pub left_um: f64,
+    /// What the largest of all errors is at most, µm: the smallest limit that these data prove.
+    pub at_most_um: f64,
+    /// The largest parts of what is between them, µm; they add as squares.
+    pub parts: Vec<Share>,
+    /// The cheapest acts.
+    pub acts: Vec<Act>,
+}
+
+/// A part of U.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// What makes it.
+    pub what: String,
+    /// As much of U, µm.
+    pub um: f64,
+}
+
+/// Something to measure, or to make.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Act {
+    /// What to do.
+    pub what: String,
+    /// Time that it takes at the machine, min; `None` = nothing is measured.
+    pub minutes: Option<f64>,
+    /// What the largest of all errors would be at most, µm.
+    pub at_most_um: f64,
+    /// `pass` or `fail` where that can be counted on, `undecided` where it cannot.
+    pub verdict: &'static str,
+}
+
+/// Figures to be decided: of a forecast, or of a machine as left.
+#[derive(Clone, Copy)]
+pub(crate) struct Judged<'a> {
+    /// The job of the measurement behind them, with the limits.
+    pub(crate) job: &'a Job,
+    /// What it found.
+    pub(crate) errors: &'a ErrorSource,
+    pub(crate) figures: &'a Forecast,
+    /// What was measured after loading, and what the points of the tables leave, µm.
+    pub(crate) as_left: Option<(&'a ErrorModel, f64)>,
+}
+
+impl Judged<'_> {
+    /// What decides; `None` where all is decided, where a statement is missing, and of errors that were not
+    /// separated from readings.
+    pub(crate) fn what_decides(&self) -> Option<WhatDecides> {
+        let ErrorSource::Separated { separation, .. } = self.errors else { return None };
+        let is_silent = !self.figures.silence.not_stated.is_empty();
+        let verdict = self.figures.verdict(self.job.acceptance);
+        if verdict == Verdict::Pass || is_silent || self.job.acceptance.max_deviation_um.is_none() {
+            return None;
+        }
+        let design = Design::made(self.job, separation).ok()?;
+        let described = design.visit(design.described().clone()).ok()?;
+        let decides = self.figures.least_certain()?;
+        let left_um = decides.change.after_um;
+        let (u_um, errors) = match self.as_left {
+            None => (self.figures.max_expanded_um()?, None),
+            Some((errors, _)) => (decides.change.at_most_um? - left_um, Some(errors)),
+        };
+        let mut acts: Vec<Act> = self.new_tables(&described).into_iter().collect();
+        if verdict == Verdict::Undecided {
+            acts.extend(self.measurements(&design, &described));
+        }
+        acts.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
+        acts.truncate(MOST);
+        Some(WhatDecides {
+            term: decides.term.to_string(),
+            left_um: rounded(left_um, DIGITS),
+            at_most_um: rounded(self.figures.all_at_most_um()?, DIGITS),
+            parts: design.largest_parts(&described, decides.term, u_um, errors),
+            acts,
+        })
+    }
+
+    /// What was measured after loading gives better tables.
+    fn new_tables(&self, described: &Visit) -> Option<Act> {
+        let at_most_um = self.as_left?.1 + described.at_most_um()?;
+        let is_kept = at_most_um <= self.job.acceptance.max_deviation_um?;
+        let verdict = if is_kept { Verdict::Pass } else { Verdict::Undecided };
+        Some(Act::new("new tables from this measurement".into(), None, (at_most_um, verdict)))
+    }
+
+    /// More runs, linear axes, angles; where none of them decides, the cheapest of all together that does.
+    fn measurements(&self, design: &Design<'_>, described: &Visit) -> Vec<Act> {
+        let own = &described.variant;
+        let answer = |visit: &Visit| self.answer(design, described, visit);
+        let decides = |visit: &Visit| answer(visit).is_some_and(|of| of.1 != Verdict::Undecided);
+        let additions = design.additions(described);
+        let visit = |variant| design.visit(variant).ok();
+        let runs = fewest_runs(design, own, decides).or_else(|| visit(own.in_runs(MOST_RUNS)));
+        let mut visits: Vec<Visit> =
+            additions.iter().cloned().filter_map(visit).chain(runs).collect();
+        if !visits.iter().any(decides) {
+            visits.extend(cheapest(design, &together(own, &additions), decides));
+        }
+        visits.retain(|visit| visit.variant != *own);
+        let act = |visit: &Visit| {
+            let again = visit.variant.run.runs > own.run.runs;
+            let minutes = visit.minutes - if again { 0.0 } else { described.minutes };
+            Some(Act::new(visit.variant.change(own), Some(minutes.round()), answer(visit)?))
+        };
+        visits.iter().filter_map(act).collect()
+    }
+
+    /// What the largest of all errors is at most after a measurement, and the verdict that can be counted on.
+    fn answer(&self, design: &Design<'_>, own: &Visit, visit: &Visit) -> Option<(f64, Verdict)> {
+        let rule = design.rule(&visit.forecast)?;
+        if let Some((errors, _)) = self.as_left {
+            let runs = [own, visit].map(|visit| f64::from(visit.variant.run.runs));
+            let noise = (runs[1] > runs[0]).then(|| (runs[1] / runs[0]).sqrt());
+            let found = Found { errors, noise };
+            let outlook = visit.expected.outlook(self.job, Some(found), rule)?;
+            let verdict = match (outlook.passes >= SURE, outlook.fails >= SURE) {
+                (true, _) => Verdict::Pass,
+                (_, true) => Verdict::Fail,
+                _ => Verdict::Undecided,
+            };
+            return Some((outlook.at_most_um, verdict));
+        }
+        let u_um = self.figures.max_expanded_um()?;
+        let left_um = self.figures.all_at_most_um()? - u_um;
+        let u_um = u_um * visit.at_most_um()? / own.at_most_um()?;
+        let freedom = visit.expected.noise.and_then(|noise| noise.freedom_f64());
+        let room = freedom.map_or(0.0, |freedom| ROOM / (2.0 * freedom).sqrt());
+        let is_kept = left_um + u_um * (1.0 + room) <= rule.limit_um;
+        Some((left_um + u_um, if is_kept { Verdict::Pass } else { Verdict::Undecided }))
+    }
+}
+
+impl Act {
+    fn new(what: String, minutes: Option<f64>, (at_most_um, verdict): (f64, Verdict)) -> Act {
+        Act { what, minutes, at_most_um: rounded(at_most_um, DIGITS), verdict: verdict.word() }
+    }
+
+    /// What passes by its time, then what fails, then what is at most least.
+    fn rank(&self) -> f64 {
+        match self.verdict {
+            "pass" => self.minutes.unwrap_or(0.0),
+            "fail" => 1e6,
+            _ => 1e7 + self.at_most_um,
+        }
+    }
+}
+
+/// Parts in words.
+pub(crate) fn listed(parts: &[Share]) -> String {
+    let parts: Vec<String> =
+        parts.iter().map(|of| format!("{} {:.2} µm", of.what, of.um)).collect();
+    format!("{} (they add as squares)", parts.join(", "))
+}
+
+impl fmt::Display for WhatDecides {
+    /// A line for what decides, one for each act, one for what is proved.
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let WhatDecides { term, left_um, at_most_um, .. } = self;
+        write!(
+            out,
+            "what decides: {term}, {left_um:.3} µm left; beside it {}",
+            listed(&self.parts)
+        )?;
+        for Act { what, minutes, at_most_um, verdict } in &self.acts {
+            let minutes = minutes.map_or(String::new(), |minutes| format!(" ({minutes:.0} min)"));
+            write!(out, "\n  {what}{minutes}: at most {at_most_um:.3} µm: {verdict}")?;
+        }
+        write!(out, "\n  the smallest limit that these data prove is {at_most_um:.3} µm")
+    }
+}
