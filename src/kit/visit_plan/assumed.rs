@@ -18,9 +18,6 @@ findings! {
         };
         Time { feed_mm_per_min: f64, dwell_s: f64, diagonal_min: f64, linear_min: f64 } => Label, "time: {feed_mm_per_min} mm/min, standstill {dwell_s} s, set-up {diagonal_min} min a diagonal, {linear_min} min a linear axis; no warm-up";
         Optics { circle_mm: f64 } => Label, "optics: flat mirror of {circle_mm:.1} mm and the diameter of the beam; retroreflector for linear axes";
-        OfAll => Label, "U of all: with 95 % no value of the nine errors is off by more, in each direction that is told apart, which is the smallest `max_deviation_um` that can be passed";
-        Steps => Label, "steps: a curve is the sum of its steps, and each adds the noise of its own readings, so U grows with the square root of their number; more steps show shorter errors, more runs lower U";
-        Reached => Label, "reached: all wanted errors with U of all values together in the limits, before what tables leave";
         NoU { terms: String } => Note, "U is not known for {terms}: with `setup = \"assume-perfect\"` state `tilt_arcsec`, or solve for the set-up; a beam needs `u_um_per_m`";
         OneDirection => Note, "one direction only: the reversal of every axis is mixed into the curves, and U does not hold it";
     }
@@ -44,8 +41,7 @@ impl Design<'_> {
         let optics = described.mirror.map(|mirror| Assumed::Optics { circle_mm: mirror.circle_mm });
         let own = [linear, time].into_iter().chain(optics);
         let all = self.of_instrument(described).into_iter().chain(own);
-        let words = [Assumed::OfAll, Assumed::Steps, Assumed::Reached];
-        all.chain(words).map(Finding::from).collect()
+        all.map(Finding::from).collect()
     }
 
     /// Standard uncertainty of the slope of each axis: as the job states it, else as the laser gives it.

@@ -1,7 +1,7 @@
 //! What the job says of the visit, and what one variant of it costs and gives.
 
 use super::variant::{Variant, Visit, expanded_um};
-use super::what_decides::{DIGITS, Share};
+use super::what_decides::Share;
 use crate::inputs::error_table::{ErrorTable, write};
 use crate::inputs::job::{
     Acceptance, DiagonalMeasurement, Frame, GridRequest, Job, Linear, LinearSlope, MeasuredData,
@@ -11,11 +11,10 @@ use crate::judge::after::alone;
 use crate::judge::forecast::Forecast;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
-use crate::machine::separation::joint::Rule;
 use crate::machine::separation::{Instrument, Part, Separation, expected, linear_axis, table};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::quantity::units::{Millimetres, larger, rounded};
+use crate::quantity::units::Millimetres;
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use crate::write::program::motion;
@@ -88,12 +87,8 @@ impl<'a> Design<'a> {
         run.volume = found.volume.clone();
         run.runs = found.runs.iter().map(|run| run.number).max().unwrap_or(1);
         run.bidirectional = found.means.reverse.is_some();
-        if let Some(overrun) = found.overrun {
-            run.overrun =
-                Millimetres::new(if overrun { larger(run.overrun.mm(), 1.0) } else { 0.0 });
-        }
-        let sigma_um = found.noise.map(|noise| noise.sigma_um);
-        design.instrument.noise_um = sigma_um.unwrap_or(design.instrument.noise_um);
+        run.overrun = Millimetres::new(f64::from(found.overrun != Some(false)));
+        design.instrument.noise_um = found.noise.map_or(NOISE_UM, |noise| noise.sigma_um);
         design.unmeasured = Some(found.unmeasured_angles());
         for (index, linear) in design.measurement.linear.iter_mut().enumerate() {
             linear.u_um_per_m = Some(found.u_of_line(index));
@@ -157,15 +152,14 @@ impl<'a> Design<'a> {
 
     /// The spacing of each axis that tables need where the targets lie farther apart than their points, mm.
     pub(crate) fn other_grid(&self, variant: &Variant) -> Option<PerAxis<f64>> {
-        let needed = |of: &Variant| {
-            let step = PerAxis::from_fn(|axis| of.run.volume.step_mm(axis));
-            let is_wider = |axis: Axis| {
-                let own = self.job.compensation.axes[axis].as_ref().and_then(|own| own.grid);
-                matches!(own, Some(GridRequest::Spacing(mm)) if step[axis] > mm + WHOLE_MM)
-            };
-            Axis::ALL.into_iter().any(is_wider).then_some(step)
+        let volume = &variant.run.volume;
+        let step = PerAxis::from_fn(|axis| volume.step_mm(axis));
+        let is_wider = |axis: Axis| {
+            let own = self.job.compensation.axes[axis].as_ref().and_then(|own| own.grid);
+            matches!(own, Some(GridRequest::Spacing(mm)) if step[axis] > mm + WHOLE_MM)
         };
-        needed(variant).filter(|_| variant.run.volume.steps < self.described.run.volume.steps)
+        let is_coarser = volume.steps < self.described.run.volume.steps;
+        (is_coarser && Axis::ALL.into_iter().any(is_wider)).then_some(step)
     }
 
     /// Motion, standstills and set-ups of a variant, min.
@@ -212,58 +206,40 @@ impl<'a> Design<'a> {
     /// a statement is missing.
     pub(super) fn chance(&self, visit: &Visit) -> Option<f64> {
         let is_known = visit.open.is_empty() && visit.expected.silence.not_stated.is_empty();
-        let rule = self.rule(&visit.forecast).filter(|_| is_known)?;
-        Some(visit.expected.outlook(self.job, None, rule)?.passes)
+        let limit_um = self.job.acceptance.max_deviation_um.filter(|_| is_known)?;
+        Some(visit.expected.outlook(self.job, None, limit_um)?.1)
     }
 
-    /// How the values of a measurement are judged; `None` = no limit.
-    pub(super) fn rule(&self, forecast: &Forecast) -> Option<Rule> {
-        let values = forecast.terms.iter().map(|term| term.figures.len()).sum();
-        let (one_sided, joint) = (forecast.sigma.one_sided(), forecast.sigma.joint(values));
-        Some(Rule { one_sided, joint, limit_um: self.job.acceptance.max_deviation_um? })
-    }
-
-    /// What makes so much of U of the least certain error of a term: parts that make it together as squares, the
-    /// largest first.
-    fn parts(
+    /// What makes U of the largest of all in a forecast, else that of the error that was found to be at most most:
+    /// parts in µm that make it together as squares, the largest first.
+    pub(super) fn parts(
         &self,
         visit: &Visit,
-        term: ErrorTerm,
-        u_um: f64,
+        figures: &Forecast,
         found: Option<&ErrorModel>,
-    ) -> Vec<(Part, f64)> {
-        let mut parts = visit.expected.parts(self.job, term, found);
+    ) -> Option<Vec<(Part, f64)>> {
+        let worst = figures.least_certain()?;
+        let own_um = worst.change.at_most_um? - worst.change.after_um;
+        let u_um = found.map_or_else(|| figures.max_expanded_um(), |_| Some(own_um))?;
+        let mut parts = visit.expected.parts(self.job, worst.term, found);
         let all: f64 = parts.iter().map(|(_, square)| square).sum();
         parts.iter_mut().for_each(|(_, part)| *part = u_um * (*part / all).sqrt());
         parts.retain(|(_, um)| *um >= SHOWN_UM);
         parts.sort_by(|a, b| b.1.total_cmp(&a.1));
-        parts
+        Some(parts)
     }
 
-    /// The three largest of them, in words.
-    pub(crate) fn largest_parts(
-        &self,
-        visit: &Visit,
-        term: ErrorTerm,
-        u_um: f64,
-        found: Option<&ErrorModel>,
-    ) -> Vec<Share> {
-        let parts = self.parts(visit, term, u_um, found).into_iter().take(3);
-        parts.map(|(part, um)| Share { what: visit.words(part), um: rounded(um, DIGITS) }).collect()
-    }
-
-    /// The same of the term of a visit that is at most most.
+    /// The three largest of a visit before it is made, in words.
     pub(crate) fn decides(&self, visit: &Visit) -> Vec<Share> {
-        let parts = visit.forecast.least_certain().zip(visit.at_most_um());
-        parts.map_or_else(Vec::new, |(term, um)| self.largest_parts(visit, term.term, um, None))
+        let parts = self.parts(visit, &visit.forecast, None);
+        visit.largest(parts.unwrap_or_default())
     }
 
     /// What can be measured in addition: each linear axis, that angle of the stated ones that does most, all of them.
     pub(super) fn additions(&self, described: &Visit) -> Vec<Variant> {
         let one = |axis: Axis| self.described.with(&[axis], &[]);
         let mut additions: Vec<Variant> = self.axes_open().into_iter().map(one).collect();
-        let term = described.forecast.least_certain();
-        let parts = term.map_or_else(Vec::new, |term| self.parts(described, term.term, 1.0, None));
+        let parts = self.parts(described, &described.forecast, None).unwrap_or_default();
         let angle = |(part, _): &(Part, f64)| match part {
             Part::Angle(angle) => Some(self.described.with(&[], &[*angle])),
             _ => None,

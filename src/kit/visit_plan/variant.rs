@@ -1,11 +1,12 @@
 //! One way to make a visit, and what it costs and gives.
 
+use super::what_decides::{DIGITS, Share};
 use crate::inputs::job::{Acceptance, ProgramRequest};
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, JudgedRange};
 use crate::machine::separation::{MeasuredLine, Part, Separation};
 use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
-use crate::quantity::units::{Millimetres, larger};
+use crate::quantity::units::{Millimetres, larger, rounded};
 use crate::write::program::MirrorSize;
 
 /// One way to make the visit.
@@ -134,8 +135,13 @@ impl Visit {
         self.forecast.all_at_most_um()
     }
 
-    /// A cause of uncertainty in words.
-    pub(crate) fn words(&self, part: Part) -> String {
+    /// The three largest parts of U, in words.
+    pub(super) fn largest(&self, parts: Vec<(Part, f64)>) -> Vec<Share> {
+        let three = parts.into_iter().take(3);
+        three.map(|(part, um)| Share { what: self.words(part), um: rounded(um, DIGITS) }).collect()
+    }
+
+    fn words(&self, part: Part) -> String {
         let words = match part {
             Part::Noise => "noise of the readings",
             Part::Laser => "scale of the laser",

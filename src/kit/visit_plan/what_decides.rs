@@ -8,7 +8,6 @@ use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
 use crate::machine::model::ErrorModel;
-use crate::machine::separation::joint::Found;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::units::rounded;
 use serde::Serialize;
@@ -56,7 +55,7 @@ pub struct Act {
     pub minutes: Option<f64>,
     /// What the largest of all errors would be at most, µm.
     pub at_most_um: f64,
-    /// `pass` or `fail` where that can be counted on, `undecided` where it cannot.
+    /// `pass` where that can be counted on, `undecided` where it cannot.
     pub verdict: &'static str,
 }
 
@@ -84,12 +83,9 @@ impl Judged<'_> {
         }
         let design = Design::made(self.job, separation).ok()?;
         let described = design.visit(design.described().clone()).ok()?;
-        let decides = self.figures.least_certain()?;
-        let left_um = decides.change.after_um;
-        let (u_um, errors) = match self.as_left {
-            None => (self.figures.max_expanded_um()?, None),
-            Some((errors, _)) => (decides.change.at_most_um? - left_um, Some(errors)),
-        };
+        let worst = self.figures.least_certain()?;
+        let parts =
+            design.parts(&described, self.figures, self.as_left.map(|(errors, _)| errors))?;
         let mut acts: Vec<Act> = self.new_tables(&described).into_iter().collect();
         if verdict == Verdict::Undecided {
             acts.extend(self.measurements(&design, &described));
@@ -97,10 +93,10 @@ impl Judged<'_> {
         acts.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
         acts.truncate(MOST);
         Some(WhatDecides {
-            term: decides.term.to_string(),
-            left_um: rounded(left_um, DIGITS),
+            term: worst.term.to_string(),
+            left_um: rounded(worst.change.after_um, DIGITS),
             at_most_um: rounded(self.figures.all_at_most_um()?, DIGITS),
-            parts: design.largest_parts(&described, decides.term, u_um, errors),
+            parts: described.largest(parts),
             acts,
         })
     }
@@ -116,7 +112,7 @@ impl Judged<'_> {
     /// More runs, linear axes, angles; where none of them decides, the cheapest of all together that does.
     fn measurements(&self, design: &Design<'_>, described: &Visit) -> Vec<Act> {
         let own = &described.variant;
-        let answer = |visit: &Visit| self.answer(design, described, visit);
+        let answer = |visit: &Visit| self.answer(described, visit);
         let decides = |visit: &Visit| answer(visit).is_some_and(|of| of.1 != Verdict::Undecided);
         let additions = design.additions(described);
         let visit = |variant| design.visit(variant).ok();
@@ -136,27 +132,21 @@ impl Judged<'_> {
     }
 
     /// What the largest of all errors is at most after a measurement, and the verdict that can be counted on.
-    fn answer(&self, design: &Design<'_>, own: &Visit, visit: &Visit) -> Option<(f64, Verdict)> {
-        let rule = design.rule(&visit.forecast)?;
+    fn answer(&self, own: &Visit, visit: &Visit) -> Option<(f64, Verdict)> {
+        let limit_um = self.job.acceptance.max_deviation_um?;
+        let answer = |um, is_kept| (um, if is_kept { Verdict::Pass } else { Verdict::Undecided });
         if let Some((errors, _)) = self.as_left {
             let runs = [own, visit].map(|visit| f64::from(visit.variant.run.runs));
             let noise = (runs[1] > runs[0]).then(|| (runs[1] / runs[0]).sqrt());
-            let found = Found { errors, noise };
-            let outlook = visit.expected.outlook(self.job, Some(found), rule)?;
-            let verdict = match (outlook.passes >= SURE, outlook.fails >= SURE) {
-                (true, _) => Verdict::Pass,
-                (_, true) => Verdict::Fail,
-                _ => Verdict::Undecided,
-            };
-            return Some((outlook.at_most_um, verdict));
+            let (um, passes) = visit.expected.outlook(self.job, Some((errors, noise)), limit_um)?;
+            return Some(answer(um, passes >= SURE));
         }
         let u_um = self.figures.max_expanded_um()?;
         let left_um = self.figures.all_at_most_um()? - u_um;
         let u_um = u_um * visit.at_most_um()? / own.at_most_um()?;
         let freedom = visit.expected.noise.and_then(|noise| noise.freedom_f64());
         let room = freedom.map_or(0.0, |freedom| ROOM / (2.0 * freedom).sqrt());
-        let is_kept = left_um + u_um * (1.0 + room) <= rule.limit_um;
-        Some((left_um + u_um, if is_kept { Verdict::Pass } else { Verdict::Undecided }))
+        Some(answer(left_um + u_um, left_um + u_um * (1.0 + room) <= limit_um))
     }
 }
 
@@ -165,13 +155,10 @@ impl Act {
         Act { what, minutes, at_most_um: rounded(at_most_um, DIGITS), verdict: verdict.word() }
     }
 
-    /// What passes by its time, then what fails, then what is at most least.
+    /// What passes by its time, then what is at most least.
     fn rank(&self) -> f64 {
-        match self.verdict {
-            "pass" => self.minutes.unwrap_or(0.0),
-            "fail" => 1e6,
-            _ => 1e7 + self.at_most_um,
-        }
+        let passes = self.verdict == Verdict::Pass.word();
+        if passes { self.minutes.unwrap_or(0.0) } else { 1e6 + self.at_most_um }
     }
 }
 

@@ -9,7 +9,6 @@
 
 mod outlook;
 
-pub(crate) use self::outlook::{Found, Rule};
 use super::curves::Curve;
 use super::linear::CurveRows;
 use super::noise::float;

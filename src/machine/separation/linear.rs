@@ -197,22 +197,6 @@ impl Model {
 
     /// What is off in z in one draw: the noise so many times as large as estimated; these angles.
     pub(super) fn draw(&self, noise: f64, angles: &[usize], random: &mut ChaCha8Rng) -> Vec<f64> {
-        let mut z = self.draw_new(noise, random);
-        self.add_angles(&mut z, angles, random);
-        z
-    }
-
-    /// Adds what angles do in one draw: uniform, with a standard deviation of 1.
-    pub(super) fn add_angles(&self, z: &mut [f64], angles: &[usize], random: &mut ChaCha8Rng) {
-        for at in angles {
-            let share: f64 = StandardUniform.sample(random);
-            let share = 12_f64.sqrt() * (share - 0.5);
-            z.iter_mut().zip(&self.columns[*at]).for_each(|(z, part)| *z += share * part);
-        }
-    }
-
-    /// What is off in one draw beside angles: they stay, all else is new each time.
-    pub(super) fn draw_new(&self, noise: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let each = self.noise.iter().zip(&self.other);
         let spread = each.map(|(own, other)| (own * noise * noise + other).sqrt());
@@ -222,6 +206,12 @@ impl Model {
         let mut shares = vec![0.0; self.columns.len()];
         self.strains.clone().chain(self.tilts.clone()).for_each(|at| shares[at] = normal());
         self.setups.clone().for_each(|at| shares[at] = common + own * normal());
+        // Uniform, with a standard deviation of 1.
+        let even = |random: &mut ChaCha8Rng| {
+            let share: f64 = StandardUniform.sample(random);
+            12_f64.sqrt() * (share - 0.5)
+        };
+        angles.iter().for_each(|at| shares[*at] = even(random));
         for (share, column) in shares.iter().zip(&self.columns).filter(|(share, _)| **share != 0.0)
         {
             z.iter_mut().zip(column).for_each(|(z, part)| *z += share * part);

@@ -11,7 +11,7 @@ use super::{Curve, Table, at, float};
 use crate::inputs::job::Job;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::linear::{Part, Row, Variance};
-use crate::machine::separation::noise::NORMAL_ONE_SIDED;
+use crate::machine::separation::noise::student;
 use crate::machine::separation::separate::Separation;
 use crate::machine::separation::table::directions;
 use crate::quantity::axis::{Direction, ErrorTerm, Rotation};
@@ -26,31 +26,12 @@ const VISITS: usize = 400;
 const BIASES: usize = 100;
 const SEED: u64 = 29;
 
-/// What a measurement after loading found.
-#[derive(Clone, Copy)]
-pub(crate) struct Found<'a> {
-    pub(crate) errors: &'a ErrorModel,
-    /// Its noise by that of the next one; `None` = its readings stay.
-    pub(crate) noise: Option<f64>,
-}
+/// What a measurement after loading found; its noise by that of the next one, `None` = its readings stay.
+pub(crate) type Found<'a> = (&'a ErrorModel, Option<f64>);
 
-/// What the next measurement after loading will say.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Outlook {
-    /// What the largest of all errors is then at most, in half of the visits, µm.
-    pub(crate) at_most_um: f64,
-    /// Share of the visits that pass, and of those that fail.
-    pub(crate) passes: f64,
-    pub(crate) fails: f64,
-}
-
-/// How values are judged: factors of u for a pass and for a fail, the limit.
-#[derive(Clone, Copy)]
-pub(crate) struct Rule {
-    pub(crate) one_sided: f64,
-    pub(crate) joint: f64,
-    pub(crate) limit_um: f64,
-}
+/// What the largest of all errors is at most in half of the visits, µm; the share of visits in which it is no
+/// more than the limit.
+pub(crate) type Outlook = (f64, f64);
 
 impl Separation {
     /// What the next measurement after loading will say, if it is made like this one; `None` where an uncertainty
@@ -59,10 +40,10 @@ impl Separation {
         &self,
         job: &Job,
         found: Option<Found<'_>>,
-        rule: Rule,
+        limit_um: f64,
     ) -> Option<Outlook> {
         let table = Table::new(self, job, &directions(self, job));
-        table.is_known().then(|| table.outlook(job, found, rule))
+        table.is_known().then(|| table.outlook(found, limit_um))
     }
 
     /// Angles that count without a measurement.
@@ -84,12 +65,12 @@ impl Separation {
         errors: Option<&ErrorModel>,
     ) -> Vec<(Part, f64)> {
         let table = Table::new(self, job, &directions(self, job));
-        let values = table.values(errors).into_iter();
-        let u = table.variances(|v, lacks| v.all + lacks).into_iter().map(f64::sqrt);
-        let at_most = values.zip(u).map(|(um, u)| um.abs() + NORMAL_ONE_SIDED * u).enumerate();
+        let u = table.variances(true, |v| v.all);
+        let both = table.values(errors).into_iter().zip(u).enumerate();
         let points = self.volume.steps + 1;
-        let own = at_most.filter(|(place, _)| table.curves[place / points].term == term);
-        let worst = own.max_by(|a, b| a.1.total_cmp(&b.1));
+        let own = both.filter(|(place, _)| table.curves[place / points].term == term);
+        let at_most = own.map(|(place, (um, u2))| (place, um.abs() + 2.0 * u2.sqrt()));
+        let worst = at_most.max_by(|a, b| a.1.total_cmp(&b.1));
         worst.map_or_else(Vec::new, |(place, _)| {
             self.model.parts(&table.row(place / points, place % points))
         })
@@ -122,13 +103,13 @@ impl Table<'_> {
         row
     }
 
-    /// Something of u² of each value without angles, its reference included.
-    fn variances(&self, of: impl Fn(&Variance, f64) -> f64) -> Vec<f64> {
+    /// Something of u² of each value, its reference included, with angles or without.
+    fn variances(&self, angles: bool, of: impl Fn(Variance) -> f64) -> Vec<f64> {
         let mut model = self.of.model.clone();
-        model.angles.clear();
+        model.angles.retain(|_| angles);
         let own = self.curves.iter().map(|curve| {
-            let all = curve.rows.variances(&model);
-            all.iter().map(|v| of(v, curve.lacks_um.squared())).collect()
+            let all = curve.rows.variances(&model).into_iter();
+            all.map(|v| of(Variance { all: v.all + curve.lacks_um.squared(), ..v })).collect()
         });
         self.flat(&own.collect::<Vec<Curve>>(), 1.0)
     }
@@ -145,50 +126,35 @@ impl Table<'_> {
         each.collect()
     }
 
-    /// Which values stand in the part of their axis that is judged.
-    fn judged(&self, job: &Job) -> Vec<bool> {
-        let each = self.curves.iter().flat_map(|curve| {
-            let (volume, axis) = (&self.of.volume, curve.term.along);
-            let (range, half) = (job.acceptance.range[axis], volume.step_mm(axis) / 2.0);
-            let is_inside = move |mm: f64| {
-                range.is_none_or(|(low, high)| mm > low.mm() - half && mm < high.mm() + half)
-            };
-            volume.positions(axis).into_iter().map(move |place| is_inside(place.mm()))
-        });
-        each.collect()
+    /// Errors that are drawn: what angles do, or all else with so many times the noise.
+    fn errors(&self, angles: bool, noise: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
+        let (model, mut same) = (&self.of.model, random.clone());
+        let mut z = model.draw(noise, &[], random);
+        if angles {
+            let order = model.angles.first().map_or(&[][..], Vec::as_slice);
+            let both = model.draw(noise, order, &mut same).into_iter().zip(z);
+            z = both.map(|(both, without)| both - without).collect();
+            let curves = self.curves.iter().map(|of| of.rows.values(&z, of.rows.line.dot(&z)));
+            return self.flat(&curves.collect::<Vec<Curve>>(), -1.0);
+        }
+        self.flat(&self.of_entries(&z, random), -1.0)
     }
 
-    fn outlook(&self, job: &Job, found: Option<Found<'_>>, rule: Rule) -> Outlook {
-        let model = &self.of.model;
+    fn outlook(&self, found: Option<Found<'_>>, limit_um: f64) -> Outlook {
         let random = |number: usize| {
             let mut random = ChaCha8Rng::seed_from_u64(SEED);
             random.set_stream(number as u64);
             random
         };
-        let errors = |noise: f64, random: &mut ChaCha8Rng| {
-            let z = model.draw_new(noise, random);
-            self.flat(&self.of_entries(&z, random), -1.0)
-        };
-        let angles = model.angles.first();
-        let bias = |number: usize| {
-            let mut z = vec![0.0; model.noise.len()];
-            model.add_angles(&mut z, angles.map_or(&[], Vec::as_slice), &mut random(number));
-            let values = |rows: &super::CurveRows| rows.values(&z, rows.line.dot(&z));
-            self.flat(
-                &self.curves.iter().map(|curve| values(&curve.rows)).collect::<Vec<_>>(),
-                -1.0,
-            )
-        };
+        let biases = if self.of.model.angles.is_empty() { 1 } else { BIASES };
         let biases: Vec<Vec<f64>> =
-            (0..if angles.is_some() { BIASES } else { 1 }).map(bias).collect();
+            (0..biases).map(|bias| self.errors(true, 1.0, &mut random(bias))).collect();
         let (noise, rest) =
-            (self.variances(|v, _| v.noise), self.variances(|v, lacks| v.all - v.noise + lacks));
-        let judged = self.judged(job);
-        let values = self.values(found.map(|found| found.errors));
-        let again = found.and_then(|found| found.noise);
-        // Of each value what of it is no noise.
+            (self.variances(false, |v| v.noise), self.variances(false, |v| v.all - v.noise));
+        let values = self.values(found.map(|(errors, _)| errors));
+        let again = found.and_then(|(_, noise)| noise);
+        let points = self.of.volume.steps + 1;
         let share = |place: usize| {
-            let points = self.of.volume.steps + 1;
             let curve = place / points * points..(place / points + 1) * points;
             let squares: f64 = values[curve.clone()].iter().map(|um| um * um).sum();
             let u: f64 =
@@ -198,13 +164,12 @@ impl Table<'_> {
         let shares: Vec<f64> = (0..values.len()).map(share).collect();
         let freedom = self.of.noise.and_then(|noise| noise.freedom).map(float);
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
-        let visits = if found.is_some() && again.is_none() { 1 } else { VISITS };
-        let (mut passed, mut failed, mut at_most) = (0, 0, Vec::new());
-        for visit in 0..visits {
+        let one_sided = student(0.95, freedom);
+        let at_most = |visit: usize| {
             let mut random = random(visit + BIASES);
-            let (before, new) =
-                (errors(again.unwrap_or(1.0), &mut random), errors(1.0, &mut random));
-            let s2 = spread.map_or(1.0, |(freedom, spread)| spread.sample(&mut random) / freedom);
+            let before = self.errors(false, again.unwrap_or(1.0), &mut random);
+            let new = self.errors(false, 1.0, &mut random);
+            let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(&mut random) / freedom);
             let seen = |place: usize| match (found, again) {
                 (None, _) => new[place] - before[place],
                 (Some(_), None) => values[place],
@@ -214,28 +179,21 @@ impl Table<'_> {
                         + new[place]
                 }
             };
-            let places = (0..values.len()).filter(|place| judged[*place]);
-            let figures: Vec<(usize, f64, f64)> = places
-                .map(|place| (place, seen(place), (noise[place] * s2 + rest[place]).sqrt()))
-                .collect();
-            let mut largest: Vec<f64> = biases
-                .iter()
-                .map(|bias| {
-                    let each = figures
-                        .iter()
-                        .map(|(place, um, u)| (um + bias[*place]).abs() + rule.one_sided * u);
-                    each.fold(0.0, larger)
-                })
-                .collect();
+            let figure =
+                |place: usize| (seen(place), one_sided * (noise[place] * s2 + rest[place]).sqrt());
+            let figures: Vec<(f64, f64)> = (0..values.len()).map(figure).collect();
+            let largest = |bias: &Vec<f64>| {
+                let each = figures.iter().zip(bias).map(|((um, u), bias)| (um + bias).abs() + u);
+                each.fold(0.0, larger)
+            };
+            let mut largest: Vec<f64> = biases.iter().map(largest).collect();
             largest.sort_by(f64::total_cmp);
-            let largest = largest[biases.len() * 19 / 20];
-            passed += usize::from(largest <= rule.limit_um);
-            let fails = figures.iter().any(|(_, um, u)| um.abs() - rule.joint * u > rule.limit_um);
-            failed += usize::from(fails);
-            at_most.push(largest);
-        }
+            largest[biases.len() * 19 / 20]
+        };
+        let visits = if found.is_some() && again.is_none() { 1 } else { VISITS };
+        let mut at_most: Vec<f64> = (0..visits).map(at_most).collect();
         at_most.sort_by(f64::total_cmp);
-        let share = |count: usize| float(count) / float(visits);
-        Outlook { at_most_um: at_most[visits / 2], passes: share(passed), fails: share(failed) }
+        let passed = at_most.iter().filter(|um| **um <= limit_um).count();
+        (at_most[visits / 2], float(passed) / float(visits))
     }
 }
