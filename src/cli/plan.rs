@@ -72,7 +72,7 @@ fn document(page: &Page<'_>) -> Value {
         "linear_u_um_per_m": { "x": u.x, "y": u.y, "z": u.z },
         "best": found.forecast.map(letter),
         "best_second": found.second.map(letter),
-        "decides": page.decides(),
+        "decides": found.decides,
         "visits": visits.collect::<Vec<_>>(),
         "assumed": design.assumed(&found.visits[0]),
     })

@@ -3,7 +3,7 @@
 use crate::cli::screen::{More, Screen, list, paragraphs, table, wrapped};
 use crate::cli::show::um;
 use crate::judge::findings::joined;
-use crate::kit::visit_plan::{Design, Share, Visit, VisitPlan, listed as in_words};
+use crate::kit::visit_plan::{Design, Visit, VisitPlan, listed as in_words};
 use crate::machine::separation::findings::SeparationFinding;
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::text::finding::Finding;
@@ -57,14 +57,9 @@ impl Page<'_> {
         )
     }
 
-    /// What makes most of U as described.
-    pub(super) fn decides(&self) -> Vec<Share> {
-        self.design.decides(&self.found.visits[0])
-    }
-
     fn decided(&self) -> Option<String> {
-        let parts = self.decides();
-        (!parts.is_empty()).then(|| format!("what decides: {}", in_words(&parts)))
+        let parts = &self.found.decides;
+        (!parts.is_empty()).then(|| format!("what decides: {}", in_words(parts)))
     }
 
     fn limits(&self) -> Option<String> {

@@ -2,6 +2,7 @@
 
 use super::design::Design;
 use super::variant::{Variant, Visit};
+use super::what_decides::Share;
 use crate::text::problem::Problems;
 
 /// More runs are no variant: a day has no more.
@@ -18,13 +19,16 @@ pub struct VisitPlan {
     pub forecast: Option<usize>,
     /// Likewise of those whose second measurement passes with a probability of 80 %, too.
     pub second: Option<usize>,
+    /// What makes most of U as described.
+    pub decides: Vec<Share>,
 }
 
 /// Compares the described run with its variants.
 pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
     let described = design.described();
     let mut visits = vec![design.visit(described.clone())?];
-    let additions = design.additions(&visits[0]);
+    let parts = design.parts(&visits[0], &visits[0].forecast, None).unwrap_or_default();
+    let additions = design.additions(&visits[0], &parts);
     let runs = [1, 3, MOST_RUNS].map(|runs| described.in_runs(runs)).to_vec();
     let ways = vec![described.one_way(), described.turning()];
     for other in [additions.clone(), ways, runs, design.in_other_steps(described)].concat() {
@@ -48,7 +52,7 @@ pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
         }))
     });
     visits.iter_mut().for_each(|visit| visit.chance = design.chance(visit));
-    Ok(VisitPlan { visits, forecast, second })
+    Ok(VisitPlan { decides: visits[0].largest(parts), visits, forecast, second })
 }
 
 /// All changes together but for the runs. A return pass is not given up: without it the reversal is mixed into the

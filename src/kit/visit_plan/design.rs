@@ -229,17 +229,10 @@ impl<'a> Design<'a> {
         Some(parts)
     }
 
-    /// The three largest of a visit before it is made, in words.
-    pub(crate) fn decides(&self, visit: &Visit) -> Vec<Share> {
-        let parts = self.parts(visit, &visit.forecast, None);
-        visit.largest(parts.unwrap_or_default())
-    }
-
     /// What can be measured in addition: each linear axis, that angle of the stated ones that does most, all of them.
-    pub(super) fn additions(&self, described: &Visit) -> Vec<Variant> {
+    pub(super) fn additions(&self, described: &Visit, parts: &[(Part, f64)]) -> Vec<Variant> {
         let one = |axis: Axis| self.described.with(&[axis], &[]);
         let mut additions: Vec<Variant> = self.axes_open().into_iter().map(one).collect();
-        let parts = self.parts(described, &described.forecast, None).unwrap_or_default();
         let angle = |(part, _): &(Part, f64)| match part {
             Part::Angle(angle) => Some(self.described.with(&[], &[*angle])),
             _ => None,

@@ -3,7 +3,7 @@
 
 use super::compared::{MOST_RUNS, cheapest, fewest_runs, together};
 use super::design::Design;
-use super::variant::Visit;
+use super::variant::{Variant, Visit};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
@@ -88,7 +88,8 @@ impl Judged<'_> {
             design.parts(&described, self.figures, self.as_left.map(|(errors, _)| errors))?;
         let mut acts: Vec<Act> = self.new_tables(&described).into_iter().collect();
         if verdict == Verdict::Undecided {
-            acts.extend(self.measurements(&design, &described));
+            let additions = design.additions(&described, &parts);
+            acts.extend(self.measurements(&design, &described, &additions));
         }
         acts.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
         acts.truncate(MOST);
@@ -110,17 +111,21 @@ impl Judged<'_> {
     }
 
     /// More runs, linear axes, angles; where none of them decides, the cheapest of all together that does.
-    fn measurements(&self, design: &Design<'_>, described: &Visit) -> Vec<Act> {
+    fn measurements(
+        &self,
+        design: &Design<'_>,
+        described: &Visit,
+        additions: &[Variant],
+    ) -> Vec<Act> {
         let own = &described.variant;
         let answer = |visit: &Visit| self.answer(described, visit);
         let decides = |visit: &Visit| answer(visit).is_some_and(|of| of.1 != Verdict::Undecided);
-        let additions = design.additions(described);
         let visit = |variant| design.visit(variant).ok();
         let runs = fewest_runs(design, own, decides).or_else(|| visit(own.in_runs(MOST_RUNS)));
         let mut visits: Vec<Visit> =
             additions.iter().cloned().filter_map(visit).chain(runs).collect();
         if !visits.iter().any(decides) {
-            visits.extend(cheapest(design, &together(own, &additions), decides));
+            visits.extend(cheapest(design, &together(own, additions), decides));
         }
         visits.retain(|visit| visit.variant != *own);
         let act = |visit: &Visit| {
