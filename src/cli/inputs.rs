@@ -68,6 +68,11 @@ pub(super) fn read_job_of(
     let angles = angles.transpose()?;
     let active = active(&mut files, &profile)?;
     let hashes = files.hashes;
+    if let ErrorSource::Table(table) = &errors
+        && let Some(lines) = table.remarks.lines
+    {
+        job.measurement.levers.or_lines(lines);
+    }
     let inputs = match use_of {
         UseOf::Figures => Inputs::for_figures(job, profile, errors, hashes)?,
         _ => Inputs::new(job, profile, errors, hashes)?,

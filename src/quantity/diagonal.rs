@@ -192,6 +192,13 @@ pub struct Volume {
 }
 
 impl Volume {
+    /// Its middle, machine coordinates.
+    pub fn middle(&self) -> PerAxis<Millimetres> {
+        PerAxis::from_fn(|axis| {
+            Millimetres::new(self.start[axis].mm() + self.size[axis].mm() / 2.0)
+        })
+    }
+
     /// R: length of a body diagonal, mm.
     pub fn diagonal_mm(&self) -> f64 {
         let square = |axis: Axis| self.size[axis].mm().squared();

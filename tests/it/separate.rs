@@ -419,12 +419,28 @@ fn angles_of_a_job_are_taken_off_the_readings() {
     }
     assert_eq!(compared, 9 * 31, "the truth has nine curves of 31 points");
     not_labelled(&page, "without a measurement");
-    not_labelled(&page, "offsets_mm is not stated");
+    labelled(&page, "those of the lines through X 0, Y 0, Z 0 mm");
     not_labelled(&page, "tool_offset_mm is not stated");
     let without = separated(&with_angles(&ALL, ""), 0);
-    labelled(&without, "offsets_mm is not stated");
+    labelled(&without, "those of the lines through X 450, Y 360, Z 360 mm");
     labelled(&without, "up to 1.200 µm"); // 12 µrad on 100 mm
     labelled(&without, "tool_offset_mm is not stated");
+}
+
+#[test]
+fn the_uncertainty_of_measured_angles_counts() {
+    let u = [("u_ea_urad", 5.0), ("u_eb_urad", 8.0), ("u_ec_urad", 12.0)];
+    let u_um = |columns: &[(&str, f64)]| {
+        let visit = with_angles(columns, "");
+        let tilt = "[measurement.uncertainty]\ntilt_arcsec = 0\n\n[measurement.step_diagonal]";
+        visit.edit("job.toml", "[measurement.step_diagonal]", tilt);
+        let page = separated(&visit, 0);
+        not_labelled(&page, if columns.len() > 3 { "counts as 0" } else { "U is not known" });
+        page["errors"]["EYX"]["u_um"][15].as_f64().unwrap()
+    };
+    let (without, with) = (u_um(&ALL), u_um(&[&ALL[..], &u].concat()));
+    // The bow of 12/√2 µrad alone bends Y along X by V/8 of it, 0.95 µm, and as much by the mirror.
+    assert!(without < 1.0 && with > 1.5, "{without}, {with}");
 }
 
 /// Two angles or one of the three: the others contradict the result.

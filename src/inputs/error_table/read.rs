@@ -218,6 +218,8 @@ pub struct Series {
     pub uncertainties_um: PerAxis<Option<Vec<f64>>>,
     /// Rotations about X, Y, Z (`ea`, `eb`, `ec`), µrad, right-handed.
     pub angles_urad: PerAxis<Option<Vec<f64>>>,
+    /// Standard uncertainties (k = 1) of the rotations, µrad.
+    pub angle_uncertainties_urad: PerAxis<Option<Vec<f64>>>,
     pub(super) lines: Vec<usize>,
     /// Which table it stands in: 0 = the first, n = the n-th of `ErrorTable::more`.
     pub(super) table: usize,
@@ -258,6 +260,7 @@ impl Columns<'_> {
             deviations: PerAxis::default(),
             uncertainties_um: PerAxis::default(),
             angles_urad: PerAxis::default(),
+            angle_uncertainties_urad: PerAxis::default(),
             lines: rows.iter().map(|row| row.line.number()).collect(),
             table: 0,
         };
@@ -274,7 +277,9 @@ impl Columns<'_> {
                 }
                 Quantity::Uncertainty(of) => series.uncertainties_um[of] = values(),
                 Quantity::Angle(about) => series.angles_urad[about] = values(),
-                Quantity::AngleUncertainty(_) => drop(values()),
+                Quantity::AngleUncertainty(about) => {
+                    series.angle_uncertainties_urad[about] = values();
+                }
                 Quantity::Axis | Quantity::Direction => {}
             }
         }

@@ -11,15 +11,16 @@
 //!   # largest error (95 %), um, zero at X 0 +, Y 0 +, Z 0 +: all 3.91, EXX 1.032, …, PPP 2.5, …
 //!   # doubtful beside that, um: EXX 0.5, PPP 0.8
 //!   # frame: x-primary
+//!   # on the lines X, Y, Z, mm: 450, 360, 360
 //!   # note: what whoever uses the values has to know
 //! ```
 //! Any other comment is free text and means nothing to the program.
 
 use crate::inputs::findings::Remark;
 use crate::inputs::job::Frame;
-use crate::quantity::axis::{ErrorTerm, PerTerm};
+use crate::quantity::axis::{ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal};
-use crate::quantity::units::smaller;
+use crate::quantity::units::{Millimetres, smaller};
 use crate::text::finding::Finding;
 
 const DOUBT: &str = "doubt:";
@@ -31,6 +32,7 @@ const LARGEST: &str = "largest error (95 %), um, zero at";
 const DOUBTFUL: &str = "doubtful beside that, um:";
 const NEGLECTED: &str = "neglected by decision:";
 const FRAME: &str = "frame:";
+const LINES: &str = "on the lines X, Y, Z, mm:";
 const NOTE: &str = "note:";
 
 /// The words by which a simulation is told from a measurement: a note of the table begins so.
@@ -224,6 +226,8 @@ pub struct Remarks {
     pub doubtful: Option<Sizes>,
     /// Frame in which a separation gave the slopes of the cross terms; `None` = they are as given.
     pub frame: Option<Frame>,
+    /// The lines whose errors these are, where the effects of angles were taken off: there the angles are zero.
+    pub lines: Option<PerAxis<Millimetres>>,
     /// What whoever uses the values has to know.
     pub notes: Vec<Finding>,
 }
@@ -257,6 +261,7 @@ impl Remarks {
             self.doubts.push(Remark::OtherFrames { first, second }.into());
         }
         self.frame = self.frame.or(other.frame);
+        self.lines = self.lines.or(other.lines);
         let both = [self.hidden_reversal_um, other.hidden_reversal_um];
         self.hidden_reversal_um = both.into_iter().flatten().reduce(f64::max);
         let both = [self.degrees_of_freedom, other.degrees_of_freedom];
@@ -275,6 +280,16 @@ impl Remarks {
             self.doubts.push(Remark::Doubtful { words }.into());
         } else if let Some(frame) = after(FRAME).as_deref().and_then(Frame::from_word) {
             self.frame = self.frame.or(Some(frame));
+        } else if let Some(words) = after(LINES) {
+            let places: Option<Vec<f64>> =
+                words.split(',').map(|mm| mm.trim().parse().ok()).collect();
+            match places.as_deref() {
+                Some([x, y, z]) => {
+                    let [x, y, z] = [*x, *y, *z].map(Millimetres::new);
+                    self.lines = Some(PerAxis { x, y, z });
+                }
+                _ => self.doubts.push(Remark::Doubtful { words: comment.to_string() }.into()),
+            }
         } else if let Some(words) = after(NOTE) {
             self.notes.push(note(words));
         } else if let Some(words) = after(LARGEST) {
@@ -328,7 +343,9 @@ impl Remarks {
         let first = doubts.chain(missing).chain(reversal).chain(freedom);
         let frame = self.frame.iter();
         let frame = frame.map(|frame| format!("{FRAME} {}", frame.word()));
-        first.chain(silent).chain(largest).chain(frame).chain(notes).collect()
+        let lines = self.lines.iter();
+        let lines = lines.map(|at| format!("{LINES} {}, {}, {}", at.x.mm(), at.y.mm(), at.z.mm()));
+        first.chain(silent).chain(largest).chain(frame).chain(lines).chain(notes).collect()
     }
 }
 
@@ -390,6 +407,7 @@ mod tests {
             }),
             doubtful: Some(sizes),
             frame: Some(Frame::XPrimary),
+            lines: Some(PerAxis::from_fn(|axis| Millimetres::new(1.5 * f64::from(axis as u8)))),
             notes: vec![
                 note("frame: X primary".to_string()),
                 note(format!("{SIMULATED}: predicted")),

@@ -396,7 +396,9 @@ steps = 4
         let measurement = measurement("order = \"zXy\"");
         assert_eq!(measurement.angles.as_deref(), Some("angles.csv"));
         assert_eq!(measurement.uncertainty.laser_ppm, Some(0.1));
-        assert_eq!(measurement.levers.offsets, PerAxis::default());
+        // The middle of the box.
+        assert_eq!(measurement.levers.offsets.y, Some(Millimetres::new(-40.0)));
+        assert_eq!(measurement.levers.angles_zero, measurement.levers.offsets);
         let tool = measurement.levers.tool.expect("it is stated");
         assert_eq!(tool.z, Millimetres::new(-120.0));
         assert!(measurement.notes().is_empty());

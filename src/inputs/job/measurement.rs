@@ -104,6 +104,15 @@ pub struct Levers {
 }
 
 impl Levers {
+    /// What is not stated of them where the nine errors are those of these lines: levers count from the lines, and an
+    /// angle is zero where its axis stands on them, since a constant angle is squareness there.
+    pub(crate) fn or_lines(&mut self, lines: PerAxis<Millimetres>) {
+        for axis in Axis::ALL {
+            self.offsets[axis] = self.offsets[axis].or(Some(lines[axis]));
+            self.angles_zero[axis] = self.angles_zero[axis].or(self.offsets[axis]);
+        }
+    }
+
     /// Where the levers of the angles count from: the stated `offsets_mm`, else the reference
     /// (machine zero of an axis that the job does not have). One rule for everyone: curves that
     /// were separated with one origin and judged with another are those of no machine.
@@ -180,19 +189,24 @@ pub(super) fn measurement(
     axes: &PerAxis<Option<MachineAxis>>,
 ) -> Option<Measurement> {
     let data = data(section, axes);
+    let angles = section.text("angles");
+    let mut levers = Levers {
+        offsets: section.some_places("offsets_mm"),
+        tool: section.place("tool_offset_mm"),
+        angles_zero: section.some_places("angles_zero_mm"),
+        straightness_optic: section.some_places("straightness_optic_mm"),
+    };
+    if let (Some(MeasuredData::Diagonals(measured)), Some(_)) = (&data, &angles) {
+        levers.or_lines(measured.volume.middle());
+    }
     let active = match section.text("active_while_measuring").as_deref() {
         None => ActiveTables::NotStated,
         Some("none") => ActiveTables::None,
         Some(path) => ActiveTables::Path(path.to_string()),
     };
     Some(Measurement {
-        angles: section.text("angles"),
-        levers: Levers {
-            offsets: section.some_places("offsets_mm"),
-            tool: section.place("tool_offset_mm"),
-            angles_zero: section.some_places("angles_zero_mm"),
-            straightness_optic: section.some_places("straightness_optic_mm"),
-        },
+        angles,
+        levers,
         date: section.plain_text("date"),
         active_settings: active_settings(section, &active),
         active,

@@ -109,15 +109,18 @@ impl<'a> AngleModel<'a> {
         !all.is_empty() && all.iter().all(known)
     }
 
-    /// Rotation of an axis at a machine position, µrad. What was not measured counts as zero;
-    /// [`AngleEvidence`] names it.
+    /// Rotation of an axis at a machine position less that where its angles are zero (mean of the directions), µrad.
+    /// What was not measured counts as zero; [`AngleEvidence`] names it.
     fn rotation(&self, axis: Axis, position: f64, direction: Direction) -> PerAxis<f64> {
         let all = self.table.series(axis);
         let directed = all.iter().find(|s| s.direction == Some(direction));
         let series = directed.or_else(|| all.first());
         PerAxis::from_fn(|about| {
-            let series = series.and_then(|s| Some((s, s.angles_urad[about].as_ref()?)));
-            series.map_or(0.0, |(s, angles)| at(&s.positions, angles, position))
+            let urad =
+                |s: &Series, place| Some(at(&s.positions, s.angles_urad[about].as_ref()?, place));
+            let zero = self.levers.angles_zero[axis]
+                .map_or(0.0, |zero| mean(all.iter().filter_map(|s| urad(s, zero.mm()))));
+            series.and_then(|s| urad(s, position)).map_or(0.0, |urad| urad - zero)
         })
     }
 
@@ -132,7 +135,13 @@ impl<'a> AngleModel<'a> {
             let size = change.iter().map(|(_, urad)| urad.abs());
             largest_urad = size.fold(largest_urad, f64::max);
         }
+        let uncertain = Rotation::all().filter_map(|rotation| {
+            let all = self.table.series(rotation.along).iter();
+            let known = all.filter_map(|s| s.angle_uncertainties_urad[rotation.about].as_ref());
+            Some((rotation, known.flatten().copied().reduce(f64::max).filter(|u| *u > 0.0)?))
+        });
         AngleEvidence {
+            uncertain: uncertain.collect(),
             missing: missing.collect(),
             order: Some(self.chain),
             levers: self.levers,
@@ -235,6 +244,8 @@ pub fn angle_effects(model: &AngleModel<'_>, volume: &Volume, kind: PathKind) ->
 pub struct AngleEvidence {
     /// Rotations without a measurement: they count as zero.
     pub missing: Vec<Rotation>,
+    /// The largest standard uncertainty of measured rotations, where their columns state it, µrad.
+    pub uncertain: Vec<(Rotation, f64)>,
     /// The axes from workpiece to tool; `None` = `machine.chain` is not stated.
     pub order: Option<[Axis; 3]>,
     /// Places that the lever arms count from.
@@ -250,6 +261,7 @@ impl AngleEvidence {
     pub fn nothing(order: Option<[Axis; 3]>) -> AngleEvidence {
         AngleEvidence {
             missing: Rotation::all().collect(),
+            uncertain: Vec::new(),
             order,
             levers: Levers::default(),
             origin: PerAxis::default(),
@@ -272,14 +284,8 @@ impl AngleEvidence {
             return labels;
         }
         let far_um = 0.1 * self.largest_urad;
-        let unstated = Axis::ALL.iter();
-        let unstated = unstated.filter(|axis| self.levers.offsets[**axis].is_none());
-        let places: Vec<String> =
-            unstated.map(|axis| format!("{axis} {} mm", self.origin[*axis])).collect();
-        if !places.is_empty() {
-            let places = places.join(", ");
-            labels.push(SeparationFinding::OffsetsAssumed { places, far_um });
-        }
+        let without_u = self.missing.len() + self.uncertain.len() < 9;
+        labels.push(SeparationFinding::OnLines { lines: self.origin, without_u });
         if self.levers.tool.is_none() {
             labels.push(SeparationFinding::ToolAssumed { far_um });
         }

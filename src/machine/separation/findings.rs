@@ -75,7 +75,7 @@ findings! {
             None => "not included in U: state `angle_urad` in [measurement.uncertainty]".to_string(),
             Some(urad) => format!("included in U: a straight part and a bow about the middle of the box, each within half of {urad} µrad (angle_urad){}", if *chain_is_stated { "" } else { ", for the worst order of the axes (`machine.chain` is not stated)" }),
         };
-        OffsetsAssumed { places: String, far_um: f64 } => Label, "offsets_mm is not stated: the levers of the measured angles count from the reference ({places}), as in `assess`; each 100 mm of lever that is really there falsifies deviations by up to {far_um:.3} µm";
+        OnLines { lines: PerAxis<f64>, without_u: bool } => Label, "the nine errors and squareness are those of the lines through X {}, Y {}, Z {} mm: the levers of the measured angles count from there, and the angles are zero there (`offsets_mm`, `angles_zero_mm`){}", lines.x, lines.y, lines.z, if *without_u { "; U of the angles is not stated (columns `u_ea_urad` …) and counts as 0" } else { "" };
         ToolAssumed { far_um: f64 } => Label, "tool_offset_mm is not stated: the mirror is taken to sit at the point that the axes carry; each 100 mm between them falsifies deviations by up to {far_um:.3} µm";
         LineNotKnown => Label, "a linear axis or beam states no uncertainty: it is weighed like a diagonal, and neither an uncertainty nor a simulated interval is given where a result depends on it; add `u_um_per_m`";
         LinesHoldAll => Label, "`u_um_per_m` of linear axes and beams is taken to hold everything that is uncertain of them, laser and temperature included, apart from the diagonals";

@@ -8,7 +8,7 @@ use super::solved::SeparatedError;
 use crate::inputs::error_table::{self, Draft, DraftSeries, ErrorTable, Remarks};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::units::rounded;
+use crate::quantity::units::{Millimetres, rounded};
 use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
@@ -105,6 +105,10 @@ pub fn remarks(separation: &Separation) -> Remarks {
         Some(SeparationFinding::FrameOf { frame }) => Some(*frame),
         _ => None,
     });
+    let lines = separation.labels.iter().find_map(|label| match label.kind() {
+        Some(SeparationFinding::OnLines { lines, .. }) => Some(*lines),
+        _ => None,
+    });
     let mut labels = separation.labels.clone();
     labels.sort_by_key(|label| Reverse(label.severity())); // what the readings say of themselves first
     let notes = other.chain(labels).collect();
@@ -117,6 +121,7 @@ pub fn remarks(separation: &Separation) -> Remarks {
         largest: None,
         doubtful: None,
         frame,
+        lines: lines.map(|lines| PerAxis::from_fn(|axis| Millimetres::new(lines[axis]))),
         notes,
     }
 }

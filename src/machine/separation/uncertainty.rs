@@ -186,22 +186,28 @@ pub(super) struct Unmeasured {
 }
 
 impl Unmeasured {
-    /// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2
+    /// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2;
+    ///          of a measured angle with a stated u, the same of its error with u²(a) = u²(b) = u²/2
     /// limits   the figures are those of the lines through the middle of the box, where α is 0: a constant angle
     ///          is squareness. Levers count from there, the tool has none; linear axes are taken as measured there,
     ///          beams without ends as going through. A straight part or a bow above half of the bound is not held,
     ///          nor an angle that differs between the directions.
     pub(super) fn stated(campaign: &Campaign<'_>) -> Unmeasured {
-        let Some(bound_urad) = campaign.stated.angle_urad.filter(|bound| *bound > 0.0) else {
-            return Unmeasured::default();
-        };
         let evidence = campaign.angle_evidence();
+        let bound_urad = campaign.stated.angle_urad.filter(|bound| *bound > 0.0);
+        let missing = bound_urad.map(|bound| 0.5 * bound / 3_f64.sqrt()).into_iter();
+        let missing = missing.flat_map(|u| evidence.missing.iter().map(move |of| (*of, u)));
+        let measured = evidence.uncertain.iter().map(|(of, u)| (*of, u / 2_f64.sqrt()));
+        let rotations: Vec<(Rotation, f64)> = missing.chain(measured).collect();
+        if rotations.is_empty() {
+            return Unmeasured::default();
+        }
         let walks = walks(campaign);
         let mut known: Vec<(Rotation, [bool; 3])> = Vec::new();
         let mut parts = Vec::new();
         let mut of_order = |order: &[Axis; 3]| -> Vec<usize> {
             let mut acting = Vec::new();
-            for rotation in &evidence.missing {
+            for (rotation, u_urad) in &rotations {
                 // What a rotation does hangs on the axes that it swings, not on what moves it.
                 let swung = order.iter().skip_while(|axis| **axis != rotation.along).skip(1);
                 let swung: Vec<Axis> =
@@ -209,7 +215,7 @@ impl Unmeasured {
                 let key = (*rotation, Axis::ALL.map(|axis| swung.contains(&axis)));
                 let at = known.iter().position(|known| *known == key).unwrap_or_else(|| {
                     known.push(key);
-                    parts.extend(of_rotation(campaign, &walks, bound_urad, *order, *rotation));
+                    parts.extend(of_rotation(campaign, &walks, *u_urad, *order, *rotation));
                     known.len() - 1
                 });
                 acting.extend([2 * at, 2 * at + 1]);
@@ -268,18 +274,19 @@ fn walks(campaign: &Campaign<'_>) -> Walks {
     })
 }
 
-/// The straight part and the bow of an angle.
+/// The straight part and the bow of an angle, each of this size at the ends of the box, µrad.
 fn of_rotation(
     campaign: &Campaign<'_>,
     walks: &Walks,
-    bound_urad: f64,
+    u_urad: f64,
     order: [Axis; 3],
     rotation: Rotation,
 ) -> [OfAngle; 2] {
     let measurement = campaign.measurement;
     let volume = &measurement.volume;
     let half = |axis: Axis| volume.size[axis].mm() / 2.0;
-    let middle = PerAxis::from_fn(|axis| volume.start[axis].mm() + half(axis));
+    let middle = volume.middle();
+    let middle = PerAxis::from_fn(|axis| middle[axis].mm());
     let about = unit(rotation.about);
     let turned = |axis| if axis == rotation.along { about } else { PerAxis::default() };
     let error =
@@ -297,10 +304,9 @@ fn of_rotation(
         };
         walks[d].iter().map(of).collect::<Vec<[f64; 3]>>()
     });
-    let u = 0.5 * bound_urad / 3_f64.sqrt();
     let shapes: [fn(f64) -> f64; 2] = [|t| t, |t| -t * t];
     shapes.map(|shape| {
-        let urad = |t: f64| u * shape(t);
+        let urad = |t: f64| u_urad * shape(t);
         let readings = PerDiagonal::from_fn(|d| {
             let [t0, lever0, _] = effects[d].first().copied().unwrap_or_default();
             let of = |[t, lever, turned]: &[f64; 3]| {
