@@ -31,7 +31,13 @@ impl Page<'_> {
         Screen {
             verdict: format!("{}: {}", self.machine, lines.join("\n")),
             figures: paragraphs(&[self.variants(), list("assumed", &assumed)]),
-            findings: described.shortcomings().iter().map(said).collect(),
+            findings: self
+                .design
+                .noise_asked()
+                .iter()
+                .map(ToString::to_string)
+                .chain(described.shortcomings().iter().map(said))
+                .collect(),
             more: vec![More::new(
                 labels.len(),
                 ["label", "labels"],
@@ -84,10 +90,10 @@ impl Page<'_> {
     /// What will pass after loading, too.
     fn likely(&self) -> Option<String> {
         self.limits()?;
-        let aim = "whose second measurement passes with 80 % or more";
+        let aim = "passes its second measurement with 80 % or more";
         Some(match self.found.second {
-            None => format!("{aim}: none"),
-            Some(index) => format!("the quickest {aim}: {}", self.named(index)),
+            None => format!("no variant {aim}"),
+            Some(index) => format!("the quickest that also {aim}: {}", self.named(index)),
         })
     }
 

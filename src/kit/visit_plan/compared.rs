@@ -51,6 +51,14 @@ pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
             visits.len() - 1
         }))
     });
+    // Where the forecast is reached and the second measurement is not sure, fewer steps say more.
+    let fewer = forecast
+        .map_or_else(Vec::new, |index: usize| design.in_other_steps(&visits[index].variant));
+    for other in fewer.into_iter().filter(|one| one.run.volume.steps < described.run.volume.steps) {
+        if visits.iter().all(|visit| visit.variant != other) {
+            visits.push(design.visit(other)?);
+        }
+    }
     visits.iter_mut().for_each(|visit| visit.chance = design.chance(visit));
     Ok(VisitPlan { decides: visits[0].largest(parts), visits, forecast, second })
 }

@@ -1,7 +1,6 @@
 //! What the job says of the visit, and what one variant of it costs and gives.
 
 use super::variant::{Variant, Visit, expanded_um};
-use super::what_decides::Share;
 use crate::inputs::error_table::{ErrorTable, write};
 use crate::inputs::job::{
     Acceptance, DiagonalMeasurement, Frame, GridRequest, Job, Linear, LinearSlope, MeasuredData,
@@ -11,8 +10,9 @@ use crate::judge::after::alone;
 use crate::judge::forecast::Forecast;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
+use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::{Instrument, Part, Separation, expected, linear_axis, table};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, Rotation};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::quantity::units::Millimetres;
 use crate::text::document::Source;
@@ -45,8 +45,8 @@ pub struct SetUpTimes {
 pub struct Design<'a> {
     job: &'a Job,
     angles: Option<ErrorTable>,
-    /// Angles that count; `None` = as `angles` has them.
-    unmeasured: Option<Vec<Rotation>>,
+    /// What is known of angles; `None` = what `angles` says.
+    evidence: Option<AngleEvidence>,
     described: Variant,
     measurement: DiagonalMeasurement,
     instrument: Instrument,
@@ -74,7 +74,7 @@ impl<'a> Design<'a> {
             instrument: Instrument { noise_um: stated.noise_um.unwrap_or(NOISE_UM), stated },
             job,
             angles,
-            unmeasured: None,
+            evidence: None,
             times,
         })
     }
@@ -89,7 +89,7 @@ impl<'a> Design<'a> {
         run.bidirectional = found.means.reverse.is_some();
         run.overrun = Millimetres::new(f64::from(found.overrun != Some(false)));
         design.instrument.noise_um = found.noise.map_or(NOISE_UM, |noise| noise.sigma_um);
-        design.unmeasured = Some(found.unmeasured_angles());
+        design.evidence = Some(found.angle_evidence().clone());
         for (index, linear) in design.measurement.linear.iter_mut().enumerate() {
             linear.u_um_per_m = Some(found.u_of_line(index));
         }
@@ -103,7 +103,7 @@ impl<'a> Design<'a> {
 
     /// Runs that there are already, or one.
     pub(super) fn fewest_runs(&self) -> u32 {
-        self.unmeasured.as_ref().map_or(1, |_| self.described.run.runs)
+        self.evidence.as_ref().map_or(1, |_| self.described.run.runs)
     }
 
     /// The laser.
@@ -178,10 +178,8 @@ impl<'a> Design<'a> {
         let job = self.job_of(&measurement);
         let mut campaign = campaign(&job, &measurement, &tables, true)?;
         if let Some(angles) = &mut campaign.angles {
-            let counts =
-                |angle: &Rotation| self.unmeasured.as_ref().is_none_or(|all| all.contains(angle));
-            let open = |angle: &Rotation| counts(angle) && !variant.angles.contains(angle);
-            angles.evidence.missing.retain(open);
+            angles.evidence = self.evidence.clone().unwrap_or(angles.evidence.clone());
+            angles.evidence.missing.retain(|angle| !variant.angles.contains(angle));
         }
         let back = usize::from(variant.run.bidirectional);
         let noise_um = self.instrument.noise_um;
@@ -233,13 +231,15 @@ impl<'a> Design<'a> {
     pub(super) fn additions(&self, described: &Visit, parts: &[(Part, f64)]) -> Vec<Variant> {
         let one = |axis: Axis| self.described.with(&[axis], &[]);
         let mut additions: Vec<Variant> = self.axes_open().into_iter().map(one).collect();
+        let open = &described.expected.angle_evidence().missing;
         let angle = |(part, _): &(Part, f64)| match part {
-            Part::Angle(angle) => Some(self.described.with(&[], &[*angle])),
+            Part::Angle(angle) => open.contains(angle).then_some(*angle),
             _ => None,
         };
-        additions.extend(parts.iter().find_map(angle));
-        let all = described.expected.unmeasured_angles();
-        additions.extend((!all.is_empty()).then(|| self.described.with(&[], &all)));
+        if let Some(angle) = parts.iter().find_map(angle) {
+            additions.extend([&[angle], open.as_slice()].map(|all| self.described.with(&[], all)));
+        }
+        additions.dedup();
         additions
     }
 

@@ -9,6 +9,7 @@
 //! Rows are of first order: of the tilt of the mirror times noise nothing is kept.
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
+use super::corrections::AngleEvidence;
 use super::readings::Means;
 use crate::quantity::axis::Rotation;
 use crate::quantity::diagonal::{Diagonal, Pass};
@@ -140,6 +141,8 @@ pub(super) struct Model {
     pub(super) angles: Vec<Vec<usize>>,
     /// Which angle each of the columns is of; `None` = another cause.
     pub(super) rotations: Vec<Option<Rotation>>,
+    /// What is known of angles.
+    pub(super) evidence: AngleEvidence,
 }
 
 /// A cause of uncertainty.
@@ -186,6 +189,7 @@ impl Model {
             beam_ppm: 0.0,
             angles: Vec::new(),
             rotations: Vec::new(),
+            evidence: AngleEvidence::nothing(None),
         }
     }
 
@@ -265,19 +269,12 @@ impl Model {
     /// What the variance of a figure is made of: by how much it is less without each cause.
     pub(super) fn parts(&self, row: &Row) -> Vec<(Part, f64)> {
         let causes = [Part::Noise, Part::Laser, Part::Mirror, Part::SetUps, Part::Beam];
-        let angles = self.unmeasured().into_iter().map(Part::Angle);
+        let angles = Rotation::all().filter(|of| self.rotations.contains(&Some(*of)));
+        let angles = angles.map(Part::Angle);
         let lines = (0..self.layout.lines).map(Part::Line);
         let all = self.variance(row).all;
         let of = |cause: Part| (cause, all - self.without(cause).variance(row).all);
         causes.into_iter().chain(lines).chain(angles).map(of).collect()
-    }
-
-    /// Angles that count without a measurement.
-    pub(super) fn unmeasured(&self) -> Vec<Rotation> {
-        let mut angles: Vec<Rotation> = self.rotations.iter().flatten().copied().collect();
-        angles.sort();
-        angles.dedup();
-        angles
     }
 
     /// The same with one cause less.

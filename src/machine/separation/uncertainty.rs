@@ -124,6 +124,7 @@ impl Budget<'_> {
         model.setups = model.tilts.end..columns.len();
         let unmeasured = Unmeasured::stated(campaign);
         let first = columns.len();
+        model.evidence = campaign.angle_evidence();
         model.rotations = vec![None; first];
         model.rotations.extend(unmeasured.parts.iter().map(|of| Some(of.rotation)));
         columns.extend(unmeasured.parts.into_iter().map(|of| {

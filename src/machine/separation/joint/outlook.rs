@@ -10,11 +10,12 @@
 use super::{Curve, Table, at, float};
 use crate::inputs::job::Job;
 use crate::machine::model::ErrorModel;
+use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::linear::{Part, Row, Variance};
 use crate::machine::separation::noise::student;
 use crate::machine::separation::separate::Separation;
 use crate::machine::separation::table::directions;
-use crate::quantity::axis::{Direction, ErrorTerm, Rotation};
+use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{Squared, larger};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -46,9 +47,9 @@ impl Separation {
         table.is_known().then(|| table.outlook(found, limit_um))
     }
 
-    /// Angles that count without a measurement.
-    pub(crate) fn unmeasured_angles(&self) -> Vec<Rotation> {
-        self.model.unmeasured()
+    /// What is known of angles.
+    pub(crate) fn angle_evidence(&self) -> &AngleEvidence {
+        &self.model.evidence
     }
 
     /// Standard uncertainty of the slope of a line by itself, µm/m.
