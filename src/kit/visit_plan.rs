@@ -17,6 +17,7 @@ mod what_decides;
 
 pub use self::compared::{VisitPlan, plan};
 pub use self::design::{Design, SetUpTimes};
-pub use self::variant::{Variant, Visit};
-pub use self::what_decides::{Act, Share, WhatDecides};
-pub(crate) use self::what_decides::{Judged, listed};
+pub(crate) use self::variant::listed;
+pub use self::variant::{Share, Variant, Visit};
+pub(crate) use self::what_decides::Judged;
+pub use self::what_decides::{Act, WhatDecides};

@@ -1,8 +1,7 @@
 //! The described visit beside its variants, and the cheapest that will do.
 
 use super::design::Design;
-use super::variant::{Variant, Visit};
-use super::what_decides::Share;
+use super::variant::{Share, Variant, Visit};
 use crate::text::problem::Problems;
 
 /// More runs are no variant: a day has no more.
@@ -87,11 +86,14 @@ pub(super) fn cheapest(
     variants: &[Variant],
     is_reached: impl Fn(&Visit) -> bool,
 ) -> Option<Visit> {
+    let timed = variants.iter().map(|one| (design.minutes(&one.in_runs(1)), one));
+    let mut timed: Vec<(f64, &Variant)> = timed.collect();
+    timed.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut best: [Option<Visit>; 2] = [None, None];
-    for variant in variants {
+    for (least, variant) in timed {
         let best = &mut best[usize::from(design.other_grid(variant).is_some())];
         let is_quicker = |minutes: f64| best.as_ref().is_none_or(|best| minutes < best.minutes);
-        if is_quicker(design.minutes(&variant.in_runs(1))) {
+        if is_quicker(least) {
             let visit = fewest_runs(design, variant, &is_reached);
             *best = visit.filter(|visit| is_quicker(visit.minutes)).or(best.take());
         }

@@ -11,6 +11,7 @@ use crate::judge::forecast::Forecast;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::corrections::AngleEvidence;
+use crate::machine::separation::joint::Measured;
 use crate::machine::separation::{Instrument, Part, Separation, expected, linear_axis, table};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
@@ -202,7 +203,7 @@ impl<'a> Design<'a> {
     /// Probability that a second measurement made like a visit keeps the limit of errors, if the machine does not
     /// change and the tables leave nothing but the errors of the first one; `None` = no limit, or an uncertainty or
     /// a statement is missing.
-    pub(super) fn chance(&self, visit: &Visit) -> Option<f64> {
+    pub fn chance(&self, visit: &Visit) -> Option<f64> {
         let is_known = visit.open.is_empty() && visit.expected.silence.not_stated.is_empty();
         let limit_um = self.job.acceptance.max_deviation_um.filter(|_| is_known)?;
         Some(visit.expected.outlook(self.job, None, limit_um)?.1)
@@ -216,10 +217,12 @@ impl<'a> Design<'a> {
         figures: &Forecast,
         found: Option<&ErrorModel>,
     ) -> Option<Vec<(Part, f64)>> {
+        let value = found.map(value_um);
+        let value = value.as_ref().map(|value| value as Measured<'_>);
         let worst = figures.least_certain()?;
         let own_um = worst.change.at_most_um? - worst.change.after_um;
         let u_um = found.map_or_else(|| figures.max_expanded_um(), |_| Some(own_um))?;
-        let mut parts = visit.expected.parts(self.job, worst.term, found);
+        let mut parts = visit.expected.parts(self.job, worst.term, value);
         let all: f64 = parts.iter().map(|(_, square)| square).sum();
         parts.iter_mut().for_each(|(_, part)| *part = u_um * (*part / all).sqrt());
         parts.retain(|(_, um)| *um >= SHOWN_UM);
@@ -285,6 +288,14 @@ impl<'a> Design<'a> {
             },
             ..self.job.clone()
         }
+    }
+}
+
+/// What a model holds of an error, µm; 0 where nothing.
+pub(super) fn value_um(model: &ErrorModel) -> impl Fn(ErrorTerm, Direction, Millimetres) -> f64 {
+    |term, way, at| {
+        let curve = model.terms[term].as_ref().and_then(|of| of.measured.curve(way));
+        curve.map_or(0.0, |curve| curve.at(at).um())
     }
 }
 

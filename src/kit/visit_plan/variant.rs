@@ -1,6 +1,5 @@
 //! One way to make a visit, and what it costs and gives.
 
-use super::what_decides::{DIGITS, Share};
 use crate::inputs::job::{Acceptance, ProgramRequest};
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, JudgedRange};
@@ -8,6 +7,26 @@ use crate::machine::separation::{MeasuredLine, Part, Separation};
 use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
 use crate::quantity::units::{Millimetres, larger, rounded};
 use crate::write::program::MirrorSize;
+use serde::Serialize;
+
+/// Digits of a figure that many draws have made, µm.
+pub(super) const DIGITS: u32 = 4;
+
+/// A part of U.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// What makes it.
+    pub what: String,
+    /// As much of U, µm.
+    pub um: f64,
+}
+
+/// Parts in words.
+pub(crate) fn listed(parts: &[Share]) -> String {
+    let parts: Vec<String> =
+        parts.iter().map(|of| format!("{} {:.2} µm", of.what, of.um)).collect();
+    format!("{} (they add as squares)", parts.join(", "))
+}
 
 /// One way to make the visit.
 #[derive(Clone, Debug, PartialEq)]

@@ -2,8 +2,8 @@
 //! come to: computed as `plan` computes it, for the noise that was found.
 
 use super::compared::{MOST_RUNS, cheapest, fewest_runs, together};
-use super::design::Design;
-use super::variant::{Variant, Visit};
+use super::design::{Design, value_um};
+use super::variant::{DIGITS, Share, Variant, Visit, listed};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
@@ -13,8 +13,6 @@ use crate::quantity::units::rounded;
 use serde::Serialize;
 use std::fmt;
 
-/// Digits of a figure that many draws have made, µm.
-pub(super) const DIGITS: u32 = 4;
 /// Acts that are told.
 const MOST: usize = 3;
 /// Share of the visits that have to come to an answer before it is promised.
@@ -35,15 +33,6 @@ pub struct WhatDecides {
     pub parts: Vec<Share>,
     /// The cheapest acts.
     pub acts: Vec<Act>,
-}
-
-/// A part of U.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Share {
-    /// What makes it.
-    pub what: String,
-    /// As much of U, µm.
-    pub um: f64,
 }
 
 /// Something to measure, or to make.
@@ -143,7 +132,8 @@ impl Judged<'_> {
         if let Some((errors, _)) = self.as_left {
             let runs = [own, visit].map(|visit| f64::from(visit.variant.run.runs));
             let noise = (runs[1] > runs[0]).then(|| (runs[1] / runs[0]).sqrt());
-            let (um, passes) = visit.expected.outlook(self.job, Some((errors, noise)), limit_um)?;
+            let (um, passes) =
+                visit.expected.outlook(self.job, Some((&value_um(errors), noise)), limit_um)?;
             return Some(answer(um, passes >= SURE));
         }
         let u_um = self.figures.max_expanded_um()?;
@@ -165,13 +155,6 @@ impl Act {
         let passes = self.verdict == Verdict::Pass.word();
         if passes { self.minutes.unwrap_or(0.0) } else { 1e6 + self.at_most_um }
     }
-}
-
-/// Parts in words.
-pub(crate) fn listed(parts: &[Share]) -> String {
-    let parts: Vec<String> =
-        parts.iter().map(|of| format!("{} {:.2} µm", of.what, of.um)).collect();
-    format!("{} (they add as squares)", parts.join(", "))
 }
 
 impl fmt::Display for WhatDecides {

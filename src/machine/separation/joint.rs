@@ -9,12 +9,13 @@
 
 mod outlook;
 
+pub(crate) use self::outlook::Measured;
 use super::curves::Curve;
 use super::linear::CurveRows;
 use super::noise::float;
 use super::separate::Separation;
 use crate::inputs::error_table::{LargestErrors, Sizes};
-use crate::inputs::job::{Job, MachineAxis};
+use crate::inputs::job::{BacklashPolicy, Job, MachineAxis};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::quantity::units::larger;
@@ -191,6 +192,23 @@ impl<'a> Table<'a> {
             PerDiagonal::from_fn(|d| self.walks[d].iter().map(range).fold(0.0, larger));
         sizes
     }
+}
+
+/// Which directions stand apart.
+pub(super) fn directions(separation: &Separation, job: &Job) -> PerAxis<Vec<Option<Direction>>> {
+    let plus_only = |axis: Axis| {
+        job.compensation.backlash[axis] == Some(BacklashPolicy::ForwardOnly)
+            && separation.means.reverse.is_some()
+    };
+    PerAxis::from_fn(|axis| {
+        if separation.is_directed(axis) {
+            vec![Some(Direction::Plus), Some(Direction::Minus)]
+        } else if plus_only(axis) {
+            vec![Some(Direction::Plus)]
+        } else {
+            vec![None]
+        }
+    })
 }
 
 impl Separation {

@@ -1,7 +1,7 @@
 //! Nine errors → the rows of an error table (contract §2.1), as the backlash policy of a job asks for them.
 
 use super::findings::SeparationFinding;
-use super::joint::Table;
+use super::joint::{Table, directions};
 use super::noise::Noise;
 use super::separate::Separation;
 use super::solved::SeparatedError;
@@ -69,23 +69,6 @@ pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> D
     let series = Axis::ALL.into_iter().flat_map(of_axis);
     let series = series.map(|(axis, way)| one_series(separation, axis, way));
     Draft { comments, series: series.collect() }
-}
-
-/// Which directions stand apart.
-pub(super) fn directions(separation: &Separation, job: &Job) -> PerAxis<Vec<Option<Direction>>> {
-    let plus_only = |axis: Axis| {
-        job.compensation.backlash[axis] == Some(BacklashPolicy::ForwardOnly)
-            && separation.means.reverse.is_some()
-    };
-    PerAxis::from_fn(|axis| {
-        if separation.is_directed(axis) {
-            vec![Some(Direction::Plus), Some(Direction::Minus)]
-        } else if plus_only(axis) {
-            vec![Some(Direction::Plus)]
-        } else {
-            vec![None]
-        }
-    })
 }
 
 /// What the table has to say of itself, so that it reaches whoever uses the table.

@@ -7,16 +7,14 @@
 //!   at most 95 % quantile over angles c of max (|found + c| + k u)    k one-sided, u without angles, by an estimated σ
 //! ```
 
-use super::{Curve, Table, at, float};
+use super::{Curve, Table, at, directions, float};
 use crate::inputs::job::Job;
-use crate::machine::model::ErrorModel;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::linear::{Part, Row, Variance};
 use crate::machine::separation::noise::student;
 use crate::machine::separation::separate::Separation;
-use crate::machine::separation::table::directions;
 use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::units::{Squared, larger};
+use crate::quantity::units::{Millimetres, Squared, larger};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{ChiSquared, Distribution};
@@ -27,8 +25,11 @@ const VISITS: usize = 400;
 const BIASES: usize = 100;
 const SEED: u64 = 29;
 
+/// What was measured of an error moving so at a place, µm.
+pub(crate) type Measured<'a> = &'a dyn Fn(ErrorTerm, Direction, Millimetres) -> f64;
+
 /// What a measurement after loading found; its noise by that of the next one, `None` = its readings stay.
-pub(crate) type Found<'a> = (&'a ErrorModel, Option<f64>);
+pub(crate) type Found<'a> = (Measured<'a>, Option<f64>);
 
 /// What the largest of all errors is at most in half of the visits, µm; the share of visits in which it is no
 /// more than the limit.
@@ -63,7 +64,7 @@ impl Separation {
         &self,
         job: &Job,
         term: ErrorTerm,
-        errors: Option<&ErrorModel>,
+        errors: Option<Measured<'_>>,
     ) -> Vec<(Part, f64)> {
         let table = Table::new(self, job, &directions(self, job));
         let u = table.variances(true, |v| v.all);
@@ -116,13 +117,11 @@ impl Table<'_> {
     }
 
     /// What was found of each, µm; 0 where nothing was.
-    fn values(&self, errors: Option<&ErrorModel>) -> Vec<f64> {
+    fn values(&self, errors: Option<Measured<'_>>) -> Vec<f64> {
         let each = self.curves.iter().flat_map(|curve| {
-            let known = errors.and_then(|errors| errors.terms[curve.term].as_ref());
             let way = curve.way.unwrap_or(Direction::Plus);
-            let known = known.and_then(|known| known.measured.curve(way));
             let places = self.of.volume.positions(curve.term.along).into_iter();
-            places.map(move |place| known.map_or(0.0, |known| known.at(place).um()))
+            places.map(move |place| errors.map_or(0.0, |errors| errors(curve.term, way, place)))
         });
         each.collect()
     }
