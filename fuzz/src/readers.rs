@@ -131,7 +131,6 @@ fn state(stated: &mut Stated, option: &str, word: &str) {
         "--unit" => stated.unit = choice(word),
         "--values" => stated.values = choice(word),
         "--runs" => stated.runs = choice(word),
-        "--rows" => stated.rows = choice(word),
         "--material-corrected" => stated.material_corrected = choice(word),
         "--decimal" => stated.decimal = choice(word),
         "--columns" => stated.columns = Some(word.to_string()),
@@ -149,20 +148,18 @@ pub fn siemens(input: &[u8]) -> Answer {
     Ok(format!("{:?} {:?}", merged.notes, read_out.is_ok()))
 }
 
-/// What was read out of a control: archives, text of one file or of many.
-pub fn archive(input: &[u8]) -> Answer {
+/// What was read out of a control.
+pub fn read_out(input: &[u8]) -> Answer {
     let facts = fanuc_facts()?;
-    let mut answer = String::new();
-    for (name, text) in nonius::read::texts(&built_in("siemens-840d-sl")?, "x.arc", input)? {
-        answer += &match read_siemens::read_out(&name, &text, true) {
-            Ok(contents) => format!("{:?}", contents.notes),
-            Err(problems) => problems.render(),
-        };
-        answer += &read_fanuc::read_out(&name, &text, &facts, CONTROL_UNIT)
-            .map_or_else(|problems| problems.render(), |_| String::new());
-        read_siemens::has_active_data(&name, &text);
-    }
-    Ok(answer)
+    let text = nonius::read::read_out_text(&built_in("siemens-840d-sl")?, "x.txt", input)?;
+    let siemens = match read_siemens::read_out("x.txt", &text, true) {
+        Ok(contents) => format!("{:?}", contents.notes),
+        Err(problems) => problems.render(),
+    };
+    let fanuc = read_fanuc::read_out("x.txt", &text, &facts, CONTROL_UNIT)
+        .map_or_else(|problems| problems.render(), |_| String::new());
+    read_siemens::has_active_data("x.txt", &text);
+    Ok(siemens + &fanuc)
 }
 
 const CONTROL_UNIT: nonius::control::controller::ControlUnit =

@@ -90,7 +90,7 @@ pub fn all() -> Vec<Target> {
             readers::siemens,
             f.files(|name| name.ends_with(".MPF") || name.ends_with(".INI")),
         ),
-        read("archive", readers::archive, archives(f)),
+        read("read-out", readers::read_out, read_outs(f)),
         read("fanuc", readers::fanuc, f.files(|name| name.ends_with(".TXT"))),
         read("declared", readers::declared, f.files(|name| name.ends_with(".dat"))),
         read("linuxcnc", readers::linuxcnc, f.kits_with(".comp")),
@@ -275,7 +275,7 @@ const ON_KITS: [&str; 6] = [
 const OPTIONS: [&str; 4] = [
     "--axis x --term EXX --first-target-at-mm 0 --targets-run + --sign as-error --material-corrected yes",
     "--sign as-correction --direction both --axis y --term EYY --values absolute --unit um",
-    "--sign as-error --plus-moves + --rows measured --runs bidirectional",
+    "--sign as-error --plus-moves + --runs bidirectional",
     "--columns #1=position_mm,#2=ex_um --axis x --direction + --unit um --decimal point",
 ];
 
@@ -357,37 +357,11 @@ fn profiles(fixtures: &Fixtures) -> Vec<Vec<u8>> {
     own.chain(built_in).collect()
 }
 
-/// Read out of controls: the cases' own, files of kits, and some of these in one archive.
-fn archives(fixtures: &Fixtures) -> Vec<Vec<u8>> {
+/// Read out of controls: the cases' own, files of kits, and the beginning of an archive.
+fn read_outs(fixtures: &Fixtures) -> Vec<Vec<u8>> {
     let mut seeds = fixtures.files(|name| name.ends_with(".arc") || name.ends_with(".MPF"));
-    let parts: Vec<Vec<u8>> =
-        fixtures.files(|name| name.ends_with(".MPF")).into_iter().take(4).collect();
-    let list = b"_N_CEC_INI _N_AX_EEC_INI".to_vec();
-    let mut archive = block("@@MMCIBN.002", &list);
-    for (name, part) in
-        ["_N_CEC_INI", "_N_AX_EEC_INI", "_N_A_MPF", "_N_B_SPF"].into_iter().zip(&parts)
-    {
-        archive.extend(block(name, part));
-    }
-    seeds.push(archive);
+    seeds.push(b"@@MMCIBN.002".to_vec());
     seeds
-}
-
-/// A header of 512 bytes with its sum, then the content filled up with zeros.
-fn block(name: &str, content: &[u8]) -> Vec<u8> {
-    let mut bytes = vec![0_u8; 512];
-    let mut put =
-        |at: usize, text: &str| bytes[at..at + text.len()].copy_from_slice(text.as_bytes());
-    put(0, name);
-    put(50, name);
-    put(124, &content.len().to_string());
-    put(384, "\\_NC_ACT.DIR\\");
-    let sum: u64 = bytes.iter().map(|byte| u64::from(*byte)).sum();
-    let sum = sum.to_string();
-    bytes[148..148 + sum.len()].copy_from_slice(sum.as_bytes());
-    bytes.extend_from_slice(content);
-    bytes.resize(bytes.len().next_multiple_of(512), 0);
-    bytes
 }
 
 fn programs(fixtures: &Fixtures) -> Vec<Vec<u8>> {

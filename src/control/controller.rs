@@ -31,7 +31,7 @@ pub use self::fact::{
 pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::generic::{GenericFacts, TypedValue};
-pub use self::isg::{FileFormat, IsgFacts, LeverOrigin};
+pub use self::isg::{IsgFacts, LeverOrigin};
 pub use self::job_keys::{JobKey, JobSection};
 pub use self::klipper::KlipperFacts;
 pub use self::linuxcnc::{CrossTerms, LinuxcncFacts};

@@ -109,10 +109,10 @@ impl InControl {
                 "state `measuring_system` in [compensation.axes] as it is active on the control"
             }
             Self::LecNotRead { .. } => {
-                "read out the tables too ($AA_ENC_COMP, `AX_EEC.INI`) and name all files together, or name the commissioning archive (.arc)"
+                "read out the tables too ($AA_ENC_COMP, `AX_EEC.INI`) and name all files together"
             }
             Self::CecNotRead { .. } | Self::CecUnknown { .. } => {
-                "read out the tables too ($AN_CEC, `NC_CEC.INI`) and name all files together, or name the commissioning archive (.arc)"
+                "read out the tables too ($AN_CEC, `NC_CEC.INI`) and name all files together"
             }
             Self::CecUnit { .. } | Self::MayBeCecUnit { .. } => {
                 "state the `control_unit` of the tables, or read out MD10260 = 0 as well"
@@ -190,6 +190,7 @@ findings! {
         ReversalNotSeen { terms: Vec<ErrorTerm> } => Doubt, "both directions are known as found (measured, or by the backlash that was active) and were not both measured afterwards, so nothing is known of the reversal that is left: {}", joined(terms);
         OtherFrame { first: Option<Frame>, second: Option<Frame> } => Doubt, "the two measurements count from different frames (as found: {}; afterwards: {}): the slopes of their cross terms differ by a rotation that neither measured, so what is off the forecast there, and the causes, may be the frame", frame_word(*first), frame_word(*second);
         RestsOn { label: Finding } => Note, "{label}";
+        RepeatsBias { at_most: &'static str } => Note, "the same method repeats its bias: what angles without a measurement falsify is the same in both measurements, so that as left agrees with the forecast does not show it; {at_most}";
         LostMotion { reversals_um: Vec<(ErrorTerm, f64)> } => Note, "the first measurement did not tell the directions apart, so it did not see the lost motion, and its tables leave it; B (mean moving + minus mean moving -), µm: {}", joined(reversals_um.iter().map(|(term, um)| format!("{term} {:+.3}", Figure(*um))));
         DiagonalsOnly => Note, "straight runs show the body diagonals only: the nine errors were not measured afterwards";
         OffForecast { terms: Vec<(ErrorTerm, f64, f64)> } => Note, "off the forecast at some position by more than both measurements explain (99.9 %, all positions together): {}", joined(terms.iter().map(|(term, um, u_um)| format!("{term} {um:.3} µm (U = {u_um:.3} µm)")));

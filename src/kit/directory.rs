@@ -213,7 +213,7 @@ impl Directory {
         names.find(|name| own(name))
     }
 
-    /// The name of the control's whole parameter file or archive.
+    /// The name of a file that was read out of the control as a whole.
     fn whole_file(&self, profile: &Profile) -> Option<&str> {
         let mut files = self.files.iter();
         let found = files.find(|(_, _, bytes)| is_whole(profile, bytes));

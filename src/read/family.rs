@@ -35,14 +35,11 @@ pub(crate) trait Family {
         false
     }
 
-    /// The files in a file of the control: an archive holds many.
-    fn parts<'a>(&self, name: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Problem> {
-        Ok(vec![(name.to_string(), bytes)])
+    /// Why a file of the control is none that can be read, and which one to name in its place.
+    fn refusal(&self, _name: &str, _bytes: &[u8]) -> Option<Problem> {
+        None
     }
 }
-
-/// A file or one of an archive: its name and its bytes.
-pub(crate) type Part<'a> = (String, &'a [u8]);
 
 /// The family of a profile.
 pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
@@ -199,33 +196,24 @@ pub(crate) fn unread(profile: &Profile, files: &[KitFile<'_>]) -> Option<Finding
 /// which has thousands; a person may have added a few lines.
 pub(super) const READ_OUT_AS_A_WHOLE: usize = 100;
 
-/// Whether a file is a control's whole parameter file or archive.
+/// Whether a file is one of a control as a whole, such as its parameter file.
 pub fn is_whole(profile: &Profile, bytes: &[u8]) -> bool {
     let family = family(&profile.dialect);
-    match family.parts("", bytes).as_deref() {
-        Ok([(name, bytes)]) if name.is_empty() => {
-            text(profile, bytes).is_some_and(|text| family.is_whole(&text))
-        }
-        _ => true,
+    let is_one = || text(profile, bytes).is_some_and(|text| family.is_whole(&text));
+    family.refusal("", bytes).is_some() || is_one()
+}
+
+/// A file that was read out of a control as text.
+pub fn read_out_text<'a>(
+    profile: &Profile,
+    name: &str,
+    bytes: &'a [u8],
+) -> Result<Cow<'a, str>, Problem> {
+    if let Some(refusal) = family(&profile.dialect).refusal(name, bytes) {
+        return Err(refusal);
     }
-}
-
-/// Name and text.
-pub type Text<'a> = (String, Cow<'a, str>);
-
-/// The file that a text is of: an archive for its files.
-pub(crate) fn file_of(name: &str) -> &str {
-    name.split("/_N_").next().unwrap_or(name)
-}
-
-/// A file that was read out of a control as text, an archive as its files: `all.arc/_N_AX_EEC_INI`.
-pub fn texts<'a>(profile: &Profile, name: &str, bytes: &'a [u8]) -> Result<Vec<Text<'a>>, Problem> {
-    let parts = family(&profile.dialect).parts(name, bytes)?;
-    let own = |(name, bytes): Part<'a>| match text(profile, bytes) {
-        Some(text) => Ok((name, text)),
-        None => Err(not_text(profile, &name).help("name the files that the control wrote as text")),
-    };
-    parts.into_iter().map(own).collect()
+    let help = "name the files that the control wrote as text";
+    text(profile, bytes).ok_or_else(|| not_text(profile, name).help(help))
 }
 
 /// A file of a kit as text.

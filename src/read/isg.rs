@@ -1,21 +1,20 @@
 //! Reader of the ISG kernel's volumetric compensation: the list (`.lis`) and the parameter files that it names.
 //!
 //! ```text
-//!   texts ─┬ with a line `file[0] …` ── list ──→ axes, chain, switches; names and forms of the files
-//!          └ those that it names ── csv, exchange ──→ curves of the parameters
+//!   texts ─┬ with a line `file[0] …` ── list ──→ axes, chain, switches; names of the files
+//!          └ those that it names ── csv ──→ curves of the parameters
 //! ```
 //! Written from the pages of the maker named in docs/isg.md §0; it knows nothing of the program's own templates.
 
 pub mod control;
 mod csv;
-mod exchange;
 mod line;
 mod list;
 
 use self::control::IsgControl;
 use self::list::List;
 use crate::control::control_state::ControlState;
-use crate::control::controller::{FileFormat, IsgFacts};
+use crate::control::controller::IsgFacts;
 use crate::control::table::Tables;
 use crate::control::table::isg::{Curve, IsgTables, Parameter};
 use crate::read::emulate::{Emulated, Emulator};
@@ -56,7 +55,7 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
     let mut problems = Problems::none();
     let mut curves: Vec<Curve> = Vec::new();
     let mut named: Vec<&str> = Vec::new();
-    for (path, format) in &list.files {
+    for path in &list.files {
         let is_it =
             |(name, _): &&(&str, &str)| file_name(name).eq_ignore_ascii_case(file_name(path));
         let Some((name, text)) = others.iter().find(is_it) else {
@@ -64,11 +63,7 @@ pub(crate) fn read(texts: &[(&str, &str)]) -> Result<(IsgTables, Vec<Finding>), 
             continue;
         };
         named.push(name);
-        let own = match format {
-            FileFormat::IsgCsv => csv::curves(name, text),
-            FileFormat::EtalonExchange => exchange::curves(name, text),
-        };
-        for curve in problems.take(own).into_iter().flatten() {
+        for curve in problems.take(csv::curves(name, text)).into_iter().flatten() {
             if let Some(problem) = too_many(name, &curve) {
                 problems.push(problem);
             }

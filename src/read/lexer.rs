@@ -54,6 +54,21 @@ pub(super) fn lines(text: &str) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
+/// Words of a line with their places.
+pub(super) type Words<'a> = Vec<(&'a str, Range<usize>)>;
+
+/// The words of a piece of a line, between blanks.
+pub(super) fn words(text: &str, span: Range<usize>) -> Words<'_> {
+    let mut cursor = Cursor::new(text, span, &[' ', '\t']);
+    let mut words = Vec::new();
+    while cursor.peek_word().is_some() {
+        let start = cursor.at;
+        let word = cursor.take(|c| c != ' ' && c != '\t');
+        words.push((word, start..start + word.len()));
+    }
+    words
+}
+
 /// A place in a piece of a text, which is ASCII there: bytes are characters.
 #[derive(Clone)]
 pub(super) struct Cursor<'a> {

@@ -22,6 +22,6 @@ pub mod program;
 pub mod siemens;
 
 pub use self::family::{
-    FileData, KitFile, ReadBack, Text, emulator, is_whole, read, read_apart, texts,
+    FileData, KitFile, ReadBack, emulator, is_whole, read, read_apart, read_out_text,
 };
-pub(crate) use self::family::{file_of, load, may_be_meant_for, unread};
+pub(crate) use self::family::{load, may_be_meant_for, unread};

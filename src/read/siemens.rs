@@ -30,15 +30,13 @@ use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::Tables;
 use crate::control::table::siemens::LecTable;
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::family::{
-    Family, FileData, KitText, Part, READ_OUT_AS_A_WHOLE, ReadBack, each, own,
-};
+use crate::read::family::{Family, FileData, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, own};
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems, refuse_long_lines};
+use crate::text::problem::{Problem, Problems, refuse_long_lines, shown};
 use memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
-use read_out::{Concern, concern, header, is_archive, is_program, parts, sections};
+use read_out::{Concern, concern, header, is_archive, is_program, sections};
 use statement::{Statement, check_characters, code_of, statement};
 use std::ops::Range;
 
@@ -91,11 +89,12 @@ impl Family for SiemensFacts {
         lines(text).filter(passed_over).count() > READ_OUT_AS_A_WHOLE
     }
 
-    fn parts<'a>(&self, name: &str, bytes: &'a [u8]) -> Result<Vec<Part<'a>>, Problem> {
-        match is_archive(bytes) {
-            true => parts(name, bytes),
-            false => Ok(vec![(name.to_string(), bytes)]),
-        }
+    fn refusal(&self, name: &str, bytes: &[u8]) -> Option<Problem> {
+        let archive = Problem::new(format!(
+            "`{}` is a commissioning archive, which is not read",
+            shown(name)
+        ));
+        is_archive(bytes).then(|| archive.help("export `AX_EEC.INI` (ENC_COMP) and `NC_CEC.INI` (CEC) from the NC active data, with `INITIAL.INI` for the switches and MD32450, and name them in its place"))
     }
 }
 
@@ -117,13 +116,13 @@ pub fn read(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
     Reader::new(Writer::Kit, file_name, text).strict()
 }
 
-/// Reads a file that a control wrote of itself, an archive or a file of data: what concerns the
+/// Reads a file that a control wrote of itself, of one or of several sections: what concerns the
 /// compensation, the rest ignored. Part programs are read where no file of the read-out holds active
 /// data.
 ///
 /// **limits** reserved points behind MAX have no effect and are left out, and MAX may lie between two points
 /// ([`crate::control::table::siemens::closed`]): then the point behind it is kept where it is there. End words
-/// between the parts of an archive are ignored, but data behind the last one are refused: a file that goes
+/// between sections are ignored, but data behind the last one are refused: a file that goes
 /// on without one is not complete
 pub fn read_out(
     file_name: &str,

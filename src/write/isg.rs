@@ -7,7 +7,7 @@
 //! * One curve for both directions.
 
 use crate::control::claims::Precondition;
-use crate::control::controller::{ControlUnit, FileFormat, IsgFacts, LeverOrigin, Mechanism};
+use crate::control::controller::{ControlUnit, IsgFacts, LeverOrigin, Mechanism};
 use crate::control::table::Tables;
 use crate::control::table::isg::{Curve, IsgTables, Parameter, Point};
 use crate::inputs::job::WantedTerms;
@@ -84,17 +84,10 @@ impl Family for IsgFacts {
             let number = number.map_or(String::new(), |number| number.to_string());
             json!({ "letter": axis.to_string(), "number": number })
         };
-        let (blocks, curves, extension) = match self.file_format.value {
-            FileFormat::IsgCsv => (self.blocks(tables), Vec::new(), "csv"),
-            FileFormat::EtalonExchange => (Vec::new(), self.sections(tables), "txt"),
-        };
         Some(json!({
             "axes": tables.axes.iter().map(axis).collect::<Vec<Value>>(),
             "chain": Axis::letters(&tables.chain),
-            "file_format": self.file_format.value.word(),
-            "extension": extension,
-            "blocks": blocks,
-            "curves": curves,
+            "blocks": self.blocks(tables),
         }))
     }
 
@@ -239,22 +232,6 @@ impl IsgFacts {
             }))
         };
         Axis::ALL.into_iter().filter_map(block).collect()
-    }
-
-    /// `ETALON_EXCHANGE`: the points of each parameter.
-    fn sections(&self, tables: &IsgTables) -> Vec<Value> {
-        let section = |curve: &Curve| {
-            let point = |(index, point): (usize, &Point)| {
-                let value = self.text(curve, index).unwrap_or_default();
-                json!({ "position": self.position(point), "value": value })
-            };
-            let points = curve.points.iter().enumerate().map(point);
-            json!({
-                "name": curve.parameter.to_string(),
-                "points": points.collect::<Vec<Value>>(),
-            })
-        };
-        tables.curves.iter().map(section).collect()
     }
 
     fn position(&self, point: &Point) -> String {

@@ -6,7 +6,7 @@ use crate::support::{error_table, words};
 use encoding_rs::{Encoding, GBK, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 use nonius::control::controller::TableSign;
 use nonius::inputs::error_table::write;
-use nonius::inputs::import::stated::{Decimal, MaterialCorrected, Rows, Runs, Stated, Travel};
+use nonius::inputs::import::stated::{Decimal, MaterialCorrected, Runs, Stated, Travel};
 use nonius::inputs::import::{Component, ImportFinding, Imported, Measurement, import, source_of};
 use nonius::kit::sha256;
 use nonius::quantity::axis::{Axis, Direction};
@@ -150,28 +150,12 @@ fn rows_of_an_api_export_that_contradict_themselves_are_refused() {
         ("Unit:\tmm", "Unit:\tm", "`Unit` is `m`"),
         ("Linear Data Table", "Angular Data Table", "expected a `Linear Data Table`"),
         ("(X)", "(Y)", "names axis `(Y)`"),
-        ("\t 0.001300", "\t 0.002300", "--rows"),
     ] {
         let said = pos_refused(from, to, &plus);
         assert!(said.contains(words), "{from} -> {to}: {said}");
     }
     let turned = Stated { sign: Some(TableSign::AsCorrection), ..plus };
     assert!(pos_refused("(X)", "(X)", &turned).contains("contradicts the file"));
-}
-
-#[test]
-fn averages_of_an_api_export_are_taken_only_when_asked_for() {
-    let text = file(POS).replacen("\t 0.001300", "\t 0.002300", 1);
-    let taken = |taken: Rows, row: &str| {
-        let stated = Stated { rows: Some(taken), ..rtl_laser(0.0, Direction::Plus) };
-        let found = run(POS, &text, &stated, None).unwrap_or_else(|p| panic!("{p}"));
-        assert!(rows(&found.text).contains(row), "{}", found.text);
-        found.findings
-    };
-    let findings = taken(Rows::Measured, "x,+,100,1.3,");
-    let differ = |kind| matches!(kind, Some(&ImportFinding::AveragesDiffer { .. }));
-    assert!(findings.iter().any(|f| differ(f.kind())));
-    taken(Rows::Averages, "x,+,100,2.3");
 }
 
 /// Target 1 is 100 in the file and 50 on the machine; the axis went to larger coordinates

@@ -2,7 +2,7 @@
 //! can be made.
 use crate::support::{self, source, visit::fixtures};
 use nonius::control::controller::{
-    Dialect, EmittedFile, Evidence, FileFormat, Mechanism, Profile, ProfileSource, Role, Statement,
+    Dialect, EmittedFile, Evidence, Mechanism, Profile, ProfileSource, Role, Statement,
     StraightnessForm, builtin, load,
 };
 use std::collections::BTreeSet;
@@ -156,13 +156,6 @@ fn is_of_its_form(profile: &Profile, file: &EmittedFile) -> bool {
         }
         (Dialect::Fanuc(facts), Some(Mechanism::PerPoint)) => {
             facts.straightness_form.value == StraightnessForm::PerPoint
-        }
-        (Dialect::Isg(facts), _) => {
-            let other = match facts.file_format.value {
-                FileFormat::IsgCsv => "curves",
-                FileFormat::EtalonExchange => "blocks",
-            };
-            file.when.as_deref() != Some(other)
         }
         _ => true,
     }

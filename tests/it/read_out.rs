@@ -300,46 +300,6 @@ fn grids_that_no_point_ends_are_read_as_the_control_takes_them() {
     cnc.is(&steps, "fail", "$AN_CEC_STEP[9] has several values in the files");
 }
 
-/// A header of an archive: 512 bytes with name, size, the sum of its other bytes, and folder.
-fn header(name: &str, size: usize, folder: &str) -> Vec<u8> {
-    let mut header = vec![0_u8; 512];
-    let put = |header: &mut [u8], at: usize, text: &str| {
-        header[at..at + text.len()].copy_from_slice(text.as_bytes());
-    };
-    put(&mut header, 0, name);
-    put(&mut header, 124, &size.to_string());
-    put(&mut header, 384, folder);
-    let sum: u32 = header.iter().map(|byte| u32::from(*byte)).sum();
-    put(&mut header, 148, &sum.to_string());
-    header
-}
-
-#[test]
-fn a_commissioning_archive_is_read_as_it_is() {
-    let cnc = siemens("mean");
-    let active = "\\_NC_ACT.DIR\\";
-    let initial = "METRIC\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n".to_string();
-    let definitions = "REDEF $MA_CEC_ENABLE APR 7 APW 7\n".to_string();
-    let mut files = vec![
-        ("_N_INITIAL_INI".to_string(), active, initial),
-        ("_N_AX_EEC_INI".to_string(), active, cnc.archive("METRIC")),
-        ("_N_MACCESS_DEF".to_string(), "\\DEF.DIR\\", definitions),
-        ("@@_N_IBN_SS".to_string(), active, String::new()),
-    ];
-    let other = replaced(&cnc.archive(""), "=0.016", "=0.055");
-    files.extend((0..8).map(|k| (format!("_N_P{k}_MPF"), "\\MPF.DIR\\", other.clone())));
-    let mut bytes = header("@@MMCIBN.002", 0, "");
-    for (name, folder, text) in &files {
-        bytes.extend(header(name, text.len(), folder));
-        bytes.extend(text.as_bytes());
-        bytes.resize(bytes.len().next_multiple_of(512), 0);
-    }
-    cnc.0.put("out/test.arc", &bytes);
-    cnc.verify("out", "pass").says("part programs were ignored (8)");
-    cnc.0.put("out/test.arc", &bytes[..3000]);
-    cnc.verify("out", "refused").says("the archive `test.arc` is damaged or cut off");
-}
-
 /// A file of another kind has the same mistake in each line: it is said once, and reading stops.
 #[test]
 fn a_long_file_of_another_kind_is_refused_at_once() {
@@ -369,15 +329,15 @@ fn points_of_a_slave_of_a_gantry_are_told() {
     cnc.is(&slave.concat(), "pass", "takes the points of axis 1, as the slave of a gantry does");
 }
 
-/// An archive holds part programs beside the active data; they do nothing before they are run.
+/// A read-out may hold part programs beside the active data; they do nothing before they are run.
 #[test]
-fn part_programs_in_an_archive_are_no_state() {
+fn part_programs_beside_active_data_are_no_state() {
     let cnc = siemens("mean");
     let bare = cnc.archive("");
     let program = format!("%_N_NEW_EEC_MPF\n;$PATH=/_N_MPF_DIR\n{bare}");
     let active = program.replace("NEW_EEC_MPF", "AX_EEC_INI").replace("_MPF_", "_NC_ACT_");
     let old = replaced(&active, "=0.016", "=0.055");
-    let judge = |verdict: &str, text: &str| cnc.judge(verdict, &[("all.arc", text)]);
+    let judge = |verdict: &str, text: &str| cnc.judge(verdict, &[("all.txt", text)]);
     let ignored = "part programs were ignored (NEW_EEC_MPF)";
     judge("fail", &format!("{old}{program}")).says(ignored);
     judge("fail", &format!("{program}{old}")).says(ignored);
@@ -386,14 +346,14 @@ fn part_programs_in_an_archive_are_no_state() {
     judge("fail", &format!("{off}{active}{on}"));
     judge("pass", &active);
     judge("undecided", &program).says("acts only once they were run");
-    // A program in a file of its own is no more a state than one in the archive.
+    // A program in a file of its own is no more a state.
     let data = "%_N_COMPLETE_TEA_INI\n$MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n";
     for name in ["P.MPF", "P"] {
         cnc.judge("fail", &[("TEA.INI", data), (name, &program)])
             .says("missing: the tables hold nothing for it");
-        cnc.judge("pass", &[("ALL.ARC", &active), (name, &program)]);
+        cnc.judge("pass", &[("ALL.INI", &active), (name, &program)]);
     }
-    cnc.judge("fail", &[("ALL.ARC", &old), ("NEW.MPF", &bare)]);
+    cnc.judge("fail", &[("ALL.INI", &old), ("NEW.MPF", &bare)]);
     // Cut before the switch: what goes on behind the end word is not complete.
     let cut = format!("{active}%_N_COMPLETE_TEA_INI\nN32000 $MA_MAX_AX_VELO[AX1]=10000\n");
     judge("refused", &cut);
@@ -405,11 +365,11 @@ fn latin_1_and_a_byte_order_mark_do_not_stop_the_reading() {
     let cnc = siemens("mean");
     let text = cnc.archive("CHANDATA(1) ;~berwachung");
     let bytes: Vec<u8> = text.bytes().map(|b| if b == b'~' { 0xDC } else { b }).collect();
-    cnc.0.put("out/all.arc", bytes);
+    cnc.0.put("out/all.txt", bytes);
     cnc.verify("out", "pass");
     // An editor may have put its mark before the header of a program.
     let program = format!("\u{feff}%_N_NEW_MPF\n{}", cnc.archive(""));
-    cnc.judge("undecided", &[("all.arc", &program)]);
+    cnc.judge("undecided", &[("all.txt", &program)]);
 }
 
 #[test]

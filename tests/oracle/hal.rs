@@ -17,14 +17,24 @@ addf lincurve.1 servo-thread
 addf sum2.0 servo-thread
 addf sum2.1 servo-thread
 addf sum2.2 servo-thread
-net x joint.0.pos-cmd => lincurve.0.in lincurve.1.in
-net a lincurve.0.out => sum2.0.in0
-net b lincurve.1.out => sum2.0.in1
-net c sum2.0.out => sum2.1.in1 sum2.2.in1
-net command joint.1.motor-pos-cmd => sum2.1.in0
-net drive <= sum2.1.out
-net encoder => sum2.2.in0
-net back sum2.2.out => joint.1.motor-pos-fb
+net nonius-0-position joint.0.pos-cmd
+net nonius-0-position lincurve.0.in
+net nonius-0-position lincurve.1.in
+net nonius-1-command joint.1.motor-pos-cmd
+net nonius-1-command sum2.1.in0
+net nonius-1-correction sum2.0.out
+net nonius-1-correction sum2.1.in1
+net nonius-1-correction sum2.2.in1
+net nonius-1-curve-1 lincurve.1.out
+net nonius-1-curve-1 sum2.0.in1
+net nonius-1-drive sum2.1.out
+net nonius-1-encoder sum2.2.in0
+net nonius-1-feedback sum2.2.out
+net nonius-1-feedback joint.1.motor-pos-fb
+net nonius-1-sum-0 lincurve.0.out
+net nonius-1-sum-0 sum2.0.in0
+setp sum2.0.gain1 1
+setp sum2.1.gain1 1
 setp sum2.2.gain1 -1
 setp lincurve.0.x-val-00 -100
 setp lincurve.0.y-val-00 0.001
@@ -62,43 +72,30 @@ fn a_file_written_by_hand_is_read() {
     assert_eq!(numbers(&found[0]), curves);
 }
 
-#[test]
-fn gains_turn_and_scale_what_is_added() {
-    let gains = "setp sum2.1.gain1 -1\nsetp sum2.2.gain1 1\nsetp sum2.0.gain1 2";
-    let turned = FILE.replace("setp sum2.2.gain1 -1", gains);
-    let curves =
-        [vec![(-100.0, -0.001), (0.0, 0.0), (100.0, 0.002)], vec![(100.0, 0.0), (150.0, -0.008)]];
-    assert_eq!(numbers(&tables(&turned).unwrap()[0]), curves);
-}
-
 /// Words of [`FILE`] (¶ = the end of a line), what stands there instead, and what is said of it.
 const REFUSED: &str = "\
-setp sum2.2.gain1 -1¶ |  | m.hal:16:24: what is added to the drive of joint 1 is not what is taken out of its feedback
-gain1 -1 | gain1 -0.5 | is not what is taken out of its feedback
-in1 sum2.2.in1 | in1 | m.hal:8:6: a pin of this component has no signal
-encoder => | command | the feedback of joint 1 is not its encoder and a correction
-addf sum2.0 servo-thread¶addf sum2.1 servo-thread | addf sum2.1 servo-thread¶addf sum2.0 servo-thread | m.hal:6:6: this runs before `c` is made
-addf sum2.0 servo-thread | addf sum2.0 slow | m.hal:6:13: `slow` is another thread
-addf lincurve.1 servo-thread¶ |  | this runs before `b` is made
-addf sum2.1 servo-thread¶ |  | m.hal:3:8: no thread runs sum2.1
-addf sum2.2 | addf sum2.1 | m.hal:8:6: `sum2.1` is added a second time
-setp lincurve.0.y-val-01 0¶ |  | m.hal:2:8: a point of lincurve.0 is not set
-x-val-01 0¶ | x-val-01 -100¶ | the points of lincurve.0 do not ascend
-setp lincurve.1.x-val-01 | setp lincurve.1.x-val-02 | there is no `lincurve.1.x-val-02`
-y-val-01 0.004 | y-val-01 nan | m.hal:27:26: `nan` is no number
-setp sum2.2.gain1 -1 | setp sum2.2.offset -1 | there is no `sum2.2.offset`
-personality=3,2 | personality=3 | loaded in a way that is not read
-personality=3,2 | personality=3,17 | loaded in a way that is not read
-count=2  | count=129  | 129 curves, more than the 128
-sum2 count=3 | sum2 count=3¶loadrt sum2 count=3 | m.hal:4:8: `sum2` is loaded a second time
-loadrt sum2 count=3 | loadrt sum2 count=4 | no thread runs sum2.3
-sum2 count=3 | sum2 count=3¶loadrt pid count=3 | m.hal:4:8: `pid` is a component that is not read here
-# by hand | loadusr halmeter | m.hal:1:1: `loadusr` is not read here
-joint.0.pos-cmd => | joint.0.pos-fb => | there is no `joint.0.pos-fb`
-joint.0.pos-cmd => | joint.16.pos-cmd => | there is no `joint.16.pos-cmd`
-0.pos-cmd => | 0.motor-pos-cmd => | lincurve.0 looks up something other than the position of a joint
-net drive <= sum2.1.out | net c sum2.1.out | m.hal:14:7: signal `c` has two sources
-=> sum2.2.in0 | => sum2.2.in0 sum2.1.in0 | `sum2.1.in0` is linked a second time
+gain1 -1 | gain1 1 | m.hal:27:19: `1` stands here, expected `setp sum2.2.gain1 -1`
+setp sum2.2.gain1 -1¶ |  | m.hal:27:6: `lincurve.0.x-val-00` stands here, expected `setp sum2.2.gain1 -1`
+net nonius-1-encoder sum2.2.in0 | net nonius-1-command sum2.2.in0 | m.hal:20:5: `nonius-1-command` stands here, expected `net nonius-1-encoder sum2.2.in0`
+addf sum2.0 servo-thread¶addf sum2.1 servo-thread | addf sum2.1 servo-thread¶addf sum2.0 servo-thread | m.hal:6:6: `sum2.1` stands here
+addf sum2.0 servo-thread | addf sum2.0 slow | m.hal:6:13: `slow` stands here
+addf sum2.0 servo-thread | addf sum2.0 | m.hal:6:12: nothing stands here
+addf lincurve.1 servo-thread¶ |  | m.hal:5:6: `sum2.0` stands here
+setp lincurve.0.y-val-01 0¶ |  | m.hal:31:6: `lincurve.0.x-val-02` stands here, expected `setp lincurve.0.y-val-01 NUMBER`
+setp lincurve.1.y-val-01 0.004¶ |  | m.hal:37:1: nothing stands here, expected `setp lincurve.1.y-val-01 NUMBER`
+y-val-01 0.004 | y-val-01 0.004¶loadusr halmeter | m.hal:38:1: `loadusr` stands here, expected the end of the file
+y-val-01 0.004 | y-val-01 0.004 7 | m.hal:37:32: `7` stands here
+y-val-01 0.004 | y-val-01 nan | m.hal:37:26: `nan` stands here
+x-val-01 0¶ | x-val-01 -100¶ | m.hal:30:26: the points of a curve do not ascend
+personality=3,2 | personality=3 | m.hal:2:1: expected `loadrt lincurve count=N personality=LIST` first
+personality=3,2 | personality=3,17 | of up to 128 curves of 2 to 16 points
+count=2  | count=129  | of up to 128 curves
+# by hand | loadrt pid count=1 | m.hal:1:1: expected `loadrt lincurve
+sum2 count=3 | sum2 count=4 | m.hal:3:13: `count=4` stands here, expected `loadrt sum2 count=3`
+net nonius-0-position lincurve.1.in | net nonius-x-position lincurve.1.in | m.hal:11:1: expected a line `net nonius-J-… lincurve.1.in` with the joint J
+nonius-1-curve-1 lincurve.1.out | nonius-16-curve-1 lincurve.1.out | m.hal:17:1: expected a line `net nonius-J-… lincurve.1.out` with the joint J
+nonius-1-curve-1 lincurve.1.out | nonius-0-curve-1 lincurve.1.out | the curves of a joint do not stand together
+0-position joint.0.pos-cmd | 0-position joint.0.pos-fb | m.hal:9:23: `joint.0.pos-fb` stands here
 ";
 
 #[test]

@@ -56,7 +56,6 @@ const TEMPLATES: &[(&str, &str)] = embed!(
     "weihong.dat.tera",
     "isg.lis.tera",
     "isg.csv.tera",
-    "isg-exchange.txt.tera",
     "aerotech.cal.tera",
     "isg-axis.lis.tera",
     "fagor-8055.txt.tera",

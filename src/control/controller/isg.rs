@@ -23,34 +23,6 @@ pub(super) static FAMILY: Family = Family {
     }],
 };
 
-/// How the parameters are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FileFormat {
-    /// A header and rows, one block for each axis.
-    IsgCsv,
-    /// A section for each parameter.
-    EtalonExchange,
-}
-
-impl Word for FileFormat {
-    const WORDS: &'static [(&'static str, FileFormat)] =
-        &[("ISG_CSV", FileFormat::IsgCsv), ("ETALON_EXCHANGE", FileFormat::EtalonExchange)];
-}
-
-impl FileFormat {
-    /// The word of `file_format`.
-    pub(crate) fn word(self) -> &'static str {
-        self.word_of()
-    }
-
-    /// The format of a word, in capitals or not.
-    pub(crate) fn of_word(word: &str) -> Option<FileFormat> {
-        let mut words = Self::WORDS.iter();
-        let own = words.find(|(own, _)| own.eq_ignore_ascii_case(word));
-        own.map(|(_, format)| *format)
-    }
-}
-
 /// Where the control counts levers from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LeverOrigin {
@@ -72,8 +44,6 @@ facts! {
         error_sign: TableSign,
         /// Sense of the angles: `as_error` = right-handed, as ISO 230-1 has them.
         angle_sign: TableSign,
-        /// Which form is written.
-        file_format: FileFormat,
         /// Where levers count from.
         lever_origin: LeverOrigin,
         /// Most records of a compensation (`max_records` as it is set).

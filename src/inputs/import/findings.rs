@@ -20,8 +20,7 @@ findings! {
         Positions { count: usize, first: String, last: String } => Label, "positions: {count} targets at machine coordinates {first} … {last} mm";
         OwnZero => Label, "targets: counted from the zero of the file, not of the machine";
         Turned { component: Component } => Label, "sense: the file counts its targets against the axis, so {component} is turned as well";
-        Measured { relation: String } => Label, "values: in every row LinearError = {relation} − Position, so they are measured − target as the file counts";
-        Averages => Label, "rows: the maker's averages (`API Linear Error Compensation Table`)";
+        Measured { relation: String } => Label, "values: in every row LinearError = {relation} − Position, so they are measured − target as the file counts; the maker's averages are not read";
         Runs { counts: Vec<(usize, Direction)>, fewest: usize } => Label, "runs: {}; {}", joined(counts.iter().map(|(runs, moving)| format!("{runs} moving {moving}"))), if *fewest > 1 { "mean of each direction, u = s/√runs (k = 1)" } else { "one run tells nothing about the uncertainty" };
         RunsOf { runs: usize, axis: Axis, direction: &'static str, u: &'static str } => Label, "runs: {runs} of {axis}, direction {direction}; their mean, {u}";
         Freedom { degrees: usize } => Label, "degrees of freedom: {degrees}";
@@ -34,8 +33,6 @@ findings! {
         OtherAxis { entry: String, axis: Axis } => Note, "the file names axis {entry}, but {axis} was stated as the moving axis (`--axis`): make sure that this is the file of {axis}";
         OtherVersion { version: String, known: &'static str } => Note, "`File Version` is {version}; the format is known from version {known} only: compare a value with the screen of the maker's program";
         WarmingUp { rows: usize, of: usize } => Note, "the laser was still warming up in {rows} of {of} rows";
-        AveragesDiffer { how: String } => Note, "the maker's averages are not those of the measured rows ({how}), so the file was edited; the measured rows were taken";
-        AveragesTaken { alone: usize, of: usize, rows: usize } => Note, "the maker's averages were taken: {alone} of their {of} positions stand in none of the {rows} measured rows, so the file was edited; nothing shows that the values there were measured";
         Material { state: &'static str, noted: String, stake: String } => Note, "{state}: the file notes {noted}, {stake}; away from 20 °C this table is not valid";
         UnlikelyReversal { axis: Axis, um: f64 } => Note, "E{axis}{axis}: B = {um:+.3} µm is above 0, ordinary lost motion gives B < 0: are the way of the targets, the directions or the sign stated as they were?";
     }

@@ -4,19 +4,16 @@
 //!   API X-D Laser Measurement Linear Data Table …
 //!   TestAxis: (X)   Unit: inch   RunNum: 1   NumofPos: 27   TestType: Unidirection
 //!   Position  LasRead  LinearError  Status  AirTemp  AirPress  MatTemp …   ← what was measured
-//!   API Linear Error Compensation Table
-//!   Position  Unidirectional Avg Error                                    ← what the maker made of it
+//!   API Linear Error Compensation Table …                                 ← averages: not read
 //! ```
-//! The measured rows are used. Error = ± reading − position holds in each of them, which shows that
-//! the values are measured − target. The maker's averages are the same to the seventh digit of the
-//! position; where they are not, the file was edited, and `--rows` says which to take.
+//! Error = ± reading − position holds in each measured row, which shows that the values are measured − target.
 //! docs/import.md §6 names the sources.
 
 use crate::control::controller::TableSign;
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::pos_rows::{Averages, Measured};
+use crate::inputs::import::pos_rows::Measured;
 use crate::inputs::import::reading::{FileContents, Passes, Way};
-use crate::inputs::import::stated::{Format, ROWS, Rows, Stated};
+use crate::inputs::import::stated::{Format, Stated};
 use crate::inputs::import::words::{AGAIN, Fields, Piece, lines};
 use crate::quantity::units::UM_PER_MM;
 use crate::text::delimited::{LengthUnit, plain_number};
@@ -28,7 +25,7 @@ const KNOWN_VERSION: &str = "5";
 /// Fields that are copied into our table.
 const COPIED: [&str; 7] =
     ["Instrument(S/N)", "TestDate", "MachID", "MachName", "TestType", "ZeroOffset", "TestAxis"];
-const CHANGED: &str = "the file was edited: save it again, or take the maker's averages with `--rows averages` if they are what was changed on purpose";
+const CHANGED: &str = "the file was edited: save it again; values that were changed on purpose are imported from a CSV with `--columns`";
 
 pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
     let lines = lines(source);
@@ -37,27 +34,15 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
     let term = stated.required_term(Format::Pos, &mut problems);
     let sign = stated.required_sign(&mut problems);
     let mut said = header.said(stated, &mut problems);
-    let is_measured = stated.rows != Some(Rows::Averages);
     let unit = header.unit("Unit", &mut problems);
-    // Measured errors have the unit of reading and position, from which they follow.
-    let error_unit = match is_measured {
-        true => unit,
-        false => header.unit("ErrorUnit", &mut problems),
-    };
     let measured = problems.take(Measured::read(&lines, source));
-    let averages = problems.take(Averages::read(&lines));
-    let (Some(unit), Some(error_unit), Some(measured), Some(averages)) =
-        (unit, error_unit, measured, averages)
-    else {
+    let (Some(unit), Some(measured)) = (unit, measured) else {
         return Err(problems);
     };
-    let (positions, values) = (unit.word(), error_unit.word());
+    // Errors follow from reading and position, so they have their unit.
+    let (positions, values) = (unit.word(), unit.word());
     said.find([ImportFinding::Units { positions, values }]);
-    let taken = if is_measured {
-        header.measured(&measured, averages.as_ref(), stated, &mut said, &mut problems)
-    } else {
-        of_averages(&measured, averages.as_ref(), &mut said, &mut problems)
-    };
+    let taken = header.measured(&measured, stated, &mut said, &mut problems);
     said.find(measured.material_warning(stated, &mut problems));
     let Some(mut passes) = taken else {
         return Err(problems);
@@ -65,9 +50,9 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
     for target in &mut passes.targets {
         *target = *target * unit.um() / UM_PER_MM;
     }
-    passes.scale(error_unit.um());
+    passes.scale(unit.um());
     said.find(measured.surroundings());
-    let of_runs = if is_measured { passes.of_runs(stated) } else { Vec::new() };
+    let of_runs = passes.of_runs(stated);
     passes.reading((term, sign), said, of_runs, stated, problems)
 }
 
@@ -167,7 +152,6 @@ impl<'a> Header<'a> {
     fn measured(
         &self,
         measured: &Measured<'_>,
-        averages: Option<&Averages<'_>>,
         stated: &Stated,
         said: &mut FileContents,
         problems: &mut Problems,
@@ -188,14 +172,6 @@ impl<'a> Header<'a> {
         let relation = relation.to_string();
         said.find([ImportFinding::Measured { relation }]);
         said.find(measured.warm_up());
-        if let Some((how, line)) = averages.and_then(|averages| averages.difference(&passes)) {
-            if stated.rows.is_none() {
-                let why = format!("the maker's averages are not those of the measured rows: {how}");
-                problems.push(ROWS.missing_because(&why).at(line.place()));
-                return None;
-            }
-            said.find([ImportFinding::AveragesDiffer { how }]);
-        }
         Some(passes)
     }
 
@@ -251,25 +227,4 @@ impl<'a> Header<'a> {
         }
         Some(passes)
     }
-}
-
-/// The maker's averages, as stated; what does not go with the measured rows is said.
-fn of_averages(
-    measured: &Measured<'_>,
-    averages: Option<&Averages<'_>>,
-    said: &mut FileContents,
-    problems: &mut Problems,
-) -> Option<Passes> {
-    let Some(averages) = averages else {
-        let message =
-            "`--rows averages` is stated, but the file holds no table `Unidirectional Avg Error`";
-        problems.push(measured.heading.problem(message, "leave `--rows` out"));
-        return None;
-    };
-    let (alone, of) = (averages.without_row(measured), averages.rows.len());
-    let rows = measured.rows.len();
-    let taken = ImportFinding::AveragesTaken { alone, of, rows };
-    said.find((alone > 0).then_some(taken));
-    said.find([ImportFinding::Averages]);
-    Some(averages.passes())
 }

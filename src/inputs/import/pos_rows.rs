@@ -1,7 +1,7 @@
-//! The two tables of a `.pos` file: measured rows, and the maker's averages.
+//! The measured rows of a `.pos` file.
 
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::reading::{Passes, Way, means};
+use crate::inputs::import::reading::{Passes, Way};
 use crate::inputs::import::stated::Stated;
 use crate::inputs::import::words::{AGAIN, Piece};
 use crate::text::document::Source;
@@ -15,8 +15,6 @@ const NORMAL: f64 = 0.0;
 const WARM_UP: f64 = 1.0;
 /// A sensor that is not connected; the footer says `N/A` then.
 const NO_SENSOR: f64 = -1.0;
-/// The maker's program rounds position + error to a number of 24 binary digits.
-const SINGLE_PRECISION: f64 = 1.0 / (1 << 23) as f64;
 
 /// A row of numbers, in the file's unit.
 pub(super) struct Row<'a> {
@@ -234,62 +232,5 @@ impl<'a> Measured<'a> {
         let noted = (!values.is_empty()).then_some(ImportFinding::Surroundings { values });
         let absent = (!sensors.is_empty()).then_some(ImportFinding::NotMeasured { sensors });
         noted.into_iter().chain(absent)
-    }
-}
-
-/// What the maker's program made of the rows: positions and averages.
-pub(super) struct Averages<'a> {
-    heading: Piece<'a>,
-    pub(super) rows: Vec<Row<'a>>,
-}
-
-impl<'a> Averages<'a> {
-    /// The table of a unidirectional measurement; `None` = there is none.
-    pub(super) fn read(lines: &[Piece<'a>]) -> Result<Option<Self>, Problems> {
-        let heading = lines.iter().position(|line| {
-            line.text.starts_with("Position") && line.text.contains("Unidirectional Avg Error")
-        });
-        let Some(at) = heading else { return Ok(None) };
-        let rows = rows_below(&lines[at + 1..], 2)?;
-        let heading = lines[at];
-        Ok(Some(Averages { heading, rows }))
-    }
-
-    /// The averages as one pass.
-    pub(super) fn passes(&self) -> Passes {
-        let column = |index: usize| self.rows.iter().map(move |row| row.numbers[index]).collect();
-        Passes {
-            targets: column(0),
-            place: self.heading.place(),
-            ways: vec![(Way::Forward, vec![column(1)])],
-        }
-    }
-
-    /// The first row that is not the mean of what was measured, in words, and where it stands.
-    pub(super) fn difference(&self, measured: &Passes) -> Option<(String, Piece<'a>)> {
-        let runs = measured.ways.iter().flat_map(|(_, runs)| runs.iter().cloned());
-        let means = means(&runs.collect::<Vec<Vec<f64>>>());
-        for (index, row) in self.rows.iter().enumerate() {
-            let (at, found) = (row.numbers[0], row.numbers[1]);
-            let target = measured.targets.get(index).filter(|target| is(**target, at));
-            let Some((_, (mean, _))) = target.zip(means.get(index)) else {
-                let words = format!("none is measured at {at} in row {}", index + 1);
-                return Some((words, row.line));
-            };
-            if (found - mean).abs() > at.abs() * SINGLE_PRECISION + row.digits[1] {
-                let words = format!("{found} at {at}, where {mean} was measured");
-                return Some((words, row.line));
-            }
-        }
-        let (own, measured) = (self.rows.len(), measured.targets.len());
-        let words = format!("{own} positions instead of {measured}");
-        (own != measured).then_some((words, self.heading))
-    }
-
-    /// How many positions stand in no measured row.
-    pub(super) fn without_row(&self, measured: &Measured<'_>) -> usize {
-        let is_measured =
-            |at: f64| measured.rows.iter().any(|row| is(measured.position(row).0, at));
-        self.rows.iter().filter(|row| !is_measured(row.numbers[0])).count()
     }
 }

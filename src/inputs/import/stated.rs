@@ -38,15 +38,6 @@ pub enum Values {
     Absolute,
 }
 
-/// Which of the two tables of a file is taken.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Rows {
-    /// What was measured
-    Measured,
-    /// What the maker's program made of it
-    Averages,
-}
-
 /// How the runs of a measurement were travelled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Runs {
@@ -145,9 +136,6 @@ pub struct Stated {
     /// unidirectional, or bidirectional (even runs go back)
     #[arg(long)]
     pub runs: Option<Runs>,
-    /// Which rows of a file that holds both: measured, or averages (the maker's)
-    #[arg(long)]
-    pub rows: Option<Rows>,
     /// Whether the instrument brought the readings to 20 °C of the material
     #[arg(long)]
     pub material_corrected: Option<MaterialCorrected>,
@@ -204,7 +192,7 @@ const WITH_TARGETS: &[Format] = &[Format::Rtl, Format::Ren, Format::Pos, Format:
 const WITH_MATERIAL: &[Format] = &[Format::Rtl, Format::Pos];
 
 /// Every fact, in the order in which the statements are told.
-const FACTS: [&Fact; 16] = [
+const FACTS: [&Fact; 15] = [
     &COLUMNS,
     &AXIS,
     &TERM,
@@ -216,7 +204,6 @@ const FACTS: [&Fact; 16] = [
     &UNIT,
     &VALUES,
     &RUNS,
-    &ROWS,
     &MATERIAL_CORRECTED,
     &CAPTURES,
     &SHEET,
@@ -299,13 +286,6 @@ pub(super) const RUNS: Fact = Fact {
     value: |stated| stated.runs.map(word),
     why: "the second number of `Flags` does not say whether even runs go back",
     add: "add `--runs bidirectional` (even runs go back) or `--runs unidirectional` (every run goes from the first target to the last; even runs of zeros were never made)",
-};
-pub(super) const ROWS: Fact = Fact {
-    option: "--rows",
-    formats: &[Format::Pos],
-    value: |stated| stated.rows.map(word),
-    why: "the maker's averages are not those of the measured rows",
-    add: "add `--rows measured`, or `--rows averages` if they were changed on purpose",
 };
 pub(super) const MATERIAL_CORRECTED: Fact = Fact {
     option: "--material-corrected",

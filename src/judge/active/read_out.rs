@@ -12,12 +12,13 @@ use crate::inputs::job::Job;
 use crate::judge::family::family;
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::{Text, texts as texts_of};
+use crate::read::read_out_text;
 use crate::text::finding::Severity;
 use crate::text::problem::{Problem, Problems};
 use crate::write::plan::axis_names;
+use std::borrow::Cow;
 
-/// Reads files of the control: tables, parameters, archives.
+/// Reads files of the control: tables, parameters.
 pub fn from_read_out(
     job: &Job,
     profile: &Profile,
@@ -35,7 +36,7 @@ pub fn from_read_out(
         findings: Vec::new(),
     };
     let texts = texts(profile, path, &files, &mut reading)?;
-    let texts: Vec<(&str, &str)> = texts.iter().map(|(name, text)| (&**name, &**text)).collect();
+    let texts: Vec<(&str, &str)> = texts.iter().map(|(name, text)| (*name, &**text)).collect();
     reading.texts = &texts;
     let found = family(&profile.dialect).read_out(&mut reading)?;
     let own = job.compensation.control_unit;
@@ -117,7 +118,7 @@ fn texts<'a>(
     path: &str,
     files: &'a [(String, Vec<u8>)],
     reading: &mut ReadOutReader<'_>,
-) -> Result<Vec<Text<'a>>, Problems> {
+) -> Result<Vec<(&'a str, Cow<'a, str>)>, Problems> {
     let mut problems = Problems::none();
     let mut texts = Vec::new();
     for (name, bytes) in files {
@@ -133,8 +134,8 @@ fn texts<'a>(
             );
             problems.push(Problem::new(message).help("name the whole kit with its manifest.json, or files that were read out of the control"));
         }
-        match texts_of(profile, name, bytes) {
-            Ok(own) => texts.extend(own),
+        match read_out_text(profile, name, bytes) {
+            Ok(text) => texts.push((name.as_str(), text)),
             Err(problem) => problems.push(problem),
         }
     }

@@ -193,7 +193,7 @@ impl Found {
 /// A read-out against a job, while it is read.
 pub(crate) struct ReadOutReader<'a> {
     pub(crate) job: &'a Job,
-    /// The files, an archive as its files: names and texts.
+    /// The files: names and texts.
     pub(crate) texts: &'a [(&'a str, &'a str)],
     pub(crate) names: PerAxis<Vec<String>>,
     pub(crate) purpose: ReadOutFor,

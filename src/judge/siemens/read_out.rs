@@ -12,7 +12,6 @@ use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::UM_PER_MM;
-use crate::read::file_of;
 use crate::read::siemens::{
     MachineDatum, MachineValue, ReadOut, SiemensContents, has_active_data, is_switch, merge,
     read_out,
@@ -67,16 +66,14 @@ fn contents(
 ) -> Result<Vec<SiemensContents>, Problems> {
     let mut problems = Problems::none();
     let mut all = Vec::new();
-    // An archive has many texts.
-    let mut passed_over: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    let mut passed_over = BTreeMap::new();
     for (name, text) in texts {
         let Some(contents) = problems.take(read_out(name, text, reads_programs)) else {
             continue;
         };
         tell_units(reading, name, &contents.read_out.units);
-        let counts = passed_over.entry(file_of(name)).or_default();
-        counts.0 += contents.read_out.passed_over;
-        counts.1 += contents.read_out.without_grid.len();
+        let told = &contents.read_out;
+        passed_over.insert(*name, (told.passed_over, told.without_grid.len()));
         all.push(contents);
     }
     for (file, (data, tables)) in passed_over {

@@ -1,9 +1,9 @@
 //! `ISG_CSV`: blocks of a header and rows of numbers between blanks; `//` begins a comment, `#` ends a block.
 
-use super::line::{number, without_comment, words};
+use super::line::{number, without_comment};
 use crate::control::table::isg::{Curve, Parameter, Point};
 use crate::quantity::axis::Axis;
-use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
+use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, words};
 use crate::text::problem::{Problems, shown};
 use std::ops::Range;
 

@@ -1,9 +1,7 @@
 //! The list of a volumetric compensation: `key value` in each line, `#` begins a comment.
 
-use super::line::words;
-use crate::control::controller::FileFormat;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
+use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located, words};
 use crate::text::problem::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
@@ -16,8 +14,8 @@ pub(super) struct List {
     pub(super) chain: [Axis; 3],
     pub(super) negated: PerAxis<bool>,
     pub(super) zeroed: PerAxis<bool>,
-    /// Paths of the parameter files with their forms.
-    pub(super) files: Vec<(String, FileFormat)>,
+    /// Paths of the parameter files.
+    pub(super) files: Vec<String>,
 }
 
 /// Whether a text is a list: it names a parameter file.
@@ -49,7 +47,8 @@ fn setting(text: &str, line: Range<usize>) -> Option<Setting<'_>> {
 struct Reading {
     list: List,
     paths: BTreeMap<u32, String>,
-    formats: BTreeMap<u32, FileFormat>,
+    /// Files whose form is stated.
+    formats: BTreeSet<u32>,
 }
 
 impl List {
@@ -90,7 +89,7 @@ impl Default for Reading {
                 files: Vec::new(),
             },
             paths: BTreeMap::new(),
-            formats: BTreeMap::new(),
+            formats: BTreeSet::new(),
         }
     }
 }
@@ -108,9 +107,12 @@ impl Reading {
             return Ok(());
         }
         if let Some(index) = indexed(key, "file_format") {
-            let format = FileFormat::of_word(value).ok_or("ISG_CSV or ETALON_EXCHANGE")?;
-            self.formats.insert(index, format);
-            return Ok(());
+            self.formats.insert(index);
+            return one_of(
+                value,
+                &["ISG_CSV"],
+                "ISG_CSV: write the parameters in that format, no other is read",
+            );
         }
         match key.as_str() {
             "chain" => self.list.chain = chain(value)?,
@@ -136,16 +138,12 @@ impl Reading {
     fn missing(&self) -> impl Iterator<Item = String> {
         let axes = self.list.axes.iter().filter(|(_, number)| number.is_none());
         let axes = axes.map(|(axis, _)| format!("the logical axis number of {axis}"));
-        let without = self.paths.keys().filter(|index| !self.formats.contains_key(index));
+        let without = self.paths.keys().filter(|index| !self.formats.contains(index));
         axes.chain(without.map(|index| format!("file_format[{index}]")))
     }
 
     fn whole(self) -> List {
-        let Reading { list, paths, formats } = self;
-        let format = |index: &u32| formats.get(index).copied();
-        let files = paths.into_iter();
-        let files = files.filter_map(|(index, path)| Some((path, format(&index)?)));
-        List { files: files.collect(), ..list }
+        List { files: self.paths.into_values().collect(), ..self.list }
     }
 }
 

@@ -1,23 +1,27 @@
-//! A HAL file that corrects joints by the positions of others: its lines into statements, components with their
-//! pins ([`netlist`]), and what each corrected joint gets ([`corrections`]).
+//! The HAL file of a kit, which corrects joints by the positions of others, in the form of docs/linuxcnc.md §6.
 //!
-//! Written from the manual pages halcmd(1), lincurve(9) and sum2(9) and the runs of docs/linuxcnc.md §0. Only what
-//! such a file needs is read: a line or component of another kind is refused, because it could add something.
+//! ```text
+//!   net … lincurve.N.in, lincurve.N.out ──→ base and output of each curve ──→ all lines, in their order
+//!   setp lincurve.N.x-val-…, y-val-…    ──→ its points
+//! ```
+//! A line that differs is refused, because it could add something: LinuxCNC itself has executed this form alone.
 
-mod corrections;
-mod netlist;
-mod statement;
-
-use self::netlist::Netlist;
-use self::statement::statements;
 use crate::control::controller::LinuxcncFacts;
-use crate::control::table::linuxcnc::CrossTable;
-use crate::read::lexer::{Complaint, located};
-use crate::text::problem::Problems;
+use crate::control::table::linuxcnc::{CrossTable, MOST_JOINTS, Point};
+use crate::read::lexer::{Complaint, Words, lines, located, words};
+use crate::text::problem::{Problems, shown};
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+const HELP: &str = "a HAL file is read as `generate` writes it, line by line: name that of the kit; the machine's own HAL files are not read";
+/// Stands for a number in a line of the form.
+const NUMBER: &str = "NUMBER";
+/// Positions and values lie below it.
+const LARGEST: f64 = 1e6;
 
 /// The tables of a file, ascending by output and base.
 ///
-/// **limits** names the first thing that is wrong: what follows from it would only repeat it
+/// **limits** names the first line that is wrong: those behind it would only repeat it
 pub(super) fn tables(
     file: &str,
     text: &str,
@@ -26,16 +30,189 @@ pub(super) fn tables(
     read(text, facts).map_err(|complaint| located(file, text, vec![complaint]))
 }
 
-fn read(text: &str, facts: &LinuxcncFacts) -> Result<Vec<CrossTable>, Complaint> {
-    let mut netlist = Netlist::default();
-    for words in statements(text) {
-        netlist.take(&words, facts)?;
-    }
-    corrections::of(&netlist)
-}
-
 /// Whether a text is a HAL file: one of its lines is a statement of one.
 pub(super) fn is_hal(text: &str) -> bool {
-    const WORDS: [&str; 4] = ["loadrt", "addf", "net", "setp"];
-    statements(text).any(|words| WORDS.contains(&words[0].text))
+    statements(text).any(|words| ["loadrt", "addf", "net", "setp"].contains(&words[0].0))
+}
+
+/// The words of each line that is neither blank nor a comment: at least one.
+fn statements(text: &str) -> impl Iterator<Item = Words<'_>> {
+    let is_statement =
+        |words: &Words<'_>| words.first().is_some_and(|(first, _)| !first.starts_with('#'));
+    lines(text).map(|line| words(text, line)).filter(is_statement)
+}
+
+/// The words of one line.
+type Line<'a> = [(&'a str, Range<usize>)];
+
+/// A curve: the joint that it looks up, the one that it corrects, and how many points it has.
+struct Curve {
+    base: u32,
+    output: u32,
+    points: usize,
+}
+
+fn read(text: &str, facts: &LinuxcncFacts) -> Result<Vec<CrossTable>, Complaint> {
+    let lines: Vec<Words<'_>> = statements(text).collect();
+    let curves = curves(&lines, facts)?;
+    let mut numbers = numbers(text, &lines[1..], &form(&curves))?.into_iter();
+    let mut tables = BTreeMap::new();
+    for Curve { base, output, points } in curves {
+        let mut piece: Vec<Point> = Vec::new();
+        while piece.len() < points
+            && let Some(((position, at), (value, _))) = numbers.next().zip(numbers.next())
+        {
+            if piece.last().is_some_and(|last| position <= last.position) {
+                return Err(Complaint::new(at, "the points of a curve do not ascend", HELP));
+            }
+            piece.push(Point { position, value });
+        }
+        let new = CrossTable { base, output, pieces: Vec::new() };
+        tables.entry((output, base)).or_insert(new).pieces.push(piece);
+    }
+    Ok(tables.into_values().collect())
+}
+
+/// The numbers of lines that are all those of the form, with their places.
+fn numbers(
+    text: &str,
+    lines: &[Words<'_>],
+    form: &[String],
+) -> Result<Vec<(f64, Range<usize>)>, Complaint> {
+    let mut numbers = Vec::new();
+    for (index, expected) in form.iter().enumerate() {
+        let line = lines.get(index).map_or(&[][..], Vec::as_slice);
+        for (at, wanted) in expected.split(' ').map(Some).chain([None]).enumerate() {
+            let (found, span) = line.get(at).cloned().unzip();
+            let value = found.filter(|_| wanted == Some(NUMBER)).and_then(number);
+            if value.is_none() && found != wanted {
+                return Err(differs(text, line, at, &format!("`{expected}`")));
+            }
+            numbers.extend(value.zip(span));
+        }
+    }
+    let behind = lines.get(form.len());
+    behind.map_or(Ok(numbers), |line| Err(differs(text, line, 0, "the end of the file")))
+}
+
+fn number(word: &str) -> Option<f64> {
+    let number = word.parse::<f64>().ok().filter(|number| number.abs() < LARGEST)?;
+    Some(number + 0.0) // −0 is 0
+}
+
+/// A line that is not that of the form, at its first word that differs.
+fn differs(text: &str, line: &Line<'_>, at: usize, expected: &str) -> Complaint {
+    let end = line.last().map_or(text.len(), |(_, span)| span.end);
+    let found = line.get(at).map(|(word, span)| (format!("`{}`", shown(word)), span.clone()));
+    let (found, span) = found.unwrap_or_else(|| ("nothing".to_string(), end..end));
+    Complaint::new(span, format!("{found} stands here, expected {expected}"), HELP)
+}
+
+/// The curves that the first line loads, each with the joints that it is linked to.
+fn curves(lines: &[Words<'_>], facts: &LinuxcncFacts) -> Result<Vec<Curve>, Complaint> {
+    let first = lines.first().map_or(&[][..], Vec::as_slice);
+    let at = first.first().map_or(0..0, |(_, span)| span.clone());
+    let wrong = |message: String| Complaint::new(at.clone(), message, HELP);
+    let lengths = lengths(first, facts).ok_or_else(|| {
+        let [points, most] = [&facts.curve_points, &facts.curves].map(|fact| fact.value);
+        wrong(format!("expected `loadrt lincurve count=N personality=LIST` first, of up to {most} curves of 2 to {points} points"))
+    })?;
+    let joint = |number: usize, pin: &str| {
+        let pin = format!("lincurve.{number}.{pin}");
+        let line = lines.iter().find(|line| line.iter().any(|(word, _)| *word == pin));
+        let signal = line.and_then(|line| match &line[..] {
+            [("net", _), (signal, _), _] => signal.strip_prefix("nonius-"),
+            _ => None,
+        });
+        let joint = signal.and_then(|signal| signal.split('-').next()?.parse().ok());
+        joint.filter(|joint| *joint < MOST_JOINTS).ok_or_else(|| {
+            let at = line.map_or(at.clone(), |line| line[0].1.start..line[line.len() - 1].1.end);
+            let message = format!("expected a line `net nonius-J-… {pin}` with the joint J");
+            Complaint::new(at, message, HELP)
+        })
+    };
+    let curve = |(number, points)| {
+        Ok(Curve { base: joint(number, "in")?, output: joint(number, "out")?, points })
+    };
+    let curves: Vec<Curve> =
+        lengths.into_iter().enumerate().map(curve).collect::<Result<_, _>>()?;
+    match curves.is_sorted_by_key(|curve| curve.output) {
+        true => Ok(curves),
+        false => Err(wrong("the curves of a joint do not stand together".to_string())),
+    }
+}
+
+/// Points of each curve: a list is used from its beginning again where there are more curves.
+fn lengths(line: &Line<'_>, facts: &LinuxcncFacts) -> Option<Vec<usize>> {
+    let [("loadrt", _), ("lincurve", _), (count, _), (list, _)] = line else {
+        return None;
+    };
+    let count: usize = count.strip_prefix("count=")?.parse().ok()?;
+    let numbers = list.strip_prefix("personality=")?.split(',').map(|number| number.parse().ok());
+    let numbers: Vec<usize> = numbers.collect::<Option<_>>()?;
+    let [most, points, curves] =
+        [&facts.personalities, &facts.curve_points, &facts.curves].map(|fact| fact.value as usize);
+    let fits = count <= curves
+        && numbers.len() == count.min(most)
+        && numbers.iter().all(|n| (2..=points).contains(n));
+    fits.then(|| (0..count).map(|curve| numbers[curve % most]).collect())
+}
+
+/// All lines behind the first one.
+///
+/// ```text
+///   curves of a joint, added up one after the other = correction
+///   command + correction = drive        encoder − correction = feedback
+/// ```
+fn form(curves: &[Curve]) -> Vec<String> {
+    let bases: BTreeSet<u32> = curves.iter().map(|curve| curve.base).collect();
+    let position = |base: u32| format!("nonius-{base}-position");
+    let mut nets: Vec<(String, String)> =
+        bases.into_iter().map(|base| (position(base), format!("joint.{base}.pos-cmd"))).collect();
+    let (mut gains, mut number) = (Vec::new(), 0);
+    for of_joint in curves.chunk_by(|a, b| a.output == b.output) {
+        let joint = of_joint[0].output;
+        let total = |own: usize| match own + 1 == of_joint.len() {
+            true => "correction".to_string(),
+            false => format!("sum-{own}"),
+        };
+        let mut sums: Vec<[String; 3]> = Vec::new();
+        let mut link = |name: &str, pin: String| nets.push((format!("nonius-{joint}-{name}"), pin));
+        for own in 0..of_joint.len() {
+            let curve = if own == 0 { total(0) } else { format!("curve-{own}") };
+            link(&curve, format!("lincurve.{number}.out"));
+            if own > 0 {
+                sums.push([total(own - 1), curve, total(own)]);
+            }
+            number += 1;
+        }
+        link("command", format!("joint.{joint}.motor-pos-cmd"));
+        sums.push(["command", "correction", "drive"].map(str::to_string));
+        sums.push(["encoder", "correction", "feedback"].map(str::to_string));
+        for [a, b, sum] in sums {
+            for (name, pin) in [(&a, "in0"), (&b, "in1"), (&sum, "out")] {
+                link(name, format!("sum2.{}.{pin}", gains.len()));
+            }
+            gains.push(if sum == "feedback" { "-1" } else { "1" });
+        }
+        link("feedback", format!("joint.{joint}.motor-pos-fb"));
+    }
+    let inputs = curves.iter().enumerate();
+    nets.extend(
+        inputs.map(|(number, curve)| (position(curve.base), format!("lincurve.{number}.in"))),
+    );
+    nets.sort_by(|(a, _), (b, _)| a.cmp(b)); // pins of a signal stay in order
+    let mut lines = vec![format!("loadrt sum2 count={}", gains.len())];
+    lines.extend((0..curves.len()).map(|curve| format!("addf lincurve.{curve} servo-thread")));
+    lines.extend((0..gains.len()).map(|sum| format!("addf sum2.{sum} servo-thread")));
+    lines.extend(nets.into_iter().map(|(signal, pin)| format!("net {signal} {pin}")));
+    lines.extend(
+        gains.iter().enumerate().map(|(sum, gain)| format!("setp sum2.{sum}.gain1 {gain}")),
+    );
+    for (number, curve) in curves.iter().enumerate() {
+        for (point, axis) in (0..curve.points).flat_map(|point| [(point, "x"), (point, "y")]) {
+            lines.push(format!("setp lincurve.{number}.{axis}-val-{point:02} {NUMBER}"));
+        }
+    }
+    lines
 }

@@ -296,13 +296,13 @@ fn a_switch_may_be_changed_by_a_later_file() {
     assert_eq!(all.machine_data[0].value, MachineValue::Number(1.0));
 }
 
-/// What a control wrote, as a file of active data or an archive.
+/// What a control wrote, as a file of active data, with programs beside them.
 fn held(text: &str) -> SiemensContents {
-    super::read_out("all.arc", text, false).unwrap_or_else(|problems| panic!("{text}\n{problems}"))
+    super::read_out("all.txt", text, false).unwrap_or_else(|problems| panic!("{text}\n{problems}"))
 }
 
 #[test]
-fn of_an_archive_what_is_of_concern_is_read_at_its_place() {
+fn of_several_sections_what_is_of_concern_is_read_at_its_place() {
     let text = "%_N_NC_TEA_INI\nCHANDATA(1)\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\n\
                 N32450 $MA_BACKLASH[0,AX1]=0.005\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nM17\n\
                 %_N_NC_CEC_INI\nMETRIC\n$AN_CEC_STEP[3]=0\n$AN_CEC_INPUT_AXIS[3]=(\n$AN_CEC[3,0]=0\nM17\n";
@@ -313,7 +313,7 @@ fn of_an_archive_what_is_of_concern_is_read_at_its_place() {
     assert_eq!(found.read_out.without_grid, ["AN_CEC[3]"]);
     assert_eq!(found.read_out.units, [ControlUnit::Millimetre]);
     let wrong = text.replace("=0.005", "=0,005");
-    let problems = super::read_out("all.arc", &wrong, false).expect_err("a comma");
+    let problems = super::read_out("all.txt", &wrong, false).expect_err("a comma");
     let place = problems.iter().next().and_then(|p| p.place.clone()).unwrap();
     assert_eq!((place.line, place.column), (4, 28));
 }
@@ -327,11 +327,11 @@ fn line_checksums_are_passed_over() {
     assert_eq!(found.machine_data[1].value, MachineValue::Number(0.001));
     assert_eq!(found.read_out.without_grid, ["AN_CEC[3]"]);
     let three_digits = text.replace("'00FF", "'00F");
-    assert!(super::read_out("all.arc", &three_digits, false).is_err());
+    assert!(super::read_out("all.txt", &three_digits, false).is_err());
 }
 
 #[test]
-fn a_program_in_an_archive_is_no_state() {
+fn a_program_beside_active_data_is_no_state() {
     let data = format!("%_N_AX_EEC_INI\n{LEC}M17\n");
     let other = LEC.replace("=0.002", "=0.016");
     let program = format!("%_N_NEW_MPF\n;$PATH=/_N_MPF_DIR\nG0 X1\n{other}M30\n");
@@ -341,7 +341,7 @@ fn a_program_in_an_archive_is_no_state() {
         let told = &found.read_out;
         assert_eq!(told.programs, ["NEW_MPF"]);
         assert!(told.programs_write_tables && told.twice.is_empty());
-        assert!(has_active_data("all.arc", &text));
+        assert!(has_active_data("all.txt", &text));
     }
     assert!(!has_active_data("new", &program));
     assert!(held(&program).tables.lec.is_empty(), "and no end is missed");
@@ -351,7 +351,7 @@ fn a_program_in_an_archive_is_no_state() {
     assert!(!has_active_data("EEC.MPF", LEC_FILE));
     assert_eq!(super::read_out("EEC.MPF", LEC_FILE, false).unwrap().read_out.programs, ["EEC.MPF"]);
     let workpiece = "%_N_INIT_INI\n;$PATH=/_N_WKS_DIR/_N_A_WPD\n$MA_BACKLASH[0,AX1]=1\nM17\n";
-    assert!(!has_active_data("all.arc", workpiece));
+    assert!(!has_active_data("all.txt", workpiece));
 }
 
 #[test]
@@ -372,11 +372,11 @@ fn two_values_of_one_variable_are_told() {
 #[test]
 fn what_is_no_plain_assignment_is_not_swallowed() {
     for line in ["IF R1==1 $MA_CEC_ENABLE[AX1]=0", "$MA_BACKLASH[0,AX1] 0.5", "$AN_CEC[0,0]"] {
-        assert!(super::read_out("all.arc", &format!("{line}\nM17\n"), false).is_err(), "{line}");
+        assert!(super::read_out("all.txt", &format!("{line}\nM17\n"), false).is_err(), "{line}");
     }
     assert!(held("G0 X1\nMSG(\"$MA\")\nM17\n").machine_data.is_empty());
     let goes_on = "$MA_BACKLASH[0,AX1]=1\nM17\n$MN_OTHER=1\n";
-    let problems = super::read_out("all.arc", goes_on, false).expect_err("behind the end");
+    let problems = super::read_out("all.txt", goes_on, false).expect_err("behind the end");
     assert!(problems.render().contains("follows the end word"));
     assert!(held(&format!("{goes_on}M17\n")).machine_data.len() == 1);
 }

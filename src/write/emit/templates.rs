@@ -61,7 +61,7 @@ impl Templates {
                 new.insert((alone, layout))
             }
         };
-        if layout.work(context, MOST_TAGS).is_none() {
+        if layout.work(context) > MOST_TAGS {
             let what =
                 format!("executes more than {MOST_TAGS} tags, counted from the lists of its loops");
             return Err(too_much(name, &what));
@@ -199,14 +199,12 @@ mod tests {
             ("{{ {\"a\": 1} }}", "`{`"),
             ("{{ name | replace(from=\"a\", to=\"aa\") }}", "the filter `replace`"),
             ("{{ tables | sort }}", "the filter `sort`"),
-            ("{% if tables == tables %}{% endif %}", "`==` between two names"),
-            ("{% if name in tables %}{% endif %}", "`in`"),
-            ("{{ __tera_context }}", "`__tera_context`"),
             ("{% filter upper %}{% endfilter %}", "`filter`"),
             ("{% raw %}{{ x }}{% endraw %}", "`raw`"),
             ("{% block a %}{% endblock %}", "`block`"),
             ("{{ 1 + 1 }}", "`+`"),
             ("{% for k, v in tables %}{% endfor %}", "this loop"),
+            ("{% for t in \"abc\" %}{% endfor %}", "this loop"),
         ] {
             let refused = said(&format!("one\n{template}"), &context(1, 1));
             let words = refused.expect_err(template);

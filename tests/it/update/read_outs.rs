@@ -131,7 +131,7 @@ fn a_read_out_with_switches_and_without_tables_is_refused() {
     let two_lines = "N32450 $MA_BACKLASH[1,AX1]=0\nN32700 $MA_ENC_COMP_ENABLE[1,AX1]=1\nM17\n";
     let second = job.replace("id = \"AX1\"", "id = \"AX1\"\nmeasuring_system = 2");
     refused(&job, FULL, two_lines, "$MA_ENC_COMP_ENABLE[1,AX1] is 1");
-    refused(&second, FULL, two_lines, "name the commissioning archive");
+    refused(&second, FULL, two_lines, "name all files together");
     let with = |more: &str| format!("{}{more}M17\n", lec("0.004"));
     for (more, says) in [
         ("$MA_ENC_COMP_ENABLE[0,AX2]=1\n", "$MA_ENC_COMP_ENABLE[0,AX2] is 1"),

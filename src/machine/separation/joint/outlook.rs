@@ -4,26 +4,25 @@
 //!   left    −e of the measurement that the tables are made from: they carry its errors, and leave nothing else;
 //!           or what was found, v, less what of it is noise:  λ v + √λ e    λ = 1 − Σ u²/Σ v² of each curve
 //!   found   left + e of the new measurement                e: without angles, which stay and cancel
-//!   at most 95 % quantile over angles c of max (|found + c| + k u)    k one-sided, u without angles, by an estimated σ
+//!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{Curve, Table, at, directions, float};
+use super::{CONFIDENCE, Curve, Table, at, directions, random};
 use crate::inputs::job::Job;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::linear::{Part, Row, Variance};
-use crate::machine::separation::noise::student;
+use crate::machine::separation::noise::{float, student};
 use crate::machine::separation::separate::Separation;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{Millimetres, Squared, larger};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{ChiSquared, Distribution};
 
 /// Visits that are drawn: a share of them is known to 5 %.
 const VISITS: usize = 400;
 /// Angles that are drawn for each of them.
 const BIASES: usize = 100;
-const SEED: u64 = 29;
+/// Their random numbers, apart from those of a table.
+const FIRST: usize = 10_000;
 
 /// What was measured of an error moving so at a place, µm.
 pub(crate) type Measured<'a> = &'a dyn Fn(ErrorTerm, Direction, Millimetres) -> f64;
@@ -126,29 +125,20 @@ impl Table<'_> {
         each.collect()
     }
 
-    /// Errors that are drawn: what angles do, or all else with so many times the noise.
-    fn errors(&self, angles: bool, noise: f64, random: &mut ChaCha8Rng) -> Vec<f64> {
-        let (model, mut same) = (&self.of.model, random.clone());
-        let mut z = model.draw(noise, &[], random);
-        if angles {
-            let order = model.angles.first().map_or(&[][..], Vec::as_slice);
-            let both = model.draw(noise, order, &mut same).into_iter().zip(z);
-            z = both.map(|(both, without)| both - without).collect();
-            let curves = self.curves.iter().map(|of| of.rows.values(&z, of.rows.line.dot(&z)));
-            return self.flat(&curves.collect::<Vec<Curve>>(), -1.0);
-        }
-        self.flat(&self.of_entries(&z, random), -1.0)
-    }
-
     fn outlook(&self, found: Option<Found<'_>>, limit_um: f64) -> Outlook {
-        let random = |number: usize| {
-            let mut random = ChaCha8Rng::seed_from_u64(SEED);
-            random.set_stream(number as u64);
-            random
+        let freedom = self.freedom();
+        // What angles do, and the factor of u beside it.
+        let biases: Vec<(Vec<f64>, f64)> = match self.of.model.angles.first() {
+            None => vec![(self.flat(&self.nothing(), -1.0), student(CONFIDENCE, freedom))],
+            Some(order) => {
+                let bias = |number: usize| {
+                    let angles = self.with_angles(self.nothing(), number, order);
+                    let share = (float(number) + 0.5) / float(BIASES);
+                    (self.flat(&angles, -1.0), student(share, freedom))
+                };
+                (0..BIASES).map(bias).collect()
+            }
         };
-        let biases = if self.of.model.angles.is_empty() { 1 } else { BIASES };
-        let biases: Vec<Vec<f64>> =
-            (0..biases).map(|bias| self.errors(true, 1.0, &mut random(bias))).collect();
         let (noise, rest) =
             (self.variances(false, |v| v.noise), self.variances(false, |v| v.all - v.noise));
         let values = self.values(found.map(|(errors, _)| errors));
@@ -162,13 +152,11 @@ impl Table<'_> {
             (1.0 - u / squares.max(f64::MIN_POSITIVE)).max(0.0)
         };
         let shares: Vec<f64> = (0..values.len()).map(share).collect();
-        let freedom = self.of.noise.and_then(|noise| noise.freedom).map(float);
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
-        let one_sided = student(0.95, freedom);
         let at_most = |visit: usize| {
-            let mut random = random(visit + BIASES);
-            let before = self.errors(false, again.unwrap_or(1.0), &mut random);
-            let new = self.errors(false, 1.0, &mut random);
+            let mut random = random(FIRST + visit);
+            let before = self.flat(&self.drawn(again.unwrap_or(1.0), &mut random), -1.0);
+            let new = self.flat(&self.drawn(1.0, &mut random), -1.0);
             let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(&mut random) / freedom);
             let seen = |place: usize| match (found, again) {
                 (None, _) => new[place] - before[place],
@@ -179,11 +167,11 @@ impl Table<'_> {
                         + new[place]
                 }
             };
-            let figure =
-                |place: usize| (seen(place), one_sided * (noise[place] * s2 + rest[place]).sqrt());
+            let figure = |place: usize| (seen(place), (noise[place] * s2 + rest[place]).sqrt());
             let figures: Vec<(f64, f64)> = (0..values.len()).map(figure).collect();
-            let largest = |bias: &Vec<f64>| {
-                let each = figures.iter().zip(bias).map(|((um, u), bias)| (um + bias).abs() + u);
+            let largest = |(bias, times): &(Vec<f64>, f64)| {
+                let each =
+                    figures.iter().zip(bias).map(|((um, u), bias)| (um + bias).abs() + times * u);
                 each.fold(0.0, larger)
             };
             let mut largest: Vec<f64> = biases.iter().map(largest).collect();

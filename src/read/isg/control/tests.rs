@@ -1,8 +1,6 @@
 use super::IsgControl;
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{
-    ControlUnit, Evidence, Fact, FileFormat, IsgFacts, LeverOrigin, TableSign,
-};
+use crate::control::controller::{ControlUnit, Evidence, Fact, IsgFacts, LeverOrigin, TableSign};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::Emulator;
@@ -16,7 +14,6 @@ fn facts(angle_sign: TableSign) -> IsgFacts {
     IsgFacts {
         error_sign: fact(TableSign::AsError),
         angle_sign: fact(angle_sign),
-        file_format: fact(FileFormat::IsgCsv),
         lever_origin: fact(LeverOrigin::MachineZero),
         records: fact(2000),
         value_decimals: fact(6),
