@@ -21,6 +21,7 @@ pub mod visit;
 pub mod visit_plan;
 mod ways;
 
+use self::visit_plan::Judged;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
 pub use crate::kit::manifest::hashed;
@@ -88,6 +89,11 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     made.compiled.notes.extend(field.notes);
     let mut manifest = build_manifest(&made);
     manifest.sign_proofs = field.sign_proofs;
+    if made.doubts.is_empty() {
+        let Inputs { job, errors, .. } = inputs;
+        let judged = Judged { job, errors, figures: &made.forecast, as_left: None };
+        manifest.what_decides = judged.what_decides();
+    }
     manifest.doubts = made.doubts;
     Ok(Kit {
         plan: made.plan,
@@ -136,6 +142,7 @@ fn build_manifest(made: &Made<'_>) -> Manifest {
             "measured": job.measurement.date,
             "protocol": job.measurement.protocol.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
         }),
+        what_decides: None,
         sign_proofs: Vec::new(),
         doubts: Vec::new(),
         notes: [compiled.notes.clone(), forecast.worsened()].concat(),

@@ -82,6 +82,7 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
     );
     let verdict = show::verdict(kit.verdict, job, Some(&kit.forecast), false, &kit.manifest.doubts);
     let ways = kit.ways.iter().map(|way| format!("\n  {way}"));
+    let ways = ways.chain(kit.manifest.what_decides.iter().map(|what| format!("\n{what}")));
     let verdict: String = std::iter::once(verdict).chain(ways).collect();
     let proofs = kit.files.iter().filter(|f| f.role == Role::SignProof);
     let proofs: Vec<&str> = proofs.map(|file| file.path.as_str()).collect();

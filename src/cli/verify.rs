@@ -83,11 +83,14 @@ impl<'a> Judged<'a> {
             let look = second_look(inputs, &self.verification, &second.measurement, corrected)?;
             Ok::<_, Problems>((second, look))
         });
-        Ok(Page {
+        let mut page = Page {
             inputs,
             directory: self.directory,
             verification: &self.verification,
             second: second.transpose()?,
-        })
+            decides: None,
+        };
+        page.decides = page.what_decides();
+        Ok(page)
     }
 }

@@ -6,6 +6,7 @@ use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::judge::active::{ActiveControl, Origin};
 use crate::judge::forecast::{Change, DiagonalForecast, Forecast};
+use crate::kit::visit_plan::WhatDecides;
 use crate::quantity::units::{Millimetres, picometres};
 use crate::text::document::{refuse_large_page, sha256};
 use crate::text::finding::Finding;
@@ -145,6 +146,9 @@ pub struct Manifest {
     /// What each sign proof has to show, computed from the bytes of its file; absent without any.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sign_proofs: Vec<Value>,
+    /// What keeps a limit from being decided, and what would decide it; absent where it passes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub what_decides: Option<WhatDecides>,
     /// Why the verdict is undecided at most; absent where nothing is doubtful.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub doubts: Vec<Finding>,

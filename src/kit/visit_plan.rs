@@ -13,7 +13,11 @@ mod assumed;
 mod compared;
 mod design;
 mod variant;
+mod what_decides;
 
 pub use self::compared::{VisitPlan, plan};
 pub use self::design::{Design, SetUpTimes};
-pub use self::variant::{Variant, Visit};
+pub(crate) use self::variant::listed;
+pub use self::variant::{Share, Variant, Visit};
+pub(crate) use self::what_decides::Judged;
+pub use self::what_decides::{Act, WhatDecides};

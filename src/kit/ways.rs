@@ -26,8 +26,6 @@ findings! {
             "{}: the points of the tables leave up to {largest_um:.3} µm of it; closer points (`spacing_mm`, `points`, `max_residual_um`) leave less", names(terms);
         NoTable { terms: Vec<ErrorTerm> } => Label,
             "{}: no table holds it, so all of it is left", names(terms);
-        Uncertain { terms: Vec<ErrorTerm> } => Label,
-            "{}: within the limit, but not with its U; measure with more runs or less noise", names(terms);
     }
 }
 
@@ -88,7 +86,7 @@ pub(super) fn ways(made: &Made<'_>) -> Vec<Finding> {
     ways.into_iter().map(Finding::from).collect()
 }
 
-/// What keeps single terms from their limit: points too far apart, no table, a large U.
+/// What keeps single terms from their limit: points too far apart, no table.
 fn of_terms(made: &Made<'_>) -> Vec<Way> {
     let Some(limit_um) = made.inputs.job.acceptance.max_deviation_um else {
         return Vec::new();
@@ -97,14 +95,12 @@ fn of_terms(made: &Made<'_>) -> Vec<Way> {
         let own = made.compiled.placements.iter().filter(|p| p.term == term);
         own.map(|p| p.grid_residual_um).fold(0.0, larger)
     };
-    let (mut grid, mut none, mut uncertain) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut grid, mut none) = (Vec::new(), Vec::new());
     for t in &made.forecast.terms {
-        if t.change.after_um + t.change.expanded_um.unwrap_or(0.0) <= limit_um {
+        if t.change.after_um <= limit_um {
             continue;
         }
-        if t.change.after_um <= limit_um {
-            uncertain.push(t.term);
-        } else if !t.compensated {
+        if !t.compensated {
             none.push(t.term);
         } else if 2.0 * grid_um(t.term) >= t.change.after_um {
             grid.push(t.term);
@@ -114,7 +110,6 @@ fn of_terms(made: &Made<'_>) -> Vec<Way> {
     let ways = [
         (grid.is_empty(), Way::Grid { terms: grid, largest_um }),
         (none.is_empty(), Way::NoTable { terms: none }),
-        (uncertain.is_empty(), Way::Uncertain { terms: uncertain }),
     ];
     let ways = ways.into_iter().filter(|(empty, _)| !empty);
     ways.map(|(_, way)| way).collect()

@@ -55,5 +55,6 @@ pub mod uncertainty;
 
 pub use self::campaign::{Campaign, MeasuredLine, corrected};
 pub(crate) use self::expected::{Instrument, expected, linear_axis};
+pub use self::linear::Part;
 pub use self::separate::{Separation, separate};
 pub use self::solved::{NineErrors, SeparatedError};

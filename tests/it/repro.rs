@@ -82,3 +82,76 @@ fn numbers(value: &serde_json::Value) -> Vec<f64> {
         other => other.as_f64().into_iter().collect(),
     }
 }
+
+/// A case, a key of its job otherwise, beginnings of what `plan` says.
+const PLANS: [(&str, &str, &[&str]); 2] = [
+    (
+        "plan_gives_up",
+        "laser_ppm = 0.1",
+        &[
+            "the quickest that reaches the acceptance by its forecast: h (4 runs)",
+            "the quickest that also passes its second measurement with 80 % or more: i (9 steps, 5 runs)",
+            "h 4 runs ",
+            "j 9 steps, 4 runs ",
+        ],
+    ),
+    ("plan_no_budget", "", &["what decides: slope of linear "]),
+];
+
+#[test]
+fn a_plan_names_the_visit_that_will_do_and_what_decides() {
+    for (case, stated, lines) in PLANS {
+        let Ok(job) =
+            fs::read_to_string(fixtures("../../shared/data/repro").join(case).join("job.toml"))
+        else {
+            return tree::skipped("../shared is not here");
+        };
+        let visit = Visit::new();
+        let nothing = "[measurement.uncertainty]\nangle_urad = 0\nsetup_ppm = 0\nbeam_mrad = 0.5\n";
+        visit.put(
+            "job.toml",
+            job.replace("[measurement.uncertainty]\n", &format!("{nothing}{stated}\n")),
+        );
+        let text = visit.run("plan job.toml").answers().out.clone();
+        let text: Vec<String> = text
+            .lines()
+            .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "))
+            .collect();
+        for start in lines {
+            assert!(text.iter().any(|line| line.starts_with(start)), "{start}: {text:#?}");
+        }
+        if case == "plan_gives_up" {
+            let passes = |row: &str| -> u32 {
+                let line = text.iter().find(|line| line.starts_with(row)).unwrap();
+                line.split_whitespace().rev().nth(1).unwrap().parse().unwrap()
+            };
+            assert!(passes("h ") < 10 && (62..=78).contains(&passes("j ")), "{text:#?}");
+            assert!(text.concat().contains("change spacing_mm to x 100, y 80, z 80"), "{text:#?}");
+        }
+    }
+}
+
+/// A limit that the readings do not decide: what decides, and a measurement that does.
+#[test]
+fn what_is_undecided_says_what_decides_it() {
+    let case = fixtures("../../shared/data/repro/noise_stated_punished");
+    if !case.is_dir() {
+        return tree::skipped("../shared is not here");
+    }
+    let visit = Visit::new();
+    for file in ["job.toml", "job.csv", "after.toml", "after.csv"] {
+        let text = fs::read_to_string(case.join(file)).unwrap();
+        let text =
+            text.replace("noise_um = 0.3\n", "noise_um = 0.3\nsetup_ppm = 1\nangle_urad = 0\n");
+        visit.put(file, text.replace("max_deviation_um = 10.0", "max_deviation_um = 4.0"));
+    }
+    let made = visit.run("generate job.toml -o kit").ends(1);
+    let made = made.says("what decides: EYZ, 0.000 µm left; beside it noise of the readings ");
+    made.says("\n  2 runs (190 min): at most 3.")
+        .says(": pass\n  the smallest limit that these data prove is 4.423 µm");
+    let left =
+        visit.run("verify job.toml --tables kit --after after.toml --format json").ends(1).json();
+    let acts = left["what_decides"]["acts"].as_array().unwrap();
+    assert!(acts.iter().any(|act| act["what"] == "new tables from this measurement"), "{left}");
+    assert!(left["what_decides"]["parts"][0]["what"] == "noise of the readings", "{left}");
+}

@@ -3,9 +3,8 @@
 use crate::cli::screen::{More, Screen, list, paragraphs, table, wrapped};
 use crate::cli::show::um;
 use crate::judge::findings::joined;
-use crate::kit::visit_plan::{Design, Variant, Visit, VisitPlan};
+use crate::kit::visit_plan::{Design, Visit, VisitPlan, listed as in_words};
 use crate::machine::separation::findings::SeparationFinding;
-use crate::machine::separation::metric::Plane;
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::text::finding::Finding;
 
@@ -27,15 +26,18 @@ impl Page<'_> {
         let is_noise =
             |label: &&Finding| matches!(label.kind(), Some(SeparationFinding::NoiseIs { .. }));
         let labels: Vec<&Finding> = labels.filter(|label| !is_noise(label)).collect();
-        let (answer, best) = (self.answer(), self.best());
+        let lines = [Some(self.answer()), self.decided(), Some(self.proposed()), self.likely()];
+        let lines: Vec<String> = lines.into_iter().flatten().collect();
         Screen {
-            verdict: format!("{}: {answer}\n{best}", self.machine),
-            figures: paragraphs(&[
-                self.variants(),
-                self.uncertainties(),
-                list("assumed", &assumed),
-            ]),
-            findings: described.shortcomings().iter().map(said).collect(),
+            verdict: format!("{}: {}", self.machine, lines.join("\n")),
+            figures: paragraphs(&[self.variants(), list("assumed", &assumed)]),
+            findings: self
+                .design
+                .noise_asked()
+                .iter()
+                .map(ToString::to_string)
+                .chain(described.shortcomings().iter().map(said))
+                .collect(),
             more: vec![More::new(
                 labels.len(),
                 ["label", "labels"],
@@ -48,12 +50,22 @@ impl Page<'_> {
     fn answer(&self) -> String {
         let described = &self.found.visits[0];
         let count = ErrorTerm::ALL.len() - described.expected.missing().len();
+        let at_most = described.at_most_um().filter(|_| described.open.is_empty());
+        let at_most = at_most.map(|um| format!(", the forecast is at most {um:.3} µm"));
         let keeps = match (self.limits(), described.reaches(self.design.acceptance())) {
             (None, _) => "; no acceptance is stated".to_string(),
-            (Some(limits), true) => format!("; U keeps the acceptance ({limits})"),
+            (Some(limits), true) => format!("; the acceptance ({limits}) is reached"),
             (Some(limits), false) => format!("; the acceptance ({limits}) is not reached"),
         };
-        format!("as described, {count} of 9 errors are determined{keeps}")
+        format!(
+            "as described, {count} of 9 errors are determined{}{keeps}",
+            at_most.unwrap_or_default()
+        )
+    }
+
+    fn decided(&self) -> Option<String> {
+        let parts = &self.found.decides;
+        (!parts.is_empty()).then(|| format!("what decides: {}", in_words(parts)))
     }
 
     fn limits(&self) -> Option<String> {
@@ -64,89 +76,58 @@ impl Page<'_> {
         (!limits.is_empty()).then(|| limits.join(", "))
     }
 
-    fn best(&self) -> String {
+    fn proposed(&self) -> String {
         let aim = match self.limits() {
             None => "determines all wanted errors",
-            Some(_) => "reaches the acceptance",
+            Some(_) => "reaches the acceptance by its forecast",
         };
-        let Some(index) = self.found.best else {
-            return format!("no variant {aim}");
-        };
-        let (name, visit) = (letter(index), &self.found.visits[index]);
-        let (change, minutes) = (self.change(&visit.variant), visit.minutes);
-        match visit.reaches(self.design.acceptance()) {
-            true => format!("the quickest that {aim}: {name} ({change}), {minutes:.0} min"),
-            false => format!("no variant {aim}; the smallest U: {name} ({change})"),
+        match self.found.forecast {
+            None => format!("no variant {aim}"),
+            Some(index) => format!("the quickest that {aim}: {}", self.named(index)),
         }
     }
 
-    /// What a variant does otherwise.
-    pub(super) fn change(&self, variant: &Variant) -> String {
-        let base = self.design.described();
-        let [own, of_base] = [variant, base].map(parts);
-        if variant == base {
-            return format!("as described: {}", own.join(", "));
-        }
-        let linear = Axis::letters(&variant.linear);
-        let linear = (!linear.is_empty()).then(|| format!("+ linear {linear}"));
-        let pairs = own.into_iter().zip(of_base);
-        let others = pairs.filter_map(|(own, base)| (own != base).then_some(own));
-        linear.into_iter().chain(others).collect::<Vec<_>>().join(", ")
+    /// What will pass after loading, too.
+    fn likely(&self) -> Option<String> {
+        self.limits()?;
+        let aim = "passes its second measurement with 80 % or more";
+        Some(match self.found.second {
+            None => format!("no variant {aim}"),
+            Some(index) => format!("the quickest that also {aim}: {}", self.named(index)),
+        })
+    }
+
+    /// A visit by its letter, with what it needs of the tables.
+    fn named(&self, index: usize) -> String {
+        let visit = &self.found.visits[index];
+        let (change, minutes) = (visit.variant.change(self.design.described()), visit.minutes);
+        let grid = self
+            .design
+            .other_grid(&visit.variant)
+            .map(|mm| format!("; change spacing_mm to x {}, y {}, z {}", mm.x, mm.y, mm.z));
+        format!("{} ({change}), {minutes:.0} min{}", letter(index), grid.unwrap_or_default())
     }
 
     fn variants(&self) -> String {
         let row = |(index, visit): (usize, &Visit)| {
-            let (name, change) = (letter(index), self.change(&visit.variant));
+            let (name, change) = (letter(index), visit.variant.change(self.design.described()));
             let reversal = or_dash(Axis::letters(&visit.reversals()));
             let open = or_dash(joined(visit.expected.missing()));
-            let reaches = match visit.reaches(self.design.acceptance()) {
-                true => "yes",
-                false => "no",
-            };
+            let chance =
+                visit.chance.map_or("-".into(), |chance| format!("{:.0} %", 100.0 * chance));
             format!(
-                "{name}\t{change}\t{:.0}\t{open}\t{reversal}\t{}\t{reaches}",
+                "{name}\t{change}\t{:.0}\t{:.0}\t{open}\t{reversal}\t{}\t{chance}",
                 visit.minutes,
-                um(visit.together_um())
+                visit.variant.target_spacing_mm(),
+                um(visit.at_most_um())
             )
         };
         let rows = self.found.visits.iter().enumerate().map(row);
-        table("\tvisit\t>min\tnot determined\treversal of\t>U of all/µm\treached", rows)
-    }
-
-    fn uncertainties(&self) -> String {
-        let visits = &self.found.visits;
-        let letters: Vec<String> = (0..visits.len()).map(|i| format!(">{}", letter(i))).collect();
-        let cells = |of: &dyn Fn(&Visit) -> Option<f64>| {
-            let cells = visits.iter().map(|visit| um(of(visit)));
-            cells.collect::<Vec<_>>().join("\t")
-        };
-        let term =
-            |term: ErrorTerm| format!("{term}/µm\t{}", cells(&|visit| visit.expanded_um(term)));
-        let plane = |plane: Plane| {
-            let u = cells(&|visit| visit.expected.expanded_squareness_um_per_m(plane));
-            format!("squareness {}/(µm/m)\t{u}", plane.key())
-        };
-        let rows = ErrorTerm::ALL.into_iter().map(term);
         table(
-            &format!("largest U (95 %), mean of both directions\t{}", letters.join("\t")),
-            rows.chain(Plane::ALL.map(plane)),
+            "\tvisit\t>min\t>targets/mm\tnot determined\treversal of\t>at most/µm\t>second passes",
+            rows,
         )
     }
-}
-
-/// Steps, passes and runs of a variant.
-fn parts(variant: &Variant) -> [String; 3] {
-    let run = &variant.run;
-    let back = match run.runs_over() {
-        None => "one direction",
-        Some(true) => "return pass after overrun",
-        Some(false) => "return pass without overrun",
-    };
-    let runs = match run.runs {
-        1 => "1 run".to_string(),
-        runs => format!("{runs} runs"),
-    };
-    [format!("{} steps", run.volume.steps), back.to_string(), runs]
 }
 
 fn said(shortcoming: &Finding) -> String {

@@ -6,6 +6,7 @@ use crate::cli::show::{self, um};
 use crate::cli::squareness::squareness;
 use crate::cli::verify::second::Second;
 use crate::control::claims::Assumption;
+use crate::inputs::job::Job;
 use crate::judge::after::{AfterMeasurement, ComparedLine, Comparison};
 use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
@@ -13,6 +14,7 @@ use crate::judge::findings::OfTerm;
 use crate::judge::forecast::{Forecast, Grounds, Miss, TermForecast};
 use crate::kit::manifest::{HashedFile, change, diagonals};
 use crate::kit::second_look::SecondLook;
+use crate::kit::visit_plan::{Judged, WhatDecides};
 use crate::kit::{Inputs, Verification, cannot_emulate, emulator, remarks};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::metric::Plane;
@@ -30,6 +32,7 @@ pub(in crate::cli) struct Page<'a> {
     pub(super) directory: &'a Path,
     pub(super) verification: &'a Verification,
     pub(super) second: Option<(&'a Second, SecondLook)>,
+    pub(super) decides: Option<WhatDecides>,
 }
 
 /// What scripts read.
@@ -48,6 +51,8 @@ pub(in crate::cli) struct Document<'a> {
     causes: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     diagnosis: Option<Value>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    what_decides: Option<&'a WhatDecides>,
     assumptions: &'a [Assumption],
     notes: Vec<Finding>,
 }
@@ -69,6 +74,24 @@ impl Page<'_> {
 
     pub(in crate::cli) fn doubts(&self) -> &[Finding] {
         self.look().map_or(&self.verification.doubts, |look| &look.doubts)
+    }
+
+    /// What keeps the limit from being decided; where something else speaks against a pass, that comes first.
+    pub(super) fn what_decides(&self) -> Option<WhatDecides> {
+        let is_sound = self.verification.agrees() && self.doubts().is_empty();
+        let forecast = self.verification.forecast.as_ref().filter(|_| is_sound)?;
+        let Inputs { job, errors, .. } = self.inputs;
+        let judged = Judged { job, errors, figures: forecast, as_left: None };
+        let Some((second, look)) = &self.second else {
+            return judged.what_decides();
+        };
+        let judged = Judged {
+            job: &Job { acceptance: job.acceptance, ..second.job.clone()? },
+            errors: second.errors.as_ref()?,
+            figures: &look.comparison.as_left,
+            as_left: Some((self.as_left()?, forecast.max_residual_um())),
+        };
+        judged.what_decides()
     }
 
     /// The verdict, then what the data say of the causes.
@@ -181,6 +204,7 @@ impl Page<'_> {
         );
         let mut lines: Vec<String> = self.rehearsal().into_iter().collect();
         lines.push(verdict);
+        lines.extend(self.decides.as_ref().map(ToString::to_string));
         lines.extend(self.look().into_iter().flat_map(explanation));
         lines.extend([agreement, heading]);
         lines.extend(self.second.as_ref().map(|(second, _)| second.files_words()));
@@ -244,6 +268,7 @@ impl Page<'_> {
             squareness: self.squareness(),
             causes: causes.collect(),
             diagnosis: None,
+            what_decides: self.decides.as_ref(),
             assumptions: &compiled.assumptions,
             notes: [self.verification.notes(), compiled.notes.clone()].concat(),
         };

@@ -33,8 +33,10 @@ pub(super) struct Second {
     pub(super) protocol: Vec<(String, String)>,
     /// What its job states or leaves open, one sentence each.
     pub(super) notes: Vec<Finding>,
-    /// Its job, and the tables that were active as it names them, where they lie elsewhere.
-    active: Option<(Job, ActiveControl)>,
+    /// Its job; absent = an error table alone.
+    pub(super) job: Option<Job>,
+    /// The tables that were active as its job names them, where they lie elsewhere.
+    active: Option<ActiveControl>,
 }
 
 /// What was active as the second job names it; `None` where it says nothing, or names the tables
@@ -96,6 +98,7 @@ impl Second {
                 hashes: vec![own],
                 protocol: Vec::new(),
                 notes: Vec::new(),
+                job: None,
                 active: None,
             });
         }
@@ -111,7 +114,8 @@ impl Second {
             hashes: files.hashes,
             protocol: protocol(&job),
             notes: notes(&job, tables),
-            active: active.map(|active| (job, active)),
+            job: Some(job),
+            active,
         })
     }
 
@@ -128,7 +132,7 @@ impl Second {
         first: &Inputs,
         verification: &Verification,
     ) -> Result<(), Problems> {
-        let Some((job, active)) = &self.active else {
+        let (Some(job), Some(active)) = (&self.job, &self.active) else {
             return Ok(());
         };
         let mut state = verification.state.clone();

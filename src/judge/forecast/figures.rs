@@ -216,6 +216,13 @@ impl Forecast {
         stated.then(|| self.at_most_um(&self.shifted(1.0), all_um))
     }
 
+    /// The term that is at most most; `None` = no uncertainty is stated.
+    pub(crate) fn least_certain(&self) -> Option<&TermForecast> {
+        let at_most_um = |term: &&TermForecast| term.change.at_most_um.unwrap_or(0.0);
+        let stated = self.terms.iter().filter(|term| term.change.at_most_um.is_some());
+        stated.max_by(|a, b| at_most_um(a).total_cmp(&at_most_um(b)))
+    }
+
     /// What is known of all values drawn together: how far what is left may be off, or what was measured.
     fn together(&self) -> Option<&LargestErrors> {
         match self.basis {

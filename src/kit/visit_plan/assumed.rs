@@ -10,7 +10,7 @@ findings! {
     /// What a plan rests on.
     Assumed {
         Noise { um: f64 } => Label, "noise of a reading {um} µm (noise_um)";
-        NoiseNotStated { um: f64 } => Label, "noise of a reading {um} µm: `noise_um` is not stated";
+        NoiseNotStated { um: f64 } => Note, "noise of a reading {um} µm is assumed: state `noise_um` (instrument, air and machine together; the scatter of five readings at one place), because it decides how many runs are needed";
         NotCounted { words: String } => Label, "{words}";
         LinearAxes { runs: u32, u_um_per_m: PerAxis<f64>, named: Vec<Axis> } => Label, "linear axis: same laser, {runs} runs both ways, u_um_per_m = {:.2}, {:.2}, {:.2} (X, Y, Z; state it){}", u_um_per_m.x, u_um_per_m.y, u_um_per_m.z, match named.as_slice() {
             [] => String::new(),
@@ -18,9 +18,8 @@ findings! {
         };
         Time { feed_mm_per_min: f64, dwell_s: f64, diagonal_min: f64, linear_min: f64 } => Label, "time: {feed_mm_per_min} mm/min, standstill {dwell_s} s, set-up {diagonal_min} min a diagonal, {linear_min} min a linear axis; no warm-up";
         Optics { circle_mm: f64 } => Label, "optics: flat mirror of {circle_mm:.1} mm and the diameter of the beam; retroreflector for linear axes";
-        OfAll => Label, "U of all: with 95 % no value of the nine errors is off by more, in each direction that is told apart, which is the smallest `max_deviation_um` that can be passed";
-        Steps => Label, "steps: a curve is the sum of its steps, and each adds the noise of its own readings, so U grows with the square root of their number; more steps show shorter errors, more runs lower U";
-        Reached => Label, "reached: all wanted errors with U of all values together in the limits, before what tables leave";
+        AtMost => Label, "at most: the largest of all errors in the forecast, with 95 %, before what the points of the tables leave";
+        Second => Label, "second passes: share of 400 simulated second measurements, made like the first; the tables then leave the errors of the first and nothing else, and the machine stays as it is; measured angles are taken as known";
         NoU { terms: String } => Note, "U is not known for {terms}: with `setup = \"assume-perfect\"` state `tilt_arcsec`, or solve for the set-up; a beam needs `u_um_per_m`";
         OneDirection => Note, "one direction only: the reversal of every axis is mixed into the curves, and U does not hold it";
     }
@@ -44,8 +43,13 @@ impl Design<'_> {
         let optics = described.mirror.map(|mirror| Assumed::Optics { circle_mm: mirror.circle_mm });
         let own = [linear, time].into_iter().chain(optics);
         let all = self.of_instrument(described).into_iter().chain(own);
-        let words = [Assumed::OfAll, Assumed::Steps, Assumed::Reached];
-        all.chain(words).map(Finding::from).collect()
+        all.chain([Assumed::AtMost, Assumed::Second]).map(Finding::from).collect()
+    }
+
+    /// What is asked for where the noise is not stated.
+    pub(crate) fn noise_asked(&self) -> Option<Finding> {
+        let is_stated = self.instrument().stated.noise_um.is_some();
+        (!is_stated).then(|| Assumed::NoiseNotStated { um: NOISE_UM }.into())
     }
 
     /// Standard uncertainty of the slope of each axis: as the job states it, else as the laser gives it.
@@ -61,13 +65,10 @@ impl Design<'_> {
     /// What is known of the laser, and what U leaves out.
     fn of_instrument(&self, described: &Visit) -> Vec<Assumed> {
         let stated = self.instrument().stated;
-        let noise = match stated.noise_um {
-            Some(um) => Assumed::Noise { um },
-            None => Assumed::NoiseNotStated { um: NOISE_UM },
-        };
+        let noise = stated.noise_um.map(|um| Assumed::Noise { um });
         let not_counted = described.expected.silence.sentences().into_iter();
         let not_counted = not_counted.map(|words| Assumed::NotCounted { words });
-        [noise].into_iter().chain(not_counted).collect()
+        noise.into_iter().chain(not_counted).collect()
     }
 }
 

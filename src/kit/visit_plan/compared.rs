@@ -1,124 +1,114 @@
 //! The described visit beside its variants, and the cheapest that will do.
 
 use super::design::Design;
-use super::variant::{Variant, Visit};
-use crate::quantity::axis::Axis;
+use super::variant::{Share, Variant, Visit};
 use crate::text::problem::Problems;
+
+/// More runs are no variant: a day has no more.
+pub(super) const MOST_RUNS: u32 = 6;
+/// Probability from which on a second measurement is counted on.
+const LIKELY: f64 = 0.8;
 
 /// The run of the job, variants of it, and the cheapest.
 #[derive(Clone, Debug)]
 pub struct VisitPlan {
-    /// As described, then one change each; the best last where it is none of these.
+    /// As described, then one change each; then what is proposed and is none of these.
     pub visits: Vec<Visit>,
-    /// The one that takes the least time of all that reach the acceptance; where none does, that with the
-    /// smallest U of all that determine the wanted errors; `None` = none does.
-    pub best: Option<usize>,
+    /// The one that takes the least time of all whose forecast reaches the acceptance; `None` = none does.
+    pub forecast: Option<usize>,
+    /// Likewise of those whose second measurement passes with a probability of 80 %, too.
+    pub second: Option<usize>,
+    /// What makes most of U as described.
+    pub decides: Vec<Share>,
 }
 
 /// Compares the described run with its variants.
 pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
     let described = design.described();
     let mut visits = vec![design.visit(described.clone())?];
-    for count in 1..=design.axes_open().len() {
-        visits.extend(best_lines(design, described, count)?);
-    }
-    let directions = [described.one_way(), described.turning()].into_iter();
-    let changes = directions.chain(runs(described));
-    for other in changes.chain(design.finer(described)) {
-        if other != *described {
+    let parts = design.parts(&visits[0], &visits[0].forecast, None).unwrap_or_default();
+    let additions = design.additions(&visits[0], &parts);
+    let runs = [1, 3, MOST_RUNS].map(|runs| described.in_runs(runs)).to_vec();
+    let ways = vec![described.one_way(), described.turning()];
+    for other in [additions.clone(), ways, runs, design.in_other_steps(described)].concat() {
+        if visits.iter().all(|visit| visit.variant != other) {
             visits.push(design.visit(other)?);
         }
     }
-    let best = best(design, &mut visits)?;
-    Ok(VisitPlan { visits, best })
+    let asked = design.acceptance();
+    let likely = |visit: &Visit| visit.reaches(asked) && design.chance(visit) >= Some(LIKELY);
+    let variants = combinations(design, &additions);
+    let [forecast, second] = [
+        cheapest(design, &variants, |visit| visit.reaches(asked)),
+        cheapest(design, &variants, likely),
+    ]
+    .map(|found| {
+        let new = found?;
+        let known = visits.iter().position(|visit| visit.variant == new.variant);
+        Some(known.unwrap_or_else(|| {
+            visits.push(new);
+            visits.len() - 1
+        }))
+    });
+    // Where the forecast is reached and the second measurement is not sure, fewer steps say more.
+    let fewer = forecast
+        .map_or_else(Vec::new, |index: usize| design.in_other_steps(&visits[index].variant));
+    for other in fewer.into_iter().filter(|one| one.run.volume.steps < described.run.volume.steps) {
+        if visits.iter().all(|visit| visit.variant != other) {
+            visits.push(design.visit(other)?);
+        }
+    }
+    visits.iter_mut().for_each(|visit| visit.chance = design.chance(visit));
+    Ok(VisitPlan { decides: visits[0].largest(parts), visits, forecast, second })
 }
 
-/// One run for the least time, three for the noise.
-fn runs(described: &Variant) -> impl Iterator<Item = Variant> + use<> {
-    [1, 3].map(|runs| described.in_runs(runs)).into_iter()
+/// All changes together but for the runs. A return pass is not given up: without it the reversal is mixed into the
+/// curves, and U does not say so.
+fn combinations(design: &Design<'_>, additions: &[Variant]) -> Vec<Variant> {
+    let all = together(design.described(), additions).into_iter();
+    let ways = all.flat_map(|one| [one.turning(), one]);
+    ways.flat_map(|one| [design.in_other_steps(&one), vec![one]].concat()).collect()
 }
 
-/// With so many more linear axes: those that leave the least open, with the smallest U.
-fn best_lines(
+/// What can be measured in addition, alone and together.
+pub(super) fn together(described: &Variant, additions: &[Variant]) -> Vec<Variant> {
+    additions.iter().fold(vec![described.clone()], |all, one| {
+        let both = all.iter().map(|other| other.and(one));
+        let new: Vec<Variant> = both.filter(|both| !all.contains(both)).collect();
+        [all, new].concat()
+    })
+}
+
+/// The one that takes the least time of all with which something is reached. Tables that need another grid
+/// count only where no others do.
+pub(super) fn cheapest(
     design: &Design<'_>,
-    described: &Variant,
-    count: usize,
-) -> Result<Option<Visit>, Problems> {
-    let mut best: Option<Visit> = None;
-    for axes in subsets(&design.axes_open()) {
-        if axes.len() != count {
-            continue;
-        }
-        let visit = design.visit(described.with(&axes))?;
-        let rank = |visit: &Visit| (visit.open.len(), together_um(visit));
-        if best.as_ref().is_none_or(|best| rank(&visit) < rank(best)) {
-            best = Some(visit);
-        }
-    }
-    Ok(best)
-}
-
-fn subsets(axes: &[Axis]) -> Vec<Vec<Axis>> {
-    let mut all = vec![Vec::new()];
-    for axis in axes {
-        let with: Vec<Vec<Axis>> = all.iter().map(|one| [one, &[*axis][..]].concat()).collect();
-        all.extend(with);
-    }
-    all
-}
-
-/// U of all values together; the largest where it is not known.
-fn together_um(visit: &Visit) -> f64 {
-    visit.together_um().unwrap_or(f64::MAX)
-}
-
-/// Goes through all combinations by their time until one reaches the acceptance.
-fn best(design: &Design<'_>, visits: &mut Vec<Visit>) -> Result<Option<usize>, Problems> {
-    let mut all: Vec<(f64, Variant)> = combinations(design)
-        .into_iter()
-        .map(|variant| (design.minutes(&variant), variant))
-        .collect();
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut closest: Option<Visit> = None;
-    for (_, variant) in all {
-        let known = visits.iter().find(|visit| visit.variant == variant);
-        let visit = match known {
-            Some(visit) => visit.clone(),
-            None => design.visit(variant)?,
-        };
-        if visit.reaches(design.acceptance()) {
-            return Ok(Some(place(visits, visit)));
-        }
-        let is_closer = |than: &Visit| together_um(&visit) < together_um(than);
-        if visit.open.is_empty() && closest.as_ref().is_none_or(is_closer) {
-            closest = Some(visit);
+    variants: &[Variant],
+    is_reached: impl Fn(&Visit) -> bool,
+) -> Option<Visit> {
+    let timed = variants.iter().map(|one| (design.minutes(&one.in_runs(1)), one));
+    let mut timed: Vec<(f64, &Variant)> = timed.collect();
+    timed.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best: [Option<Visit>; 2] = [None, None];
+    for (least, variant) in timed {
+        let best = &mut best[usize::from(design.other_grid(variant).is_some())];
+        let is_quicker = |minutes: f64| best.as_ref().is_none_or(|best| minutes < best.minutes);
+        if is_quicker(least) {
+            let visit = fewest_runs(design, variant, &is_reached);
+            *best = visit.filter(|visit| is_quicker(visit.minutes)).or(best.take());
         }
     }
-    Ok(closest.map(|visit| place(visits, visit)))
+    let [own_grid, other_grid] = best;
+    own_grid.or(other_grid)
 }
 
-/// Where a visit stands among the others; a new one is put at their end.
-fn place(visits: &mut Vec<Visit>, new: Visit) -> usize {
-    let known = visits.iter().position(|visit| visit.variant == new.variant);
-    known.unwrap_or_else(|| {
-        visits.push(new);
-        visits.len() - 1
-    })
-}
-
-/// All changes together. A return pass is not given up: without it the reversal is mixed into the curves, and
-/// U does not say so.
-fn combinations(design: &Design<'_>) -> Vec<Variant> {
-    let described = design.described();
-    let lines = subsets(&design.axes_open()).into_iter();
-    let lines = lines.map(|axes| described.with(&axes));
-    let ways = lines.flat_map(|one| [one.turning(), one]);
-    let repeated = ways.flat_map(|one| runs(&one).chain([one]));
-    let all = repeated.flat_map(|one| [design.finer(&one), Some(one)]);
-    all.flatten().fold(Vec::new(), |mut different, one| {
-        if !different.contains(&one) {
-            different.push(one);
-        }
-        different
-    })
+/// With the fewest runs that reach something; what the most do not, no fewer do.
+pub(super) fn fewest_runs(
+    design: &Design<'_>,
+    variant: &Variant,
+    is_reached: impl Fn(&Visit) -> bool,
+) -> Option<Visit> {
+    let reached = |runs| design.visit(variant.in_runs(runs)).ok().filter(&is_reached);
+    let most = reached(MOST_RUNS)?;
+    Some((design.fewest_runs()..MOST_RUNS).find_map(reached).unwrap_or(most))
 }

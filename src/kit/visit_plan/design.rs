@@ -3,16 +3,19 @@
 use super::variant::{Variant, Visit, expanded_um};
 use crate::inputs::error_table::{ErrorTable, write};
 use crate::inputs::job::{
-    Acceptance, DiagonalMeasurement, Frame, Job, Linear, LinearSlope, MeasuredData, Measurement,
-    ProgramRequest, RunType, SetUp,
+    Acceptance, DiagonalMeasurement, Frame, GridRequest, Job, Linear, LinearSlope, MeasuredData,
+    Measurement, ProgramRequest, RunType, SetUp,
 };
 use crate::judge::after::alone;
 use crate::judge::forecast::Forecast;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
-use crate::machine::separation::{Instrument, Separation, expected, linear_axis, table};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::machine::separation::corrections::AngleEvidence;
+use crate::machine::separation::joint::Measured;
+use crate::machine::separation::{Instrument, Part, Separation, expected, linear_axis, table};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::quantity::units::Millimetres;
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use crate::write::program::motion;
@@ -22,6 +25,10 @@ use crate::write::target::wants;
 pub(super) const NOISE_UM: f64 = 1.0;
 /// More steps than these are no variant: no published measurement has more.
 const MOST_STEPS: usize = 100;
+/// Targets farther apart than five a metre are no variant, mm.
+const WIDEST_MM: f64 = 200.0;
+/// What the printed digits do not show is no part, µm.
+const SHOWN_UM: f64 = 0.005;
 /// A step that differs less from whole micrometres is one, mm.
 const WHOLE_MM: f64 = 1e-7;
 
@@ -39,6 +46,8 @@ pub struct SetUpTimes {
 pub struct Design<'a> {
     job: &'a Job,
     angles: Option<ErrorTable>,
+    /// What is known of angles; `None` = what `angles` says.
+    evidence: Option<AngleEvidence>,
     described: Variant,
     measurement: DiagonalMeasurement,
     instrument: Instrument,
@@ -62,17 +71,40 @@ impl<'a> Design<'a> {
         let stated = job.measurement.uncertainty;
         Ok(Design {
             measurement: measured.map_or_else(|| usual(&run), Clone::clone),
-            described: Variant { run, linear: Vec::new() },
+            described: Variant { run, linear: Vec::new(), angles: Vec::new() },
             instrument: Instrument { noise_um: stated.noise_um.unwrap_or(NOISE_UM), stated },
             job,
             angles,
+            evidence: None,
             times,
         })
+    }
+
+    /// A measurement that was made, with the noise that it found.
+    pub(crate) fn made(job: &'a Job, found: &Separation) -> Result<Design<'a>, Problems> {
+        let times = SetUpTimes { diagonal_min: 30.0, linear_min: 20.0 };
+        let mut design = Design::of(job, None, times)?;
+        let run = &mut design.described.run;
+        run.volume = found.volume.clone();
+        run.runs = found.runs.iter().map(|run| run.number).max().unwrap_or(1);
+        run.bidirectional = found.means.reverse.is_some();
+        run.overrun = Millimetres::new(f64::from(found.overrun != Some(false)));
+        design.instrument.noise_um = found.noise.map_or(NOISE_UM, |noise| noise.sigma_um);
+        design.evidence = Some(found.angle_evidence().clone());
+        for (index, linear) in design.measurement.linear.iter_mut().enumerate() {
+            linear.u_um_per_m = Some(found.u_of_line(index));
+        }
+        Ok(design)
     }
 
     /// The run of the job.
     pub fn described(&self) -> &Variant {
         &self.described
+    }
+
+    /// Runs that there are already, or one.
+    pub(super) fn fewest_runs(&self) -> u32 {
+        self.evidence.as_ref().map_or(1, |_| self.described.run.runs)
     }
 
     /// The laser.
@@ -103,32 +135,53 @@ impl<'a> Design<'a> {
         Axis::ALL.into_iter().filter(open).collect()
     }
 
-    /// Twice the steps, where a program can make them.
-    pub(super) fn finer(&self, variant: &Variant) -> Option<Variant> {
-        let finer = variant.in_steps(2 * self.described.run.volume.steps);
-        let volume = &finer.run.volume;
-        let between = |axis: Axis| {
-            let um = 1000.0 * volume.step_mm(axis);
-            (um - um.round()).abs() < 1000.0 * WHOLE_MM
+    /// Half and twice the steps, where a program can make them and they show enough of an axis.
+    pub(super) fn in_other_steps(&self, variant: &Variant) -> Vec<Variant> {
+        let steps = self.described.run.volume.steps;
+        let fits = |other: &Variant| {
+            let volume = &other.run.volume;
+            let is_whole = |axis: Axis| {
+                let um = 1000.0 * volume.step_mm(axis);
+                (um - um.round()).abs() < 1000.0 * WHOLE_MM
+            };
+            let is_close = volume.steps > steps || other.target_spacing_mm() <= WIDEST_MM;
+            is_close && volume.steps <= MOST_STEPS && Axis::ALL.into_iter().all(is_whole)
         };
-        let fits = volume.steps <= MOST_STEPS && Axis::ALL.into_iter().all(between);
-        fits.then_some(finer)
+        let others = [steps.div_ceil(2), 2 * steps].map(|steps| variant.in_steps(steps));
+        others.into_iter().filter(fits).collect()
+    }
+
+    /// The spacing of each axis that tables need where the targets lie farther apart than their points, mm.
+    pub(crate) fn other_grid(&self, variant: &Variant) -> Option<PerAxis<f64>> {
+        let volume = &variant.run.volume;
+        let step = PerAxis::from_fn(|axis| volume.step_mm(axis));
+        let is_wider = |axis: Axis| {
+            let own = self.job.compensation.axes[axis].as_ref().and_then(|own| own.grid);
+            matches!(own, Some(GridRequest::Spacing(mm)) if step[axis] > mm + WHOLE_MM)
+        };
+        let is_coarser = volume.steps < self.described.run.volume.steps;
+        (is_coarser && Axis::ALL.into_iter().any(is_wider)).then_some(step)
     }
 
     /// Motion, standstills and set-ups of a variant, min.
     pub(super) fn minutes(&self, variant: &Variant) -> f64 {
         let run = |request: &ProgramRequest| motion(request).duration_s(request) / 60.0;
         let diagonals = Diagonal::ALL.map(|_| self.times.diagonal_min).iter().sum::<f64>();
-        let linear = variant.linear.iter();
-        let linear = linear.map(|axis| self.times.linear_min + run(&variant.run.along(*axis)));
-        run(&variant.run) + diagonals + linear.sum::<f64>()
+        let angles = variant.angles.iter().map(|angle| &angle.along);
+        let single = variant.linear.iter().chain(angles);
+        let single = single.map(|axis| self.times.linear_min + run(&variant.run.along(*axis)));
+        run(&variant.run) + diagonals + single.sum::<f64>()
     }
 
     /// What a variant costs and gives.
     pub fn visit(&self, variant: Variant) -> Result<Visit, Problems> {
         let (measurement, tables) = self.measurement(&variant)?;
         let job = self.job_of(&measurement);
-        let campaign = campaign(&job, &measurement, &tables, true)?;
+        let mut campaign = campaign(&job, &measurement, &tables, true)?;
+        if let Some(angles) = &mut campaign.angles {
+            angles.evidence = self.evidence.clone().unwrap_or(angles.evidence.clone());
+            angles.evidence.missing.retain(|angle| !variant.angles.contains(angle));
+        }
         let back = usize::from(variant.run.bidirectional);
         let noise_um = self.instrument.noise_um;
         let passes = &Pass::BOTH[..=back];
@@ -143,7 +196,54 @@ impl<'a> Design<'a> {
             lines: campaign.lines,
             variant,
             expected,
+            chance: None,
         })
+    }
+
+    /// Probability that a second measurement made like a visit keeps the limit of errors, if the machine does not
+    /// change and the tables leave nothing but the errors of the first one; `None` = no limit, or an uncertainty or
+    /// a statement is missing.
+    pub fn chance(&self, visit: &Visit) -> Option<f64> {
+        let is_known = visit.open.is_empty() && visit.expected.silence.not_stated.is_empty();
+        let limit_um = self.job.acceptance.max_deviation_um.filter(|_| is_known)?;
+        Some(visit.expected.outlook(self.job, None, limit_um)?.1)
+    }
+
+    /// What makes U of the largest of all in a forecast, else that of the error that was found to be at most most:
+    /// parts in µm that make it together as squares, the largest first.
+    pub(super) fn parts(
+        &self,
+        visit: &Visit,
+        figures: &Forecast,
+        found: Option<&ErrorModel>,
+    ) -> Option<Vec<(Part, f64)>> {
+        let value = found.map(value_um);
+        let value = value.as_ref().map(|value| value as Measured<'_>);
+        let worst = figures.least_certain()?;
+        let own_um = worst.change.at_most_um? - worst.change.after_um;
+        let u_um = found.map_or_else(|| figures.max_expanded_um(), |_| Some(own_um))?;
+        let mut parts = visit.expected.parts(self.job, worst.term, value);
+        let all: f64 = parts.iter().map(|(_, square)| square).sum();
+        parts.iter_mut().for_each(|(_, part)| *part = u_um * (*part / all).sqrt());
+        parts.retain(|(_, um)| *um >= SHOWN_UM);
+        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+        Some(parts)
+    }
+
+    /// What can be measured in addition: each linear axis, that angle of the stated ones that does most, all of them.
+    pub(super) fn additions(&self, described: &Visit, parts: &[(Part, f64)]) -> Vec<Variant> {
+        let one = |axis: Axis| self.described.with(&[axis], &[]);
+        let mut additions: Vec<Variant> = self.axes_open().into_iter().map(one).collect();
+        let open = &described.expected.angle_evidence().missing;
+        let angle = |(part, _): &(Part, f64)| match part {
+            Part::Angle(angle) => open.contains(angle).then_some(*angle),
+            _ => None,
+        };
+        if let Some(angle) = parts.iter().find_map(angle) {
+            additions.extend([&[angle], open.as_slice()].map(|all| self.described.with(&[], all)));
+        }
+        additions.dedup();
+        additions
     }
 
     /// How a variant is measured, with a table for each linear axis.
@@ -188,6 +288,14 @@ impl<'a> Design<'a> {
             },
             ..self.job.clone()
         }
+    }
+}
+
+/// What a model holds of an error, µm; 0 where nothing.
+pub(super) fn value_um(model: &ErrorModel) -> impl Fn(ErrorTerm, Direction, Millimetres) -> f64 {
+    |term, way, at| {
+        let curve = model.terms[term].as_ref().and_then(|of| of.measured.curve(way));
+        curve.map_or(0.0, |curve| curve.at(at).um())
     }
 }
 

@@ -3,10 +3,30 @@
 use crate::inputs::job::{Acceptance, ProgramRequest};
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, JudgedRange};
-use crate::machine::separation::{MeasuredLine, Separation};
-use crate::quantity::axis::{Axis, ErrorTerm};
-use crate::quantity::units::{Millimetres, larger};
+use crate::machine::separation::{MeasuredLine, Part, Separation};
+use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
+use crate::quantity::units::{Millimetres, larger, rounded};
 use crate::write::program::MirrorSize;
+use serde::Serialize;
+
+/// Digits of a figure that many draws have made, µm.
+pub(super) const DIGITS: u32 = 4;
+
+/// A part of U.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Share {
+    /// What makes it.
+    pub what: String,
+    /// As much of U, µm.
+    pub um: f64,
+}
+
+/// Parts in words.
+pub(crate) fn listed(parts: &[Share]) -> String {
+    let parts: Vec<String> =
+        parts.iter().map(|of| format!("{} {:.2} µm", of.what, of.um)).collect();
+    format!("{} (they add as squares)", parts.join(", "))
+}
 
 /// One way to make the visit.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +35,8 @@ pub struct Variant {
     pub run: ProgramRequest,
     /// Axes that are measured along their length beside those that the job names.
     pub linear: Vec<Axis>,
+    /// Angles that are measured beside those that the job names.
+    pub angles: Vec<Rotation>,
 }
 
 impl Variant {
@@ -45,9 +67,59 @@ impl Variant {
         other
     }
 
-    pub(super) fn with(&self, linear: &[Axis]) -> Variant {
-        Variant { linear: linear.to_vec(), ..self.clone() }
+    pub(super) fn with(&self, linear: &[Axis], angles: &[Rotation]) -> Variant {
+        Variant { run: self.run.clone(), linear: linear.to_vec(), angles: angles.to_vec() }
     }
+
+    /// This, with what another one measures in addition.
+    pub(super) fn and(&self, other: &Variant) -> Variant {
+        let mut both = self.clone();
+        both.linear.extend(&other.linear);
+        both.angles.extend(&other.angles);
+        both.linear.sort();
+        both.linear.dedup();
+        both.angles.sort();
+        both.angles.dedup();
+        both
+    }
+
+    /// What it does otherwise.
+    pub(crate) fn change(&self, base: &Variant) -> String {
+        let [own, of_base] = [self, base].map(parts);
+        if self == base {
+            return format!("as described: {}", own.join(", "));
+        }
+        let linear = Axis::letters(&self.linear);
+        let linear = (!linear.is_empty()).then(|| format!("+ linear {linear}"));
+        let angles = match self.angles.as_slice() {
+            [] => None,
+            [one] => Some(format!("+ {one} measured")),
+            all => Some(format!("+ {} angles measured", all.len())),
+        };
+        let pairs = own.into_iter().zip(of_base);
+        let others = pairs.filter_map(|(own, base)| (own != base).then_some(own));
+        linear.into_iter().chain(angles).chain(others).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Largest distance of two targets of an axis, mm.
+    pub(crate) fn target_spacing_mm(&self) -> f64 {
+        Axis::ALL.map(|axis| self.run.volume.step_mm(axis)).into_iter().fold(0.0, larger)
+    }
+}
+
+/// Steps, passes and runs of a variant.
+fn parts(variant: &Variant) -> [String; 3] {
+    let run = &variant.run;
+    let back = match run.runs_over() {
+        None => "one direction",
+        Some(true) => "return pass after overrun",
+        Some(false) => "return pass without overrun",
+    };
+    let runs = match run.runs {
+        1 => "1 run".to_string(),
+        runs => format!("{runs} runs"),
+    };
+    [format!("{} steps", run.volume.steps), back.to_string(), runs]
 }
 
 /// What a variant costs and gives.
@@ -67,6 +139,8 @@ pub struct Visit {
     pub forecast: Forecast,
     /// Terms that the job wants and that are not determined, or without a known U.
     pub open: Vec<ErrorTerm>,
+    /// Probability that a second measurement made likewise passes; `None` = not computed, or nothing is asked.
+    pub chance: Option<f64>,
 }
 
 impl Visit {
@@ -75,9 +149,34 @@ impl Visit {
         expanded_um(&self.expected, term)
     }
 
-    /// U of all determined terms together: the smallest `max_deviation_um` that can be passed, µm.
-    pub fn together_um(&self) -> Option<f64> {
-        self.forecast.max_expanded_um()
+    /// What the forecast of all determined terms is at most: the smallest `max_deviation_um` that it can pass, µm.
+    pub fn at_most_um(&self) -> Option<f64> {
+        self.forecast.all_at_most_um()
+    }
+
+    /// The three largest parts of U, in words.
+    pub(super) fn largest(&self, parts: Vec<(Part, f64)>) -> Vec<Share> {
+        let three = parts.into_iter().take(3);
+        three.map(|(part, um)| Share { what: self.words(part), um: rounded(um, DIGITS) }).collect()
+    }
+
+    fn words(&self, part: Part) -> String {
+        let words = match part {
+            Part::Noise => "noise of the readings",
+            Part::Laser => "scale of the laser",
+            Part::Mirror => "tilt of the mirror",
+            Part::SetUps => "scale from set-up to set-up",
+            Part::Beam => "beam",
+            Part::Angle(angle) => {
+                return format!("{angle} (rotation of {} about {})", angle.along, angle.about);
+            }
+            Part::Line(index) => {
+                let along = |axis: &Axis| self.lines[index].direction[*axis] > 0.999;
+                let axis = Axis::ALL.into_iter().find(along);
+                return axis.map_or("other beam".into(), |axis| format!("slope of linear {axis}"));
+            }
+        };
+        words.to_string()
     }
 
     /// Axes whose reversal is determined.

@@ -11,12 +11,15 @@
 //! |value + e| is then at most the largest |value| + q, with 95 % (`docs/method.md` §23). The nine errors together
 //! are the readings of the diagonals: what an unmeasured angle does to each of them cancels there.
 
+mod outlook;
+
+pub(crate) use self::outlook::Measured;
 use super::curves::{Curve, range};
 use super::linear::CurveRows;
 use super::noise::{Noise, student};
 use super::separate::Separation;
 use crate::inputs::error_table::{LargestErrors, Sizes};
-use crate::inputs::job::{Job, MachineAxis};
+use crate::inputs::job::{BacklashPolicy, Job, MachineAxis};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::quantity::units::{Squared, larger};
@@ -72,10 +75,7 @@ pub(super) struct Largest {
 impl Table<'_> {
     /// The largest errors; nothing where an uncertainty is not known.
     pub(super) fn largest(&self, job: &Job) -> Largest {
-        let known = |curve: &TableCurve| {
-            self.of.of_table(curve.term, curve.way).is_some_and(|found| found.u_um.is_some())
-        };
-        if self.curves.is_empty() || !self.curves.iter().all(known) {
+        if !self.is_known() {
             return Largest::default();
         }
         let none = [Vec::new()];
@@ -161,6 +161,14 @@ impl Table<'_> {
             }
         }
         ranges
+    }
+
+    /// Whether there are curves, and every uncertainty is known.
+    fn is_known(&self) -> bool {
+        let known = |curve: &TableCurve| {
+            self.of.of_table(curve.term, curve.way).is_some_and(|found| found.u_um.is_some())
+        };
+        !self.curves.is_empty() && self.curves.iter().all(known)
     }
 
     /// How far what speaks against the result by its size may move the errors: each anomaly by its worst cause,
@@ -251,10 +259,15 @@ impl<'a> Table<'a> {
     fn anew(&self, number: usize) -> Vec<Curve> {
         let mut random = random(number);
         let noise = self.estimate(&mut random);
-        let (z, shares) = self.of.model.draw(noise, &mut random);
+        self.drawn(noise, &mut random)
+    }
+
+    /// The same with so many times the noise.
+    fn drawn(&self, noise: f64, random: &mut ChaCha8Rng) -> Vec<Curve> {
+        let (z, shares) = self.of.model.draw(noise, random);
         let mut drawn: Vec<Curve> = self.curves.iter().map(|curve| curve.moved_by(&z)).collect();
         for (own, curve) in drawn.iter_mut().zip(&self.curves) {
-            let draw: f64 = StandardNormal.sample(&mut random);
+            let draw: f64 = StandardNormal.sample(random);
             own.iter_mut().for_each(|um| *um += curve.lacks_um * draw);
         }
         self.add(&mut drawn, shares.into_iter().enumerate());
@@ -341,6 +354,23 @@ fn quantiles(zero: String, draws: &[Sizes]) -> LargestErrors {
             diagonals: PerDiagonal::from_fn(|d| of(&|sizes| sizes.diagonals[d])),
         },
     }
+}
+
+/// Which directions stand apart.
+pub(super) fn directions(separation: &Separation, job: &Job) -> PerAxis<Vec<Option<Direction>>> {
+    let plus_only = |axis: Axis| {
+        job.compensation.backlash[axis] == Some(BacklashPolicy::ForwardOnly)
+            && separation.means.reverse.is_some()
+    };
+    PerAxis::from_fn(|axis| {
+        if separation.is_directed(axis) {
+            vec![Some(Direction::Plus), Some(Direction::Minus)]
+        } else if plus_only(axis) {
+            vec![Some(Direction::Plus)]
+        } else {
+            vec![None]
+        }
+    })
 }
 
 impl Separation {

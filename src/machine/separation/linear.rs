@@ -9,8 +9,10 @@
 //! Rows are of first order: of the tilt of the mirror times noise nothing is kept.
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
+use super::corrections::AngleEvidence;
 use super::noise::ReadingPlace;
 use super::readings::Means;
+use crate::quantity::axis::Rotation;
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
@@ -150,6 +152,29 @@ pub(super) struct Model {
     pub(super) beam_ppm: f64,
     /// Which are unmeasured angles with a stated bound, for each order of the axes that may be; the worst counts.
     pub(super) angles: Vec<Vec<usize>>,
+    /// Which angle each of the columns is of; `None` = another cause.
+    pub(super) rotations: Vec<Option<Rotation>>,
+    /// What is known of angles.
+    pub(super) evidence: AngleEvidence,
+}
+
+/// A cause of uncertainty.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Of the readings.
+    Noise,
+    /// Scale of the laser, temperature and expansion, alike in all set-ups.
+    Laser,
+    /// Its tilt, where the set-up is assumed perfect.
+    Mirror,
+    /// Change of scale from one set-up to the next.
+    SetUps,
+    /// Between the beam and the mirror's normal.
+    Beam,
+    /// A linear axis or another beam, by its place among the lines.
+    Line(usize),
+    /// Without a measurement.
+    Angle(Rotation),
 }
 
 /// u² of a figure.
@@ -176,6 +201,8 @@ impl Model {
             setup_ppm: 0.0,
             beam_ppm: 0.0,
             angles: Vec::new(),
+            rotations: Vec::new(),
+            evidence: AngleEvidence::nothing(None),
         }
     }
 
@@ -248,6 +275,39 @@ impl Model {
     fn by_entries(&self, one: &[f64], other: &[f64]) -> [f64; 2] {
         let weighed = |v: &[f64]| one.iter().zip(other).zip(v).map(|((a, b), v)| a * b * v).sum();
         [weighed(&self.noise), weighed(&self.other)]
+    }
+
+    /// What the variance of a figure is made of: by how much it is less without each cause.
+    pub(super) fn parts(&self, row: &Row) -> Vec<(Part, f64)> {
+        let causes = [Part::Noise, Part::Laser, Part::Mirror, Part::SetUps, Part::Beam];
+        let angles = Rotation::all().filter(|of| self.rotations.contains(&Some(*of)));
+        let angles = angles.map(Part::Angle);
+        let lines = (0..self.layout.lines).map(Part::Line);
+        let all = self.variance(row).all;
+        let of = |cause: Part| (cause, all - self.without(cause).variance(row).all);
+        causes.into_iter().chain(lines).chain(angles).map(of).collect()
+    }
+
+    /// The same with one cause less.
+    fn without(&self, cause: Part) -> Model {
+        let mut model = self.clone();
+        let lines = self.layout.line(0)..self.layout.neglected(0);
+        match cause {
+            Part::Noise => model.noise.fill(0.0),
+            Part::Laser => model.strains = 0..0,
+            Part::Mirror => model.tilts = 0..0,
+            Part::SetUps => {
+                model.other[lines].iter_mut().for_each(|v| *v -= self.setup_ppm.squared());
+                model.setup_ppm = 0.0;
+            }
+            Part::Beam => model.beam_ppm = 0.0,
+            Part::Line(index) => model.other[self.layout.line(index)] = self.setup_ppm.squared(),
+            Part::Angle(angle) => {
+                let stays = |at: &usize| self.rotations[*at] != Some(angle);
+                model.angles.iter_mut().for_each(|order| order.retain(stays));
+            }
+        }
+        model
     }
 
     fn combined(&self, [noise, other]: [f64; 2], effects: &[f64]) -> Variance {

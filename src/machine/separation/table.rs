@@ -1,7 +1,7 @@
 //! Nine errors → the rows of an error table (contract §2.1), as the backlash policy of a job asks for them.
 
 use super::findings::SeparationFinding;
-use super::joint::Table;
+use super::joint::{Table, directions};
 use super::noise::Noise;
 use super::separate::Separation;
 use super::solved::SeparatedError;
@@ -61,19 +61,7 @@ impl ErrorSource {
 /// absent. Directions stand apart only where the reversal between them is determined; without it
 /// a job that asks for the curves moving + gets these alone, any other one the mean of both.
 pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> Draft {
-    let plus_only = |axis: Axis| {
-        job.compensation.backlash[axis] == Some(BacklashPolicy::ForwardOnly)
-            && separation.means.reverse.is_some()
-    };
-    let directions = PerAxis::from_fn(|axis| {
-        if separation.is_directed(axis) {
-            vec![Some(Direction::Plus), Some(Direction::Minus)]
-        } else if plus_only(axis) {
-            vec![Some(Direction::Plus)]
-        } else {
-            vec![None]
-        }
-    });
+    let directions = directions(separation, job);
     let table = Table::new(separation, job, &directions);
     let (all, doubtful) = (table.largest(job), table.doubtful());
     let (largest, measured, anew) = (all.forecast, all.measured, all.anew);

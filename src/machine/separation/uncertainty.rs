@@ -127,6 +127,9 @@ impl Budget<'_> {
         model.setups = model.tilts.end..columns.len();
         let unmeasured = Unmeasured::stated(campaign);
         let first = columns.len();
+        model.evidence = campaign.angle_evidence();
+        model.rotations = vec![None; first];
+        model.rotations.extend(unmeasured.parts.iter().map(|of| Some(of.rotation)));
         columns.extend(unmeasured.parts.into_iter().map(|of| {
             let mut column = model.layout.column(|_, d, node| of.readings[d][node]);
             let line = model.layout.line(0);
@@ -173,6 +176,7 @@ impl Budget<'_> {
 
 /// What an angle does to the readings by node, µm, the same on the way back, and to linear axes and beams, µm/m.
 pub(super) struct OfAngle {
+    rotation: Rotation,
     pub(super) readings: PassMeans,
     lines: Vec<f64>,
 }
@@ -321,7 +325,7 @@ fn of_rotation(
             let rise = line.direction.dot(error(to).minus(error(from)));
             1000.0 * rise / to.minus(from).length()
         };
-        OfAngle { readings, lines: campaign.lines.iter().map(line).collect() }
+        OfAngle { rotation, readings, lines: campaign.lines.iter().map(line).collect() }
     })
 }
 
