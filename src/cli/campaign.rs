@@ -159,7 +159,7 @@ impl CampaignFiles {
             range_um: PerDiagonal::from_fn(|d| result.diagonals[d].range_um),
             u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
             degrees_of_freedom: repeated.and_then(Noise::freedom_f64),
-            scale_um_per_m: self.job.measurement.uncertainty.of_laser_ppm(),
+            scale_um_per_m: self.job.measurement.uncertainty.of_length_ppm(),
             labels: result.labels,
             one_zero: self.readings.runs.iter().all(|run| self.readings.offset_known(run)),
         })

@@ -119,7 +119,11 @@ fn first(options: &Options, directory: &Path) -> Result<Beginning, Problems> {
         readings: options.readings,
         both_directions: options.both_directions,
     };
-    let (begun, words) = (visit.begun()?, vec![travel_words(&visit)]);
+    let (begun, better) = (visit.begun()?, visit.better_steps().into_iter());
+    let better = better.map(|n| {
+        format!("at these targets errors that repeat with a usual pitch may stay unseen; `--steps {n}` shows more of them")
+    });
+    let words = std::iter::once(travel_words(&visit)).chain(better).collect();
     Ok((profile, begun, words))
 }
 

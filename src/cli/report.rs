@@ -167,6 +167,7 @@ fn with_tables(options: &Options, locale: Locale<'_>, inputs: &Inputs) -> Result
     let matter = |assumed: &&Assumption| assumed.without_effect.is_none();
     let assumed = page.assumptions().iter().filter(matter);
     visit.assumptions = assumed.cloned().collect();
+    visit.is_sign_shown = page.sign_shown().is_some();
     visit.is_measured = options.after.is_some();
     visit.grounds = page.grounds();
     visit.inputs.clone_from(&inputs.hashes);

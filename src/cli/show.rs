@@ -38,7 +38,7 @@ pub(super) fn placements(placements: &[Placement]) -> String {
     let rows = placements.iter().map(|p| {
         let direction = p.direction.map_or("+ and -", Direction::symbol);
         let count = Some(p.count_um).filter(|um| *um > 0.0);
-        let count = count.map_or_else(|| "unrounded".to_string(), short);
+        let count = count.map_or_else(|| "unrounded".to_string(), |um| Figure(um).trimmed(6));
         let row = format!(
             "{}\t{direction}\t{}\t{}\t{count}\t{:.3}",
             p.term, p.place, p.points, p.grid_residual_um
@@ -53,11 +53,6 @@ pub(super) fn placements(placements: &[Placement]) -> String {
         "{}\n  count: smallest step of a table value; grid residual: largest difference of curve and table{legend}",
         table(&format!("{heading}{column}"), rows)
     )
-}
-
-fn short(number: f64) -> String {
-    let text = format!("{:.6}", Figure(number));
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }
 
 /// Every measured term before and after, with the place of its table.
@@ -113,7 +108,7 @@ pub(super) const OF_ALL: &str = "largest of all";
 
 /// The largest of all terms, and what it is at most, where there are several and U is stated.
 pub(super) fn largest_of_all(forecast: &Forecast) -> Option<(String, String)> {
-    let is_stated = forecast.terms.iter().all(|term| term.change.u_um.is_some());
+    let is_stated = forecast.terms.iter().all(|term| term.change.at_most_um.is_some());
     let um = forecast.all_at_most_um().filter(|_| is_stated && forecast.terms.len() > 1)?;
     Some((format!("{:.3}", forecast.max_residual_um()), format!("{um:.3}")))
 }
@@ -238,8 +233,7 @@ pub(super) fn preconditions(preconditions: &[Precondition]) -> More {
 
 /// The signs that are only assumed, in one line, with what proves them.
 pub(super) fn assumed_signs(assumptions: &[Assumption], proofs: &[&str]) -> Vec<String> {
-    let signs =
-        assumptions.iter().filter(|a| a.fact.ends_with("_sign") && a.without_effect.is_none());
+    let signs = assumptions.iter().filter(|a| a.is_sign());
     let signs: Vec<String> = signs.map(|a| format!("{} = {}", a.fact, a.value)).collect();
     let proof = match proofs {
         [] => "prove it with one small bump before use".to_string(),

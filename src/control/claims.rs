@@ -38,6 +38,11 @@ impl Assumption {
         }
     }
 
+    /// Whether it is the sign of a table, and matters.
+    pub(crate) fn is_sign(&self) -> bool {
+        self.fact.ends_with("_sign") && self.without_effect.is_none()
+    }
+
     /// `fact = value; if wrong: consequence`, without patterns, which nobody compares with a control.
     pub(crate) fn words(&self) -> String {
         let (fact, value, consequence) = (&self.fact, &self.value, &self.consequence);

@@ -144,7 +144,7 @@ pub fn compare(
     let missing = before.measured().map(|(term, _)| term);
     let missing = missing.filter(is_missing).collect();
     let mut findings = doubts::findings(machine.as_measured, before, after);
-    findings.extend(off_forecast(before, &as_left, &terms).map(Finding::from));
+    findings.extend(off_forecast(before, after, &as_left, &terms).map(Finding::from));
     Ok(Comparison { terms, diagonals, as_left, findings, missing })
 }
 
@@ -163,17 +163,27 @@ fn off_forecast_um(name: &str, control: Option<&Control>, seen: &[Observation]) 
 const NOT_OFF: f64 = 0.999;
 
 /// Terms that are off the forecast at some position by more than both measurements explain,
-/// u² = u²(as left) + u²(as found), each against its reference, with 99.9 % over all values. Only
-/// where both uncertainties are stated.
-fn off_forecast(before: &ErrorModel, as_left: &Forecast, terms: &[ComparedLine]) -> Option<AsLeft> {
+/// u² = u²(as left) + u²(as found), each against its reference and without what both repeat, with 99.9 % over
+/// all values. Only where both uncertainties are stated.
+fn off_forecast(
+    before: &ErrorModel,
+    after: &AfterMeasurement,
+    as_left: &Forecast,
+    terms: &[ComparedLine],
+) -> Option<AsLeft> {
+    let AfterMeasurement::Errors(left) = after else { return None };
     let values: usize = as_left.terms.iter().map(|term| term.figures.len()).sum();
     let fewest = [before.remarks.degrees_of_freedom, as_left.sigma.freedom()];
     let fewest = fewest.into_iter().flatten().reduce(smaller);
     let factor = Sigma::with_freedom(fewest).joint_at(values, NOT_OFF);
     let off = terms.iter().filter_map(|line| {
         let term = ErrorTerm::from_name(&line.name)?;
-        let found = before.terms[term].as_ref()?.u_um()?;
-        let u_um = factor * line.u_um?.hypot(found);
+        let repeated = [&before.remarks, &left.remarks].map(|of| of.anew.as_ref());
+        let u_um = match repeated {
+            [Some(found), Some(left)] => found.terms[term].hypot(left.terms[term]),
+            _ => line.u_um?.hypot(before.terms[term].as_ref()?.u_um()?),
+        };
+        let u_um = factor * u_um;
         let um = line.difference_um.filter(|um| *um > u_um)?;
         Some((term, um, u_um))
     });
@@ -189,11 +199,13 @@ fn not_evaluated(reason: CannotEmulate) -> Problems {
 fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
     let sigma = Sigma::with_freedom(runs.degrees_of_freedom);
     let scale_um = runs.scale_um_per_m * runs.volume.diagonal_mm() / 1000.0;
+    let between = job.measurement.uncertainty.between();
     let line = |(diagonal, range): (Diagonal, &f64)| {
         let own = runs.walks.iter().filter(|walk| walk.diagonal == diagonal);
         let values: usize = own.map(|walk| walk.readings_um.len()).sum();
         let u_um = runs.u_um.map_or_else(Vec::new, |u| vec![u; values]);
         DiagonalForecast::new(diagonal.name(), *range, *range, sigma, &u_um, scale_um)
+            .drawn(None, between.diagonals[diagonal])
     };
     let walked = |axis| range_of(job, axis, &runs.volume.positions(axis));
     Forecast {
@@ -202,6 +214,7 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
         ranges: Axis::ALL.into_iter().filter_map(walked).collect(),
         silence: Silence::default(),
         largest: None,
+        measured: None,
         doubtful: Sizes::default(),
         terms: Vec::new(),
         diagonals: runs.range_um.iter().map(line).collect(),

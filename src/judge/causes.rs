@@ -31,8 +31,8 @@ pub use self::question::{Corrected, Question, Slip};
 
 use self::candidates::{all_faults, alone, cause};
 use self::data::{Data, RISK, quantile};
-use self::decide::{decides, short};
-use self::fault::{Fault, Fit};
+use self::decide::decides;
+use self::fault::{Act, Fault, Fit, Scope};
 use crate::judge::after::Observation;
 use crate::judge::findings::OfTerm;
 use crate::quantity::axis::ErrorTerm;
@@ -72,6 +72,8 @@ pub struct Diagnosis {
     pub as_forecast: bool,
     /// It would be so, too, if the tables did not act: the noise hides them.
     pub hides_tables: bool,
+    /// As left excludes that positioning tables or those of cross terms act with the sign turned, whichever there are.
+    pub shows_signs: bool,
     /// Root mean square of as left − forecast, µm.
     pub off_um: f64,
     /// The causes that the data cannot tell apart, the usual ones first; empty if nothing fits.
@@ -102,6 +104,7 @@ pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
     let mut found = Diagnosis {
         as_forecast,
         hides_tables: as_forecast && hides_tables(&data, &faults),
+        shows_signs: as_forecast && shows_signs(&data, &faults),
         off_um: data.rms(&forecast),
         causes: Vec::new(),
         by_term: Vec::new(),
@@ -132,6 +135,19 @@ fn all_fits(data: &Data<'_>, faults: &[Fault]) -> Vec<Fit> {
 fn hides_tables(data: &Data<'_>, faults: &[Fault]) -> bool {
     let inactive = faults.iter().find(|fault| fault.kind == "not active");
     inactive.is_some_and(|fault| data.stands(&data.fit(fault)))
+}
+
+/// Whether the tables of each mechanism were seen, and would not fit with their sign turned.
+fn shows_signs(data: &Data<'_>, faults: &[Fault]) -> bool {
+    let is_shown = |scope: Scope| {
+        let turned = faults.iter().find(|fault| fault.act == Act::Times(scope, Some(-1.0)));
+        turned.is_some_and(|fault| !data.stands(&data.fit(fault)))
+    };
+    let tabled = |term: &ErrorTerm| data.question.control.has_table(*term);
+    let tabled: Vec<ErrorTerm> = ErrorTerm::ALL.into_iter().filter(tabled).collect();
+    let is_there = |scope: &Scope| tabled.iter().any(|term| scope.holds(*term));
+    !tabled.is_empty()
+        && [Scope::Positioning, Scope::Cross].into_iter().filter(is_there).all(is_shown)
 }
 
 /// Faults with their fits that fit by themselves and are as good as the best one, the usual ones
@@ -219,8 +235,8 @@ fn term_by_term(data: &Data<'_>) -> Vec<Finding> {
 fn off_forecast(um: f64, seen: &Observation) -> String {
     let place = match seen.parts.as_slice() {
         [] => String::new(),
-        [one] => format!(" at {} mm moving {}", short(one.at), one.direction),
-        [mean, ..] => format!(" at {} mm", short(mean.at)),
+        [one] => format!(" at {} mm moving {}", Figure(one.at.mm()).trimmed(3), one.direction),
+        [mean, ..] => format!(" at {} mm", Figure(mean.at.mm()).trimmed(3)),
     };
     format!("{:+.3} µm off the forecast{place}, ", Figure(um))
 }

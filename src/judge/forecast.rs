@@ -98,6 +98,7 @@ pub fn forecast(
         ranges: ranges.to_vec(),
         silence: model.remarks.silence.clone(),
         largest: largest.cloned(),
+        measured: model.remarks.measured.clone(),
         doubtful: model.remarks.doubtful.clone().unwrap_or_default(),
         diagonals,
         terms,

@@ -53,7 +53,9 @@ pub(crate) fn second_look(
         let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
             let seen = observations(&inputs.model, measured);
             let question = question(inputs, verification, control, &seen);
-            diagnose(&Question { corrected, ..question })
+            let laser = [inputs.model.laser_um_per_m, measured.laser_um_per_m()];
+            let laser_um_per_m = laser[0].hypot(laser[1]);
+            diagnose(&Question { corrected, laser_um_per_m, ..question })
         };
         let mut found = diagnosed(measured, &[])?;
         if !found.as_forecast {
@@ -111,6 +113,7 @@ fn question<'a>(
         homing: PerAxis::from_fn(|a| axis(a).map_or(Direction::Plus, |a| a.homing())),
         reference_mm: PerAxis::from_fn(|a| axis(a).map_or(0.0, |a| a.reference.mm())),
         alpha_per_k: alpha_per_k(&inputs.job),
+        laser_um_per_m: 0.0,
         count_um: counts.fold(0.0, f64::max),
         display: inputs.profile.display.as_ref().map(|f| f.value.as_str()),
     }

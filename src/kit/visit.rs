@@ -15,6 +15,7 @@ pub use self::again::{Earlier, Measured};
 use crate::control::controller::{JobKey, JobSection, Profile};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
+use crate::quantity::pitch;
 use crate::quantity::units::{Figure, Millimetres};
 use crate::text::problem::{Problem, Problems};
 use crate::write::emit::{TOOL, filled};
@@ -35,8 +36,10 @@ const STEPS: [u32; 2] = [10, 30];
 /// What a box of diagonals leaves of the travel at each end at least, mm: the preload and the overrun of a
 /// measuring run have 2 mm, and software limits may lie a little before the ends.
 const MARGIN_MM: f64 = 4.0;
-/// Steps of a box are whole multiples of it, mm, so that every control reaches each node.
-const STEP_DIGIT_MM: f64 = 0.1;
+/// Steps more that are proposed at most so that targets show periodic errors.
+const MORE_STEPS: u32 = 5;
+/// Share of the travel that a box keeps at least when its steps are made shorter for that: a verdict needs 0.9.
+const LEAST: f64 = 0.92;
 /// Column of a job in which comments begin.
 const COMMENTS: usize = 35;
 
@@ -111,6 +114,18 @@ impl Visit<'_> {
         let [fewest, most] = STEPS;
         let usual = (fewest..most).find(|n| longest <= LONGEST_STEP_MM * f64::from(*n));
         self.steps.or(usual).unwrap_or(most)
+    }
+
+    /// A few steps more over the same travel, by which targets would show periodic errors of more pitches; `None` where
+    /// nothing is gained, and where a box has its size for that.
+    pub fn better_steps(&self) -> Option<u32> {
+        let seen = |n: &u32| -> usize {
+            let steps = Axis::ALL.map(|axis| self.length(axis) / f64::from(*n));
+            steps.into_iter().map(|mm| pitch::seen(mm, *n)).sum()
+        };
+        let own = self.steps();
+        let best = (own..=own + MORE_STEPS).rev().max_by_key(seen);
+        best.filter(|best| !self.readings && seen(best) > seen(&own))
     }
 
     fn length(&self, axis: Axis) -> f64 {
@@ -189,14 +204,17 @@ impl Visit<'_> {
     /// The box of the diagonals: the largest with equal steps that keeps the margin.
     fn describe_box(&self, context: &mut Value) -> Result<(), Problem> {
         let steps = f64::from(self.steps());
-        let digits = |axis| ((self.length(axis) - 2.0 * MARGIN_MM) / steps / STEP_DIGIT_MM).floor();
-        if let Some(short) = Axis::ALL.into_iter().find(|axis| digits(*axis) < 1.0) {
+        let step = |axis| {
+            let length = self.length(axis);
+            pitch::step_mm(LEAST * length / steps, (length - 2.0 * MARGIN_MM) / steps, self.steps())
+        };
+        if let Some(short) = Axis::ALL.into_iter().find(|axis| step(*axis) <= 0.0) {
             let length = millimetres(self.length(short));
             let words =
                 format!("the travel of {short}, {length} mm, is too short for {steps} steps");
             return Err(Problem::new(words).help("ask for fewer with `--steps`"));
         }
-        let size = |axis| digits(axis) * STEP_DIGIT_MM * steps;
+        let size = |axis| step(axis) * steps;
         let start = |axis| self.travel[axis].0 + (self.length(axis) - size(axis)) / 2.0;
         let place = |of: &dyn Fn(Axis) -> f64| {
             let parts = Axis::ALL.map(|axis| format!("{} = {}", axis.key(), millimetres(of(axis))));

@@ -22,7 +22,7 @@
 
 pub use self::measured::Measured;
 use self::measured::{FEWEST_POSITIONS, UNLIKELY_SMALL_UM, check_axis, measured_range};
-use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series};
+use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series, Sizes};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::joint::zero;
@@ -181,9 +181,19 @@ impl ErrorModel {
             unused: measured::not_compensated(table).into_iter().collect(),
             remarks: Remarks {
                 largest: table.remarks.largest.clone().filter(|largest| largest.zero == zero(job)),
+                doubtful: with_periods(job, table.remarks.doubtful.as_ref()),
+                measured: table.remarks.measured.clone().filter(|most| most.zero == zero(job)),
                 ..table.remarks.clone()
             },
         })
+    }
+
+    /// Largest standard uncertainty (k = 1) of a value of a term, without what the other measurement of this machine
+    /// repeats, µm; `None` = not stated.
+    pub(crate) fn u_anew_um(&self, other: &ErrorModel, term: ErrorTerm) -> Option<f64> {
+        let anew = self.remarks.anew.as_ref().filter(|_| other.remarks.anew.is_some());
+        let of_value = || self.terms[term].as_ref().and_then(MeasuredTerm::u_value_um);
+        anew.map_or_else(of_value, |anew| Some(anew.terms[term]))
     }
 
     /// Why figures that rest on these curves are doubtful; `asked` = the terms
@@ -357,6 +367,13 @@ pub(super) fn points(
         }
     }
     points
+}
+
+/// What may be off beside every uncertainty, with what the job states of errors between the targets.
+fn with_periods(job: &Job, doubtful: Option<&Sizes>) -> Option<Sizes> {
+    let between = job.measurement.uncertainty.between();
+    let own = doubtful.cloned().or((between.all_um() > 0.0).then(Sizes::default))?;
+    Some(own.joined(&between, |own, between| own + between))
 }
 
 /// Scale of the laser that the job states beside its table, µm/m; separated readings hold it already.

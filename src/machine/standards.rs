@@ -124,6 +124,5 @@ fn range(values: impl IntoIterator<Item = f64> + Clone) -> Option<f64> {
 
 /// A length in mm without zeros at its end.
 pub(crate) fn in_words(mm: f64) -> String {
-    let text = format!("{:.4}", Figure(mm));
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
+    Figure(mm).trimmed(4)
 }

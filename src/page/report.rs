@@ -74,6 +74,8 @@ pub struct Visit {
     pub disagreements: Vec<String>,
     /// What is assumed of the control and matters, until a measurement has shown it.
     pub assumptions: Vec<Assumption>,
+    /// Whether the second measurement has shown a sign that was assumed.
+    pub is_sign_shown: bool,
     /// Every file that was read, with its hash.
     pub inputs: Vec<HashedFile>,
     /// The JSON of each command, by its name.
@@ -102,6 +104,7 @@ impl Visit {
             grounds: Grounds::default(),
             disagreements: Vec::new(),
             assumptions: Vec::new(),
+            is_sign_shown: false,
             inputs: Vec::new(),
             documents: Vec::new(),
             sizes: Vec::new(),
@@ -154,6 +157,7 @@ impl Report<'_> {
             "terms": self.lines("terms"),
             "diagonals": self.diagonals(),
             "squareness": self.squareness(),
+            "curves": self.curves(self.visit.is_measured),
             "parts": self.parts(),
         });
         let own = self.template.as_ref().map(|(name, text)| (name.as_str(), text.as_str()));
@@ -286,7 +290,10 @@ impl Report<'_> {
         };
         json!({
             "kind": if self.visit.is_measured || word != "pass" { word } else { "forecast" },
-            "word": self.t(word),
+            "word": match of == "of_forecast" && word != "nothing_asked" {
+                true => self.fill("forecast_word", [("verdict", self.t(word))]),
+                false => self.t(word),
+            },
             "of": self.t(of),
             "asked": self.asked(),
             "because": self.because(),
@@ -296,10 +303,13 @@ impl Report<'_> {
     /// What never leaves the first page: a rehearsal, a sign that is only assumed.
     fn warnings(&self) -> Vec<String> {
         let simulated = self.visit.is_rehearsal.then(|| self.t("rehearsal"));
-        let mut assumed = self.visit.assumptions.iter();
-        let is_sign = assumed.any(|assumed| assumed.fact.ends_with("_sign"));
-        let signs = is_sign.then(|| self.t("sign_assumed"));
-        simulated.into_iter().chain(signs).collect()
+        let is_assumed = self.visit.assumptions.iter().any(Assumption::is_sign);
+        let assumed = is_assumed.then(|| self.t("sign_assumed"));
+        let date = self.visit.protocol_after.iter().find(|(key, _)| key == "date");
+        let date = date.map_or_else(String::new, |(_, date)| format!(" ({})", escaped(date)));
+        let shown = self.visit.is_sign_shown;
+        let shown = shown.then(|| self.fill("sign_shown", [("date", date)]));
+        simulated.into_iter().chain(assumed).chain(shown).collect()
     }
 
     fn list(&self, document: &str, at: &str) -> impl Iterator<Item = &Value> {

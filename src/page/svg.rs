@@ -381,6 +381,5 @@ fn path(points: impl Iterator<Item = (f64, f64)>) -> String {
 
 /// A place on the paper: a hundredth of a point is finer than any printer.
 fn short(number: f64) -> String {
-    let text = format!("{:.2}", Figure(number));
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
+    Figure(number).trimmed(2)
 }

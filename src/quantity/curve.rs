@@ -62,9 +62,9 @@ impl ErrorCurve {
         deviations: &[Deviation],
         kind: Interpolation,
     ) -> ErrorCurve {
-        debug_assert!(!positions.is_empty() && positions.len() == deviations.len());
-        debug_assert!(positions.windows(2).all(|pair| pair[0] < pair[1]));
-        debug_assert!(deviations.iter().all(|deviation| deviation.um().is_finite()));
+        assert!(!positions.is_empty() && positions.len() == deviations.len());
+        assert!(positions.windows(2).all(|pair| pair[0] < pair[1]));
+        assert!(deviations.iter().all(|deviation| deviation.um().is_finite()));
         let values: Vec<f64> = deviations.iter().map(|deviation| deviation.um()).collect();
         ErrorCurve {
             knots: positions.to_vec(),

@@ -87,7 +87,7 @@ pub fn residual(
     from: Millimetres,
     to: Millimetres,
 ) -> f64 {
-    debug_assert_eq!(values.len(), nodes.count);
+    assert_eq!(values.len(), nodes.count);
     let last = nodes.count - 1;
     let (low_end, high_end) = (nodes.position(0), nodes.position(last));
     let mut largest = 0.0_f64;

@@ -5,4 +5,5 @@ pub mod chain;
 pub mod curve;
 pub mod diagonal;
 pub mod fit;
+pub mod pitch;
 pub mod units;

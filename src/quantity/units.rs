@@ -85,6 +85,14 @@ impl Squared for f64 {
 #[derive(Clone, Copy, Debug)]
 pub struct Figure(pub f64);
 
+impl Figure {
+    /// With so many decimals at most, at least one, without zeros at the end.
+    pub(crate) fn trimmed(self, decimals: usize) -> String {
+        let text = format!("{self:.decimals$}");
+        text.trim_end_matches('0').trim_end_matches('.').to_string()
+    }
+}
+
 impl fmt::Display for Figure {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let is_nothing = match out.precision() {

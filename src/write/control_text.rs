@@ -38,8 +38,7 @@ pub(crate) fn fixed(number: f64, decimals: u32) -> String {
 
 /// The same without trailing zeros.
 pub(crate) fn trimmed(number: f64, decimals: u32) -> String {
-    let text = fixed(number, decimals);
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
+    Figure(number).trimmed(decimals as usize)
 }
 
 /// Whether a text cannot end a comment, start a block or a program.

@@ -134,10 +134,10 @@ fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
     }
     let readings = with_noise(&smooth.readings(None), SIGMA_UM, &mut random);
     let found = naive(&box_30(), &runs(1, Pass::Forward, &readings));
-    let hardly = |labels: &[Finding]| beginning(labels, "these readings would hardly show");
+    let hardly = |labels: &[Finding]| beginning(labels, "these readings cannot detect");
     let said = hardly(&found.labels).unwrap();
     let pairs = ["NPP and PNP", "NPP and PPN", "PNP and PPN"];
-    says(&said, &[&pairs[..], &["nor steps that went X, Z, Y or"]].concat());
+    says(&said, &[&pairs[..], &["or whether the steps went X, Z, Y or"]].concat());
     assert!(!said.contains("PPP"), "{said}");
     assert!(found.doubts.is_empty(), "{:?}", words(&found.doubts));
     let rough = |seed| naive(&box_30(), &repeated(seed, 3));

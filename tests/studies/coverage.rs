@@ -270,6 +270,7 @@ const STATED: StatedUncertainty = StatedUncertainty {
     temperature_k: Some(0.3),
     alpha_per_k: Some(0.5e-6),
     setup_ppm: Some(0.7),
+    periodic_um: None,
     angle_urad: None,
     beam_mrad: Some(0.0),
     // The mirror of `assume-perfect` does not lean here.

@@ -466,6 +466,7 @@ const SMALL_NOISE: StatedUncertainty = StatedUncertainty {
     temperature_k: None,
     alpha_per_k: None,
     setup_ppm: None,
+    periodic_um: None,
     angle_urad: None,
     beam_mrad: Some(0.0),
     tilt_arcsec: None,

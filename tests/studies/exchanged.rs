@@ -140,14 +140,13 @@ fn under_names(readings: &Readings, slip: Option<Slip>) -> Readings {
 /// The sentence on what would hardly show.
 fn hardly(found: &Separation) -> Option<String> {
     let mut labels = words(&found.labels).into_iter();
-    labels.find(|label| label.starts_with("these readings would hardly show"))
+    labels.find(|label| label.starts_with("these readings cannot detect"))
 }
 
 /// Whether that sentence holds a slip.
 fn is_warned(found: &Separation, slip: Slip) -> bool {
-    hardly(found).is_some_and(|said| {
-        said.contains("diagonals under each other's name") || said.contains(&slip.words())
-    })
+    hardly(found)
+        .is_some_and(|said| said.contains("diagonals were swapped") || said.contains(&slip.words()))
 }
 
 fn accuses(found: &Separation) -> Option<String> {

@@ -142,6 +142,12 @@ fn largest(rows: &[Row], axis: usize, of: usize) -> f64 {
     own.map(|row| row.um[of].abs()).fold(0.0, f64::max)
 }
 
+/// As a laser shows them whose scale is off.
+fn stretched(mut rows: Vec<Row>, ppm: f64) -> Vec<Row> {
+    rows.iter_mut().for_each(|row| row.um[row.axis] += ppm * row.mm / 1000.0);
+    rows
+}
+
 /// What the kit leaves of the errors.
 fn left_by_kit(visit: &Visit) -> Vec<Row> {
     visit.run("simulate machine.toml --tables kit --errors -o left.csv").answers();
@@ -203,17 +209,18 @@ fn by_diagonals(seed: u64, runs: u32, u_of_lines: bool) -> Outcome {
     outcome(&visit, &left_by_kit(&visit))
 }
 
-/// Whether the first and the second measurement state their noise.
-const STATED: [(bool, bool, &str); 4] = [
-    (true, true, "noise of both stated"),
-    (true, false, "of the first only"),
-    (false, true, "of the second only"),
-    (false, false, "of neither"),
+/// Whether the first and the second measurement state their noise; scale of the laser, stated by both, 10⁻⁶.
+const STATED: [(bool, bool, f64, &str); 5] = [
+    (true, true, 0.0, "noise of both stated"),
+    (true, false, 0.0, "of the first only"),
+    (false, true, 0.0, "of the second only"),
+    (false, false, 0.0, "of neither"),
+    (true, true, 0.5, "noise of both stated, laser off by its laser_ppm of 0.5"),
 ];
 
 /// Error tables both times: 5 to 61 positions an axis, curves of 3 to 15 µm, noise of 0.1 to 1 µm, that
 /// of the second measurement half to twice as large.
-fn by_tables(seed: u64, stated: (bool, bool)) -> Outcome {
+fn by_tables(seed: u64, stated: (bool, bool), laser_ppm: f64) -> Outcome {
     let mut random = Random::new(seed);
     let visit = Visit::new();
     let points = [5, 11, 21, 31, 61][random.below(5)];
@@ -223,9 +230,14 @@ fn by_tables(seed: u64, stated: (bool, bool)) -> Outcome {
     let (u_first, u_second) = (stated.0.then_some(first), stated.1.then_some(second));
     let truth = machine(&mut random, points, size);
     visit.put("truth.csv", table(&truth, || 0.0, None));
-    visit.put("errors.csv", table(&truth, || first * gauss(&mut random), u_first));
+    let mut lasers = Random::new(seed + 50_000);
+    let lasers = [0, 1].map(|_| laser_ppm * gauss(&mut lasers));
+    let errors = table(&stretched(truth, lasers[0]), || first * gauss(&mut random), u_first);
+    visit.put("errors.csv", errors);
     let put = |name: &str, errors: &str, active: &str| {
-        let measurement = format!("errors = \"{errors}\"\nactive_while_measuring = \"{active}\"");
+        let measurement = format!(
+            "errors = \"{errors}\"\nactive_while_measuring = \"{active}\"\n[measurement.uncertainty]\nlaser_ppm = {laser_ppm}"
+        );
         visit.put(name, job(&measurement, seed, points));
     };
     put("machine.toml", "truth.csv", "none");
@@ -233,7 +245,8 @@ fn by_tables(seed: u64, stated: (bool, bool)) -> Outcome {
     put("after.toml", "after.csv", "kit");
     visit.run("generate job.toml -o kit").answers();
     let left = left_by_kit(&visit);
-    visit.put("after.csv", table(&left, || second * gauss(&mut random), u_second));
+    let found = stretched(read_table(&visit.read("left.csv")), lasers[1]);
+    visit.put("after.csv", table(&found, || second * gauss(&mut random), u_second));
     outcome(&visit, &left)
 }
 
@@ -287,8 +300,9 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
         let all = in_parallel(0..diagonals, |i| by_diagonals(first + i, runs, u_of_lines));
         kinds.push((name.to_string(), u_of_lines, all));
     }
-    for (index, (first, second, name)) in (1..).zip(STATED) {
-        let all = in_parallel(0..tables, |i| by_tables(100_000 * index + i, (first, second)));
+    for (index, (first, second, laser, name)) in (1..).zip(STATED) {
+        let seed = 100_000 * index;
+        let all = in_parallel(0..tables, |i| by_tables(seed + i, (first, second), laser));
         kinds.push((format!("error tables, {name}"), first, all));
     }
     for (name, known, all) in &kinds {

@@ -92,7 +92,10 @@ impl Page<'_> {
             verdict: self.head().join("\n"),
             figures: figures.unwrap_or_default(),
             findings,
-            always: show::assumed_signs(assumptions, &[]),
+            always: match self.sign_shown() {
+                Some(date) => vec![format!("sign shown by the second measurement{date}")],
+                None => show::assumed_signs(assumptions, &[]),
+            },
             more: vec![show::assumptions(assumptions)],
         }
     }
@@ -202,14 +205,23 @@ impl Page<'_> {
         })
     }
 
-    /// What was assumed of the control matters until a measurement has shown it.
+    /// What was assumed of the control matters until a measurement has shown that every mechanism acts as
+    /// forecast, whatever the verdict is.
     pub(in crate::cli) fn assumptions(&self) -> &[Assumption] {
         let diagnosis = self.look().and_then(|look| look.diagnosis.as_ref());
-        let shown = diagnosis.is_some_and(|found| found.as_forecast && !found.hides_tables);
-        match shown && self.verdict() == Verdict::Pass {
+        match diagnosis.is_some_and(|found| found.shows_signs && !found.hides_tables) {
             true => &[],
             false => &self.verification.compiled.assumptions,
         }
+    }
+
+    /// Where the second measurement has shown a sign that was assumed: ` of` its date, empty where that is not stated.
+    pub(in crate::cli) fn sign_shown(&self) -> Option<String> {
+        let assumed = &self.verification.compiled.assumptions;
+        let is_shown = self.assumptions().is_empty() && assumed.iter().any(Assumption::is_sign);
+        let (second, _) = self.second.as_ref().filter(|_| is_shown)?;
+        let date = second.protocol.iter().find(|(key, _)| key == "date");
+        Some(date.map_or_else(String::new, |(_, date)| format!(" of {date}")))
     }
 
     pub(in crate::cli) fn document(&self) -> Document<'_> {
@@ -307,6 +319,7 @@ fn diagnosis(found: &Diagnosis) -> Value {
     json!({
         "as_forecast": found.as_forecast,
         "hides_tables": found.hides_tables,
+        "shows_signs": found.shows_signs,
         "off_forecast_um": found.off_um,
         "sigma_um": found.basis.sigma_um,
         "sigma_from": found.basis.words,

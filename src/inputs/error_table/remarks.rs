@@ -9,6 +9,8 @@
 //!   # not stated: angle_urad, setup_ppm
 //!   # neglected by decision: angle_urad
 //!   # largest error (95 %), um, zero at X 0 +, Y 0 +, Z 0 +: all 3.91, EXX 1.032, …, PPP 2.5, …
+//!   # as measured at most so much more (95 %), um, zero at X 0 +, Y 0 +, Z 0 +: all 1.8, EXX 0.721, …, PPP 1.1, …
+//!   # u of what another measurement does not repeat, um: EXX 0.44, …
 //!   # doubtful beside that, um: EXX 0.5, PPP 0.8
 //!   # frame: x-primary
 //!   # on the lines X, Y, Z, mm: 450, 360, 360
@@ -29,6 +31,8 @@ const REVERSAL: &str = "reversal not held:";
 const FREEDOM: &str = "degrees of freedom:";
 const NOT_STATED: &str = "not stated:";
 const LARGEST: &str = "largest error (95 %), um, zero at";
+const MEASURED: &str = "as measured at most so much more (95 %), um, zero at";
+const ANEW: &str = "u of what another measurement does not repeat, um:";
 const DOUBTFUL: &str = "doubtful beside that, um:";
 const NEGLECTED: &str = "neglected by decision:";
 const FRAME: &str = "frame:";
@@ -186,10 +190,20 @@ pub struct LargestErrors {
 }
 
 impl LargestErrors {
-    fn words(&self) -> String {
+    /// Both, one by one.
+    pub(crate) fn joined(&self, other: &LargestErrors, of: impl Fn(f64, f64) -> f64) -> Self {
+        LargestErrors {
+            zero: self.zero.clone(),
+            all_um: of(self.all_um, other.all_um),
+            ranges_um: of(self.ranges_um, other.ranges_um),
+            single: self.single.joined(&other.single, of),
+        }
+    }
+
+    fn words(&self, key: &str) -> String {
         let (all, ranges) = (self.all_um, self.ranges_um);
         let single = self.single.words();
-        format!("{LARGEST} {}: all {all:.4}, ranges {ranges:.4}{single}", self.zero)
+        format!("{key} {}: all {all:.4}, ranges {ranges:.4}{single}", self.zero)
     }
 
     fn read(words: &str) -> Option<LargestErrors> {
@@ -222,6 +236,10 @@ pub struct Remarks {
     pub silence: Silence,
     /// The largest errors of a separation.
     pub largest: Option<LargestErrors>,
+    /// How far its errors as measured may lie beyond the largest of them.
+    pub measured: Option<LargestErrors>,
+    /// Their largest u by what another measurement does not repeat, µm; `None` = it repeats nothing.
+    pub anew: Option<Sizes>,
     /// How far what speaks against a separation may move its errors, beside their uncertainty, µm.
     pub doubtful: Option<Sizes>,
     /// Frame in which a separation gave the slopes of the cross terms; `None` = they are as given.
@@ -267,7 +285,7 @@ impl Remarks {
         let both = [self.degrees_of_freedom, other.degrees_of_freedom];
         self.degrees_of_freedom = both.into_iter().flatten().reduce(smaller);
         self.silence.join(other.silence);
-        self.largest = None; // of each table by itself
+        (self.largest, self.measured, self.anew) = (None, None, None); // of each table by itself
         self.doubtful = match (self.doubtful.take(), other.doubtful) {
             (Some(own), Some(other)) => Some(own.joined(&other, f64::max)),
             (own, other) => own.or(other),
@@ -294,6 +312,10 @@ impl Remarks {
             self.notes.push(note(words));
         } else if let Some(words) = after(LARGEST) {
             self.largest = LargestErrors::read(&words);
+        } else if let Some(words) = after(MEASURED) {
+            self.measured = LargestErrors::read(&words);
+        } else if let Some(words) = after(ANEW) {
+            self.anew = Sizes::read(&words);
         } else if let Some(words) = after(DOUBTFUL) {
             match Sizes::read(&words) {
                 Some(sizes) => self.doubtful = Some(sizes),
@@ -336,7 +358,11 @@ impl Remarks {
         let doubtful = self.doubtful.iter();
         let doubtful =
             doubtful.map(|sizes| format!("{DOUBTFUL} {}", sizes.words().trim_start_matches(", ")));
-        let largest = self.largest.iter().map(LargestErrors::words).chain(doubtful);
+        let anew = self.anew.iter();
+        let anew = anew.map(|sizes| format!("{ANEW} {}", sizes.words().trim_start_matches(", ")));
+        let largest = self.largest.iter().map(|largest| largest.words(LARGEST));
+        let measured = self.measured.iter().map(|largest| largest.words(MEASURED));
+        let largest = largest.chain(measured).chain(anew).chain(doubtful);
         let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
         let freedom = self.degrees_of_freedom.iter();
         let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
@@ -384,6 +410,12 @@ mod tests {
             terms: PerTerm::from_fn(|term| if term.is_positioning() { 0.0 } else { 0.0625 }),
             diagonals: PerDiagonal::from_fn(|_| 2.25),
         };
+        let largest = LargestErrors {
+            zero: "X 0 +, Y -5.5 -".to_string(),
+            all_um: 4.5,
+            ranges_um: 3.5,
+            single: sizes.clone(),
+        };
         let remarks = Remarks {
             doubts: vec![
                 Remark::Doubtful { words: "a reading is disturbed: PPP node 58".to_string() }
@@ -399,12 +431,9 @@ mod tests {
                 not_stated: vec![Cause::Angles, Cause::SetUps],
                 neglected: vec![Cause::Slopes],
             },
-            largest: Some(LargestErrors {
-                zero: "X 0 +, Y -5.5 -".to_string(),
-                all_um: 4.5,
-                ranges_um: 3.5,
-                single: sizes.clone(),
-            }),
+            largest: Some(largest.clone()),
+            measured: Some(LargestErrors { all_um: 1.25, ..largest }),
+            anew: Some(sizes.clone()),
             doubtful: Some(sizes),
             frame: Some(Frame::XPrimary),
             lines: Some(PerAxis::from_fn(|axis| Millimetres::new(1.5 * f64::from(axis as u8)))),

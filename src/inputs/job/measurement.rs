@@ -1,9 +1,11 @@
 //! `[measurement]`: what was measured, and with which compensation.
 
+use crate::inputs::error_table::Sizes;
 use crate::inputs::findings::Remark;
 use crate::inputs::job::diagonals::{DiagonalMeasurement, diagonals};
 use crate::inputs::job::machine::MachineAxis;
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::diagonal::PerDiagonal;
 use crate::quantity::units::Millimetres;
 use crate::text::document::Section;
 use crate::text::finding::Finding;
@@ -45,6 +47,9 @@ const LASER_PPM: f64 = 0.5;
 /// Angle of the beam that counts where the job states none, mrad: a spot 1 mm off at 1 m.
 const BEAM_MRAD: f64 = 1.0;
 
+/// An error of a screw, gear or scale has one sign at a target and may have the other between two.
+const BOTH_SIDES: f64 = 2.0;
+
 /// `[measurement.uncertainty]`: standard uncertainties (k = 1).
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct StatedUncertainty {
@@ -58,6 +63,8 @@ pub struct StatedUncertainty {
     pub alpha_per_k: Option<f64>,
     /// Change of length scale (laser, air, scales) from one set-up to the next, 10⁻⁶.
     pub setup_ppm: Option<f64>,
+    /// Amplitude of what repeats between the targets (screw, gear, scale) in each error, µm.
+    pub periodic_um: Option<f64>,
     /// Of each pitch, yaw and roll that was not measured: a straight part and a bow about its value in the middle
     /// of the box, each within half of this, µrad.
     pub angle_urad: Option<f64>,
@@ -75,9 +82,29 @@ impl StatedUncertainty {
         self.laser_ppm.unwrap_or(LASER_PPM)
     }
 
+    /// How far an error may leave the curve through its targets between two of them, µm; 0 = not stated.
+    pub(crate) fn between_um(&self) -> f64 {
+        BOTH_SIDES * self.periodic_um.unwrap_or(0.0)
+    }
+
+    /// The same of each error, and of max − min along the diagonals, where the positioning of three axes adds up: the sum
+    /// of three direction cosines is at most √3.
+    pub(crate) fn between(&self) -> Sizes {
+        let um = self.between_um();
+        Sizes {
+            terms: PerTerm::from_fn(|_| um),
+            diagonals: PerDiagonal::from_fn(|_| 3.0_f64.sqrt() * um),
+        }
+    }
+
     /// Angle of the beam, mrad: as stated, else a usual one.
     pub(crate) fn of_beam_mrad(&self) -> f64 {
         self.beam_mrad.unwrap_or(BEAM_MRAD)
+    }
+
+    /// Of a length read in one set-up, 10⁻⁶: laser, what changes from one set-up to the next, beam.
+    pub(crate) fn of_length_ppm(&self) -> f64 {
+        self.of_laser_ppm().hypot(self.setup_ppm.unwrap_or(0.0)).hypot(self.beam_ppm())
     }
 
     /// What the beam may take off every length, 10⁻⁶: 1 − cos of its angle. All of it counts as a
@@ -293,6 +320,7 @@ fn uncertainty(section: &Section<'_>) -> StatedUncertainty {
         temperature_k: section.not_negative("temperature_k"),
         alpha_per_k: section.not_negative("alpha_per_k"),
         setup_ppm: section.not_negative("setup_ppm"),
+        periodic_um: section.not_negative("periodic_um"),
         angle_urad: section.not_negative("angle_urad"),
         beam_mrad: section.not_negative("beam_mrad"),
         tilt_arcsec: section.not_negative("tilt_arcsec"),

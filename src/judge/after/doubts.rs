@@ -1,6 +1,7 @@
 //! Why as-left figures decide nothing in favour, and what whoever reads the page should know.
 
 use super::measurement::AfterMeasurement;
+use crate::inputs::error_table::Cause;
 use crate::judge::findings::AsLeft;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, ErrorTerm};
@@ -29,6 +30,7 @@ pub(super) fn findings(
             let doubts =
                 sparse.chain([reversal_not_seen(before, model), other_frame(before, model)]);
             found.extend(doubts.flatten().map(Finding::from));
+            found.extend(repeats_bias(before, model).map(Finding::from));
             found.extend(model.remarks.notes.iter().cloned());
             found.extend(unseen_reversal(before, model).map(|reversal| reversal.found));
         }
@@ -102,6 +104,17 @@ fn reversal_not_seen(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> 
     let fewer = seen.filter(|(term, measured)| known(*term) && !both(measured));
     let terms: Vec<ErrorTerm> = fewer.map(|(term, _)| term).collect();
     (!terms.is_empty()).then_some(AsLeft::ReversalNotSeen { terms })
+}
+
+/// What neither measurement can show, as both were made alike.
+fn repeats_bias(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> {
+    let both = [before, after].map(|model| &model.remarks);
+    if both.iter().all(|remarks| remarks.anew.is_some()) {
+        let at_most = "\"at most\" holds what `angle_urad` states of it";
+        return Some(AsLeft::RepeatsBias { at_most });
+    }
+    let silent = both.iter().all(|of| of.silence.not_stated.contains(&Cause::Angles));
+    silent.then_some(AsLeft::RepeatsBias { at_most: "without `angle_urad` nothing holds it" })
 }
 
 /// Slopes of cross terms hold the rotation of the frame they are given in.

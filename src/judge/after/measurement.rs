@@ -28,7 +28,7 @@ pub struct StraightRuns {
     pub u_um: Option<f64>,
     /// Degrees of freedom of the estimate behind it; `None` = it is stated.
     pub degrees_of_freedom: Option<f64>,
-    /// Standard uncertainty of the laser's scale, µm/m; 0 = not stated.
+    /// Standard uncertainty of a length: laser, set-up, beam, µm/m.
     pub scale_um_per_m: f64,
     /// The reverse passes count from the forward start.
     pub one_zero: bool,
@@ -42,6 +42,14 @@ impl AfterMeasurement {
         match self {
             AfterMeasurement::Errors(model) => model.remarks.simulated().next().is_some(),
             AfterMeasurement::Diagonals(runs) => runs.labels.iter().any(is_simulated),
+        }
+    }
+
+    /// Standard uncertainty (k = 1) of the laser's scale that no u of a value holds, µm/m.
+    pub(crate) fn laser_um_per_m(&self) -> f64 {
+        match self {
+            AfterMeasurement::Errors(model) => model.laser_um_per_m,
+            AfterMeasurement::Diagonals(runs) => runs.scale_um_per_m,
         }
     }
 

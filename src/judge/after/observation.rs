@@ -4,7 +4,7 @@ use super::measurement::{AfterMeasurement, StraightRuns};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::quantity::units::{Correction, Millimetres};
+use crate::quantity::units::{Correction, Millimetres, Squared};
 use crate::read::emulate::{Emulated, Emulator, Response};
 use crate::write::plan::{Plan, axis_pairs};
 
@@ -30,8 +30,10 @@ pub struct Observation {
     pub um: f64,
     /// The same of the machine without tables, from the first measurement: Σ weight · deviation, µm.
     pub found_um: f64,
-    /// Standard uncertainty (k = 1), µm; `None` = not stated.
+    /// Standard uncertainty (k = 1) by what the first measurement does not repeat, µm; `None` = not stated.
     pub u_um: Option<f64>,
+    /// Variance of what the first measurement says, likewise, µm²; 0 = not stated.
+    pub found_variance: f64,
     /// Number of the curve or pass it stands on.
     pub curve: usize,
     /// Values with the same number count from the same zero.
@@ -140,7 +142,7 @@ pub(crate) fn observations(before: &ErrorModel, after: &AfterMeasurement) -> Vec
         AfterMeasurement::Errors(model) => {
             let mut seen = Vec::new();
             for (zero, (term, measured)) in model.measured().enumerate() {
-                of_term(before, term, measured, zero, &mut seen);
+                of_term(before, model, (term, measured), zero, &mut seen);
             }
             seen
         }
@@ -149,8 +151,8 @@ pub(crate) fn observations(before: &ErrorModel, after: &AfterMeasurement) -> Vec
 
 fn of_term(
     before: &ErrorModel,
-    term: ErrorTerm,
-    measured: &MeasuredTerm,
+    after: &ErrorModel,
+    (term, measured): (ErrorTerm, &MeasuredTerm),
     zero: usize,
     seen: &mut Vec<Observation>,
 ) {
@@ -164,15 +166,17 @@ fn of_term(
             vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
         }
     };
+    let u_um = after.u_anew_um(before, term);
     for (number, (way, curve)) in ways.into_iter().enumerate() {
         for at in curve.knots() {
             let parts = parts_of(term, first, way, *at);
             if let Some(found_um) = found_um(before, &parts) {
                 seen.push(Observation {
+                    found_variance: variance(&parts, |term| before.u_anew_um(after, term)),
                     parts,
                     um: curve.at(*at).um(),
                     found_um,
-                    u_um: measured.u_value_um(),
+                    u_um,
                     curve: 2 * zero + number,
                     zero,
                     diagonal: None,
@@ -180,6 +184,15 @@ fn of_term(
             }
         }
     }
+}
+
+/// Σ (weight · u)² over the errors that a value sees; parts of one term move together.
+fn variance(parts: &[Part], u_um: impl Fn(ErrorTerm) -> Option<f64>) -> f64 {
+    let of = |term: ErrorTerm| {
+        let weight: f64 = parts.iter().filter(|part| part.term == term).map(|p| p.weight).sum();
+        (weight * u_um(term).unwrap_or(0.0)).squared()
+    };
+    ErrorTerm::ALL.into_iter().map(of).sum()
 }
 
 /// What the first measurement says of a value; `None` where it has no answer.
@@ -228,7 +241,10 @@ fn along_diagonals(before: &ErrorModel, runs: &StraightRuns) -> Vec<Observation>
             let Some(found_um) = found_um(before, &parts) else {
                 continue; // refused before: every term was measured in every direction walked
             };
+            let u_um =
+                |term: ErrorTerm| before.terms[term].as_ref().and_then(MeasuredTerm::u_value_um);
             seen.push(Observation {
+                found_variance: variance(&parts, u_um),
                 parts,
                 um: *um,
                 found_um,

@@ -3,7 +3,6 @@
 use super::fault::{Fault, Fit, Planned};
 use super::question::Question;
 use crate::judge::after::{Observation, Part};
-use crate::machine::model::MeasuredTerm;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::{Squared, larger, smaller};
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
@@ -82,7 +81,7 @@ impl<'a> Data<'a> {
     /// Whether both measurements state an uncertainty.
     pub(super) fn has_both_uncertainties(&self) -> bool {
         let after = self.question.seen.iter().all(|o| o.u_um.is_some());
-        let stated = |o: &Observation| found_variance(self.question, o) > 0.0;
+        let stated = |o: &Observation| o.found_variance > 0.0;
         after && self.question.seen.iter().all(stated)
     }
 
@@ -129,7 +128,6 @@ impl<'a> Data<'a> {
     /// formula  second difference of a sum: e(i+1) − e(i), √2 σ(e); of independent values: √6 σ
     fn widen(&mut self, sigma: f64) -> Option<f64> {
         let seen = self.question.seen;
-        let is_stated = |o: &Observation| is_stated(self.question, o);
         let is_mixed = seen.iter().any(is_stated);
         let mut widest = None;
         for (observation, own) in seen.iter().zip(&mut self.sigma_um) {
@@ -175,7 +173,7 @@ impl<'a> Data<'a> {
     /// formula  σ = median |r(i−1) − 2 r(i) + r(i+1)| / (0.6745·√6): a few wild values do not move it
     fn scatter(&self, fit: &Fit) -> Option<(f64, f64)> {
         let mut curves: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-        for (observation, left, _) in self.left(fit) {
+        for (observation, left, _) in self.left(&fit.residuals_um, &|_| true).0 {
             curves.entry(observation.curve).or_default().push(left);
         }
         let second = |w: &[f64]| (w[0] - 2.0 * w[1] + w[2]).abs();
@@ -191,7 +189,7 @@ impl<'a> Data<'a> {
     /// The same with the second measurement in another unit; its u is that of the values, or
     /// (`u_times` = 1) right as it stands.
     pub(super) fn in_another_unit(&self, times: f64, u_times: f64) -> Data<'a> {
-        let found = |o: &Observation| found_variance(self.question, o);
+        let found = |o: &Observation| o.found_variance;
         let seen = self.question.seen.iter();
         let sigma = |o: &Observation| {
             let u = o.u_um.unwrap_or(0.0) * u_times;
@@ -260,8 +258,40 @@ impl<'a> Data<'a> {
 
     /// Σ (residual/σ)².
     pub(super) fn square(&self, fit: &Fit) -> f64 {
-        let pairs = fit.residuals_um.iter().zip(&self.sigma_um);
-        pairs.map(|(left, sigma)| (left / sigma).squared()).sum()
+        self.weighted(&fit.residuals_um).into_iter().map(f64::squared).sum()
+    }
+
+    /// Values by their σ, less what the scale of the laser may have added, whose own size stands behind them.
+    pub(super) fn weighted(&self, values_um: &[f64]) -> Vec<f64> {
+        let (left, laser) = self.left(values_um, &|_| true);
+        left.into_iter().map(|(_, left, sigma)| left / sigma).chain(laser).collect()
+    }
+
+    /// Observations, their values less what the scale of the laser may have added, which is one error of all positions,
+    /// axes and directions, and their σ, µm; how much of it that takes, by its own u. `None` = none is stated.
+    ///
+    /// formula  the s with least Σ ((value − s c)/σ)² + s²; c = what one standard uncertainty adds, less its zeros
+    fn left(
+        &self,
+        values_um: &[f64],
+        of: &dyn Fn(&Observation) -> bool,
+    ) -> (Vec<(&'a Observation, f64, f64)>, Option<f64>) {
+        let question = self.question;
+        let grown = |o: &Observation| {
+            o.predicted(|part| Some(question.grown_um(part, question.laser_um_per_m)))
+        };
+        let grown = question.seen.iter().map(|o| grown(o).unwrap_or(0.0));
+        let added = self.less_zeros(&grown.collect::<Vec<f64>>());
+        let each = question.seen.iter().zip(&self.sigma_um).zip(added.iter().zip(values_um));
+        let each: Vec<_> = each.filter(|((o, _), _)| of(o)).collect();
+        let (mut share, mut known) = (0.0, 1.0);
+        for ((_, sigma), (added, value)) in &each {
+            share += *added * *value / sigma.squared();
+            known += (*added / *sigma).squared();
+        }
+        let size = share / known;
+        let left = each.into_iter().map(|((o, sigma), (added, um))| (o, um - size * added, *sigma));
+        (left.collect(), (question.laser_um_per_m > 0.0).then_some(size))
     }
 
     /// Sum over the curves of the mean squared residual over σ²; that of chi-squared with as many
@@ -270,20 +300,16 @@ impl<'a> Data<'a> {
         self.by_curve(fit, &|_| true).into_iter().sum()
     }
 
+    /// The mean of each curve; the scale of the laser is one figure more.
     fn by_curve(&self, fit: &Fit, of: &dyn Fn(&Observation) -> bool) -> Vec<f64> {
         let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
-        for (observation, left, sigma) in self.left(fit).filter(|(o, ..)| of(o)) {
+        let (left, laser) = self.left(&fit.residuals_um, of);
+        for (observation, left, sigma) in left {
             let sum = sums.entry(observation.curve).or_default();
             *sum = (sum.0 + (left / sigma).squared(), sum.1 + 1.0);
         }
-        sums.into_values().map(|(square, count)| square / count).collect()
-    }
-
-    /// Observations with what a fit leaves of them and their σ, µm.
-    fn left<'b>(&'b self, fit: &'b Fit) -> impl Iterator<Item = (&'b Observation, f64, f64)> {
-        let seen = self.question.seen.iter();
-        let values = seen.zip(&fit.residuals_um).zip(&self.sigma_um);
-        values.map(|((observation, left), sigma)| (observation, *left, *sigma))
+        let means = sums.into_values().map(|(square, count)| square / count);
+        means.chain(laser.map(f64::squared)).collect()
     }
 
     /// Whether a fit is not rejected: all curves together, each by itself, and the two values of
@@ -306,7 +332,7 @@ impl<'a> Data<'a> {
     /// [`RISK`] shared by all pairs (Bonferroni).
     fn no_two_values_apart(&self, fit: &Fit, of: &dyn Fn(&Observation) -> bool) -> bool {
         let mut groups: BTreeMap<usize, Vec<(f64, f64)>> = BTreeMap::new();
-        for (observation, left, sigma) in self.left(fit).filter(|(o, ..)| of(o)) {
+        for (observation, left, sigma) in self.left(&fit.residuals_um, of).0 {
             let group = groups.entry(observation.zero).or_default();
             group.push((left, sigma));
         }
@@ -364,23 +390,12 @@ fn root_mean_square(values: &[f64]) -> f64 {
 }
 
 /// Whether the uncertainty of a value is stated in one of both measurements at least.
-fn is_stated(question: &Question<'_>, observation: &Observation) -> bool {
-    observation.u_um.is_some() || found_variance(question, observation) > 0.0
+fn is_stated(observation: &Observation) -> bool {
+    observation.u_um.is_some() || observation.found_variance > 0.0
 }
 
 fn floor_um(question: &Question<'_>) -> f64 {
     larger(question.count_um / 2.0, SMALLEST_UM)
-}
-
-/// Σ (weight · u as found)² over the errors that a value sees; parts of one term move together.
-fn found_variance(question: &Question<'_>, observation: &Observation) -> f64 {
-    let of = |term: ErrorTerm| {
-        let parts = observation.parts.iter().filter(|part| part.term == term);
-        let weight: f64 = parts.map(|part| part.weight).sum();
-        let u = question.before.terms[term].as_ref().and_then(MeasuredTerm::u_value_um);
-        (weight * u.unwrap_or(0.0)).squared()
-    };
-    ErrorTerm::ALL.into_iter().map(of).sum()
 }
 
 /// Table values are whole counts, spread evenly over one.
@@ -392,7 +407,7 @@ fn rounding_variance(question: &Question<'_>) -> f64 {
 fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
     let rounding = rounding_variance(question);
     let sigma = |o: &Observation| {
-        let found = found_variance(question, o);
+        let found = o.found_variance;
         let left = o.u_um.map_or(found, |u| u * u);
         let found = if found > 0.0 { found } else { left };
         (left + found + rounding).sqrt()
@@ -410,8 +425,11 @@ fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
         }
         (false, false) => "",
     };
+    let laser = question.laser_um_per_m;
+    let counts = laser > 0.0 && !words.is_empty();
+    let laser = counts.then(|| format!(", and {laser:.2} µm/m of laser scale, common to all axes"));
     let sigmas = question.seen.iter().map(sigma).collect();
-    (sigmas, words.to_string())
+    (sigmas, format!("{words}{}", laser.unwrap_or_default()))
 }
 
 /// Risk of rejecting what is right.

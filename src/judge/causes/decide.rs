@@ -208,7 +208,7 @@ fn display_at(
     format!(
         "look at {display}: {} at {} mm, the other axes at their reference points,{coming} the amount for axis {} is {} if the control does what the files say, {} (its sign on the display is not documented)",
         term.along,
-        short(*at),
+        Figure(at.mm()).trimmed(3),
         term.of,
         amount(planned),
         cases.join(", ")
@@ -248,10 +248,4 @@ fn linear_run(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> String {
         "repeat one bidirectional linear run of axis {axis} with the machine at another temperature, with its sensors on scale and workpiece: a temperature moves the slope ({:.1} µm/m per K), a fault of the tables does not",
         question.alpha_per_k[axis] * 1e6
     )
-}
-
-/// A position without zeros at its end.
-pub(super) fn short(at: Millimetres) -> String {
-    let text = format!("{:.3}", Figure(at.mm()));
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
 }

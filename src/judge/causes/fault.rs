@@ -267,10 +267,10 @@ impl Fault {
                 own.and_then(|own| own.beyond_um(question, part)).unwrap_or(0.0)
             }
             // K · α · (position − reference); a scale with α = 0 does not grow.
-            Act::Warmer(places) if part.term.is_positioning() => {
+            Act::Warmer(places) => {
                 let along = part.term.along;
                 let um_per_m = question.um_per_m(along, number(fitted, places[along]));
-                um_per_m * (part.at.mm() - question.reference_mm[along]) / 1000.0
+                question.grown_um(part, um_per_m)
             }
             _ => 0.0,
         }

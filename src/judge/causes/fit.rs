@@ -27,11 +27,7 @@ impl Data<'_> {
 
     /// Weighted least squares of numbers that act in proportion.
     fn linear(&self, fault: &Fault, count: usize) -> Vec<f64> {
-        let weighted = |values: Vec<f64>| -> Vec<f64> {
-            let less = self.less_zeros(&values);
-            let pairs = less.iter().zip(&self.sigma_um);
-            pairs.map(|(value, sigma)| value / sigma).collect()
-        };
+        let weighted = |values: Vec<f64>| self.weighted(&self.less_zeros(&values));
         let base = self.effects(fault, &vec![0.0; count]);
         let mut columns = Vec::new();
         for index in 0..count {

@@ -82,6 +82,8 @@ pub struct Question<'a> {
     pub reference_mm: PerAxis<f64>,
     /// Expansion of each scale, 1/K.
     pub alpha_per_k: PerAxis<f64>,
+    /// Standard uncertainty (k = 1) of the laser's scale, of both measurements together, where no other holds it, µm/m.
+    pub laser_um_per_m: f64,
     /// Largest count of the tables, µm.
     pub count_um: f64,
     /// The display of the control that shows the correction that acts; `None` = none is known.
@@ -116,6 +118,12 @@ impl Question<'_> {
     /// Growth of a scale that is this much warmer, µm/m.
     pub(super) fn um_per_m(&self, axis: Axis, kelvin: f64) -> f64 {
         kelvin * self.alpha_per_k[axis] * 1e6
+    }
+
+    /// What a positioning error gains where its scale is longer by so much, µm; a cross term gains nothing.
+    pub(super) fn grown_um(&self, part: &Part, um_per_m: f64) -> f64 {
+        let from_zero = part.at.mm() - self.reference_mm[part.term.along];
+        if part.term.is_positioning() { um_per_m * from_zero / 1000.0 } else { 0.0 }
     }
 
     /// Whether the second measurement sees the positions of an axis whose scale grows.

@@ -9,6 +9,7 @@ use crate::judge::conformity::{
 use crate::judge::findings::InForecast;
 use crate::judge::forecast::share::JudgedRange;
 use crate::quantity::axis::{Direction, ErrorTerm, PerAxis};
+use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{Millimetres, larger};
 use crate::text::finding::Finding;
 
@@ -27,8 +28,15 @@ pub struct Change {
     /// U of `after_um`, the largest of its values, with 95 %; `None` = not stated.
     pub expanded_um: Option<f64>,
     /// What is compared with a limit: `after_um` is at most this, with 95 %, and with what is doubtful beside it;
-    /// `None` = no uncertainty is stated.
+    /// `None` = no uncertainty is stated, and nothing is doubtful.
     pub at_most_um: Option<f64>,
+}
+
+impl Change {
+    /// Whether anything is known of what it is at most.
+    fn is_bounded(&self, doubtful_um: f64) -> bool {
+        self.u_um.is_some() || doubtful_um > 0.0
+    }
 }
 
 /// Forecast of one term.
@@ -57,8 +65,6 @@ pub struct DiagonalForecast {
     /// Half of max − min with the uncertainty of a value, at each place of a measured position, one where none is stated:
     /// max − min keeps a limit where every value lies within half of it about the middle.
     pub halves: Vec<Magnitude>,
-    /// By how much max − min may be off, of all values drawn together, µm; `None` = not known.
-    pub largest_um: Option<f64>,
     /// What may be off beside that, µm.
     pub doubtful_um: f64,
 }
@@ -91,16 +97,19 @@ impl DiagonalForecast {
                 at_most_um: None,
             },
             halves,
-            largest_um: None,
             doubtful_um: 0.0,
         }
     }
 
     /// With what is known of all values drawn together.
-    pub(super) fn drawn(mut self, largest_um: Option<f64>, doubtful_um: f64) -> DiagonalForecast {
+    pub(in crate::judge) fn drawn(
+        mut self,
+        largest_um: Option<f64>,
+        doubtful_um: f64,
+    ) -> DiagonalForecast {
         let own = self.change.expanded_um;
         self.change.expanded_um = own.map(|own| largest_um.map_or(own, |um| own.min(um)));
-        DiagonalForecast { largest_um, doubtful_um, ..self }
+        DiagonalForecast { doubtful_um, ..self }
     }
 
     /// max − min as one figure: the difference of two values.
@@ -131,6 +140,8 @@ pub struct Forecast {
     pub silence: Silence,
     /// The largest errors of a separation, drawn together; `None` = only the u of single values are known.
     pub largest: Option<LargestErrors>,
+    /// How far errors as measured may lie beyond the largest of them, likewise.
+    pub measured: Option<LargestErrors>,
     /// What may be off beside every uncertainty; 0 where nothing speaks against the errors.
     pub doubtful: Sizes,
     /// Every measured term, in the contract's order.
@@ -199,18 +210,31 @@ impl Forecast {
 
     /// What all terms together are at most, with 95 %, µm; `None` = no uncertainty is stated.
     pub(crate) fn all_at_most_um(&self) -> Option<f64> {
-        let stated = self.terms.iter().any(|term| term.change.u_um.is_some());
-        let all_um = self.largest.as_ref().map(|largest| largest.all_um);
+        let doubtful = &self.doubtful.terms;
+        let stated = self.terms.iter().any(|term| term.change.is_bounded(doubtful[term.term]));
+        let all_um = self.together().map(|largest| largest.all_um);
         stated.then(|| self.at_most_um(&self.shifted(1.0), all_um))
+    }
+
+    /// What is known of all values drawn together: how far what is left may be off, or what was measured.
+    fn together(&self) -> Option<&LargestErrors> {
+        match self.basis {
+            Basis::Forecast => self.largest.as_ref(),
+            Basis::Measured => self.measured.as_ref(),
+        }
     }
 
     /// What figures are at most, with 95 %.
     ///
-    /// formula  forecast: largest + U; measured: the largest of value + 1.645 u, Student's where σ was estimated
+    /// formula  forecast: largest + U; measured: the largest of value + 1.645 u, Student's where σ was estimated;
+    ///          what is drawn together instead where it is known
     fn at_most_um(&self, figures: &[Magnitude], together_um: Option<f64>) -> f64 {
         match self.basis {
             Basis::Forecast => {
                 largest_um(figures) + expanded_together(figures, self.sigma, together_um)
+            }
+            Basis::Measured if together_um.is_some() => {
+                largest_um(figures) + together_um.unwrap_or(0.0)
             }
             Basis::Measured => {
                 let one_sided = self.sigma.one_sided();
@@ -221,10 +245,10 @@ impl Forecast {
 
     /// What max − min of every diagonal is at most, with 95 %, µm; `None` = no uncertainty is stated.
     pub(super) fn ranges_at_most_um(&self, diagonals: &[&DiagonalForecast]) -> Option<f64> {
-        let stated = diagonals.iter().any(|d| d.change.u_um.is_some());
+        let stated = diagonals.iter().any(|d| d.change.is_bounded(d.doubtful_um));
         let halves = diagonals.iter().flat_map(|d| shifted(&d.halves, d.doubtful_um / 2.0));
         let halves: Vec<Magnitude> = halves.collect();
-        let ranges_um = self.largest.as_ref().map(|largest| largest.ranges_um / 2.0);
+        let ranges_um = self.together().map(|largest| largest.ranges_um / 2.0);
         stated.then(|| 2.0 * self.at_most_um(&halves, ranges_um))
     }
 
@@ -232,18 +256,20 @@ impl Forecast {
     pub(in crate::judge) fn bounded(mut self, basis: Basis) -> Forecast {
         self.basis = basis;
         let of_terms = self.terms.iter().map(|term| {
-            let together_um = self.largest.as_ref().map(|of| of.single.terms[term.term]);
-            let figures = shifted(&term.figures, self.doubtful.terms[term.term]);
-            term.change.u_um.map(|_| self.at_most_um(&figures, together_um))
+            let together_um = self.together().map(|of| of.single.terms[term.term]);
+            let doubtful_um = self.doubtful.terms[term.term];
+            let figures = shifted(&term.figures, doubtful_um);
+            term.change.is_bounded(doubtful_um).then(|| self.at_most_um(&figures, together_um))
         });
         let of_diagonals = self.diagonals.iter().map(|d| {
-            d.change.u_um.map(|_| match basis {
+            let largest_um = self.range_um(d.name);
+            d.change.is_bounded(d.doubtful_um).then(|| match basis {
                 Basis::Forecast => {
                     let halves = shifted(&d.halves, d.doubtful_um / 2.0);
-                    2.0 * self.at_most_um(&halves, d.largest_um.map(|um| um / 2.0))
+                    2.0 * self.at_most_um(&halves, largest_um.map(|um| um / 2.0))
                 }
                 Basis::Measured => {
-                    self.at_most_um(&shifted(&[d.difference()], d.doubtful_um), None)
+                    self.at_most_um(&shifted(&[d.difference()], d.doubtful_um), largest_um)
                 }
             })
         });
@@ -253,6 +279,12 @@ impl Forecast {
         let diagonals = self.diagonals.iter_mut().map(|d| &mut d.change).zip(of_diagonals);
         terms.chain(diagonals).for_each(|(change, at_most_um)| change.at_most_um = at_most_um);
         self
+    }
+
+    /// How far max − min along a diagonal of this name may be off.
+    fn range_um(&self, name: &str) -> Option<f64> {
+        let diagonal = Diagonal::ALL.into_iter().find(|d| d.name() == name)?;
+        self.together().map(|largest| largest.single.diagonals[diagonal])
     }
 
     /// `largest_um`: how far the largest error of these figures lies off, where that is known of all together;
@@ -265,7 +297,7 @@ impl Forecast {
     ) -> Verdict {
         let judged = |figures| match self.basis {
             Basis::Forecast => judge_forecast(figures, self.sigma, largest_um, limit_um),
-            Basis::Measured => judge_measured(figures, self.sigma, limit_um),
+            Basis::Measured => judge_measured(figures, self.sigma, largest_um, limit_um),
         };
         match judged(above) {
             Verdict::Pass => Verdict::Pass,
@@ -275,13 +307,13 @@ impl Forecast {
 
     /// Every term together.
     pub(super) fn judge_all(&self, limit_um: f64) -> Verdict {
-        let largest_um = self.largest.as_ref().map(|largest| largest.all_um);
+        let largest_um = self.together().map(|largest| largest.all_um);
         self.judge([&self.shifted(1.0), &self.shifted(-1.0)], largest_um, limit_um)
     }
 
     /// One term.
     pub(super) fn judge_term(&self, term: &TermForecast, limit_um: f64) -> Verdict {
-        let largest_um = self.largest.as_ref().map(|largest| largest.single.terms[term.term]);
+        let largest_um = self.together().map(|largest| largest.single.terms[term.term]);
         let doubtful_um = self.doubtful.terms[term.term];
         let both = [1.0, -1.0].map(|times| shifted(&term.figures, times * doubtful_um));
         self.judge([&both[0], &both[1]], largest_um, limit_um)
@@ -301,8 +333,8 @@ impl Forecast {
             diagonals.iter().flat_map(of).collect()
         };
         let largest_um = match diagonals {
-            [one] => one.largest_um,
-            _ => self.largest.as_ref().map(|largest| largest.ranges_um),
+            [one] => self.range_um(one.name),
+            _ => self.together().map(|largest| largest.ranges_um),
         };
         let together = self.judge(
             [&halves(1.0), &halves(-1.0)],
@@ -314,7 +346,7 @@ impl Forecast {
         }
         let difference = |d: &&DiagonalForecast| shifted(&[d.difference()], d.doubtful_um);
         let differences: Vec<Magnitude> = diagonals.iter().flat_map(difference).collect();
-        match judge_measured(&differences, self.sigma, limit_um) {
+        match judge_measured(&differences, self.sigma, largest_um, limit_um) {
             Verdict::Pass => Verdict::Pass,
             _ => together.max(Verdict::Undecided),
         }

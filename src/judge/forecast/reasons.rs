@@ -30,6 +30,13 @@ pub struct Grounds {
 pub enum RestsOn {
     /// The part of each axis that was measured.
     Ranges(Vec<JudgedRange>),
+    /// Errors between the targets: how much was added for them, µm, else at which pitches no target could show them.
+    Between {
+        /// As stated; 0 = not stated.
+        periodic_um: f64,
+        /// Which axis, which pitches.
+        hidden: String,
+    },
     /// All was measured in this direction only.
     OneWay(Direction),
     /// These were not measured in both directions; empty = none was.
@@ -187,6 +194,10 @@ impl Forecast {
         let nine_needed = asks_diagonals && self.diagonals.is_empty();
         let parts = [
             Some(RestsOn::Ranges(self.ranges.clone())),
+            Some(RestsOn::Between {
+                periodic_um: job.measurement.uncertainty.between_um(),
+                hidden: share::hidden_pitches(&self.ranges),
+            }),
             self.directions(),
             self.without_u(),
             (!neglected.is_empty()).then_some(RestsOn::Neglected(neglected)),
@@ -294,6 +305,16 @@ impl fmt::Display for RestsOn {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             RestsOn::Ranges(ranges) => out.write_str(&share::words(ranges)),
+            RestsOn::Between { periodic_um, .. } if *periodic_um > 0.0 => {
+                write!(out, "{periodic_um:.3} µm added for errors between targets (periodic_um)")
+            }
+            RestsOn::Between { hidden, .. } if hidden.is_empty() => {
+                out.write_str("errors between targets were not seen")
+            }
+            RestsOn::Between { hidden, .. } => write!(
+                out,
+                "errors between targets were not seen; target spacing is a multiple of pitch {hidden}"
+            ),
             RestsOn::OneWay(way) => write!(out, "moving {way} only"),
             RestsOn::ReversalNotCounted => out.write_str("reversal measured, but not counted"),
             RestsOn::NoReversal(terms) if terms.is_empty() => {

@@ -4,7 +4,8 @@ use crate::inputs::job::Job;
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::{Millimetres, larger};
+use crate::quantity::pitch::{self, USUAL_MM};
+use crate::quantity::units::{Figure, Millimetres, larger};
 
 /// Share of a judged range that has to be measured before a limit counts as kept: the offset
 /// targets of an acceptance test stay clear of the ends by half a step or so.
@@ -33,6 +34,8 @@ pub struct JudgedRange {
     pub share: f64,
     /// Largest distance of two neighbouring places, mm.
     pub gap_mm: f64,
+    /// Which usual pitches have all of these places at one phase.
+    pub unseen: [bool; USUAL_MM.len()],
 }
 
 /// The judged range of every axis along which a term was measured.
@@ -67,6 +70,7 @@ pub(crate) fn range_of(job: &Job, axis: Axis, places: &[Millimetres]) -> Option<
         measured: (*places.first()?, *places.last()?),
         share: places.windows(2).filter(near).map(common).fold(0.0, |a, b| a + b) / whole,
         gap_mm: gaps().fold(0.0, larger),
+        unseen: pitch::unseen(places),
     })
 }
 
@@ -94,7 +98,7 @@ impl JudgedRange {
         (!self.is_known()).then(|| {
             format!(
             "{axis} was measured from {from} to {to} mm with a target spacing of up to {} mm, {} {what} ({low} to {high} mm; gaps of more than half of it do not count), and less than nine tenths decide nothing: {help}",
-            shown(self.gap_mm),
+            Figure(self.gap_mm).trimmed(3),
             percent(self.share)
         )
         })
@@ -106,16 +110,23 @@ impl JudgedRange {
     }
 }
 
-fn shown(mm: f64) -> String {
-    let text = format!("{mm:.3}");
-    text.trim_end_matches('0').trim_end_matches('.').to_string()
-}
-
 fn percent(share: f64) -> String {
     match share * 100.0 {
         small if small > 0.0 && small < 1.0 => "less than 1 %".to_string(),
         percent => format!("{percent:.0} %"),
     }
+}
+
+/// Pitches at which the target spacing hides a periodic error: `5, 10 mm (X); 6 mm (YZ)`; empty = none.
+pub(super) fn hidden_pitches(ranges: &[JudgedRange]) -> String {
+    let of = |alike: &[JudgedRange]| {
+        let hidden = USUAL_MM.iter().zip(alike[0].unseen).filter(|(_, unseen)| *unseen);
+        let hidden: Vec<String> = hidden.map(|(mm, _)| mm.to_string()).collect();
+        let axes: Vec<Axis> = alike.iter().map(|range| range.axis).collect();
+        (!hidden.is_empty()).then(|| format!("{} mm ({})", hidden.join(", "), Axis::letters(&axes)))
+    };
+    let alike = ranges.chunk_by(|a, b| a.unseen == b.unseen);
+    alike.filter_map(of).collect::<Vec<String>>().join("; ")
 }
 
 /// Largest distance of two neighbouring places on any axis, mm.
@@ -130,7 +141,7 @@ pub(crate) fn is_whole_travel(ranges: &[JudgedRange]) -> bool {
 
 /// On which part of the machine a verdict rests, for its line.
 pub(super) fn words(ranges: &[JudgedRange]) -> String {
-    let gap = format!(", target spacing up to {} mm", shown(widest_gap_mm(ranges)));
+    let gap = format!(", target spacing up to {} mm", Figure(widest_gap_mm(ranges)).trimmed(3));
     if is_whole_travel(ranges) {
         return format!("over the whole travel{gap}");
     }

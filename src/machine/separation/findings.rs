@@ -84,8 +84,8 @@ findings! {
         Unchecked => Label, "nothing checks the linear axes and beams: with no redundancy a slope of the wrong sign or unit goes unnoticed; measure the third axis along its length";
         Leak { by_plane: String } => Label, "the uncertainty of the squareness leaves out what is not determined of the scales: through the tilts of the mirror each 10 µm/m of it moves the squareness by up to (µm/m) {by_plane}";
         RotationOfCrossTerms => Label, "uncertainties of the cross terms hold the noise of their rotation, not the tilt of the mirror that is in it";
-        HardlyShown { pairs: String, orders: String } => Note, "these readings would hardly show {}", hardly(pairs, orders);
-        NothingShown => Note, "these readings would hardly show diagonals under each other's name, nor steps in another order: check the file names and the order of the steps";
+        HardlyShown { pairs: String, orders: String } => Note, "these readings cannot detect whether {}", swapped(pairs, orders);
+        NothingShown => Note, "these readings cannot detect whether diagonals were swapped, or whether the steps went in another order: check the file names and the order of the steps";
     }
 }
 
@@ -121,12 +121,12 @@ fn of_material(key: &str, with: &str, without: &str, needs: &str) -> String {
     }
 }
 
-fn hardly(pairs: &str, orders: &str) -> String {
+fn swapped(pairs: &str, orders: &str) -> String {
     match (pairs, orders) {
-        (pairs, "") => format!("{pairs} exchanged: check the file names"),
-        ("", orders) => format!("steps that went {orders}: check the order of the steps"),
+        (pairs, "") => format!("{pairs} were swapped: check the file names"),
+        ("", orders) => format!("the steps went {orders}: check the order of the steps"),
         (pairs, orders) => format!(
-            "{pairs} exchanged, nor steps that went {orders}: check the file names and the order of the steps"
+            "{pairs} were swapped, or whether the steps went {orders}: check the file names and the order of the steps"
         ),
     }
 }

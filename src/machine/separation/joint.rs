@@ -2,32 +2,39 @@
 //! errors share counts once and not for every point anew.
 //!
 //! ```text
-//!   q = 95 % quantile of max over the points of |e(x) − e(reference)|,   e = row · z,   z drawn
-//!   noise normal, its σ by χ² where it was estimated;  lines, scales, tilts normal;  angles uniform
+//!   e = row · z, z drawn: noise normal, its σ by χ² where it was estimated; lines, scales, tilts normal; angles uniform
+//!   forecast     q = 95 % quantile of max over the points of |e(x) − e(reference)|
+//!   as measured  q = 95 % quantile of max over the points of |value + c| + g u,   g one normal draw (Student's)
+//!                c: what another measurement repeats (angles), which sits in the machine's error too;  u: all else
+//!   diagonals    as measured: max over pairs of nodes of |difference| + 1.645 u(difference) of the readings
 //! ```
-//! |value + e| is then at most the largest |value| + q, with 95 % (`docs/method.md` §23).
+//! |value + e| is then at most the largest |value| + q, with 95 % (`docs/method.md` §23). The nine errors together
+//! are the readings of the diagonals: what an unmeasured angle does to each of them cancels there.
 
-use super::curves::Curve;
+use super::curves::{Curve, range};
 use super::linear::CurveRows;
-use super::noise::float;
+use super::noise::{Noise, student};
 use super::separate::Separation;
 use crate::inputs::error_table::{LargestErrors, Sizes};
 use crate::inputs::job::{Job, MachineAxis};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
-use crate::quantity::units::larger;
+use crate::quantity::units::{Squared, larger};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{ChiSquared, Distribution, StandardNormal};
+use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};
 
 /// Of 1,000 draws the 95 % quantile is known to 2 %.
 const DRAWS: usize = 1000;
 const SEED: u64 = 23;
+/// Probability behind every bound.
+const CONFIDENCE: f64 = 0.95;
 
 /// One curve of a table.
 struct TableCurve {
     term: ErrorTerm,
     way: Option<Direction>,
+    um: Curve,
     rows: CurveRows,
     /// Standard deviation of what all of it but the first point lacks, µm.
     lacks_um: f64,
@@ -35,45 +42,125 @@ struct TableCurve {
     zero: (usize, f64),
 }
 
+/// A pass along a diagonal: the curves on it, their shares along the beam, and whether they run upwards.
+struct TableWalk {
+    diagonal: Diagonal,
+    pass: Pass,
+    parts: Vec<(usize, f64, bool)>,
+}
+
 /// The curves of a table, to be drawn.
 pub(super) struct Table<'a> {
     of: &'a Separation,
     curves: Vec<TableCurve>,
-    /// Along each diagonal, both passes: curves, their shares along the beam, and whether they run upwards.
-    walks: PerDiagonal<Vec<Vec<(usize, f64, bool)>>>,
+    /// What each cause makes of each curve.
+    by_cause: Vec<Vec<Curve>>,
+    walks: Vec<TableWalk>,
+}
+
+/// How far the errors of a table may lie off, with 95 %.
+#[derive(Default)]
+pub(super) struct Largest {
+    /// What is left where a table takes them off.
+    pub(super) forecast: Option<LargestErrors>,
+    /// As they were measured, beyond the largest value.
+    pub(super) measured: Option<LargestErrors>,
+    /// Their largest u by what another measurement does not repeat, µm; `None` = it repeats nothing.
+    pub(super) anew: Option<Sizes>,
 }
 
 impl Table<'_> {
-    /// The largest errors; `None` where an uncertainty is not known.
-    pub(super) fn largest_errors(&self, job: &Job) -> Option<LargestErrors> {
+    /// The largest errors; nothing where an uncertainty is not known.
+    pub(super) fn largest(&self, job: &Job) -> Largest {
         let known = |curve: &TableCurve| {
             self.of.of_table(curve.term, curve.way).is_some_and(|found| found.u_um.is_some())
         };
         if self.curves.is_empty() || !self.curves.iter().all(known) {
-            return None;
+            return Largest::default();
         }
-        let none = vec![Vec::new()];
-        let angles = &self.of.model.angles;
-        let orders = if angles.is_empty() { &none } else { angles };
-        let mut largest = LargestErrors { zero: zero(job), ..LargestErrors::default() };
-        for order in orders {
-            let sizes: Vec<Sizes> =
-                (0..DRAWS).map(|number| self.sizes(&self.drawn(number, order))).collect();
-            let raise = |own: &mut f64, of: &dyn Fn(&Sizes) -> f64| {
-                let mut all: Vec<f64> = sizes.iter().map(of).collect();
-                all.sort_by(f64::total_cmp);
-                *own = larger(*own, all[DRAWS * 19 / 20]);
+        let none = [Vec::new()];
+        let angles = &self.of.model.angles[..];
+        let orders = if angles.is_empty() { &none[..] } else { angles };
+        let mut squares = self.nothing();
+        let mut sizes = vec![Vec::with_capacity(DRAWS); orders.len()];
+        for number in 0..DRAWS {
+            let anew = self.anew(number);
+            let single = self.sizes(&anew);
+            for (order, sizes) in orders.iter().zip(&mut sizes) {
+                let all = self.with_angles(anew.clone(), number, order);
+                let terms = if order.is_empty() { single.terms.clone() } else { self.terms(&all) };
+                sizes.push(Sizes { terms, ..single.clone() });
+            }
+            for (index, square) in squares.iter_mut().enumerate() {
+                let zero = self.zero(&anew, index);
+                square.iter_mut().zip(&anew[index]).for_each(|(s, um)| *s += (um - zero).squared());
+            }
+        }
+        let u = |square: &Curve| square.iter().map(|s| (s / DRAWS as f64).sqrt()).collect();
+        let u: Vec<Curve> = squares.iter().map(u).collect();
+        let of_u = |largest: Sizes, (curve, u): (&TableCurve, &Curve)| {
+            let mut own = Sizes::default();
+            own.terms[curve.term] = u.iter().copied().fold(0.0, larger);
+            largest.joined(&own, larger)
+        };
+        let anew = self.curves.iter().zip(&u).fold(Sizes::default(), of_u);
+        let worst = |of_orders: Vec<Vec<Sizes>>| {
+            let each = of_orders.iter().map(|draws| quantiles(zero(job), draws));
+            each.reduce(|one, other| one.joined(&other, larger))
+        };
+        let measured = orders.iter().map(|order| self.measured(order, &u)).collect();
+        let values: Vec<Curve> = self.curves.iter().map(|curve| curve.um.clone()).collect();
+        let values = quantiles(zero(job), &[self.sizes(&values)]);
+        Largest {
+            forecast: worst(sizes),
+            measured: worst(measured).map(|at_most| at_most.joined(&values, |a, b| a - b)),
+            anew: (!angles.is_empty()).then_some(anew),
+        }
+    }
+
+    /// What the errors as measured are at most, in each draw.
+    fn measured(&self, order: &[usize], u: &[Curve]) -> Vec<Sizes> {
+        let values: Vec<Curve> = self.curves.iter().map(|curve| curve.um.clone()).collect();
+        let diagonals = self.ranges_at_most();
+        let at_most = |number: usize| {
+            let times = match order.is_empty() {
+                true => student(CONFIDENCE, self.freedom()),
+                false => {
+                    let share = (number as f64 + 0.5) / DRAWS as f64;
+                    student(share, None) * self.estimate(&mut random(2 * DRAWS + number))
+                }
             };
-            raise(&mut largest.all_um, &Sizes::all_um);
-            raise(&mut largest.ranges_um, &Sizes::ranges_um);
-            for term in ErrorTerm::ALL {
-                raise(&mut largest.single.terms[term], &|s| s.terms[term]);
+            let drawn = self.with_angles(values.clone(), number, order);
+            let mut sizes = Sizes { diagonals, ..Sizes::default() };
+            for (index, (curve, own)) in self.curves.iter().zip(&drawn).enumerate() {
+                let zero = self.zero(&drawn, index);
+                let all = own.iter().zip(&u[index]).map(|(um, u)| (um - zero).abs() + times * u);
+                let size = &mut sizes.terms[curve.term];
+                *size = all.fold(*size, larger);
             }
-            for d in Diagonal::ALL {
-                raise(&mut largest.single.diagonals[d], &|s| s.diagonals[d]);
+            sizes
+        };
+        let draws = if order.is_empty() { 1 } else { DRAWS };
+        (0..draws).map(at_most).collect()
+    }
+
+    /// What max − min along each diagonal was at most: its readings are direct, whatever the separation makes of them.
+    fn ranges_at_most(&self) -> PerDiagonal<f64> {
+        let (model, times) = (&self.of.model, student(CONFIDENCE, self.freedom()));
+        let mut ranges = PerDiagonal::default();
+        let values: Vec<Curve> = self.curves.iter().map(|curve| curve.um.clone()).collect();
+        for walk in &self.walks {
+            let along = self.along(walk, &values);
+            let at = |step: usize| model.layout.reading(walk.pass, walk.diagonal, 3 * step);
+            for (i, low) in along.iter().enumerate() {
+                for (j, high) in along.iter().enumerate().skip(i + 1) {
+                    let u = model.u_of_difference(at(i), at(j));
+                    let range = &mut ranges[walk.diagonal];
+                    *range = larger(*range, (high - low).abs() + times * u);
+                }
             }
         }
-        Some(largest)
+        ranges
     }
 
     /// How far what speaks against the result by its size may move the errors: each anomaly by its worst cause,
@@ -83,13 +170,18 @@ impl Table<'_> {
         for causes in &self.of.anomalies {
             let mut worst = Sizes::default();
             for z in causes {
-                let rows = self.curves.iter().map(|curve| &curve.rows);
-                let moved: Vec<Curve> = rows.map(|rows| rows.values(z, rows.line.dot(z))).collect();
+                let moved: Vec<Curve> = self.curves.iter().map(|curve| curve.moved_by(z)).collect();
                 worst = worst.joined(&self.sizes(&moved), larger);
             }
             all = all.joined(&worst, |all, own| all + own);
         }
         (all.all_um().max(all.ranges_um()) > 0.0).then_some(all)
+    }
+}
+
+impl TableCurve {
+    fn moved_by(&self, z: &[f64]) -> Curve {
+        self.rows.values(z, self.rows.line.dot(z))
     }
 }
 
@@ -111,73 +203,143 @@ impl<'a> Table<'a> {
                 curves.push(TableCurve {
                     term,
                     way: *way,
+                    um: found.deviation_um.clone(),
                     rows: found.rows.merged(),
                     lacks_um: found.left_out.sqrt(),
                     zero: (zero, at),
                 });
             }
         }
-        let walk = |d: Diagonal, pass: Pass| {
-            let laser = of.volume.laser(d);
+        let walk = |diagonal: Diagonal, pass: Pass| {
+            let laser = of.volume.laser(diagonal);
             let is_on_it = |curve: &TableCurve| {
-                curve.way.is_none_or(|way| way == d.travelled(curve.term.along, pass))
+                curve.way.is_none_or(|way| way == diagonal.travelled(curve.term.along, pass))
             };
             let own = curves.iter().enumerate().filter(|(_, curve)| is_on_it(curve));
             let share = |(index, curve): (usize, &TableCurve)| {
-                (index, laser[curve.term.of], d.forward(curve.term.along) == Direction::Plus)
+                let is_up = diagonal.forward(curve.term.along) == Direction::Plus;
+                (index, laser[curve.term.of], is_up)
             };
-            own.map(share).collect()
+            TableWalk { diagonal, pass, parts: own.map(share).collect() }
         };
-        let walks = PerDiagonal::from_fn(|d| {
-            let mut both = Pass::BOTH.map(|pass| walk(d, pass)).to_vec();
-            both.dedup();
-            both
-        });
-        Table { of, curves, walks }
+        let passes = Pass::BOTH.into_iter().take(of.model.layout.passes);
+        let walks = passes.flat_map(|pass| Diagonal::ALL.map(|d| walk(d, pass))).collect();
+        let by_cause = of.model.columns.iter();
+        let by_cause =
+            by_cause.map(|column| curves.iter().map(|curve| curve.moved_by(column)).collect());
+        Table { of, by_cause: by_cause.collect(), curves, walks }
     }
 
-    /// The curves of one draw.
-    fn drawn(&self, number: usize, order: &[usize]) -> Vec<Curve> {
-        let mut random = ChaCha8Rng::seed_from_u64(SEED);
-        random.set_stream(number as u64);
-        let freedom = self.of.noise.and_then(|noise| noise.freedom);
-        let off = freedom.and_then(|freedom| {
-            let spread = ChiSquared::new(float(freedom)).ok()?.sample(&mut random);
-            Some((float(freedom) / spread).sqrt())
+    fn nothing(&self) -> Vec<Curve> {
+        self.curves.iter().map(|curve| vec![0.0; curve.um.len()]).collect()
+    }
+
+    fn freedom(&self) -> Option<f64> {
+        self.of.noise.and_then(Noise::freedom_f64)
+    }
+
+    /// How many times as large as estimated the noise is, in one draw.
+    fn estimate(&self, random: &mut ChaCha8Rng) -> f64 {
+        let estimate = self.freedom().and_then(|freedom| {
+            let spread = ChiSquared::new(freedom).ok()?.sample(random);
+            Some((freedom / spread).sqrt())
         });
-        let z = self.of.model.draw(off.unwrap_or(1.0), order, &mut random);
-        let curve = |curve: &TableCurve| {
+        estimate.unwrap_or(1.0)
+    }
+
+    /// One draw of what another measurement does not repeat.
+    fn anew(&self, number: usize) -> Vec<Curve> {
+        let mut random = random(number);
+        let noise = self.estimate(&mut random);
+        let (z, shares) = self.of.model.draw(noise, &mut random);
+        let mut drawn: Vec<Curve> = self.curves.iter().map(|curve| curve.moved_by(&z)).collect();
+        for (own, curve) in drawn.iter_mut().zip(&self.curves) {
             let draw: f64 = StandardNormal.sample(&mut random);
-            let mut values = curve.rows.values(&z, curve.rows.line.dot(&z));
-            values.iter_mut().for_each(|um| *um += curve.lacks_um * draw);
-            values
-        };
-        self.curves.iter().map(curve).collect()
+            own.iter_mut().for_each(|um| *um += curve.lacks_um * draw);
+        }
+        self.add(&mut drawn, shares.into_iter().enumerate());
+        drawn
     }
 
-    fn sizes(&self, drawn: &[Curve]) -> Sizes {
-        let mut sizes = Sizes::default();
-        for (curve, values) in self.curves.iter().zip(drawn) {
-            let (zero, place) = curve.zero;
-            let zero = at(&drawn[zero], place);
-            let own = values.iter().map(|um| (um - zero).abs()).fold(0.0, larger);
-            sizes.terms[curve.term] = larger(sizes.terms[curve.term], own);
-        }
-        let range = |walk: &Vec<(usize, f64, bool)>| {
-            let last = self.of.volume.steps;
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            for step in 0..=last {
-                let mut um = 0.0;
-                for (index, share, is_up) in walk {
-                    um += share * drawn[*index][if *is_up { step } else { last - step }];
-                }
-                (low, high) = (low.min(um), high.max(um));
-            }
-            high - low
+    /// With a draw of these angles.
+    fn with_angles(&self, mut curves: Vec<Curve>, number: usize, order: &[usize]) -> Vec<Curve> {
+        let mut random = random(DRAWS + number);
+        // Uniform, with a standard deviation of 1.
+        let even = |at: &usize| {
+            let share: f64 = StandardUniform.sample(&mut random);
+            (*at, 12_f64.sqrt() * (share - 0.5))
         };
-        sizes.diagonals =
-            PerDiagonal::from_fn(|d| self.walks[d].iter().map(range).fold(0.0, larger));
+        self.add(&mut curves, order.iter().map(even));
+        curves
+    }
+
+    fn add(&self, curves: &mut [Curve], causes: impl Iterator<Item = (usize, f64)>) {
+        for (cause, times) in causes.filter(|(_, times)| *times != 0.0) {
+            for (curve, part) in curves.iter_mut().zip(&self.by_cause[cause]) {
+                curve.iter_mut().zip(part).for_each(|(um, part)| *um += times * part);
+            }
+        }
+    }
+
+    /// The value at the reference of the curve that is zero there.
+    fn zero(&self, curves: &[Curve], of: usize) -> f64 {
+        let (zero, place) = self.curves[of].zero;
+        at(&curves[zero], place)
+    }
+
+    fn terms(&self, curves: &[Curve]) -> PerTerm<f64> {
+        let mut terms = PerTerm::from_fn(|_| 0.0);
+        for (index, curve) in self.curves.iter().enumerate() {
+            let zero = self.zero(curves, index);
+            let own = curves[index].iter().map(|um| (um - zero).abs()).fold(0.0, larger);
+            terms[curve.term] = larger(terms[curve.term], own);
+        }
+        terms
+    }
+
+    fn sizes(&self, curves: &[Curve]) -> Sizes {
+        let mut sizes = Sizes { terms: self.terms(curves), ..Sizes::default() };
+        for walk in &self.walks {
+            let size = &mut sizes.diagonals[walk.diagonal];
+            *size = larger(*size, range(self.along(walk, curves).into_iter()));
+        }
         sizes
+    }
+
+    /// The sum of the curves along a pass, by cell.
+    fn along(&self, walk: &TableWalk, curves: &[Curve]) -> Curve {
+        let last = self.of.volume.steps;
+        let at = |step: usize| {
+            let part = |(index, share, is_up): &(usize, f64, bool)| {
+                share * curves[*index][if *is_up { step } else { last - step }]
+            };
+            walk.parts.iter().map(part).sum()
+        };
+        (0..=last).map(at).collect()
+    }
+}
+
+fn random(stream: usize) -> ChaCha8Rng {
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    random.set_stream(stream as u64);
+    random
+}
+
+/// The 95 % quantiles of all draws, one by one and of the largest.
+fn quantiles(zero: String, draws: &[Sizes]) -> LargestErrors {
+    let of = |um: &dyn Fn(&Sizes) -> f64| {
+        let mut all: Vec<f64> = draws.iter().map(um).collect();
+        all.sort_by(f64::total_cmp);
+        all[all.len() * 19 / 20]
+    };
+    LargestErrors {
+        zero,
+        all_um: of(&Sizes::all_um),
+        ranges_um: of(&Sizes::ranges_um),
+        single: Sizes {
+            terms: PerTerm::from_fn(|term| of(&|sizes| sizes.terms[term])),
+            diagonals: PerDiagonal::from_fn(|d| of(&|sizes| sizes.diagonals[d])),
+        },
     }
 }
 

@@ -13,7 +13,7 @@ use super::readings::Means;
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal, StandardUniform};
+use rand_distr::{Distribution, StandardNormal};
 use std::ops::Range;
 
 /// Parts of a variance below this share of it are rounding.
@@ -172,28 +172,26 @@ impl Model {
         both.map(|(noise, other)| (noise + other).sqrt()).collect()
     }
 
-    /// What is off in z in one draw: the noise so many times as large as estimated; these angles.
-    pub(super) fn draw(&self, noise: f64, angles: &[usize], random: &mut ChaCha8Rng) -> Vec<f64> {
+    /// One draw without angles: what is off in z by itself, the noise so many times as large as estimated; how
+    /// many times each column acts.
+    pub(super) fn draw(&self, noise: f64, random: &mut ChaCha8Rng) -> (Vec<f64>, Vec<f64>) {
         let mut normal = || -> f64 { StandardNormal.sample(random) };
         let each = self.noise.iter().zip(&self.other);
         let spread = each.map(|(own, other)| (own * noise * noise + other).sqrt());
-        let mut z: Vec<f64> = spread.map(|u| if u > 0.0 { u * normal() } else { 0.0 }).collect();
+        let z: Vec<f64> = spread.map(|u| if u > 0.0 { u * normal() } else { 0.0 }).collect();
         let common = self.beam_ppm * normal();
         let own = self.setup_ppm.hypot(self.beam_ppm);
         let mut shares = vec![0.0; self.columns.len()];
         self.strains.clone().chain(self.tilts.clone()).for_each(|at| shares[at] = normal());
         self.setups.clone().for_each(|at| shares[at] = common + own * normal());
-        // Uniform, with a standard deviation of 1.
-        let even = |random: &mut ChaCha8Rng| {
-            let share: f64 = StandardUniform.sample(random);
-            12_f64.sqrt() * (share - 0.5)
-        };
-        angles.iter().for_each(|at| shares[*at] = even(random));
-        for (share, column) in shares.iter().zip(&self.columns).filter(|(share, _)| **share != 0.0)
-        {
-            z.iter_mut().zip(column).for_each(|(z, part)| *z += share * part);
-        }
-        z
+        (z, shares)
+    }
+
+    /// Standard uncertainty of the difference of two readings, without angles.
+    pub(super) fn u_of_difference(&self, one: usize, other: usize) -> f64 {
+        let effects: Vec<f64> = self.columns.iter().map(|of| of[one] - of[other]).collect();
+        let causes: f64 = self.shared(&effects, &effects).iter().sum();
+        (self.noise[one] + self.noise[other] + causes).sqrt()
     }
 
     /// A row with each entry once.

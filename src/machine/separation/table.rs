@@ -75,8 +75,9 @@ pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> D
         }
     });
     let table = Table::new(separation, job, &directions);
-    let (largest, doubtful) = (table.largest_errors(job), table.doubtful());
-    comments.extend(Remarks { largest, doubtful, ..remarks(separation) }.lines());
+    let (all, doubtful) = (table.largest(job), table.doubtful());
+    let (largest, measured, anew) = (all.forecast, all.measured, all.anew);
+    comments.extend(Remarks { largest, measured, anew, doubtful, ..remarks(separation) }.lines());
     let of_axis = |axis| directions[axis].iter().map(move |way| (axis, *way));
     let series = Axis::ALL.into_iter().flat_map(of_axis);
     let series = series.map(|(axis, way)| one_series(separation, axis, way));
@@ -114,6 +115,8 @@ pub fn remarks(separation: &Separation) -> Remarks {
         degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
         silence: separation.silence.clone(),
         largest: None,
+        measured: None,
+        anew: None,
         doubtful: None,
         frame,
         lines: lines.map(|lines| PerAxis::from_fn(|axis| Millimetres::new(lines[axis]))),

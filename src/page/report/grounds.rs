@@ -20,7 +20,7 @@ type Fact = (&'static str, String);
 
 impl Report<'_> {
     /// The words of a key with its facts; `{error}` is the place of the fact `error`.
-    fn fill<const N: usize>(&self, key: &str, facts: [Fact; N]) -> String {
+    pub(super) fn fill<const N: usize>(&self, key: &str, facts: [Fact; N]) -> String {
         let fact = |text: String, (name, words): Fact| text.replace(&format!("{{{name}}}"), &words);
         facts.into_iter().fold(self.t(key), fact)
     }
@@ -64,6 +64,13 @@ impl Report<'_> {
     fn rests_on(&self, part: &RestsOn) -> String {
         match part {
             RestsOn::Ranges(ranges) => self.ranges(ranges),
+            RestsOn::Between { periodic_um, .. } if *periodic_um > 0.0 => {
+                self.fill("between_added", [("um", self.length(*periodic_um))])
+            }
+            RestsOn::Between { hidden, .. } if hidden.is_empty() => self.t("between"),
+            RestsOn::Between { hidden, .. } => {
+                self.fill("between_hidden", [("pitches", hidden.clone())])
+            }
             RestsOn::OneWay(way) => {
                 let way = match way {
                     Direction::Plus => "+",

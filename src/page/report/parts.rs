@@ -84,9 +84,15 @@ impl Report<'_> {
         }
     }
 
+    /// The nine curves, which stand on the first page where they were measured again.
+    pub(super) fn curves(&self, are_here: bool) -> Vec<String> {
+        if are_here { self.part("curves").pictures } else { Vec::new() }
+    }
+
     /// Behind the first page; parts without anything are left out.
     pub(super) fn parts(&self) -> Vec<Part> {
-        let drawn = [self.part("curves"), self.linear(), self.readings()];
+        let curves = Part { pictures: self.curves(!self.visit.is_measured), ..self.part("curves") };
+        let drawn = [curves, self.linear(), self.readings()];
         let drawn = drawn.into_iter().filter(|part| !part.pictures.is_empty());
         let of_tables = match self.is_found() {
             true => [Vec::new(), vec![self.missing(), self.found()], Vec::new()],

@@ -4,6 +4,7 @@ use crate::inputs::job::{
     DiagonalMeasurement, Job, MeasuredData, ProgramRequest, RunType, TargetGrid,
 };
 use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::pitch;
 use crate::quantity::units::rounded;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
@@ -71,9 +72,26 @@ pub(super) fn notes(task: RunTask<'_>, programs: usize) -> Vec<Finding> {
         unchecked(job, request),
         near_the_end(job, request, task.resolution()),
         other_box(job, request),
+        hides_pitches(request),
         protected_number(task, programs),
     ];
     notes.into_iter().flatten().map(Finding::from).collect()
+}
+
+/// How much shorter a step may be proposed: a share of it.
+const SHORTER: f64 = 0.95;
+
+/// Steps that are a multiple of a usual pitch on an axis, and those that are not.
+fn hides_pitches(request: &ProgramRequest) -> Option<RunFinding> {
+    let steps = u32::try_from(request.volume.steps).ok()?;
+    let of = |axis: Axis| {
+        let step_mm = request.volume.step_mm(axis);
+        let is_hidden = pitch::unseen(&request.volume.positions(axis)).contains(&true);
+        let other_mm = pitch::step_mm(SHORTER * step_mm, step_mm, steps);
+        (is_hidden && request.targets == TargetGrid::Equal).then_some((axis, step_mm, other_mm))
+    };
+    let axes: Vec<(Axis, f64, f64)> = moving(request).into_iter().filter_map(of).collect();
+    (!axes.is_empty()).then_some(RunFinding::HidesPitches { axes })
 }
 
 /// The measurement that the job describes, where this run is of diagonals too; and whether it has
