@@ -211,6 +211,10 @@ fn the_map_of_sub_volumes_holds_the_extremes() {
     assert_eq!(grouping["records"], 168);
     assert_eq!(grouping["exact"], false);
     assert!(number(&grouping["um"]) <= number(&found["definitions"]["va_um"]));
+    // Of two vectors one is kept: that is no difference of 0.
+    let one = Visit::with(cube(), "axis,position_mm,ex_um\nx,0,0\nx,300,10\n");
+    let command = "assess errors.csv --grid 2,1,1 --grouping 0.1";
+    assert!(explained(&one, command).contains("no two vectors are kept; exact 10.000 µm"));
 }
 
 #[test]

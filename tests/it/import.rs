@@ -184,10 +184,10 @@ fn a_straightness_keeps_its_sense_when_the_targets_run_the_other_way() {
     let stated = Stated {
         first_target_at_mm: Some(0.0),
         targets_run: Some(Direction::Minus),
-        ..mapped("t=target_mm,e=ex_um,s=ey_um", Axis::X)
+        ..mapped("t=target_mm,e=ex_um,s=ey_um,u=u_ey_um", Axis::X)
     };
-    let expected = "axis,position_mm,ex_um,ey_um\nx,-100,-3,4\nx,0,-1,2";
-    let text = becomes("s.csv", "t;e;s\n0;1;2\n100;3;4\n", &stated, expected);
+    let expected = "axis,position_mm,ex_um,ey_um,u_ey_um\nx,-100,-3,4,0.4\nx,0,-1,2,0.2";
+    let text = becomes("s.csv", "t;e;s;u\n0;1;2;0.2\n100;3;4;0.4\n", &stated, expected);
     // What was turned is said of that column only.
     let sense: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("# sense: ")).collect();
     assert_eq!(sense, ["the file counts its targets against the axis, so EXX is turned as well"]);

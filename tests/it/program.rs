@@ -170,6 +170,9 @@ fn the_mirror_of_the_paper() {
     let height = (second.powi(2) - (first / 2.0).powi(2)).sqrt();
     let circle = first * second * second / (first * height);
     assert!((mirror.circle_mm - circle).abs() < 0.01, "{} {circle}", mirror.circle_mm);
+    // Overrun lies beside the spots by 2 · √(3 − ((V_x + V_y + V_z)/R)²) = 0.38 mm.
+    let beside = Case::large(&format!("{STEP}\noverrun_mm = 2"), [720.0; 2]).kit().run.mirror;
+    assert!((0.0..0.4).contains(&(beside.unwrap().circle_mm - circle)), "{beside:?} {circle}");
 }
 
 #[test]

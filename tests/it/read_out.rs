@@ -203,6 +203,7 @@ fn what_stands_around_fanuc_points_is_judged() {
         N05712Q1P3\nN05722Q1P2 => undecided: follows axis 3
         N05712Q1P4\nN05722Q1P2 => undecided: straightness set 2 (axis 2 while axis 4 moves) follows axis 4
         N05718Q1L1P4\nN05728Q1L1P2 => undecided: straightness set 8 (axis 2 while axis 4 moves) follows axis 4
+        N05712Q1P1\nN05722Q1P0 => fail: straightness set 2: parameter 5722 is 0
         N05712Q1P4\nN05722Q1P2\nN13382Q1P0 => pass: belongs to axes that the job does not have
         N05712Q1P4\nN05722Q1P4\nN13392Q1P4294967295\nN03621Q1A4P0\nN03622Q1A4P10 => pass: belongs to axes that the job does not have
         N03620Q1A4P1\nN03621Q1A4P0\nN03622Q1A4P2\nN03623Q1A4P1\nN03624Q1A4P50.0 => undecided: axis 4, which the job does not have, takes points of axis 1

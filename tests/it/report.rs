@@ -189,7 +189,15 @@ fn a_finding_stands_once() {
 #[test]
 fn every_figure_is_that_of_its_command() {
     let visit = with_kit(SIEMENS);
-    check_figures(&visit, &page(&visit, "job.toml --tables kit"), "");
+    let found = page(&visit, "job.toml --tables kit");
+    check_figures(&visit, &found, "");
+    // No curve is drawn as forecast that is that of the machine as found.
+    let lines = |ink: &str| -> BTreeSet<&str> {
+        let begin = format!("<path class=\"{ink} line\" d=\"");
+        let drawn = found.split(begin.as_str()).skip(1);
+        drawn.map(|rest| rest.split('"').next().unwrap()).collect()
+    };
+    assert!(lines("forecast").len() > 9 && lines("forecast").is_disjoint(&lines("found")));
     check_figures(&visit, &page(&visit, "job.toml --tables kit --language de"), "");
     // As left: the same machine measured with the tables, which the simulation predicts.
     visit.yes("simulate job.toml --tables kit --errors -o after.csv");

@@ -237,6 +237,35 @@ fn the_closure_test_has_a_verdict() {
     straight("", "").run("separate job.toml --trials 0 -v").ends(0).says("no verdict");
 }
 
+/// Run 2 reads 1 µm more and less in turn, with the signs that cancel in the closure.
+#[test]
+fn the_closure_is_tested_against_the_scatter_of_the_runs() {
+    let visit = case("case_d_bidirectional");
+    let means = "X -0.017 (expected scatter 0.071), Y -0.083 (expected";
+    visit.run("separate job.toml --trials 0 -v").says(means).says("in keeping with that noise");
+    let disturbed = |line: &str| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_string).collect();
+        if cells.len() > 5 && cells[1] == "2" && cells[3] != "0" {
+            let turns = (cells[0] == "PPN") != (cells[3].parse::<u32>().unwrap() % 2 == 0);
+            let um = cells[5].parse::<f64>().unwrap() + if turns { -1.0 } else { 1.0 };
+            cells[5] = um.to_string();
+        }
+        cells.join(",") + "\n"
+    };
+    let rows: String = visit.read("readings.csv").lines().map(disturbed).collect();
+    visit.put("readings.csv", rows);
+    visit.run("separate job.toml --trials 0 -v").says("SMALLER than that noise: single runs");
+}
+
+/// Of one or two more linear axes those are proposed that leave least open and the smallest U.
+#[test]
+fn a_plan_proposes_the_best_linear_axes() {
+    let visit = case("case_a_ideal");
+    visit.edit("job.toml", "setup = \"assume-perfect\"", "");
+    let said = visit.run("plan job.toml").answers();
+    said.says("b  + linear X  ").says("c  + linear YZ  ").says("both directions      a      b  ");
+}
+
 #[test]
 fn an_assumed_set_up_has_an_uncertainty_only_with_a_stated_tilt() {
     let stated = |lines| separated(&case_with("case_d_bidirectional", lines), 0);

@@ -176,6 +176,11 @@ fn the_scale_of_the_laser_counts_once_along_a_diagonal() {
     for diagonal in ["PPP", "NPP", "PNP", "PPN"] {
         let u = number(&page["diagonals"][diagonal]["u_um"]);
         assert!((u - 5.0 * 3.0_f64.sqrt()).abs() < 1e-3, "{diagonal}: {u}");
+        let expanded = number(&page["diagonals"][diagonal]["expanded_um"]);
+        assert!(
+            (1.9..4.0).contains(&(expanded / u)),
+            "{diagonal}: {expanded}, not that of twice {u}"
+        );
     }
     assert_eq!(page["verdict"], "undecided");
     verdict(&visit, VERIFY, "", &["U of EYX, EZX, EXY, EZY, EXZ, EYZ is not stated"]);

@@ -154,8 +154,11 @@ fn straightness_parameters_in_the_space_of_the_points_are_parameters() {
 
 #[test]
 fn later_parameters_overwrite_and_equal_points_may_repeat() {
-    let memory = read_30i("%\nN03623Q1A1P1\nN03623Q1A1P2\nN10033Q0P1\nN10033Q0P1\n%\n");
+    let memory = read_30i(
+        "%\nN03623Q1A1P1\nN03623Q1A1P2\nN10033Q0P1\nN10033Q0P1\nN10034Q0P-128\nN10035Q0P127\n%\n",
+    );
     let memory = memory.expect("a good file");
+    assert_eq!(memory.points.values().collect::<Vec<_>>(), [&1, &-128, &127]);
     assert_eq!(memory.parameter(3623, Some(1)), Some(ParameterValue::Integer(2)));
 }
 
