@@ -161,6 +161,7 @@ impl CampaignFiles {
             u_um: sigma_um.map(|sigma| sigma / fewest.sqrt()),
             degrees_of_freedom: repeated.and_then(Noise::freedom_f64),
             scale_um_per_m: self.job.measurement.uncertainty.of_length_ppm(),
+            laser_um_per_m: self.job.measurement.uncertainty.of_laser_ppm(),
             labels: result.labels,
             one_zero: self.readings.runs.iter().all(|run| self.readings.offset_known(run)),
         })

@@ -257,15 +257,6 @@ fn the_closure_is_tested_against_the_scatter_of_the_runs() {
     visit.run("separate job.toml --trials 0 -v").says("SMALLER than that noise: single runs");
 }
 
-/// Of one or two more linear axes those are proposed that leave least open and the smallest U.
-#[test]
-fn a_plan_proposes_the_best_linear_axes() {
-    let visit = case("case_a_ideal");
-    visit.edit("job.toml", "setup = \"assume-perfect\"", "");
-    let said = visit.run("plan job.toml").answers();
-    said.says("b  + linear X  ").says("c  + linear YZ  ").says("both directions      a      b  ");
-}
-
 #[test]
 fn an_assumed_set_up_has_an_uncertainty_only_with_a_stated_tilt() {
     let stated = |lines| separated(&case_with("case_d_bidirectional", lines), 0);

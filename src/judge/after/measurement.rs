@@ -30,6 +30,8 @@ pub struct StraightRuns {
     pub degrees_of_freedom: Option<f64>,
     /// Standard uncertainty of a length: laser, set-up, beam, µm/m.
     pub scale_um_per_m: f64,
+    /// Of it what all diagonals share: the laser's scale, µm/m.
+    pub laser_um_per_m: f64,
     /// The reverse passes count from the forward start.
     pub one_zero: bool,
     /// What the readings say of themselves and what their evaluation rests on.
@@ -49,7 +51,7 @@ impl AfterMeasurement {
     pub(crate) fn laser_um_per_m(&self) -> f64 {
         match self {
             AfterMeasurement::Errors(model) => model.laser_um_per_m,
-            AfterMeasurement::Diagonals(runs) => runs.scale_um_per_m,
+            AfterMeasurement::Diagonals(runs) => runs.laser_um_per_m,
         }
     }
 
