@@ -15,7 +15,7 @@ findings! {
         ChainAssumed => Label, "the chain is not stated: without angles no figure depends on it; what missing angles leave out is told for axes that all move the tool";
         SquarenessInCurves => Label, "squareness is not stated apart: it counts as far as the slopes of the straightness curves hold it";
         SquarenessStated { stated: String } => Label, "squareness as stated: {stated}; positive = the angle between the two positive axis directions is less than 90°";
-        LeverOrigin { second: String, third: String } => Label, "levers of the angles count from {second}, {third} (`offsets_mm`: where these axes rested while the others were measured)";
+        LeverOrigin { second: String, third: String } => Label, "levers of the angles count from {second}, {third} (`offsets_mm`: the lines whose errors these are)";
         AnglesAtReference { angles: String } => Label, "angles count as given: at the reference {angles}. Squareness that was measured with an axis standing anywhere but where its angles are zero holds them already; then state `angles_zero_mm`";
         AnglesZero { axis: Axis, mm: f64 } => Label, "angles of {axis} count from {mm} mm, where they are taken as zero (`angles_zero_mm`)";
         OpticOnTable { axis: Axis, mm: f64 } => Label, "{axis} carries the workpiece and its straightness was measured on the table at {mm} mm (`straightness_optic_mm`): its own travel is a lever";

@@ -236,14 +236,12 @@ impl Forecast {
     /// formula  forecast: largest + U; measured: the largest of value + 1.645 u, Student's where σ was estimated;
     ///          what is drawn together instead where it is known
     fn at_most_um(&self, figures: &[Magnitude], together_um: Option<f64>) -> f64 {
-        match self.basis {
-            Basis::Forecast => {
+        match (self.basis, together_um) {
+            (Basis::Forecast, _) => {
                 largest_um(figures) + expanded_together(figures, self.sigma, together_um)
             }
-            Basis::Measured if together_um.is_some() => {
-                largest_um(figures) + together_um.unwrap_or(0.0)
-            }
-            Basis::Measured => {
+            (Basis::Measured, Some(beyond_um)) => largest_um(figures) + beyond_um,
+            (Basis::Measured, None) => {
                 let one_sided = self.sigma.one_sided();
                 figures.iter().map(|f| f.um + one_sided * f.u_um).fold(0.0, larger)
             }

@@ -108,8 +108,10 @@ impl Table<'_> {
             let each = of_orders.iter().map(|draws| quantiles(zero(job), draws));
             each.reduce(|one, other| one.joined(&other, larger))
         };
-        let measured = orders.iter().map(|order| self.measured(order, &u)).collect();
         let values: Vec<Curve> = self.curves.iter().map(|curve| curve.um.clone()).collect();
+        let diagonals = self.ranges_at_most(&values);
+        let measured = |order: &Vec<usize>| self.measured(order, (&values, &u), diagonals);
+        let measured = orders.iter().map(measured).collect();
         let values = quantiles(zero(job), &[self.sizes(&values)]);
         Largest {
             forecast: worst(sizes),
@@ -119,9 +121,12 @@ impl Table<'_> {
     }
 
     /// What the errors as measured are at most, in each draw.
-    fn measured(&self, order: &[usize], u: &[Curve]) -> Vec<Sizes> {
-        let values: Vec<Curve> = self.curves.iter().map(|curve| curve.um.clone()).collect();
-        let diagonals = self.ranges_at_most();
+    fn measured(
+        &self,
+        order: &[usize],
+        (values, u): (&[Curve], &[Curve]),
+        diagonals: PerDiagonal<f64>,
+    ) -> Vec<Sizes> {
         let at_most = |number: usize| {
             let times = match order.is_empty() {
                 true => student(CONFIDENCE, self.freedom()),
@@ -130,7 +135,7 @@ impl Table<'_> {
                     student(share, None) * self.estimate(&mut random(2 * DRAWS + number))
                 }
             };
-            let drawn = self.with_angles(values.clone(), number, order);
+            let drawn = self.with_angles(values.to_vec(), number, order);
             let mut sizes = Sizes { diagonals, ..Sizes::default() };
             for (index, (curve, own)) in self.curves.iter().zip(&drawn).enumerate() {
                 let zero = self.zero(&drawn, index);
@@ -145,12 +150,11 @@ impl Table<'_> {
     }
 
     /// What max − min along each diagonal was at most: its readings are direct, whatever the separation makes of them.
-    fn ranges_at_most(&self) -> PerDiagonal<f64> {
+    fn ranges_at_most(&self, values: &[Curve]) -> PerDiagonal<f64> {
         let (model, times) = (&self.of.model, student(CONFIDENCE, self.freedom()));
         let mut ranges = PerDiagonal::default();
-        let values: Vec<Curve> = self.curves.iter().map(|curve| curve.um.clone()).collect();
         for walk in &self.walks {
-            let along = self.along(walk, &values);
+            let along = self.along(walk, values);
             let at = |step: usize| model.layout.reading(walk.pass, walk.diagonal, 3 * step);
             for (i, low) in along.iter().enumerate() {
                 for (j, high) in along.iter().enumerate().skip(i + 1) {

@@ -131,7 +131,9 @@ impl VolumeModel {
         if !angles.is_empty() {
             labels.push(Found::AnglesAtReference { angles });
         }
-        let zeroed = self.levers.angles_zero.iter();
+        let has_angles =
+            |axis: Axis| Rotation::all().any(|of| of.along == axis && self.rotations[of].is_some());
+        let zeroed = self.levers.angles_zero.iter().filter(|(axis, _)| has_angles(*axis));
         labels.extend(zeroed.filter_map(|(axis, place)| {
             let mm = (*place)?.mm();
             Some(Found::AnglesZero { axis, mm })
@@ -148,11 +150,11 @@ impl VolumeModel {
     /// Where the levers of an axis count from, and whether that is assumed.
     fn lever_place(&self, axis: Axis) -> String {
         let word = match self.levers.offsets[axis] {
-            Some(_) => "stated",
-            None => "assumed: the reference",
+            Some(_) => "",
+            None => " (assumed: the reference)",
         };
         let mm = Millimetres::new(self.origin[axis]).shown();
-        format!("{axis} {mm} mm ({word})")
+        format!("{axis} {mm} mm{word}")
     }
 
     fn judged_part(&self, job: &Job, axis: Axis) -> Option<Found> {
