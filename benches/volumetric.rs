@@ -10,6 +10,7 @@ mod machine_h;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use machine_h::machine_h;
+use nonius::volume::space::boxes::Boxes;
 use nonius::volume::space::cloud;
 use nonius::volume::space::diameter::WindowMap;
 use nonius::volume::space::diameter::diameter;
@@ -40,6 +41,16 @@ fn volumetric(criterion: &mut Criterion) {
         let map = machine_h([n; 3]);
         group.bench_function(format!("diameter, {n} nodes an axis"), |bencher| {
             bencher.iter(|| diameter(black_box(&map)))
+        });
+    }
+    for n in [21, 101, 401] {
+        let map = machine_h([n; 3]);
+        let widest = diameter(&map);
+        group.bench_function(format!("length error and ranges, {n} nodes an axis"), |bencher| {
+            bencher.iter(|| {
+                let boxes = Boxes::of(black_box(&map));
+                (boxes.length_error(&widest, 200_000), boxes.ranges())
+            })
         });
     }
     let map = machine_h([21; 3]);

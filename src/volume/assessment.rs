@@ -12,7 +12,8 @@ pub use self::grid::{Grid, GridChoice, MOST_POINTS, Windows};
 pub(crate) use self::tables::with_tables;
 use crate::quantity::axis::PerAxis;
 use crate::text::problem::Problem;
-use crate::volume::definitions::{Definitions, LargestDifference, definitions, largest_difference};
+use crate::volume::definitions::{Definitions, LargestDifference, definitions};
+use crate::volume::space::diameter::diameter;
 use crate::volume::space::grouping::{Tolerance, grouping};
 use crate::volume::space::histogram;
 use crate::volume::space::sample::estimate;
@@ -110,7 +111,7 @@ fn contributions(
         parts.push(Contribution {
             component,
             um: p.minus(q).dot(along),
-            va_without_um: largest_difference(&without.ok_or_else(no_map)?).um,
+            va_without_um: diameter(without.ok_or_else(no_map)?.vectors()).um,
         });
     }
     parts.sort_by(|a, b| b.um.abs().total_cmp(&a.um.abs()));
@@ -122,7 +123,7 @@ const DRAWN: u64 = 10_000_000;
 const SEED: u64 = 1;
 
 fn histogram(map: &ErrorMap, bin_um: f64) -> Result<Histogram, Problem> {
-    let pairs = histogram::pairs(map.count());
+    let pairs = histogram::pairs(map.vectors().count());
     let too_fine = || {
         Problem::new(format!("bins of {bin_um} µm are too narrow for this volume"))
             .help("choose wider ones: at most 4095 are counted")
@@ -171,7 +172,7 @@ impl Baseline {
     /// source paper 002 §4.2, see [`crate::volume::space::grouping`]
     /// limits not exact: the volumetric accuracy is at least this; 50 000 nodes at most
     pub fn of(map: &ErrorMap, angular: f64) -> Result<Baseline, Problem> {
-        let count = map.count();
+        let count = map.vectors().count();
         if count > MOST_NODES {
             return Err(Problem::new(format!(
                 "the grid has {count} nodes, but the grouping compares what it keeps pair by pair: {MOST_NODES} at most"

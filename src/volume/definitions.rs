@@ -8,8 +8,9 @@
 //! Which one to quote when, and why they differ: docs/volumetric.md §4.
 
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, PerDiagonal};
+use crate::quantity::diagonal::PerDiagonal;
 use crate::quantity::units::Millimetres;
+use crate::volume::space::boxes::{Boxes, Largest};
 use crate::volume::space::diameter::diameter;
 use crate::volume::volume_model::{Component, ErrorMap, VolumeModel};
 
@@ -94,28 +95,38 @@ pub struct Definitions {
     pub ranges_um: PerAxis<f64>,
     /// √ of the sum of the squared ranges, µm.
     pub box_um: f64,
-    /// Largest |e − e(place)|, µm.
-    pub from_origin_um: f64,
+    /// Largest |e − e(place)| over the nodes.
+    pub from_origin: Largest<3>,
     /// Where that place is: the origin of the levers, mm.
     pub origin_mm: PerAxis<f64>,
-    /// Largest error of a length between two nodes.
-    pub length: LengthError,
+    /// Largest error of a length between two nodes: | |actual distance| − |nominal distance| |.
+    pub length: Largest<6>,
+    /// The two places, mm.
+    pub length_mm: [PerAxis<f64>; 2],
     /// Range along each body diagonal, µm (ISO 230-6, from the model).
     pub diagonals_um: PerDiagonal<f64>,
 }
 
+/// Steps of a search at most: about a second.
+const STEPS: usize = 200_000;
+
 /// All figures of a model at the nodes of its map.
+///
+/// limits  length error and largest error from a place are searched for in [`STEPS`] steps each: exact where the search
+///         comes to its end, else with a bound
 pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
     let origin_mm = model.lever_origin();
-    let at_origin = model.error_at(origin_mm);
-    let (mut low, mut high) =
-        (PerAxis::from_fn(|_| f64::INFINITY), PerAxis::from_fn(|_| f64::NEG_INFINITY));
-    let mut from_origin_um = 0.0_f64;
-    for (_, error) in map.points() {
-        low = PerAxis::from_fn(|axis| low[axis].min(error[axis]));
-        high = PerAxis::from_fn(|axis| high[axis].max(error[axis]));
-        from_origin_um = from_origin_um.max(error.minus(at_origin).length());
-    }
+    let boxes = Boxes::of(map.vectors());
+    let [x, y, z] = boxes.ranges();
+    let low = PerAxis { x: x.0, y: y.0, z: z.0 };
+    let high = PerAxis { x: x.1, y: y.1, z: z.1 };
+    let PerAxis { x, y, z } = model.error_at(origin_mm);
+    let widest = diameter(map.vectors());
+    let length = boxes.length_error(&widest, STEPS);
+    let [i, j, k, other @ ..] = length.at;
+    let mut length_mm = [[i, j, k], other].map(|node| map.place(node));
+    length_mm
+        .sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z)));
     let ranges_um = high.minus(low);
     let squareness = |component| matches!(component, Component::Squareness(_));
     let squareness_um = model.part_at(origin_mm, squareness);
@@ -123,12 +134,17 @@ pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
         grid: map.counts(),
         by_component: ByComponent::of(&extremes(model)),
         proposed_um: high.minus(squareness_um).length() + low.minus(squareness_um).length(),
-        va: largest_difference(map),
+        va: LargestDifference {
+            um: widest.um,
+            places_mm: widest.nodes.map(|node| map.place(node)),
+            difference_um: map.error(widest.nodes[0]).minus(map.error(widest.nodes[1])),
+        },
         ranges_um,
         box_um: ranges_um.length(),
-        from_origin_um,
+        from_origin: boxes.furthest_from([x, y, z], STEPS),
         origin_mm,
-        length: length_error(map),
+        length,
+        length_mm,
         diagonals_um: diagonal_ranges(model),
     }
 }
@@ -144,144 +160,40 @@ fn extremes(model: &VolumeModel) -> Extremes {
     })
 }
 
-/// The volumetric accuracy of a map: max |e(p) − e(q)| over all pairs of nodes, exact.
-pub(crate) fn largest_difference(map: &ErrorMap) -> LargestDifference {
-    let found = diameter(map.vectors());
-    let [p, q] = found.nodes;
-    LargestDifference {
-        um: found.um,
-        places_mm: found.nodes.map(|node| map.place(node)),
-        difference_um: map.error(p).minus(map.error(q)),
-    }
-}
-
 /// Range of the deviation along each body diagonal of the assessed box, µm: max − min of e · u.
 ///
 /// between two places where a curve bends, e · u of straight curves is a parabola of the way
 /// travelled (angle × lever), so its extreme is found from three places; of other curves it is
 /// close.
-pub(crate) fn diagonal_ranges(model: &VolumeModel) -> PerDiagonal<f64> {
-    let bends = bends(model);
+fn diagonal_ranges(model: &VolumeModel) -> PerDiagonal<f64> {
+    let low = PerAxis::from_fn(|axis| model.range(axis).0);
+    let size = PerAxis::from_fn(|axis| model.range(axis).1).minus(low);
+    let nodes = model.own_nodes();
     PerDiagonal::from_fn(|diagonal| {
-        let along = |t: f64| along(model, diagonal, t);
-        let turned = |(axis, t): &(Axis, f64)| match diagonal.sign(*axis) > 0.0 {
-            true => *t,
-            false => 1.0 - t,
+        let way = PerAxis::from_fn(|axis| diagonal.sign(axis) * size[axis]);
+        let travelled = |axis, t: f64| if way[axis] < 0.0 { 1.0 - t } else { t };
+        let along = |t: f64| {
+            let place = PerAxis::from_fn(|axis| low[axis] + travelled(axis, t) * size[axis]);
+            model.error_at(place).dot(way) / size.length()
         };
-        let mut bends: Vec<f64> = bends.iter().map(turned).collect();
+        let bends = Axis::ALL.into_iter().filter(|axis| size[*axis] > 0.0).flat_map(|axis| {
+            let part = move |node: &f64| (node - low[axis]) / size[axis];
+            nodes[axis].iter().map(move |node| travelled(axis, part(node)))
+        });
+        let mut bends: Vec<f64> = bends.collect();
         bends.sort_by(f64::total_cmp);
-        let mut ends = (along(0.0), along(0.0));
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
         for pair in bends.windows(2) {
             let (a, b) = (pair[0], pair[1]);
             let (first, middle, last) = (along(a), along(f64::midpoint(a, b)), along(b));
-            for value in [first, last].into_iter().chain(vertex(first, middle, last)) {
-                ends = (ends.0.min(value), ends.1.max(value));
+            let bent = 2.0 * (first - 2.0 * middle + last);
+            let slope = last - first - bent;
+            let turn = -slope / (2.0 * bent);
+            let vertex = (turn > 0.0 && turn < 1.0).then_some(first + turn * (slope + bent * turn));
+            for value in [first, last].into_iter().chain(vertex) {
+                (least, most) = (least.min(value), most.max(value));
             }
         }
-        ends.1 - ends.0
+        if bends.is_empty() { 0.0 } else { most - least }
     })
-}
-
-/// Extreme of the parabola through three values at 0, ½ and 1, where it lies between them.
-fn vertex(first: f64, middle: f64, last: f64) -> Option<f64> {
-    let bent = 2.0 * (first - 2.0 * middle + last);
-    let slope = last - first - bent;
-    let place = -slope / (2.0 * bent);
-    (place > 0.0 && place < 1.0).then_some(first + place * (slope + bent * place))
-}
-
-/// Parts of the travel (0 … 1) where a curve of an axis bends.
-fn bends(model: &VolumeModel) -> Vec<(Axis, f64)> {
-    let nodes = model.own_nodes();
-    let of_axis = |axis: Axis| {
-        let (low, high) = model.range(axis);
-        let inside = nodes[axis].iter().filter(move |_| high > low);
-        inside.map(move |node| (axis, (node - low) / (high - low)))
-    };
-    Axis::ALL.into_iter().flat_map(of_axis).collect()
-}
-
-/// e · u at the part t of a diagonal, µm.
-fn along(model: &VolumeModel, diagonal: Diagonal, t: f64) -> f64 {
-    let size = PerAxis::from_fn(|axis| {
-        let (low, high) = model.range(axis);
-        high - low
-    });
-    let length = size.length();
-    if length <= 0.0 {
-        return 0.0;
-    }
-    let way = PerAxis::from_fn(|axis| diagonal.sign(axis) * size[axis]);
-    let place = PerAxis::from_fn(|axis| {
-        let travelled = if diagonal.sign(axis) > 0.0 { t } else { 1.0 - t };
-        model.range(axis).0 + travelled * size[axis]
-    });
-    model.error_at(place).dot(way) / length
-}
-
-/// Nodes of which every pair is compared: more of them are thinned out.
-const MOST_NODES: usize = 10_000;
-/// Nodes an axis keeps when a map is thinned out.
-const KEPT: usize = 21;
-const UM_PER_MM: f64 = 1000.0;
-
-/// Largest | |actual distance| − |nominal distance| | of two nodes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LengthError {
-    /// The largest that was found, µm.
-    pub um: f64,
-    /// Whether every pair of nodes was compared; else this is a lower bound, and VA an upper one.
-    pub exact: bool,
-    /// The two places, mm.
-    pub places_mm: [PerAxis<f64>; 2],
-}
-
-/// The largest error of the distance of two nodes, µm.
-///
-/// what    | |p − q + e(p) − e(q)| − |p − q| |, all nodes p, q
-/// limits  exact up to 10 000 nodes; beyond, at most 21 nodes of each axis are compared, the ends
-///         among them, and the figure is a lower bound
-pub(crate) fn length_error(map: &ErrorMap) -> LengthError {
-    let exact = map.count() <= MOST_NODES;
-    let counts = map.counts();
-    let kept = PerAxis::from_fn(|axis| if exact { counts[axis] } else { counts[axis].min(KEPT) });
-    let number = |index: usize, kept: usize, count: usize| match kept {
-        0 | 1 => 0,
-        _ => index * (count - 1) / (kept - 1),
-    };
-    let mut points = Vec::with_capacity(kept.x * kept.y * kept.z);
-    for x in 0..kept.x {
-        for y in 0..kept.y {
-            for z in 0..kept.z {
-                points.push(map.point(PerAxis {
-                    x: number(x, kept.x, counts.x),
-                    y: number(y, kept.y, counts.y),
-                    z: number(z, kept.z, counts.z),
-                }));
-            }
-        }
-    }
-    let (um, pair) = largest(&points);
-    LengthError {
-        um,
-        exact,
-        places_mm: pair.map(|index| points.get(index).map_or(PerAxis::default(), |p| p.0)),
-    }
-}
-
-fn largest(points: &[(PerAxis<f64>, PerAxis<f64>)]) -> (f64, [usize; 2]) {
-    let mut found = (0.0, [0, 0]);
-    for (index, (place, error)) in points.iter().enumerate() {
-        for (further, (other, other_error)) in points[..index].iter().enumerate() {
-            let nominal = place.minus(*other).times(UM_PER_MM);
-            let shift = error.minus(*other_error);
-            // |n + s| − |n| without the loss of digits of a difference of two large numbers.
-            let sum = nominal.plus(shift).length() + nominal.length();
-            let change = shift.dot(nominal.times(2.0).plus(shift)) / sum;
-            if change.abs() > found.0 {
-                found = (change.abs(), [further, index]);
-            }
-        }
-    }
-    found
 }

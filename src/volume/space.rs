@@ -7,6 +7,7 @@
 //! ```text
 //! curves at the nodes ─→ grid_map ─┬─→ diameter: volumetric accuracy, its pair
 //!                                  ├─→ windows: every sub-volume of a size
+//!                                  ├─→ boxes: error of a length, ranges, largest from a place
 //!                                  ├─→ histogram: all differences (sample: an estimate)
 //!                                  └─→ grouping: the method of paper 002, for comparison
 //! places without a grid ───────────→ cloud
@@ -20,6 +21,8 @@
 pub mod grid_map;
 
 pub mod pair;
+
+pub mod boxes;
 
 mod support;
 

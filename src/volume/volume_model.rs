@@ -27,7 +27,7 @@ pub use self::missing::Missing;
 use crate::inputs::job::{Job, Levers, MachineAxis};
 use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
-use crate::quantity::chain::{Chain, unit};
+use crate::quantity::chain::{Chain, displaced, unit};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
 use crate::quantity::units::{Deviation, Millimetres};
 use crate::text::finding::Finding;
@@ -77,18 +77,13 @@ struct Squareness {
     line: ErrorCurve,
 }
 
-/// What one axis contributes where it stands: a deviation, a rotation and a lever for the rotations
-/// of the axes before it.
+/// What one axis contributes where it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxisState {
-    /// Machine coordinate, mm.
-    pub position_mm: f64,
     /// Its deviation with squareness, and its rotation × tool offset, µm.
     pub deviation_um: PerAxis<f64>,
     /// Its rotation as it acts through the positions of other axes, µrad.
     pub rotation_urad: PerAxis<f64>,
-    /// Its position less the offset along its own direction, mm.
-    pub arm_mm: PerAxis<f64>,
 }
 
 impl VolumeModel {
@@ -105,17 +100,15 @@ impl VolumeModel {
         };
         let levers = job.measurement.levers;
         check_optics(job, chain, levers)?;
+        let rotations =
+            PerTerm::from_fn(|term: ErrorTerm| model.rotations[term].as_ref().map(Measured::mean));
         let mut built = VolumeModel {
             chain,
             chain_is_stated: job.machine.chain.is_some(),
             deviations: PerTerm::from_fn(|_| None),
             optics: PerTerm::from_fn(|_| None),
-            rotations: PerTerm::from_fn(|term: ErrorTerm| {
-                model.rotations[term].as_ref().map(Measured::mean)
-            }),
-            swings: PerTerm::from_fn(|term: ErrorTerm| {
-                model.rotations[term].as_ref().map(Measured::mean)
-            }),
+            swings: rotations.clone(),
+            rotations,
             squareness: squareness(job, model),
             levers,
             origin: levers.origin(&job.machine.axes),
@@ -212,11 +205,9 @@ impl VolumeModel {
             kept.into_iter().chain(lines).map(|curve| curve.at(at).um()).sum()
         });
         AxisState {
-            position_mm,
             deviation_um: deviation
                 .plus(rotation_of(&self.rotations).cross(tool).times(1.0 / MM_PER_M)),
             rotation_urad: rotation_of(&self.swings),
-            arm_mm: unit(axis).times(position_mm - self.origin[axis]),
         }
     }
 
@@ -232,9 +223,11 @@ impl VolumeModel {
         place_mm: PerAxis<f64>,
         keep: impl Fn(Component) -> bool,
     ) -> PerAxis<f64> {
-        let order = self.chain.order();
-        let [first, second, third] = order.map(|axis| self.state(axis, place_mm[axis], &keep));
-        error_of(&first, &second, &third)
+        let states = PerAxis::from_fn(|axis| self.state(axis, place_mm[axis], &keep));
+        let rotation = |axis: Axis| states[axis].rotation_urad;
+        let arm_mm = place_mm.minus(self.origin);
+        let [swung, _] = displaced(self.chain.order(), rotation, arm_mm, PerAxis::default());
+        states.iter().fold(swung, |sum, (_, state)| sum.plus(state.deviation_um))
     }
 
     /// The components that were measured or stated, in the order EXX … EZZ, EAX … ECZ, squareness.
@@ -299,14 +292,6 @@ impl VolumeModel {
         let machine = self.machine[term.along];
         Some(machine.map_or(curve.clone(), |m| curve.rezeroed_at(m.reference)))
     }
-}
-
-/// e = Σ dᵢ + r₁ × (a₂ + a₃) + r₂ × a₃, µm; the states in chain order.
-pub(crate) fn error_of(first: &AxisState, second: &AxisState, third: &AxisState) -> PerAxis<f64> {
-    let sum = first.deviation_um.plus(second.deviation_um);
-    let swung = first.rotation_urad.cross(second.arm_mm.plus(third.arm_mm));
-    let swung = swung.plus(second.rotation_urad.cross(third.arm_mm));
-    sum.plus(third.deviation_um).plus(swung.times(1.0 / MM_PER_M))
 }
 
 /// The lines of stated squareness, each over the range in which its term was measured.

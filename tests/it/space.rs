@@ -3,7 +3,9 @@
 use crate::support::machine_h::{self, machine_h};
 use crate::support::random_map::{self, Family, random_map};
 use crate::support::visit::fixture;
+use nalgebra::Vector3;
 use nonius::quantity::axis::Axis;
+use nonius::volume::space::boxes::Boxes;
 use nonius::volume::space::cloud;
 use nonius::volume::space::diameter::{Diameter, WindowMap, diameter};
 use nonius::volume::space::grid_map::{AxisNodes, GridMap, Node, Vector};
@@ -24,6 +26,27 @@ fn brute(vectors: &[Vector]) -> (f64, [usize; 2]) {
         }
     }
     best
+}
+
+/// The largest error of a length of all pairs; `places` in m, along the chain.
+fn brute_length(map: &GridMap, places: [&[f64]; 3]) -> f64 {
+    let point = |n: usize| {
+        let mut place = Vector3::zeros();
+        for (role, axis) in map.chain().into_iter().enumerate() {
+            place[axis as usize] = 1e6 * places[role][map.node(n)[role]];
+        }
+        (place, Vector3::from(map.at(map.node(n))))
+    };
+    let points: Vec<(Vector3<f64>, Vector3<f64>)> = (0..map.count()).map(point).collect();
+    let mut largest = 0.0_f64;
+    for (n, (p, e)) in points.iter().enumerate() {
+        for (q, f) in &points[..n] {
+            let (nominal, shift) = (p - q, e - f);
+            let sum = nominal.norm() + (nominal + shift).norm();
+            largest = largest.max((shift.dot(&(nominal * 2.0 + shift)) / sum).abs());
+        }
+    }
+    largest
 }
 
 fn brute_in(map: &GridMap, low: Node, size: Node) -> (f64, [Node; 2]) {
@@ -93,6 +116,22 @@ fn volumetric_accuracy_of_machine_h() {
 }
 
 #[test]
+fn length_error_of_machine_h() {
+    let even = |n: u32, size: f64| -> Vec<f64> {
+        (0..n).map(|k| size * f64::from(k) / f64::from(n - 1)).collect()
+    };
+    let [x, y, z] = [even(13, 12.0), even(9, 4.0), even(7, 2.0)];
+    let all = brute_length(&machine_h([13, 9, 7]), [&x, &y, &z]);
+    // 21³ and 41³ were compared with all pairs once.
+    for (size, um) in [([13, 9, 7], all), ([21; 3], 1070.02959208), ([41; 3], 1070.73498974)] {
+        let map = machine_h(size);
+        let found = Boxes::of(&map).length_error(&diameter(&map), 1000);
+        assert!(found.is_exact(), "{size:?}: {found:?}");
+        close(found.um, um, 1e-8);
+    }
+}
+
+#[test]
 fn windows_of_machine_h() {
     // reference/volumetric.md §7.4: windows of 6 × 2 × 1 m
     for (grid, size, best, worst, place) in [
@@ -103,7 +142,7 @@ fn windows_of_machine_h() {
         let windows = WindowMap::of(&machine_h(grid), size).unwrap();
         close(windows.best().1.um, best, 5e-7);
         close(windows.worst().1.um, worst, 5e-7);
-        close(windows.corner().um, 601.522188, 5e-7);
+        close(windows.at([0; 3]).um, 601.522188, 5e-7);
         assert!(place.is_none_or(|place| windows.low(windows.best().0) == place), "{grid:?}");
     }
 }
@@ -149,12 +188,30 @@ fn arithmetic_of_paper_002() {
 #[test]
 fn random_machines_against_all_pairs() {
     for (number, family) in machines(560) {
-        let map = random_map(number, family);
+        let (chain, axes) = random_map::axes(number, family);
+        let map = GridMap::new(chain, axes.clone()).unwrap();
         let found = agrees(&map, &format!("machine {number}, {family:?}"));
         let vectors = map.vectors();
+        let boxes = Boxes::of(&map);
+        let holds = |(um, bound_um): (f64, f64), of_all: f64, steps: usize| {
+            let what = format!("{number}, {steps} steps: {um} … {bound_um}, of all {of_all}");
+            assert!(um <= of_all + 1e-8 && of_all <= bound_um + 1e-8, "{what}");
+            assert!(um >= bound_um || steps < usize::MAX, "{what}");
+        };
+        let from = vectors[0].map(|um| um + 0.1);
+        let far = vectors.iter().map(|v| square(v, &from).sqrt()).fold(0.0, f64::max);
+        let length = brute_length(&map, axes.each_ref().map(|axis| axis.arm_m.as_slice()));
+        for steps in [0, 3, 30, usize::MAX].into_iter().filter(|_| number % 4 == 0) {
+            let (one, two) = (boxes.furthest_from(from, steps), boxes.length_error(&found, steps));
+            holds((one.um, one.bound_um), far, steps);
+            holds((two.um, two.bound_um), length, steps);
+        }
         let range = |c: usize| {
             let values = || vectors.iter().map(move |v| v[c]);
-            values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+            let ends = (values().fold(f64::MAX, f64::min), values().fold(f64::MIN, f64::max));
+            close(boxes.ranges()[c].0, ends.0, 1e-9);
+            close(boxes.ranges()[c].1, ends.1, 1e-9);
+            ends.1 - ends.0
         };
         let ranges = [0, 1, 2].map(range);
         let room = 1.0 + 1e-12;

@@ -332,10 +332,10 @@ fn the_figures_keep_their_order_and_the_parts_their_sum() {
         let widest = d.ranges_um.x.max(d.ranges_um.y).max(d.ranges_um.z);
         let room = 1e-9;
         // The origin is a node.
-        for um in [widest, d.length.um, d.from_origin_um] {
+        for um in [widest, d.length.um, d.from_origin.um] {
             assert!(um <= d.va.um + room, "{chain}: {um}, VA {}", d.va.um);
         }
-        assert!(d.va.um <= d.box_um.min(2.0 * d.from_origin_um) + room, "{chain}");
+        assert!(d.va.um <= d.box_um.min(2.0 * d.from_origin.um) + room, "{chain}");
         for (diagonal, um) in d.diagonals_um.iter() {
             assert!(*um <= d.va.um + room, "{chain} {diagonal}");
         }

@@ -10,6 +10,7 @@ use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{Figure, Millimetres};
 use crate::volume::assessment::GridChoice;
 use crate::volume::definitions::Definitions;
+use crate::volume::space::boxes::Largest;
 
 pub(super) fn screen(page: &Page) -> Screen {
     let before = &page.before;
@@ -152,10 +153,9 @@ fn figures(page: &Page) -> String {
     let heading = format!("figure\t>µm{with}\twhat it is");
     let mut lines = vec![table(&heading, rows), PAPERS.to_string()];
     let mut all = [Some(before), after].into_iter().flatten();
-    if all.any(|d| !d.length.exact) {
+    if all.any(|d| !d.length.is_exact() || !d.from_origin.is_exact()) {
         lines.push(
-            "  ≥: not every pair of nodes was compared for the length error; it is VA at most"
-                .to_string(),
+            "  a … b: the search reached its limit; a was found, no node exceeds b".to_string(),
         );
     }
     lines.join("\n")
@@ -177,7 +177,7 @@ fn rows(page: &Page, d: &Definitions) -> Vec<(String, String, String)> {
     let from = format!("largest error seen from {}", place(d.origin_mm));
     let whole = [
         ("box", um(d.box_um), "root of the squared ranges"),
-        ("largest from", um(d.from_origin_um), from.as_str()),
+        ("largest from", bracket(&d.from_origin), from.as_str()),
     ];
     let diagonal = |diagonal| {
         let value = um(d.diagonals_um[diagonal]);
@@ -195,11 +195,17 @@ fn measured(value: Option<f64>) -> String {
 }
 
 fn largest(d: &Definitions) -> [(&'static str, String, &'static str); 2] {
-    let at_least = if d.length.exact { "" } else { "≥ " };
-    let length = format!("{at_least}{}", um(d.length.um));
     let va = "largest difference of two error vectors (paper 002)";
     let distance = "largest error of a distance of two nodes";
-    [("VA", um(d.va.um), va), ("length error", length, distance)]
+    [("VA", um(d.va.um), va), ("length error", bracket(&d.length), distance)]
+}
+
+/// A figure, or what it lies between.
+fn bracket<const N: usize>(found: &Largest<N>) -> String {
+    match found.is_exact() {
+        true => um(found.um),
+        false => format!("{} … {}", um(found.um), um(found.bound_um)),
+    }
 }
 
 /// What the papers define beside VA.
@@ -221,10 +227,21 @@ fn of_papers(d: &Definitions) -> [(&'static str, String, &'static str); 4] {
 fn worst_pairs(page: &Page) -> String {
     let lines = page.sides().map(|(side, of)| {
         let d = &of.definitions;
-        let ([p, q], [a, b]) = (d.va.places_mm.map(place), d.length.places_mm.map(place));
+        let ([p, q], [a, b]) = (d.va.places_mm.map(place), d.length_mm.map(place));
         let PerAxis { x, y, z } = d.va.difference_um;
         let [x, y, z] = [x, y, z].map(Figure);
         format!("{side}: largest difference between {p} and {q}: {x:+.3}, {y:+.3}, {z:+.3} µm in X, Y, Z; largest error of a length between {a} and {b}")
     });
     lines.collect::<Vec<_>>().join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_that_was_not_searched_to_the_end_is_a_bracket() {
+        let found = |bound_um| bracket(&Largest { um: 1.5, bound_um, at: [0; 3] });
+        assert_eq!([found(1.5), found(2.0)], ["1.500", "1.500 … 2.000"]);
+    }
 }

@@ -92,8 +92,7 @@ pub(crate) fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
 fn is_straight(model: &VolumeModel, axis: Axis, [from, to]: [f64; 2]) -> bool {
     let values = |part: f64| {
         let place = from + (to - from) * part;
-        let AxisState { deviation_um: d, rotation_urad: r, .. } =
-            model.state(axis, place, |_| true);
+        let AxisState { deviation_um: d, rotation_urad: r } = model.state(axis, place, |_| true);
         [d.x, d.y, d.z, r.x, r.y, r.z]
     };
     let (first, last) = (values(0.0), values(1.0));
@@ -156,7 +155,7 @@ pub(super) fn windows(
         grid: map.counts(),
         best: figure(all.best()),
         worst: figure(all.worst()),
-        corner_um: all.corner().um,
+        corner_um: all.at([0; 3]).um,
         map_um: places.map(at).collect(),
         places_mm,
     })

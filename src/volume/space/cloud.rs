@@ -29,7 +29,8 @@ pub fn longest(vectors: &[Vector]) -> Option<Longest> {
     Some(longest)
 }
 
-fn bounds(vectors: &[Vector]) -> Option<(Vector, Vector)> {
+/// Smallest and largest components.
+pub(super) fn bounds(vectors: &[Vector]) -> Option<(Vector, Vector)> {
     let first = *vectors.first()?;
     let (mut low, mut high) = (first, first);
     let mut sum = 0.0;

@@ -13,8 +13,8 @@
 
 use super::cloud;
 pub use super::grid_map::Window;
-use super::grid_map::{Distinct, GridMap, Node, Vector};
-use super::pair::{DirectionCell, Ends, Frame, Longest, Point, room, search, unit};
+use super::grid_map::{self, Distinct, GridMap, Node, Vector};
+use super::pair::{DirectionCell, Ends, Frame, Longest, Point, minus, room, search, unit};
 use super::support::Support;
 
 /// Smallest cosine of a cell whose ends are listed rather than the cell cut.
@@ -118,10 +118,8 @@ impl<'a> Search<'a> {
     fn reach(&mut self) -> ([f64; 2], bool) {
         let (high, top) = self.top.furthest(&self.grid);
         let (depth, bottom) = self.bottom.furthest(&self.grid);
-        let [top, bottom] = [top, bottom].map(|[i, j, k]| {
-            let grid = &self.grid;
-            self.point([grid.first[i].0, grid.second[j].0, grid.third[k].0])
-        });
+        let node = |places: Node| [0, 1, 2].map(|axis| self.grid.axes[axis][places[axis]].0);
+        let [top, bottom] = [top, bottom].map(|places| self.point(node(places)));
         ([high, depth], self.longest.offer(&top, &bottom))
     }
 
@@ -129,7 +127,7 @@ impl<'a> Search<'a> {
     fn turn(&mut self) {
         for _ in 0..TURNS {
             let [p, q] = self.longest.pair.map(|n| self.map.at(self.map.node(n)));
-            let Some(d) = unit([p[0] - q[0], p[1] - q[1], p[2] - q[2]]) else {
+            let Some(d) = unit(minus(&p, &q)) else {
                 break;
             };
             self.aim(&d);
@@ -179,9 +177,10 @@ impl<'a> Search<'a> {
     /// All vectors, where the map is constant but for rounding.
     fn as_cloud(&mut self) {
         let mut numbers = Vec::new();
-        for (i, _) in &self.grid.first {
-            for (j, _) in &self.grid.second {
-                let line = self.grid.third.iter().map(|(k, _)| [*i, *j, *k]);
+        let [first, second, third] = &self.grid.axes;
+        for (i, _) in first {
+            for (j, _) in second {
+                let line = third.iter().map(|(k, _)| [*i, *j, *k]);
                 numbers.extend(line.map(|node| self.map.number(node)));
             }
         }
@@ -213,33 +212,25 @@ impl WindowMap {
         }
         let positions = [0, 1, 2].map(|axis| whole[axis] - size[axis] + 1);
         let mut search = Search::new(map);
-        let mut figures: Vec<Diameter> = Vec::with_capacity(positions.iter().product());
-        for i in 0..positions[0] {
-            for j in 0..positions[1] {
-                for k in 0..positions[2] {
-                    let low = [i, j, k];
-                    let window = Window { low, size };
-                    let guess = figures.last().map(|figure| moved(figure.nodes, window));
-                    figures.push(search.within(window, guess));
-                }
-            }
+        let mut figures: Vec<Diameter> = Vec::new();
+        for number in 0..positions.iter().product() {
+            let window = Window { low: grid_map::node(number, positions), size };
+            let guess = figures.last().map(|figure| moved(figure.nodes, window));
+            figures.push(search.within(window, guess));
         }
         Some(WindowMap { size, positions, figures })
     }
 
     /// The lowest node of the window of figure `number`.
     pub fn low(&self, number: usize) -> Node {
-        let [_, second, third] = self.positions;
-        let line = number / third;
-        [line / second, line % second, number % third]
+        grid_map::node(number, self.positions)
     }
 
     /// The figure of the window whose lowest node is `low`.
     ///
     /// Panics where there is no such window.
     pub fn at(&self, low: Node) -> Diameter {
-        let [_, second, third] = self.positions;
-        self.figures[(low[0] * second + low[1]) * third + low[2]]
+        self.figures[grid_map::number(low, self.positions)]
     }
 
     /// Number and figure of the worst window, the first of several.
@@ -252,19 +243,11 @@ impl WindowMap {
         self.first_with(|candidate, best| candidate < best)
     }
 
-    /// The window at the first node of every axis.
-    pub fn corner(&self) -> Diameter {
-        self.figures[0]
-    }
-
     fn first_with(&self, better: impl Fn(f64, f64) -> bool) -> (usize, Diameter) {
-        let mut found = (0, self.figures[0]);
-        for (number, figure) in self.figures.iter().enumerate() {
-            if better(figure.um, found.1.um) {
-                found = (number, *figure);
-            }
-        }
-        found
+        let figures = self.figures.iter().copied().enumerate();
+        figures.fold((0, self.figures[0]), |found, figure| {
+            if better(figure.1.um, found.1.um) { figure } else { found }
+        })
     }
 }
 

@@ -7,6 +7,7 @@
 //! axis only is a curve, not a million equal points.
 
 use crate::quantity::axis::Axis;
+use std::ops::{Add, Mul, Sub};
 
 /// An error vector, x, y, z in µm.
 pub type Vector = [f64; 3];
@@ -25,35 +26,18 @@ pub struct AxisNodes {
     pub arm_m: Vec<f64>,
 }
 
-/// Node of axis 1, components in the order of the chain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct First {
-    pub(super) shift: Vector,
-    /// Component 1 for a metre of axis 2.
-    pub(super) by_second: f64,
-    /// Component 1 for a metre of axis 3.
-    pub(super) by_third: f64,
-    /// Component 3 for a metre of axis 2, less component 2 for a metre of axis 3.
-    pub(super) roll: f64,
-}
+/// What an axis does at one of its nodes, components in the order of the chain: its shift, what it adds for a metre of the
+/// axes behind it (of those without a lever 0), its lever in m.
+pub(super) type Row<T = f64> = [T; 7];
 
-/// Node of axis 2, components in the order of the chain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Second {
-    pub(super) shift: Vector,
-    pub(super) arm: f64,
-    /// Component 1 for a metre of axis 3.
-    pub(super) by_third: f64,
-    /// Less component 2 for a metre of axis 3.
-    pub(super) roll: f64,
-}
-
-/// Node of axis 3, components in the order of the chain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Third {
-    pub(super) shift: Vector,
-    pub(super) arm: f64,
-}
+/// Component 1 for a metre of axis 2.
+pub(super) const BY_SECOND: usize = 3;
+/// Component 1 for a metre of axis 3.
+pub(super) const BY_THIRD: usize = 4;
+/// Component 3 for a metre of axis 2, less component 2 for a metre of axis 3.
+pub(super) const ROLL: usize = 5;
+/// The lever.
+pub(super) const ARM: usize = 6;
 
 /// Error vectors over a grid of a three-axis machine.
 ///
@@ -69,9 +53,8 @@ pub struct GridMap {
     chain: [Axis; 3],
     /// Place of x, y, z in the chain.
     place: [usize; 3],
-    pub(super) first: Vec<First>,
-    pub(super) second: Vec<Second>,
-    pub(super) third: Vec<Third>,
+    /// The nodes of axis 1, 2 and 3.
+    pub(super) rows: [Vec<Row>; 3],
 }
 
 impl GridMap {
@@ -90,14 +73,21 @@ impl GridMap {
         }
         let right_handed = (roles[0] + 1) % 3 == roles[1];
         let parity = if right_handed { 1.0 } else { -1.0 };
-        let nodes = axes.map(|axis| axis.in_order_of(roles));
-        Some(GridMap {
-            chain,
-            place,
-            first: nodes[0].iter().map(|node| node.first(parity)).collect(),
-            second: nodes[1].iter().map(|node| node.second(parity)).collect(),
-            third: nodes[2].iter().map(Plain::third).collect(),
-        })
+        let rows = [0, 1, 2].map(|role| {
+            let vectors = axes[role].translation_um.iter().zip(&axes[role].rotation_urad);
+            let row = |((shift, rotation), arm): ((&Vector, &Vector), &f64)| {
+                let [x, y, z] = roles.map(|axis| shift[axis]);
+                let [about_first, about_second, about_third] =
+                    roles.map(|axis| parity * rotation[axis]);
+                match role {
+                    0 => [x, y, z, -about_third, about_second, about_first, *arm],
+                    1 => [x, y, z, 0.0, about_second, about_first, *arm],
+                    _ => [x, y, z, 0.0, 0.0, 0.0, *arm],
+                }
+            };
+            vectors.zip(&axes[role].arm_m).map(row).collect()
+        });
+        Some(GridMap { chain, place, rows })
     }
 
     /// The axes from workpiece to tool.
@@ -107,7 +97,7 @@ impl GridMap {
 
     /// Nodes of the first, second and third axis of the chain.
     pub fn size(&self) -> Node {
-        [self.first.len(), self.second.len(), self.third.len()]
+        [0, 1, 2].map(|axis| self.rows[axis].len())
     }
 
     /// Number of nodes.
@@ -115,18 +105,32 @@ impl GridMap {
         self.size().iter().product()
     }
 
-    /// The error vector at a node, x, y, z in µm. **The only place where one is computed.**
+    /// The error vector at a node, x, y, z in µm.
     ///
     /// Panics where the grid has no such node.
     #[inline]
     pub fn at(&self, node: Node) -> Vector {
-        let (a, b, c) = (&self.first[node[0]], &self.second[node[1]], &self.third[node[2]]);
+        self.error([0, 1, 2].map(|axis| &self.rows[axis][node[axis]]))
+    }
+
+    /// The error vector of three rows, x, y, z; of ranges the range of it. **The only place where one is computed.**
+    #[inline(always)]
+    pub(super) fn error<T>(&self, rows: [&Row<T>; 3]) -> [T; 3]
+    where
+        T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>,
+    {
+        let [a, b, c] = rows;
         let along_chain = [
-            ((a.shift[0] + b.shift[0]) + c.shift[0])
-                + (a.by_second * b.arm + (a.by_third + b.by_third) * c.arm),
-            ((a.shift[1] + b.shift[1]) + c.shift[1]) - (a.roll + b.roll) * c.arm,
-            ((a.shift[2] + b.shift[2]) + c.shift[2]) + a.roll * b.arm,
+            ((a[0] + b[0]) + c[0]) + (a[BY_SECOND] * b[ARM] + (a[BY_THIRD] + b[BY_THIRD]) * c[ARM]),
+            ((a[1] + b[1]) + c[1]) - (a[ROLL] + b[ROLL]) * c[ARM],
+            ((a[2] + b[2]) + c[2]) + a[ROLL] * b[ARM],
         ];
+        self.xyz(along_chain)
+    }
+
+    /// Values given in the order of the chain as x, y, z.
+    #[inline(always)]
+    pub(super) fn xyz<T: Copy>(&self, along_chain: [T; 3]) -> [T; 3] {
         self.place.map(|role| along_chain[role])
     }
 
@@ -138,16 +142,13 @@ impl GridMap {
     /// The node of a place in [`GridMap::vectors`].
     #[inline]
     pub fn node(&self, number: usize) -> Node {
-        let [_, second, third] = self.size();
-        let line = number / third;
-        [line / second, line % second, number % third]
+        node(number, self.size())
     }
 
     /// The place of a node in [`GridMap::vectors`].
     #[inline]
     pub fn number(&self, node: Node) -> usize {
-        let [_, second, third] = self.size();
-        (node[0] * second + node[1]) * third + node[2]
+        number(node, self.size())
     }
 
     /// Values given as x, y, z in the order of the chain.
@@ -160,35 +161,17 @@ impl GridMap {
     }
 }
 
-/// Shift, rotation and lever of a node, components in the order of the chain.
-struct Plain {
-    shift: Vector,
-    rotation: Vector,
-    arm: f64,
+/// The node with a number, the last axis fastest.
+#[inline]
+pub(super) fn node(number: usize, [_, second, third]: Node) -> Node {
+    let line = number / third;
+    [line / second, line % second, number % third]
 }
 
-impl Plain {
-    fn first(&self, parity: f64) -> First {
-        First {
-            shift: self.shift,
-            by_second: -parity * self.rotation[2],
-            by_third: parity * self.rotation[1],
-            roll: parity * self.rotation[0],
-        }
-    }
-
-    fn second(&self, parity: f64) -> Second {
-        Second {
-            shift: self.shift,
-            arm: self.arm,
-            by_third: parity * self.rotation[1],
-            roll: parity * self.rotation[0],
-        }
-    }
-
-    fn third(&self) -> Third {
-        Third { shift: self.shift, arm: self.arm }
-    }
+/// The number of a node.
+#[inline]
+pub(super) fn number(node: Node, [_, second, third]: Node) -> usize {
+    (node[0] * second + node[1]) * third + node[2]
 }
 
 impl AxisNodes {
@@ -200,18 +183,6 @@ impl AxisNodes {
             && self.rotation_urad.len() == count
             && vectors().flatten().chain(&self.arm_m).all(|v| v.is_finite())
             && self.arm_m.windows(2).all(|pair| pair[0] < pair[1])
-    }
-
-    fn in_order_of(&self, roles: [usize; 3]) -> Vec<Plain> {
-        let vectors = self.translation_um.iter().zip(&self.rotation_urad);
-        let nodes = vectors.zip(&self.arm_m);
-        nodes
-            .map(|((shift, rotation), arm)| Plain {
-                shift: roles.map(|role| shift[role]),
-                rotation: roles.map(|role| rotation[role]),
-                arm: *arm,
-            })
-            .collect()
     }
 }
 
@@ -227,67 +198,56 @@ pub struct Window {
 /// Nodes with their places on the axis.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Distinct {
-    pub(super) first: Vec<(usize, First)>,
-    pub(super) second: Vec<(usize, Second)>,
-    pub(super) third: Vec<(usize, Third)>,
-    order: Vec<([u64; 6], usize)>,
+    /// Of axis 1, 2 and 3.
+    pub(super) axes: [Vec<(usize, Row)>; 3],
+    order: Vec<([u64; 7], usize)>,
 }
 
 impl Distinct {
     /// Makes it the nodes of a window.
     pub(super) fn fill(&mut self, map: &GridMap, window: Window) {
-        let [i, j, k] = [0, 1, 2].map(|a| window.low[a]..window.low[a] + window.size[a]);
-        let (first, second, third) =
-            (&map.first[i.clone()], &map.second[j.clone()], &map.third[k.clone()]);
-        let zero = |v: f64| v.abs() <= 0.0;
-        let turns_second = first.iter().any(|n| !zero(n.by_second) || !zero(n.roll));
-        let turns_third = first.iter().any(|n| !zero(n.by_third) || !zero(n.roll))
-            || second.iter().any(|n| !zero(n.by_third) || !zero(n.roll));
-        let arm = |arm: f64, counts: bool| if counts { arm } else { 0.0 };
+        let nodes = [0, 1, 2].map(|axis| {
+            let start = window.low[axis];
+            &map.rows[axis][start..start + window.size[axis]]
+        });
+        let turns = |axis: usize, terms: [usize; 2]| {
+            nodes[axis].iter().any(|row| terms.iter().any(|term| row[*term].abs() > 0.0))
+        };
+        let lever_counts = [
+            false,
+            turns(0, [BY_SECOND, ROLL]),
+            turns(0, [BY_THIRD, ROLL]) || turns(1, [BY_THIRD, ROLL]),
+        ];
         let order = &mut self.order;
-        distinct(first, i.start, order, &mut self.first, |n| {
-            [n.shift[0], n.shift[1], n.shift[2], n.by_second, n.by_third, n.roll]
-        });
-        distinct(second, j.start, order, &mut self.second, |n| {
-            let [x, y, z] = n.shift;
-            [x, y, z, n.by_third, n.roll, arm(n.arm, turns_second)]
-        });
-        distinct(third, k.start, order, &mut self.third, |n| {
-            let [x, y, z] = n.shift;
-            [x, y, z, arm(n.arm, turns_third), 0.0, 0.0]
-        });
+        for (axis, kept) in self.axes.iter_mut().enumerate() {
+            order.clear();
+            order.extend(nodes[axis].iter().enumerate().map(|(n, row)| {
+                let mut key = row.map(|v| (v + 0.0).to_bits());
+                key[ARM] = if lever_counts[axis] { key[ARM] } else { 0 };
+                (key, n)
+            }));
+            order.sort_unstable();
+            order.dedup_by_key(|(key, _)| *key);
+            order.sort_unstable_by_key(|(_, n)| *n);
+            kept.clear();
+            kept.extend(order.iter().map(|(_, n)| (window.low[axis] + n, nodes[axis][*n])));
+        }
     }
 
     /// Sum of the largest magnitudes that a vector is made of, µm.
     pub(super) fn size_um(&self) -> f64 {
-        let largest =
-            |values: &mut dyn Iterator<Item = f64>| values.fold(0.0_f64, |m, v| m.max(v.abs()));
-        let second_arm = largest(&mut self.second.iter().map(|n| n.1.arm));
-        let third_arm = largest(&mut self.third.iter().map(|n| n.1.arm));
-        let shifts = largest(&mut self.first.iter().flat_map(|n| n.1.shift))
-            + largest(&mut self.second.iter().flat_map(|n| n.1.shift))
-            + largest(&mut self.third.iter().flat_map(|n| n.1.shift));
-        let first = &self.first;
-        let by_second = largest(&mut first.iter().flat_map(|n| [n.1.by_second, n.1.roll]));
-        let by_third = largest(&mut first.iter().flat_map(|n| [n.1.by_third, n.1.roll]))
-            + largest(&mut self.second.iter().flat_map(|n| [n.1.by_third, n.1.roll]));
-        3.0 * (shifts + by_second * second_arm + by_third * third_arm)
+        size_um(self.axes.each_ref().map(|rows| {
+            let start: Row = [0.0; 7];
+            rows.iter().fold(start, |m, (_, row)| std::array::from_fn(|n| m[n].max(row[n].abs())))
+        }))
     }
 }
 
-fn distinct<T: Copy>(
-    nodes: &[T],
-    start: usize,
-    order: &mut Vec<([u64; 6], usize)>,
-    kept: &mut Vec<(usize, T)>,
-    key: impl Fn(&T) -> [f64; 6],
-) {
-    order.clear();
-    let bits = |node: &T| key(node).map(|v| (v + 0.0).to_bits());
-    order.extend(nodes.iter().enumerate().map(|(n, node)| (bits(node), n)));
-    order.sort_unstable();
-    order.dedup_by_key(|(bits, _)| *bits);
-    order.sort_unstable_by_key(|(_, n)| *n);
-    kept.clear();
-    kept.extend(order.iter().map(|(_, n)| (start + n, nodes[*n])));
+/// Sum of the magnitudes that a vector is made of, µm, from the largest ones of each axis.
+pub(super) fn size_um([first, second, third]: [Row; 3]) -> f64 {
+    let shift = |row: &Row| row[0].max(row[1]).max(row[2]);
+    let turn = |row: &Row, term: usize| row[term].max(row[ROLL]);
+    let by_third = turn(&first, BY_THIRD) + turn(&second, BY_THIRD);
+    let levers = turn(&first, BY_SECOND) * second[ARM] + by_third * third[ARM];
+    3.0 * (shift(&first) + shift(&second) + shift(&third) + levers)
 }

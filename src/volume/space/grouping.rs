@@ -5,7 +5,7 @@
 //! constant error added, which changes no difference, the result may be too small by half.
 
 use super::grid_map::Vector;
-use super::pair::{Longest, Point};
+use super::pair::{self, Ends, Longest, Point};
 
 /// Tolerances of the grouping.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,12 +70,8 @@ fn apart(unit: &Vector, mean: &Vector) -> f64 {
 fn compare(vectors: &[Vector], records: &[usize]) -> Option<Longest> {
     let mut longest = Longest::none(*records.first()?);
     let point = |number: &usize| Point { at: vectors[*number], number: *number };
-    let points: Vec<Point> = records.iter().map(point).collect();
-    for (n, p) in points.iter().enumerate() {
-        for q in &points[n + 1..] {
-            longest.offer(p, q);
-        }
-    }
+    let top: Vec<Point> = records.iter().map(point).collect();
+    pair::compare(&Ends { bottom: top.clone(), top }, &mut longest);
     Some(longest)
 }
 

@@ -20,9 +20,6 @@ pub const EXACT_PAIRS: u64 = 3_000_000_000;
 /// Rounding of single precision in units of the largest coordinate, see [`prepared`].
 const ROUGH: f64 = 40.0 / 16_777_216.0;
 
-/// Doubt above which rough distances decide nothing, bins.
-const DOUBTFUL: f64 = 0.2;
-
 /// Number of pairs of `count` vectors.
 pub fn pairs(count: usize) -> u64 {
     let count = count as u64;
@@ -43,33 +40,19 @@ pub fn exact(vectors: &[Vector], bin_um: f64, threads: usize) -> Option<Vec<u64>
     if last >= BINS - 1 {
         return None;
     }
-    let tallies = match prepared(vectors, bin_um) {
-        Some(cloud) => in_threads(&cloud, threads),
-        None => return Some(one_by_one(vectors, bin_um, last)),
-    };
+    let tallies = in_threads(&prepared(vectors, bin_um)?, threads);
     let of_bin = |bin: usize| tallies.iter().map(|tally| tally.of(bin)).sum();
     Some((0..=last).map(of_bin).collect())
 }
 
-/// Rough coordinates in bins from the middle; `None` where they are too rough.
+/// Rough coordinates in bins from the middle; `None` where there is no vector or one is not finite.
 ///
 /// With |coordinate| ≤ R bins a rounded coordinate is wrong by R·2⁻²⁴ at most, a distance by
 /// 2·√3 times that; differences, squares, sum and root add less than 6·2⁻²⁴ of a distance of at
 /// most 2·√3·R, the comparison with the edge another 2⁻²⁴. 40·R·2⁻²⁴ is more than all of it.
 pub(super) fn prepared(vectors: &[Vector], bin_um: f64) -> Option<Cloud<'_>> {
-    let mut low = [f64::INFINITY; 3];
-    let mut high = [f64::NEG_INFINITY; 3];
-    for vector in vectors {
-        for c in 0..3 {
-            low[c] = low[c].min(vector[c]);
-            high[c] = high[c].max(vector[c]);
-        }
-    }
+    let (low, high) = cloud::bounds(vectors)?;
     let largest = (0..3).map(|c| high[c] - low[c]).fold(0.0, f64::max) / 2.0 / bin_um;
-    let doubt = ROUGH * largest.max(1.0);
-    if doubt > DOUBTFUL {
-        return None;
-    }
     #[expect(clippy::cast_possible_truncation, reason = "rough on purpose")]
     let rough = [0, 1, 2].map(|c| {
         let middle = low[c] + (high[c] - low[c]) / 2.0;
@@ -77,7 +60,7 @@ pub(super) fn prepared(vectors: &[Vector], bin_um: f64) -> Option<Cloud<'_>> {
         inside.map(|v| v as f32).collect()
     });
     #[expect(clippy::cast_possible_truncation, reason = "a bound with room")]
-    let doubt = doubt as f32;
+    let doubt = (ROUGH * largest.max(1.0)) as f32;
     Some(Cloud { exact: vectors, rough, bin_um, doubt })
 }
 
@@ -117,16 +100,6 @@ fn parts(count: usize, threads: usize) -> Vec<Range<usize>> {
         }
     }
     parts
-}
-
-fn one_by_one(vectors: &[Vector], bin_um: f64, last: usize) -> Vec<u64> {
-    let mut counts = vec![0; last + 1];
-    for (n, p) in vectors.iter().enumerate() {
-        for q in &vectors[n + 1..] {
-            counts[bin(p, q, bin_um)] += 1;
-        }
-    }
-    counts
 }
 
 /// Pairs done together.

@@ -15,7 +15,7 @@ const ROUNDING: f64 = 256.0 * f64::EPSILON;
 /// Square of the length of `p − q`, µm². **The only place where one is computed.**
 #[inline(always)]
 pub fn square(p: &Vector, q: &Vector) -> f64 {
-    let [x, y, z] = [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let [x, y, z] = minus(p, q);
     (x * x + y * y) + z * z
 }
 
@@ -72,9 +72,21 @@ pub(super) fn room(size_um: f64) -> f64 {
     ROUNDING * size_um
 }
 
+/// The difference p − q.
+#[inline(always)]
+pub(crate) fn minus(p: &Vector, q: &Vector) -> Vector {
+    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
+}
+
+/// Vector product, right-handed.
+#[inline(always)]
+pub(crate) fn cross(a: &Vector, b: &Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 /// Scalar product.
 #[inline(always)]
-pub(super) fn dot(d: &Vector, p: &Vector) -> f64 {
+pub(crate) fn dot(d: &Vector, p: &Vector) -> f64 {
     (d[0] * p[0] + d[1] * p[1]) + d[2] * p[2]
 }
 
@@ -111,11 +123,13 @@ impl DirectionCell {
     /// The cell cut in four.
     pub(super) fn quarters(self) -> [DirectionCell; 4] {
         let half = self.half / 2.0;
-        [(-half, -half), (-half, half), (half, -half), (half, half)].map(|(u, v)| DirectionCell {
-            centre: [self.centre[0] + u, self.centre[1] + v],
-            half,
-            ..self
-        })
+        self.around(half).map(|centre| DirectionCell { centre, half, ..self })
+    }
+
+    /// Four places so far from the centre in both directions of the face.
+    fn around(self, away: f64) -> [[f64; 2]; 4] {
+        let [u, v] = self.centre;
+        [(-away, -away), (-away, away), (away, -away), (away, away)].map(|(x, y)| [u + x, v + y])
     }
 
     /// True where a bound for `length` gains less than `room` from cutting the cell.
@@ -139,12 +153,8 @@ impl DirectionCell {
     /// Cosine of the largest angle between the centre and a direction of the cell: a corner's.
     pub(super) fn cosine(self) -> f64 {
         let centre = self.direction();
-        let [u, v] = self.centre;
-        let half = self.half;
-        [(-half, -half), (-half, half), (half, -half), (half, half)]
-            .into_iter()
-            .map(|(du, dv)| dot(&centre, &self.through(u + du, v + dv)))
-            .fold(1.0, f64::min)
+        let corners = self.around(self.half).map(|[u, v]| dot(&centre, &self.through(u, v)));
+        corners.into_iter().fold(1.0, f64::min)
     }
 }
 
@@ -169,8 +179,7 @@ pub(super) struct Frame {
 impl Frame {
     #[inline(always)]
     fn along(&self, d: &Vector, point: &Point) -> f64 {
-        let [x, y, z] = self.middle;
-        dot(d, &[point.at[0] - x, point.at[1] - y, point.at[2] - z])
+        dot(d, &minus(&point.at, &self.middle))
     }
 
     /// The point furthest along `d`, and how far. The list is not empty.
@@ -198,7 +207,8 @@ fn without_equals(points: &mut Vec<Point>) {
     points.dedup_by_key(|point| bits(point));
 }
 
-fn compare(ends: &Ends, longest: &mut Longest) {
+/// Compares every vector of one list with every one of the other.
+pub(super) fn compare(ends: &Ends, longest: &mut Longest) {
     for p in &ends.top {
         for q in &ends.bottom {
             longest.offer(p, q);

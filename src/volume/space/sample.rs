@@ -6,8 +6,7 @@
 
 use super::diameter::diameter;
 use super::grid_map::{GridMap, Node};
-use super::histogram::pairs;
-use super::pair::square;
+use super::histogram::{bin, pairs};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::ops::Range;
@@ -50,17 +49,17 @@ type Block = [Range<usize>; 3];
 /// limits `None` where `bin_um` is not positive or more than 2²⁰ bins were needed. A number below
 ///        n is drawn as the upper half of n·(32 random bits): uneven by n·2⁻³² at most
 pub fn estimate(map: &GridMap, bin_um: f64, draws: u64, seed: u64) -> Option<Estimate> {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a quotient of lengths, saturating"
-    )]
-    let bin = |length: f64| (length / bin_um) as usize;
-    let last = bin(diameter(map).um);
+    let bin = |nodes: [Node; 2]| {
+        let [p, q] = nodes.map(|node| map.at(node));
+        bin(&p, &q, bin_um)
+    };
+    let last = bin(diameter(map).nodes);
     if bin_um.is_nan() || bin_um <= 0.0 || last >= BINS {
         return None;
     }
-    let mut sums = Sums::new(last + 1);
+    let zeros = vec![0.0; last + 1];
+    let hits = vec![0; last + 1];
+    let mut sums = Sums { hits, counts: zeros.clone(), variances: zeros, drawn: 0 };
     for (stream, (one, other)) in strata(map.size()).into_iter().enumerate() {
         let size = if one == other {
             pairs(count(&one))
@@ -75,8 +74,7 @@ pub fn estimate(map: &GridMap, bin_um: f64, draws: u64, seed: u64) -> Option<Est
         let share = u128::from(draws) * u128::from(size) / u128::from(pairs(map.count()));
         let number = u64::try_from(share).unwrap_or(u64::MAX).max(LEAST);
         for _ in 0..number {
-            let [p, q] = two(&mut random, &one, &other).map(|node| map.at(node));
-            sums.hits[bin(square(&p, &q).sqrt()).min(last)] += 1;
+            sums.hits[bin(two(&mut random, &one, &other)).min(last)] += 1;
         }
         sums.close(size, number);
     }
@@ -102,10 +100,6 @@ struct Sums {
 }
 
 impl Sums {
-    fn new(bins: usize) -> Self {
-        Sums { hits: vec![0; bins], counts: vec![0.0; bins], variances: vec![0.0; bins], drawn: 0 }
-    }
-
     /// Adds a stratum of `size` pairs of which `drawn` were drawn.
     #[expect(clippy::cast_precision_loss, reason = "counts of an estimate")]
     fn close(&mut self, size: u64, drawn: u64) {

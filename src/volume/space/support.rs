@@ -13,7 +13,7 @@
 //! pieces; the points (x_v, y_v) that count are the upper hull. Chords of a convex function lie
 //! above it: a few of them bound what many lines have to be asked for.
 
-use super::grid_map::{Distinct, GridMap, Node, Vector};
+use super::grid_map::{ARM, BY_SECOND, BY_THIRD, Distinct, GridMap, Node, ROLL, Row, Vector};
 use super::pair::{Point, dot};
 
 /// Nodes of an axis for each chord of a bound.
@@ -43,6 +43,11 @@ pub(super) struct Support {
     line: Vec<f64>,
 }
 
+fn fill(values: &mut Vec<f64>, nodes: &[(usize, Row)], value: impl Fn(&Row) -> f64) {
+    values.clear();
+    values.extend(nodes.iter().map(|(_, row)| value(row)));
+}
+
 fn range(values: &[f64]) -> (f64, f64) {
     let start = (f64::INFINITY, f64::NEG_INFINITY);
     values.iter().fold(start, |(low, high), v| {
@@ -53,25 +58,17 @@ fn range(values: &[f64]) -> (f64, f64) {
 impl Support {
     /// Turns to the direction `d`, given in the order of the chain; returns a bound of f.
     pub(super) fn aim(&mut self, grid: &Distinct, d: &Vector) -> f64 {
-        self.alpha.clear();
-        self.gamma.clear();
-        self.beta.clear();
-        for (_, node) in &grid.first {
-            self.alpha.push(dot(d, &node.shift));
-            self.gamma.push(d[0] * node.by_second + d[2] * node.roll);
-            self.beta.push(d[0] * node.by_third - d[1] * node.roll);
-        }
-        self.mu.clear();
-        self.nu.clear();
-        for (_, node) in &grid.second {
-            self.mu.push(dot(d, &node.shift));
-            self.nu.push(d[0] * node.by_third - d[1] * node.roll);
-        }
-        self.kappa.clear();
-        let along = grid.third.iter().map(|(_, node)| dot(d, &node.shift));
-        self.kappa.extend(along);
+        let [first, second, third] = &grid.axes;
+        let along = |row: &Row| dot(d, &[row[0], row[1], row[2]]);
+        let swung = |row: &Row| d[0] * row[BY_THIRD] - d[1] * row[ROLL];
+        fill(&mut self.alpha, first, along);
+        fill(&mut self.gamma, first, |row| d[0] * row[BY_SECOND] + d[2] * row[ROLL]);
+        fill(&mut self.beta, first, swung);
+        fill(&mut self.mu, second, along);
+        fill(&mut self.nu, second, swung);
+        fill(&mut self.kappa, third, along);
         self.nu_range = range(&self.nu);
-        let arms = grid.third.iter().map(|(_, node)| node.arm);
+        let arms = third.iter().map(|(_, row)| row[ARM]);
         self.third.fill(arms.zip(self.kappa.iter().copied()));
         self.bound_rows(grid);
         range(&self.rows).1
@@ -84,14 +81,14 @@ impl Support {
         let (low, high) = range(&self.gamma);
         self.rows.clear();
         self.rows.resize(self.alpha.len(), f64::NEG_INFINITY);
-        let chords = limit(grid.third.len());
+        let chords = limit(grid.axes[2].len());
         self.third.few(slopes.0, slopes.1, chords, &mut self.chords);
         for chord in &self.chords {
-            let arms = grid.second.iter().map(|(_, node)| node.arm);
+            let arms = grid.axes[1].iter().map(|(_, row)| row[ARM]);
             let heights = self.mu.iter().zip(&self.nu).map(|(mu, nu)| mu + nu * chord.x);
             self.second.fill(arms.zip(heights));
             let planes = &mut self.chords_of_chord;
-            self.second.few(low, high, limit(grid.second.len()), planes);
+            self.second.few(low, high, limit(grid.axes[1].len()), planes);
             for plane in planes {
                 let slopes = self.gamma.iter().zip(&self.beta);
                 let height = plane.y + chord.y;
@@ -120,9 +117,9 @@ impl Support {
                 *best = if value > *best { value } else { *best };
             }
         }
-        let nodes = self.mu.iter().zip(&grid.second);
-        for (best, (mu, (_, node))) in self.line.iter_mut().zip(nodes) {
-            *best += (alpha + gamma * node.arm) + mu;
+        let nodes = self.mu.iter().zip(&grid.axes[1]);
+        for (best, (mu, (_, row))) in self.line.iter_mut().zip(nodes) {
+            *best += (alpha + gamma * row[ARM]) + mu;
         }
     }
 
@@ -144,10 +141,7 @@ impl Support {
         let (value, i, j) = best;
         let slope = self.beta[i] + self.nu[j];
         let lines = self.third.between(slope, slope);
-        let k = lines.iter().fold(lines[0], |best, line| {
-            let is_higher = line.at(slope) > best.at(slope);
-            if is_higher { *line } else { best }
-        });
+        let k = highest(lines, slope);
         (value, [i, j, k.number])
     }
 
@@ -164,15 +158,15 @@ impl Support {
                 continue;
             }
             self.look_at_row(grid, i);
-            for (j, (second, node)) in grid.second.iter().enumerate() {
+            for (j, (second, row)) in grid.axes[1].iter().enumerate() {
                 if self.line[j] < least {
                     continue;
                 }
-                let start = (self.alpha[i] + self.gamma[i] * node.arm) + self.mu[j];
+                let start = (self.alpha[i] + self.gamma[i] * row[ARM]) + self.mu[j];
                 let slope = self.beta[i] + self.nu[j];
-                for ((third, node), kappa) in grid.third.iter().zip(&self.kappa) {
-                    if start + (slope * node.arm + kappa) >= least {
-                        let node = [grid.first[i].0, *second, *third];
+                for ((third, row), kappa) in grid.axes[2].iter().zip(&self.kappa) {
+                    if start + (slope * row[ARM] + kappa) >= least {
+                        let node = [grid.axes[0][i].0, *second, *third];
                         points.push(Point { at: map.at(node), number: map.number(node) });
                     }
                 }
@@ -249,9 +243,9 @@ impl Envelope {
             lines.extend_from_slice(all);
             return;
         }
-        let mut value = largest(all, low);
+        let mut value = highest(all, low).at(low);
         for n in 1..=count {
-            let next = largest(all, knot(n));
+            let next = highest(all, knot(n)).at(knot(n));
             let x = (next - value) / (knot(n) - knot(n - 1));
             let y = next - x * knot(n);
             lines.push(HullLine { x, y, number: n });
@@ -260,10 +254,10 @@ impl Envelope {
     }
 }
 
-fn largest(lines: &[HullLine], slope: f64) -> f64 {
-    let start = lines[0].at(slope);
-    lines[1..].iter().fold(start, |m, line| {
-        let value = line.at(slope);
-        if value > m { value } else { m }
+/// The highest line at a slope, the first of several.
+fn highest(lines: &[HullLine], slope: f64) -> HullLine {
+    lines[1..].iter().fold(lines[0], |best, line| {
+        let is_higher = line.at(slope) > best.at(slope);
+        if is_higher { *line } else { best }
     })
 }

@@ -5,6 +5,9 @@
 //! outside the hull that is known, those nearest to it are dropped too, and the room that this
 //! leaves is told.
 
+use crate::volume::space::grid_map::Vector;
+use crate::volume::space::pair::{cross, dot, minus, square};
+
 /// Vectors that are kept before those inside the hull are dropped.
 const MOST_VECTORS: usize = 1 << 20;
 /// The hull grows until so small a part of them lies outside.
@@ -54,8 +57,7 @@ impl Cloud {
     /// Whether it lies so near to a vector inside the hull that it is inside too.
     #[inline]
     fn is_near_anchor(&self, vector: &Vector) -> bool {
-        let way = [0, 1, 2].map(|k| vector[k] - self.anchor[k]);
-        way[0] * way[0] + way[1] * way[1] + way[2] * way[2] < self.depth_square
+        square(vector, &self.anchor) < self.depth_square
     }
 
     /// Keeps a vector only if it lies outside the hull.
@@ -68,7 +70,7 @@ impl Cloud {
         let depth = hull.depth(&vector);
         if depth > 0.0 {
             (self.anchor, self.depth_square) = (vector, depth * depth);
-        } else if hull.beyond(&vector).0 > hull.start_um() {
+        } else if hull.beyond(&vector).0 > hull.start_um {
             self.vectors.push(vector);
         }
     }
@@ -105,13 +107,13 @@ impl Cloud {
 
     /// Drops the vectors inside, and gives the furthest of the others at each facet.
     fn drop_inside(&mut self, hull: &Hull) -> Vec<Vector> {
-        let mut furthest: Vec<(f64, Vector)> = vec![(0.0, [0.0; 3]); hull.facets()];
+        let mut furthest: Vec<(f64, Vector)> = vec![(0.0, [0.0; 3]); hull.facets.len()];
         self.vectors.retain(|vector| {
             let (beyond, facet) = hull.beyond(vector);
             if beyond > furthest[facet].0 {
                 furthest[facet] = (beyond, *vector);
             }
-            beyond > hull.start_um()
+            beyond > hull.start_um
         });
         furthest.retain(|(beyond, _)| *beyond > 0.0);
         furthest.sort_by(|a, b| b.0.total_cmp(&a.0));
@@ -126,9 +128,6 @@ impl Cloud {
         (vectors, 2.0 * self.room_um)
     }
 }
-
-/// An error vector, µm.
-pub(super) type Vector = [f64; 3];
 
 /// How far the six first corners are from the middle, as a part of the size of the cloud: vectors
 /// in a plane or on a line have a hull with an inside too. The square root of what rounding leaves
@@ -170,8 +169,8 @@ impl Hull {
         let count = vectors.len() as f64;
         let mean = |k: usize| vectors.iter().map(|vector| vector[k]).sum::<f64>() / count;
         let middle = [mean(0), mean(1), mean(2)];
-        let squares = vectors.iter().map(|vector| minus(*vector, middle));
-        let size = squares.map(|v| dot(v, v)).fold(1.0, f64::max).sqrt();
+        let squares = vectors.iter().map(|vector| minus(vector, &middle));
+        let size = squares.map(|v| dot(&v, &v)).fold(1.0, f64::max).sqrt();
         if vectors.is_empty() || !size.is_finite() {
             return None;
         }
@@ -189,7 +188,7 @@ impl Hull {
         Some(hull)
     }
 
-    /// The vectors at its corners, and the middle: within [`Hull::start_um`] all that lies inside
+    /// The vectors at its corners, and the middle: within `start_um` all that lies inside
     /// is a mean of them.
     fn corners(&self) -> impl Iterator<Item = Vector> + '_ {
         let corners = self.corners.iter().skip(6).copied();
@@ -197,43 +196,34 @@ impl Hull {
         corners.map(|corner| [0, 1, 2].map(|k| corner[k] + self.middle[k]))
     }
 
-    fn facets(&self) -> usize {
-        self.facets.len()
-    }
-
-    /// What the hull may reach further out than its vectors, µm.
-    fn start_um(&self) -> f64 {
-        self.start_um
-    }
-
     /// How deep a vector lies below the surface, µm; 0 or less: it does not.
     fn depth(&self, vector: &Vector) -> f64 {
-        let way = minus(*vector, self.middle);
+        let way = minus(vector, &self.middle);
         let depths = self.facets.iter();
-        let depths = depths.map(|facet| facet.distance * (1.0 - dot(facet.scaled, way)));
+        let depths = depths.map(|facet| facet.distance * (1.0 - dot(&facet.scaled, &way)));
         depths.fold(f64::INFINITY, |a, b| if b < a { b } else { a })
     }
 
     /// How far a vector lies behind the point where the way to it from the middle leaves the hull,
     /// µm, and the facet there. Its distance from the hull is not larger.
     fn beyond(&self, vector: &Vector) -> (f64, usize) {
-        let way = minus(*vector, self.middle);
+        let way = minus(vector, &self.middle);
         let mut found = (0.0, 0);
         for (number, facet) in self.facets.iter().enumerate() {
-            let times = dot(facet.scaled, way);
+            let times = dot(&facet.scaled, &way);
             if times > found.0 {
                 found = (times, number);
             }
         }
         let (times, facet) = found;
         let part = if times > 1.0 { 1.0 - 1.0 / times } else { 0.0 };
-        (dot(way, way).sqrt() * part, facet)
+        (dot(&way, &way).sqrt() * part, facet)
     }
 
     /// At most so far is a vector from the hull, µm.
     fn distance(&self, vector: &Vector) -> f64 {
-        let ways = self.corners().map(|corner| minus(*vector, corner));
-        let nearest = ways.map(|way| dot(way, way)).fold(f64::INFINITY, f64::min);
+        let ways = self.corners().map(|corner| minus(vector, &corner));
+        let nearest = ways.map(|way| dot(&way, &way)).fold(f64::INFINITY, f64::min);
         self.beyond(vector).0.min(nearest.sqrt())
     }
 
@@ -242,14 +232,14 @@ impl Hull {
         let before = self.corners.len();
         for vector in vectors {
             if self.facets.len() < MOST_FACETS {
-                self.insert(minus(*vector, self.middle));
+                self.insert(minus(vector, &self.middle));
             }
         }
         self.corners.len() > before
     }
 
     fn insert(&mut self, corner: Vector) {
-        let sees = |facet: &Facet| dot(facet.scaled, corner) > 1.0;
+        let sees = |facet: &Facet| dot(&facet.scaled, &corner) > 1.0;
         let seen: Vec<Facet> = self.facets.iter().filter(|facet| sees(facet)).copied().collect();
         let edges: Vec<(usize, usize)> =
             seen.iter().flat_map(|facet| edges(facet.corners)).collect();
@@ -270,10 +260,10 @@ impl Hull {
     /// the first facets, which all others lie around, are (0.58 of the start).
     fn facet(&self, corners: [usize; 3]) -> Option<Facet> {
         let [a, b, c] = corners.map(|number| self.corners[number]);
-        let across = cross(minus(b, a), minus(c, a));
-        let size = dot(across, across).sqrt();
+        let across = cross(&minus(&b, &a), &minus(&c, &a));
+        let size = dot(&across, &across).sqrt();
         let normal = across.map(|part| part / size);
-        let distance = dot(normal, a).min(dot(normal, b)).min(dot(normal, c));
+        let distance = dot(&normal, &a).min(dot(&normal, &b)).min(dot(&normal, &c));
         (distance > self.start_um / 4.0).then(|| Facet {
             corners,
             scaled: normal.map(|part| part / distance),
@@ -284,18 +274,6 @@ impl Hull {
 
 fn edges([a, b, c]: [usize; 3]) -> [(usize, usize); 3] {
     [(a, b), (b, c), (c, a)]
-}
-
-fn minus(a: Vector, b: Vector) -> Vector {
-    [0, 1, 2].map(|k| a[k] - b[k])
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]

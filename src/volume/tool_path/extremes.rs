@@ -59,12 +59,15 @@ pub struct Range {
     pub max: Extreme,
 }
 
-impl Range {
-    pub(super) const NONE: Range = Range {
-        min: Extreme { um: f64::INFINITY, place: [0.0; 3], line: 0 },
-        max: Extreme { um: f64::NEG_INFINITY, place: [0.0; 3], line: 0 },
-    };
+/// Of no value.
+impl Default for Range {
+    fn default() -> Range {
+        let none = |um| Extreme { um, place: [0.0; 3], line: 0 };
+        Range { min: none(f64::INFINITY), max: none(f64::NEG_INFINITY) }
+    }
+}
 
+impl Range {
     /// Whether a value lies outside.
     #[inline]
     pub(super) fn is_passed_by(&self, um: f64) -> bool {

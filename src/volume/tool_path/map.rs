@@ -5,6 +5,7 @@ use crate::inputs::job::Job;
 use crate::inputs::nc::Place;
 use crate::quantity::axis::Axis;
 use crate::quantity::curve::{Interpolation, JUMP_MM};
+use crate::volume::space::pair::cross;
 use crate::volume::volume_model::VolumeModel;
 
 /// µrad × mm = 10⁻³ µm.
@@ -68,12 +69,9 @@ impl PathMap {
         if !each_once || !nodes.iter().all(ascend) {
             return None;
         }
-        let mut axis = 0;
-        let axes = nodes.map(|nodes| {
-            let (nodes, pieces) = pieces(&nodes, cubic, |at| part(axis, at));
-            let origin = origins[axis];
-            axis += 1;
-            AxisPieces { nodes, pieces, origin }
+        let axes = [0, 1, 2].map(|axis| {
+            let (nodes, pieces) = pieces(&nodes[axis], cubic, |at| part(axis, at));
+            AxisPieces { nodes, pieces, origin: origins[axis] }
         });
         Some(PathMap { order, axes, degree: if cubic { 3 } else { 1 }, zero: [0.0; 3] })
     }
@@ -81,13 +79,10 @@ impl PathMap {
     /// The map less the mean error at these places (a datum that was probed on the machine).
     #[must_use]
     pub(crate) fn zeroed_at(mut self, places: &[Place]) -> PathMap {
-        let (mut sum, mut count) = ([0.0; 3], 0.0);
-        for place in places {
-            sum = plus(sum, self.error_at(*place, 0.0));
-            count += 1.0;
-        }
-        if count > 0.0 {
-            self.zero = plus(self.zero, sum.map(|um| um / count));
+        let errors = places.iter().map(|place| self.error_at(*place, 0.0));
+        let sum = errors.fold([0.0; 3], plus);
+        if !places.is_empty() {
+            self.zero = plus(self.zero, sum.map(|um| um / places.len() as f64));
         }
         self
     }
@@ -192,10 +187,10 @@ impl Cell<'_> {
         };
         let rotation = |part: &[f64; 6]| [part[3], part[4], part[5]];
         let swung = plus(
-            cross(rotation(&first), lever(&self.beyond_first)),
-            cross(rotation(&second), lever(&self.beyond_second)),
+            cross(&rotation(&first), &lever(&self.beyond_first)),
+            cross(&rotation(&second), &lever(&self.beyond_second)),
         );
-        let swung = plus(swung, cross(rotation(&third), tool));
+        let swung = plus(swung, cross(&rotation(&third), &tool));
         std::array::from_fn(|k| (first[k] + second[k]) + third[k] + swung[k] * PER_M - self.zero[k])
     }
 }
@@ -203,11 +198,6 @@ impl Cell<'_> {
 #[inline]
 fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|k| a[k] + b[k])
-}
-
-#[inline]
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[inline]

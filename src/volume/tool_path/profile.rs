@@ -7,6 +7,7 @@ use crate::inputs::job::Job;
 use crate::inputs::nc::{Move, Place, Plane, Refused, Shape};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
+use crate::volume::space::pair::{dot, minus};
 use crate::volume::volume_model::VolumeModel;
 
 /// Samples of one move: a kilometre in steps of a micrometre.
@@ -85,7 +86,7 @@ pub struct Outside {
 }
 
 /// What was found along a path.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Summary {
     /// Length of the moves that were followed, mm.
     pub length_mm: f64,
@@ -142,18 +143,7 @@ impl<'m> Profile<'m> {
             cell: [0; 3],
             cuts: Vec::new(),
             cloud: Cloud::new(),
-            found: Summary {
-                length_mm: 0.0,
-                lines: 0,
-                arcs: 0,
-                rapids_left_out: 0,
-                ranges: [Range::NONE; 6],
-                samples: 0,
-                vectors: Vec::new(),
-                room_um: 0.0,
-                outside: Vec::new(),
-                with_tool: false,
-            },
+            found: Summary::default(),
         }
     }
 
@@ -204,8 +194,8 @@ impl<'m> Profile<'m> {
     ) -> Result<(), Refused> {
         self.check_travel(stretch.to)?;
         self.check_measured(&stretch)?;
-        let way: [f64; 3] = std::array::from_fn(|k| stretch.to[k] - stretch.from[k]);
-        let length = (way[0] * way[0] + way[1] * way[1] + way[2] * way[2]).sqrt();
+        let way = minus(&stretch.to, &stretch.from);
+        let length = dot(&way, &way).sqrt();
         if length <= 0.0 {
             return Ok(());
         }
@@ -349,7 +339,7 @@ impl<'m> Profile<'m> {
         for (range, value) in self.found.ranges.iter_mut().zip(&values[..count]) {
             range.take(*value, place, stretch.line);
         }
-        self.found.ranges[5].take(length_of(error), place, stretch.line);
+        self.found.ranges[5].take(dot(&error, &error).sqrt(), place, stretch.line);
     }
 
     #[inline]
@@ -461,12 +451,8 @@ impl Summary {
 /// X, Y, Z, tangent, normal (0 where there is none).
 #[inline]
 fn channels(stretch: &Stretch, e: [f64; 3]) -> [f64; 5] {
-    let dot = |v: [f64; 3]| v[0] * e[0] + v[1] * e[1] + v[2] * e[2];
-    [e[0], e[1], e[2], dot(stretch.tangent), dot(stretch.normal.unwrap_or([0.0; 3]))]
-}
-
-fn length_of(e: [f64; 3]) -> f64 {
-    (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]).sqrt()
+    let normal = stretch.normal.unwrap_or([0.0; 3]);
+    [e[0], e[1], e[2], dot(&stretch.tangent, &e), dot(&normal, &e)]
 }
 
 /// To the left of the path in the plane; `None` where the path runs along the third axis.

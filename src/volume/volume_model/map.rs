@@ -1,7 +1,7 @@
 //! The error vectors at the nodes of a grid, in the structured form of [`crate::volume::space`].
 //! The range of each axis is what every one of its curves covers.
 
-use super::{AxisState, Component, MM_PER_M, VolumeModel};
+use super::{Component, MM_PER_M, VolumeModel};
 use crate::inputs::job::Job;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::curve::ErrorCurve;
@@ -60,7 +60,7 @@ impl VolumeModel {
                 return vec![low];
             }
             let last = counts[axis] - 1;
-            let place = |index: usize| low + (high - low) * part(index, last);
+            let place = |index: usize| low + (high - low) * (index as f64 / last as f64);
             (0..last).map(place).chain([high]).collect()
         })
     }
@@ -74,25 +74,15 @@ impl VolumeModel {
     pub fn map_of(&self, nodes: &Nodes, keep: impl Fn(Component) -> bool) -> Option<ErrorMap> {
         let order = self.chain.order();
         let lists = order.map(|axis| {
-            let mut list = AxisNodes::default();
-            for position in &nodes[axis] {
-                add(&mut list, axis, &self.state(axis, *position, &keep));
-            }
-            list
+            let states = nodes[axis].iter().map(|mm| self.state(axis, *mm, &keep));
+            let vector = |v: PerAxis<f64>| [v.x, v.y, v.z];
+            let vectors = states.map(|of| (vector(of.deviation_um), vector(of.rotation_urad)));
+            let (translation_um, rotation_urad) = vectors.unzip();
+            let arm_m = nodes[axis].iter().map(|mm| (mm - self.origin[axis]) / MM_PER_M).collect();
+            AxisNodes { translation_um, rotation_urad, arm_m }
         });
         Some(ErrorMap { nodes: nodes.clone(), vectors: GridMap::new(order, lists)? })
     }
-}
-
-fn add(list: &mut AxisNodes, axis: Axis, state: &AxisState) {
-    let vector = |v: PerAxis<f64>| [v.x, v.y, v.z];
-    list.translation_um.push(vector(state.deviation_um));
-    list.rotation_urad.push(vector(state.rotation_urad));
-    list.arm_m.push(state.arm_mm[axis] / MM_PER_M);
-}
-
-fn part(index: usize, last: usize) -> f64 {
-    index as f64 / last as f64
 }
 
 impl ErrorMap {
@@ -101,34 +91,15 @@ impl ErrorMap {
         &self.vectors
     }
 
-    /// The positions of each axis, mm.
-    pub fn nodes(&self) -> &Nodes {
-        &self.nodes
-    }
-
-    /// Number of nodes.
-    pub fn count(&self) -> usize {
-        self.vectors.count()
-    }
-
     /// Number of nodes of each axis.
     pub fn counts(&self) -> PerAxis<usize> {
         self.nodes.counts()
     }
 
-    /// Every node with its error vector, µm; X slowest, Z fastest, whatever the chain.
+    /// Every node with its error vector, µm, in the order of the vectors.
     pub fn points(&self) -> impl Iterator<Item = (PerAxis<f64>, PerAxis<f64>)> {
-        let counts = self.counts();
-        let indices = (0..counts.x).flat_map(move |x| {
-            (0..counts.y).flat_map(move |y| (0..counts.z).map(move |z| PerAxis { x, y, z }))
-        });
-        indices.map(|index| self.point(index))
-    }
-
-    /// One node with its error vector, µm, by its numbers along X, Y and Z.
-    pub fn point(&self, index: PerAxis<usize>) -> (PerAxis<f64>, PerAxis<f64>) {
-        let node = self.vectors.along_chain([index.x, index.y, index.z]);
-        (self.place(node), self.error(node))
+        let nodes = (0..self.vectors.count()).map(|number| self.vectors.node(number));
+        nodes.map(|node| (self.place(node), self.error(node)))
     }
 
     /// Place of a node, its numbers in the order of the chain, mm.

@@ -77,19 +77,16 @@ impl VolumeModel {
     /// Squareness that is neither stated nor can stand in slopes of measured straightness.
     fn no_slopes(&self) -> Vec<Missing> {
         let pairs = [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)];
-        let open = pairs.into_iter().filter(|(of, along)| {
-            let (of, along) = (*of, *along);
-            let term = ErrorTerm { of, along };
-            let stated = self.squareness.iter().any(|s| s.term == term);
-            let is_known = |term: ErrorTerm| self.deviations[term].is_some();
-            let both = is_known(term) && is_known(term.twin());
-            !stated && !both
-        });
-        open.map(|(of, along)| Missing {
-            component: Component::Squareness(ErrorTerm { of, along }),
-            consequence: format!("{of} and {along} count as square"),
-        })
-        .collect()
+        let terms = pairs.into_iter().map(|(of, along)| ErrorTerm { of, along });
+        let is_open = |term: &ErrorTerm| {
+            let in_slopes = [*term, term.twin()].iter().all(|t| self.deviations[*t].is_some());
+            !in_slopes && self.squareness.iter().all(|s| s.term != *term)
+        };
+        let missing = |term: ErrorTerm| Missing {
+            component: Component::Squareness(term),
+            consequence: format!("{} and {} count as square", term.of, term.along),
+        };
+        terms.filter(is_open).map(missing).collect()
     }
 
     /// What the model takes for granted.
