@@ -10,7 +10,7 @@ use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
 use super::uncertainty::{Budget, u_squareness};
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
-use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::axis::Axis;
 use crate::quantity::units::{Figure, rounded};
 use crate::text::finding::Finding;
 
@@ -31,10 +31,6 @@ pub(super) fn of_steps(
         Some(false) => Found::Turned { from },
         None => Found::OverrunOpen,
     };
-    let kept = turn.map(|turn| {
-        let crosses = ErrorTerm::ALL.into_iter().filter(|term| term.is_cross());
-        crosses.filter(|term| turn.in_curves[*term]).map(|term| term.to_string()).collect()
-    });
     let short = Axis::ALL.map(|axis| (axis, noise_gain(&measurement.volume, axis)));
     let short = short.into_iter().filter(|(_, gain)| *gain > 3.0);
     let labels = [
@@ -42,7 +38,7 @@ pub(super) fn of_steps(
         Some(Found::FrameOf { frame: measurement.frame }),
         Some(way),
         (backs && !campaign.reverse_zero_known).then_some(Found::OwnZero),
-        kept.map(|kept| Found::FromTurn { kept }),
+        turn.map(|turn| Found::FromTurn { change_um: turn.change_um }),
         backs.then_some(Found::Directions),
     ];
     let labels = labels.into_iter().flatten();

@@ -13,7 +13,7 @@ use super::metric::{Metric, PerPlane, Plane};
 use super::noise::{Noise, NoiseSource, ReadingPlace};
 use super::patterns::Known;
 use super::readings::{CorrectedRun, Means, means};
-use super::reversal::{Turn, ran_over, turn};
+use super::reversal::{Turn, ran_over};
 use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness, scale_sum_um_mm};
 use super::steps::Steps;
 use super::uncertainty::{Budget, SlopeUncertainty, rolls};
@@ -266,12 +266,13 @@ fn evaluated(
     overrun: Option<bool>,
 ) -> Separation {
     let (volume, noise, turned) = (budget.volume, budget.noise, budget.turned);
-    let solved = Solved::new(campaign, budget, measured);
+    let mut solved = Solved::new(campaign, budget, measured);
     let agreement = solved.judged();
-    let anomalies = anomalies(campaign, solved.model.layout, &closure, agreement.as_ref());
-    let turn = turn(measured, volume, budget.runs, noise).filter(|_| turned);
+    let turn = turned.then(|| solved.turn()).flatten();
     let reversals = if turned { LinearReversals::default() } else { campaign.reversals.clone() };
-    let errors = solved.errors(turn.as_ref(), &reversals);
+    let apart = solved.apart(turn.as_ref(), &reversals);
+    let errors = solved.errors(&apart);
+    let anomalies = anomalies(campaign, solved.model.layout, &closure, agreement.as_ref());
     let mut labels = labels::of_steps(campaign, budget, overrun, turn.as_ref());
     labels.extend(labels::of_reversals(&reversals, !budget.both_ways()));
     labels.extend(solved.labels(agreement.is_some()));
@@ -327,7 +328,7 @@ fn overrun(campaign: &Campaign<'_>, start: &Start, measured: &Means) -> Option<b
         let steps = Steps::of_readings(volume, measured, false);
         let guess = || closure(&steps, measured, &start.counts, rough).noise();
         let noise = start.noise.or_else(guess);
-        ran_over(measured, volume, &start.counts, noise?)
+        ran_over(&steps, &steps.layout.measured(measured, &[]), &start.counts, noise?)
     };
     let stated = campaign.measurement.overrun;
     stated.or_else(|| campaign.reverse_zero_known.then(judged)?)

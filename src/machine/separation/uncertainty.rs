@@ -82,7 +82,8 @@ impl Budget<'_> {
         let (kind, lines) = (campaign.measurement.kind, &campaign.lines);
         let passes = &Pass::BOTH[..1 + usize::from(self.both_ways())];
         let nodes = self.volume.last_node(kind) + 1;
-        let mut model = Model::new(Layout { nodes, passes: passes.len(), lines: lines.len() });
+        let mut model =
+            Model::new(Layout { nodes, passes: passes.len(), lines: lines.len(), apart: 0 });
         let variance = self.noise.map_or(0.0, |noise| noise.sigma_um.squared());
         for (index, line) in lines.iter().enumerate() {
             let of_setup = self.stated.setup_ppm.unwrap_or(0.0);
