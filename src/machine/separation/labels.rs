@@ -16,11 +16,11 @@ use crate::text::finding::Finding;
 
 /// Of step runs.
 pub(super) fn of_steps(
-    campaign: &Campaign<'_>,
     budget: &Budget<'_>,
     overrun: Option<bool>,
     turn: Option<&Turn>,
 ) -> Vec<Finding> {
+    let campaign = budget.campaign;
     let measurement = campaign.measurement;
     let (backs, tilt_arcsec) = (budget.both_ways(), campaign.stated.tilt_arcsec);
     let is_perfect = measurement.setup == SetUp::AssumePerfect;
@@ -43,11 +43,12 @@ pub(super) fn of_steps(
     ];
     let labels = labels.into_iter().flatten();
     let labels = labels.chain(short.map(|(axis, gain)| Found::ShortEdge { axis, gain }));
-    labels.chain(common(campaign, budget)).map(Finding::from).collect()
+    labels.chain(common(budget)).map(Finding::from).collect()
 }
 
 /// Of straight runs.
-pub(super) fn of_straight(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec<Finding> {
+pub(super) fn of_straight(budget: &Budget<'_>) -> Vec<Finding> {
+    let campaign = budget.campaign;
     let runs = match (budget.both_ways(), campaign.reverse_zero_known) {
         (false, _) => Found::StraightForwardOnly,
         (true, true) => Found::StraightOneZero,
@@ -55,11 +56,12 @@ pub(super) fn of_straight(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec<F
     };
     let has_ends = campaign.lines.iter().any(|line| line.ends.is_some());
     let labels = [Some(runs), has_ends.then_some(Found::WholeBeams)];
-    labels.into_iter().flatten().chain(common(campaign, budget)).map(Finding::from).collect()
+    labels.into_iter().flatten().chain(common(budget)).map(Finding::from).collect()
 }
 
 /// What is assumed of readings of any kind, and what their uncertainty holds.
-fn common(campaign: &Campaign<'_>, budget: &Budget<'_>) -> impl Iterator<Item = Found> {
+fn common(budget: &Budget<'_>) -> impl Iterator<Item = Found> {
+    let campaign = budget.campaign;
     let has_air = campaign.measurement.material.is_none_or(|material| material.air_corrected);
     let noise = budget.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs {
         um: noise.sigma_um,
@@ -74,8 +76,8 @@ fn common(campaign: &Campaign<'_>, budget: &Budget<'_>) -> impl Iterator<Item = 
 
 /// What of `[measurement.uncertainty]` counts, and for which axes.
 fn stated(budget: &Budget<'_>) -> [Found; 6] {
-    let stated = budget.stated;
-    let material = |axis: Axis| budget.material.and_then(|material| material.axes[axis]);
+    let stated = budget.campaign.stated;
+    let material = |axis: Axis| budget.start.material.and_then(|material| material.axes[axis]);
     let by_axis = |key, is_stated: Option<f64>, known: &dyn Fn(Axis) -> bool, needs| {
         let (with, without): (Vec<Axis>, Vec<Axis>) =
             Axis::ALL.into_iter().partition(|axis| known(*axis));
@@ -89,7 +91,7 @@ fn stated(budget: &Budget<'_>) -> [Found; 6] {
         })
     };
     let is_warm = |axis| material(axis).is_some_and(|m| m.temperature_c.is_some());
-    let each = u_squareness(budget.volume, budget.volume.diagonal_mm() / 1000.0);
+    let each = u_squareness(budget.volume(), budget.volume().diagonal_mm() / 1000.0);
     let warm = "alpha_per_k and temperature_c, or a column of temperatures";
     let is_known = |axis| material(axis).is_some();
     [

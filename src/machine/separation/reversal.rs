@@ -24,15 +24,18 @@
 //! and three combinations of cross terms can be seen: the reversal of a single axis is not
 //! determined, and both curves start at 0. A [linear measurement](super::linear_reversal) may tell it.
 
+use super::curves::mean;
+use super::findings::SeparationFinding;
 use super::linear::{CurveRows, Row};
 use super::linear_reversal::{LinearReversal, LinearReversals};
-use super::noise::{DIGIT_UM, Noise, chance_of};
+use super::noise::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of};
 use super::readings::RunCounts;
 use super::solved::Solved;
 use super::steps::Steps;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::quantity::units::Squared;
+use crate::text::finding::Finding;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
@@ -121,7 +124,7 @@ impl Solved<'_> {
     /// The reversals of a turn without overrun.
     pub(super) fn turn(&mut self) -> Option<Turn> {
         let (steps, budget) = (self.steps, self.budget);
-        let (layout, volume, noise) = (steps.layout, budget.volume, budget.noise);
+        let (layout, volume, noise) = (steps.layout, budget.volume(), budget.noise);
         let (mut rows, mut design) = (Vec::new(), DMatrix::zeros(MEASURED + 9, 18));
         // The unknowns: B of all terms at the low ends, then at the high ones, axis by axis.
         let at = |along: Axis, of: Axis, end: Direction| {
@@ -146,7 +149,8 @@ impl Solved<'_> {
             design[(MEASURED + term, 9 + term)] = 1.0;
         }
         let square = noise.map_or(0.0, |noise| noise.sigma_um).max(DIGIT_UM).squared();
-        let weights = layout.column(|pass, d, _| (square / budget.runs[d][pass as usize]).sqrt());
+        let weights =
+            layout.column(|pass, d, _| (square / budget.start.counts[d][pass as usize]).sqrt());
         let mut weighed = DMatrix::zeros(weights.len(), MEASURED);
         for (index, row) in rows.iter().enumerate() {
             row.0.iter().for_each(|(place, by)| weighed[(*place, index)] += by * weights[*place]);
@@ -239,4 +243,21 @@ impl Solved<'_> {
             _ => self.budget.both_ways().then(|| (self.between_passes(term), true)),
         })
     }
+}
+
+/// Where the turn and the linear measurement of an axis contradict each other by more than six
+/// standard deviations: the axes turned otherwise than was stated, or the two were not measured in
+/// the same state.
+pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<Finding> {
+    let of_axis = |(axis, linear): (Axis, &Option<LinearReversal>)| {
+        let linear = linear.as_ref()?;
+        let of_turn = turn.reversal[ErrorTerm::positioning(axis)];
+        let (turn_um, linear_um) = (of_turn.um, mean(linear.um.iter().copied()));
+        let limit = 6.0 * of_turn.u_um?.hypot(linear.u_largest_um()?);
+        let apart = (turn_um - linear_um).abs() > limit.max(UNRESOLVED_UM);
+        apart.then(|| {
+            Finding::from(SeparationFinding::TurnAgainstLinear { axis, turn_um, linear_um })
+        })
+    };
+    reversals.iter().filter_map(of_axis).collect()
 }

@@ -6,7 +6,7 @@
 //! ```
 
 use super::agreement::Agreement;
-use super::campaign::{Campaign, MeasuredLine};
+use super::campaign::MeasuredLine;
 use super::curves::{Curve, ReferenceLine};
 use super::linear::{CurveRows, Model, Row, Variance};
 use super::metric::{Equations, Metric, PerPlane, Plane, UM_PER_M};
@@ -61,14 +61,10 @@ pub(super) fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f6
 
 impl<'a> Solved<'a> {
     /// `means`: as measured; what a turn adds to them is left out.
-    pub(super) fn new(
-        campaign: &Campaign<'_>,
-        budget: &'a Budget<'a>,
-        means: &Means,
-    ) -> Solved<'a> {
+    pub(super) fn new(budget: &'a Budget<'a>, means: &Means) -> Solved<'a> {
+        let (campaign, volume) = (budget.campaign, budget.volume());
         let (setup, frame) = (campaign.measurement.setup, campaign.measurement.frame);
-        let volume = budget.volume;
-        let mut model = budget.model(campaign);
+        let mut model = budget.model();
         let slopes: Vec<f64> = campaign.lines.iter().map(|l| l.slope_um_per_m).collect();
         let z = model.layout.measured(means, &slopes);
         let steps = Steps::new(volume, model.layout, budget.turned);
@@ -129,7 +125,7 @@ impl<'a> Solved<'a> {
     }
 
     fn metres(&self, term: ErrorTerm) -> f64 {
-        self.budget.volume.size[term.along].mm() / 1000.0
+        self.budget.volume().size[term.along].mm() / 1000.0
     }
 
     /// What the slope of a term is made of: shares of its figure, of its separated slope, of that of its twin.
@@ -237,7 +233,7 @@ impl<'a> Solved<'a> {
         // A separated slope holds the tilt of the mirror.
         let slope_is_known = match share > 0.0 {
             true => self.figure_variance(Unknown::of(term)).is_some(),
-            false => own < 1.0 || self.budget.stated.tilt_arcsec.is_some(),
+            false => own < 1.0 || self.budget.campaign.stated.tilt_arcsec.is_some(),
         };
         let is_known = is_known && slope_is_known && self.budget.noise.is_some();
         let variances = rows.variances(&self.model);
@@ -259,7 +255,7 @@ impl<'a> Solved<'a> {
             found.filter(|_| of <= along).unwrap_or(0.0)
         };
         Some(PerDiagonal::from_fn(|diagonal| {
-            let u = self.budget.volume.laser(diagonal);
+            let u = self.budget.volume().laser(diagonal);
             let expected = |along: Axis| {
                 let part = |of: Axis| slope(of, along) * u[of];
                 u[along] + 1e-6 * Axis::ALL.into_iter().map(part).sum::<f64>()
