@@ -54,7 +54,7 @@ pub mod table;
 pub mod uncertainty;
 
 pub use self::campaign::{Campaign, MeasuredLine, corrected};
-pub(crate) use self::expected::{Instrument, expected, linear_axis};
+pub(crate) use self::expected::{Instrument, expected};
 pub use self::linear::Part;
 pub use self::separate::{Separation, separate};
 pub use self::solved::{NineErrors, SeparatedError};

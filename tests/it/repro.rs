@@ -22,7 +22,7 @@ const CASES: [(&str, &str, &str, &str); 16] = [
     ("roll_within_stated_bound", "setup_ppm = 1", "pass", "pass"),
     ("periodic_pitch_error", "setup_ppm = 1\nangle_urad = 0", "pass", "pass"),
     ("right_kit_named_temperature", "", "pass", "pass"),
-    ("right_kit_named_wrong_order", "setup_ppm = 1\nangle_urad = 0", "pass", "undecided"),
+    ("right_kit_named_wrong_order", "setup_ppm = 1\nangle_urad = 0", "pass", "pass"),
     ("names_worst", "setup_ppm = 1\nangle_urad = 0", "undecided", "-"),
 ];
 

@@ -323,11 +323,7 @@ impl Tally {
                 let Some(evidence) = curves.and_then(|curves| curves[term].as_ref()) else {
                     continue;
                 };
-                // A − curve of a cross term holds a reversal that these machines do not have.
-                if which == 2 && term.is_cross() {
-                    continue;
-                }
-                let own = which == 2 && found.turn.is_some();
+                let own = which == 2 && found.turn.is_some() && term.is_positioning();
                 let offset = f64::from(own) * truth.lost_um[term.along];
                 for (index, wanted) in truth.curves[term].iter().enumerate() {
                     let error = evidence.deviation_um[index] - (wanted - offset);
@@ -396,7 +392,8 @@ fn judge(row: &Row, tally: &Tally, many: u64) {
         Some(_) => 0.90,
     };
     let is_bound = row.angle_urad.is_some() || row.beam_mrad.is_some();
-    let highest = if is_bound { 1.0 } else { 0.97 };
+    // After a turn U holds a change of the reversal along the axis, which these machines do not have.
+    let highest = if is_bound || row.back == Some(false) { 1.0 } else { 0.97 };
     let [points, ends, squareness] = tally.shares();
     let curves = if row.turning.is_some() { vec![tally.pooled()] } else { [points, ends].concat() };
     for share in curves.iter().chain(&squareness) {

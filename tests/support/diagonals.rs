@@ -20,6 +20,8 @@ pub(crate) struct Machine {
     pub curves: PerTerm<Vec<f64>>,
     /// Lost motion of each axis, µm: the curve moving in − lies this much below.
     pub lost_um: PerAxis<f64>,
+    /// Beside it, moving + less moving −, µm.
+    pub apart_um: PerTerm<Vec<f64>>,
     /// η: lean of the mirror's normal beside the diagonal, rad.
     pub lean: PerDiagonal<PerAxis<f64>>,
 }
@@ -49,6 +51,7 @@ impl Machine {
             volume: volume.clone(),
             curves: PerTerm::from_fn(|_| vec![0.0; volume.steps + 1]),
             lost_um: PerAxis::default(),
+            apart_um: PerTerm::from_fn(|_| vec![0.0; volume.steps + 1]),
             lean: PerDiagonal::default(),
         }
     }
@@ -80,6 +83,15 @@ impl Machine {
     /// Slope of the line through the ends, µm/m.
     pub(crate) fn slope(&self, term: ErrorTerm) -> f64 {
         self.curves[term].last().unwrap() * 1000.0 / self.volume.size[term.along].mm()
+    }
+
+    /// A curve of one direction, µm; 0 where the axis moves in + at its low end.
+    pub(crate) fn directed(&self, term: ErrorTerm, way: Direction) -> Vec<f64> {
+        let (side, apart) = (if way == Direction::Plus { 0.5 } else { -0.5 }, &self.apart_um[term]);
+        let own = term.is_positioning() && way == Direction::Minus;
+        let lost = if own { self.lost_um[term.along] } else { 0.0 };
+        let both = self.curves[term].iter().zip(apart);
+        both.map(|(um, b)| um + side * b - apart[0] / 2.0 - lost).collect()
     }
 
     /// The same machine in the X-primary frame: EYX, EZX, EZY without slope.
@@ -145,7 +157,9 @@ impl Machine {
             let reversed = back.is_some_and(|overrun| overrun || made[along] < n);
             let minus = (sign(along) < 0.0) != reversed;
             for of in Axis::ALL {
-                error[of] += self.curves[ErrorTerm { of, along }][from_low];
+                let term = ErrorTerm { of, along };
+                let side = if minus { -0.5 } else { 0.5 };
+                error[of] += self.curves[term][from_low] + side * self.apart_um[term][from_low];
             }
             error[along] -= if minus { self.lost_um[along] } else { 0.0 };
         }

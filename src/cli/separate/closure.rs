@@ -140,7 +140,7 @@ fn reversal_of_axes(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
     });
     let heading = "axis\t>B/µm\t>at low end/µm\t>at high end/µm\t>constant?";
     format!(
-        "Reversal from the turn (B = moving + minus moving -; ± U(95 %)): one for the whole axis, and at each end as the curves hold it\n{}\na small probability in the last column: the reversal differs along the axis, and the first figure is no figure of the machine",
+        "Reversal from the turn (B = moving + minus moving -; ± U(95 %)): mean of both ends, and at each end as the curves hold it\n{}\na small probability in the last column: the reversal (of the axis or its cross terms) differs along the axis, and the first figure is no figure of the machine",
         table(heading, rows)
     )
 }
@@ -160,12 +160,8 @@ fn reversal_by_diagonal(turn: &Turn, shown: impl Fn(Estimate) -> String) -> Stri
 
 fn reversal_of_cross_terms(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
     let cross = ErrorTerm::ALL.into_iter().filter(|t| !t.is_positioning());
-    let said: Vec<String> = cross
-        .map(|term| {
-            let held = if turn.in_curves[term] { " (in the - curve)" } else { "" };
-            format!("{term} {}{held}", shown(turn.reversal[term]))
-        })
-        .collect();
+    let said: Vec<String> =
+        cross.map(|term| format!("{term} {}", shown(turn.reversal[term]))).collect();
     format!("Reversal of cross terms, µm: {}", said.join(", "))
 }
 

@@ -150,7 +150,7 @@ fn reversal(turn: &Turn) -> Value {
     json!({
         "reversal_um": PerTerm::from_fn(|term| turn.reversal[term].um),
         "u_reversal_um": PerTerm::from_fn(|term| turn.reversal[term].u_um),
-        "reversal_in_curves": turn.in_curves,
+        "reversal_change_um": turn.change_um,
         "reversal_at_ends": ends,
         "reversal_by_diagonal": turn.by_diagonal,
     })

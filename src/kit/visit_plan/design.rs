@@ -12,7 +12,7 @@ use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::joint::Measured;
-use crate::machine::separation::{Instrument, Part, Separation, expected, linear_axis, table};
+use crate::machine::separation::{Instrument, Part, Separation, expected, table};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::quantity::units::Millimetres;
@@ -175,9 +175,15 @@ impl<'a> Design<'a> {
 
     /// What a variant costs and gives.
     pub fn visit(&self, variant: Variant) -> Result<Visit, Problems> {
-        let (measurement, tables) = self.measurement(&variant)?;
+        let measurement = self.measurement(&variant);
         let job = self.job_of(&measurement);
+        let linear = vec![None; measurement.linear.len()];
+        let tables = NamedTables { linear, angles: self.angles.clone() };
         let mut campaign = campaign(&job, &measurement, &tables, true)?;
+        for axis in self.axes_both_ways(&variant) {
+            let runs = variant.run.along(axis).runs;
+            campaign.reversals[axis] = Some(self.instrument.reversal(&measurement.volume, runs));
+        }
         if let Some(angles) = &mut campaign.angles {
             angles.evidence = self.evidence.clone().unwrap_or(angles.evidence.clone());
             angles.evidence.missing.retain(|angle| !variant.angles.contains(angle));
@@ -246,28 +252,30 @@ impl<'a> Design<'a> {
         additions
     }
 
-    /// How a variant is measured, with a table for each linear axis.
-    fn measurement(
-        &self,
-        variant: &Variant,
-    ) -> Result<(DiagonalMeasurement, NamedTables), Problems> {
+    /// How a variant is measured.
+    fn measurement(&self, variant: &Variant) -> DiagonalMeasurement {
         let mut measurement = self.measurement.clone();
         measurement.volume = variant.run.volume.clone();
         measurement.overrun = variant.run.runs_over();
         for beam in &mut measurement.beams {
             beam.slope_um_per_m = 0.0;
         }
-        let named = std::mem::take(&mut measurement.linear);
-        let mut tables = NamedTables { angles: self.angles.clone(), ..NamedTables::default() };
-        let runs = |axis: Axis| variant.run.along(axis).runs;
-        let axes = named.iter().map(|linear| (linear.axis, Some(linear)));
-        for (axis, named) in axes.chain(variant.linear.iter().map(|axis| (*axis, None))) {
-            let made = linear_axis(&measurement, axis, self.instrument, runs(axis))?;
-            let (linear, table) = as_named(made, named);
-            measurement.linear.push(linear);
-            tables.linear.push(table);
-        }
-        Ok((measurement, tables))
+        let named = self.measurement.linear.iter().map(|linear| (linear.axis, linear.u_um_per_m));
+        let axes = named.chain(variant.linear.iter().map(|axis| (*axis, None)));
+        let linear = axes.map(|(axis, u_um_per_m)| Linear {
+            axis,
+            slope: LinearSlope::Stated(0.0),
+            u_um_per_m: u_um_per_m.or_else(|| Some(self.of_line(axis, variant))),
+        });
+        measurement.linear = linear.collect();
+        measurement
+    }
+
+    /// The axes that are measured in both directions; a slope by itself tells no reversal.
+    fn axes_both_ways(&self, variant: &Variant) -> Vec<Axis> {
+        let named = self.measurement.linear.iter();
+        let named = named.filter(|linear| matches!(linear.slope, LinearSlope::Errors(_)));
+        named.map(|linear| linear.axis).chain(variant.linear.iter().copied()).collect()
     }
 
     /// Standard uncertainty of the slope of an axis that is measured beside a variant, µm/m.
@@ -297,23 +305,6 @@ pub(super) fn value_um(model: &ErrorModel) -> impl Fn(ErrorTerm, Direction, Mill
         let curve = model.terms[term].as_ref().and_then(|of| of.measured.curve(way));
         curve.map_or(0.0, |curve| curve.at(at).um())
     }
-}
-
-/// A linear measurement with what the job states of it: its uncertainty; a slope by itself tells no reversal.
-fn as_named(
-    (made, table): (Linear, ErrorTable),
-    named: Option<&Linear>,
-) -> (Linear, Option<ErrorTable>) {
-    let Some(named) = named else {
-        return (made, Some(table));
-    };
-    let u_um_per_m = named.u_um_per_m.or(made.u_um_per_m);
-    let (slope, table) = match &named.slope {
-        LinearSlope::Stated(_) | LinearSlope::NotYet => (LinearSlope::Stated(0.0), None),
-        LinearSlope::Errors(_) => (made.slope, Some(table)),
-    };
-    let linear = Linear { axis: made.axis, slope, u_um_per_m };
-    (linear, table)
 }
 
 /// The run of `[program]` where it walks step diagonals, else that of the measurement.

@@ -5,7 +5,7 @@ use super::corrections::{
     AngleEffects, AngleEvidence, AngleModel, END_TOLERANCE_MM, angle_effects, without_expansion,
 };
 use super::curves::{at, mean};
-use super::linear_reversal::{LinearReversal, LinearReversals};
+use super::linear_reversal::{LinearReversal, LinearReversals, Way};
 use super::readings::CorrectedRun;
 use crate::inputs::error_table::{Cause, ErrorTable, Silence};
 use crate::inputs::job::{
@@ -119,8 +119,11 @@ pub fn campaign<'a>(
     let mut reversals = LinearReversals::default();
     for (linear, table) in measurement.linear.iter().zip(&tables.linear) {
         let (table, volume) = (table.as_ref(), &measurement.volume);
-        lines.extend(problems.take(linear_line(volume, linear, table)));
-        let found = || LinearReversal::of_table(volume, linear.axis, table?);
+        let Some((line, ways)) = problems.take(linear_line(volume, linear, table)) else {
+            continue;
+        };
+        lines.push(line);
+        let found = || LinearReversal::of(&ways);
         reversals[linear.axis] = reversals[linear.axis].take().or_else(found);
     }
     lines.extend(measurement.beams.iter().map(beam_line));
@@ -138,14 +141,19 @@ pub fn campaign<'a>(
     })
 }
 
+/// The slope of a linear axis, and the directions in which its table gives it.
+///
+/// formula  positioning error at the high end of the box less that at its low end, by the length between; mean of the
+///          directions: the totals of the diagonals see the same two ends. u = √(u²(high) + u²(low)) by the length, the
+///          directions taken as wrong alike; `None` without a `u_…` column
 fn linear_line(
     volume: &Volume,
     linear: &Linear,
     table: Option<&ErrorTable>,
-) -> Result<MeasuredLine, Problems> {
-    let (slope_um_per_m, u_of_table) = match (&linear.slope, table) {
-        (LinearSlope::Stated(slope), _) => (*slope, None),
-        (LinearSlope::Errors(_), Some(table)) => slope_over_box(volume, linear.axis, table)?,
+) -> Result<(MeasuredLine, Vec<Way>), Problems> {
+    let (stated, ways) = match (&linear.slope, table) {
+        (LinearSlope::Stated(slope), _) => (Some(*slope), Vec::new()),
+        (LinearSlope::Errors(_), Some(table)) => (None, over_box(volume, linear.axis, table)?),
         (LinearSlope::Errors(path), None) => {
             return Err(Problem::new(format!("`{path}` was not read")).into());
         }
@@ -154,29 +162,30 @@ fn linear_line(
             return Err(Problem::new(words).help("state `slope_um_per_m`").into());
         }
     };
-    Ok(MeasuredLine {
+    let per_m = |um: &[f64], of: fn(f64, f64) -> f64| {
+        1000.0 * of(um[volume.steps], um[0]) / volume.size[linear.axis].mm()
+    };
+    let slopes = ways.iter().map(|way| per_m(&way.um, |high, low| high - low));
+    let u = ways.iter().map(|way| Some(per_m(way.u_um.as_ref()?, f64::hypot)));
+    let u = u.collect::<Option<Vec<f64>>>().filter(|u| !u.is_empty());
+    let line = MeasuredLine {
         direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
-        slope_um_per_m,
-        u_um_per_m: linear.u_um_per_m.or(u_of_table),
+        slope_um_per_m: stated.unwrap_or_else(|| mean(slopes)),
+        u_um_per_m: linear.u_um_per_m.or(u.map(|u| mean(u.into_iter()))),
         ends: None,
-    })
+    };
+    Ok((line, ways))
 }
 
-/// Positioning error at the high end of the box less that at its low end, by the length between;
-/// mean of the directions. The totals of the diagonals see the same two ends. Its standard
-/// uncertainty from the `u_…` column: √(u²(high) + u²(low)) by the length, the directions taken as
-/// wrong alike; `None` without such a column.
-fn slope_over_box(
-    volume: &Volume,
-    axis: Axis,
-    table: &ErrorTable,
-) -> Result<(f64, Option<f64>), Problems> {
+/// A linear measurement at the interval ends of the box.
+fn over_box(volume: &Volume, axis: Axis, table: &ErrorTable) -> Result<Vec<Way>, Problems> {
+    let nodes = volume.positions(axis);
     let low = volume.start[axis].mm();
     let high = low + volume.size[axis].mm();
     let refuse = |message: String, help: &str| {
         Err(Problems::from(Problem::new(message).at(table.header.clone()).help(help)))
     };
-    let (mut slopes, mut uncertainties) = (Vec::new(), Vec::new());
+    let mut ways = Vec::new();
     for series in table.series(axis) {
         let Some(values) = &series.deviations[axis] else { continue };
         if let (Some(first), Some(last)) = (series.positions.first(), series.positions.last())
@@ -191,15 +200,16 @@ fn slope_over_box(
                 "measure the axis over the whole box; nothing is extrapolated",
             );
         }
-        let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
-        let ends = |um: &[f64]| [low, high].map(|end| at(&series.positions, um, end));
-        let per_m = |um: f64| 1000.0 * um / (high - low);
-        let [from, to] = ends(&values);
-        slopes.push(per_m(to - from));
-        let u = series.uncertainties_um[axis].as_deref().map(ends);
-        uncertainties.extend(u.map(|[from, to]| per_m(to.hypot(from))));
+        let over = |um: &[f64]| -> Vec<f64> {
+            nodes.iter().map(|node| at(&series.positions, um, node.mm())).collect()
+        };
+        ways.push(Way {
+            direction: series.direction,
+            um: over(&values.iter().map(|value| value.um()).collect::<Vec<f64>>()),
+            u_um: series.uncertainties_um[axis].as_deref().map(over),
+        });
     }
-    if slopes.is_empty() {
+    if ways.is_empty() {
         return refuse(
             format!(
                 "the table holds no positioning error of {axis} (E{axis}{axis}), expected its linear measurement"
@@ -207,9 +217,7 @@ fn slope_over_box(
             "name a table with rows of that axis and its own direction",
         );
     }
-    let all_known = uncertainties.len() == slopes.len();
-    let u = all_known.then(|| mean(uncertainties.into_iter()));
-    Ok((mean(slopes.into_iter()), u))
+    Ok(ways)
 }
 
 /// A beam between two places inside the box, as the job was checked for.

@@ -28,7 +28,6 @@ use super::noise::{
 use super::patterns::{Known, Patterns, Ramps};
 use super::readings::{CorrectedRun, Means, RunCounts, pass_of, run_counts};
 use super::steps::Steps;
-use super::uncertainty::Budget;
 use crate::inputs::job::{Material, SetUp};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
@@ -244,22 +243,6 @@ impl Start {
     /// Whether every diagonal was walked back, too.
     pub(super) fn walked_back(&self) -> bool {
         self.counts.iter().all(|(_, runs)| runs[1] > 0.0)
-    }
-
-    pub(super) fn budget<'a>(
-        &'a self,
-        campaign: &Campaign<'a>,
-        noise: Option<Noise>,
-        turned: bool,
-    ) -> Budget<'a> {
-        Budget {
-            volume: &campaign.measurement.volume,
-            noise,
-            runs: &self.counts,
-            turned,
-            stated: campaign.stated,
-            material: self.material,
-        }
     }
 }
 

@@ -69,11 +69,32 @@ pub(crate) fn without_expansion(
     run.deviations.iter().enumerate().map(correct).collect()
 }
 
-/// Measured angular errors and the levers on which they act.
+/// What rotations of the axes do to the readings along a diagonal, µm, by node; `at`: [`displaced`] at a place, mm.
 ///
-/// ```text
-///   u · e of `displaced`; flat mirror: + (Σ r − Σ r at the start) × u · lateral distance from the diagonal
-/// ```
+/// formula  u · e; flat mirror: + (Σ r − Σ r at the start) × u · lateral distance from the diagonal
+pub(super) fn of_rotations(
+    (volume, kind, reflector): (&Volume, PathKind, Reflector),
+    diagonal: Diagonal,
+    at: impl Fn(PerAxis<f64>) -> [PerAxis<f64>; 2],
+) -> Vec<f64> {
+    let u = volume.laser(diagonal);
+    let place = |node| {
+        let place = volume.place(diagonal, kind, node);
+        PerAxis::from_fn(|axis| place[axis].mm())
+    };
+    let first = place(0);
+    let [first_error, first_turned] = at(first);
+    let mirror = f64::from(reflector == Reflector::FlatMirror) / 1000.0;
+    let effect = |node| {
+        let here = place(node);
+        let ([error, turned], moved) = (at(here), here.minus(first));
+        let lateral = moved.minus(u.times(u.dot(moved)));
+        u.dot(error.minus(first_error)) + mirror * turned.minus(first_turned).cross(u).dot(lateral)
+    };
+    (0..=volume.last_node(kind)).map(effect).collect()
+}
+
+/// Measured angular errors and the levers on which they act.
 #[derive(Clone, Debug)]
 pub struct AngleModel<'a> {
     table: &'a ErrorTable,
@@ -158,28 +179,11 @@ impl<'a> AngleModel<'a> {
         diagonal: Diagonal,
         pass: Pass,
     ) -> Vec<f64> {
-        let u = volume.laser(diagonal);
         let tool = PerAxis::from_fn(|axis| self.levers.tool.map_or(0.0, |tool| tool[axis].mm()));
-        let states = (0..=volume.last_node(kind)).map(|node| {
-            let place = volume.place(diagonal, kind, node);
-            let place = PerAxis::from_fn(|axis| place[axis].mm());
+        of_rotations((volume, kind, self.reflector), diagonal, |place| {
             let turned = |axis| self.rotation(axis, place[axis], diagonal.travelled(axis, pass));
-            let [error, rotation] = displaced(self.chain, turned, place.minus(self.origin), tool);
-            (place, error, rotation)
-        });
-        let mut start = None;
-        let effect = |(place, error, rotation): (PerAxis<f64>, PerAxis<f64>, PerAxis<f64>)| {
-            let start = start.get_or_insert((place, error, rotation));
-            let moved = place.minus(start.0);
-            let lever = u.dot(error.minus(start.1));
-            let lateral = moved.minus(u.times(u.dot(moved)));
-            let turned = rotation.minus(start.2).cross(u);
-            match self.reflector {
-                Reflector::FlatMirror => lever + turned.dot(lateral) / 1000.0,
-                Reflector::Retroreflector => lever,
-            }
-        };
-        states.map(effect).collect()
+            displaced(self.chain, turned, place.minus(self.origin), tool)
+        })
     }
 
     /// Problems: angles that do not cover the measured box.

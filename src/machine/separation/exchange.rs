@@ -52,8 +52,11 @@ const SURE: f64 = 0.95;
 /// A scatter of the best assignment above this quantile belies the noise that is known otherwise.
 const BELIEVED: f64 = 0.999;
 
-/// What the readings say under the names of the file.
-pub(super) struct AsRead<'a> {
+/// The readings and what they say under the names of the file.
+pub(super) struct AsRead<'a, 'c> {
+    pub(super) campaign: &'a Campaign<'c>,
+    pub(super) runs: &'a [Run],
+    pub(super) start: &'a Start,
     pub(super) closure: &'a Closure,
     pub(super) noise: Option<Noise>,
     pub(super) overrun: Option<bool>,
@@ -63,13 +66,8 @@ pub(super) struct AsRead<'a> {
 
 /// Compares the recorded names with every other way to share them out: a doubt where another assignment is clearly
 /// likelier, else a note of slips that these readings would hardly show.
-pub(super) fn names(
-    campaign: &Campaign<'_>,
-    runs: &[Run],
-    start: &Start,
-    as_read: &AsRead<'_>,
-) -> Option<Finding> {
-    let trial = Trial::new(campaign, runs, start, as_read)?;
+pub(super) fn names(read: AsRead<'_, '_>) -> Option<Finding> {
+    let trial = Trial::new(read)?;
     trial.likelier().or_else(|| trial.hardly_shown()).map(Finding::from)
 }
 
@@ -128,10 +126,7 @@ type Tried = (Naming, f64);
 
 /// All ways, and what they are compared by.
 struct Trial<'a, 'c> {
-    campaign: &'a Campaign<'c>,
-    runs: &'a [Run],
-    start: &'a Start,
-    as_read: &'a AsRead<'a>,
+    read: AsRead<'a, 'c>,
     /// Q of the recorded names.
     recorded: f64,
     others: Vec<Tried>,
@@ -143,53 +138,7 @@ struct Trial<'a, 'c> {
     sigma_um: Option<f64>,
 }
 
-impl<'a, 'c> Trial<'a, 'c> {
-    /// `None` where the closure has no degrees of freedom.
-    fn new(
-        campaign: &'a Campaign<'c>,
-        runs: &'a [Run],
-        start: &'a Start,
-        as_read: &'a AsRead<'a>,
-    ) -> Option<Trial<'a, 'c>> {
-        // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
-        let stated_um = campaign.stated.noise_um;
-        let stated_um =
-            stated_um.filter(|um| as_read.noise.is_some_and(|found| !found.contradicts(*um)));
-        let known_um = start.noise.map(|noise| noise.sigma_um).or(stated_um);
-        let intervals = campaign.measurement.volume.steps_f64() - 1.0;
-        let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
-        let others = Vec::new();
-        let (recorded, freedom) = (0.0, 0.0);
-        let mut trial = Trial {
-            campaign,
-            runs,
-            start,
-            as_read,
-            recorded,
-            others,
-            freedom,
-            intervals,
-            sigma_um,
-        };
-        // Ways that share counts and disturbed readings share the least-squares problem.
-        let mut shared: Option<(RunCounts, Vec<Outlier>, Patterns)> = None;
-        for naming in Naming::all() {
-            let (means, counts, outliers) = trial.renamed(&naming);
-            if !shared.as_ref().is_some_and(|(c, o, _)| *c == counts && *o == outliers) {
-                let steps = trial.steps(&means);
-                let mut left = Patterns::new(&steps, &means, &counts, trial.known(&outliers))?;
-                // What stated angles do belongs to no other name.
-                left.leave_out_angles(as_read.causes);
-                let freedom = float(left.scatter().1);
-                trial.freedom = if shared.is_none() { freedom } else { trial.freedom };
-                shared = Some((counts, outliers, left));
-            }
-            trial.others.push((naming, shared.as_ref()?.2.square_of(&means)));
-        }
-        trial.recorded = trial.others.remove(0).1;
-        (trial.freedom > 0.0).then_some(trial)
-    }
-
+impl<'c> AsRead<'_, 'c> {
     /// The readings under some names: their means and counts, the disturbed ones of single runs.
     fn renamed(&self, naming: &Naming) -> (Means, RunCounts, Vec<Outlier>) {
         let mut runs = self.runs.to_vec();
@@ -203,13 +152,44 @@ impl<'a, 'c> Trial<'a, 'c> {
     }
 
     fn steps(&self, means: &Means) -> Steps<'c> {
-        let turned = self.as_read.overrun == Some(false);
+        let turned = self.overrun == Some(false);
         Steps::of_readings(&self.campaign.measurement.volume, means, turned)
     }
 
     fn known<'o>(&self, outliers: &'o [Outlier]) -> Known<'o> {
-        let skip_ends = self.start.walked_back() && self.as_read.overrun != Some(true);
+        let skip_ends = self.start.walked_back() && self.overrun != Some(true);
         Known { noise: self.start.noise, outliers, skip_ends, causes: None }
+    }
+}
+
+impl<'a, 'c> Trial<'a, 'c> {
+    /// `None` where the closure has no degrees of freedom.
+    fn new(read: AsRead<'a, 'c>) -> Option<Trial<'a, 'c>> {
+        // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
+        let stated_um = read.campaign.stated.noise_um;
+        let stated_um =
+            stated_um.filter(|um| read.noise.is_some_and(|found| !found.contradicts(*um)));
+        let known_um = read.start.noise.map(|noise| noise.sigma_um).or(stated_um);
+        // Ways that share counts and disturbed readings share the least-squares problem.
+        let mut shared: Option<(RunCounts, Vec<Outlier>, Patterns)> = None;
+        let (mut others, mut freedom) = (Vec::new(), 0.0);
+        for naming in Naming::all() {
+            let (means, counts, outliers) = read.renamed(&naming);
+            if !shared.as_ref().is_some_and(|(c, o, _)| *c == counts && *o == outliers) {
+                let steps = read.steps(&means);
+                let mut left = Patterns::new(&steps, &means, &counts, read.known(&outliers))?;
+                // What stated angles do belongs to no other name.
+                left.leave_out_angles(read.causes);
+                freedom = if shared.is_none() { float(left.scatter().1) } else { freedom };
+                shared = Some((counts, outliers, left));
+            }
+            others.push((naming, shared.as_ref()?.2.square_of(&means)));
+        }
+        let (recorded, intervals) =
+            (others.remove(0).1, read.campaign.measurement.volume.steps_f64() - 1.0);
+        let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
+        let trial = Trial { read, recorded, others, freedom, intervals, sigma_um };
+        (freedom > 0.0).then_some(trial)
     }
 
     /// What scatters less than the last digit of a reading is as good as nothing.
@@ -241,7 +221,7 @@ impl<'a, 'c> Trial<'a, 'c> {
     /// disturbed readings and roll explain of the recorded names is left out of these before.
     fn likelier(&self) -> Option<SeparationFinding> {
         let (naming, best) = self.others.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let before = self.as_read.closure;
+        let before = self.read.closure;
         let seen = before.sigma_um().unwrap_or(0.0) > UNRESOLVED_UM;
         // That just the readings are off that the closure of the recorded names calls disturbed has a chance of its own.
         let singly = |o: &&Outlier| o.readings.iter().all(|place| place.run.is_none());
@@ -251,7 +231,7 @@ impl<'a, 'c> Trial<'a, 'c> {
             return None;
         }
         let after = self.judged(naming)?;
-        let order = self.campaign.measurement.volume.order;
+        let order = self.read.campaign.measurement.volume.order;
         Some(SeparationFinding::OtherNames {
             walked: naming.words(order),
             after_um: after.sigma_um()?,
@@ -263,10 +243,11 @@ impl<'a, 'c> Trial<'a, 'c> {
 
     /// The closure under other names; `None` where it leaves a doubt.
     fn judged(&self, naming: &Naming) -> Option<Closure> {
-        let (means, counts, outliers) = self.renamed(naming);
-        let closure = closure(&self.steps(&means), &means, &counts, self.known(&outliers));
-        let noise = self.start.noise.or_else(|| closure.noise());
-        let doubts = closure.doubts(noise, &self.campaign.measurement.volume, SetUp::Solve);
+        let read = &self.read;
+        let (means, counts, outliers) = read.renamed(naming);
+        let closure = closure(&read.steps(&means), &means, &counts, read.known(&outliers));
+        let noise = read.start.noise.or_else(|| closure.noise());
+        let doubts = closure.doubts(noise, &self.read.campaign.measurement.volume, SetUp::Solve);
         doubts.is_empty().then_some(closure)
     }
 
@@ -290,7 +271,7 @@ impl<'a, 'c> Trial<'a, 'c> {
     /// The exchanges of two names and the orders that would be found in less than 95 %; no order is
     /// shown surely by a single run, whose closure is its own yardstick.
     fn hardly_shown(&self) -> Option<SeparationFinding> {
-        let recorded = self.campaign.measurement.volume.order;
+        let recorded = self.read.campaign.measurement.volume.order;
         let is_weak = |slip: &&Tried| self.power(slip) < SURE;
         let exchanges = self.others.iter().filter(|(naming, _)| naming.moved().len() == 2);
         let weak: Vec<&Tried> = exchanges.clone().filter(is_weak).collect();

@@ -7,16 +7,14 @@
 
 use super::campaign::{Campaign, corrected};
 use super::closure::Start;
+use super::linear_reversal::LinearReversal;
 use super::noise::Noise;
 use super::separate::{Separation, of_start};
-use super::uncertainty::Budget;
-use crate::inputs::error_table::{Draft, DraftSeries, ErrorTable, write};
-use crate::inputs::job::{DiagonalMeasurement, Linear, LinearSlope, StatedUncertainty};
-use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
+use super::uncertainty::of_length_ppm;
+use crate::inputs::job::{DiagonalMeasurement, StatedUncertainty};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
 use crate::quantity::units::Deviation;
-use crate::text::document::Source;
-use crate::text::problem::Problems;
 
 /// What is expected of a measurement before its readings exist: deviations of 0, with the uncertainties
 /// that this many runs of these passes will have. `noise_um`: σ of a single reading. Whether the axes
@@ -69,6 +67,13 @@ impl Instrument {
         self.noise_um / f64::from(runs).sqrt()
     }
 
+    /// The reversal of an axis of 0 as so many runs in both directions at the positions of the diagonals tell it.
+    pub(crate) fn reversal(self, volume: &Volume, runs: u32) -> LinearReversal {
+        let u_um = std::f64::consts::SQRT_2 * self.of_mean_um(runs);
+        let places = volume.steps + 1;
+        LinearReversal { um: vec![0.0; places], u_um: Some(vec![u_um; places]) }
+    }
+
     /// Standard uncertainty of the slope over a whole axis, from so many runs in both directions, µm/m.
     ///
     /// formula  u² = 2σ²/(2r L²) + scale²: the mean of both directions at both ends
@@ -78,42 +83,7 @@ impl Instrument {
         axis: Axis,
         runs: u32,
     ) -> f64 {
-        let budget = Budget {
-            volume: &measurement.volume,
-            noise: None,
-            runs: &PerDiagonal::default(),
-            turned: false,
-            stated: self.stated,
-            material: measurement.material,
-        };
         let ends = 1000.0 * self.of_mean_um(runs) / measurement.volume.size[axis].mm();
-        ends.hypot(budget.of_length_ppm(axis))
+        ends.hypot(of_length_ppm(self.stated, measurement.material, axis))
     }
-}
-
-/// A linear measurement of an axis that is still to be made: at the positions of the diagonals, in both
-/// directions, so many runs of the same instrument.
-pub(crate) fn linear_axis(
-    measurement: &DiagonalMeasurement,
-    axis: Axis,
-    instrument: Instrument,
-    runs: u32,
-) -> Result<(Linear, ErrorTable), Problems> {
-    let at = measurement.volume.positions(axis);
-    let at: Vec<f64> = at.iter().map(|position| position.mm()).collect();
-    let series = Direction::BOTH.map(|direction| {
-        let mut series = DraftSeries::new(axis, Some(direction), at.clone());
-        series.deviations_um[axis] = Some(vec![0.0; at.len()]);
-        series.uncertainties_um[axis] = Some(vec![instrument.of_mean_um(runs); at.len()]);
-        series
-    });
-    let draft = Draft { comments: Vec::new(), series: series.into() };
-    let name = format!("linear measurement of {axis}");
-    let table = ErrorTable::read(Source::from_bytes(&name, write(&draft).as_bytes())?)?;
-    let linear = Linear {
-        axis,
-        slope: LinearSlope::Errors(name),
-        u_um_per_m: Some(instrument.of_slope_um_per_m(measurement, axis, runs)),
-    };
-    Ok((linear, table))
 }

@@ -43,11 +43,7 @@ findings! {
         Turned { from: &'static str } => Label, "the axes turned at the far end without overrun ({from}): the lost motion is taken off the last cell of the reverse runs";
         OverrunOpen => Label, "whether the axes ran past the end point cannot be judged from the readings: no reversal stands out of their noise, or offset and jumps contradict each other. State `overrun`; until then a lost motion that is hidden in the noise may stand in the last interval";
         OwnZero => Label, "reverse runs count from their own start, so only their increments are used";
-        FromTurn { kept: Vec<String> } => Label, "reversal of each axis from the turn, at both ends of the axis (three diagonals turn at its high end, one at its low end); {}", if kept.is_empty() {
-            "no reversal of a cross term stands out of its noise, so their - curves start at 0 like the + curves".to_string()
-        } else {
-            format!("reversal of cross terms stands out of its noise in {}, taken as constant along the axis; the other - curves start at 0", kept.join(", "))
-        };
+        FromTurn { change_um: f64 } => Label, "reversal of each term from the turn and the return pass, as a curve along its axis; it is taken to change by {change_um:.3} µm from end to end (k = 1), as much as these readings show with their noise, and U holds that";
         Directions => Label, "directions are those in which each axis really moved: + curves from forward runs of the diagonals that travel it in +, reverse runs of the others";
         LinearReversals { found: String, forward_only: bool } => Label, "reversal of single axes from their linear measurements in both directions (smallest to largest B, µm: {found}){}; their cross terms hold the mean of both directions, because nothing tells the reversal of those", if *forward_only { "; as far as it changes along the axis it is mixed into the curves of forward runs" } else { "" };
         ShortEdge { axis: Axis, gain: f64 } => Label, "{axis} is a short edge of the box: noise of its deviations is {gain:.1} times that of an increment";

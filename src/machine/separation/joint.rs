@@ -25,7 +25,7 @@ use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::quantity::units::{Squared, larger};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};
+use rand_distr::{ChiSquared, Distribution, StandardUniform};
 
 /// Of 1,000 draws the 95 % quantile is known to 2 %.
 const DRAWS: usize = 1000;
@@ -39,8 +39,6 @@ struct TableCurve {
     way: Option<Direction>,
     um: Curve,
     rows: CurveRows,
-    /// Standard deviation of what all of it but the first point lacks, µm.
-    lacks_um: f64,
     /// Where it stands among the curves that is zero at the reference, and the place of that, in steps.
     zero: (usize, f64),
 }
@@ -217,7 +215,6 @@ impl<'a> Table<'a> {
                     way: *way,
                     um: found.deviation_um.clone(),
                     rows: found.rows.merged(),
-                    lacks_um: found.left_out.sqrt(),
                     zero: (zero, at),
                 });
             }
@@ -270,10 +267,6 @@ impl<'a> Table<'a> {
     fn drawn(&self, noise: f64, random: &mut ChaCha8Rng) -> Vec<Curve> {
         let (z, shares) = self.of.model.draw(noise, random);
         let mut drawn: Vec<Curve> = self.curves.iter().map(|curve| curve.moved_by(&z)).collect();
-        for (own, curve) in drawn.iter_mut().zip(&self.curves) {
-            let draw: f64 = StandardNormal.sample(random);
-            own.iter_mut().for_each(|um| *um += curve.lacks_um * draw);
-        }
         self.add(&mut drawn, shares.into_iter().enumerate());
         drawn
     }

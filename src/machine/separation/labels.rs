@@ -10,17 +10,17 @@ use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
 use super::uncertainty::{Budget, u_squareness};
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
-use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::axis::Axis;
 use crate::quantity::units::{Figure, rounded};
 use crate::text::finding::Finding;
 
 /// Of step runs.
 pub(super) fn of_steps(
-    campaign: &Campaign<'_>,
     budget: &Budget<'_>,
     overrun: Option<bool>,
     turn: Option<&Turn>,
 ) -> Vec<Finding> {
+    let campaign = budget.campaign;
     let measurement = campaign.measurement;
     let (backs, tilt_arcsec) = (budget.both_ways(), campaign.stated.tilt_arcsec);
     let is_perfect = measurement.setup == SetUp::AssumePerfect;
@@ -31,10 +31,6 @@ pub(super) fn of_steps(
         Some(false) => Found::Turned { from },
         None => Found::OverrunOpen,
     };
-    let kept = turn.map(|turn| {
-        let crosses = ErrorTerm::ALL.into_iter().filter(|term| term.is_cross());
-        crosses.filter(|term| turn.in_curves[*term]).map(|term| term.to_string()).collect()
-    });
     let short = Axis::ALL.map(|axis| (axis, noise_gain(&measurement.volume, axis)));
     let short = short.into_iter().filter(|(_, gain)| *gain > 3.0);
     let labels = [
@@ -42,16 +38,17 @@ pub(super) fn of_steps(
         Some(Found::FrameOf { frame: measurement.frame }),
         Some(way),
         (backs && !campaign.reverse_zero_known).then_some(Found::OwnZero),
-        kept.map(|kept| Found::FromTurn { kept }),
+        turn.map(|turn| Found::FromTurn { change_um: turn.change_um }),
         backs.then_some(Found::Directions),
     ];
     let labels = labels.into_iter().flatten();
     let labels = labels.chain(short.map(|(axis, gain)| Found::ShortEdge { axis, gain }));
-    labels.chain(common(campaign, budget)).map(Finding::from).collect()
+    labels.chain(common(budget)).map(Finding::from).collect()
 }
 
 /// Of straight runs.
-pub(super) fn of_straight(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec<Finding> {
+pub(super) fn of_straight(budget: &Budget<'_>) -> Vec<Finding> {
+    let campaign = budget.campaign;
     let runs = match (budget.both_ways(), campaign.reverse_zero_known) {
         (false, _) => Found::StraightForwardOnly,
         (true, true) => Found::StraightOneZero,
@@ -59,11 +56,12 @@ pub(super) fn of_straight(campaign: &Campaign<'_>, budget: &Budget<'_>) -> Vec<F
     };
     let has_ends = campaign.lines.iter().any(|line| line.ends.is_some());
     let labels = [Some(runs), has_ends.then_some(Found::WholeBeams)];
-    labels.into_iter().flatten().chain(common(campaign, budget)).map(Finding::from).collect()
+    labels.into_iter().flatten().chain(common(budget)).map(Finding::from).collect()
 }
 
 /// What is assumed of readings of any kind, and what their uncertainty holds.
-fn common(campaign: &Campaign<'_>, budget: &Budget<'_>) -> impl Iterator<Item = Found> {
+fn common(budget: &Budget<'_>) -> impl Iterator<Item = Found> {
+    let campaign = budget.campaign;
     let has_air = campaign.measurement.material.is_none_or(|material| material.air_corrected);
     let noise = budget.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs {
         um: noise.sigma_um,
@@ -78,8 +76,8 @@ fn common(campaign: &Campaign<'_>, budget: &Budget<'_>) -> impl Iterator<Item = 
 
 /// What of `[measurement.uncertainty]` counts, and for which axes.
 fn stated(budget: &Budget<'_>) -> [Found; 6] {
-    let stated = budget.stated;
-    let material = |axis: Axis| budget.material.and_then(|material| material.axes[axis]);
+    let stated = budget.campaign.stated;
+    let material = |axis: Axis| budget.start.material.and_then(|material| material.axes[axis]);
     let by_axis = |key, is_stated: Option<f64>, known: &dyn Fn(Axis) -> bool, needs| {
         let (with, without): (Vec<Axis>, Vec<Axis>) =
             Axis::ALL.into_iter().partition(|axis| known(*axis));
@@ -93,7 +91,7 @@ fn stated(budget: &Budget<'_>) -> [Found; 6] {
         })
     };
     let is_warm = |axis| material(axis).is_some_and(|m| m.temperature_c.is_some());
-    let each = u_squareness(budget.volume, budget.volume.diagonal_mm() / 1000.0);
+    let each = u_squareness(budget.volume(), budget.volume().diagonal_mm() / 1000.0);
     let warm = "alpha_per_k and temperature_c, or a column of temperatures";
     let is_known = |axis| material(axis).is_some();
     [

@@ -1,7 +1,8 @@
 //! The linear model of a measurement: every figure is a row over what was measured, every cause a column.
 //!
 //! ```text
-//!   z      = (mean readings of each pass, linear axes and beams, what (7) neglects of each equation)
+//!   z      = (mean readings of each pass, linear axes and beams, what (7) neglects of each equation,
+//!             what tells the reversal beside the readings)
 //!   figure = row · z
 //!   cov(z) = diag(σ²/runs, u² of the lines, neglected²) + Σ c cᵀ     c: column, what one u of a cause does to z
 //!   u²     = row · cov(z) · rowᵀ
@@ -32,6 +33,8 @@ pub(super) struct Layout {
     pub(super) passes: usize,
     /// Linear axes and beams.
     pub(super) lines: usize,
+    /// Entries of the reversal.
+    pub(super) apart: usize,
 }
 
 impl Layout {
@@ -83,7 +86,7 @@ impl Layout {
     }
 
     pub(super) fn len(self) -> usize {
-        self.neglected(4 + self.lines)
+        self.neglected(4 + self.lines) + self.apart
     }
 }
 
@@ -112,7 +115,7 @@ impl Row {
     }
 
     /// The same with each entry once.
-    fn merged(&self) -> Row {
+    pub(super) fn merged(&self) -> Row {
         let mut entries = self.0.clone();
         entries.sort_by_key(|(place, _)| *place);
         let mut merged: Vec<(usize, f64)> = Vec::new();
@@ -204,6 +207,15 @@ impl Model {
             rotations: Vec::new(),
             evidence: AngleEvidence::nothing(None),
         }
+    }
+
+    /// One more entry of z, with this standard uncertainty: its place.
+    pub(super) fn add(&mut self, u: f64) -> usize {
+        self.noise.push(0.0);
+        self.other.push(u.squared());
+        self.columns.iter_mut().for_each(|column| column.push(0.0));
+        self.layout.apart += 1;
+        self.noise.len() - 1
     }
 
     /// Standard deviations of the readings and lines, whose causes are left out.
@@ -335,6 +347,21 @@ pub(super) struct CurveRows {
 }
 
 impl CurveRows {
+    /// The same with so many times another curve beside it, from its low end on.
+    pub(super) fn beside(&self, times: f64, other: &CurveRows) -> CurveRows {
+        let sum = |own: &Row, other: &Row| Row::sum([(1.0, own), (times, other)]).merged();
+        CurveRows {
+            start: self.start.clone(),
+            steps: self
+                .steps
+                .iter()
+                .zip(&other.steps)
+                .map(|(own, other)| sum(own, other))
+                .collect(),
+            line: sum(&self.line, &other.line),
+        }
+    }
+
     /// The same with each entry of a row once.
     pub(super) fn merged(&self) -> CurveRows {
         CurveRows {

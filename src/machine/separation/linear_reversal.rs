@@ -11,15 +11,19 @@
 //! hold the mean of both directions: nothing tells their reversal.
 
 use super::curves::{at, mean};
-use super::findings::SeparationFinding;
 use super::noise::{Noise, UNRESOLVED_UM, float};
 use super::readings::Means;
-use super::reversal::Turn;
-use crate::inputs::error_table::ErrorTable;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
 use crate::quantity::units::{Millimetres, Squared};
-use crate::text::finding::Finding;
+
+/// A linear measurement of an axis at the interval ends of the box, lowest first, µm.
+pub(super) struct Way {
+    pub(super) direction: Option<Direction>,
+    pub(super) um: Vec<f64>,
+    /// Standard uncertainties (k = 1); `None` = the table gives none.
+    pub(super) u_um: Option<Vec<f64>>,
+}
 
 /// B of a positioning error at the interval ends of the box, from a linear measurement.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,33 +38,22 @@ pub struct LinearReversal {
 pub type LinearReversals = PerAxis<Option<LinearReversal>>;
 
 impl LinearReversal {
-    /// B of an axis from a table that covers the box; `None` without both directions.
-    pub(super) fn of_table(volume: &Volume, axis: Axis, table: &ErrorTable) -> Option<Self> {
-        let nodes = volume.positions(axis);
-        let side = |direction: Direction| {
-            let mut series = table.series(axis).iter();
-            let series = series.find(|series| series.direction == Some(direction))?;
-            let values = series.deviations[axis].as_ref()?;
-            let values: Vec<f64> = values.iter().map(|value| value.um()).collect();
-            let over_box = |values: &[f64]| -> Vec<f64> {
-                let node = |node: &Millimetres| at(&series.positions, values, node.mm());
-                nodes.iter().map(node).collect()
-            };
-            let u_um = series.uncertainties_um[axis].as_deref().map(over_box);
-            Some((over_box(&values), u_um))
+    /// Of the directions of an axis; `None` without both.
+    pub(super) fn of(ways: &[Way]) -> Option<Self> {
+        let way = |direction| ways.iter().find(|way| way.direction == Some(direction));
+        let (plus, minus) = (way(Direction::Plus)?, way(Direction::Minus)?);
+        let pairs = |a: &[f64], b: &[f64], of: fn(f64, f64) -> f64| {
+            a.iter().zip(b).map(|(a, b)| of(*a, *b)).collect()
         };
-        let ((plus, u_plus), (minus, u_minus)) = (side(Direction::Plus)?, side(Direction::Minus)?);
-        let pairs = |a: Vec<f64>, b: Vec<f64>, of: fn(f64, f64) -> f64| {
-            a.into_iter().zip(b).map(|(a, b)| of(a, b)).collect()
-        };
+        let u_um = plus.u_um.as_ref().zip(minus.u_um.as_ref());
         Some(LinearReversal {
-            um: pairs(plus, minus, |plus, minus| plus - minus),
-            u_um: u_plus.zip(u_minus).map(|(a, b)| pairs(a, b, f64::hypot)),
+            um: pairs(&plus.um, &minus.um, |plus, minus| plus - minus),
+            u_um: u_um.map(|(a, b)| pairs(a, b, f64::hypot)),
         })
     }
 
     /// The largest of its uncertainties: its readings may share causes.
-    fn u_largest_um(&self) -> Option<f64> {
+    pub(super) fn u_largest_um(&self) -> Option<f64> {
         Some(self.u_um.as_ref()?.iter().copied().fold(0.0, f64::max))
     }
 }
@@ -103,21 +96,4 @@ pub(super) fn hidden_reversal_um(
     let shown = Diagonal::ALL.map(beside).into_iter().filter(shown);
     let largest = |b: Vec<f64>| b.iter().step_by(3).fold(0.0, |most: f64, um| most.max(um.abs()));
     shown.map(largest).reduce(f64::max)
-}
-
-/// Where the turn and the linear measurement of an axis contradict each other by more than six
-/// standard deviations: the axes turned otherwise than was stated, or the two were not measured in
-/// the same state.
-pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<Finding> {
-    let of_axis = |(axis, linear): (Axis, &Option<LinearReversal>)| {
-        let linear = linear.as_ref()?;
-        let of_turn = turn.reversal[ErrorTerm::positioning(axis)];
-        let (turn_um, linear_um) = (of_turn.um, mean(linear.um.iter().copied()));
-        let limit = 6.0 * of_turn.u_um?.hypot(linear.u_largest_um()?);
-        let apart = (turn_um - linear_um).abs() > limit.max(UNRESOLVED_UM);
-        apart.then(|| {
-            Finding::from(SeparationFinding::TurnAgainstLinear { axis, turn_um, linear_um })
-        })
-    };
-    reversals.iter().filter_map(of_axis).collect()
 }

@@ -1,311 +1,263 @@
-//! Reversal of each axis from the turn at the end of the diagonals.
-//!
-//! Where the axes do not run past the end point before the reverse pass, the last node is the same
-//! place without any motion, and each of the three first moves back takes up the lost motion of
-//! its axis. The jump of the reverse less the forward increment over that move is, for axis k,
+//! Reversal: the two directions as twins, B = moving + minus moving −, a curve of each term.
 //!
 //! ```text
-//!   J_dk = Σ_j s_dk s_dj (V_j/R) B_jk(e)      e = high end of k where s_dk = +, low end where s_dk = −
-//!   u²(J_dk) = 2σ² (1/r forward + 1/r reverse)
+//!   + curve  E + (B − B0)/2      − curve  E − (B + B0)/2      E: mean of both directions, B0: B at the low end
 //! ```
-//! Jumps are differences of increments, so the zero of the reverse runs does not matter. For each
-//! axis four jumps meet B_kk at the high end (three of them), B_kk at the low end (one), and two
-//! cross terms, taken as constant along the axis. Cross terms that do not stand out of their noise
-//! are left out and the rest is fitted again by weighted least squares. Nothing is taken from
-//! sums of increments over the travel: their noise is several times that of the jumps.
+//! Where the axes do not run past the end point before the reverse pass, the last node is the same
+//! place without any motion, and each of the three first moves back takes up the lost motion of
+//! its axis. The jump J of the reverse less the forward increment over that move, and the sum G of forward less reverse
+//! increments over the cells between the first and the last, are
+//!
+//! ```text
+//!   J_dk      = Σ_j s_dk s_dj (V_j/R) B_jk(e)      e = high end of k where s_dk = +, low end where s_dk = −
+//!   s_dk G_dk = Σ_j s_dk s_dj (V_j/R) (B_jk(high) − B_jk(low))
+//!   0         = B_jk(high) − B_jk(low) + c_jk      u²(c): mean square of the nine changes by J and G alone,
+//!                                                  their noise included, at least what noise makes of it
+//! ```
+//! Generalised least squares of all: of neighbouring increments the noise is shared, so that the totals of the
+//! diagonals are in it. Differences of increments: neither the zero of the reverse runs nor the tilt of a mirror matters.
+//! The last line says how much is known beforehand: a reversal changes along its axis no more than these readings
+//! show. Without it the noise of whole sums (7 σ over 30 intervals) would go into every − curve,
+//! with c = 0 a reversal that does change would be taken for one that does not (docs/method.md §8).
 //!
 //! With overrun all axes have reversed before the first reading back, and only Σ_k (V_k/R) B_kk
 //! and three combinations of cross terms can be seen: the reversal of a single axis is not
-//! determined.
+//! determined, and both curves start at 0. A [linear measurement](super::linear_reversal) may tell it.
 
-use super::linear::{Layout, Row};
-use super::noise::{DIGIT_UM, Noise, chance_of, student};
-use super::readings::{Means, RunCounts};
+use super::curves::mean;
+use super::findings::SeparationFinding;
+use super::linear::{CurveRows, Row};
+use super::linear_reversal::{LinearReversal, LinearReversals};
+use super::noise::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of};
+use super::readings::RunCounts;
+use super::solved::Solved;
+use super::steps::Steps;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::quantity::units::Squared;
+use crate::text::finding::Finding;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-/// Chance that a reversal, an offset or a jump is believed where there is only noise.
+/// Chance that an offset or a jump is believed where there is only noise.
 const FALSE_ALARM: f64 = 0.01;
 /// Where both an offset and jumps stand out, one must be so many times as far out of its noise.
 const CLEARLY: f64 = 3.0;
+/// Of σ²: what every equation of a turn neglects, so that none is exact.
+const NEGLECTED: f64 = 1e-3;
+/// Equations by what was measured: J and G of each axis along each diagonal.
+const MEASURED: usize = 24;
 
 /// A reversal and its standard uncertainty (k = 1; `None` = noise not known), µm.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize)]
 pub struct Estimate {
     /// B: moving + minus moving −.
     pub um: f64,
-    /// From the noise of the readings.
+    /// By the noise of the readings, and by how much a reversal may change along its axis.
     pub u_um: Option<f64>,
 }
 
 /// Reversal at the turn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
-    /// B of each term, the same along its axis: weighted least squares of the jumps at both ends.
+    /// B of each term, mean of both ends of its axis.
     pub reversal: PerTerm<Estimate>,
-    /// B of each positioning error at the low and the high end of its axis: what the curves hold.
+    /// B of each positioning error at the low and the high end of its axis.
     pub ends: PerAxis<[Estimate; 2]>,
     /// B of each axis from each diagonal alone, at the end where it turned, if nothing but the
     /// axis itself reverses.
     pub by_diagonal: PerDiagonal<PerAxis<Estimate>>,
-    /// Probability of jumps at least as different where the reversal is constant along the axis;
-    /// `None` = noise not known.
+    /// Probability of changes at least as large where the reversals of an axis, its cross terms included, are constant
+    /// along it; `None` = noise not known.
     pub constancy: PerAxis<Option<f64>>,
-    /// Whether a term's reversal stands between its two curves: positioning errors, and cross
-    /// terms whose reversal stands out of its noise.
-    pub in_curves: PerTerm<bool>,
-    /// The jumps' shares in B of each term at the low end of its axis.
-    low: PerTerm<PerDiagonal<f64>>,
-    /// The jumps' shares in B of each positioning error at the high end.
-    high: PerAxis<PerDiagonal<f64>>,
-}
-
-impl Turn {
-    /// B of a term at the low end of its axis as the curves hold it, and of a positioning error that at its
-    /// high end less that, by the readings.
-    pub(super) fn ends_of(&self, term: ErrorTerm, layout: Layout, volume: &Volume) -> [Row; 2] {
-        let jump = |d: Diagonal| jump(layout, volume, d, term.along);
-        let low = Row::sum(
-            Diagonal::ALL
-                .map(jump)
-                .iter()
-                .zip(self.low[term].iter())
-                .map(|(row, (_, share))| (*share, row)),
-        );
-        let growth = |d: Diagonal| self.high[term.along][d] - self.low[term][d];
-        let growths = Diagonal::ALL.map(|d| (growth(d), jump(d)));
-        let growth = Row::sum(growths.iter().map(|(share, row)| (*share, row)));
-        [low, if term.is_positioning() { growth } else { Row::default() }]
-    }
-}
-
-/// J of an axis along a diagonal.
-fn jump(layout: Layout, volume: &Volume, d: Diagonal, axis: Axis) -> Row {
-    let node = volume.node_after(axis, volume.steps - 1);
-    let at = |pass, node, sign: f64| (layout.reading(pass, d, node), sign);
-    Row(vec![
-        at(Pass::Reverse, node, 1.0),
-        at(Pass::Reverse, node - 1, -1.0),
-        at(Pass::Forward, node, -1.0),
-        at(Pass::Forward, node - 1, 1.0),
-    ])
-}
-
-/// Jumps of every axis along every diagonal with their variances for readings of 1 µm.
-struct Jumps {
-    um: PerDiagonal<PerAxis<f64>>,
-    variance: PerDiagonal<f64>,
-}
-
-fn jumps(means: &Means, volume: &Volume, runs: &RunCounts) -> Option<Jumps> {
-    let reverse = means.reverse.as_ref()?;
-    let um = PerDiagonal::from_fn(|d| {
-        PerAxis::from_fn(|axis| {
-            let node = volume.node_after(axis, volume.steps - 1);
-            let beside = |node: usize| reverse[d][node] - means.forward[d][node];
-            beside(node) - beside(node - 1)
-        })
-    });
-    let variance = PerDiagonal::from_fn(|d| 2.0 * (1.0 / runs[d][0] + 1.0 / runs[d][1]));
-    Some(Jumps { um, variance })
+    /// u(c): by how much a reversal is taken to change along its axis, µm (k = 1).
+    pub change_um: f64,
+    /// B of each term by place.
+    curves: PerTerm<CurveRows>,
 }
 
 /// Whether the axes ran past the end point, judged from the readings; `None` = they do not tell.
 /// Without overrun forward and reverse reading of the last node are one place read twice, and the
 /// reversals follow as jumps; with overrun the offset is there at once and nothing jumps. Both
-/// are tested against the noise of the means.
+/// are tested against the noise of the means; of a jump that of the axis itself.
 pub(super) fn ran_over(
-    means: &Means,
-    volume: &Volume,
+    steps: &Steps<'_>,
+    z: &[f64],
     runs: &RunCounts,
     noise: Noise,
 ) -> Option<bool> {
-    let reverse = means.reverse.as_ref()?;
-    let jumps = jumps(means, volume, runs)?;
-    let sigma_um = noise.sigma_um.max(DIGIT_UM);
-    let last = 3 * volume.steps;
-    let offsets = Diagonal::ALL.map(|d| {
-        let variance = sigma_um * sigma_um * jumps.variance[d] / 2.0;
-        (means.forward[d][last] - reverse[d][last]).squared() / variance
-    });
-    let by_axis = Axis::ALL.map(|axis| {
-        let fit = Fit::new(axis, &[own(volume, axis)], &jumps);
-        (fit.values[0] / (sigma_um * fit.spread(0))).squared()
-    });
-    let offset: f64 = offsets.iter().sum::<f64>() / 4.0;
-    let jump: f64 = by_axis.iter().sum::<f64>() / 3.0;
-    let offset_shows = chance_of(4.0 * offset, 4, noise.freedom)? < FALSE_ALARM;
-    let jump_shows = chance_of(3.0 * jump, 3, noise.freedom)? < FALSE_ALARM;
-    match (offset_shows, jump_shows) {
+    let square = noise.sigma_um.max(DIGIT_UM).squared();
+    let variance = |d: Diagonal| square * (1.0 / runs[d][0] + 1.0 / runs[d][1]);
+    let offset = |d: Diagonal| {
+        let [forward, reverse] =
+            Pass::BOTH.map(|pass| z[steps.layout.reading(pass, d, steps.layout.nodes - 1)]);
+        (forward - reverse).squared() / variance(d)
+    };
+    let jump = |axis: Axis| {
+        let sum: f64 =
+            Diagonal::ALL.map(|d| steps.jump(d, axis).dot(z) / (2.0 * variance(d))).iter().sum();
+        let weight: f64 = Diagonal::ALL.map(|d| 1.0 / (2.0 * variance(d))).iter().sum();
+        sum.squared() / weight
+    };
+    let offset: f64 = Diagonal::ALL.map(offset).iter().sum();
+    let jump: f64 = Axis::ALL.map(jump).iter().sum();
+    let shows = |sum, count| Some(chance_of(sum, count, noise.freedom)? < FALSE_ALARM);
+    let ratio = offset / 4.0 / (jump / 3.0);
+    match (shows(offset, 4)?, shows(jump, 3)?) {
         (true, false) => Some(true),
         (false, true) => Some(false),
-        (true, true) if offset > CLEARLY * CLEARLY * jump => Some(true),
-        (true, true) if jump > CLEARLY * CLEARLY * offset => Some(false),
+        (true, true) if ratio > CLEARLY.squared() => Some(true),
+        (true, true) if 1.0 / ratio > CLEARLY.squared() => Some(false),
         _ => None,
     }
 }
 
-/// What B of a term does to the four jumps of an axis, by diagonal.
-type Effect = PerDiagonal<f64>;
-
-/// B of the axis itself, the same at both ends.
-fn own(volume: &Volume, along: Axis) -> Effect {
-    PerDiagonal::from_fn(|_| volume.cosine(along))
+/// Unknowns by equations, and the covariance of the unknowns: M, V → (MᵀV⁻¹M)⁻¹MᵀV⁻¹, (MᵀV⁻¹M)⁻¹. Of full rank: every
+/// sign pattern is there once, and no equation is exact.
+fn solution(design: &DMatrix<f64>, covariance: DMatrix<f64>) -> Option<[DMatrix<f64>; 2]> {
+    let weighed = covariance.cholesky()?.solve(design);
+    let spread = design.tr_mul(&weighed).cholesky()?.inverse();
+    Some([&spread * weighed.transpose(), spread])
 }
 
-/// B of the axis itself at one end: diagonals that travel it in + turn at the high one.
-fn own_at(volume: &Volume, along: Axis, end: Direction) -> Effect {
-    PerDiagonal::from_fn(|d| f64::from(d.forward(along) == end) * volume.cosine(along))
-}
-
-/// B of a cross term.
-fn cross(volume: &Volume, along: Axis, of: Axis) -> Effect {
-    PerDiagonal::from_fn(|d| d.sign(along) * d.sign(of) * volume.cosine(of))
-}
-
-/// Weighted least squares of the jumps of an axis.
-struct Fit {
-    /// Unknowns by jumps.
-    gains: DMatrix<f64>,
-    values: DVector<f64>,
-    variance: [f64; 4],
-    /// Σ residual²/variance for readings of 1 µm.
-    left: f64,
-}
-
-impl Fit {
-    fn new(along: Axis, columns: &[Effect], jumps: &Jumps) -> Fit {
-        let variance = Diagonal::ALL.map(|d| jumps.variance[d]);
-        let jump = DVector::from_fn(4, |i, _| jumps.um[Diagonal::ALL[i]][along]);
-        let many = columns.len();
-        let design = DMatrix::from_fn(4, many, |i, j| columns[j][Diagonal::ALL[i]]);
-        let weighed = DMatrix::from_fn(4, many, |i, j| design[(i, j)] / variance[i]);
-        // The columns are independent: edges have lengths, and every sign pattern is there once.
-        let inverse = weighed.tr_mul(&design).try_inverse();
-        let gains = inverse
-            .map_or_else(|| DMatrix::zeros(many, 4), |inverse| inverse * weighed.transpose());
-        let values = &gains * &jump;
-        let residual = jump - design * &values;
-        Fit {
-            left: residual.iter().zip(variance).map(|(r, v)| r * r / v).sum(),
-            gains,
-            values,
-            variance,
-        }
-    }
-
-    /// Standard deviation for readings of 1 µm.
-    fn spread(&self, unknown: usize) -> f64 {
-        let part = |i: usize| self.gains[(unknown, i)].squared() * self.variance[i];
-        (0..4).map(part).sum::<f64>().sqrt()
-    }
-
-    fn estimate(&self, unknown: usize, noise: Option<Noise>) -> Estimate {
-        Estimate {
-            um: self.values[unknown],
-            u_um: noise.map(|noise| noise.sigma_um * self.spread(unknown)),
-        }
-    }
-
-    fn shares(&self, unknown: usize) -> PerDiagonal<f64> {
-        let mut column = 0..4;
-        PerDiagonal::from_fn(|_| column.next().map_or(0.0, |i| self.gains[(unknown, i)]))
-    }
-}
-
-/// What the jumps of one axis say.
-struct AxisTurn {
-    /// Of the axis itself at both ends, and of both cross terms.
-    all: Fit,
-    /// The same without the cross terms that do not stand out; and with one reversal for both ends.
-    at_ends: Fit,
-    constant: Fit,
-    /// The two cross axes, and those of them that stand out.
-    others: [Axis; 2],
-    kept: Vec<Axis>,
-}
-
-impl AxisTurn {
-    fn new(volume: &Volume, along: Axis, jumps: &Jumps, noise: Option<Noise>) -> AxisTurn {
-        let others = match along {
-            Axis::X => [Axis::Y, Axis::Z],
-            Axis::Y => [Axis::X, Axis::Z],
-            Axis::Z => [Axis::X, Axis::Y],
+impl Solved<'_> {
+    /// The reversals of a turn without overrun.
+    pub(super) fn turn(&mut self) -> Option<Turn> {
+        let (steps, budget) = (self.steps, self.budget);
+        let (layout, volume, noise) = (steps.layout, budget.volume(), budget.noise);
+        let (mut rows, mut design) = (Vec::new(), DMatrix::zeros(MEASURED + 9, 18));
+        // The unknowns: B of all terms at the low ends, then at the high ones, axis by axis.
+        let at = |along: Axis, of: Axis, end: Direction| {
+            9 * usize::from(end == Direction::Plus) + 3 * along as usize + of as usize
         };
-        let ends = [Direction::Minus, Direction::Plus].map(|end| own_at(volume, along, end));
-        let fit = |own: &[Effect], others: &[Axis]| {
-            let crosses = others.iter().map(|of| cross(volume, along, *of));
-            let columns: Vec<Effect> = own.iter().copied().chain(crosses).collect();
-            Fit::new(along, &columns, jumps)
+        for (d, axis) in Diagonal::ALL.into_iter().flat_map(|d| Axis::ALL.map(|axis| (d, axis))) {
+            for of in Axis::ALL {
+                let share = d.sign(axis) * d.sign(of) * volume.cosine(of);
+                design[(rows.len(), at(axis, of, d.forward(axis)))] = share;
+                design[(rows.len() + 1, at(axis, of, Direction::Minus))] = -share;
+                design[(rows.len() + 1, at(axis, of, Direction::Plus))] = share;
+            }
+            let change = |step| {
+                [(1.0, Pass::Forward), (-1.0, Pass::Reverse)]
+                    .map(|(sign, pass)| (sign * d.sign(axis), steps.moved(pass, d, axis, step)))
+            };
+            let between = 1..volume.steps - 1;
+            rows.extend([steps.jump(d, axis), Row::sum(between.flat_map(change))]);
+        }
+        for term in 0..9 {
+            design[(MEASURED + term, term)] = -1.0;
+            design[(MEASURED + term, 9 + term)] = 1.0;
+        }
+        let square = noise.map_or(0.0, |noise| noise.sigma_um).max(DIGIT_UM).squared();
+        let weights =
+            layout.column(|pass, d, _| (square / budget.start.counts[d][pass as usize]).sqrt());
+        let mut weighed = DMatrix::zeros(weights.len(), MEASURED);
+        for (index, row) in rows.iter().enumerate() {
+            row.0.iter().for_each(|(place, by)| weighed[(*place, index)] += by * weights[*place]);
+        }
+        let neglected = DMatrix::identity(MEASURED, MEASURED) * (NEGLECTED * square);
+        let mut covariance = weighed.tr_mul(&weighed) + neglected;
+        let [gain, spread] = solution(&design.rows(0, MEASURED).into(), covariance.clone())?;
+        let ends = gain * DVector::from_iterator(MEASURED, rows.iter().map(|row| row.dot(&self.z)));
+        let changes = ends.rows(9, 9) - ends.rows(0, 9);
+        let of_changes = design.rows(MEASURED, 9) * spread * design.rows(MEASURED, 9).transpose();
+        let constancy = |axis: Axis| {
+            let own = changes.rows(3 * axis as usize, 3);
+            let spread = of_changes.view((3 * axis as usize, 3 * axis as usize), (3, 3));
+            let square = spread.into_owned().cholesky()?.solve(&own).dot(&own);
+            chance_of(square, 3, noise.filter(|noise| noise.sigma_um > 0.0)?.freedom)
         };
-        let all = fit(&ends, &others);
-        let stands_out = |place: &usize| {
-            noise.is_some_and(|noise| {
-                let u = noise.sigma_um.max(DIGIT_UM) * all.spread(2 + place);
-                let limit = student(1.0 - FALSE_ALARM / 2.0, noise.freedom_f64());
-                all.values[2 + place].abs() > limit * u
-            })
+        let change_um = (changes.norm_squared().max(of_changes.trace()) / 9.0).sqrt();
+        covariance = covariance.resize(MEASURED + 9, MEASURED + 9, 0.0);
+        for equation in MEASURED..MEASURED + 9 {
+            covariance[(equation, equation)] = change_um.squared() + NEGLECTED * square;
+            rows.push(Row::of(self.add(0.0, change_um)));
+        }
+        let [gain, _] = solution(&design, covariance)?;
+        let end = |term: ErrorTerm, end| {
+            let of = gain.row(at(term.along, term.of, end));
+            Row::sum(of.iter().copied().zip(&rows)).merged()
         };
-        let kept = (0..2).filter(stands_out).map(|place| others[place]);
-        let kept: Vec<Axis> = kept.collect();
-        AxisTurn {
-            at_ends: fit(&ends, &kept),
-            constant: fit(&[own(volume, along)], &kept),
-            all,
-            others,
-            kept,
+        let estimate = |row: &Row| Estimate {
+            um: row.dot(&self.z),
+            u_um: noise.map(|_| self.model.variance(row).all.sqrt()),
+        };
+        let both = |term: ErrorTerm| Direction::BOTH.map(|way| end(term, way));
+        let alone = |d, axis| Row::sum([(1.0 / volume.cosine(axis), steps.jump(d, axis))]);
+        Some(Turn {
+            reversal: PerTerm::from_fn(|term| {
+                estimate(&Row::sum(both(term).map(|row| (0.5, row))))
+            }),
+            ends: PerAxis::from_fn(|axis| {
+                let [high, low] = both(ErrorTerm::positioning(axis));
+                [estimate(&low), estimate(&high)]
+            }),
+            by_diagonal: PerDiagonal::from_fn(|d| {
+                PerAxis::from_fn(|axis| estimate(&alone(d, axis)))
+            }),
+            constancy: PerAxis::from_fn(constancy),
+            change_um,
+            curves: PerTerm::from_fn(|term| {
+                let [high, low] = both(term);
+                let mut curve = self.between_passes(term);
+                let rise = curve.steps.iter().map(|step| (-1.0, step));
+                curve.line = Row::sum(rise.chain([(1.0, &high), (-1.0, &low)])).merged();
+                CurveRows { start: low, ..curve }
+            }),
+        })
+    }
+
+    /// B less that at the low end, by the increments of both directions.
+    fn between_passes(&self, term: ErrorTerm) -> CurveRows {
+        let [plus, minus] = Direction::BOTH.map(|way| self.steps.of(term, Some(way)));
+        let steps =
+            plus.iter().zip(&minus).map(|(plus, minus)| Row::sum([(1.0, plus), (-1.0, minus)]));
+        CurveRows { steps: steps.collect(), ..CurveRows::default() }
+    }
+
+    /// B of a linear measurement: each place is measured by itself.
+    fn by_linear(&mut self, reversal: &LinearReversal) -> CurveRows {
+        let u_um = reversal.u_um.iter().flatten().copied().chain(std::iter::repeat(0.0));
+        let places = reversal.um.iter().zip(u_um).map(|(um, u_um)| self.add(*um, u_um));
+        let places: Vec<Row> = places.map(Row::of).collect();
+        let step = |ends: &[Row]| Row::sum([(1.0, &ends[1]), (-1.0, &ends[0])]);
+        CurveRows {
+            steps: places.windows(2).map(step).collect(),
+            start: places.into_iter().next().unwrap_or_default(),
+            line: Row::default(),
         }
     }
 
-    /// One reversal for the whole axis.
-    fn reversal(&self, of: Axis, noise: Option<Noise>) -> Estimate {
-        match self.others.iter().position(|other| *other == of) {
-            Some(place) => self.all.estimate(2 + place, noise),
-            None => self.constant.estimate(0, noise),
-        }
-    }
-
-    /// The unknown of the curves' fit that is a term's reversal at the low end.
-    fn low(&self, of: Axis) -> Option<usize> {
-        let kept = self.kept.iter().position(|kept| *kept == of);
-        let own = (!self.others.contains(&of)).then_some(0);
-        kept.map(|place| 2 + place).or(own)
-    }
-
-    fn constancy(&self, noise: Option<Noise>) -> Option<f64> {
-        let noise = noise.filter(|noise| noise.sigma_um > 0.0)?;
-        let square = self.constant.left / noise.sigma_um.max(DIGIT_UM).squared();
-        chance_of(square, 3 - self.kept.len(), noise.freedom)
+    /// B of each term and whether its uncertainty is known, where the two directions were measured apart; without a
+    /// turn or a linear measurement it starts at 0.
+    pub(super) fn apart(
+        &mut self,
+        turn: Option<&Turn>,
+        linear: &LinearReversals,
+    ) -> PerTerm<Option<(CurveRows, bool)>> {
+        PerTerm::from_fn(|term| match (&linear[term.along], turn) {
+            (Some(own), _) if term.is_positioning() => {
+                Some((self.by_linear(own), own.u_um.is_some()))
+            }
+            (_, Some(turn)) => Some((turn.curves[term].clone(), true)),
+            _ => self.budget.both_ways().then(|| (self.between_passes(term), true)),
+        })
     }
 }
 
-/// The reversals of a turn without overrun; `None` without reverse passes.
-pub(super) fn turn(
-    means: &Means,
-    volume: &Volume,
-    runs: &RunCounts,
-    noise: Option<Noise>,
-) -> Option<Turn> {
-    let jumps = jumps(means, volume, runs)?;
-    let axes = PerAxis::from_fn(|along| AxisTurn::new(volume, along, &jumps, noise));
-    let low = |term: ErrorTerm| {
-        let axis = &axes[term.along];
-        Some((&axis.at_ends, axis.low(term.of)?))
+/// Where the turn and the linear measurement of an axis contradict each other by more than six
+/// standard deviations: the axes turned otherwise than was stated, or the two were not measured in
+/// the same state.
+pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<Finding> {
+    let of_axis = |(axis, linear): (Axis, &Option<LinearReversal>)| {
+        let linear = linear.as_ref()?;
+        let of_turn = turn.reversal[ErrorTerm::positioning(axis)];
+        let (turn_um, linear_um) = (of_turn.um, mean(linear.um.iter().copied()));
+        let limit = 6.0 * of_turn.u_um?.hypot(linear.u_largest_um()?);
+        let apart = (turn_um - linear_um).abs() > limit.max(UNRESOLVED_UM);
+        apart.then(|| {
+            Finding::from(SeparationFinding::TurnAgainstLinear { axis, turn_um, linear_um })
+        })
     };
-    let alone = |d: Diagonal, axis: Axis| Estimate {
-        um: jumps.um[d][axis] / volume.cosine(axis),
-        u_um: noise.map(|n| n.sigma_um * jumps.variance[d].sqrt() / volume.cosine(axis)),
-    };
-    Some(Turn {
-        reversal: PerTerm::from_fn(|term| axes[term.along].reversal(term.of, noise)),
-        ends: PerAxis::from_fn(|axis| [0, 1].map(|end| axes[axis].at_ends.estimate(end, noise))),
-        by_diagonal: PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| alone(d, axis))),
-        constancy: PerAxis::from_fn(|axis| axes[axis].constancy(noise)),
-        in_curves: PerTerm::from_fn(|term| low(term).is_some()),
-        low: PerTerm::from_fn(|term| low(term).map_or_else(Effect::default, |(f, i)| f.shares(i))),
-        high: PerAxis::from_fn(|axis| axes[axis].at_ends.shares(1)),
-    })
+    reversals.iter().filter_map(of_axis).collect()
 }

@@ -8,12 +8,12 @@ use super::exchange::{AsRead, names};
 use super::findings::SeparationFinding;
 use super::labels;
 use super::linear::{Layout, Model, Row};
-use super::linear_reversal::{LinearReversals, contradictions, hidden_reversal_um};
+use super::linear_reversal::{LinearReversals, hidden_reversal_um};
 use super::metric::{Metric, PerPlane, Plane};
 use super::noise::{Noise, NoiseSource, ReadingPlace};
 use super::patterns::Known;
 use super::readings::{CorrectedRun, Means, means};
-use super::reversal::{Turn, ran_over, turn};
+use super::reversal::{Turn, contradictions, ran_over};
 use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness, scale_sum_um_mm};
 use super::steps::Steps;
 use super::uncertainty::{Budget, SlopeUncertainty, rolls};
@@ -150,9 +150,15 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let start = Start::new(campaign, raw_runs);
     let mut found = of_start(campaign, &start, |noise| noise);
     // What remains to be said: the names of the diagonals, noise, lines and reversals.
-    let (closure, noise) = (&found.closure, found.noise);
-    let as_read = AsRead { closure, noise, overrun: found.overrun, causes: &found.model };
-    let names = names(campaign, raw_runs, &start, &as_read);
+    let names = names(AsRead {
+        campaign,
+        runs: raw_runs,
+        start: &start,
+        closure: &found.closure,
+        noise: found.noise,
+        overrun: found.overrun,
+        causes: &found.model,
+    });
     let turn = found.turn.iter();
     let turn = turn.flat_map(|turn| contradictions(turn, &campaign.reversals));
     found.doubts.extend(large_noise(found.noise, campaign.stated.noise_um).into_iter().chain(turn));
@@ -173,7 +179,8 @@ pub(super) fn of_start(
     let measured = means(&start.runs);
     let overrun = overrun(campaign, start, &measured);
     let turned = overrun == Some(false);
-    let causes = start.budget(campaign, None, turned).model(campaign);
+    let budget = Budget { campaign, start, noise: None, turned };
+    let causes = budget.model();
     let known = Known {
         noise: start.noise,
         outliers: &start.outliers,
@@ -183,8 +190,8 @@ pub(super) fn of_start(
     let steps = Steps::of_readings(volume, &measured, turned);
     let closure = closure(&steps, &measured, &start.counts, known);
     let noise = noise_of(campaign, start, &closure, of_closure);
-    let budget = start.budget(campaign, noise, turned);
-    let mut separation = evaluated(campaign, &budget, &measured, closure, overrun);
+    let budget = Budget { noise, ..budget };
+    let mut separation = evaluated(&budget, &measured, closure, overrun);
     let notes = of_noise(start.noise, noise, campaign.stated.noise_um);
     separation.labels.extend(notes.map(Finding::from));
     separation
@@ -259,20 +266,21 @@ fn anomalies(
 
 /// What readings say.
 fn evaluated(
-    campaign: &Campaign<'_>,
     budget: &Budget<'_>,
     measured: &Means,
     closure: Closure,
     overrun: Option<bool>,
 ) -> Separation {
-    let (volume, noise, turned) = (budget.volume, budget.noise, budget.turned);
-    let solved = Solved::new(campaign, budget, measured);
+    let Budget { campaign, noise, turned, .. } = *budget;
+    let volume = budget.volume();
+    let mut solved = Solved::new(budget, measured);
     let agreement = solved.judged();
-    let anomalies = anomalies(campaign, solved.model.layout, &closure, agreement.as_ref());
-    let turn = turn(measured, volume, budget.runs, noise).filter(|_| turned);
+    let turn = turned.then(|| solved.turn()).flatten();
     let reversals = if turned { LinearReversals::default() } else { campaign.reversals.clone() };
-    let errors = solved.errors(turn.as_ref(), &reversals);
-    let mut labels = labels::of_steps(campaign, budget, overrun, turn.as_ref());
+    let apart = solved.apart(turn.as_ref(), &reversals);
+    let errors = solved.errors(&apart);
+    let anomalies = anomalies(campaign, solved.model.layout, &closure, agreement.as_ref());
+    let mut labels = labels::of_steps(budget, overrun, turn.as_ref());
     labels.extend(labels::of_reversals(&reversals, !budget.both_ways()));
     labels.extend(solved.labels(agreement.is_some()));
     let of_closure = closure.doubts(noise, volume, solved.setup).into_iter();
@@ -327,7 +335,7 @@ fn overrun(campaign: &Campaign<'_>, start: &Start, measured: &Means) -> Option<b
         let steps = Steps::of_readings(volume, measured, false);
         let guess = || closure(&steps, measured, &start.counts, rough).noise();
         let noise = start.noise.or_else(guess);
-        ran_over(measured, volume, &start.counts, noise?)
+        ran_over(&steps, &steps.layout.measured(measured, &[]), &start.counts, noise?)
     };
     let stated = campaign.measurement.overrun;
     stated.or_else(|| campaign.reverse_zero_known.then(judged)?)

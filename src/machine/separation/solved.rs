@@ -6,21 +6,18 @@
 //! ```
 
 use super::agreement::Agreement;
-use super::campaign::{Campaign, MeasuredLine};
+use super::campaign::MeasuredLine;
 use super::curves::{Curve, ReferenceLine};
 use super::linear::{CurveRows, Model, Row, Variance};
-use super::linear_reversal::{LinearReversal, LinearReversals};
 use super::metric::{Equations, Metric, PerPlane, Plane, UM_PER_M};
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::plane::Unknown;
 use super::readings::Means;
-use super::reversal::Turn;
 use super::steps::Steps;
 use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
-use crate::quantity::units::Squared;
 
 /// Seconds of arc in one radian.
 const ARCSEC_PER_RADIAN: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
@@ -33,7 +30,7 @@ pub(super) struct Solved<'a> {
     pub(super) model: Model,
     /// What was measured.
     pub(super) z: Vec<f64>,
-    steps: Steps<'a>,
+    pub(super) steps: Steps<'a>,
     /// Increments of the mean curves over each interval.
     mean_steps: PerTerm<Vec<Row>>,
     /// Slopes of the increments, µm/m.
@@ -64,14 +61,10 @@ pub(super) fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f6
 
 impl<'a> Solved<'a> {
     /// `means`: as measured; what a turn adds to them is left out.
-    pub(super) fn new(
-        campaign: &Campaign<'_>,
-        budget: &'a Budget<'a>,
-        means: &Means,
-    ) -> Solved<'a> {
+    pub(super) fn new(budget: &'a Budget<'a>, means: &Means) -> Solved<'a> {
+        let (campaign, volume) = (budget.campaign, budget.volume());
         let (setup, frame) = (campaign.measurement.setup, campaign.measurement.frame);
-        let volume = budget.volume;
-        let mut model = budget.model(campaign);
+        let mut model = budget.model();
         let slopes: Vec<f64> = campaign.lines.iter().map(|l| l.slope_um_per_m).collect();
         let z = model.layout.measured(means, &slopes);
         let steps = Steps::new(volume, model.layout, budget.turned);
@@ -132,7 +125,7 @@ impl<'a> Solved<'a> {
     }
 
     fn metres(&self, term: ErrorTerm) -> f64 {
-        self.budget.volume.size[term.along].mm() / 1000.0
+        self.budget.volume().size[term.along].mm() / 1000.0
     }
 
     /// What the slope of a term is made of: shares of its figure, of its separated slope, of that of its twin.
@@ -201,79 +194,53 @@ impl<'a> Solved<'a> {
         asked.then(|| self.equations.agreement(&self.metric))?
     }
 
-    /// The nine errors with their uncertainties.
-    pub(super) fn errors(&self, turn: Option<&Turn>, reversals: &LinearReversals) -> NineErrors {
+    /// The nine errors with their uncertainties; `apart`: B of each term, and whether its uncertainty is known.
+    pub(super) fn errors(&self, apart: &PerTerm<Option<(CurveRows, bool)>>) -> NineErrors {
         let mean = PerTerm::from_fn(|term| {
             let (rows, line_um) = self.mean_rows(term)?;
-            Some(self.evidence(term, rows, line_um, 0.0))
+            Some(self.evidence(term, rows, line_um, true))
         });
-        // Positioning errors stand apart by a reversal that was measured apart.
-        let both = self.budget.both_ways();
-        let directed = |direction: Direction| {
-            let errors = PerTerm::from_fn(|term| match &reversals[term.along] {
-                Some(apart) if term.is_positioning() => {
-                    Some(SeparatedError::beside(mean[term].as_ref()?, apart, direction))
-                }
-                _ if both => self.directed(term, direction, turn),
-                _ => None,
-            });
-            Some(errors).filter(|errors| both || errors.iter().any(|(_, found)| found.is_some()))
+        // The mean of both is that of curves which start at 0.
+        let directed = |side: f64| {
+            let of = |term| {
+                let (mean, line_um) = self.mean_rows(term)?;
+                let (b, is_known) = apart[term].as_ref()?;
+                let mut rows = mean.beside(side / 2.0, b);
+                rows.start.add((side - 1.0) / 2.0, &b.start);
+                let line_um = line_um + side / 2.0 * b.line.dot(&self.z);
+                Some(self.evidence(term, rows, line_um, *is_known))
+            };
+            apart.iter().any(|(_, b)| b.is_some()).then(|| PerTerm::from_fn(of))
         };
-        let [plus, minus] = Direction::BOTH.map(directed);
-        NineErrors { plus, minus, mean }
+        NineErrors { plus: directed(1.0), minus: directed(-1.0), mean }
     }
 
-    /// A curve with its uncertainties; `left_out` = variance of what it lacks, µm².
+    /// One more entry of what was measured: its place.
+    pub(super) fn add(&mut self, um: f64, u_um: f64) -> usize {
+        self.z.push(um);
+        self.model.add(u_um)
+    }
+
+    /// A curve with its uncertainties, if those of what stands beside the mean are known.
     fn evidence(
         &self,
         term: ErrorTerm,
         rows: CurveRows,
         line_um: f64,
-        left_out: f64,
+        is_known: bool,
     ) -> SeparatedError {
         let [share, own, _] = self.rule(term);
         // A separated slope holds the tilt of the mirror.
-        let is_known = match share > 0.0 {
+        let slope_is_known = match share > 0.0 {
             true => self.figure_variance(Unknown::of(term)).is_some(),
-            false => own < 1.0 || self.budget.stated.tilt_arcsec.is_some(),
+            false => own < 1.0 || self.budget.campaign.stated.tilt_arcsec.is_some(),
         };
-        let is_known = is_known && self.budget.noise.is_some();
+        let is_known = is_known && slope_is_known && self.budget.noise.is_some();
         let variances = rows.variances(&self.model);
-        let of = |v: &Variance| ((v.all + left_out).sqrt(), v.noise.sqrt());
+        let of = |v: &Variance| (v.all.sqrt(), v.noise.sqrt());
         let (u_um, u_noise_um) = is_known.then(|| variances.iter().map(of).unzip()).unzip();
         let deviation_um = rows.values(&self.z, line_um);
-        SeparatedError { deviation_um, u_um, u_noise_um, rows, left_out }
-    }
-
-    /// The curve of a direction: that of its readings, with the slope of the mean. After a turn the − curve
-    /// starts at the reversal of the low end, and both curves meet that of the high end.
-    fn directed(
-        &self,
-        term: ErrorTerm,
-        direction: Direction,
-        turn: Option<&Turn>,
-    ) -> Option<SeparatedError> {
-        let (mut rows, mut line_um) = self.mean_rows(term)?;
-        rows.steps = self.steps.of(term, Some(direction));
-        let side = if direction == Direction::Plus { 1.0 } else { -1.0 };
-        let mut left_out = 0.0;
-        if let Some(turn) = turn {
-            let [low, growth] = turn.ends_of(term, self.model.layout, self.budget.volume);
-            let mut off = growth;
-            for (sign, way) in [(-1.0, Direction::Plus), (1.0, Direction::Minus)] {
-                let steps = self.steps.of(term, Some(way)).into_iter();
-                let steps = steps.filter(|_| term.is_positioning());
-                off.add(1.0, &Row::sum(steps.map(|step| (sign, step))));
-            }
-            rows.line.add(side / 2.0, &off);
-            line_um += side / 2.0 * off.dot(&self.z);
-            if direction == Direction::Minus {
-                rows.start.add(-1.0, &low);
-                let dropped = turn.reversal[term].u_um.filter(|_| !turn.in_curves[term]);
-                left_out = dropped.map_or(0.0, f64::squared);
-            }
-        }
-        Some(self.evidence(term, rows, line_um, left_out))
+        SeparatedError { deviation_um, u_um, u_noise_um, rows }
     }
 
     /// η_d = q_d − Aᵀ u_d with the slopes of the X-primary frame; `None` where scales or squareness
@@ -288,7 +255,7 @@ impl<'a> Solved<'a> {
             found.filter(|_| of <= along).unwrap_or(0.0)
         };
         Some(PerDiagonal::from_fn(|diagonal| {
-            let u = self.budget.volume.laser(diagonal);
+            let u = self.budget.volume().laser(diagonal);
             let expected = |along: Axis| {
                 let part = |of: Axis| slope(of, along) * u[of];
                 u[along] + 1e-6 * Axis::ALL.into_iter().map(part).sum::<f64>()
@@ -352,8 +319,6 @@ pub struct SeparatedError {
     pub u_noise_um: Option<Vec<f64>>,
     /// How it hangs on what was measured.
     pub(super) rows: CurveRows,
-    /// Variance of what all of it but the first point lacks, µm².
-    pub(super) left_out: f64,
 }
 
 impl SeparatedError {
@@ -367,32 +332,6 @@ impl SeparatedError {
     pub fn expanded_um(&self, index: usize, noise: Option<Noise>) -> Option<f64> {
         let u = *self.u_um.as_ref()?.get(index)?;
         Some(u * coverage_factor(self.freedom(index, noise)))
-    }
-
-    /// The curve of a direction beside this mean of both, by a reversal that was measured apart: the mean of both is that
-    /// of curves which start at 0, and the − curve lies B below the + curve.
-    fn beside(&self, reversal: &LinearReversal, direction: Direction) -> SeparatedError {
-        let is_plus = direction == Direction::Plus;
-        let first = |values: &[f64]| values.first().copied().unwrap_or(0.0);
-        let curve = self.deviation_um.iter().zip(&reversal.um);
-        let half = if is_plus { 0.5 } else { -0.5 };
-        let curve = curve.map(|(mean, b)| mean + half * b - first(&reversal.um) / 2.0);
-        let u_um = self.u_um.as_ref().zip(reversal.u_um.as_ref()).map(|(mean, of_reversal)| {
-            let start = first(of_reversal);
-            let at = |(index, (mean, u)): (usize, (&f64, &f64))| match index {
-                0 if is_plus => *mean,
-                0 => mean.hypot(start),
-                _ => mean.hypot(u.hypot(start) / 2.0),
-            };
-            mean.iter().zip(of_reversal).enumerate().map(at).collect::<Vec<f64>>()
-        });
-        SeparatedError {
-            deviation_um: curve.collect(),
-            u_noise_um: self.u_noise_um.clone().filter(|_| u_um.is_some()),
-            u_um,
-            rows: self.rows.clone(),
-            left_out: reversal.u_um.iter().flatten().map(|u| u.squared()).fold(0.0, f64::max),
-        }
     }
 }
 

@@ -25,7 +25,7 @@ impl<'a> Steps<'a> {
     pub(super) fn of_readings(volume: &'a Volume, means: &Means, turned: bool) -> Steps<'a> {
         let nodes = means.forward[Diagonal::Ppp].len();
         let passes = 1 + usize::from(means.reverse.is_some());
-        Steps::new(volume, Layout { nodes, passes, lines: 0 }, turned)
+        Steps::new(volume, Layout { nodes, passes, lines: 0, apart: 0 }, turned)
     }
 
     pub(super) fn groups(&self) -> &'static [Group] {
@@ -37,9 +37,20 @@ impl<'a> Steps<'a> {
         let step = self.volume.interval(d, axis, interval);
         let is_turn = self.turned && step + 1 == self.volume.steps;
         let pass = if is_turn { Pass::Forward } else { pass_of(group, d, axis) };
+        self.moved(pass, d, axis, step)
+    }
+
+    /// The reading of a pass at the far end of a step less that at the near one.
+    pub(super) fn moved(&self, pass: Pass, d: Diagonal, axis: Axis, step: usize) -> Row {
         let node = self.volume.node_after(axis, step);
         let at = |node| self.layout.reading(pass, d, node);
         Row(vec![(at(node), 1.0), (at(node - 1), -1.0)])
+    }
+
+    /// J: the reverse less the forward increment of the last step of an axis.
+    pub(super) fn jump(&self, d: Diagonal, axis: Axis) -> Row {
+        let of = |pass| self.moved(pass, d, axis, self.volume.steps - 1);
+        Row::sum([(1.0, of(Pass::Reverse)), (-1.0, of(Pass::Forward))])
     }
 
     /// w: closure of an interval.

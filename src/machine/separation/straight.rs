@@ -28,7 +28,7 @@ use super::noise::{Noise, Outlier, float};
 use super::plane::Unknown;
 use super::readings::{CorrectedRun, figures, means, run_counts};
 use super::solved::scale_sum_um_mm;
-use super::uncertainty::SlopeUncertainty;
+use super::uncertainty::{Budget, SlopeUncertainty};
 use crate::inputs::error_table::{ErrorTable, Silence};
 use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
@@ -88,13 +88,13 @@ pub fn straight(
     let volume = &campaign.measurement.volume;
     let start = Start::new(campaign, runs);
     let noise = start.noise;
-    let budget = start.budget(campaign, noise, false);
+    let budget = Budget { campaign, start: &start, noise, turned: false };
     let (all, _) = figures(&start.runs, PathKind::Straight);
     let end_um = PerDiagonal::from_fn(|d| all[d].end_um);
     // (7) of first order: u_dᵀ h u_d = e_d(end)/R.
     let length_m = volume.diagonal_mm() / 1000.0;
     let diagonals = PerDiagonal::from_fn(|d| (volume.laser(d), end_um[d] / length_m));
-    let mut model = budget.model(campaign);
+    let mut model = budget.model();
     let rows = rows(volume, model.layout);
     let known = (&mut model, noise.is_some());
     let equations = Equations::new(volume, &diagonals, &campaign.lines, rows, known);
@@ -119,7 +119,7 @@ pub fn straight(
         closure: errors
             .map(|table| closure_tests(volume, table, &start.runs, noise))
             .transpose()?,
-        labels: labels::of_straight(campaign, &budget),
+        labels: labels::of_straight(&budget),
         metric,
         runs: start.runs,
         zeroed_runs: start.zeroed_runs,

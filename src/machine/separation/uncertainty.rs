@@ -11,13 +11,14 @@
 //! The beam counts here and there: it may lean alike in all set-ups, or in some of them only.
 
 use super::campaign::{Campaign, MeasuredLine};
-use super::corrections::REFERENCE_C;
+use super::closure::Start;
+use super::corrections::{REFERENCE_C, of_rotations};
 use super::linear::{Layout, Model, Variance};
 use super::metric::PerPlane;
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::readings::PassMeans;
 use super::steps::Steps;
-use crate::inputs::job::{AxisMaterial, Material, Reflector, SetUp, StatedUncertainty};
+use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::chain::{displaced, unit};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
@@ -55,55 +56,56 @@ impl Variance {
 }
 
 /// What the uncertainty of a measurement consists of.
-#[derive(Clone, Debug)]
-pub struct Budget<'a> {
-    /// The measured box.
-    pub volume: &'a Volume,
+#[derive(Clone, Copy)]
+pub(super) struct Budget<'a> {
+    pub(super) campaign: &'a Campaign<'a>,
+    pub(super) start: &'a Start,
     /// Of a single reading; `None` = not known.
-    pub noise: Option<Noise>,
-    /// Runs of each pass.
-    pub runs: &'a PerDiagonal<[f64; 2]>,
+    pub(super) noise: Option<Noise>,
     /// Whether the axes turned without overrun, so that jumps are taken off the reverse passes.
-    pub turned: bool,
-    /// `[measurement.uncertainty]`.
-    pub stated: StatedUncertainty,
-    /// Expansion of the scales.
-    pub material: Option<Material>,
+    pub(super) turned: bool,
 }
 
-impl Budget<'_> {
+impl<'a> Budget<'a> {
+    /// The measured box.
+    pub(super) fn volume(&self) -> &'a Volume {
+        &self.campaign.measurement.volume
+    }
+
     /// Whether every diagonal was walked in both directions.
     pub(super) fn both_ways(&self) -> bool {
-        self.runs.iter().all(|(_, runs)| runs[1] > 0.0)
+        self.start.walked_back()
     }
 
     /// The linear model of the readings of a campaign.
-    pub(super) fn model(&self, campaign: &Campaign<'_>) -> Model {
-        let (kind, lines) = (campaign.measurement.kind, &campaign.lines);
+    pub(super) fn model(&self) -> Model {
+        let (campaign, stated) = (self.campaign, self.campaign.stated);
+        let (volume, kind, lines) = (self.volume(), campaign.measurement.kind, &campaign.lines);
         let passes = &Pass::BOTH[..1 + usize::from(self.both_ways())];
-        let nodes = self.volume.last_node(kind) + 1;
-        let mut model = Model::new(Layout { nodes, passes: passes.len(), lines: lines.len() });
+        let nodes = volume.last_node(kind) + 1;
+        let mut model =
+            Model::new(Layout { nodes, passes: passes.len(), lines: lines.len(), apart: 0 });
         let variance = self.noise.map_or(0.0, |noise| noise.sigma_um.squared());
         for (index, line) in lines.iter().enumerate() {
-            let of_setup = self.stated.setup_ppm.unwrap_or(0.0);
+            let of_setup = stated.setup_ppm.unwrap_or(0.0);
             let u_um_per_m = line.u_um_per_m.unwrap_or(0.0).hypot(of_setup);
             model.other[model.layout.line(index)] = u_um_per_m.squared();
         }
         for pass in passes {
             for d in Diagonal::ALL {
                 let first = model.layout.reading(*pass, d, 0);
-                let runs = self.runs[d][usize::from(*pass == Pass::Reverse)];
+                let runs = self.start.counts[d][usize::from(*pass == Pass::Reverse)];
                 model.noise[first..first + nodes].fill(variance / runs);
             }
         }
-        let volume = self.volume;
         let scaled = |um_per_m: &dyn Fn(Diagonal) -> PerAxis<f64>| {
             model.layout.column(|_, d, node| {
                 let start = volume.inside_mm(d, kind, 0);
                 um_per_m(d).dot(volume.inside_mm(d, kind, node).minus(start)) / 1000.0
             })
         };
-        let strains = self.common_um_per_m().into_iter().map(|strain| {
+        let common = common_um_per_m(stated, self.start.material).into_iter();
+        let strains = common.map(|strain| {
             scaled(&|d| {
                 let laser = volume.laser(d);
                 PerAxis::from_fn(|axis| laser[axis] * strain[axis])
@@ -112,8 +114,8 @@ impl Budget<'_> {
         let only = |one: Diagonal, of: PerAxis<f64>| {
             scaled(&|d| if d == one { of } else { PerAxis::default() })
         };
-        let tilt = campaign.stated.tilt_arcsec;
-        let tilt = tilt.filter(|_| campaign.measurement.setup == SetUp::AssumePerfect);
+        let tilt =
+            stated.tilt_arcsec.filter(|_| campaign.measurement.setup == SetUp::AssumePerfect);
         let tilts = Diagonal::ALL.into_iter().filter_map(|d| Some((d, tilt?)));
         let tilts = tilts.flat_map(|(d, arcsec)| {
             across(volume.laser(d)).map(|way| only(d, way.times(arcsec * URAD_PER_ARCSEC)))
@@ -139,39 +141,42 @@ impl Budget<'_> {
         let of_order = |acting: Vec<usize>| acting.into_iter().map(|part| first + part).collect();
         model.angles = unmeasured.orders.into_iter().map(of_order).collect();
         model.columns = columns;
-        model.setup_ppm = self.stated.setup_ppm.unwrap_or(0.0);
-        model.beam_ppm = self.stated.beam_ppm();
+        model.setup_ppm = stated.setup_ppm.unwrap_or(0.0);
+        model.beam_ppm = stated.beam_ppm();
         model
     }
+}
 
-    /// Causes that act alike in all set-ups, one after the other: the false scale of X, Y, Z that
-    /// one standard uncertainty makes, µm/m. Temperature and coefficient of expansion are taken as
-    /// wrong by the same amount on all axes, which for the totals is the largest they can do.
-    fn common_um_per_m(&self) -> Vec<PerAxis<f64>> {
-        let strain = |of: &dyn Fn(AxisMaterial) -> Option<f64>| {
-            let material = |axis| self.material.and_then(|material| material.axes[axis]);
-            PerAxis::from_fn(|axis| 1e6 * material(axis).and_then(of).unwrap_or(0.0))
-        };
-        let stated = self.stated;
-        let alike = |ppm| PerAxis::from_fn(|_| ppm);
-        let of_temperature = |u: f64| strain(&|m| Some(m.alpha_per_k * u));
-        let of_alpha = |u: f64| strain(&|m| Some(u * (m.temperature_c? - REFERENCE_C)));
-        let all = [
-            Some(alike(stated.of_laser_ppm())),
-            stated.temperature_k.map(of_temperature),
-            stated.alpha_per_k.map(of_alpha),
-        ];
-        let acts = |strain: &PerAxis<f64>| strain.iter().any(|(_, um_per_m)| um_per_m.abs() > 0.0);
-        all.into_iter().flatten().filter(acts).collect()
-    }
+/// Causes that act alike in all set-ups, one after the other: the false scale of X, Y, Z that
+/// one standard uncertainty makes, µm/m. Temperature and coefficient of expansion are taken as
+/// wrong by the same amount on all axes, which for the totals is the largest they can do.
+fn common_um_per_m(stated: StatedUncertainty, material: Option<Material>) -> Vec<PerAxis<f64>> {
+    let strain = |of: &dyn Fn(AxisMaterial) -> Option<f64>| {
+        let material = |axis| material.and_then(|material| material.axes[axis]);
+        PerAxis::from_fn(|axis| 1e6 * material(axis).and_then(of).unwrap_or(0.0))
+    };
+    let alike = |ppm| PerAxis::from_fn(|_| ppm);
+    let of_temperature = |u: f64| strain(&|m| Some(m.alpha_per_k * u));
+    let of_alpha = |u: f64| strain(&|m| Some(u * (m.temperature_c? - REFERENCE_C)));
+    let all = [
+        Some(alike(stated.of_laser_ppm())),
+        stated.temperature_k.map(of_temperature),
+        stated.alpha_per_k.map(of_alpha),
+    ];
+    let acts = |strain: &PerAxis<f64>| strain.iter().any(|(_, um_per_m)| um_per_m.abs() > 0.0);
+    all.into_iter().flatten().filter(acts).collect()
+}
 
-    /// Standard uncertainty of a length along an axis by this laser in one set-up, without the noise of
-    /// the readings, 10⁻⁶.
-    pub(super) fn of_length_ppm(&self, axis: Axis) -> f64 {
-        let common = self.common_um_per_m().into_iter();
-        let own = self.stated.setup_ppm.unwrap_or(0.0).hypot(self.stated.beam_ppm());
-        common.fold(own, |all, strain| all.hypot(strain[axis]))
-    }
+/// Standard uncertainty of a length along an axis by this laser in one set-up, without the noise of
+/// the readings, 10⁻⁶.
+pub(super) fn of_length_ppm(
+    stated: StatedUncertainty,
+    material: Option<Material>,
+    axis: Axis,
+) -> f64 {
+    let common = common_um_per_m(stated, material).into_iter();
+    let own = stated.setup_ppm.unwrap_or(0.0).hypot(stated.beam_ppm());
+    common.fold(own, |all, strain| all.hypot(strain[axis]))
 }
 
 /// What an angle does to the readings by node, µm, the same on the way back, and to linear axes and beams, µm/m.
@@ -206,7 +211,6 @@ impl Unmeasured {
         if rotations.is_empty() {
             return Unmeasured::default();
         }
-        let walks = walks(campaign);
         let mut known: Vec<(Rotation, [bool; 3])> = Vec::new();
         let mut parts = Vec::new();
         let mut of_order = |order: &[Axis; 3]| -> Vec<usize> {
@@ -219,7 +223,7 @@ impl Unmeasured {
                 let key = (*rotation, Axis::ALL.map(|axis| swung.contains(&axis)));
                 let at = known.iter().position(|known| *known == key).unwrap_or_else(|| {
                     known.push(key);
-                    parts.extend(of_rotation(campaign, &walks, *u_urad, *order, *rotation));
+                    parts.extend(of_rotation(campaign, *u_urad, *order, *rotation));
                     known.len() - 1
                 });
                 acting.extend([2 * at, 2 * at + 1]);
@@ -243,11 +247,11 @@ pub(super) fn rolls(
     let volume = &campaign.measurement.volume;
     let evidence = campaign.angle_evidence();
     let orders = evidence.order.as_ref().map_or(&Axis::ORDERS[..], std::slice::from_ref);
-    let (walks, steps) = (walks(campaign), Steps::new(volume, layout, false));
+    let steps = Steps::new(volume, layout, false);
     let of_axis = |axis: Axis| {
         let rotation = Rotation { about: axis, along: axis };
         let of_order = |order: &[Axis; 3]| {
-            let [straight, _] = of_rotation(campaign, &walks, 1.0, *order, rotation);
+            let [straight, _] = of_rotation(campaign, 1.0, *order, rotation);
             let column = layout.column(|_, d, node| straight.readings[d][node]);
             let w = |at| steps.mean(|group| steps.closure(group, axis, at)).dot(&column);
             let ramp = w(volume.steps - 1) - w(0);
@@ -260,72 +264,39 @@ pub(super) fn rolls(
     Axis::ALL.into_iter().filter(|axis| ramps_um[*axis] > 0.0).map(of_axis).collect()
 }
 
-/// Every node of each diagonal by its place, and how far the way to it leads off the laser's line, mm.
-type Walks = PerDiagonal<Vec<[PerAxis<f64>; 2]>>;
-
-fn walks(campaign: &Campaign<'_>) -> Walks {
-    let (volume, kind) = (&campaign.measurement.volume, campaign.measurement.kind);
-    PerDiagonal::from_fn(|d| {
-        let laser = volume.laser(d);
-        let start = volume.inside_mm(d, kind, 0);
-        let node = |node| {
-            let inside = volume.inside_mm(d, kind, node);
-            let place = PerAxis::from_fn(|axis| volume.start[axis].mm() + inside[axis]);
-            let moved = inside.minus(start);
-            [place, moved.minus(laser.times(laser.dot(moved)))]
-        };
-        (0..=volume.last_node(kind)).map(node).collect()
-    })
-}
-
 /// The straight part and the bow of an angle, each of this size at the ends of the box, µrad.
 fn of_rotation(
     campaign: &Campaign<'_>,
-    walks: &Walks,
     u_urad: f64,
     order: [Axis; 3],
     rotation: Rotation,
 ) -> [OfAngle; 2] {
     let measurement = campaign.measurement;
     let volume = &measurement.volume;
-    let half = |axis: Axis| volume.size[axis].mm() / 2.0;
+    let half = volume.size[rotation.along].mm() / 2.0;
     let middle = volume.middle();
     let middle = PerAxis::from_fn(|axis| middle[axis].mm());
-    let about = unit(rotation.about);
-    let turned = |axis| if axis == rotation.along { about } else { PerAxis::default() };
-    let error =
-        |place: PerAxis<f64>| displaced(order, turned, place.minus(middle), PerAxis::default())[0];
-    let t = |place: PerAxis<f64>| {
-        (place[rotation.along] - middle[rotation.along]) / half(rotation.along)
-    };
-    let mirror = f64::from(measurement.target == Reflector::FlatMirror) / 1000.0;
-    // By node: t; what 1 µrad does by its lever; by turning the mirror.
-    let effects = PerDiagonal::from_fn(|d| {
-        let laser = volume.laser(d);
-        let of = |[place, lateral]: &[PerAxis<f64>; 2]| {
-            let turned = mirror * about.cross(laser).dot(*lateral);
-            [t(*place), laser.dot(error(*place)), turned]
-        };
-        walks[d].iter().map(of).collect::<Vec<[f64; 3]>>()
-    });
     let shapes: [fn(f64) -> f64; 2] = [|t| t, |t| -t * t];
     shapes.map(|shape| {
-        let urad = |t: f64| u_urad * shape(t);
-        let readings = PerDiagonal::from_fn(|d| {
-            let [t0, lever0, _] = effects[d].first().copied().unwrap_or_default();
-            let of = |[t, lever, turned]: &[f64; 3]| {
-                urad(*t) * lever - urad(t0) * lever0 + (urad(*t) - urad(t0)) * turned
-            };
-            effects[d].iter().map(of).collect()
-        });
+        let at = |place: PerAxis<f64>| {
+            let lever = place.minus(middle);
+            let urad = u_urad * shape(lever[rotation.along] / half);
+            let about = |axis| f64::from(axis == rotation.along) * urad;
+            let turned = |axis| unit(rotation.about).times(about(axis));
+            displaced(order, turned, lever, PerAxis::default())
+        };
+        let ray = (volume, measurement.kind, measurement.target);
         let line = |line: &MeasuredLine| {
             let Some(ends) = line.ends else { return 0.0 };
             let [from, to] = ends.map(|end| PerAxis::from_fn(|axis| end[axis].mm()));
-            let error = |place| error(place).times(urad(t(place)));
-            let rise = line.direction.dot(error(to).minus(error(from)));
+            let rise = line.direction.dot(at(to)[0].minus(at(from)[0]));
             1000.0 * rise / to.minus(from).length()
         };
-        OfAngle { rotation, readings, lines: campaign.lines.iter().map(line).collect() }
+        OfAngle {
+            rotation,
+            readings: PerDiagonal::from_fn(|d| of_rotations(ray, d, at)),
+            lines: campaign.lines.iter().map(line).collect(),
+        }
     })
 }
 

@@ -110,7 +110,7 @@ impl Table<'_> {
         model.angles.retain(|_| angles);
         let own = self.curves.iter().map(|curve| {
             let all = curve.rows.variances(&model).into_iter();
-            all.map(|v| of(Variance { all: v.all + curve.lacks_um.squared(), ..v })).collect()
+            all.map(&of).collect()
         });
         self.flat(&own.collect::<Vec<Curve>>(), 1.0)
     }
