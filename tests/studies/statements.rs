@@ -100,11 +100,8 @@ impl Trial {
     fn whole(&mut self) -> [(String, Value); 2] {
         self.measure("job", "machine.csv", 1);
         let made = self.made("job", "kit");
-        self.visit
-            .run(
-                "simulate job.toml --machine machine.csv --tables kit --errors -o left.csv --force",
-            )
-            .answers();
+        let simulate = "simulate job.toml --machine machine.csv --tables kit --errors";
+        self.visit.run(&format!("{simulate} -o left.csv --force")).answers();
         self.measure("after", "left.csv", 1);
         [made, self.left("after")]
     }
@@ -129,20 +126,16 @@ fn the_act_that_stands_first_decides() {
             let act = &decides["acts"][0];
             let what = act["what"].as_str().unwrap_or_default();
             let runs = what.split(' ').next().and_then(|runs| runs.parse().ok());
-            let (name, machine) = [("job2", "machine.csv"), ("after2", "left.csv")][stage];
-            runs.into_iter().for_each(|runs| trial.measure(name, machine, runs));
-            let (again, _) = match (stage, runs) {
-                (0, _) => trial.made("job2", "again"),
-                (_, Some(_)) => trial.left("after2"),
-                (_, None) => trial.made("after", "again"),
+            let [name, machine] = [["job2", "machine.csv"], ["after2", "left.csv"]][stage];
+            trial.measure(name, machine, runs.unwrap_or(1));
+            let (again, _) = match (stage, what.contains("new tables")) {
+                (1, false) => trial.left("after2"),
+                (_, true) if runs.is_none() => trial.made("after", "again"),
+                _ => trial.made(name, "again"),
             };
-            let (is_promised, is_decided) = (act["verdict"] == "pass", again != "undecided");
             println!("{seed} {name} {truth:.2} limits: {what}, {} → {again}", act["verdict"]);
-            let none = !is_promised;
-            count(
-                &mut counts[stage],
-                [true, is_promised, is_promised && is_decided, none, none && is_decided],
-            );
+            let (said, done) = (act["verdict"] == "pass", again != "undecided");
+            count(&mut counts[stage], [true, said, said && done, !said, !said && done]);
         }
     }
     let mut table = "| verdict on | undecided | an act is said to decide | it does | none is | the first does |\n| --- | ---: | ---: | ---: | ---: | ---: |".to_string();
@@ -176,25 +169,29 @@ fn silence_never_helps() {
             1000 + seed,
             "angle_urad = 5\nsetup_ppm = 0.2\nbeam_mrad = 0.5\nlaser_ppm = 0.1",
         );
-        trial.whole();
+        let whole = trial.whole().map(|(verdict, _)| rank(&verdict));
+        let judged = |change: &dyn Fn(String) -> String| {
+            for name in ["job", "after"] {
+                let text = change(trial.visit.read(&format!("{name}.toml")));
+                trial.visit.put(&format!("own-{name}.toml"), text);
+            }
+            let both = [trial.made("own-job", "own"), trial.left("own-after")];
+            both.map(|(verdict, _)| rank(&verdict))
+        };
         for (key, counts) in keys.into_iter().zip(&mut counts) {
-            let text = |name: &str, is_stated: bool| {
-                let mut text = trial.visit.read(&format!("{name}.toml"));
-                if key == "angles" {
-                    text = text.replace("angle_urad = 5\n", "");
-                    text = text.replace("active_while", "angles = \"angles.csv\"\nactive_while");
-                }
-                let own = |line: &&str| is_stated || !line.starts_with(key);
-                let text = text.lines().filter(own).collect::<Vec<_>>().join("\n");
-                let of_lines = !is_stated && key == "u_um_per_m";
-                if of_lines { text.replace(", u_um_per_m = 0.5", "") } else { text }
+            let without = |text: String, key: &str| {
+                let kept = text.lines().filter(|line| !line.starts_with(key)).collect::<Vec<_>>();
+                let of_lines = format!(", {key} = 0.5");
+                kept.join("\n").replace(&of_lines, "")
             };
-            let verdicts = [true, false].map(|is_stated| {
-                trial.visit.put("own.toml", text("job", is_stated));
-                trial.visit.put("own-after.toml", text("after", is_stated));
-                [trial.made("own", "own"), trial.left("own-after")]
-                    .map(|(verdict, _)| rank(&verdict))
-            });
+            let with_angles = |text: String| {
+                let angles = "angles = \"angles.csv\"\nactive_while";
+                without(text, "angle_urad").replace("active_while", angles)
+            };
+            let verdicts = match key {
+                "angles" => [judged(&with_angles), judged(&|text| without(text, "angle_urad"))],
+                _ => [whole, judged(&|text| without(text, key))],
+            };
             for (stage, counts) in counts.iter_mut().enumerate() {
                 let [stated, silent] = verdicts.map(|both| both[stage]);
                 count(counts, [stated == Some(0), silent == Some(0), silent < stated]);

@@ -22,6 +22,9 @@ const SURE: f64 = 0.9;
 /// So many standard deviations an estimated noise may be larger the next time: 90 %.
 const ROOM: f64 = 1.28;
 
+/// What a second measurement can always be used for.
+const NEW_TABLES: &str = "new tables from this measurement";
+
 /// What decides.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct WhatDecides {
@@ -53,7 +56,7 @@ pub struct Act {
     pub measured: Measured,
 }
 
-/// What is measured in addition, or again; nothing = new tables are made.
+/// What is measured in addition, or again, and whether new tables are made from it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
     /// These axes along their length.
@@ -62,6 +65,8 @@ pub struct Measured {
     pub angles: Vec<Rotation>,
     /// All once more, in so many runs.
     pub runs: Option<u32>,
+    /// From all that is then there.
+    pub new_tables: bool,
 }
 
 /// Figures to be decided: of a forecast, or of a machine as left.
@@ -107,12 +112,19 @@ impl Judged<'_> {
         let described = design.visit(design.described().clone()).ok()?;
         let as_left = self.expected.map(|_| self.model);
         let parts = design.parts(&described, missed, as_left);
-        let new_tables = missed.of(&described.forecast);
+        let additions = design.additions(&described, &parts);
         let mut acts: Vec<Act> =
-            new_tables.and_then(|um| self.new_tables(missed, um)).into_iter().collect();
+            self.new_tables(&described, &described, missed).into_iter().collect();
         if missed.verdict == Verdict::Undecided {
-            let additions = design.additions(&described, &parts);
             acts.extend(self.measurements(&design, &described, &additions, missed));
+        }
+        let passes = |act: &Act| act.verdict == Verdict::Pass.word();
+        if self.expected.is_some() && !acts.iter().any(passes) {
+            let new_tables = |visit: &Visit| self.new_tables(&described, visit, missed);
+            let all = together(&described.variant, &additions);
+            let best =
+                cheapest(&design, &all, |visit| new_tables(visit).as_ref().is_some_and(passes));
+            acts.extend(best.as_ref().and_then(new_tables));
         }
         Some((described.largest(parts), acts))
     }
@@ -134,7 +146,9 @@ impl Judged<'_> {
         let share = |(part, um)| Share::new(part, None, um);
         let zero = self.figures.terms.iter().flat_map(|term| &term.figures);
         let zero: Vec<Magnitude> = zero.map(|of| Magnitude { um: 0.0, ..*of }).collect();
-        let acts = self.new_tables(missed, expanded_um(&zero, self.figures.sigma)).into_iter();
+        let remade = self.remade(missed, expanded_um(&zero, self.figures.sigma));
+        let new_tables = Measured { new_tables: true, ..Measured::default() };
+        let acts = remade.map(|of| Act::new(NEW_TABLES.to_string(), None, of, new_tables));
         let runs = |runs: u32| {
             let less = noise * (1.0 - 1.0 / f64::from(runs)) / point.u_um.squared();
             let measured = Measured { runs: Some(runs), ..Measured::default() };
@@ -144,16 +158,35 @@ impl Judged<'_> {
         let is_useful = missed.verdict == Verdict::Undecided && noise > 0.0;
         let all = (2..=MOST_RUNS).filter(|_| is_useful).map(runs);
         let least = all.clone().find(|act| act.verdict == Verdict::Pass.word());
-        Some((parts.map(share).collect(), acts.chain(least.or(all.last())).collect()))
+        Some((parts.map(share).collect(), acts.into_iter().chain(least.or(all.last())).collect()))
     }
 
-    /// What was measured after loading gives better tables, that are at most so much off their points.
-    fn new_tables(&self, missed: &Missed, at_most_um: f64) -> Option<Act> {
-        let at_most_um = at_most_um + missed.left_of(self.expected?);
+    /// Better tables from what was measured after loading, or is measured like this in its place.
+    fn new_tables(&self, own: &Visit, visit: &Visit, missed: &Missed) -> Option<Act> {
+        Some(self.act(own, visit, self.remade(missed, missed.of(&visit.forecast)?)?, true))
+    }
+
+    /// What new tables are at most, that are so much off their points.
+    fn remade(&self, missed: &Missed, off_um: f64) -> Option<(f64, Verdict)> {
+        let at_most_um = off_um + missed.left_of(self.expected?);
         let is_kept = at_most_um <= missed.limit_um;
-        let verdict = if is_kept { Verdict::Pass } else { Verdict::Undecided };
-        let what = "new tables from this measurement".to_string();
-        Some(Act::new(what, None, (at_most_um, verdict), Measured::default()))
+        Some((at_most_um, if is_kept { Verdict::Pass } else { Verdict::Undecided }))
+    }
+
+    fn act(&self, own: &Visit, visit: &Visit, answer: (f64, Verdict), new_tables: bool) -> Act {
+        let variant = &visit.variant;
+        let runs = Some(variant.run.runs).filter(|runs| *runs > own.variant.run.runs);
+        let minutes = visit.minutes - runs.map_or(own.minutes, |_| 0.0);
+        let (linear, angles) = (variant.linear.clone(), variant.angles.clone());
+        let measured = Measured { linear, angles, runs, new_tables };
+        let change = (*variant != own.variant).then(|| variant.change(&own.variant));
+        let minutes = change.as_ref().map(|_| minutes.round());
+        let what = match (change, new_tables) {
+            (Some(change), false) => change,
+            (Some(change), true) => format!("{change}, then new tables"),
+            (None, _) => NEW_TABLES.to_string(),
+        };
+        Act::new(what, minutes, answer, measured)
     }
 
     /// More runs, linear axes, angles; where none of them decides, the cheapest of all together that does.
@@ -175,14 +208,7 @@ impl Judged<'_> {
             visits.extend(cheapest(design, &together(own, additions), decides));
         }
         visits.retain(|visit| visit.variant != *own);
-        let act = |visit: &Visit| {
-            let variant = &visit.variant;
-            let runs = Some(variant.run.runs).filter(|runs| *runs > own.run.runs);
-            let minutes = visit.minutes - runs.map_or(described.minutes, |_| 0.0);
-            let (linear, angles) = (variant.linear.clone(), variant.angles.clone());
-            let measured = Measured { linear, angles, runs };
-            Some(Act::new(variant.change(own), Some(minutes.round()), answer(visit)?, measured))
-        };
+        let act = |visit: &Visit| Some(self.act(described, visit, answer(visit)?, false));
         visits.iter().filter_map(act).collect()
     }
 

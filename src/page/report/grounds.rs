@@ -194,7 +194,7 @@ impl Report<'_> {
     }
 
     fn act(&self, measured: &Measured) -> String {
-        let Measured { linear, angles, runs } = measured;
+        let Measured { linear, angles, runs, new_tables } = measured;
         let linear = (!linear.is_empty()).then(|| ("act_linear", Axis::letters(linear)));
         let angles = match angles.as_slice() {
             [] => None,
@@ -204,7 +204,9 @@ impl Report<'_> {
         let runs = runs.map(|runs| ("act_runs", runs.to_string()));
         let all = [linear, angles, runs].into_iter().flatten();
         let all: Vec<String> = all.map(|(key, fact)| self.fill(key, [("what", fact)])).collect();
-        if all.is_empty() { self.t("act_new_tables") } else { all.join(", ") }
+        let made = if all.is_empty() { "act_new_tables" } else { "act_then_tables" };
+        let made = new_tables.then(|| self.t(made));
+        all.into_iter().chain(made).collect::<Vec<_>>().join(", ")
     }
 
     /// Sentences of the program under the words of a key, or how many there are.
