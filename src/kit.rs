@@ -90,8 +90,9 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let mut manifest = build_manifest(&made);
     manifest.sign_proofs = field.sign_proofs;
     if made.doubts.is_empty() {
-        let Inputs { job, errors, .. } = inputs;
-        let judged = Judged { job, errors, figures: &made.forecast, as_left: None };
+        let (job, errors) = (&inputs.job, Some(&inputs.errors));
+        let (model, figures) = (inputs.as_measured(), &made.forecast);
+        let judged = Judged { job, errors, model, figures, expected: None };
         manifest.what_decides = judged.what_decides();
     }
     manifest.doubts = made.doubts;

@@ -170,6 +170,7 @@ fn with_tables(options: &Options, locale: Locale<'_>, inputs: &Inputs) -> Result
     visit.is_sign_shown = page.sign_shown().is_some();
     visit.is_measured = options.after.is_some();
     visit.grounds = page.grounds();
+    visit.decides.clone_from(&page.decides);
     visit.inputs.clone_from(&inputs.hashes);
     visit.documents.push(("verify".to_string(), json_of(&page.document())?));
     visit.pictures.push(("curves", page.picture(locale)?));

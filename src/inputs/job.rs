@@ -99,6 +99,7 @@ fn refuse_other_schema(root: &Section<'_>) {
 }
 
 fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
+    ROOT.into_iter().for_each(|key| _ = root.has(key));
     refuse_other_schema(root);
     for key in ["machine", "measurement"] {
         root.required_section(key);

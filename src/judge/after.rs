@@ -178,9 +178,9 @@ fn off_forecast(
     let factor = Sigma::with_freedom(fewest).joint_at(values, NOT_OFF);
     let off = terms.iter().filter_map(|line| {
         let term = ErrorTerm::from_name(&line.name)?;
-        let repeated = [&before.remarks, &left.remarks].map(|of| of.anew.as_ref());
-        let u_um = match repeated {
-            [Some(found), Some(left)] => found.terms[term].hypot(left.terms[term]),
+        let (found, left) = (&before.remarks, &left.remarks);
+        let u_um = match (found.anew_beside(left), left.anew_beside(found)) {
+            (Some(found), Some(left)) => found.terms[term].hypot(left.terms[term]),
             _ => line.u_um?.hypot(before.terms[term].as_ref()?.u_um()?),
         };
         let u_um = factor * u_um;

@@ -15,6 +15,7 @@ mod figures;
 mod reasons;
 mod share;
 
+pub(crate) use self::figures::Missed;
 pub use self::figures::{Basis, Change, DiagonalForecast, Forecast, TermForecast};
 pub(crate) use self::reasons::terms_words;
 pub use self::reasons::{Grounds, Miss, Of, RestsOn};

@@ -20,4 +20,4 @@ pub use self::design::{Design, SetUpTimes};
 pub(crate) use self::variant::listed;
 pub use self::variant::{Share, Variant, Visit};
 pub(crate) use self::what_decides::Judged;
-pub use self::what_decides::{Act, WhatDecides};
+pub use self::what_decides::{Act, Measured, WhatDecides};

@@ -32,7 +32,7 @@ use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres, larger};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 
-mod measured;
+pub(in crate::machine) mod measured;
 
 /// One measured term.
 #[derive(Clone, Debug, PartialEq)]
@@ -152,6 +152,10 @@ impl ErrorModel {
             add_squareness(job, &mut terms, *term, *slope, &mut problems);
         }
         let rotations = measured::rotations(job, table);
+        let said = &table.remarks;
+        let other = said.measured.as_ref().filter(|most| most.zero != zero(job));
+        let other = other.map(|most| ModelFinding::OtherReference { zero: most.zero.clone() });
+        let is_own = other.is_none();
         let angles_do = !deviations && rotations.iter().any(|(_, angle)| angle.is_some());
         let nothing = terms.iter().all(|(_, term)| term.is_none()) && !angles_do;
         if nothing && problems.is_empty() {
@@ -163,12 +167,17 @@ impl ErrorModel {
             ranges,
             laser_um_per_m: laser_um_per_m(job).unwrap_or(0.0),
             headings: PerTerm::from_fn(|term| table.heading(term).cloned()),
-            unused: measured::not_compensated(table).into_iter().collect(),
+            unused: measured::not_compensated(table)
+                .into_iter()
+                .chain(other.map(Finding::from))
+                .collect(),
             remarks: Remarks {
-                largest: table.remarks.largest.clone().filter(|largest| largest.zero == zero(job)),
-                doubtful: with_periods(job, table.remarks.doubtful.as_ref()),
-                measured: table.remarks.measured.clone().filter(|most| most.zero == zero(job)),
-                ..table.remarks.clone()
+                largest: said.largest.clone().filter(|_| is_own),
+                doubtful: with_periods(job, said.doubtful.as_ref()),
+                measured: said.measured.clone().filter(|_| is_own),
+                anew: said.anew.clone().filter(|_| is_own),
+                same_laser: said.same_laser.clone().filter(|_| is_own),
+                ..said.clone()
             },
         })
     }
@@ -176,7 +185,7 @@ impl ErrorModel {
     /// Largest standard uncertainty (k = 1) of a value of a term, without what the other measurement of this machine
     /// repeats, µm; `None` = not stated.
     pub(crate) fn u_anew_um(&self, other: &ErrorModel, term: ErrorTerm) -> Option<f64> {
-        let anew = self.remarks.anew.as_ref().filter(|_| other.remarks.anew.is_some());
+        let anew = self.remarks.anew_beside(&other.remarks);
         let of_value = || self.terms[term].as_ref().and_then(MeasuredTerm::u_value_um);
         anew.map_or_else(of_value, |anew| Some(anew.terms[term]))
     }

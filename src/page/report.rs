@@ -19,6 +19,7 @@ use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Grounds;
 use crate::kit::manifest::HashedFile;
+use crate::kit::visit_plan::WhatDecides;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Figure;
 use crate::text::html::escaped;
@@ -70,6 +71,8 @@ pub struct Visit {
     pub protocol_after: Vec<(String, String)>,
     /// What the verdict is made of.
     pub grounds: Grounds,
+    /// What would decide it.
+    pub decides: Option<WhatDecides>,
     /// How the files differ from the job, or from their manifest.
     pub disagreements: Vec<String>,
     /// What is assumed of the control and matters, until a measurement has shown it.
@@ -102,6 +105,7 @@ impl Visit {
             is_measured: false,
             protocol_after: Vec::new(),
             grounds: Grounds::default(),
+            decides: None,
             disagreements: Vec::new(),
             assumptions: Vec::new(),
             is_sign_shown: false,
@@ -297,6 +301,7 @@ impl Report<'_> {
             "of": self.t(of),
             "asked": self.asked(),
             "because": self.because(),
+            "decides": self.decides(),
         })
     }
 

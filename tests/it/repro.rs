@@ -140,4 +140,54 @@ fn what_is_undecided_says_what_decides_it() {
     let acts = left["what_decides"]["acts"].as_array().unwrap();
     assert!(acts.iter().any(|act| act["what"] == "new tables from this measurement"), "{left}");
     assert!(left["what_decides"]["parts"][0]["what"] == "noise of the readings", "{left}");
+    let page = "report job.toml --tables kit --after after.toml -o - --language";
+    for (language, words) in [
+        ("en", "What decides: EZX, <span"),
+        ("de", "in 6 Durchläufen messen ("),
+        ("zh", "由本次测量生成新补偿表："),
+    ] {
+        let page = visit.run(&format!("{page} {language}")).ends(1).out;
+        let (first, _) = page.split_once("<div class=\"tables\">").unwrap();
+        assert!(first.contains(words), "{first}");
+    }
+    // Of a limit for the diagonals alone, and of an error table the noise of which is stated.
+    visit.edit("job.toml", "max_deviation_um = 4.0", "max_diagonal_um = 3.5");
+    visit
+        .run("generate job.toml -o diagonals")
+        .ends(1)
+        .says("what decides: PNP, ")
+        .says("6 runs (");
+    let errors = Visit::of("start/errors");
+    errors.edit("job.toml", "[measurement]\n", "[measurement]\nuncertainty = { noise_um = 1 }\n");
+    errors.edit("job.toml", "max_deviation_um = 10", "max_deviation_um = 3");
+    let made = errors.run("generate job.toml -o kit").ends(1);
+    made.says("beside it noise of the readings ").says("\n  mean of 3 runs: at most 2.");
+}
+
+/// A laser that both jobs name repeats the error of its scale; what is known holds for one reference, and where angles were measured.
+#[test]
+fn what_the_next_measurement_repeats_hangs_on_what_is_stated() {
+    let Some(visit) = visit_of("angles_stated_undecided", "setup_ppm = 1") else {
+        return tree::skipped("../shared is not here");
+    };
+    visit.edit("job.toml", "[measurement]\n", "[measurement]\ninstrument = \"0815\"\n");
+    visit.run("generate job.toml -o kit").answers();
+    visit.run("separate job.toml -o errors.csv --trials 0").answers();
+    let (table, after) = (visit.read("errors.csv"), visit.read("after.toml"));
+    assert!(table.contains("with the same laser does not repeat, um: 0815: EXX 0."), "{table}");
+    for serial in ["0815", "4711"] {
+        let own = format!("[measurement]\ninstrument = \"{serial}\"\n");
+        visit.put("after.toml", after.replacen("[measurement]\n", &own, 1));
+        let left = visit.json("verify job.toml --tables kit --after after.toml");
+        let notes = left["notes"].to_string();
+        assert_eq!(notes.contains("the scale of the same laser"), serial == "0815", "{notes}");
+    }
+    let job = visit.read("job.toml").replacen("reference_mm = 0.0", "reference_mm = 450.0", 1);
+    let (head, grid) = (job.split("readings").next().unwrap(), job.split("[compensation]").last());
+    let moved = format!("{head}errors = \"errors.csv\"\n[compensation]{}", grid.unwrap());
+    visit.put("moved.toml", moved);
+    visit.run("generate moved.toml -o moved -v").says("for other reference points the u of each");
+    let Some(visit) = visit_of("angles_measured_zero_low_end", "setup_ppm = 1") else { return };
+    visit.edit("job.toml", "[measurement]\n", "[measurement]\nangles_zero_mm = { x = -1.0 }\n");
+    visit.run("separate job.toml").ends(2).says("the angles of X are to be zero at -1 mm");
 }

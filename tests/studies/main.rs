@@ -24,3 +24,4 @@ mod exchanged;
 mod plan;
 mod right_kits;
 mod separation_laws;
+mod statements;

@@ -32,7 +32,7 @@ pub(in crate::cli) struct Page<'a> {
     pub(super) directory: &'a Path,
     pub(super) verification: &'a Verification,
     pub(super) second: Option<(&'a Second, SecondLook)>,
-    pub(super) decides: Option<WhatDecides>,
+    pub(in crate::cli) decides: Option<WhatDecides>,
 }
 
 /// What scripts read.
@@ -80,16 +80,18 @@ impl Page<'_> {
     pub(super) fn what_decides(&self) -> Option<WhatDecides> {
         let is_sound = self.verification.agrees() && self.doubts().is_empty();
         let forecast = self.verification.forecast.as_ref().filter(|_| is_sound)?;
-        let Inputs { job, errors, .. } = self.inputs;
-        let judged = Judged { job, errors, figures: forecast, as_left: None };
+        let (job, errors) = (&self.inputs.job, Some(&self.inputs.errors));
         let Some((second, look)) = &self.second else {
+            let model = self.inputs.as_measured();
+            let judged = Judged { job, errors, model, figures: forecast, expected: None };
             return judged.what_decides();
         };
         let judged = Judged {
-            job: &Job { acceptance: job.acceptance, ..second.job.clone()? },
-            errors: second.errors.as_ref()?,
+            job: &Job { acceptance: job.acceptance, ..second.job.as_ref().unwrap_or(job).clone() },
+            errors: second.errors.as_ref(),
+            model: self.as_left()?,
             figures: &look.comparison.as_left,
-            as_left: Some((self.as_left()?, forecast.max_residual_um())),
+            expected: Some(forecast),
         };
         judged.what_decides()
     }

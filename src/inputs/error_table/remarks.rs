@@ -11,6 +11,7 @@
 //!   # largest error (95 %), um, zero at X 0 +, Y 0 +, Z 0 +: all 3.91, EXX 1.032, …, PPP 2.5, …
 //!   # as measured at most so much more (95 %), um, zero at X 0 +, Y 0 +, Z 0 +: all 1.8, EXX 0.721, …, PPP 1.1, …
 //!   # u of what another measurement does not repeat, um: EXX 0.44, …
+//!   # u of what another measurement with the same laser does not repeat, um: 0815: EXX 0.4, …
 //!   # doubtful beside that, um: EXX 0.5, PPP 0.8
 //!   # frame: x-primary
 //!   # on the lines X, Y, Z, mm: 450, 360, 360
@@ -33,6 +34,7 @@ const NOT_STATED: &str = "not stated:";
 const LARGEST: &str = "largest error (95 %), um, zero at";
 const MEASURED: &str = "as measured at most so much more (95 %), um, zero at";
 const ANEW: &str = "u of what another measurement does not repeat, um:";
+const SAME_LASER: &str = "u of what another measurement with the same laser does not repeat, um:";
 const DOUBTFUL: &str = "doubtful beside that, um:";
 const NEGLECTED: &str = "neglected by decision:";
 const FRAME: &str = "frame:";
@@ -240,6 +242,8 @@ pub struct Remarks {
     pub measured: Option<LargestErrors>,
     /// Their largest u by what another measurement does not repeat, µm; `None` = it repeats nothing.
     pub anew: Option<Sizes>,
+    /// Serial number of the laser, and the same where another measurement is made with it.
+    pub same_laser: Option<(String, Sizes)>,
     /// How far what speaks against a separation may move its errors, beside their uncertainty, µm.
     pub doubtful: Option<Sizes>,
     /// Frame in which a separation gave the slopes of the cross terms; `None` = they are as given.
@@ -267,6 +271,17 @@ impl Remarks {
         self.notes.iter().filter(|note| is_simulated(note))
     }
 
+    /// Largest u of each error by what the other measurement of this machine does not repeat, µm; `None` = it repeats
+    /// nothing.
+    pub(crate) fn anew_beside(&self, other: &Remarks) -> Option<&Sizes> {
+        let others = other.same_laser.as_ref().map(|(serial, _)| serial);
+        let same = self.same_laser.as_ref().filter(|(serial, _)| others == Some(serial));
+        match (self.anew.is_some() == other.anew.is_some(), same) {
+            (true, Some((_, sizes))) => Some(sizes),
+            _ => self.anew.as_ref().filter(|_| other.anew.is_some()),
+        }
+    }
+
     /// Adds the remarks of another table of the same machine; of two hidden reversals the larger,
     /// of two degrees of freedom the fewer.
     pub(super) fn extend(&mut self, other: Remarks) {
@@ -285,7 +300,8 @@ impl Remarks {
         let both = [self.degrees_of_freedom, other.degrees_of_freedom];
         self.degrees_of_freedom = both.into_iter().flatten().reduce(smaller);
         self.silence.join(other.silence);
-        (self.largest, self.measured, self.anew) = (None, None, None); // of each table by itself
+        (self.largest, self.measured) = (None, None); // of each table by itself
+        (self.anew, self.same_laser) = (None, None);
         self.doubtful = match (self.doubtful.take(), other.doubtful) {
             (Some(own), Some(other)) => Some(own.joined(&other, f64::max)),
             (own, other) => own.or(other),
@@ -316,6 +332,10 @@ impl Remarks {
             self.measured = LargestErrors::read(&words);
         } else if let Some(words) = after(ANEW) {
             self.anew = Sizes::read(&words);
+        } else if let Some(words) = after(SAME_LASER) {
+            let both = words.rsplit_once(':');
+            self.same_laser = both
+                .and_then(|(serial, words)| Some((serial.trim().to_string(), Sizes::read(words)?)));
         } else if let Some(words) = after(DOUBTFUL) {
             match Sizes::read(&words) {
                 Some(sizes) => self.doubtful = Some(sizes),
@@ -360,9 +380,12 @@ impl Remarks {
             doubtful.map(|sizes| format!("{DOUBTFUL} {}", sizes.words().trim_start_matches(", ")));
         let anew = self.anew.iter();
         let anew = anew.map(|sizes| format!("{ANEW} {}", sizes.words().trim_start_matches(", ")));
+        let same_laser = self.same_laser.iter().map(|(serial, sizes)| {
+            format!("{SAME_LASER} {serial}: {}", sizes.words().trim_start_matches(", "))
+        });
         let largest = self.largest.iter().map(|largest| largest.words(LARGEST));
         let measured = self.measured.iter().map(|largest| largest.words(MEASURED));
-        let largest = largest.chain(measured).chain(anew).chain(doubtful);
+        let largest = largest.chain(measured).chain(anew).chain(same_laser).chain(doubtful);
         let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
         let freedom = self.degrees_of_freedom.iter();
         let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
@@ -434,6 +457,7 @@ mod tests {
             largest: Some(largest.clone()),
             measured: Some(LargestErrors { all_um: 1.25, ..largest }),
             anew: Some(sizes.clone()),
+            same_laser: Some(("SN: 0815".to_string(), sizes.clone())),
             doubtful: Some(sizes),
             frame: Some(Frame::XPrimary),
             lines: Some(PerAxis::from_fn(|axis| Millimetres::new(1.5 * f64::from(axis as u8)))),

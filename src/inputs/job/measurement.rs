@@ -173,6 +173,8 @@ pub struct Measurement {
     pub levers: Levers,
     /// Date of the measurement, as it is printed.
     pub date: Option<String>,
+    /// Serial number of the laser: two measurements with the same one repeat the error of its scale.
+    pub instrument: Option<String>,
     /// Compensation that was active.
     pub active: ActiveTables,
     /// What the job says to it.
@@ -235,6 +237,7 @@ pub(super) fn measurement(
         angles,
         levers,
         date: section.plain_text("date"),
+        instrument: section.plain_text("instrument"),
         active_settings: active_settings(section, &active),
         active,
         squareness: squareness(section),

@@ -109,12 +109,28 @@ fn reversal_not_seen(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> 
 /// What neither measurement can show, as both were made alike.
 fn repeats_bias(before: &ErrorModel, after: &ErrorModel) -> Option<AsLeft> {
     let both = [before, after].map(|model| &model.remarks);
-    if both.iter().all(|remarks| remarks.anew.is_some()) {
-        let at_most = "\"at most\" holds what `angle_urad` states of it";
-        return Some(AsLeft::RepeatsBias { at_most });
-    }
+    let [first, second] = both.map(|of| of.same_laser.as_ref().map(|(serial, _)| serial));
+    let has_angles = both.iter().all(|of| of.anew.is_some());
     let silent = both.iter().all(|of| of.silence.not_stated.contains(&Cause::Angles));
-    silent.then_some(AsLeft::RepeatsBias { at_most: "without `angle_urad` nothing holds it" })
+    let (what, at_most) = match (first.is_some() && first == second, has_angles) {
+        (true, true) => (
+            "angles without a measurement and the scale of the same laser falsify",
+            "\"at most\" holds what `angle_urad` and `laser_ppm` state of it",
+        ),
+        (true, false) if !silent => (
+            "the scale of the same laser falsifies",
+            "\"at most\" holds what `laser_ppm` states of it",
+        ),
+        (_, true) => (
+            "angles without a measurement falsify",
+            "\"at most\" holds what `angle_urad` states of it",
+        ),
+        (_, false) => {
+            ("angles without a measurement falsify", "without `angle_urad` nothing holds it")
+        }
+    };
+    let is_repeated = silent || before.remarks.anew_beside(&after.remarks).is_some();
+    is_repeated.then_some(AsLeft::RepeatsBias { what, at_most })
 }
 
 /// Slopes of cross terms hold the rotation of the frame they are given in.

@@ -157,6 +157,60 @@ pub struct Forecast {
     pub without_reversal_um: Option<f64>,
 }
 
+/// A limit that is not kept for sure.
+#[derive(Clone, Debug)]
+pub(crate) struct Missed {
+    /// The error, or the diagonal, that is at most most.
+    pub(crate) name: String,
+    pub(crate) diagonal: Option<Diagonal>,
+    pub(crate) change: Change,
+    /// What the largest of all is at most, µm, and the part of it that is uncertain.
+    pub(crate) at_most_um: f64,
+    pub(crate) u_um: f64,
+    /// What the parts of the uncertainty add up to, µm: of the largest of all in a forecast, else its own.
+    parts_um: f64,
+    pub(crate) limit_um: f64,
+    pub(crate) verdict: Verdict,
+}
+
+impl Missed {
+    fn new(
+        name: String,
+        diagonal: Option<Diagonal>,
+        change: Change,
+        [at_most_um, u_um]: [f64; 2],
+        basis: Basis,
+    ) -> Missed {
+        let parts_um = match (basis, change.at_most_um) {
+            (Basis::Measured, Some(own_um)) => own_um - change.after_um,
+            _ => u_um,
+        };
+        let (limit_um, verdict) = (f64::INFINITY, Verdict::Pass);
+        Missed { name, diagonal, change, at_most_um, u_um, parts_um, limit_um, verdict }
+    }
+
+    /// What the largest of its kind is at most in other figures, µm.
+    pub(crate) fn of(&self, figures: &Forecast) -> Option<f64> {
+        let worst = self.diagonal.map_or_else(|| figures.worst(), |_| figures.worst_diagonal());
+        worst.map(|worst| worst.at_most_um)
+    }
+
+    /// What is left of the largest of its kind in other figures, µm.
+    pub(crate) fn left_of(&self, figures: &Forecast) -> f64 {
+        let diagonals = figures.diagonals.iter().map(|d| d.change.after_um);
+        self.diagonal.map_or_else(|| figures.max_residual_um(), |_| diagonals.fold(0.0, larger))
+    }
+
+    /// Parts of a variance as parts of the uncertainty in µm, the largest first; without what no printed digit shows.
+    pub(crate) fn shares<T>(&self, mut parts: Vec<(T, f64)>) -> Vec<(T, f64)> {
+        let all: f64 = parts.iter().map(|(_, square)| square).sum();
+        parts.iter_mut().for_each(|(_, part)| *part = self.parts_um * (*part / all).sqrt());
+        parts.retain(|(_, um)| *um >= SHARE_UM);
+        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
+        parts
+    }
+}
+
 impl Forecast {
     /// Largest residual of all measured terms, µm.
     pub fn max_residual_um(&self) -> f64 {
@@ -214,6 +268,40 @@ impl Forecast {
         let stated = self.terms.iter().any(|term| term.change.is_bounded(doubtful[term.term]));
         let all_um = self.together().map(|largest| largest.all_um);
         stated.then(|| self.at_most_um(&self.shifted(1.0), all_um))
+    }
+
+    /// What does not keep its limit, errors first; `None` = all is kept, or no uncertainty is stated.
+    pub(crate) fn missed(&self, asked: Acceptance) -> Option<Missed> {
+        let of_errors = asked.max_deviation_um.and_then(|limit_um| {
+            let verdict = self.judge_all(limit_um);
+            Some(Missed { limit_um, verdict, ..self.worst()? })
+        });
+        let of_diagonals = asked.max_diagonal_um.and_then(|limit_um| {
+            let all: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
+            let (worst, verdict) = (self.worst_diagonal()?, self.judge_diagonals(&all, limit_um));
+            Some(Missed { limit_um, verdict, ..worst })
+        });
+        let missed = [of_errors, of_diagonals].into_iter().flatten();
+        missed.into_iter().find(|missed| missed.verdict != Verdict::Pass)
+    }
+
+    /// The error that is at most most, whatever the limit is.
+    pub(crate) fn worst(&self) -> Option<Missed> {
+        let worst = self.least_certain()?;
+        let (own, at_most_um) = (worst.change, self.all_at_most_um()?);
+        let u_um = at_most_um - largest_um(&self.shifted(1.0));
+        Some(Missed::new(worst.term.to_string(), None, own, [at_most_um, u_um], self.basis))
+    }
+
+    fn worst_diagonal(&self) -> Option<Missed> {
+        let all: Vec<&DiagonalForecast> = self.diagonals.iter().collect();
+        let at_most_um = self.ranges_at_most_um(&all)?;
+        let at_most = |d: &&DiagonalForecast| d.change.at_most_um.unwrap_or(0.0);
+        let worst = all.iter().copied().max_by(|a, b| at_most(a).total_cmp(&at_most(b)))?;
+        let left = all.iter().map(|d| d.change.after_um + d.doubtful_um).fold(0.0, larger);
+        let diagonal = Diagonal::ALL.into_iter().find(|d| d.name() == worst.name);
+        let (name, both) = (worst.name.to_string(), [at_most_um, at_most_um - left]);
+        Some(Missed::new(name, diagonal, worst.change, both, self.basis))
     }
 
     /// The term that is at most most; `None` = no uncertainty is stated.
@@ -382,6 +470,9 @@ impl Forecast {
 
 /// Differences below the last digit that is shown are none, µm.
 const SHOWN_UM: f64 = 0.001;
+
+/// What the printed digits do not show is no part, µm.
+const SHARE_UM: f64 = 0.005;
 
 /// Figures with so much more, none below 0.
 fn shifted(figures: &[Magnitude], by_um: f64) -> Vec<Magnitude> {

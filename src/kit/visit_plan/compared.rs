@@ -26,7 +26,8 @@ pub struct VisitPlan {
 pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
     let described = design.described();
     let mut visits = vec![design.visit(described.clone())?];
-    let parts = design.parts(&visits[0], &visits[0].forecast, None).unwrap_or_default();
+    let worst = visits[0].forecast.worst();
+    let parts = worst.map_or_else(Vec::new, |worst| design.parts(&visits[0], &worst, None));
     let additions = design.additions(&visits[0], &parts);
     let runs = [1, 3, MOST_RUNS].map(|runs| described.in_runs(runs)).to_vec();
     let ways = vec![described.one_way(), described.turning()];

@@ -7,7 +7,7 @@ use crate::inputs::job::{
     Measurement, ProgramRequest, RunType, SetUp,
 };
 use crate::judge::after::alone;
-use crate::judge::forecast::Forecast;
+use crate::judge::forecast::{Forecast, Missed};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::corrections::AngleEvidence;
@@ -27,8 +27,6 @@ pub(super) const NOISE_UM: f64 = 1.0;
 const MOST_STEPS: usize = 100;
 /// Targets farther apart than five a metre are no variant, mm.
 const WIDEST_MM: f64 = 200.0;
-/// What the printed digits do not show is no part, µm.
-const SHOWN_UM: f64 = 0.005;
 /// A step that differs less from whole micrometres is one, mm.
 const WHOLE_MM: f64 = 1e-7;
 
@@ -215,25 +213,20 @@ impl<'a> Design<'a> {
         Some(visit.expected.outlook(self.job, None, limit_um)?.1)
     }
 
-    /// What makes U of the largest of all in a forecast, else that of the error that was found to be at most most:
-    /// parts in µm that make it together as squares, the largest first.
+    /// What makes U of what is at most most: parts in µm that make it together as squares, the largest first.
     pub(super) fn parts(
         &self,
         visit: &Visit,
-        figures: &Forecast,
+        worst: &Missed,
         found: Option<&ErrorModel>,
-    ) -> Option<Vec<(Part, f64)>> {
+    ) -> Vec<(Part, f64)> {
         let value = found.map(value_um);
         let value = value.as_ref().map(|value| value as Measured<'_>);
-        let worst = figures.least_certain()?;
-        let own_um = worst.change.at_most_um? - worst.change.after_um;
-        let u_um = found.map_or_else(|| figures.max_expanded_um(), |_| Some(own_um))?;
-        let mut parts = visit.expected.parts(self.job, worst.term, value);
-        let all: f64 = parts.iter().map(|(_, square)| square).sum();
-        parts.iter_mut().for_each(|(_, part)| *part = u_um * (*part / all).sqrt());
-        parts.retain(|(_, um)| *um >= SHOWN_UM);
-        parts.sort_by(|a, b| b.1.total_cmp(&a.1));
-        Some(parts)
+        worst.shares(match (worst.diagonal, ErrorTerm::from_name(&worst.name)) {
+            (Some(diagonal), _) => visit.expected.parts_along(diagonal),
+            (None, Some(term)) => visit.expected.parts(self.job, term, value),
+            (None, None) => Vec::new(),
+        })
     }
 
     /// What can be measured in addition: each linear axis, that angle of the stated ones that does most, all of them.

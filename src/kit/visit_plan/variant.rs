@@ -19,6 +19,31 @@ pub struct Share {
     pub what: String,
     /// As much of U, µm.
     pub um: f64,
+    /// What makes it, for other words.
+    #[serde(skip)]
+    pub part: Part,
+    /// The axis of a linear measurement.
+    #[serde(skip)]
+    pub linear: Option<Axis>,
+}
+
+impl Share {
+    pub(super) fn new(part: Part, linear: Option<Axis>, um: f64) -> Share {
+        let what = match (part, linear) {
+            (Part::Noise, _) => "noise of the readings".to_string(),
+            (Part::Laser, _) => "scale of the laser".to_string(),
+            (Part::Mirror, _) => "tilt of the mirror".to_string(),
+            (Part::SetUps, _) => "scale from set-up to set-up".to_string(),
+            (Part::Beam, _) => "beam".to_string(),
+            (Part::Stated, _) => "u of the error table".to_string(),
+            (Part::Line(_), None) => "other beam".to_string(),
+            (Part::Line(_), Some(axis)) => format!("slope of linear {axis}"),
+            (Part::Angle(angle), _) => {
+                format!("{angle} (rotation of {} about {})", angle.along, angle.about)
+            }
+        };
+        Share { what, um: rounded(um, DIGITS), part, linear }
+    }
 }
 
 /// Parts in words.
@@ -154,29 +179,17 @@ impl Visit {
         self.forecast.all_at_most_um()
     }
 
-    /// The three largest parts of U, in words.
+    /// The three largest parts of U.
     pub(super) fn largest(&self, parts: Vec<(Part, f64)>) -> Vec<Share> {
-        let three = parts.into_iter().take(3);
-        three.map(|(part, um)| Share { what: self.words(part), um: rounded(um, DIGITS) }).collect()
-    }
-
-    fn words(&self, part: Part) -> String {
-        let words = match part {
-            Part::Noise => "noise of the readings",
-            Part::Laser => "scale of the laser",
-            Part::Mirror => "tilt of the mirror",
-            Part::SetUps => "scale from set-up to set-up",
-            Part::Beam => "beam",
-            Part::Angle(angle) => {
-                return format!("{angle} (rotation of {} about {})", angle.along, angle.about);
-            }
-            Part::Line(index) => {
-                let along = |axis: &Axis| self.lines[index].direction[*axis] > 0.999;
-                let axis = Axis::ALL.into_iter().find(along);
-                return axis.map_or("other beam".into(), |axis| format!("slope of linear {axis}"));
-            }
+        let linear = |index: usize| {
+            let along = |axis: &Axis| self.lines[index].direction[*axis] > 0.999;
+            Axis::ALL.into_iter().find(along)
         };
-        words.to_string()
+        let share = |(part, um)| match part {
+            Part::Line(index) => Share::new(part, linear(index), um),
+            _ => Share::new(part, None, um),
+        };
+        parts.into_iter().take(3).map(share).collect()
     }
 
     /// Axes whose reversal is determined.

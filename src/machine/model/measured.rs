@@ -204,7 +204,7 @@ fn of_rotation(job: &Job, series: &[Series], rotation: Rotation) -> Option<Measu
 }
 
 /// Places where angles are to be zero and were not measured: nothing is known of them there.
-pub(super) fn check_zeros(job: &Job, table: &ErrorTable, problems: &mut Problems) {
+pub(in crate::machine) fn check_zeros(job: &Job, table: &ErrorTable, problems: &mut Problems) {
     for (axis, place) in job.measurement.levers.angles_zero.iter() {
         let Some(place) = *place else { continue };
         let has_angles = |s: &&Series| s.angles_urad.iter().any(|(_, angles)| angles.is_some());
@@ -221,7 +221,7 @@ pub(super) fn check_zeros(job: &Job, table: &ErrorTable, problems: &mut Problems
             );
             problems.push(
                 job.problem_at(&key, words)
-                    .help("give a place where they were measured: nothing is extrapolated"),
+                    .help("give a place where they were measured (`angles_zero_mm`; without it `offsets_mm`): nothing is extrapolated"),
             );
         }
     }

@@ -11,6 +11,7 @@ use crate::inputs::error_table::{Cause, ErrorTable, Silence};
 use crate::inputs::job::{
     Beam, DiagonalMeasurement, Job, Linear, LinearSlope, SetUp, StatedUncertainty,
 };
+use crate::machine::model::measured::check_zeros;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Run, Volume};
 use crate::quantity::units::Millimetres;
@@ -252,6 +253,9 @@ pub fn angles(
         let help = "name a table with ea, eb or ec, or remove `angles`";
         return Err(Problem::new(message).at(table.header.clone()).help(help).into());
     }
-    model.check(&measurement.volume)?;
+    let mut problems = Problems::none();
+    problems.take(model.check(&measurement.volume));
+    check_zeros(job, table, &mut problems);
+    problems.or_ok(())?;
     Ok(angle_effects(&model, &measurement.volume, measurement.kind))
 }

@@ -5,7 +5,8 @@
 //!   e = row · z, z drawn: noise normal, its σ by χ² where it was estimated; lines, scales, tilts normal; angles uniform
 //!   forecast     q = 95 % quantile of max over the points of |e(x) − e(reference)|
 //!   as measured  q = 95 % quantile of max over the points of |value + c| + g u,   g one normal draw (Student's)
-//!                c: what another measurement repeats (angles), which sits in the machine's error too;  u: all else
+//!                c: what another measurement repeats, which sits in the machine's error too: angles, and the scale
+//!                of a laser with a serial number;  u: all else
 //!   diagonals    as measured: max over pairs of nodes of |difference| + 1.645 u(difference) of the readings
 //! ```
 //! |value + e| is then at most the largest |value| + q, with 95 % (`docs/method.md` §23). The nine errors together
@@ -56,6 +57,8 @@ pub(super) struct Table<'a> {
     curves: Vec<TableCurve>,
     /// What each cause makes of each curve.
     by_cause: Vec<Vec<Curve>>,
+    /// The cause that another measurement with the same laser repeats.
+    laser: Option<usize>,
     walks: Vec<TableWalk>,
 }
 
@@ -68,6 +71,8 @@ pub(super) struct Largest {
     pub(super) measured: Option<LargestErrors>,
     /// Their largest u by what another measurement does not repeat, µm; `None` = it repeats nothing.
     pub(super) anew: Option<Sizes>,
+    /// The same of one with the same laser; `None` = which it is is not stated.
+    pub(super) same_laser: Option<Sizes>,
 }
 
 impl Table<'_> {
@@ -82,26 +87,36 @@ impl Table<'_> {
         let mut squares = self.nothing();
         let mut sizes = vec![Vec::with_capacity(DRAWS); orders.len()];
         for number in 0..DRAWS {
-            let anew = self.anew(number);
+            let (mut anew, laser) = self.anew(number);
+            for (index, square) in squares.iter_mut().enumerate() {
+                let zero = self.zero(&anew, index);
+                square.iter_mut().zip(&anew[index]).for_each(|(s, um)| *s += (um - zero).squared());
+            }
+            self.add(&mut anew, laser.into_iter());
             let single = self.sizes(&anew);
             for (order, sizes) in orders.iter().zip(&mut sizes) {
                 let all = self.with_angles(anew.clone(), number, order);
                 let terms = if order.is_empty() { single.terms.clone() } else { self.terms(&all) };
                 sizes.push(Sizes { terms, ..single.clone() });
             }
-            for (index, square) in squares.iter_mut().enumerate() {
-                let zero = self.zero(&anew, index);
-                square.iter_mut().zip(&anew[index]).for_each(|(s, um)| *s += (um - zero).squared());
-            }
         }
         let u = |square: &Curve| square.iter().map(|s| (s / DRAWS as f64).sqrt()).collect();
         let u: Vec<Curve> = squares.iter().map(u).collect();
-        let of_u = |largest: Sizes, (curve, u): (&TableCurve, &Curve)| {
-            let mut own = Sizes::default();
-            own.terms[curve.term] = u.iter().copied().fold(0.0, larger);
-            largest.joined(&own, larger)
+        let sizes_of = |u: &[Curve]| {
+            let of_u = |largest: Sizes, (curve, u): (&TableCurve, &Curve)| {
+                let mut own = Sizes::default();
+                own.terms[curve.term] = u.iter().copied().fold(0.0, larger);
+                largest.joined(&own, larger)
+            };
+            self.curves.iter().zip(u).fold(Sizes::default(), of_u)
         };
-        let anew = self.curves.iter().zip(&u).fold(Sizes::default(), of_u);
+        let mut with_laser = u.clone();
+        for (index, u) in with_laser.iter_mut().enumerate() {
+            for moved in self.laser.iter().map(|at| &self.by_cause[*at]) {
+                let zero = self.zero(moved, index);
+                u.iter_mut().zip(&moved[index]).for_each(|(u, um)| *u = u.hypot(um - zero));
+            }
+        }
         let worst = |of_orders: Vec<Vec<Sizes>>| {
             let each = of_orders.iter().map(|draws| quantiles(zero(job), draws));
             each.reduce(|one, other| one.joined(&other, larger))
@@ -114,7 +129,8 @@ impl Table<'_> {
         Largest {
             forecast: worst(sizes),
             measured: worst(measured).map(|at_most| at_most.joined(&values, |a, b| a - b)),
-            anew: (!angles.is_empty()).then_some(anew),
+            anew: (!angles.is_empty()).then(|| sizes_of(&with_laser)),
+            same_laser: self.laser.map(|_| sizes_of(&u)),
         }
     }
 
@@ -126,14 +142,14 @@ impl Table<'_> {
         diagonals: PerDiagonal<f64>,
     ) -> Vec<Sizes> {
         let at_most = |number: usize| {
-            let times = match order.is_empty() {
+            let times = match self.repeats_nothing(order) {
                 true => student(CONFIDENCE, self.freedom()),
                 false => {
                     let share = (number as f64 + 0.5) / DRAWS as f64;
                     student(share, None) * self.estimate(&mut random(2 * DRAWS + number))
                 }
             };
-            let drawn = self.with_angles(values.to_vec(), number, order);
+            let drawn = self.repeated(values.to_vec(), number, order);
             let mut sizes = Sizes { diagonals, ..Sizes::default() };
             for (index, (curve, own)) in self.curves.iter().zip(&drawn).enumerate() {
                 let zero = self.zero(&drawn, index);
@@ -143,7 +159,7 @@ impl Table<'_> {
             }
             sizes
         };
-        let draws = if order.is_empty() { 1 } else { DRAWS };
+        let draws = if self.repeats_nothing(order) { 1 } else { DRAWS };
         (0..draws).map(at_most).collect()
     }
 
@@ -236,7 +252,8 @@ impl<'a> Table<'a> {
         let by_cause = of.model.columns.iter();
         let by_cause =
             by_cause.map(|column| curves.iter().map(|curve| curve.moved_by(column)).collect());
-        Table { of, by_cause: by_cause.collect(), curves, walks }
+        let laser = of.model.laser.filter(|_| job.measurement.instrument.is_some());
+        Table { of, by_cause: by_cause.collect(), laser, curves, walks }
     }
 
     fn nothing(&self) -> Vec<Curve> {
@@ -256,19 +273,32 @@ impl<'a> Table<'a> {
         estimate.unwrap_or(1.0)
     }
 
-    /// One draw of what another measurement does not repeat.
-    fn anew(&self, number: usize) -> Vec<Curve> {
+    fn repeats_nothing(&self, angles: &[usize]) -> bool {
+        angles.is_empty() && self.laser.is_none()
+    }
+
+    /// One draw of what another measurement does not repeat; how many times the laser acts that it repeats.
+    fn anew(&self, number: usize) -> (Vec<Curve>, Option<(usize, f64)>) {
         let mut random = random(number);
         let noise = self.estimate(&mut random);
         self.drawn(noise, &mut random)
     }
 
     /// The same with so many times the noise.
-    fn drawn(&self, noise: f64, random: &mut ChaCha8Rng) -> Vec<Curve> {
-        let (z, shares) = self.of.model.draw(noise, random);
+    fn drawn(&self, noise: f64, random: &mut ChaCha8Rng) -> (Vec<Curve>, Option<(usize, f64)>) {
+        let (z, mut shares) = self.of.model.draw(noise, random);
+        let laser = self.laser.map(|at| (at, std::mem::take(&mut shares[at])));
         let mut drawn: Vec<Curve> = self.curves.iter().map(|curve| curve.moved_by(&z)).collect();
         self.add(&mut drawn, shares.into_iter().enumerate());
-        drawn
+        (drawn, laser)
+    }
+
+    /// With a draw of all that another measurement repeats.
+    fn repeated(&self, curves: Vec<Curve>, number: usize, angles: &[usize]) -> Vec<Curve> {
+        let mut curves = self.with_angles(curves, number, angles);
+        let draw = StandardNormal.sample(&mut random(3 * DRAWS + number));
+        self.add(&mut curves, self.laser.map(|at| (at, draw)).into_iter());
+        curves
     }
 
     /// With a draw of these angles.

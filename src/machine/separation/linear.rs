@@ -147,6 +147,8 @@ pub(super) struct Model {
     pub(super) columns: Vec<Vec<f64>>,
     /// Which of them are false scales common to all set-ups, and the tilts of a mirror.
     pub(super) strains: Range<usize>,
+    /// The scale of the laser among them.
+    pub(super) laser: Option<usize>,
     pub(super) tilts: Range<usize>,
     /// Which are the scales of the four set-ups for themselves; how uncertain each is, and the part of the
     /// beam in it, which counts once more as common, 10⁻⁶.
@@ -178,6 +180,8 @@ pub enum Part {
     Line(usize),
     /// Without a measurement.
     Angle(Rotation),
+    /// As an error table states it.
+    Stated,
 }
 
 /// u² of a figure.
@@ -199,6 +203,7 @@ impl Model {
             other: zero,
             columns: Vec::new(),
             strains: 0..0,
+            laser: None,
             tilts: 0..0,
             setups: 0..0,
             setup_ppm: 0.0,
@@ -313,6 +318,7 @@ impl Model {
                 model.setup_ppm = 0.0;
             }
             Part::Beam => model.beam_ppm = 0.0,
+            Part::Stated => {}
             Part::Line(index) => model.other[self.layout.line(index)] = self.setup_ppm.squared(),
             Part::Angle(angle) => {
                 let stays = |at: &usize| self.rotations[*at] != Some(angle);

@@ -65,7 +65,9 @@ pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> D
     let table = Table::new(separation, job, &directions);
     let (all, doubtful) = (table.largest(job), table.doubtful());
     let (largest, measured, anew) = (all.forecast, all.measured, all.anew);
-    comments.extend(Remarks { largest, measured, anew, doubtful, ..remarks(separation) }.lines());
+    let same_laser = job.measurement.instrument.clone().zip(all.same_laser);
+    let said = Remarks { largest, measured, anew, same_laser, doubtful, ..remarks(separation) };
+    comments.extend(said.lines());
     let of_axis = |axis| directions[axis].iter().map(move |way| (axis, *way));
     let series = Axis::ALL.into_iter().flat_map(of_axis);
     let series = series.map(|(axis, way)| one_series(separation, axis, way));
@@ -105,6 +107,7 @@ pub fn remarks(separation: &Separation) -> Remarks {
         largest: None,
         measured: None,
         anew: None,
+        same_laser: None,
         doubtful: None,
         frame,
         lines: lines.map(|lines| PerAxis::from_fn(|axis| Millimetres::new(lines[axis]))),

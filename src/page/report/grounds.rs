@@ -6,7 +6,9 @@ use super::{Kind, Report};
 use crate::inputs::error_table::Cause;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{JudgedRange, Miss, Of, RestsOn, is_whole_travel, widest_gap_mm};
-use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::kit::visit_plan::{Measured, Share};
+use crate::machine::separation::Part;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Millimetres;
 use crate::text::html::escaped;
 
@@ -144,6 +146,67 @@ impl Report<'_> {
         let differences = self.said("files_differ", &visit.disagreements);
         let doubts = self.said("doubts", &visit.doubts);
         differences.into_iter().chain(misses).chain(off).chain(doubts).collect()
+    }
+
+    /// What decides and the smallest limit that is proved, then a line for each act.
+    pub(super) fn decides(&self) -> Vec<String> {
+        let Some(found) = &self.visit.decides else { return Vec::new() };
+        let um = |at: &str| {
+            let figure = self.figure("verify", &format!("/what_decides/{at}"), Kind::Reason);
+            ("um", format!("{figure} {}", self.unit()))
+        };
+        let parts = found.parts.iter().enumerate();
+        let parts = parts.map(|(index, part)| {
+            self.fill("part", [("what", self.part_of_u(part)), um(&format!("parts/{index}/um"))])
+        });
+        let is_error = ErrorTerm::from_name(&found.term).is_some();
+        let diagonal = || format!("{} {}", self.t("diagonal"), found.term);
+        let facts = [
+            ("what", if is_error { found.term.clone() } else { diagonal() }),
+            ("left", um("left_um").1),
+            ("parts", parts.collect::<Vec<_>>().join(", ")),
+            um("at_most_um"),
+        ];
+        let acts = found.acts.iter().enumerate().map(|(index, act)| {
+            let minutes = format!("/what_decides/acts/{index}/minutes");
+            let minutes = ("minutes", self.figure("verify", &minutes, Kind::Count));
+            let minutes = act.minutes.map(|_| self.fill("act_minutes", [minutes]));
+            let what = [Some(self.act(&act.measured)), minutes];
+            let what = what.into_iter().flatten().collect::<Vec<_>>().join(" ");
+            let verdict = ("verdict", self.t(act.verdict));
+            self.fill("act", [("what", what), um(&format!("acts/{index}/at_most_um")), verdict])
+        });
+        std::iter::once(self.fill("decides", facts)).chain(acts).collect()
+    }
+
+    fn part_of_u(&self, share: &Share) -> String {
+        match (share.part, share.linear) {
+            (Part::Noise, _) => self.t("part_noise"),
+            (Part::Laser, _) => self.t("part_laser"),
+            (Part::Mirror, _) => self.t("cause_tilt_arcsec"),
+            (Part::SetUps, _) => self.t("cause_setup_ppm"),
+            (Part::Beam, _) => self.t("part_beam"),
+            (Part::Stated, _) => self.t("part_table"),
+            (Part::Line(_), None) => self.t("part_line"),
+            (Part::Line(_), Some(axis)) => self.fill("part_linear", [("axis", axis.to_string())]),
+            (Part::Angle(angle), _) => angle.to_string(),
+        }
+    }
+
+    fn act(&self, measured: &Measured) -> String {
+        let Measured { linear, angles, runs, new_tables } = measured;
+        let linear = (!linear.is_empty()).then(|| ("act_linear", Axis::letters(linear)));
+        let angles = match angles.as_slice() {
+            [] => None,
+            [one] => Some(("act_angle", one.to_string())),
+            all => Some(("act_angles", all.len().to_string())),
+        };
+        let runs = runs.map(|runs| ("act_runs", runs.to_string()));
+        let all = [linear, angles, runs].into_iter().flatten();
+        let all: Vec<String> = all.map(|(key, fact)| self.fill(key, [("what", fact)])).collect();
+        let made = if all.is_empty() { "act_new_tables" } else { "act_then_tables" };
+        let made = new_tables.then(|| self.t(made));
+        all.into_iter().chain(made).collect::<Vec<_>>().join(", ")
     }
 
     /// Sentences of the program under the words of a key, or how many there are.

@@ -3,7 +3,7 @@
 //! ```text
 //!   left    −e of the measurement that the tables are made from: they carry its errors, and leave nothing else;
 //!           or what was found, v, less what of it is noise:  λ v + √λ e    λ = 1 − Σ u²/Σ v² of each curve
-//!   found   left + e of the new measurement                e: without angles, which stay and cancel
+//!   found   left + e of the new measurement                e: without what both repeat, which stays and cancels
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
@@ -14,6 +14,7 @@ use crate::machine::separation::linear::{Part, Row, Variance};
 use crate::machine::separation::noise::{float, student};
 use crate::machine::separation::separate::Separation;
 use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::{Millimetres, Squared, larger};
 use rand_distr::{ChiSquared, Distribution};
 
@@ -76,6 +77,15 @@ impl Separation {
             self.model.parts(&table.row(place / points, place % points))
         })
     }
+
+    /// What the variance of the displacement along a diagonal is made of; unmeasured angles do not change it.
+    pub(crate) fn parts_along(&self, diagonal: Diagonal) -> Vec<(Part, f64)> {
+        let layout = self.model.layout;
+        let at = |node| Row::of(layout.reading(Pass::Forward, diagonal, node));
+        let mut parts = self.model.parts(&Row::sum([(1.0, at(layout.nodes - 1)), (-1.0, at(0))]));
+        parts.retain(|(part, _)| !matches!(part, Part::Angle(_)));
+        parts
+    }
 }
 
 impl Table<'_> {
@@ -108,6 +118,7 @@ impl Table<'_> {
     fn variances(&self, angles: bool, of: impl Fn(Variance) -> f64) -> Vec<f64> {
         let mut model = self.of.model.clone();
         model.angles.retain(|_| angles);
+        model.strains.start += usize::from(!angles && self.laser.is_some()); // it is the first
         let own = self.curves.iter().map(|curve| {
             let all = curve.rows.variances(&model).into_iter();
             all.map(&of).collect()
@@ -127,18 +138,28 @@ impl Table<'_> {
 
     fn outlook(&self, found: Option<Found<'_>>, limit_um: f64) -> Outlook {
         let freedom = self.freedom();
-        // What angles do, and the factor of u beside it.
-        let biases: Vec<(Vec<f64>, f64)> = match self.of.model.angles.first() {
-            None => vec![(self.flat(&self.nothing(), -1.0), student(CONFIDENCE, freedom))],
-            Some(order) => {
-                let bias = |number: usize| {
-                    let angles = self.with_angles(self.nothing(), number, order);
-                    let share = (float(number) + 0.5) / float(BIASES);
-                    (self.flat(&angles, -1.0), student(share, freedom))
-                };
-                (0..BIASES).map(bias).collect()
+        // What both measurements repeat, and the factor of u beside it.
+        let of_order = |order: &[usize]| -> Vec<(Vec<f64>, f64)> {
+            if self.repeats_nothing(order) {
+                return vec![(self.flat(&self.nothing(), -1.0), student(CONFIDENCE, freedom))];
             }
+            let bias = |number: usize| {
+                let repeated = self.repeated(self.nothing(), number, order);
+                let share = (float(number) + 0.5) / float(BIASES);
+                (self.flat(&repeated, -1.0), student(share, freedom))
+            };
+            (0..BIASES).map(bias).collect()
         };
+        // Of the orders that the axes may have, the one in which the angles do most.
+        let does_um = |biases: &[(Vec<f64>, f64)]| -> f64 {
+            biases
+                .iter()
+                .map(|(bias, _)| bias.iter().fold(0.0, |most, um| larger(most, um.abs())))
+                .sum()
+        };
+        let orders = self.of.model.angles.iter().map(|order| of_order(order));
+        let worst = orders.max_by(|a, b| does_um(a).total_cmp(&does_um(b)));
+        let biases = worst.unwrap_or_else(|| of_order(&[]));
         let (noise, rest) =
             (self.variances(false, |v| v.noise), self.variances(false, |v| v.all - v.noise));
         let values = self.values(found.map(|(errors, _)| errors));
@@ -155,8 +176,8 @@ impl Table<'_> {
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
         let at_most = |visit: usize| {
             let mut random = random(FIRST + visit);
-            let before = self.flat(&self.drawn(again.unwrap_or(1.0), &mut random), -1.0);
-            let new = self.flat(&self.drawn(1.0, &mut random), -1.0);
+            let before = self.flat(&self.drawn(again.unwrap_or(1.0), &mut random).0, -1.0);
+            let new = self.flat(&self.drawn(1.0, &mut random).0, -1.0);
             let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(&mut random) / freedom);
             let seen = |place: usize| match (found, again) {
                 (None, _) => new[place] - before[place],
