@@ -322,14 +322,30 @@ fn own_template(path: &Path) -> Result<(String, String), Problems> {
 /// A picture as text of the page.
 fn logo(path: &Path) -> Result<String, Problems> {
     let (name, bytes) = read_argument(path)?;
-    let kinds: [(&[u8], &str); 3] =
-        [(b"\x89PNG", "image/png"), (b"\xff\xd8\xff", "image/jpeg"), (b"<", "image/svg+xml")];
+    let kinds: [(&[u8], &str); 2] =
+        [(b"\x89PNG\r\n\x1a\n", "image/png"), (b"\xff\xd8\xff", "image/jpeg")];
     let kind = kinds.into_iter().find(|(start, _)| bytes.starts_with(start));
-    let Some((_, kind)) = kind else {
+    let kind = kind.map(|(_, kind)| kind).or(is_svg(&bytes).then_some("image/svg+xml"));
+    let Some(kind) = kind else {
         let words = format!("`{name}` is no picture that a page can hold");
         return Err(Problem::new(words).help("give a PNG, a JPEG or an SVG").into());
     };
     Ok(format!("data:{kind};base64,{}", base64(&bytes)))
+}
+
+/// Whether the first element of a text is a drawing, behind declaration, comments and document type.
+fn is_svg(bytes: &[u8]) -> bool {
+    let text = std::str::from_utf8(bytes).unwrap_or_default();
+    let mut rest = text.trim_start_matches('\u{feff}').trim_start();
+    for (begin, end) in [("<?", "?>"), ("<!--", "-->"), ("<!DOCTYPE", ">"), ("<!--", "-->")] {
+        while let Some(own) = rest.strip_prefix(begin) {
+            rest = own.split_once(end).map_or("", |(_, behind)| behind.trim_start());
+        }
+    }
+    let name = rest
+        .strip_prefix("<svg")
+        .map(|behind| behind.starts_with([' ', '\n', '\r', '\t', '>', '/']));
+    name.unwrap_or_default()
 }
 
 /// RFC 4648 §4.
