@@ -333,19 +333,11 @@ fn logo(path: &Path) -> Result<String, Problems> {
     Ok(format!("data:{kind};base64,{}", base64(&bytes)))
 }
 
-/// Whether the first element of a text is a drawing, behind declaration, comments and document type.
+/// Whether the first element of a text is a drawing; what begins with `<?` or `<!` is none.
 fn is_svg(bytes: &[u8]) -> bool {
-    let text = std::str::from_utf8(bytes).unwrap_or_default();
-    let mut rest = text.trim_start_matches('\u{feff}').trim_start();
-    for (begin, end) in [("<?", "?>"), ("<!--", "-->"), ("<!DOCTYPE", ">"), ("<!--", "-->")] {
-        while let Some(own) = rest.strip_prefix(begin) {
-            rest = own.split_once(end).map_or("", |(_, behind)| behind.trim_start());
-        }
-    }
-    let name = rest
-        .strip_prefix("<svg")
-        .map(|behind| behind.starts_with([' ', '\n', '\r', '\t', '>', '/']));
-    name.unwrap_or_default()
+    let mut tags = std::str::from_utf8(bytes).unwrap_or_default().split('<').skip(1);
+    let first = tags.find(|tag| tag.starts_with(|c: char| c.is_ascii_alphabetic()));
+    first.and_then(|tag| tag.split([' ', '\n', '\r', '\t', '>', '/']).next()) == Some("svg")
 }
 
 /// RFC 4648 §4.

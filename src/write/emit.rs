@@ -16,7 +16,7 @@ use crate::control::controller::{EmittedFile, Encoding, Profile, Role, builtin};
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::axis::Direction;
-use crate::text::finding::{Finding, joined};
+use crate::text::finding::Finding;
 use crate::text::html::{each_text, escaped, marked};
 use crate::text::plain::{self, is_unseen};
 use crate::text::problem::{Problem, Problems, shown};
@@ -49,67 +49,52 @@ const PAGE_STYLE: &str = include_str!("../../templates/page.css");
 #[derive(Clone, Debug, Serialize)]
 pub struct Context(Value);
 
-/// The same as the engine holds it.
-struct Seen {
-    context: tera::Context,
-    /// Its lists, each with whether it holds something; profiles ask with `when`.
-    lists: Vec<(String, bool)>,
+/// The same as the engine holds it, for files or, with every text as HTML, for pages. With all points it is many times
+/// the file: each row is gone before the engine has the next one.
+fn seen(emitted: &Emitted<'_>, is_page: bool) -> Result<tera::Context, Problems> {
+    let mut values = context_of(emitted)?;
+    if is_page {
+        each_text(&mut values, escaped);
+        values["style"] = PAGE_STYLE.into();
+    }
+    let mut seen = tera::Context::new();
+    let engine = |value: Value| tera::Value::try_from_serializable(&value).map_err(no_context);
+    for (name, value) in values.as_object_mut().into_iter().flatten() {
+        let value = match value.take() {
+            Value::Array(rows) => {
+                rows.into_iter().map(engine).collect::<Result<Vec<_>, _>>()?.into()
+            }
+            other => engine(other)?,
+        };
+        seen.insert_value(name.clone(), value);
+    }
+    Ok(seen)
 }
 
-impl Seen {
-    /// For files or, with every text as HTML, for pages. With all points it is many times the file: each row is gone
-    /// before the engine has the next one.
-    fn of(emitted: &Emitted<'_>, is_page: bool) -> Result<Seen, Problems> {
-        let mut values = context_of(emitted)?;
-        if is_page {
-            each_text(&mut values, escaped);
-            values["style"] = PAGE_STYLE.into();
-        }
-        let mut seen = Seen { context: tera::Context::new(), lists: Vec::new() };
-        let engine = |value: Value| tera::Value::try_from_serializable(&value).map_err(no_context);
-        let Value::Object(values) = values else { return Ok(seen) };
-        for (name, value) in values {
-            let value = match value {
-                Value::Array(rows) => {
-                    seen.lists.push((name.clone(), !rows.is_empty()));
-                    rows.into_iter().map(engine).collect::<Result<Vec<_>, _>>()?.into()
-                }
-                other => engine(other)?,
-            };
-            seen.context.insert_value(name, value);
-        }
-        Ok(seen)
-    }
+/// A list that a profile asks for; one that this control does not have is a problem: its file would never be written.
+fn list_of<'a>(
+    seen: &'a tera::Context,
+    file: &EmittedFile,
+    (key, list): (&str, &str),
+) -> Result<&'a [tera::Value], Problem> {
+    seen.get(list).and_then(tera::Value::as_array).ok_or_else(|| {
+        let (list, path) = (shown(list), shown(&file.path));
+        let message = format!("`{key} = \"{list}\"` of `{path}`: this control has no such list");
+        Problem::new(message).help("`nonius context JOB` prints its lists")
+    })
+}
 
-    fn list(&self, name: &str) -> Option<bool> {
-        let own = self.lists.iter().find(|(own, _)| own == name)?;
-        Some(own.1)
+/// The files of a profile's file: one, or one for each item of a list, with the item; none where its list is empty.
+fn items(seen: &tera::Context, file: &EmittedFile) -> Result<Vec<(String, tera::Value)>, Problem> {
+    let asked = file.when.as_deref().map(|list| list_of(seen, file, ("when", list))).transpose()?;
+    if asked.is_some_and(<[_]>::is_empty) {
+        return Ok(Vec::new());
     }
-
-    /// The files of a profile's file: one, or one for each item of a list, with the item.
-    fn items(&self, file: &EmittedFile) -> Vec<(String, tera::Value)> {
-        let Some(list) = &file.each else {
-            return vec![(file.path.clone(), tera::Value::none())];
-        };
-        let items = self.context.get(list).and_then(tera::Value::as_array);
-        let named = |item: &tera::Value| Some((path_of(file, item)?, item.clone()));
-        items.into_iter().flatten().filter_map(named).collect()
-    }
-
-    /// Lists that a profile asks for and this control does not have: its file would never be written.
-    fn unknown_lists(&self, file: &EmittedFile) -> impl Iterator<Item = Problem> {
-        let asked = [("each", &file.each), ("when", &file.when)].into_iter();
-        let asked = asked.filter_map(|(key, list)| Some((key, list.as_deref()?)));
-        asked.filter(|(_, list)| self.list(list).is_none()).map(|(key, list)| {
-            let message = format!(
-                "`{key} = \"{}\"` of `{}`: this control has no such list",
-                shown(list),
-                shown(&file.path)
-            );
-            let lists = joined(self.lists.iter().map(|(name, _)| name));
-            Problem::new(message).help(format!("its lists: {lists}"))
-        })
-    }
+    let Some(list) = file.each.as_deref() else {
+        return Ok(vec![(file.path.clone(), tera::Value::none())]);
+    };
+    let named = |item: &tera::Value| Some((path_of(file, item)?, item.clone()));
+    Ok(list_of(seen, file, ("each", list))?.iter().filter_map(named).collect())
 }
 
 /// The name of the file of an item.
@@ -326,16 +311,13 @@ pub(crate) fn render_those(
         if own.is_empty() {
             continue;
         }
-        let mut seen = Seen::of(emitted, is_page)?;
+        let mut seen = seen(emitted, is_page)?;
         for (place, file) in own {
-            seen.unknown_lists(file).for_each(|problem| problems.push(problem));
-            if file.when.as_deref().is_some_and(|list| seen.list(list) != Some(true)) {
-                continue;
-            }
-            for (path, item) in seen.items(file) {
-                seen.context.insert_value("item", item);
-                seen.context.insert("role", file.role.word());
-                let text = templates.text(&file.template_name, &file.template, &seen.context);
+            let items = items(&seen, file).map_err(Problems::from);
+            for (path, item) in problems.take(items).unwrap_or_default() {
+                seen.insert_value("item", item);
+                seen.insert("role", file.role.word());
+                let text = templates.text(&file.template_name, &file.template, &seen);
                 let bytes = text.and_then(|text| bytes_of(&path, &text, profile));
                 let bytes = problems.take(bytes.map_err(Problems::from));
                 files.extend(
