@@ -158,7 +158,7 @@ impl Filling<'_> {
             false => (self.column.quantity(), self.column.unit),
         };
         let kept = form.text.lines().filter(|line| line.starts_with('#'));
-        let kept = kept.map(|line| plain::comment(line.trim_start_matches('#')));
+        let kept = kept.map(|line| plain::comment(line.strip_prefix("# ").unwrap_or(&line[1..])));
         let sources = lists.iter().map(|(_, file)| file.comment());
         let given = stated.given().into_iter();
         let given = given.map(|(option, value)| format!("stated: {option} {value}"));
