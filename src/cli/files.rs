@@ -3,8 +3,8 @@
 
 use crate::text::document::LARGEST_FILE_MIB;
 use crate::text::problem::{Problem, Problems};
-use std::fs::{File, Metadata};
-use std::io::Read;
+use std::fs::{File, Metadata, TryLockError};
+use std::io::{Error, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -85,11 +85,21 @@ pub(super) fn read_argument(path: &Path) -> Result<(String, Vec<u8>), Problems> 
     Ok((STANDARD_INPUT.to_string(), bytes))
 }
 
-/// A form, which may be replaced by what it becomes when it is filled in.
-pub(super) fn read_form(path: &Path) -> Result<(String, Vec<u8>), Problems> {
-    let read = read_argument(path)?;
+/// A form, which may be replaced by what it becomes when it is filled in. As long as the file is held, no other run
+/// fills in the same one (on Windows nothing is locked).
+pub(super) fn read_form(
+    path: &Path,
+    output: Option<&Path>,
+) -> Result<(String, Vec<u8>, Option<File>), Problems> {
+    let is_replaced = path.is_file() && output.is_some_and(|own| resolved(own) == resolved(path));
+    let held = (cfg!(unix) && is_replaced).then(|| File::open(path).ok()).flatten();
+    if let Some(Err(TryLockError::WouldBlock)) = held.as_ref().map(File::try_lock) {
+        let message = format!("another run is filling in `{}`", path.display());
+        return Err(Problem::new(message).help("look at what it wrote").into());
+    }
+    let (name, bytes) = read_argument(path)?; // by its name: what was put there meanwhile is read
     READ.lock().unwrap_or_else(PoisonError::into_inner).pop();
-    Ok(read)
+    Ok((name, bytes, held))
 }
 
 /// How standard input is called.
@@ -202,7 +212,9 @@ pub(super) fn file_names(directory: &Path) -> std::io::Result<Vec<String>> {
     for entry in std::fs::read_dir(directory)? {
         let entry = entry?;
         if entry.file_type()?.is_file() {
-            names.push(entry.file_name().to_string_lossy().into_owned());
+            names.push(entry.file_name().into_string().map_err(|name| {
+                Error::other(format!("the name {name:?} of a file in it is not UTF-8"))
+            })?);
         }
     }
     names.sort();

@@ -22,6 +22,7 @@ use crate::text::problem::{Problem, Problems, shown};
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// A chain of hashes cannot close to a ring; this bounds one of damaged links.
@@ -110,8 +111,13 @@ fn follow(directory: &Path) -> Result<Chain, Problems> {
 
 fn read_link(directory: &Path) -> Result<Link, Problem> {
     let name = directory.display();
-    let bytes = read_file(&directory.join(MANIFEST))
-        .map_err(|_| Problem::new(format!("`{name}` holds no {MANIFEST}, so it is no kit")))?;
+    let bytes =
+        read_file(&directory.join(MANIFEST)).map_err(|problem| {
+            match std::fs::read_dir(directory).map_err(|error| error.kind()) {
+                Err(ErrorKind::PermissionDenied) => problem,
+                _ => Problem::new(format!("`{name}` holds no {MANIFEST}, so it is no kit")),
+            }
+        })?;
     let manifest: Value = json_page(&bytes)
         .map_err(|error| Problem::new(format!("manifest.json of `{name}` is damaged: {error}")))?;
     let read = |name: &str| {

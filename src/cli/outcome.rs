@@ -188,6 +188,8 @@ pub(super) struct Outcome {
     yes: bool,
     data: Data,
     ready: Vec<Ready>,
+    /// What stays locked until everything is out.
+    held: Option<File>,
     talk: String,
 }
 
@@ -200,7 +202,7 @@ enum Data {
 
 impl Outcome {
     fn of(data: Data) -> Outcome {
-        Outcome { yes: true, data, ready: Vec::new(), talk: String::new() }
+        Outcome { yes: true, data, ready: Vec::new(), held: None, talk: String::new() }
     }
 
     /// A page for people.
@@ -228,6 +230,12 @@ impl Outcome {
     /// The same, and this is put into its place.
     pub(super) fn writing(mut self, ready: Ready) -> Outcome {
         self.ready.push(ready);
+        self
+    }
+
+    /// The same, and this file stays locked until everything is out.
+    pub(super) fn holding(mut self, held: Option<File>) -> Outcome {
+        self.held = held;
         self
     }
 

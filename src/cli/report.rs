@@ -323,14 +323,22 @@ fn own_template(path: &Path) -> Result<(String, String), Problems> {
 /// A picture as text of the page.
 fn logo(path: &Path) -> Result<String, Problems> {
     let (name, bytes) = read_argument(path)?;
-    let kinds: [(&[u8], &str); 3] =
-        [(b"\x89PNG", "image/png"), (b"\xff\xd8\xff", "image/jpeg"), (b"<", "image/svg+xml")];
+    let kinds: [(&[u8], &str); 2] =
+        [(b"\x89PNG\r\n\x1a\n", "image/png"), (b"\xff\xd8\xff", "image/jpeg")];
     let kind = kinds.into_iter().find(|(start, _)| bytes.starts_with(start));
-    let Some((_, kind)) = kind else {
+    let kind = kind.map(|(_, kind)| kind).or(is_svg(&bytes).then_some("image/svg+xml"));
+    let Some(kind) = kind else {
         let words = format!("`{name}` is no picture that a page can hold");
         return Err(Problem::new(words).help("give a PNG, a JPEG or an SVG").into());
     };
     Ok(format!("data:{kind};base64,{}", base64(&bytes)))
+}
+
+/// Whether the first element of a text is a drawing; what begins with `<?` or `<!` is none.
+fn is_svg(bytes: &[u8]) -> bool {
+    let mut tags = std::str::from_utf8(bytes).unwrap_or_default().split('<').skip(1);
+    let first = tags.find(|tag| tag.starts_with(|c: char| c.is_ascii_alphabetic()));
+    first.and_then(|tag| tag.split([' ', '\n', '\r', '\t', '>', '/']).next()) == Some("svg")
 }
 
 /// RFC 4648 §4.

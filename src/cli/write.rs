@@ -129,8 +129,8 @@ impl Ready {
 fn is_drive(directory: &Path) -> bool {
     use std::os::unix::fs::MetadataExt;
     let device = |path: &Path| fs::metadata(path).map(|found| found.dev()).ok();
-    let own = device(directory);
-    own.is_some() && own != device(&directory.join(".."))
+    let above = device(&directory.join(".."));
+    above.is_some() && above != device(directory)
 }
 
 #[cfg(not(unix))]

@@ -9,6 +9,8 @@ findings! {
     /// What an error table or a file of readings says of itself, and what a job states for nothing.
     Remark {
         Doubtful { words: String } => Doubt, "{words}";
+        MoreDoubts { count: usize } => Doubt, "doubts and errors not determined that are not listed: {count} more";
+        MoreNotes { count: usize } => Note, "notes that are not listed: {count} more";
         OtherFrames { first: Frame, second: Frame } => Doubt, "the joined tables count from different frames ({} and {}): the slopes of their cross terms differ by a rotation that none of them measured; separate all axes from one measurement", first.word(), second.word();
         Simulated { words: String } => Note, "{words}";
         Said { words: String } => Note, "{words}";

@@ -73,7 +73,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
     files.extend(emit::render_checklist(
         task,
         &made.templates,
-        &made.context,
+        compiled,
         json!({ "head": lists::head(made, &misses), "parts": parts, "about": lists::about(made, &misses) }),
     )?);
     Ok(FieldKit { files, sign_proofs, notes })

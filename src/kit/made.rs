@@ -14,7 +14,7 @@ use crate::read::{KitFile, ReadBack, emulator, read, unread};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::Compiled;
-use crate::write::emit::{self, Context, RenderedFile, Templates};
+use crate::write::emit::{self, RenderedFile, Templates};
 use crate::write::plan::{Plan, Task};
 use crate::write::target::wants;
 
@@ -23,7 +23,6 @@ pub(crate) struct Made<'a> {
     pub(crate) inputs: &'a Inputs,
     pub(crate) plan: Plan,
     pub(crate) compiled: Compiled,
-    pub(crate) context: Context,
     pub(crate) templates: Templates,
     /// The files of the kit itself.
     pub(crate) files: Vec<RenderedFile>,
@@ -42,9 +41,8 @@ impl Made<'_> {
     pub(super) fn of(inputs: &Inputs) -> Result<Made<'_>, Problems> {
         let task = inputs.task();
         let mut asked = Asked::of(inputs)?;
-        let context = emit::context(task, &asked.compiled)?;
         let templates = Templates::default();
-        let files = emit::render(task, &templates, &context)?;
+        let files = emit::render(task, &templates, &asked.compiled)?;
         let read = read_back(&inputs.profile, &files)?;
         ensure_same(&asked, &read)?;
         let absent = disagreement::absent(&inputs.profile, &asked.compiled.tables, &read);
@@ -61,7 +59,6 @@ impl Made<'_> {
             inputs,
             plan: asked.plan,
             compiled: asked.compiled,
-            context,
             templates,
             files,
             read,

@@ -85,7 +85,7 @@ impl Before<'_> {
             tables: &old.tables,
             instead: &instead,
         };
-        let files = emit::render_apart(templates, &emitted, |file| file.role == Role::Rollback)?;
+        let files = emit::render_those(templates, &emitted, |file| file.role == Role::Rollback)?;
         let read_files: Vec<KitFile<'_>> = files.iter().map(as_kit_file).collect();
         let read = read_apart(self.task.profile, &read_files, Role::Rollback);
         if !read.is_ok_and(|read| is_same(old, &read)) {

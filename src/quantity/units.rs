@@ -75,12 +75,14 @@ impl Squared for f64 {
 }
 
 /// A number as it is printed: a zero has no sign, also one that is left by rounding to the decimals
-/// asked for. All else is as the formatter of numbers writes it.
+/// asked for. Without decimals it is the shortest text that reads back to the same number, below 10⁻⁹ with
+/// an exponent in place of up to 300 zeros. All else is as the formatter of numbers writes it.
 ///
 /// ```
 /// use nonius::quantity::units::Figure;
 /// assert_eq!(format!("{:.3} {:+.1}", Figure(-0.0004), Figure(-0.04)), "0.000 +0.0");
 /// assert_eq!(format!("{:+.3} {}", Figure(-0.0006), Figure(-0.0)), "-0.001 0");
+/// assert_eq!(format!("{} {}", Figure(-0.0000002), Figure(5e-324)), "-0.0000002 5e-324");
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Figure(pub f64);
@@ -104,7 +106,10 @@ impl fmt::Display for Figure {
             }
         };
         let number = if is_nothing { 0.0 } else { self.0 };
-        fmt::Display::fmt(&number, out)
+        match !is_nothing && number.abs() < 1e-9 && out.precision().is_none() {
+            true => fmt::LowerExp::fmt(&number, out),
+            false => fmt::Display::fmt(&number, out),
+        }
     }
 }
 

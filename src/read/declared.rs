@@ -197,7 +197,7 @@ impl Reading<'_> {
             let part = span.start + part.start..span.start + part.end;
             match field {
                 Field::Axis | Field::Base | Field::Output => {
-                    self.axes.set(field, text.get(part).unwrap_or_default().trim());
+                    self.axes.set(field, text[part].trim());
                 }
                 Field::Unit => self.check_unit(text, part),
                 _ => fields.push((field, part)),
@@ -225,7 +225,7 @@ impl Reading<'_> {
 
     /// The unit that a file names is that of the profile.
     fn check_unit(&mut self, text: &str, span: Range<usize>) {
-        let word = text.get(span.clone()).unwrap_or_default().trim();
+        let word = text[span.clone()].trim();
         if Size::of_word(word) != Some(self.facts.value_size.value) {
             let message = format!("the file is in `{}`, the profile is not", shown(word));
             let help = "`value_size` of the profile says the unit of the values: a file in another one is not read";

@@ -372,14 +372,21 @@ pub(crate) fn columns_of<C: Copy>(
 /// Columns of a table; runs of a linear axis are far fewer.
 const MOST_COLUMNS: usize = 1000;
 
+/// Whatever a line with more of them is, it is no header of a table.
+pub(crate) fn refuse_many_columns(header: &Line<'_>, help: &str) -> Result<(), Problem> {
+    match header.cells().len() {
+        0..=MOST_COLUMNS => Ok(()),
+        count => {
+            let message =
+                format!("the first line has {count} columns, at most {MOST_COLUMNS} are read");
+            Err(Problem::new(message).at(header.whole()).help(help))
+        }
+    }
+}
+
 /// A table without header, or with tabs, would be one unknown column after the other.
 fn refuse_other_first_line(header: &Line<'_>, help: &str) -> Result<(), Problem> {
-    let count = header.cells().len();
-    if count > MOST_COLUMNS {
-        let message =
-            format!("the first line has {count} columns, at most {MOST_COLUMNS} are read");
-        return Err(Problem::new(message).at(header.whole()).help(help));
-    }
+    refuse_many_columns(header, help)?;
     let message = if header.text.contains('\t') {
         "the columns are separated by tabs, expected commas or semicolons"
     } else if header.cells().iter().any(|cell| cell.parse::<f64>().is_ok()) {

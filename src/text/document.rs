@@ -31,11 +31,13 @@ pub struct Source {
 
 /// Lines of a text that a user writes or an instrument saves, and rows of a table of corrections that the
 /// program writes or reads. What is made of one line takes some 300 bytes, so this keeps all of it in
-/// 30 MB; a measurement of 1000 points with five runs each way has 10 000 lines, a table of nine errors in
-/// two directions with 500 points 9000.
-pub const MOST_LINES: usize = 100_000;
-/// Rows of a generic table, read or written: more points than any control has, by a factor of ten.
+/// 15 MB; a measurement of 1000 points with five runs each way has 10 000 lines.
+pub const MOST_LINES: usize = 50_000;
+/// Rows of a generic table that are read: more points than any control has, by a factor of ten.
 pub const MOST_ROWS: usize = 50_000;
+/// Points of all tables of a kit together. A template sees each of them with 2.3 kB, and a kit is also made only to be
+/// judged; nine errors in two directions with 500 points are 9000.
+pub const MOST_POINTS: usize = 10_000;
 /// Bytes of a page: a job or a profile (TOML), or a manifest (JSON). Each value of a page takes up to a
 /// hundred bytes of memory; the largest page of the program itself has 20 kB.
 pub const LARGEST_PAGE: usize = 1 << 18;

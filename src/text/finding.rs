@@ -3,7 +3,9 @@
 
 use serde::{Serialize, Serializer};
 use std::any::Any;
+use std::collections::HashSet;
 use std::fmt;
+use std::hash::Hash;
 use std::sync::Arc;
 
 /// How grave a finding is, the gravest last.
@@ -83,6 +85,15 @@ pub fn of_severity(findings: &[Finding], severity: Severity) -> Vec<Finding> {
     of.cloned().collect()
 }
 
+/// Each item once, where it stands first; the work grows with their number, not with its square.
+pub(crate) fn once<T: Eq + Hash>(mut items: Vec<T>) -> Vec<T> {
+    let mut known = HashSet::with_capacity(items.len());
+    let is_new: Vec<bool> = items.iter().map(|item| known.insert(item)).collect();
+    let mut is_new = is_new.into_iter();
+    items.retain(|_| is_new.next().unwrap_or_default());
+    items
+}
+
 /// `EXX, EYY`
 pub(crate) fn joined<T: ToString>(items: impl IntoIterator<Item = T>) -> String {
     let words = items.into_iter().map(|item| item.to_string());
@@ -150,6 +161,8 @@ pub(crate) use findings;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::Cell;
+    use std::hash::Hasher;
 
     findings! {
         /// What a test can find.
@@ -157,6 +170,37 @@ mod tests {
             NoGrid { table: String, points: usize } => Doubt, "table {table} has no grid";
             Idle { names: Vec<String> } => Note, "{} are not used", names.join(", ");
             Quiet => Label, "nothing moved";
+        }
+    }
+
+    /// A text that counts how often it is looked at.
+    #[derive(Debug)]
+    struct Counted<'a>(String, &'a Cell<usize>);
+
+    impl PartialEq for Counted<'_> {
+        fn eq(&self, other: &Self) -> bool {
+            self.1.set(self.1.get() + 1);
+            self.0 == other.0
+        }
+    }
+
+    impl Eq for Counted<'_> {}
+
+    impl Hash for Counted<'_> {
+        fn hash<H: Hasher>(&self, state: &mut H) {
+            self.1.set(self.1.get() + 1);
+            self.0.hash(state);
+        }
+    }
+
+    #[test]
+    fn equal_items_are_one_and_each_is_looked_at_a_few_times() {
+        assert_eq!(once(vec!["b", "a", "b", "c", "a"]), ["b", "a", "c"]);
+        for count in [1_000, 10_000, 100_000] {
+            let looks = Cell::new(0);
+            let items = (0..count).map(|n| Counted(format!("text {}", n / 2), &looks)).collect();
+            assert_eq!(once(items).len(), count / 2);
+            assert!(looks.get() <= 4 * count, "{} looks at {count} items", looks.get());
         }
     }
 

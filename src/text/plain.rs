@@ -32,6 +32,21 @@ pub fn line(text: &str) -> Cow<'_, str> {
     }
 }
 
+/// A line of a table of rows and columns that is none of them. A spreadsheet takes it apart at its separators, too: what
+/// would then be a formula gets an apostrophe, which makes it a text.
+pub(crate) fn comment(text: &str) -> String {
+    let mut comment = "#".to_string();
+    for cell in format!(" {}", line(text).trim_end()).split_inclusive([',', ';']) {
+        let begins = cell.trim_start_matches([' ', '"']);
+        let is_number = begins.trim_end_matches([' ', '"', ',', ';']).parse::<f64>().is_ok();
+        let is_formula = begins.starts_with(['=', '+', '-', '@', '＝', '＋', '－', '＠']);
+        comment += &cell[..cell.len() - begins.len()];
+        comment += if is_formula && !is_number { "'" } else { "" };
+        comment += begins;
+    }
+    comment
+}
+
 fn shown_but(text: &str, stays: impl Fn(char) -> bool) -> Cow<'_, str> {
     let goes = |c: char| is_unseen(c) && !stays(c);
     if !text.contains(goes) {
@@ -66,7 +81,7 @@ pub fn json(document: &str) -> Cow<'_, str> {
 mod tests {
     #![allow(clippy::expect_used, reason = "a test may stop")]
 
-    use super::{json, line, page};
+    use super::{comment, json, line, page};
     use proptest::prelude::*;
 
     #[test]
@@ -75,6 +90,23 @@ mod tests {
         assert_eq!(page(foreign), "a�]0;title�\tb�c�\nd�31m");
         assert_eq!(line("one\ttwo\n\u{2028}three"), "one two��three");
         assert_eq!(page("Fräse 加工中心"), "Fräse 加工中心");
+    }
+
+    #[test]
+    fn no_cell_of_a_comment_is_a_formula() {
+        for (text, written) in [
+            ("Machine: a,=cmd|'/C calc'!A0;=1+1", "# Machine: a,'=cmd|'/C calc'!A0;'=1+1"),
+            ("a, \"@SUM(A1)\",\t+a;-b", "# a, \"'@SUM(A1)\", '+a;'-b"),
+            ("=1", "# '=1"),
+            (
+                "on the lines X, Y, Z, mm: 450, -360, +36.5",
+                "# on the lines X, Y, Z, mm: 450, -360, +36.5",
+            ),
+            ("zero at X 0 +, Y 0 -: all 1 ", "# zero at X 0 +, Y 0 -: all 1"),
+        ] {
+            assert_eq!(comment(text), written);
+            assert_eq!(comment(&written[2..]), written);
+        }
     }
 
     proptest! {

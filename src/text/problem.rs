@@ -251,7 +251,8 @@ impl Problem {
     }
 }
 
-fn bounded(sentence: String) -> String {
+/// A sentence of any length, cut where nobody reads it to its end.
+pub(crate) fn bounded(sentence: String) -> String {
     if sentence.len() <= LONGEST_SENTENCE { sentence } else { cut(&sentence, LONGEST_SENTENCE) }
 }
 

@@ -31,6 +31,13 @@ pub struct Instead<'a> {
     pub switches: Vec<Switch>,
 }
 
+impl Instead<'_> {
+    /// Nothing: the kit itself.
+    pub(crate) fn of_kit() -> Instead<'static> {
+        Instead { names_terms: true, ..Instead::default() }
+    }
+}
+
 /// A number with a fixed number of decimals, never `-0`.
 pub(crate) fn fixed(number: f64, decimals: u32) -> String {
     format!("{:.*}", decimals as usize, Figure(number))

@@ -12,13 +12,13 @@ pub use crate::write::control_text::{Instead, Switch};
 pub(crate) use crate::write::family::Emitted;
 pub use templates::Templates;
 
-use crate::control::controller::{EmittedFile, Encoding, Role, builtin};
+use crate::control::controller::{EmittedFile, Encoding, Profile, Role, builtin};
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::axis::Direction;
 use crate::text::finding::Finding;
 use crate::text::html::{each_text, escaped, marked};
-use crate::text::plain;
+use crate::text::plain::{self, is_unseen};
 use crate::text::problem::{Problem, Problems, shown};
 use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, ascii, is_comment_text};
@@ -49,66 +49,84 @@ const PAGE_STYLE: &str = include_str!("../../templates/page.css");
 #[derive(Clone, Debug, Serialize)]
 pub struct Context(Value);
 
-impl Context {
-    /// Whether a list of tables (`lec`, `cec`, `points`, …) holds something; profiles ask with `when`.
-    fn holds(&self, list: &str) -> bool {
-        let list = self.0.get(list).and_then(Value::as_array);
-        list.is_some_and(|list| !list.is_empty())
+/// The same as the engine holds it, for files or, with every text as HTML, for pages. With all points it is many times
+/// the file: each row is gone before the engine has the next one.
+fn seen(emitted: &Emitted<'_>, is_page: bool) -> Result<tera::Context, Problems> {
+    let mut values = context_of(emitted)?;
+    if is_page {
+        each_text(&mut values, escaped);
+        values["style"] = PAGE_STYLE.into();
     }
+    let mut seen = tera::Context::new();
+    let engine = |value: Value| tera::Value::try_from_serializable(&value).map_err(no_context);
+    for (name, value) in values.as_object_mut().into_iter().flatten() {
+        let value = match value.take() {
+            Value::Array(rows) => {
+                rows.into_iter().map(engine).collect::<Result<Vec<_>, _>>()?.into()
+            }
+            other => engine(other)?,
+        };
+        seen.insert_value(name.clone(), value);
+    }
+    Ok(seen)
 }
 
-/// The files of a profile's file: one, or one for each item of a list, with the item.
-fn items<'a>(context: &'a Value, file: &EmittedFile) -> Vec<(String, &'a Value)> {
-    let Some(list) = &file.each else {
-        return vec![(file.path.clone(), &Value::Null)];
-    };
-    let items = context.get(list).and_then(Value::as_array);
-    let named = |item| Some((path_of(file, item)?, item));
-    items.into_iter().flatten().filter_map(named).collect()
-}
-
-/// Lists that a profile asks for and this control does not have: its file would never be written.
-fn unknown_lists(context: &Context, file: &EmittedFile) -> impl Iterator<Item = Problem> {
-    let asked = [("each", &file.each), ("when", &file.when)].into_iter();
-    let asked = asked.filter_map(|(key, list)| Some((key, list.as_deref()?)));
-    asked.filter(|(_, list)| !context.0[list].is_array()).map(|(key, list)| {
-        let message = format!(
-            "`{key} = \"{}\"` of `{}`: this control has no such list",
-            shown(list),
-            shown(&file.path)
-        );
-        let lists = context.0.as_object().into_iter().flatten();
-        let lists: Vec<&str> =
-            lists.filter(|(_, value)| value.is_array()).map(|(name, _)| name.as_str()).collect();
-        Problem::new(message).help(format!("its lists: {}", lists.join(", ")))
+/// A list that a profile asks for; one that this control does not have is a problem: its file would never be written.
+fn list_of<'a>(
+    seen: &'a tera::Context,
+    file: &EmittedFile,
+    (key, list): (&str, &str),
+) -> Result<&'a [tera::Value], Problem> {
+    seen.get(list).and_then(tera::Value::as_array).ok_or_else(|| {
+        let (list, path) = (shown(list), shown(&file.path));
+        let message = format!("`{key} = \"{list}\"` of `{path}`: this control has no such list");
+        Problem::new(message).help("`nonius context JOB` prints its lists")
     })
 }
 
+/// The files of a profile's file: one, or one for each item of a list, with the item; none where its list is empty.
+fn items(seen: &tera::Context, file: &EmittedFile) -> Result<Vec<(String, tera::Value)>, Problem> {
+    let asked = file.when.as_deref().map(|list| list_of(seen, file, ("when", list))).transpose()?;
+    if asked.is_some_and(<[_]>::is_empty) {
+        return Ok(Vec::new());
+    }
+    let Some(list) = file.each.as_deref() else {
+        return Ok(vec![(file.path.clone(), tera::Value::none())]);
+    };
+    let named = |item: &tera::Value| Some((path_of(file, item)?, item.clone()));
+    Ok(list_of(seen, file, ("each", list))?.iter().filter_map(named).collect())
+}
+
 /// The name of the file of an item.
-fn path_of(file: &EmittedFile, item: &Value) -> Option<String> {
+fn path_of(file: &EmittedFile, item: &tera::Value) -> Option<String> {
     let [before, field, behind] = file.field()?;
-    Some(format!("{before}{}{behind}", item.get(field)?.as_str()?))
+    Some(format!("{before}{}{behind}", item.get_from_path(field)?.as_str()?))
 }
 
 /// What the templates of a control see.
 pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems> {
-    let own = Instead { names_terms: true, ..Instead::default() };
-    let context = context_of(&Emitted { task, compiled, tables: &compiled.tables, instead: &own })?;
-    if task.profile.comments.value.are_allowed() {
-        refuse_unsafe_text(task)?;
+    refuse_unsafe_text(task)?;
+    Ok(Context(context_of(&Emitted::of_kit(task, compiled, &Instead::of_kit()))?))
+}
+
+fn context_of(emitted: &Emitted<'_>) -> Result<Value, Problems> {
+    let seen = family(emitted.task.profile).context(emitted);
+    let mut seen =
+        seen.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
+    let mut context = head_of(emitted);
+    for (name, own) in seen.as_object_mut().into_iter().flatten() {
+        context[name] = own.take();
     }
     Ok(context)
 }
 
-fn context_of(emitted: &Emitted<'_>) -> Result<Context, Problems> {
+/// What a context holds of every control.
+fn head_of(emitted: &Emitted<'_>) -> Value {
     let (task, instead) = (emitted.task, emitted.instead);
     let placements = match instead.names_terms {
         true => emitted.compiled.placements.as_slice(),
         false => &[],
     };
-    let seen = family(task.profile).context(emitted);
-    let mut seen =
-        seen.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
     let machine = &task.job.machine;
     let said = |text: &str| match task.profile.comments.value.are_allowed() {
         true => ascii(text).into_owned(),
@@ -121,7 +139,7 @@ fn context_of(emitted: &Emitted<'_>) -> Result<Context, Problems> {
         ActiveTables::NotStated => "not stated",
         ActiveTables::Path(_) => "yes, the tables of this kit contain it",
     };
-    let mut context = json!({
+    json!({
         "tool": TOOL,
         "controller": { "id": task.profile.id, "name": said(&task.profile.name) },
         "machine": {
@@ -133,11 +151,7 @@ fn context_of(emitted: &Emitted<'_>) -> Result<Context, Problems> {
         "unit": task.job.compensation.control_unit.word(),
         "header": header(task, &date, active, instead.notice),
         "terms": placements.iter().map(term).collect::<Vec<Value>>(),
-    });
-    for (name, own) in seen.as_object_mut().into_iter().flatten() {
-        context[name] = own.take();
-    }
-    Ok(Context(context))
+    })
 }
 
 /// First comments of a file, where the control's files may carry comments: where its values are
@@ -165,6 +179,9 @@ fn term(placement: &Placement) -> Value {
 /// or a program (contract §2.3, `name`).
 fn refuse_unsafe_text(task: Task<'_>) -> Result<(), Problems> {
     let mut problems = Problems::none();
+    if !task.profile.comments.value.are_allowed() {
+        return Ok(());
+    }
     for (path, text) in comment_texts(task.job) {
         if !is_comment_text(&ascii(text)) {
             problems.push(
@@ -210,39 +227,31 @@ pub(crate) fn other_letters(job: &Job, profile_name: &str) -> Vec<Finding> {
 pub fn render(
     task: Task<'_>,
     templates: &Templates,
-    context: &Context,
+    compiled: &Compiled,
 ) -> Result<Vec<RenderedFile>, Problems> {
-    render_those(task, templates, context, |file| {
+    refuse_unsafe_text(task)?;
+    render_those(templates, &Emitted::of_kit(task, compiled, &Instead::of_kit()), |file| {
         !file.role.stands_apart() && file.role != Role::Checklist
     })
-}
-
-/// Files that stand apart, from tables of their own: rollback, or the sign proof of a mechanism.
-pub(crate) fn render_apart(
-    templates: &Templates,
-    emitted: &Emitted<'_>,
-    is_wanted: impl Fn(&EmittedFile) -> bool,
-) -> Result<Vec<RenderedFile>, Problems> {
-    let context = context_of(emitted)?;
-    render_those(emitted.task, templates, &context, is_wanted)
 }
 
 /// The checklist, for people: line ends of every computer, not of the control.
 pub(crate) fn render_checklist(
     task: Task<'_>,
     templates: &Templates,
-    context: &Context,
+    compiled: &Compiled,
     words: Value,
 ) -> Result<Vec<RenderedFile>, Problems> {
+    let head = head_of(&Emitted::of_kit(task, compiled, &Instead::of_kit()));
     let names = ["tool", "controller", "machine", "measurement"];
-    let names = names.map(|name| (name.to_string(), context.0[name].clone()));
+    let names = names.map(|name| (name.to_string(), head[name].clone()));
     let names = Value::Object(names.into_iter().collect());
     let files = task.profile.files.iter();
     let mut rendered = Vec::new();
     for file in files.filter(|file| file.role == Role::Checklist) {
         let seen = checklist_context(file, names.clone(), words.clone())?;
         let text = templates.text(&file.template_name, &file.template, &seen)?;
-        let text = plain::page(&with_line_ends(text, "\n")).into_owned();
+        let text = plain::page(&text.replace("\r\n", "\n")).into_owned();
         rendered.push(RenderedFile {
             path: file.path.clone(),
             role: file.role,
@@ -269,9 +278,12 @@ fn checklist_context(
 }
 
 fn tera_context(context: &impl Serialize) -> Result<tera::Context, Problem> {
-    let refuse =
-        |error| Problem::new(format!("the context of the templates cannot be made: {error}"));
-    tera::Context::from_serialize(context).map_err(refuse)
+    tera::Context::from_serialize(context).map_err(no_context)
+}
+
+#[allow(clippy::needless_pass_by_value, reason = "as `map_err` gives it")]
+fn no_context(error: tera::Error) -> Problem {
+    Problem::new(format!("the context of the templates cannot be made: {error}"))
 }
 
 /// A built-in template, filled in for people.
@@ -282,61 +294,60 @@ pub fn filled(name: &str, context: &Value) -> Result<String, Problem> {
     Templates::default().text(name, &template, &seen)
 }
 
-fn render_those(
-    task: Task<'_>,
+/// Those files of the profile that are wanted, each in its place: the tables and parameters of a kit, or what stands
+/// apart from them with tables of its own (rollback, the sign proof of a mechanism).
+pub(crate) fn render_those(
     templates: &Templates,
-    context: &Context,
-    is_own: impl Fn(&EmittedFile) -> bool,
+    emitted: &Emitted<'_>,
+    is_wanted: impl Fn(&EmittedFile) -> bool,
 ) -> Result<Vec<RenderedFile>, Problems> {
-    let escaped = page_context(context);
-    let (mut seen, mut page) = (tera_context(context)?, tera_context(&escaped)?);
+    let profile = emitted.task.profile;
     let mut problems = Problems::none();
     let mut files = Vec::new();
-    let is_wanted =
-        |file: &EmittedFile| file.when.as_deref().is_none_or(|list| context.holds(list));
-    let files_of_profile = || task.profile.files.iter().filter(|file| is_own(file));
-    let unknown = files_of_profile().flat_map(|file| unknown_lists(context, file));
-    unknown.for_each(|problem| problems.push(problem));
-    for file in files_of_profile().filter(|file| is_wanted(file)) {
-        let (values, seen) = match file.is_page() {
-            true => (&escaped, &mut page),
-            false => (&context.0, &mut seen),
-        };
-        for (path, item) in items(values, file) {
-            seen.insert("item", item);
-            seen.insert("role", file.role.word());
-            match templates.text(&file.template_name, &file.template, seen) {
-                Ok(text) => files.push(RenderedFile {
-                    path,
-                    role: file.role,
-                    bytes: encoded(
-                        with_line_ends(text, task.profile.line_end.value.text()),
-                        task.profile.encoding(),
-                    ),
-                }),
-                Err(problem) => problems.push(problem),
+    for is_page in [false, true] {
+        let own = profile.files.iter().enumerate();
+        let own = own.filter(|(_, file)| file.is_page() == is_page && is_wanted(file));
+        let own: Vec<(usize, &EmittedFile)> = own.collect();
+        if own.is_empty() {
+            continue;
+        }
+        let mut seen = seen(emitted, is_page)?;
+        for (place, file) in own {
+            let items = items(&seen, file).map_err(Problems::from);
+            for (path, item) in problems.take(items).unwrap_or_default() {
+                seen.insert_value("item", item);
+                seen.insert("role", file.role.word());
+                let text = templates.text(&file.template_name, &file.template, &seen);
+                let bytes = text.and_then(|text| bytes_of(&path, &text, profile));
+                let bytes = problems.take(bytes.map_err(Problems::from));
+                files.extend(
+                    bytes.map(|bytes| (place, RenderedFile { path, role: file.role, bytes })),
+                );
             }
         }
     }
-    problems.or_ok(files)
+    files.sort_by_key(|(place, _)| *place);
+    problems.or_ok(files.into_iter().map(|(_, file)| file).collect())
 }
 
-/// What the template of a page sees: the same texts as HTML, and the style of pages.
-fn page_context(context: &Context) -> Value {
-    let mut page = context.0.clone();
-    each_text(&mut page, escaped);
-    page["style"] = PAGE_STYLE.into();
-    page
-}
-
-fn encoded(text: String, encoding: Encoding) -> Vec<u8> {
-    match encoding {
+/// The bytes of a control's file, with its line ends. Wherever its text is from (a template of one's own, a profile):
+/// characters that a person does not see go to no control.
+pub(crate) fn bytes_of(path: &str, text: &str, profile: &Profile) -> Result<Vec<u8>, Problem> {
+    let mut lines = text.split('\n').map(|line| line.strip_suffix('\r').unwrap_or(line));
+    let unseen = |c: char| is_unseen(c) && c != '\t';
+    if let Some((line, number)) = lines.clone().zip(1..).find(|(line, _)| line.contains(unseen)) {
+        let message = format!(
+            "line {number} of `{}` would hold a character that is not seen: `{}`",
+            shown(path),
+            shown(line)
+        );
+        let help =
+            "a control may obey it: take it out of the template, or out of the text that it prints";
+        return Err(Problem::new(message).help(help));
+    }
+    let text = lines.by_ref().collect::<Vec<&str>>().join(profile.line_end.value.text());
+    Ok(match profile.encoding() {
         Encoding::Utf8 => text.into_bytes(),
         Encoding::Utf16Le => text.encode_utf16().flat_map(u16::to_le_bytes).collect(),
-    }
-}
-
-fn with_line_ends(text: String, line_end: &str) -> String {
-    let text = if text.contains('\r') { text.replace("\r\n", "\n") } else { text };
-    if line_end == "\n" { text } else { text.replace('\n', line_end) }
+    })
 }

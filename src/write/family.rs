@@ -51,11 +51,6 @@ pub(crate) trait Family {
         true
     }
 
-    /// Most rows of all tables together.
-    fn most_rows(&self) -> usize {
-        usize::MAX
-    }
-
     /// Why the control cannot take a term at all; `None` = it can.
     fn refuses(&self, _term: ErrorTerm) -> Option<&'static str> {
         None
@@ -128,6 +123,13 @@ pub(crate) struct Emitted<'a> {
     /// Those of the kit, or of a file that stands apart.
     pub(crate) tables: &'a Tables,
     pub(crate) instead: &'a Instead<'a>,
+}
+
+impl<'a> Emitted<'a> {
+    /// The kit itself.
+    pub(crate) fn of_kit(task: Task<'a>, compiled: &'a Compiled, instead: &'a Instead<'a>) -> Self {
+        Emitted { task, compiled, tables: &compiled.tables, instead }
+    }
 }
 
 /// The bump of a sign proof, and where it stands.

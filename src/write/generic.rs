@@ -10,7 +10,6 @@ use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::inputs::job::Compensation;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::{self, Deviation};
-use crate::text::document::MOST_ROWS;
 use crate::text::problem::Problems;
 use crate::write::compiled::{
     Compiled, Placement, backlash_parameter, backlash_text, control_state,
@@ -47,11 +46,6 @@ impl Family for GenericFacts {
 
     fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
         (self.points.value, "a table")
-    }
-
-    /// What its reader takes.
-    fn most_rows(&self) -> usize {
-        MOST_ROWS
     }
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {

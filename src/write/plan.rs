@@ -13,6 +13,7 @@ pub use crate::write::task::{Plan, PlannedTable, Task, axis_pairs};
 use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
+use crate::text::document::MOST_POINTS;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::family::family;
@@ -51,8 +52,7 @@ pub fn plan(task: Task<'_>) -> Result<Plan, Problems> {
     let Some(grids) = grids else {
         return Err(problems);
     };
-    refuse_too_many_rows(task, &all, &names, &grids)?;
-    let tables = tables(task, all, &grids, &mut problems);
+    let tables = tables(task, all, &names, &grids, &mut problems);
     let backlash_um = backlash(task, &targets);
     problems.or_ok(Plan {
         tables,
@@ -156,10 +156,12 @@ fn none_left(task: Task<'_>, budget: TableStock) -> Problem {
 fn tables(
     task: Task<'_>,
     targets: Vec<Target>,
+    names: &PerAxis<Vec<String>>,
     grids: &PerAxis<Option<Grid>>,
     problems: &mut Problems,
 ) -> Vec<PlannedTable> {
     refuse_too_many_points(task, &targets, grids, problems);
+    refuse_too_many_together(task, &targets, names, grids, problems);
     if !problems.is_empty() {
         return Vec::new();
     }
@@ -206,27 +208,25 @@ fn refuse_too_many_points(
     }
 }
 
-/// A table with more rows than its reader takes is not written.
-fn refuse_too_many_rows(
+/// So many points together that no memory would be enough, whatever the control takes.
+fn refuse_too_many_together(
     task: Task<'_>,
     targets: &[Target],
     names: &PerAxis<Vec<String>>,
     grids: &PerAxis<Option<Grid>>,
-) -> Result<(), Problem> {
-    let most = family(task.profile).most_rows();
-    let rows_of = |target: &Target| {
+    problems: &mut Problems,
+) {
+    let points_of = |target: &Target| {
         let points = grids[target.term.along].map_or(0, |grid| grid.count());
         points * names[target.term.of].len()
     };
-    let rows: usize = targets.iter().map(rows_of).sum();
-    if rows <= most {
-        return Ok(());
+    let points: usize = targets.iter().map(points_of).sum();
+    if points > MOST_POINTS && problems.is_empty() {
+        let words =
+            format!("the tables would have {points} points, expected at most {MOST_POINTS}");
+        let help = "use a larger spacing, or `points`, or `max_residual_um`";
+        problems.push(task.job.problem_at("compensation.axes", words).help(help));
     }
-    let words = format!("the table would have {rows} rows, expected at most {most}");
-    Err(task
-        .job
-        .problem_at("compensation.axes", words)
-        .help("use a larger spacing, or `points`, or `max_residual_um`"))
 }
 
 fn backlash(task: Task<'_>, targets: &[TermTargets]) -> PerAxis<Option<f64>> {

@@ -67,6 +67,17 @@ fn what_was_read_out_is_judged() {
 }
 
 #[test]
+fn a_name_of_a_file_is_taken_letter_by_letter() {
+    let visit = Visit::with_job("machines/five_points/fagor-8065.toml").with_any_kit();
+    let whole = r"['(?i)(?:draft-(?:sign-)?)?(?<axis>[A-Z][0-9]?[0-9]?)\.mp']";
+    visit.put("p.toml", replaced(&page("controllers/fagor-8065.toml"), whole, "['(?<axis>.).*']"));
+    visit.edit("job.toml", "\"fagor-8065\"", "\"./p.toml\"");
+    let table = std::fs::read(visit.at("kit/draft-X.mp")).unwrap();
+    visit.put("out/äX.mp", table);
+    visit.run("verify job.toml --tables out").ends(1).says("the table of ä belongs to axes that");
+}
+
+#[test]
 fn a_second_measurement_builds_on_what_was_active() {
     let (visit, old) = with_kit();
     visit.put("active/READ.TXT", &old);

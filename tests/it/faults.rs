@@ -345,6 +345,25 @@ fn ended_at_any_system_call_nothing_unfinished_is_left() {
     try_faults(Fault::End, &["signal=SIGTERM", "signal=SIGINT"], 211);
 }
 
+/// A shell starts with `&` what does not hear Ctrl-C; `kill` ends it as ever.
+#[test]
+fn in_the_background_the_signals_that_are_not_ignored_leave_nothing() {
+    for (signal, status) in [("TERM", 2), ("INT", 0)] {
+        let visit = Visit::of(ERRORS);
+        let own = env!("CARGO_BIN_EXE_nonius");
+        let inject =
+            format!("-f -qq -e trace=fsync -e inject=fsync:signal={signal}:when=2 -o /dev/null");
+        let line = format!("trap '' INT; exec strace {inject} '{own}' generate job.toml -o kit");
+        let shell = Command::new("sh").args(["-c", &line]).current_dir(visit.folder()).output();
+        let ran = Ran::of(&line, &shell.unwrap());
+        if ran.err.contains("strace") {
+            return skipped("strace is not here, or may not trace");
+        }
+        assert_eq!((ran.status, visit.has("kit")), (Some(status), status == 0), "{}", ran.all());
+        assert_eq!(partials(&visit.files()), [""; 0]);
+    }
+}
+
 #[test]
 fn refused_at_any_system_call_everything_is_written_or_nothing() {
     let errors = ["ENOSPC", "EIO", "EACCES", "EINTR", "EINVAL"].map(|e| format!("error={e}"));

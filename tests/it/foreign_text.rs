@@ -1,6 +1,6 @@
 //! Text of others reaches no terminal, checklist or table with characters that a person does not see.
 
-use crate::support::visit::{Ran, Visit, replaced};
+use crate::support::visit::{Ran, Visit, page, replaced};
 use nonius::control::controller::builtin;
 use serde_json::json;
 use std::collections::HashSet;
@@ -76,13 +76,19 @@ fn of_the_header_of_another_makers_file() {
     let visit = Visit::of("start/errors");
     visit.put("x.rtl", format!(
         "HEADER::\nFile type : rtl\nOwner: {FOREIGN}\nTARGET DATA::\nTarget-count: 2\nTargets :\n0 100\nFlags: 0 1 2 0\n\
-         USER-TEXT::\nMachine: {FOREIGN}\nSerial No: {FOREIGN}\nDate: {FOREIGN}\nAxis:X\nTITLE: {FOREIGN}\n\
+         USER-TEXT::\nMachine: {FOREIGN},=cmd|1;\"@A1\nSerial No: {FOREIGN}\nDate: {FOREIGN}\nAxis:X\nTITLE: {FOREIGN}\n\
          RUNS::\nRun-count: 1\nDEVIATIONS::\nRun Target Data:\n1 1 0.5\n1 2 1.5\nEOF::\n"
     ));
     let stated = "--sign as-error --targets-run + --axis x --material-corrected yes";
     let import = "import x.rtl -o - --term EXX --first-target-at-mm 0";
     for command in [import, "standards x.rtl --runs unidirectional"] {
-        told(&visit, &format!("{command} {stated}")).ends(0);
+        let ran = told(&visit, &format!("{command} {stated}")).ends(0);
+        let is_csv = command == import; // what a spreadsheet would take for a formula
+        assert!(
+            !is_csv || ["'=cmd", ";\"'@A1"].iter().all(|text| ran.out.contains(text)),
+            "{}",
+            ran.out
+        );
     }
 }
 
@@ -99,6 +105,19 @@ fn of_names_of_machines_and_files() {
         told(&visit, &format!("generate {odd} -o kit"));
         fs::rename(visit.at("job.toml"), visit.at(&odd)).expect("a name");
         told(&visit, &format!("generate {odd} -o kit"));
+    }
+}
+
+#[test]
+fn of_a_template_reaches_no_control() {
+    let visit = Visit::with_job("machines/five_points/klipper-skew.toml");
+    let template = page("templates/klipper.cfg.tera");
+    visit.put("shop.toml", page("controllers/klipper-skew.toml"));
+    visit.edit("job.toml", "\"klipper-skew\"", "\"./shop.toml\"");
+    for unseen in ["\u{202e}", "\u{200b}", "\u{1b}", "\r"] {
+        visit.put("klipper.cfg.tera", template.replacen("printer", &format!("printer{unseen}"), 1));
+        let ran = told(&visit, "generate job.toml -o kit").ends(2);
+        ran.says("would hold a character that is not seen");
     }
 }
 

@@ -21,7 +21,7 @@ pub(super) const PROGRAM: &str = "\n[program]\nwhat = \"single-axis\"\nbidirecti
 /// Runs a command, which says so beside its data.
 #[track_caller]
 fn expect(visit: &Visit, command: &str, status: i32, says: &str) {
-    told(patiently(visit, command, Stdio::null()).0.ends(status), says);
+    told(patiently(visit, command, Stdio::null()).ends(status), says);
 }
 
 #[track_caller]
@@ -38,7 +38,7 @@ fn refused(visit: &Visit, command: &str, says: &str) {
 
 fn piped(visit: &Visit, command: &str, from: &str) -> Ran {
     let stdin = File::open(visit.at(from)).unwrap();
-    patiently(visit, command, stdin.into()).0
+    patiently(visit, command, stdin.into())
 }
 
 #[test]
@@ -229,7 +229,7 @@ fn history_follows_no_path_out_of_a_kit() {
     for path in ["../errors.csv", "/dev/zero", "sub/x.csv", "..\\errors.csv", ".."] {
         document["files"][0]["path"] = path.into();
         visit.put("kit/manifest.json", document.to_string());
-        let ran = patiently(&visit, "history kit", Stdio::null()).0.ends(1);
+        let ran = patiently(&visit, "history kit", Stdio::null()).ends(1);
         ran.says(&format!("`{path}` is no plain file name"));
     }
 }

@@ -15,6 +15,10 @@
 #[allow(dead_code, reason = "each test program uses a part of it")]
 mod support;
 
+/// Counts what a run holds (large.rs).
+#[global_allocator]
+static COUNTED: cap::Cap<std::alloc::System> = cap::Cap::new(std::alloc::System, usize::MAX);
+
 mod after;
 mod agreement;
 mod assess;

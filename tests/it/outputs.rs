@@ -7,7 +7,9 @@
 
 use crate::support::tree::{Entry, below, copies, difference, skipped};
 use crate::support::visit::{Ran, Visit, program, replaced};
-use std::fs;
+use std::ffi::OsStr;
+use std::fs::{self, Permissions};
+use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
@@ -85,6 +87,17 @@ fn twenty_at_once_with_force_lose_nothing() {
     assert!(twenty(&visit, "simulate job.toml --errors -o put.csv --force") > 0);
 }
 
+#[test]
+fn of_twenty_that_fill_in_one_form_one_does() {
+    let visit = Visit::new();
+    let form = "target_mm,run,direction,deviation_um\n0,1,+,\n1,1,+,\n2,1,+,\n";
+    visit.put("form.csv", form).put("list.txt", "0\n1.5\n2.5\n");
+    let import =
+        "import list.txt --form form.csv --columns #1=displacement_mm --captures cumulative";
+    assert_eq!(twenty(&visit, &format!("{import} -o form.csv --force")), 1);
+    assert!(visit.read("form.csv").contains("1,1,+,500\n"));
+}
+
 #[cfg(unix)]
 #[test]
 fn with_a_closed_standard_output_the_same_is_written() {
@@ -103,6 +116,35 @@ fn with_a_closed_standard_output_the_same_is_written() {
         assert_eq!(closed.err, expected.err);
         assert!(visit.files() == undisturbed.files(), "{words}");
     }
+}
+
+/// A name that is no text, and a directory that may not be read: not by its owner alone, as root may all.
+#[cfg(unix)]
+#[test]
+fn names_and_directories_that_cannot_be_read_are_told_in_the_right_words() {
+    use std::os::unix::{ffi::OsStrExt, fs::PermissionsExt, process::CommandExt};
+    let visit = Visit::of("start/errors").with_kit();
+    let allow =
+        |path: &Path, mode| fs::set_permissions(path, Permissions::from_mode(mode)).unwrap();
+    fs::create_dir(visit.at("closed")).unwrap();
+    allow(visit.folder(), 0o777);
+    allow(&visit.at("closed"), 0o000);
+    for words in
+        ["history closed", "generate job.toml -o closed", "verify job.toml --tables closed"]
+    {
+        let mut nobody = program(visit.folder(), words);
+        let Ok(output) = nobody.uid(65534).output() else {
+            skipped("another user cannot run the program");
+            break;
+        };
+        Ran::of(words, &output).ends(2).says("permission denied");
+    }
+    allow(&visit.at("closed"), 0o777);
+    fs::write(visit.at("kit").join(OsStr::from_bytes(b"x\xff")), "").unwrap();
+    visit
+        .run("verify job.toml --tables kit")
+        .ends(2)
+        .says(r#"the name "x\xFF" of a file in it is not UTF-8"#);
 }
 
 #[cfg(unix)]

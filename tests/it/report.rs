@@ -146,6 +146,20 @@ fn runs_of_an_axis_are_shown_by_standard() {
     refused.ends(2).says("expected runs of one axis (CSV)");
 }
 
+#[test]
+fn a_logo_is_a_picture_and_a_table_alone_names_no_machine() {
+    let visit = Visit::with_job("nine_errors_900/generic.toml");
+    let svg =
+        "\u{feff}<?xml version='1.0'?>\n<!-- made by hand -->\n<!DOCTYPE svg>\n<svg width='1'/>";
+    visit.put("logo", svg);
+    let found = page(&visit, "errors.csv --logo logo");
+    holds(&found, &["<title>Geometric errors as found</title>", "data:image/svg+xml;base64,"]);
+    for other in ["<html><svg/></html>", "<svgs/>", "\u{89}PNG"] {
+        let ran = visit.put("logo", other).run("report errors.csv --logo logo -o -");
+        ran.ends(2).says("is no picture that a page can hold");
+    }
+}
+
 /// Angles need the order of the axes: without it the page says why it has no figures of the volume.
 #[test]
 fn a_volume_that_cannot_be_computed_is_told() {

@@ -55,7 +55,7 @@ pub(super) fn run(
     output: &Output,
 ) -> Result<Outcome, Problems> {
     output.ensure_new("the readings")?;
-    let (name, bytes) = read_form(form)?;
+    let (name, bytes, held) = read_form(form, output.place())?;
     let form = Source::from_bytes(&name, &bytes)?;
     let Lists { ppp, npp, pnp, ppn, .. } = lists;
     let of_diagonals = Diagonal::ALL.map(Some).into_iter().zip([ppp, npp, pnp, ppn]);
@@ -78,5 +78,6 @@ pub(super) fn run(
         "stated": given.collect::<Map<_, _>>(),
     });
     let bytes = Some(Content::Bytes(text.into_bytes()));
-    output.deliver(bytes, || screen, || document, "")
+    let outcome = output.deliver(bytes, || screen, || document, "")?;
+    Ok(outcome.holding(held))
 }

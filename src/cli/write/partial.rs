@@ -236,23 +236,28 @@ fn hold(door: &File) {
     }
 }
 
-/// Whether the run was started so that it outlives its terminal (`nohup`, a shell's `&`): signals that
-/// are ignored stay ignored, and what they would leave the next run removes.
-fn ignores_signals() -> bool {
-    const HUP_INT_TERM: u64 = 1 << 0 | 1 << 1 | 1 << 14;
+/// Signals that the run was started without, so that it outlives its terminal (`nohup`, a shell's `&`), never reach it;
+/// the others end it as ever.
+#[cfg(unix)]
+fn keep_ignored() {
+    use nix::sys::signal::{SigSet, Signal};
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     let ignored = ignored.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
-    ignored.is_some_and(|mask| mask & HUP_INT_TERM != 0)
+    let is_ignored = |signal: &Signal| ignored.unwrap_or(0) >> (*signal as i32 - 1) & 1 == 1;
+    let all = [Signal::SIGHUP, Signal::SIGINT, Signal::SIGTERM];
+    // This thread and those that it begins; where it fails, they end the run, too.
+    let _ = SigSet::from_iter(all.into_iter().filter(is_ignored)).thread_block();
 }
+
+#[cfg(not(unix))]
+fn keep_ignored() {}
 
 /// Ctrl-C, the end of the session and `kill`: what is not complete goes, exit status 2.
 fn hear_signals() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        if ignores_signals() {
-            return;
-        }
+        keep_ignored();
         // A system without signals ends the program as it always does.
         let _ = ctrlc::set_handler(|| {
             let made = made();

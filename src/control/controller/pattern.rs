@@ -3,7 +3,8 @@
 use super::fact::{Stated, Word};
 use crate::text::document::Section;
 use crate::text::problem::{nearest, shown};
-use regex::bytes::{Captures, Regex, RegexBuilder};
+use regex_automata::PatternID;
+use regex_automata::meta::{BuildError, Config, Regex};
 use std::ops::Range;
 
 /// What a part of a line says.
@@ -76,23 +77,27 @@ impl PartialEq for Pattern {
     }
 }
 
-/// Memory of one pattern, far above what lines of tables need.
-const MOST_BYTES: usize = 1 << 20;
+/// Memory of all patterns of a fact together, with what a search takes; those of real lines need a hundredth.
+const MOST_BYTES: usize = 8 << 20;
 
 impl Pattern {
-    /// A pattern, or what is wrong with it.
-    fn new(text: &str) -> Result<Pattern, String> {
+    /// A pattern, or what is wrong with it; its memory is taken from what is left for all of them.
+    fn new(text: &str, left: &mut usize) -> Result<Pattern, String> {
         if text.contains(['\n', '\r']) || text.contains(r"\n") || text.contains(r"\r") {
             return Err("holds a line end, so it can take no line".to_string());
         }
-        let whole = format!("^(?:{text})$");
-        let mut builder = RegexBuilder::new(&whole);
-        let builder = builder.unicode(false).size_limit(MOST_BYTES);
-        let regex = builder.build().map_err(|error| why(&error))?;
-        if regex.is_match(b"") {
+        let mut builder = Regex::builder();
+        let builder = builder.configure(Config::new().nfa_size_limit(Some(*left)));
+        let built = builder.build(&format!("^(?:{text})$"));
+        let regex = built.map_err(|error| why(&error).unwrap_or_else(|| too_large(left)))?;
+        // A search keeps two lists of states, each state with the places of all groups.
+        let groups = regex.captures_len();
+        let rest = left.checked_sub(regex.memory_usage() * (1 + groups));
+        *left = rest.ok_or_else(|| too_large(left))?;
+        if regex.is_match("") {
             return Err("takes an empty line, which means nothing".to_string());
         }
-        let names = regex.capture_names().flatten();
+        let names = regex.group_info().pattern_names(PatternID::ZERO).flatten();
         let fields = names.map(field).collect::<Result<Vec<Field>, String>>()?;
         let text = text.to_string();
         Ok(Pattern { text, regex, fields })
@@ -110,9 +115,10 @@ impl Pattern {
 
     /// What a line says, if it is of this pattern: each field with its bytes in the line.
     pub(crate) fn take(&self, line: &str) -> Option<Vec<(Field, Range<usize>)>> {
-        let found: Captures<'_> = self.regex.captures(line.as_bytes())?;
-        let part = |field: Field| Some((field, found.name(field.word_of())?.range()));
-        Some(self.fields().filter_map(part).collect())
+        let mut found = self.regex.create_captures();
+        self.regex.captures(line, &mut found);
+        let part = |field: Field| Some((field, found.get_group_by_name(field.word_of())?.range()));
+        found.is_match().then(|| self.fields().filter_map(part).collect())
     }
 }
 
@@ -127,20 +133,29 @@ fn field(name: &str) -> Result<Field, String> {
     })
 }
 
-/// The last line of what the regular expressions say; the lines above draw the pattern.
-fn why(error: &regex::Error) -> String {
-    let text = error.to_string();
+/// The last line of what the regular expressions say; the lines above draw the pattern. `None` = it is too large.
+fn why(error: &BuildError) -> Option<String> {
+    let text = error.syntax_error()?.to_string();
     let last = text.lines().last().unwrap_or_default();
     let last = last.trim_start_matches("error: ");
-    format!("is no regular expression: {}", shown(last))
+    Some(format!("is no regular expression: {}", shown(last)))
+}
+
+/// Nothing is left for those behind it.
+fn too_large(left: &mut usize) -> String {
+    *left = 0;
+    format!("needs, with those before it, more than {} MiB", MOST_BYTES >> 20)
 }
 
 impl Stated for Vec<Pattern> {
     fn read(fact: &Section<'_>) -> Option<Self> {
         let texts = fact.texts("value")?;
-        let mut patterns = Vec::new();
+        let (mut patterns, mut left) = (Vec::new(), MOST_BYTES);
         for (index, text) in texts.iter().enumerate() {
-            match Pattern::new(text) {
+            if left == 0 {
+                break;
+            }
+            match Pattern::new(text, &mut left) {
                 Ok(pattern) => patterns.push(pattern),
                 Err(wrong) => fact.problem_in(
                     "value",
@@ -158,12 +173,39 @@ impl Stated for Vec<Pattern> {
 mod tests {
     use super::*;
 
+    fn pattern(text: &str) -> Result<Pattern, String> {
+        Pattern::new(text, &mut MOST_BYTES.clone())
+    }
+
     #[test]
     fn a_pattern_takes_a_whole_line_and_says_where_its_fields_stand() {
-        let pattern = Pattern::new(r"(?<position>\S+), *(?<value>\S+)").expect("a pattern");
-        let found = pattern.take("10.5,  -2").expect("a line");
+        let own = pattern(r"(?<position>\S+), *(?<value>\S+)").expect("a pattern");
+        let found = own.take("10.5,  -2").expect("a line");
         assert_eq!(found, [(Field::Position, 0..4), (Field::Value, 7..9)]);
-        assert_eq!(pattern.take("10.5,  -2 x"), None);
+        assert_eq!(own.take("10.5,  -2 x"), None);
+    }
+
+    #[test]
+    fn a_pattern_takes_letters_and_no_part_of_one() {
+        let letter = pattern("(?<axis>.).*").expect("a pattern");
+        assert_eq!(letter.take("äX.mp"), Some(vec![(Field::Axis, 0..2)]));
+        assert_eq!(letter.take("加工中心"), Some(vec![(Field::Axis, 0..3)]));
+        assert!(pattern(r"(?-u:(?<axis>\xC3)).*").is_err());
+    }
+
+    #[test]
+    fn the_patterns_of_a_fact_share_one_memory() {
+        let mut left = MOST_BYTES;
+        let usual =
+            (0..30).filter(|_| Pattern::new(r"P(?<point>\d+) (?<value>\S+)", &mut left).is_ok());
+        assert_eq!(usual.count(), 30);
+        for large in [r"x\S{200}", "x(a)(b)(c)(d)(e)(f)(g)(h){50}", "(?:x?){9999999}"] {
+            let mut left = MOST_BYTES;
+            let kept = (0..1000).take_while(|_| Pattern::new(large, &mut left).is_ok());
+            assert!(kept.count() < 1000, "{large}");
+            let wrong = Pattern::new(large, &mut left).expect_err(large);
+            assert!(wrong.contains("more than 8 MiB"), "{wrong}");
+        }
     }
 
     #[test]
@@ -174,7 +216,7 @@ mod tests {
             (r"(?<value>\S*)", "takes an empty line"),
             (r"a\n(?<value>\S+)", "can take no line"),
         ] {
-            let wrong = Pattern::new(text).expect_err(text);
+            let wrong = pattern(text).expect_err(text);
             assert!(wrong.contains(says), "{text}: {wrong}");
         }
     }

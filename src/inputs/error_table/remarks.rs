@@ -24,7 +24,8 @@ use crate::inputs::job::Frame;
 use crate::quantity::axis::{ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal};
 use crate::quantity::units::{Millimetres, smaller};
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, once};
+use crate::text::problem::bounded;
 
 const DOUBT: &str = "doubt:";
 const NOT_DETERMINED: &str = "not determined:";
@@ -40,6 +41,16 @@ const NEGLECTED: &str = "neglected by decision:";
 const FRAME: &str = "frame:";
 const LINES: &str = "on the lines X, Y, Z, mm:";
 const NOTE: &str = "note:";
+
+/// Remarks of one kind that are kept: a screen shows five of them.
+const MOST_REMARKS: usize = 1000;
+
+/// How many were too many.
+fn beyond<T>(remarks: &mut Vec<T>) -> usize {
+    let more = remarks.len().saturating_sub(MOST_REMARKS);
+    remarks.truncate(MOST_REMARKS);
+    more
+}
 
 /// The words by which a simulation is told from a measurement: a note of the table begins so.
 pub const SIMULATED: &str = "SIMULATED, not measured";
@@ -255,13 +266,23 @@ pub struct Remarks {
 }
 
 impl Remarks {
-    /// The remarks in the comments of a table; text that is none of them stays a comment.
+    /// The remarks in the comments of a table, equal ones once; text that is none of them stays a comment.
+    ///
+    /// limits [`MOST_REMARKS`] of a kind, each of up to 1000 characters; the rest is counted
     pub fn read(table: &str) -> Remarks {
         let mut remarks = Remarks::default();
-        for line in table.lines() {
-            if let Some(comment) = line.trim_start().strip_prefix('#') {
-                remarks.hear(comment.trim());
-            }
+        let comments = table.lines().filter_map(|line| line.trim_start().strip_prefix('#'));
+        for comment in once(comments.map(str::trim).collect()) {
+            remarks.hear(comment);
+        }
+        let missing = beyond(&mut remarks.not_determined);
+        match beyond(&mut remarks.doubts) + missing {
+            0 => {}
+            count => remarks.doubts.push(Remark::MoreDoubts { count }.into()),
+        }
+        match beyond(&mut remarks.notes) {
+            0 => {}
+            count => remarks.notes.push(Remark::MoreNotes { count }.into()),
         }
         remarks
     }
@@ -309,7 +330,7 @@ impl Remarks {
     }
 
     fn hear(&mut self, comment: &str) {
-        let after = |key: &str| Some(comment.strip_prefix(key)?.trim().to_string());
+        let after = |key: &str| Some(bounded(comment.strip_prefix(key)?.trim().to_string()));
         if let Some(words) = after(DOUBT) {
             self.doubts.push(Remark::Doubtful { words }.into());
         } else if let Some(frame) = after(FRAME).as_deref().and_then(Frame::from_word) {
@@ -490,6 +511,27 @@ mod tests {
         same.extend(of("as-measured"));
         let [doubt] = same.doubts.as_slice() else { panic!("{:?}", same.doubts) };
         assert!(doubt.to_string().contains("different frames"), "{doubt}");
+    }
+
+    #[test]
+    fn equal_remarks_are_one_and_too_many_are_counted() {
+        let doubts =
+            |count: usize| (0..count).map(|n| format!("# doubt: {}\n# note: {n}\n", n / 2));
+        let few = Remarks::read(&doubts(100).collect::<String>());
+        assert_eq!((few.doubts.len(), few.notes.len()), (50, 100));
+        let many = Remarks::read(&doubts(3000).collect::<String>());
+        assert_eq!((many.doubts.len(), many.notes.len()), (MOST_REMARKS + 1, MOST_REMARKS + 1));
+        let last =
+            [many.doubts.last(), many.notes.last()].map(|last| last.map(ToString::to_string));
+        assert!(
+            last.iter().flatten().eq(&[
+                "doubts and errors not determined that are not listed: 500 more",
+                "notes that are not listed: 2000 more",
+            ]),
+            "{last:?}"
+        );
+        let long = Remarks::read(&format!("# doubt: {}\n", "x".repeat(60_000)));
+        assert_eq!(long.doubts[0].to_string().chars().count(), 1001);
     }
 
     #[test]

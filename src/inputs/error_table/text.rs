@@ -10,7 +10,8 @@
 //! end with LF: the same draft gives the same bytes everywhere.
 
 use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::text::plain::line;
+use crate::quantity::units::Figure;
+use crate::text::plain;
 
 /// An error table that is going to be written.
 ///
@@ -62,7 +63,8 @@ pub fn write(draft: &Draft) -> String {
     let directed = draft.series.iter().any(|series| series.direction.is_some());
     let mut text = String::new();
     for comment in &draft.comments {
-        text.push_str(&comment_line(comment));
+        text.push_str(&plain::comment(comment));
+        text.push('\n');
     }
     let mut header = vec!["axis".to_string()];
     header.extend(directed.then(|| "direction".to_string()));
@@ -77,11 +79,6 @@ pub fn write(draft: &Draft) -> String {
         }
     }
     text
-}
-
-/// A comment is one line, whatever it holds.
-fn comment_line(comment: &str) -> String {
-    format!("# {}\n", line(comment).trim_end())
 }
 
 fn push_row(text: &mut String, cells: &[String]) {
@@ -102,9 +99,9 @@ fn cells(series: &DraftSeries, row: usize, directed: bool, columns: &[Column]) -
     cells
 }
 
-/// The shortest text that reads back to the same number; never `-0`; empty = not measured.
+/// Empty = not measured.
 fn number(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |value| format!("{}", value + 0.0))
+    value.map_or_else(String::new, |value| Figure(value).to_string())
 }
 
 /// What a column of values holds.
@@ -192,7 +189,9 @@ mod tests {
     #[test]
     fn what_is_written_reads_back_to_the_same_numbers() {
         let draft = draft();
-        let table = read(&write(&draft));
+        let text = write(&draft);
+        assert!(!text.contains(&"0".repeat(20)), "{text}");
+        let table = read(&text);
         for wanted in &draft.series {
             let found = table.series(wanted.axis);
             let found = found.iter().find(|s| s.direction == wanted.direction);

@@ -19,6 +19,7 @@ use crate::text::delimited::{LengthUnit, Line};
 use crate::text::document::Source;
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
+use std::collections::HashMap;
 
 /// A list, and the diagonal of which it is; `None` = of one axis.
 pub type List<'a> = (Option<Diagonal>, Measurement<'a>);
@@ -156,11 +157,12 @@ impl Filling<'_> {
             true => ("deviation", LengthUnit::Um),
             false => (self.column.quantity(), self.column.unit),
         };
-        let kept = form.text.lines().filter(|line| line.starts_with('#')).map(str::to_string);
+        let kept = form.text.lines().filter(|line| line.starts_with('#'));
+        let kept = kept.map(|line| plain::comment(line.strip_prefix("# ").unwrap_or(&line[1..])));
         let sources = lists.iter().map(|(_, file)| file.comment());
         let given = stated.given().into_iter();
         let given = given.map(|(option, value)| format!("stated: {option} {value}"));
-        let own = sources.chain(given).map(|words| format!("# {}", plain::line(&words)));
+        let own = sources.chain(given).map(|words| plain::comment(&words));
         let with_last = |line: &Line<'_>, last: String| {
             let cells = line.cells();
             let cells = cells.iter().take(cells.len() - 1).map(ToString::to_string);
@@ -168,9 +170,10 @@ impl Filling<'_> {
             cells.join(&char::from(self.form.header.delimiter()).to_string())
         };
         let header = with_last(&self.form.header, format!("{heading}_{}", unit.word()));
+        let values: HashMap<usize, f64> = values.iter().copied().collect();
         let rows = self.form.rows.iter().map(|row| {
-            let own = values.iter().find(|(line, _)| *line == row.line.number());
-            let value = own.map(|(_, um)| Figure(rounded(um / unit.um(), 9)).to_string());
+            let own = values.get(&row.line.number());
+            let value = own.map(|um| Figure(rounded(um / unit.um(), 9)).to_string());
             with_last(&row.line, value.unwrap_or_default())
         });
         let lines: Vec<String> = kept.chain(own).chain([header]).chain(rows).collect();

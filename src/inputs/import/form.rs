@@ -8,6 +8,7 @@ use crate::text::delimited::{Line, header_and_rows, plain_number};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
+use std::collections::HashMap;
 
 /// A form whose values are empty.
 pub(super) struct Form<'a> {
@@ -96,17 +97,14 @@ impl<'a> Form<'a> {
 
     /// What is expected of the values of one list; with targets they hold the way there.
     pub(super) fn expected(&self, rows: &[&Row<'_>], with_targets: bool) -> Expected {
-        let cell = |row: &Row<'_>, name: &str| {
-            self.column(name).map_or("", |index| &row.cells[index]).to_string()
-        };
-        let place = |row: &Row<'_>| (cell(row, "node"), row.target_um.to_bits());
-        let pass = |row: &Row<'_>| (cell(row, "run"), cell(row, "direction"));
-        let is_twin = |one: &Row<'_>, other: &Row<'_>| {
-            place(one) == place(other) && pass(one).1 == pass(other).1
-        };
-        let begins = |at: usize| at == 0 || pass(rows[at]) != pass(rows[at - 1]);
-        let turns = |at: usize| at > 0 && begins(at) && place(rows[at]) == place(rows[at - 1]);
-        let twin = |at: usize| (0..at).rev().find(|before| is_twin(rows[*before], rows[at]));
+        let cell =
+            |at: usize, name: &str| self.column(name).map_or("", |index| &rows[at].cells[index]);
+        let place = |at: usize| (cell(at, "node"), rows[at].target_um.to_bits());
+        let pass = |at: usize| (cell(at, "run"), cell(at, "direction"));
+        let begins = |at: usize| at == 0 || pass(at) != pass(at - 1);
+        let turns = |at: usize| at > 0 && begins(at) && place(at) == place(at - 1);
+        let mut met = HashMap::new();
+        let twin = |at: usize| met.insert((place(at), pass(at).1), at);
         let nominal = |row: &&Row<'_>| if with_targets { row.target_um } else { 0.0 };
         Expected {
             begins: (0..rows.len()).map(begins).collect(),

@@ -162,6 +162,7 @@ fn of_term(
     let ways = measured.measured.ways();
     let u_um = after.u_anew_um(before, term);
     for (number, (way, curve)) in ways.into_iter().enumerate() {
+        seen.reserve_exact(curve.knots().len());
         for at in curve.knots() {
             let parts = parts_of(term, first, way, *at);
             if let Some(found_um) = found_um(before, &parts) {

@@ -74,11 +74,8 @@ impl Proofs {
 fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, Problems> {
     let slope = "SIGN PROOF: zero but for one slope; load the values of the kit again after it";
     let bump = "SIGN PROOF: zero but for one bump; load the table of the kit again after it";
-    let instead = Instead {
-        notice: if proof.bump.is_slope { slope } else { bump },
-        names_terms: true,
-        ..Instead::default()
-    };
+    let instead =
+        Instead { notice: if proof.bump.is_slope { slope } else { bump }, ..Instead::of_kit() };
     let wanted = Some(proof.of.mechanism);
     let emitted = Emitted {
         task: made.task(),
@@ -86,7 +83,7 @@ fn proof_files(made: &Made<'_>, proof: &SignProof) -> Result<Vec<RenderedFile>, 
         tables: &proof.tables,
         instead: &instead,
     };
-    emit::render_apart(&made.templates, &emitted, |file| {
+    emit::render_those(&made.templates, &emitted, |file| {
         file.role == Role::SignProof && file.mechanism == wanted
     })
 }

@@ -5,8 +5,9 @@ use crate::kit::Inputs;
 use crate::kit::manifest::HashedFile;
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::diagonal::{Pass, PathKind, Run};
+use crate::quantity::units::Figure;
 use crate::text::finding::Finding;
-use crate::text::plain::line;
+use crate::text::plain;
 use crate::write::emit::TOOL;
 
 /// Where a simulation comes from, for the comments of its file.
@@ -51,7 +52,8 @@ impl SimulationSource {
 pub fn write(simulation: &Simulation, rehearsal: &Rehearsal, comments: &[String]) -> String {
     let mut text = String::new();
     for comment in comments {
-        text.push_str(&format!("# {}\n", line(comment).trim_end()));
+        text.push_str(&plain::comment(comment));
+        text.push('\n');
     }
     let recorded = rehearsal.recorded();
     let recorded = || Axis::ALL.into_iter().filter(|axis| recorded[*axis]);
@@ -99,7 +101,7 @@ fn row(run: &Run, node: usize, rehearsal: &Rehearsal) -> String {
         let moved = (node > 0).then(|| rehearsal.volume.moved(node));
         cells.push(moved.map_or_else(String::new, |axis| axis.key().to_string()));
     }
-    cells.push(format!("{}", um + 0.0));
+    cells.push(Figure(um).to_string());
     let temperatures = run.temperatures_c.iter();
     let temperatures = temperatures.filter_map(|(_, t)| t.as_ref()?.get(node).copied());
     cells.extend(temperatures.map(|celsius| celsius.to_string()));

@@ -3,9 +3,11 @@
 use super::{Kind, NONE, Report, linear_document};
 use crate::page::svg;
 use crate::quantity::axis::ErrorTerm;
+use crate::text::finding::once;
 use crate::text::html::escaped;
 use serde::Serialize;
 use serde_json::Value;
+use std::collections::HashSet;
 
 /// Figures of ISO 230-2 by their names in the document of `standards`, and as the standard writes them.
 const FIGURES: [(&str, &str); 12] = [
@@ -172,7 +174,7 @@ impl Report<'_> {
             return Part { words, said: why.collect(), ..part };
         }
         let nodes = [0, 1, 2].map(|n| self.figure("assess", &format!("/grid/{n}"), Kind::Count));
-        let found = self.findings();
+        let found: HashSet<String> = self.findings().into_iter().collect();
         let labels = self.sentences("assess", "/labels", usize::MAX).into_iter();
         Part {
             words: vec![format!("{}: {}", self.t("grid"), nodes.join(" × "))],
@@ -274,15 +276,9 @@ impl Report<'_> {
             false => ["/causes", "/notes"],
         };
         let misses = self.visit.grounds.misses.iter();
-        let misses: Vec<String> = misses.map(|miss| escaped(&miss.to_string())).collect();
+        let misses: HashSet<String> = misses.map(|miss| escaped(&miss.to_string())).collect();
         let all = places.map(|at| self.sentences(self.main(), at, usize::MAX));
-        let mut once: Vec<String> = Vec::new();
-        for words in all.into_iter().flatten() {
-            if !once.contains(&words) && !misses.contains(&words) {
-                once.push(words);
-            }
-        }
-        once
+        once(all.into_iter().flatten().filter(|words| !misses.contains(words)).collect())
     }
 
     fn assumed(&self) -> Part {
@@ -322,14 +318,8 @@ impl Report<'_> {
             let text = |key: &str| file[key].as_str().unwrap_or_default();
             row(text("path"), text("sha256"))
         });
-        let mut files: Vec<Vec<String>> = Vec::new();
-        for file in own.chain(stated) {
-            if !files.contains(&file) {
-                files.push(file);
-            }
-        }
         let head = vec![self.t("file"), self.t("sha256")];
-        let table = Table::new(head, files, true);
+        let table = Table::new(head, once(own.chain(stated).collect()), true);
         Part { tables: vec![table], ..self.part("provenance") }
     }
 

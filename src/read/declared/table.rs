@@ -232,7 +232,7 @@ fn put(fields: &mut Vec<(Field, Placed)>, field: Field, placed: Placed) -> Resul
 
 /// The number of a field: digits with a decimal point.
 fn number_in(text: &str, field: Field, span: &Range<usize>) -> Result<f64, Complaint> {
-    let written = text.get(span.clone()).unwrap_or_default().trim();
+    let written = text[span.clone()].trim();
     let plain = |c: char| c.is_ascii_digit() || "+-.eE".contains(c);
     let number = written.parse::<f64>().ok();
     let number = number.filter(|number| written.chars().all(plain) && number.abs() < LARGEST);

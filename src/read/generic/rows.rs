@@ -2,7 +2,7 @@
 
 use super::check::{Flaw, RawRow, table};
 use crate::control::table::generic::GenericTable;
-use crate::text::delimited::{Line, lines};
+use crate::text::delimited::{Line, lines, refuse_many_columns};
 use crate::text::document::{MOST_ROWS, Source};
 use crate::text::problem::{LineIndex, Problem, Problems, nearest, refuse_long_lines};
 use serde::Deserialize;
@@ -80,6 +80,7 @@ pub(super) fn read_csv(file: &str, text: &str) -> Result<GenericTable, Problems>
             .help(format!("first line: {}", COLUMNS.join(",")))
             .into());
     };
+    refuse_many_columns(&header, &format!("first line: {}", COLUMNS.join(",")))?;
     let columns = columns(&header)?;
     let rows: Vec<Line<'_>> = rows.take(MOST_ROWS + 1).collect();
     if let Some(problem) = wrong_count(rows.len()) {

@@ -10,7 +10,7 @@ use super::check::{Flaw, RawRow, table};
 use super::rows::wrong_count;
 use crate::control::table::generic::GenericTable;
 use crate::quantity::units;
-use crate::text::delimited::{LengthUnit, Line, header_and_rows};
+use crate::text::delimited::{LengthUnit, Line, header_and_rows, refuse_many_columns};
 use crate::text::document::{MOST_ROWS, Source};
 use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
@@ -113,6 +113,7 @@ struct Columns {
 
 impl Columns {
     fn of(header: &Line<'_>) -> Result<Columns, Problems> {
+        refuse_many_columns(header, "take the whole file")?;
         let names: Vec<String> = header.cells().iter().map(ToString::to_string).collect();
         let mut problems = Problems::none();
         let values = VALUES.map(|(name, ..)| name);

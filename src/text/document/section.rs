@@ -1,5 +1,6 @@
 //! One section of a page, read key by key.
 
+use crate::text::finding::once;
 use crate::text::problem::{Problem, Problems, nearest, shown};
 
 use super::{LARGEST_NUMBER, LONGEST_MM, Source, Spot};
@@ -434,14 +435,8 @@ fn joined(path: &str, key: &str) -> String {
 
 /// Words in back-quotes, each once.
 fn quoted(words: &[&str]) -> String {
-    let mut list: Vec<String> = Vec::new();
-    for word in words {
-        let quoted = format!("`{word}`");
-        if !list.contains(&quoted) {
-            list.push(quoted);
-        }
-    }
-    list.join(", ")
+    let once = once(words.to_vec()).into_iter();
+    once.map(|word| format!("`{word}`")).collect::<Vec<String>>().join(", ")
 }
 
 /// Whether a key is to be filled in: `""` stands for every kind of value.

@@ -5,7 +5,7 @@
 //! of the context, choices. Then no value is longer than one of the context, and how many tags are executed at
 //! most follows from the lengths of the lists.
 
-use regex::Regex;
+use regex_automata::meta::Regex;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::LazyLock;
@@ -53,13 +53,13 @@ impl Layout {
         let mut open: Vec<Option<(String, String)>> = Vec::new(); // `None` is a choice
         let [tag, word] = &*PATTERNS;
         for found in tag.captures_iter(template) {
-            let (print, does) = (found.get(1), found.get(2));
+            let (print, does) = (found.get_group(1), found.get_group(2));
             let Some(inside) = print.or(does) else {
                 continue; // a comment
             };
-            let words = word.find_iter(inside.as_str()).map(|word| {
-                let start = inside.start() + word.start();
-                (word.as_str(), start..start + word.len())
+            let words = word.find_iter(&template[inside.range()]).map(|word| {
+                let span = inside.start + word.start()..inside.start + word.end();
+                (&template[span.clone()], span)
             });
             let words: Vec<Placed<'_>> = words.collect();
             check(&words)?;

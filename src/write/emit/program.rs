@@ -6,7 +6,7 @@ use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::Pass;
 use crate::text::problem::{Problem, Problems, shown};
 use crate::write::control_text::{COMMENT_TEXT, ascii, fixed, is_comment_text, trimmed};
-use crate::write::emit::{TOOL, Templates, with_line_ends};
+use crate::write::emit::{TOOL, Templates, bytes_of};
 use crate::write::program::{
     Digits, MeasuringRun, Move, PlannedReading, Resolution, RunTask, SetUpProgram, Subject,
 };
@@ -204,11 +204,9 @@ fn render(
         Problem::new(format!("the context of the program cannot be made: {error}"))
     })?;
     let text = templates.text(&facts.template_name, &facts.template, &seen)?;
-    Ok(ProgramFile {
-        path: format!("{stem}.{}", facts.extension),
-        role: FileRole::Program,
-        bytes: with_line_ends(text, profile.line_end.value.text()).into_bytes(),
-    })
+    let path = format!("{stem}.{}", facts.extension);
+    let bytes = bytes_of(&path, &text, profile)?;
+    Ok(ProgramFile { path, role: FileRole::Program, bytes })
 }
 
 /// Expected positions: one row for each reading, in the order in which they are taken.

@@ -5,7 +5,7 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::{GenericFacts, TypedValue};
 use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::Direction;
-use crate::quantity::units;
+use crate::quantity::units::{self, Figure};
 use crate::text::delimited::LengthUnit;
 use serde_json::{Value, json};
 
@@ -92,7 +92,7 @@ fn typed(row: &GenericRow, facts: &GenericFacts) -> f64 {
     units::rounded(um / facts.typed_unit.value.um(), DUST_DECIMALS)
 }
 
-/// The shortest decimal text of a number; no exponent, no `-0`.
+/// The shortest decimal text of a number.
 pub(super) fn number(value: f64) -> String {
-    format!("{}", value + 0.0)
+    Figure(value).to_string()
 }
