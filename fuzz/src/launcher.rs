@@ -12,11 +12,13 @@ use std::process::{Command, ExitCode};
 /// Set for the compiler's wrapper, which is this program too.
 const AS_WRAPPER: &str = "NONIUS_FUZZ_WRAPPER";
 
-/// One 8-bit counter for every edge between basic blocks (Clang's SanitizerCoverage, in LLVM).
-const COUNTERS: [&str; 4] = [
+/// One 8-bit counter for every edge between basic blocks, and a call that counts steps (Clang's SanitizerCoverage, in
+/// LLVM).
+const COUNTERS: [&str; 5] = [
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=3",
     "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
+    "-Cllvm-args=-sanitizer-coverage-trace-pc-guard",
     "-Cllvm-args=-sanitizer-coverage-prune-blocks=1",
 ];
 

@@ -84,6 +84,29 @@ const NASTY: &[&str] = &[
     "٣",
 ];
 
+/// One of each class of letter: of one to four bytes, longer in lower case, joined, turned, invisible, private, none.
+const LETTERS: [&str; 19] = [
+    "é",
+    "ß",
+    "€",
+    "Ａ",
+    "\u{130}",
+    "ǆ",
+    "e\u{301}",
+    "\u{5d0}",
+    "\u{202e}",
+    "\u{200b}",
+    "\u{200d}",
+    "\u{feff}",
+    "\u{ad}",
+    "😀",
+    "\u{e000}",
+    "\u{10ffff}",
+    "\u{e0041}",
+    "\u{a0}",
+    "=",
+];
+
 /// Words that stand in the inputs of a target.
 #[derive(Default)]
 pub struct Dictionary(Vec<Vec<u8>>);
@@ -146,7 +169,7 @@ pub fn mutated(random: &mut Random, input: &[u8], other: &[u8], words: &Dictiona
 }
 
 fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &Dictionary) {
-    match random.below(12) {
+    match random.below(13) {
         0 => change_byte(random, text),
         1 => replace_span(random, text, |random, _| vec![(random.bits() & 0xff) as u8]),
         2 => replace_span(random, text, |_, _| Vec::new()),
@@ -157,6 +180,7 @@ fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &Diction
         8 => replace(random, text, is_number, nearby),
         9 => insert(random, text, words),
         10 => lines(random, text),
+        11 => letter(random, text),
         _ => splice(random, text, other),
     }
 }
@@ -227,6 +251,30 @@ fn insert(random: &mut Random, text: &mut Vec<u8>, words: &Dictionary) {
     let at = random.below(text.len() + 1);
     let word = random.pick(&words.0).clone();
     text.splice(at..at, word);
+}
+
+/// A letter of some class in or beside a word.
+fn letter(random: &mut Random, text: &mut Vec<u8>) {
+    let Some((start, end)) = one(random, text, is_word) else {
+        return;
+    };
+    let at = start + random.below(end - start + 1);
+    let until = (at + random.below(2)).min(end);
+    text.splice(at..until, random.pick(&LETTERS).bytes());
+}
+
+/// The same input twice with something in it many times, so that the second is about `size` long and the first half of
+/// that: a line, or a part of one.
+pub fn grown(random: &mut Random, input: &[u8], size: usize) -> Option<[Vec<u8>; 2]> {
+    let (start, end) = match random.one_in(2) {
+        true => one(random, input, is_of_line).map(|(start, end)| (start, end + 1))?,
+        false => one(random, input, is_word)?,
+    };
+    let end = end.min(input.len());
+    let count = size / (end - start);
+    let with =
+        |count: usize| [&input[..start], &input[start..end].repeat(count), &input[end..]].concat();
+    Some([with(count / 2), with(count)])
 }
 
 /// A line twice, gone, or in another place.

@@ -17,6 +17,28 @@ pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
+/// No cell of a file for spreadsheets is taken for a formula: `=` or `@` at its beginning, or a sign before a word.
+pub fn judge_cells(text: &str) -> Result<(), String> {
+    for cell in text.split(['\n', '\r', ',', ';', '\t']) {
+        let cell = cell.trim_start_matches(['"', ' ']);
+        let mut letters = cell.chars();
+        let is_formula = match letters.next() {
+            Some('=' | '@') => true,
+            Some('+' | '-') => {
+                letters.next().is_some_and(|c| c.is_alphabetic() || "(@=".contains(c))
+            }
+            _ => false,
+        };
+        if is_formula {
+            return Err(format!(
+                "a spreadsheet calculates the cell {:?}",
+                cell.chars().take(40).collect::<String>()
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Characters that change what a terminal shows, or that a reader of lines counts as a line end.
 fn is_control(c: char) -> bool {
     let turns =
