@@ -145,17 +145,13 @@ fn judge_files(run: &Run, outputs: &[&str]) -> Result<(), String> {
     if let Some(name) = run.after.keys().find(|name| name.contains(".partial-")) {
         return Err(format!("left behind: {name}"));
     }
-    let inside = |name: &str, output: &str| {
-        name.strip_prefix(output.trim_end_matches('/'))
-            .filter(|rest| rest.starts_with('/'))
-            .map(str::to_string)
-    };
     let is_kept = |name: &str, bytes: &Vec<u8>| {
         let moved = |output: &&str| {
-            let rest = inside(name, output)?;
+            let output = output.trim_end_matches('/');
+            let rest = name.strip_prefix(output).filter(|rest| rest.starts_with('/'))?;
             let kept = |(other, found): (&String, &Vec<u8>)| {
-                other.starts_with(&format!("{}.previous", output.trim_end_matches('/')))
-                    && other.ends_with(&rest)
+                other.starts_with(&format!("{output}.previous"))
+                    && other.ends_with(rest)
                     && found == bytes
             };
             Some(run.after.iter().any(kept))

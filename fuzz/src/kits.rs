@@ -93,7 +93,7 @@ fn separated(
         return Err(Problem::new("straight runs").into());
     }
     let separation = separate(&campaign, &readings.runs);
-    let draft: Draft = table::draft(&separation, &job.compensation.backlash, Vec::new());
+    let draft: Draft = table::draft(&separation, job, Vec::new());
     ErrorTable::read(Source::from_bytes("separated", error_table::write(&draft).as_bytes())?)
 }
 

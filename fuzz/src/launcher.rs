@@ -5,6 +5,8 @@
 //! compiler's wrapper: called by cargo with the compiler and its arguments, it adds the flags for the crate `nonius`.
 //! Where that build fails (another compiler, no such pass), the engine is built without counters and only mutates.
 
+mod planted;
+
 use std::env;
 use std::ffi::OsString;
 use std::process::{Command, ExitCode};
@@ -26,6 +28,15 @@ fn main() -> ExitCode {
     let arguments: Vec<OsString> = env::args_os().skip(1).collect();
     if env::var_os(AS_WRAPPER).is_some() {
         return compile(&arguments);
+    }
+    if arguments.first().is_some_and(|word| word == "planted") {
+        return match planted::run() {
+            Ok(all_found) => status(all_found),
+            Err(why) => {
+                eprintln!("{why}");
+                ExitCode::from(2)
+            }
+        };
     }
     if cargo("build", &[], true) {
         return status(cargo("run", &arguments, true));

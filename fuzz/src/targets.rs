@@ -287,7 +287,7 @@ fn emptied(form: &str) -> (String, usize) {
 
 /// Controls of a user's own: a profile that names files by patterns, and a folder with files of such names.
 fn own_profiles(kits: &[Bundle]) -> Vec<Vec<u8>> {
-    let own = |kit: &Bundle| {
+    fn own(kit: &Bundle) -> Option<(String, String, &Bundle)> {
         let job = String::from_utf8_lossy(kit.file("job.toml")?).into_owned();
         let (_, rest) = job.split_once("controller = \"")?;
         let id = rest.split('"').next()?;
@@ -296,7 +296,7 @@ fn own_profiles(kits: &[Bundle]) -> Vec<Vec<u8>> {
             page.contains("dialect = \"declared\"") || page.contains("dialect = \"generic\"");
         let job = job.replace(&format!("\"{id}\""), "\"./own.toml\"");
         is_other.then(|| (job, page.to_string(), kit))
-    };
+    }
     let mut seeds = Vec::new();
     for (job, page, kit) in kits.iter().filter_map(own) {
         for command in OF_OWN_PROFILE {
