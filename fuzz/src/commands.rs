@@ -50,7 +50,8 @@ pub fn run(place: &Path, input: &[u8]) -> Ran {
     let command =
         bundle.file("command").map_or("generate job.toml -o kit".into(), String::from_utf8_lossy);
     let words: Vec<&str> = command.split_whitespace().collect();
-    if !words.iter().all(|word| stays_inside(word)) {
+    // Longer command lines are not for the program to refuse: the system does.
+    if command.len() > 60_000 || !words.iter().all(|word| stays_inside(word)) {
         return Ran::default();
     }
     let directory = place.join("case");
@@ -198,10 +199,9 @@ fn judge(run: &Run, outputs: &[&str], input: &[u8]) -> Result<(), String> {
     oracles::judge(&run.told, input)?;
     for (name, bytes) in made {
         size += bytes.len();
-        oracles::judge(&String::from_utf8_lossy(bytes), input)
-            .map_err(|wrong| format!("{name}: {wrong}"))?;
+        oracles::judge(&oracles::text(bytes), input).map_err(|wrong| format!("{name}: {wrong}"))?;
         if name.ends_with(".csv") {
-            oracles::judge_cells(&String::from_utf8_lossy(bytes))
+            oracles::judge_cells(&oracles::text(bytes))
                 .map_err(|wrong| format!("{name}: {wrong}"))?;
         }
     }
