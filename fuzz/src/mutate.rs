@@ -23,6 +23,10 @@ const NASTY: &[&str] = &[
     "inf",
     "-inf",
     "0.0000000001",
+    "255",
+    "256",
+    "-32768",
+    "65535",
     "2147483647",
     "-2147483648",
     "4294967296",
@@ -82,6 +86,10 @@ const NASTY: &[&str] = &[
     "\u{fffd}",
     "𝟙",
     "٣",
+    "(?<axis>.).*",
+    ".*",
+    "[^a]",
+    "(?i)",
 ];
 
 /// One of each class of letter: of one to four bytes, longer in lower case, joined, turned, invisible, private, none.
@@ -263,17 +271,31 @@ fn letter(random: &mut Random, text: &mut Vec<u8>) {
     text.splice(at..until, random.pick(&LETTERS).bytes());
 }
 
-/// The same input twice with something in it many times, so that the second is about `size` long and the first half of
-/// that: a line, or a part of one.
+/// The same input twice with one to three of its lines or words as many times each, so that the second is about `size`
+/// long and the first half of that; of several, what belongs together grows together.
 pub fn grown(random: &mut Random, input: &[u8], size: usize) -> Option<[Vec<u8>; 2]> {
-    let (start, end) = match random.one_in(2) {
-        true => one(random, input, is_of_line).map(|(start, end)| (start, end + 1))?,
-        false => one(random, input, is_word)?,
+    let mut parts = Vec::new();
+    for _ in 0..1 + random.below(3) {
+        parts.push(match random.below(3) {
+            0 => one(random, input, is_word)?,
+            _ => {
+                one(random, input, is_of_line).map(|(from, to)| (from, input.len().min(to + 1)))?
+            }
+        });
+    }
+    parts.sort_unstable();
+    parts.dedup_by(|next, last| next.0 < last.1);
+    let count = size / parts.iter().map(|(from, to)| to - from).sum::<usize>();
+    let with = |count: usize| {
+        let (mut all, mut at) = (Vec::new(), 0);
+        for (from, to) in &parts {
+            all.extend_from_slice(&input[at..*from]);
+            all.extend(input[*from..*to].repeat(count));
+            at = *to;
+        }
+        all.extend_from_slice(&input[at..]);
+        all
     };
-    let end = end.min(input.len());
-    let count = size / (end - start);
-    let with =
-        |count: usize| [&input[..start], &input[start..end].repeat(count), &input[end..]].concat();
     Some([with(count / 2), with(count)])
 }
 
