@@ -20,6 +20,8 @@ pub struct Ran {
     pub trace: Vec<Edge>,
     /// What it answered, to compare with a second time.
     pub answer: String,
+    /// Edges, each as often as it was taken.
+    pub steps: u64,
 }
 
 static PANIC: Mutex<Option<String>> = Mutex::new(None);
@@ -45,15 +47,15 @@ pub fn read(reader: fn(&[u8]) -> Answer, input: &[u8]) -> Ran {
         reader(input).unwrap_or_else(|problems| problems.render())
     }));
     let peak = memory::peak(start);
-    let trace = coverage::trace(coverage::counters());
+    let (trace, steps) = (coverage::trace(coverage::counters()), coverage::steps());
     let Ok(answer) = answer else {
         let wrong = PANIC.lock().unwrap_or_else(PoisonError::into_inner).take();
-        return Ran { wrong, trace, answer: String::new() };
+        return Ran { wrong, trace, answer: String::new(), steps };
     };
     let limit = memory_limit(input.len() + answer.len());
     let wrong = match oracles::judge(&answer, input) {
         Ok(()) if peak > limit => Some(format!("memory: {} MiB at its peak", peak >> 20)),
         judged => judged.err(),
     };
-    Ran { wrong, trace, answer }
+    Ran { wrong, trace, answer, steps }
 }

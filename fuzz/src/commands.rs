@@ -1,7 +1,7 @@
 //! One case of the whole program: a directory with the files of a bundle, and the arguments in its file `command`.
 //!
 //! The program is a process of its own, made from this one (`engine program REPORT ARGUMENTS`), so that status,
-//! streams and files are those that a user gets. It leaves its counters and its peak of memory in a report.
+//! streams and files are those that a user gets. It leaves its peak of memory, its steps and its counters in a report.
 
 use crate::bundle::Bundle;
 use crate::case::{Ran, memory_limit};
@@ -22,14 +22,15 @@ pub fn program(arguments: &[String]) -> ExitCode {
     let start = memory::start();
     let all = std::iter::once("nonius").chain(arguments.iter().map(String::as_str));
     let status = nonius::cli::run(all.map(Into::into));
-    let mut bytes = memory::peak(start).to_le_bytes().to_vec();
+    let mut bytes = (memory::peak(start) as u64).to_le_bytes().to_vec();
+    bytes.extend(coverage::steps().to_le_bytes());
     bytes.extend(coverage::counters());
     // Without a report the case counts as ended by a signal, which is what it would be.
     let _ = fs::write(report, bytes);
     status
 }
 
-/// The files of a directory by name, also of its folders.
+/// The files and folders (`NAME/`, without bytes) of a directory by name, also in its folders.
 type Files = BTreeMap<String, Vec<u8>>;
 
 /// What a run of the program left.
@@ -39,6 +40,7 @@ struct Run {
     before: Files,
     after: Files,
     counters: Vec<u8>,
+    steps: u64,
     peak: usize,
 }
 
@@ -48,14 +50,15 @@ pub fn run(place: &Path, input: &[u8]) -> Ran {
     let command =
         bundle.file("command").map_or("generate job.toml -o kit".into(), String::from_utf8_lossy);
     let words: Vec<&str> = command.split_whitespace().collect();
-    if !words.iter().all(|word| stays_inside(word)) {
+    // Longer command lines are not for the program to refuse: the system does.
+    if command.len() > 60_000 || !words.iter().all(|word| stays_inside(word)) {
         return Ran::default();
     }
     let directory = place.join("case");
     lay_out(&bundle, &directory);
     let first = start(place, &directory, &words);
     let mut trace = coverage::trace(&first.counters);
-    let mut wrong = judge(&first, input).err();
+    let mut wrong = judge(&first, &outputs(&words), input).err();
     if wrong.is_none() && words.first() == Some(&"generate") && matches!(first.status, Some(0 | 1))
     {
         wrong = follow_up(place, &directory, &words, &first, &mut trace).err();
@@ -64,7 +67,17 @@ pub fn run(place: &Path, input: &[u8]) -> Ran {
     for (name, bytes) in &first.after {
         answer += &format!("\n=== {name}\n{}", String::from_utf8_lossy(bytes));
     }
-    Ran { wrong, trace, answer }
+    Ran { wrong, trace, answer, steps: first.steps }
+}
+
+/// What a command is told to write.
+fn outputs<'a>(words: &[&'a str]) -> Vec<&'a str> {
+    let options = ["-o", "--output", "--plot"];
+    let named = words.windows(2).filter(|pair| options.contains(&pair[0])).map(|pair| pair[1]);
+    let joined = words.iter().filter_map(|word| word.split_once('='));
+    named
+        .chain(joined.filter(|(option, _)| options.contains(option)).map(|(_, name)| name))
+        .collect()
 }
 
 /// A word that names nothing outside the directory of the case.
@@ -83,7 +96,7 @@ fn lay_out(bundle: &Bundle, directory: &Path) {
     for (name, bytes) in bundle.0.iter().filter(|(name, _)| name != "command") {
         let path = directory.join(name);
         let _ = path.parent().map(fs::create_dir_all);
-        let _ = fs::write(path, bytes);
+        let _ = fs::write(path, bytes); // a name that the system does not take is left out
     }
 }
 
@@ -99,24 +112,71 @@ fn start(place: &Path, directory: &Path, words: &[&str]) -> Run {
         Err(error) => (None, error.to_string().into_bytes()),
     };
     let report = fs::read(&report).unwrap_or_default();
-    let (peak, counters) = report.split_at(report.len().min(8));
+    let (peak, rest) = report.split_at(report.len().min(8));
+    let (steps, counters) = rest.split_at(rest.len().min(8));
+    let number = |bytes: &[u8]| bytes.try_into().map_or(0, u64::from_le_bytes);
     Run {
         status,
         told: String::from_utf8(told).unwrap_or_else(|_| "\u{0} (no UTF-8)".to_string()),
         before,
         after: files(directory, ""),
         counters: counters.to_vec(),
-        peak: peak.try_into().map_or(0, usize::from_le_bytes),
+        steps: number(steps),
+        peak: number(peak) as usize,
     }
 }
 
 fn files(directory: &Path, prefix: &str) -> Files {
-    let mut all = Bundle::default();
-    all.add_directory(directory, prefix);
-    all.0.into_iter().collect()
+    let mut all = Files::new();
+    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
+        let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
+        if entry.path().is_dir() {
+            all.extend(files(&entry.path(), &format!("{name}/")));
+            all.insert(name + "/", Vec::new());
+        } else {
+            all.insert(name, fs::read(entry.path()).unwrap_or_default());
+        }
+    }
+    all
 }
 
-fn judge(run: &Run, input: &[u8]) -> Result<(), String> {
+/// What a run that answers may leave: what was there, and its outputs. Of an output that was there before, a file is
+/// exchanged; a folder lies at its name with `.previous`, with everything that was in it.
+fn judge_files(run: &Run, outputs: &[&str]) -> Result<(), String> {
+    if let Some(name) = run.after.keys().find(|name| name.contains(".partial-")) {
+        return Err(format!("left behind: {name}"));
+    }
+    let is_kept = |name: &str, bytes: &Vec<u8>| {
+        let moved = |output: &&str| {
+            let output = output.trim_end_matches('/');
+            let rest = name.strip_prefix(output).filter(|rest| rest.starts_with('/'))?;
+            let kept = |(other, found): (&String, &Vec<u8>)| {
+                other.starts_with(&format!("{output}.previous"))
+                    && other.ends_with(rest)
+                    && found == bytes
+            };
+            Some(run.after.iter().any(kept))
+        };
+        outputs.contains(&name) || outputs.iter().find_map(moved).unwrap_or(false)
+    };
+    let mut changed = run.before.iter().filter(|(name, bytes)| run.after.get(*name) != Some(bytes));
+    if let Some((name, _)) = changed.find(|(name, bytes)| !is_kept(name, bytes)) {
+        return Err(format!("an input was changed: {name}"));
+    }
+    let is_output = |name: &&String| {
+        let of = |output: &&str| {
+            let output = output.trim_start_matches("./").trim_end_matches('/');
+            name.starts_with(output) || output.starts_with(name.as_str())
+        };
+        run.before.contains_key(*name) || outputs.iter().any(|output| of(output))
+    };
+    match run.after.keys().find(|name| !is_output(name)) {
+        Some(name) => Err(format!("something else was written: {name}")),
+        None => Ok(()),
+    }
+}
+
+fn judge(run: &Run, outputs: &[&str], input: &[u8]) -> Result<(), String> {
     let told = || {
         run.told
             .chars()
@@ -133,22 +193,17 @@ fn judge(run: &Run, input: &[u8]) -> Result<(), String> {
         Some(2) => return Err("status 2, and the directory is another".to_string()),
         status => return Err(format!("status {status:?}: {}", told())),
     }
-    let partial = |name: &&String| name.contains(".partial-");
-    if let Some(name) = run.after.keys().find(partial) {
-        return Err(format!("left behind: {name}"));
-    }
-    let is_forced = String::from_utf8_lossy(input).contains("--force");
-    let changed = run.before.iter().find(|(name, bytes)| run.after.get(*name) != Some(bytes));
-    if let Some((name, _)) = changed.filter(|_| !is_forced) {
-        return Err(format!("an input was changed: {name}"));
-    }
+    judge_files(run, outputs)?;
     let made = run.after.iter().filter(|(name, bytes)| run.before.get(*name) != Some(bytes));
     let mut size = input.len() + run.told.len();
     oracles::judge(&run.told, input)?;
     for (name, bytes) in made {
         size += bytes.len();
-        oracles::judge(&String::from_utf8_lossy(bytes), input)
-            .map_err(|wrong| format!("{name}: {wrong}"))?;
+        oracles::judge(&oracles::text(bytes), input).map_err(|wrong| format!("{name}: {wrong}"))?;
+        if name.ends_with(".csv") {
+            oracles::judge_cells(&oracles::text(bytes))
+                .map_err(|wrong| format!("{name}: {wrong}"))?;
+        }
     }
     match run.peak > memory_limit(size) {
         true => Err(format!(

@@ -12,8 +12,8 @@ pub struct Finding<'a> {
     pub wrong: String,
 }
 
-/// How often a case runs to make it smaller.
-const TRIES: usize = 400;
+/// How many bytes run to make a case smaller, in 400 runs at most.
+const TRIED: usize = 16 << 20;
 
 /// Where findings are kept.
 pub fn folder() -> PathBuf {
@@ -50,13 +50,13 @@ impl Finding<'_> {
     ) -> Vec<u8> {
         let mut small = input.to_vec();
         let mut part = small.len() / 2;
-        let mut tries = 0;
-        while part > 0 && tries < TRIES {
+        let mut left = TRIED;
+        while part > 0 && left > 0 {
             let mut at = 0;
-            while at < small.len() && tries < TRIES {
+            while at < small.len() && left > 0 {
                 let mut shorter = small.clone();
                 shorter.drain(at..(at + part).min(small.len()));
-                tries += 1;
+                left = left.saturating_sub(shorter.len().max(TRIED / 400));
                 let same = again(&shorter).is_some_and(|wrong| {
                     Finding { target: self.target, wrong }.name() == self.name()
                 });

@@ -2,6 +2,7 @@
 
 use crate::bundle::Bundle;
 use crate::grammar::{self, Family};
+use crate::oracles;
 use crate::readers::{Answer, built_in, profile_of};
 use nonius::control::controller::{Dialect, Profile, Role};
 use nonius::inputs::error_table::{self, Draft, ErrorTable};
@@ -93,7 +94,7 @@ fn separated(
         return Err(Problem::new("straight runs").into());
     }
     let separation = separate(&campaign, &readings.runs);
-    let draft: Draft = table::draft(&separation, &job.compensation.backlash, Vec::new());
+    let draft: Draft = table::draft(&separation, job, Vec::new());
     ErrorTable::read(Source::from_bytes("separated", error_table::write(&draft).as_bytes())?)
 }
 
@@ -128,7 +129,7 @@ pub fn generate(input: &[u8]) -> Answer {
     let is_builtin = !inputs.job.compensation.controller.ends_with(".toml");
     let mut text = String::from_utf8_lossy(&manifest).into_owned();
     for file in &kit.files {
-        text += &String::from_utf8_lossy(&file.bytes);
+        text += &oracles::text(&file.bytes);
         if is_builtin && !matches!(file.role, Role::Checklist | Role::Report) {
             grammar::judge(family(&inputs.profile), &file.path, &file.bytes)
                 .unwrap_or_else(|wrong| panic!("grammar: {wrong}"));
@@ -175,6 +176,6 @@ fn role(profile: &Profile, name: &str) -> Role {
 pub fn program(input: &[u8]) -> Answer {
     let (job, profile) = job_of(&Bundle::read(input))?;
     let kit = nonius::kit::program_kit::make(&job, &profile, &[])?;
-    let texts = kit.files.iter().map(|file| String::from_utf8_lossy(&file.bytes).into_owned());
+    let texts = kit.files.iter().map(|file| oracles::text(&file.bytes));
     Ok(texts.collect())
 }

@@ -5,6 +5,8 @@
 //! compiler's wrapper: called by cargo with the compiler and its arguments, it adds the flags for the crate `nonius`.
 //! Where that build fails (another compiler, no such pass), the engine is built without counters and only mutates.
 
+mod planted;
+
 use std::env;
 use std::ffi::OsString;
 use std::process::{Command, ExitCode};
@@ -12,11 +14,13 @@ use std::process::{Command, ExitCode};
 /// Set for the compiler's wrapper, which is this program too.
 const AS_WRAPPER: &str = "NONIUS_FUZZ_WRAPPER";
 
-/// One 8-bit counter for every edge between basic blocks (Clang's SanitizerCoverage, in LLVM).
-const COUNTERS: [&str; 4] = [
+/// One 8-bit counter for every edge between basic blocks, and a call that counts steps (Clang's SanitizerCoverage, in
+/// LLVM).
+const COUNTERS: [&str; 5] = [
     "-Cpasses=sancov-module",
     "-Cllvm-args=-sanitizer-coverage-level=3",
     "-Cllvm-args=-sanitizer-coverage-inline-8bit-counters",
+    "-Cllvm-args=-sanitizer-coverage-trace-pc-guard",
     "-Cllvm-args=-sanitizer-coverage-prune-blocks=1",
 ];
 
@@ -24,6 +28,15 @@ fn main() -> ExitCode {
     let arguments: Vec<OsString> = env::args_os().skip(1).collect();
     if env::var_os(AS_WRAPPER).is_some() {
         return compile(&arguments);
+    }
+    if arguments.first().is_some_and(|word| word == "planted") {
+        return match planted::run() {
+            Ok(all_found) => status(all_found),
+            Err(why) => {
+                eprintln!("{why}");
+                ExitCode::from(2)
+            }
+        };
     }
     if cargo("build", &[], true) {
         return status(cargo("run", &arguments, true));

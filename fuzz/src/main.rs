@@ -40,7 +40,8 @@ const USAGE: &str = "\
 cargo run --release --manifest-path fuzz/Cargo.toml -- [--seconds N | --hours N] [--cases N] [--jobs N] [--seed N]
                                                        [--only TARGET] [--keep DIR]
                                                     -- replay FILE      run one case again
-                                                    -- distil DIR [TARGET]   make corpus/ anew from what --keep kept";
+                                                    -- distil DIR [TARGET]   make corpus/ anew from what --keep kept
+                                                    -- planted   whether the bugs of planted/ are found";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

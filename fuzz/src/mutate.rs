@@ -23,6 +23,10 @@ const NASTY: &[&str] = &[
     "inf",
     "-inf",
     "0.0000000001",
+    "255",
+    "256",
+    "-32768",
+    "65535",
     "2147483647",
     "-2147483648",
     "4294967296",
@@ -82,6 +86,33 @@ const NASTY: &[&str] = &[
     "\u{fffd}",
     "𝟙",
     "٣",
+    "(?<axis>.).*",
+    ".*",
+    "[^a]",
+    "(?i)",
+];
+
+/// One of each class of letter: of one to four bytes, longer in lower case, joined, turned, invisible, private, none.
+const LETTERS: [&str; 19] = [
+    "é",
+    "ß",
+    "€",
+    "Ａ",
+    "\u{130}",
+    "ǆ",
+    "e\u{301}",
+    "\u{5d0}",
+    "\u{202e}",
+    "\u{200b}",
+    "\u{200d}",
+    "\u{feff}",
+    "\u{ad}",
+    "😀",
+    "\u{e000}",
+    "\u{10ffff}",
+    "\u{e0041}",
+    "\u{a0}",
+    "=",
 ];
 
 /// Words that stand in the inputs of a target.
@@ -146,7 +177,7 @@ pub fn mutated(random: &mut Random, input: &[u8], other: &[u8], words: &Dictiona
 }
 
 fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &Dictionary) {
-    match random.below(12) {
+    match random.below(13) {
         0 => change_byte(random, text),
         1 => replace_span(random, text, |random, _| vec![(random.bits() & 0xff) as u8]),
         2 => replace_span(random, text, |_, _| Vec::new()),
@@ -157,6 +188,7 @@ fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &Diction
         8 => replace(random, text, is_number, nearby),
         9 => insert(random, text, words),
         10 => lines(random, text),
+        11 => letter(random, text),
         _ => splice(random, text, other),
     }
 }
@@ -227,6 +259,44 @@ fn insert(random: &mut Random, text: &mut Vec<u8>, words: &Dictionary) {
     let at = random.below(text.len() + 1);
     let word = random.pick(&words.0).clone();
     text.splice(at..at, word);
+}
+
+/// A letter of some class in or beside a word.
+fn letter(random: &mut Random, text: &mut Vec<u8>) {
+    let Some((start, end)) = one(random, text, is_word) else {
+        return;
+    };
+    let at = start + random.below(end - start + 1);
+    let until = (at + random.below(2)).min(end);
+    text.splice(at..until, random.pick(&LETTERS).bytes());
+}
+
+/// The same input twice with one to three of its lines or words as many times each, so that the second is about `size`
+/// long and the first half of that; of several, what belongs together grows together.
+pub fn grown(random: &mut Random, input: &[u8], size: usize) -> Option<[Vec<u8>; 2]> {
+    let mut parts = Vec::new();
+    for _ in 0..1 + random.below(3) {
+        parts.push(match random.below(3) {
+            0 => one(random, input, is_word)?,
+            _ => {
+                one(random, input, is_of_line).map(|(from, to)| (from, input.len().min(to + 1)))?
+            }
+        });
+    }
+    parts.sort_unstable();
+    parts.dedup_by(|next, last| next.0 < last.1);
+    let count = size / parts.iter().map(|(from, to)| to - from).sum::<usize>();
+    let with = |count: usize| {
+        let (mut all, mut at) = (Vec::new(), 0);
+        for (from, to) in &parts {
+            all.extend_from_slice(&input[at..*from]);
+            all.extend(input[*from..*to].repeat(count));
+            at = *to;
+        }
+        all.extend_from_slice(&input[at..]);
+        all
+    };
+    Some([with(count / 2), with(count)])
 }
 
 /// A line twice, gone, or in another place.

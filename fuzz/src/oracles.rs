@@ -1,5 +1,14 @@
 //! What holds of every text that the program makes, whatever went in.
 
+/// The text of a file, also of one in UTF-16 whose letters are all ASCII (little end first), as some controls want it.
+pub fn text(bytes: &[u8]) -> String {
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    if !pairs.is_empty() && rest.is_empty() && pairs.iter().all(|pair| pair[1] == 0) {
+        return pairs.iter().map(|pair| char::from(pair[0])).collect();
+    }
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
 /// What is wrong with a text; `input` = what it was made from, whose own words may stand in it.
 pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
     if let Some(found) = text.chars().find(|c| is_control(*c)) {
@@ -12,6 +21,28 @@ pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
     for word in words.filter(|word| ["NaN", "inf", "Infinity"].contains(word)) {
         if !own.contains(&word.to_ascii_lowercase()) {
             return Err(format!("no number in the output: {word}"));
+        }
+    }
+    Ok(())
+}
+
+/// No cell of a file for spreadsheets is taken for a formula: `=` or `@` at its beginning, or a sign before a word.
+pub fn judge_cells(text: &str) -> Result<(), String> {
+    for cell in text.split(['\n', '\r', ',', ';', '\t']) {
+        let cell = cell.trim_start_matches(['"', ' ']);
+        let mut letters = cell.chars();
+        let is_formula = match letters.next() {
+            Some('=' | '@') => true,
+            Some('+' | '-') => {
+                letters.next().is_some_and(|c| c.is_alphabetic() || "(@=".contains(c))
+            }
+            _ => false,
+        };
+        if is_formula {
+            return Err(format!(
+                "a spreadsheet calculates the cell {:?}",
+                cell.chars().take(40).collect::<String>()
+            ));
         }
     }
     Ok(())

@@ -117,7 +117,11 @@ pub fn all() -> Vec<Target> {
             3,
             f.cases.iter().map(Bundle::bytes).chain(f.with_kits()).collect(),
         ),
-        target("generate", Kind::Commands, 3, f.generates()),
+        target("generate", Kind::Commands, 3, f.with_jobs(GENERATE)),
+        target("report", Kind::Commands, 2, f.with_jobs(REPORT)),
+        target("form", Kind::Commands, 1, f.forms()),
+        target("plan", Kind::Commands, 1, f.with_jobs(PLAN)),
+        target("own-profile", Kind::Commands, 2, own_profiles(&f.kits)),
     ]
 }
 
@@ -230,13 +234,85 @@ impl Fixtures {
         seeds
     }
 
-    /// Jobs that `generate` takes.
-    fn generates(&self) -> Vec<Vec<u8>> {
+    /// Jobs that `generate` takes, with commands in turn.
+    fn with_jobs(&self, commands: &[&str]) -> Vec<Vec<u8>> {
         let jobs = self.bundles(|name| name.starts_with("errors") || name.starts_with("readings"));
-        let with_command =
-            |bytes: Vec<u8>| [b"=== command\ngenerate job.toml -o kit\n".to_vec(), bytes].concat();
-        jobs.into_iter().map(with_command).collect()
+        let extra = [("logo.svg", LOGO), ("own.tera", PAGE), ("after.csv", AFTER)];
+        let with = |(index, bytes): (usize, Vec<u8>)| {
+            let command = commands[index % commands.len()];
+            let named = extra.iter().filter(|(name, _)| command.contains(name));
+            let files = std::iter::once(("command", command)).chain(named.copied());
+            let files = files.map(|(name, text)| (name.to_string(), text.as_bytes().to_vec()));
+            [Bundle(files.collect()).bytes(), bytes].concat()
+        };
+        let each = jobs.iter().flat_map(|job| commands.iter().map(|_| job.clone()));
+        each.enumerate().map(with).collect()
     }
+
+    /// Lists of captures, the form that they go into, and the command.
+    fn forms(&self) -> Vec<Vec<u8>> {
+        let forms = self.files(|name| name.starts_with("readings") && name.ends_with(".csv"));
+        let empty = forms.iter().map(|form| emptied(&String::from_utf8_lossy(form)));
+        let list = |count: usize| (0..count).map(|n| format!("{n}.5\n")).collect::<String>();
+        let mut seeds = Vec::new();
+        for (form, rows) in empty {
+            for (command, count) in FORM.iter().zip([rows, rows, rows / 4, rows - rows / 3]) {
+                let lists = ["x.txt", "a.txt", "b.txt", "c.txt", "d.txt"];
+                let lists = lists.map(|name| (name, list(count))).into_iter();
+                let files = [("command", command.to_string()), ("form.csv", form.clone())];
+                let files =
+                    files.into_iter().chain(lists.filter(|(name, _)| command.contains(name)));
+                let files = files.map(|(name, text)| (name.to_string(), text.into_bytes()));
+                seeds.push(Bundle(files.collect()).bytes());
+            }
+        }
+        seeds
+    }
+}
+
+/// A form without what was read, and how many of its rows wait for it.
+fn emptied(form: &str) -> (String, usize) {
+    let mut rows = 0;
+    let mut cut = |line: &str| {
+        let is_row = line.starts_with(|c: char| c.is_ascii_digit() || "PN".contains(c));
+        rows += usize::from(is_row);
+        match line.rsplit_once(',') {
+            Some((rest, _)) if is_row => format!("{rest},\n"),
+            _ => format!("{line}\n"),
+        }
+    };
+    let text = form.lines().map(&mut cut).collect();
+    (text, rows)
+}
+
+/// Controls of a user's own: a profile that names files by patterns, and a folder with files of such names.
+fn own_profiles(kits: &[Bundle]) -> Vec<Vec<u8>> {
+    fn own(kit: &Bundle) -> Option<(String, String, &Bundle)> {
+        let job = String::from_utf8_lossy(kit.file("job.toml")?).into_owned();
+        let (_, rest) = job.split_once("controller = \"")?;
+        let id = rest.split('"').next()?;
+        let page = nonius::control::controller::builtin::page(id)?;
+        let is_other =
+            page.contains("dialect = \"declared\"") || page.contains("dialect = \"generic\"");
+        let job = job.replace(&format!("\"{id}\""), "\"./own.toml\"");
+        is_other.then(|| (job, page.to_string(), kit))
+    }
+    let mut seeds = Vec::new();
+    for (job, page, kit) in kits.iter().filter_map(own) {
+        for command in OF_OWN_PROFILE {
+            let texts = [("command", command), ("own.toml", &page), ("job.toml", &job)];
+            let mut files: Vec<(String, Vec<u8>)> = texts
+                .iter()
+                .map(|(name, text)| (name.to_string(), text.as_bytes().to_vec()))
+                .collect();
+            for (name, bytes) in kit.0.iter().filter(|(name, _)| name != "job.toml") {
+                let folder = if name == "errors.csv" { "" } else { "kit/" };
+                files.push((format!("{folder}{name}"), bytes.clone()));
+            }
+            seeds.push(Bundle(files).bytes());
+        }
+    }
+    seeds
 }
 
 fn without_command(bundle: &Bundle) -> Vec<u8> {
@@ -270,6 +346,56 @@ const ON_KITS: [&str; 6] = [
     "assess job.toml --tables kit",
     "simulate job.toml --tables kit --errors -o after.csv",
 ];
+
+/// What makes kits.
+const GENERATE: &[&str] = &[
+    "generate job.toml -o kit",
+    "generate job.toml -o kit --compare",
+    "generate job.toml -o kit --plot kit.svg",
+    "generate job.toml -o kit --force --format json --explain",
+];
+
+/// What makes a page.
+const REPORT: &[&str] = &[
+    "report job.toml -o page.html",
+    "report errors.csv -o page.html --logo logo.svg",
+    "report job.toml -o page.html --language de --unit inch --logo logo.svg",
+    "report job.toml -o page.html --template own.tera --language zh",
+    "report job.toml -o page.html --linear x_axis.csv --format json",
+    "report job.toml -o page.html --after after.csv",
+];
+
+/// What comes before a kit, and behind it.
+const PLAN: &[&str] = &[
+    "plan job.toml",
+    "new --controller siemens-840dsl --travel 400,300,200 -o made",
+    "new --controller fanuc-30i --travel 20in,-10in,250 --readings --both-directions --steps 9 -o made",
+    "new --from job.toml -o made",
+    "verify job.toml --tables kit --after after.csv --plot after.svg",
+    "separate job.toml --plot separated.svg --trials 20",
+    "assess job.toml --plot assessed.svg --grid 3,4,5 --histogram 1 --grouping 0.5",
+    "program job.toml -o run --force",
+];
+
+/// What fills a form.
+const FORM: [&str; 4] = [
+    "import x.txt --form form.csv --columns #1=displacement_mm --captures cumulative -o filled.csv",
+    "import x.txt --form form.csv --columns #1=displacement_mm --captures incremental -o form.csv --force",
+    "import --form form.csv --ppp a.txt --npp b.txt --pnp c.txt --ppn d.txt --columns #1=displacement_mm --captures cumulative -o filled.csv",
+    "import x.txt --form form.csv --columns #1=displacement_mm --captures cumulative -o filled.csv --format json",
+];
+
+/// What reads and writes by the patterns of a profile.
+const OF_OWN_PROFILE: [&str; 3] = [
+    "verify job.toml --tables kit",
+    "generate job.toml -o made --compare",
+    "controllers show ./own.toml",
+];
+
+const LOGO: &str =
+    "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 2 1\"><path d=\"M0 0h2v1z\"/></svg>\n";
+const PAGE: &str = "<!DOCTYPE html><title>{{ title }}</title>\n{% for row in rows %}<p>{{ row }}</p>{% endfor %}\n";
+const AFTER: &str = "axis,position_mm,exx_um\nx,0,0.5\nx,100,-0.5\nx,200,1.5\n";
 
 /// Options under which the files of `fixtures/formats` can be imported.
 const OPTIONS: [&str; 4] = [

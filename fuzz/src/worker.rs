@@ -51,6 +51,15 @@ struct Fuzzed {
     count: Count,
 }
 
+/// One case in so many is made large, and then run at half its size and whole.
+const LARGE_ONE_IN: usize = 10;
+/// Bytes of such a case.
+const LARGE: usize = 1 << 20;
+/// Steps below which growth is not judged; a larger input may leave or enter a path.
+const MANY_STEPS: u64 = 20_000_000;
+/// Twice the input may take so many times the steps: an exponent of 1.5.
+const STEPS_OF_TWICE: u64 = 3;
+
 /// How often all targets have their turn, at least.
 const ROUNDS: f64 = 2.0;
 /// The longest turn of a target with one share, s.
@@ -103,8 +112,11 @@ impl Fuzzed {
         }
     }
 
-    /// One case: an input that did not run yet, or a changed one, in turns.
+    /// One case: an input that did not run yet, or a changed one, in turns; or one made large.
     fn step(&mut self, plan: &Plan) {
+        if self.queue.edges() > 0 && self.random.one_in(LARGE_ONE_IN) {
+            return self.step_large(plan);
+        }
         let is_seed = self.queue.edges() == 0 || self.random.one_in(2);
         let (input, is_known) = match self.pending.pop().filter(|_| is_seed) {
             Some(seed) => (seed, true),
@@ -135,13 +147,39 @@ impl Fuzzed {
         self.count.edges = self.queue.edges();
     }
 
+    /// An input of the queue with something in it many times: memory as for every case, and steps against its half.
+    fn step_large(&mut self, plan: &Plan) {
+        let input = self.queue.next(&mut self.random).to_vec();
+        let Some([half, whole]) = mutate::grown(&mut self.random, &input, LARGE) else { return };
+        let [half, whole] = [half, whole].map(|input| (watched(&self.target, plan, &input), input));
+        self.count.cases += 2;
+        for (ran, input) in [&half, &whole] {
+            if let Some(wrong) = &ran.wrong {
+                return self.report(plan, input, wrong.clone());
+            }
+        }
+        if whole.0.steps > MANY_STEPS.max(STEPS_OF_TWICE * half.0.steps)
+            && half.0.steps > MANY_STEPS / 100
+        {
+            let (few, many) = (half.0.steps, whole.0.steps);
+            self.report(
+                plan,
+                &whole.1,
+                format!("steps: {few} for half of the input, {many} for all"),
+            );
+        }
+    }
+
     fn report(&self, plan: &Plan, input: &[u8], wrong: String) {
         let finding = Finding { target: self.target.name, wrong };
         if !finding.is_wanted(input) {
             return;
         }
         let again = |input: &[u8]| watched(&self.target, plan, input).wrong;
-        let small = finding.smallest(input, again);
+        let small = match finding.wrong.starts_with("steps") {
+            true => input.to_vec(), // one run alone does not show them
+            false => finding.smallest(input, again),
+        };
         finding.write(&plan.place, &small);
     }
 }

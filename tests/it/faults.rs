@@ -5,6 +5,7 @@
 //! Of the system calls of every command a sample is taken; `NONIUS_FAULTS=all cargo test --test it faults`
 //! takes all. They need Linux with `strace`, full disks need root; where that is missing, the tests say so.
 
+use super::lists::DIAGONALS;
 use super::lost::PROGRAM;
 use crate::support::parallel::in_parallel;
 use crate::support::tree::{Entry, Tree, below, copies, difference, lay, skipped, told, tree};
@@ -63,14 +64,26 @@ fn old_path(visit: &Visit) {
     old_file(visit);
 }
 
+/// A form for readings, and a list of captures for each diagonal.
+fn lists_and_form(visit: &Visit) {
+    visit.yes("new --controller generic --travel 400,300,200 --readings -o run");
+    let form = visit.read("run/readings.csv");
+    for name in DIAGONALS {
+        let count = form.lines().filter(|line| line.starts_with(name)).count();
+        visit.put(&format!("{name}.txt"), (0..count).map(|k| format!("{k}\n")).collect::<String>());
+    }
+}
+
 const ERRORS: &str = "start/errors";
 const READINGS: &str = "diagonals/case_b_setup";
+const FORM: &str = "import --form run/readings.csv --ppp PPP.txt --npp NPP.txt --pnp PNP.txt --ppn PPN.txt \
+    --columns #1=displacement_mm --captures cumulative -o put.csv";
 const IMPORT: &str = "import isg_component_errors_selfmade.csv -o put.csv --sign as-error --force";
 
 /// A fixture, what lies there besides, and a command that writes.
 type Scene = (&'static str, fn(&Visit), &'static str);
 
-const SCENES: [Scene; 12] = [
+const SCENES: [Scene; 17] = [
     (ERRORS, |_| (), "generate job.toml -o new/deep/kit"),
     (ERRORS, old_kit, "generate job.toml -o kit --force"),
     (ERRORS, older_kit, "generate job.toml -o kit --force --format json"),
@@ -83,6 +96,11 @@ const SCENES: [Scene; 12] = [
     ("formats", old_file, IMPORT),
     (ERRORS, with_part_program, "path job.toml part.nc -o put.csv"),
     (ERRORS, old_path, "path job.toml part.nc -o put.csv --force"),
+    (ERRORS, |_| (), "new --controller fanuc-30i --travel 400,300,200 -o new/deep/visit"),
+    (ERRORS, |_| (), "report job.toml -o put.html"),
+    (ERRORS, |visit| _ = visit.put("put.html", USERS_OWN), "report job.toml -o put.html --force"),
+    (ERRORS, |_| (), "assess job.toml --plot put.svg"),
+    (ERRORS, lists_and_form, FORM),
 ];
 
 /// A scene with what it is before, and after a run that nothing disturbs.
@@ -96,11 +114,11 @@ struct Played {
     calls: Vec<Call>,
 }
 
-static PLAYED: LazyLock<[Played; 12]> = LazyLock::new(|| SCENES.map(Played::new));
+static PLAYED: LazyLock<[Played; 17]> = LazyLock::new(|| SCENES.map(Played::new));
 
 impl Played {
     fn new((fixture, arrange, command): Scene) -> Played {
-        let (_, output) = command.split_once("-o ").unwrap();
+        let (_, output) = command.split_once("-o ").or(command.split_once("--plot ")).unwrap();
         let output = output.split(' ').next().unwrap();
         let visit = Visit::of(fixture);
         arrange(&visit);
@@ -244,7 +262,13 @@ fn calls(text: &str, output: &str) -> Vec<Call> {
 
 fn traced(visit: &Visit, options: &[&str], command: &str) -> (Ran, String) {
     let log = NamedTempFile::new().unwrap();
-    let output = Command::new("strace")
+    // Started in the background by a script, a program ignores Ctrl-C: `kill` has to end it all the same.
+    let (ignored, options) = match options {
+        [BACKGROUND, rest @ ..] => ("INT", rest),
+        all => ("", all),
+    };
+    let output = Command::new("sh")
+        .args(["-c", "[ -z \"$0\" ] || trap '' $0; exec strace \"$@\"", ignored])
         .args(["-f", "-e", "signal=none", "-o"])
         .arg(log.path())
         .args(options)
@@ -256,6 +280,9 @@ fn traced(visit: &Visit, options: &[&str], command: &str) -> (Ran, String) {
         .unwrap();
     (Ran::of(command, &output), fs::read_to_string(log.path()).unwrap())
 }
+
+/// The option of [`traced`] for a run that ignores Ctrl-C.
+const BACKGROUND: &str = "background ";
 
 /// What happens at a system call.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -273,8 +300,10 @@ fn disturbed(played: &Played, call: &Call, fault: Fault, how: &str) -> Result<()
     lay(&played.before, visit.folder());
     let Call { name, number, .. } = call;
     let only = format!("trace={name}");
-    let inject = format!("inject={name}:{how}:when={number}");
-    let (ran, log) = traced(&visit, &["-e", &only, "-e", &inject], played.command);
+    let inject = format!("inject={name}:{}:when={number}", how.trim_start_matches(BACKGROUND));
+    let background = how.starts_with(BACKGROUND).then_some(BACKGROUND);
+    let options: Vec<&str> = background.into_iter().chain(["-e", &only, "-e", &inject]).collect();
+    let (ran, log) = traced(&visit, &options, played.command);
     let found = visit.files();
     let next = |()| match fault {
         Fault::End => Ok(()),
@@ -342,7 +371,7 @@ fn killed_at_any_system_call_nothing_is_half_and_the_next_run_tidies_up() {
 
 #[test]
 fn ended_at_any_system_call_nothing_unfinished_is_left() {
-    try_faults(Fault::End, &["signal=SIGTERM", "signal=SIGINT"], 211);
+    try_faults(Fault::End, &["signal=SIGTERM", "signal=SIGINT", "background signal=SIGTERM"], 311);
 }
 
 /// A shell starts with `&` what does not hear Ctrl-C; `kill` ends it as ever.

@@ -22,7 +22,7 @@ fn case_d(diagonal: &str) -> (Vec<String>, Vec<f64>) {
     rows.into_iter().map(parsed).unzip()
 }
 
-const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
+pub(super) const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
 
 fn list(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value}\n")).collect()
