@@ -26,7 +26,7 @@ use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::quantity::units::{Squared, larger};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
-use rand_distr::{ChiSquared, Distribution, StandardUniform};
+use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};
 
 /// Of 1,000 draws the 95 % quantile is known to 2 %.
 const DRAWS: usize = 1000;

@@ -123,7 +123,7 @@ impl<'a> Budget<'a> {
         let setups = Diagonal::ALL.map(|d| only(d, volume.laser(d)));
         let mut columns: Vec<Vec<f64>> = strains.collect();
         model.strains = 0..columns.len();
-        model.laser = (self.stated.of_laser_ppm() > 0.0).then_some(0);
+        model.laser = (stated.of_laser_ppm() > 0.0).then_some(0);
         columns.extend(tilts);
         model.tilts = model.strains.end..columns.len();
         columns.extend(setups);
