@@ -7,14 +7,14 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Curve, Table, at, directions, random};
+use super::{CONFIDENCE, Table, directions, largest, random, sum};
 use crate::inputs::job::Job;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::linear::{Part, Row, Variance};
 use crate::machine::separation::noise::{float, student};
 use crate::machine::separation::separate::Separation;
 use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::units::{Millimetres, Squared, larger};
+use crate::quantity::units::{Millimetres, Squared};
 use rand_distr::{ChiSquared, Distribution};
 
 /// Visits that are drawn: a share of them is known to 5 %.
@@ -68,7 +68,7 @@ impl Separation {
         let table = Table::new(self, job, &directions(self, job));
         let u = table.variances(true, |v| v.all);
         let both = table.values(errors).into_iter().zip(u).enumerate();
-        let points = self.volume.steps + 1;
+        let points = table.points();
         let own = both.filter(|(place, _)| table.curves[place / points].term == term);
         let at_most = own.map(|(place, (um, u2))| (place, um.abs() + 2.0 * u2.sqrt()));
         let worst = at_most.max_by(|a, b| a.1.total_cmp(&b.1));
@@ -79,16 +79,6 @@ impl Separation {
 }
 
 impl Table<'_> {
-    /// All values, each with so many times that at its reference.
-    fn flat(&self, drawn: &[Curve], times: f64) -> Vec<f64> {
-        let own = self.curves.iter().zip(drawn);
-        let both = own.flat_map(|(curve, values)| {
-            let zero = times * at(&drawn[curve.zero.0], curve.zero.1);
-            values.iter().map(move |um| um + zero)
-        });
-        both.collect()
-    }
-
     /// What an error hangs on, less that at the reference.
     fn row(&self, curve: usize, index: usize) -> Row {
         let (zero, place) = self.curves[curve].zero;
@@ -108,11 +98,11 @@ impl Table<'_> {
     fn variances(&self, angles: bool, of: impl Fn(Variance) -> f64) -> Vec<f64> {
         let mut model = self.of.model.clone();
         model.angles.retain(|_| angles);
-        let own = self.curves.iter().map(|curve| {
+        let own = self.curves.iter().flat_map(|curve| {
             let all = curve.rows.variances(&model).into_iter();
-            all.map(|v| of(Variance { all: v.all + curve.lacks_um.squared(), ..v })).collect()
+            all.map(move |v| Variance { all: v.all + curve.lacks_um.squared(), ..v })
         });
-        self.flat(&own.collect::<Vec<Curve>>(), 1.0)
+        self.beside_reference(&own.map(of).collect::<Vec<f64>>(), 1.0)
     }
 
     /// What was found of each, µm; 0 where nothing was.
@@ -129,12 +119,14 @@ impl Table<'_> {
         let freedom = self.freedom();
         // What angles do, and the factor of u beside it.
         let biases: Vec<(Vec<f64>, f64)> = match self.of.model.angles.first() {
-            None => vec![(self.flat(&self.nothing(), -1.0), student(CONFIDENCE, freedom))],
+            None => vec![(self.nothing(), student(CONFIDENCE, freedom))],
             Some(order) => {
                 let bias = |number: usize| {
-                    let angles = self.with_angles(self.nothing(), number, order);
                     let share = (float(number) + 0.5) / float(BIASES);
-                    (self.flat(&angles, -1.0), student(share, freedom))
+                    (
+                        self.beside_reference(&self.angles(number, order), -1.0),
+                        student(share, freedom),
+                    )
                 };
                 (0..BIASES).map(bias).collect()
             }
@@ -143,7 +135,7 @@ impl Table<'_> {
             (self.variances(false, |v| v.noise), self.variances(false, |v| v.all - v.noise));
         let values = self.values(found.map(|(errors, _)| errors));
         let again = found.and_then(|(_, noise)| noise);
-        let points = self.of.volume.steps + 1;
+        let points = self.points();
         let share = |place: usize| {
             let curve = place / points * points..(place / points + 1) * points;
             let squares: f64 = values[curve.clone()].iter().map(|um| um * um).sum();
@@ -155,8 +147,9 @@ impl Table<'_> {
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
         let at_most = |visit: usize| {
             let mut random = random(FIRST + visit);
-            let before = self.flat(&self.drawn(again.unwrap_or(1.0), &mut random), -1.0);
-            let new = self.flat(&self.drawn(1.0, &mut random), -1.0);
+            let before =
+                self.beside_reference(&self.drawn(again.unwrap_or(1.0), &mut random), -1.0);
+            let new = self.beside_reference(&self.drawn(1.0, &mut random), -1.0);
             let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(&mut random) / freedom);
             let seen = |place: usize| match (found, again) {
                 (None, _) => new[place] - before[place],
@@ -167,16 +160,14 @@ impl Table<'_> {
                         + new[place]
                 }
             };
-            let figure = |place: usize| (seen(place), (noise[place] * s2 + rest[place]).sqrt());
-            let figures: Vec<(f64, f64)> = (0..values.len()).map(figure).collect();
-            let largest = |(bias, times): &(Vec<f64>, f64)| {
-                let each =
-                    figures.iter().zip(bias).map(|((um, u), bias)| (um + bias).abs() + times * u);
-                each.fold(0.0, larger)
-            };
-            let mut largest: Vec<f64> = biases.iter().map(largest).collect();
-            largest.sort_by(f64::total_cmp);
-            largest[biases.len() * 19 / 20]
+            let seen: Vec<f64> = (0..values.len()).map(seen).collect();
+            let u = noise.iter().zip(&rest).map(|(noise, rest)| (noise * s2 + rest).sqrt());
+            let u: Vec<f64> = u.collect();
+            let at_most =
+                |(bias, times): &(Vec<f64>, f64)| largest(&sum(&seen, bias), 0.0, *times, &u);
+            let mut each: Vec<f64> = biases.iter().map(at_most).collect();
+            let place = each.len() * 19 / 20;
+            *each.select_nth_unstable_by(place, f64::total_cmp).1
         };
         let visits = if found.is_some() && again.is_none() { 1 } else { VISITS };
         let mut at_most: Vec<f64> = (0..visits).map(at_most).collect();
