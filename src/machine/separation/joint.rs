@@ -38,7 +38,6 @@ const CONFIDENCE: f64 = 0.95;
 struct TableCurve {
     term: ErrorTerm,
     way: Option<Direction>,
-    um: Curve,
     rows: CurveRows,
     /// Where it stands among the curves that is zero at the reference, and the place of that, in steps.
     zero: (usize, f64),
@@ -51,12 +50,14 @@ struct TableWalk {
     parts: Vec<(usize, f64, bool)>,
 }
 
-/// The curves of a table, to be drawn.
+/// The curves of a table, to be drawn. All their values stand in one list, curve after curve.
 pub(super) struct Table<'a> {
     of: &'a Separation,
     curves: Vec<TableCurve>,
-    /// What each cause makes of each curve.
-    by_cause: Vec<Vec<Curve>>,
+    /// As measured, µm.
+    um: Vec<f64>,
+    /// What each cause makes of the values.
+    by_cause: Vec<Vec<f64>>,
     /// The cause that another measurement with the same laser repeats.
     laser: Option<usize>,
     walks: Vec<TableWalk>,
@@ -81,94 +82,67 @@ impl Table<'_> {
         if !self.is_known() {
             return Largest::default();
         }
-        let none = [Vec::new()];
-        let angles = &self.of.model.angles[..];
-        let orders = if angles.is_empty() { &none[..] } else { angles };
+        let angles = &self.of.model.angles;
+        let orders = if angles.is_empty() { &vec![Vec::new()] } else { angles };
+        let (mut drawn, lasers): (Vec<Vec<f64>>, Vec<f64>) =
+            (0..DRAWS).map(|number| self.anew(number)).unzip();
         let mut squares = self.nothing();
-        let mut sizes = vec![Vec::with_capacity(DRAWS); orders.len()];
-        for number in 0..DRAWS {
-            let (mut anew, laser) = self.anew(number);
-            for (index, square) in squares.iter_mut().enumerate() {
-                let zero = self.zero(&anew, index);
-                square.iter_mut().zip(&anew[index]).for_each(|(s, um)| *s += (um - zero).squared());
-            }
-            self.add(&mut anew, laser.into_iter());
-            let single = self.sizes(&anew);
-            for (order, sizes) in orders.iter().zip(&mut sizes) {
-                let all = self.with_angles(anew.clone(), number, order);
-                let terms = if order.is_empty() { single.terms.clone() } else { self.terms(&all) };
-                sizes.push(Sizes { terms, ..single.clone() });
-            }
+        for anew in &drawn {
+            let beside = self.beside_reference(anew, -1.0);
+            squares.iter_mut().zip(beside).for_each(|(sum, um)| *sum += um.squared());
         }
-        let u = |square: &Curve| square.iter().map(|s| (s / DRAWS as f64).sqrt()).collect();
-        let u: Vec<Curve> = squares.iter().map(u).collect();
-        let sizes_of = |u: &[Curve]| {
-            let of_u = |largest: Sizes, (curve, u): (&TableCurve, &Curve)| {
-                let mut own = Sizes::default();
-                own.terms[curve.term] = u.iter().copied().fold(0.0, larger);
-                largest.joined(&own, larger)
-            };
-            self.curves.iter().zip(u).fold(Sizes::default(), of_u)
-        };
+        let u: Vec<f64> = squares.iter().map(|s| (s / DRAWS as f64).sqrt()).collect();
         let mut with_laser = u.clone();
-        for (index, u) in with_laser.iter_mut().enumerate() {
-            for moved in self.laser.iter().map(|at| &self.by_cause[*at]) {
-                let zero = self.zero(moved, index);
-                u.iter_mut().zip(&moved[index]).for_each(|(u, um)| *u = u.hypot(um - zero));
-            }
+        if let Some(at) = self.laser {
+            let laser = &self.by_cause[at];
+            drawn.iter_mut().zip(&lasers).for_each(|(anew, times)| add(anew, *times, laser));
+            let beside = self.beside_reference(laser, -1.0);
+            with_laser.iter_mut().zip(beside).for_each(|(u, um)| *u = u.hypot(um));
         }
-        let worst = |of_orders: Vec<Vec<Sizes>>| {
-            let each = of_orders.iter().map(|draws| quantiles(zero(job), draws));
-            each.reduce(|one, other| one.joined(&other, larger))
+        let ranges: Vec<PerDiagonal<f64>> = drawn.iter().map(|anew| self.ranges(anew)).collect();
+        let diagonals = self.ranges_at_most();
+        let times = |number: usize| {
+            let share = (number as f64 + 0.5) / DRAWS as f64;
+            student(share, None) * self.estimate(&mut random(2 * DRAWS + number))
         };
-        let values: Vec<Curve> = self.curves.iter().map(|curve| curve.um.clone()).collect();
-        let diagonals = self.ranges_at_most(&values);
-        let measured = |order: &Vec<usize>| self.measured(order, (&values, &u), diagonals);
-        let measured = orders.iter().map(measured).collect();
-        let values = quantiles(zero(job), &[self.sizes(&values)]);
+        let repeats_nothing = self.laser.is_none() && orders.iter().all(Vec::is_empty);
+        let times: Vec<f64> = match repeats_nothing {
+            true => vec![student(CONFIDENCE, self.freedom()); DRAWS],
+            false => (0..DRAWS).map(times).collect(),
+        };
+        let of_order = |order: &Vec<usize>| {
+            let sizes = |(number, anew): (usize, &Vec<f64>)| {
+                let left = sum(anew, &self.angles(number, order));
+                let found = sum(&self.um, &self.repeated(number, order));
+                let left = Sizes { terms: self.terms(&left, 0.0, &u), diagonals: ranges[number] };
+                (left, Sizes { terms: self.terms(&found, times[number], &u), diagonals })
+            };
+            let (left, found): (Vec<Sizes>, Vec<Sizes>) =
+                drawn.iter().enumerate().map(sizes).unzip();
+            [left, found].map(|draws| quantiles(zero(job), &draws))
+        };
+        let worst = |[a, b]: [LargestErrors; 2], [c, d]: [LargestErrors; 2]| {
+            [a.joined(&c, larger), b.joined(&d, larger)]
+        };
+        let [forecast, found] =
+            orders.iter().map(of_order).reduce(worst).map_or([None, None], |each| each.map(Some));
+        let values = quantiles(zero(job), &[self.sizes(&self.um)]);
+        let sizes_of =
+            |u: &[f64]| Sizes { terms: self.terms(&self.nothing(), 1.0, u), ..Sizes::default() };
         Largest {
-            forecast: worst(sizes),
-            measured: worst(measured).map(|at_most| at_most.joined(&values, |a, b| a - b)),
+            forecast,
+            measured: found.map(|at_most| at_most.joined(&values, |a, b| a - b)),
             anew: (!angles.is_empty()).then(|| sizes_of(&with_laser)),
             same_laser: self.laser.map(|_| sizes_of(&u)),
         }
     }
 
-    /// What the errors as measured are at most, in each draw.
-    fn measured(
-        &self,
-        order: &[usize],
-        (values, u): (&[Curve], &[Curve]),
-        diagonals: PerDiagonal<f64>,
-    ) -> Vec<Sizes> {
-        let at_most = |number: usize| {
-            let times = match self.repeats_nothing(order) {
-                true => student(CONFIDENCE, self.freedom()),
-                false => {
-                    let share = (number as f64 + 0.5) / DRAWS as f64;
-                    student(share, None) * self.estimate(&mut random(2 * DRAWS + number))
-                }
-            };
-            let drawn = self.repeated(values.to_vec(), number, order);
-            let mut sizes = Sizes { diagonals, ..Sizes::default() };
-            for (index, (curve, own)) in self.curves.iter().zip(&drawn).enumerate() {
-                let zero = self.zero(&drawn, index);
-                let all = own.iter().zip(&u[index]).map(|(um, u)| (um - zero).abs() + times * u);
-                let size = &mut sizes.terms[curve.term];
-                *size = all.fold(*size, larger);
-            }
-            sizes
-        };
-        let draws = if self.repeats_nothing(order) { 1 } else { DRAWS };
-        (0..draws).map(at_most).collect()
-    }
-
     /// What max − min along each diagonal was at most: its readings are direct, whatever the separation makes of them.
-    fn ranges_at_most(&self, values: &[Curve]) -> PerDiagonal<f64> {
+    fn ranges_at_most(&self) -> PerDiagonal<f64> {
         let (model, times) = (&self.of.model, student(CONFIDENCE, self.freedom()));
         let mut ranges = PerDiagonal::default();
         for walk in &self.walks {
-            let along = self.along(walk, values);
+            let along = self.along(walk, &self.um);
             let at = |step: usize| model.layout.reading(walk.pass, walk.diagonal, 3 * step);
             for (i, low) in along.iter().enumerate() {
                 for (j, high) in along.iter().enumerate().skip(i + 1) {
@@ -196,8 +170,7 @@ impl Table<'_> {
         for causes in &self.of.anomalies {
             let mut worst = Sizes::default();
             for z in causes {
-                let moved: Vec<Curve> = self.curves.iter().map(|curve| curve.moved_by(z)).collect();
-                worst = worst.joined(&self.sizes(&moved), larger);
+                worst = worst.joined(&self.sizes(&moved_by(&self.curves, z)), larger);
             }
             all = all.joined(&worst, |all, own| all + own);
         }
@@ -205,10 +178,9 @@ impl Table<'_> {
     }
 }
 
-impl TableCurve {
-    fn moved_by(&self, z: &[f64]) -> Curve {
-        self.rows.values(z, self.rows.line.dot(z))
-    }
+/// The values of curves for these entries of z.
+fn moved_by(curves: &[TableCurve], z: &[f64]) -> Vec<f64> {
+    curves.iter().flat_map(|curve| curve.rows.values(z, curve.rows.line.dot(z))).collect()
 }
 
 impl<'a> Table<'a> {
@@ -218,6 +190,7 @@ impl<'a> Table<'a> {
         directions: &PerAxis<Vec<Option<Direction>>>,
     ) -> Table<'a> {
         let mut curves: Vec<TableCurve> = Vec::new();
+        let mut um = Vec::new();
         for term in ErrorTerm::ALL {
             let machine = job.machine.axes[term.along];
             let homing = machine.map(|axis| axis.homing());
@@ -226,10 +199,10 @@ impl<'a> Table<'a> {
             let at = of.place_of_reference(term, machine);
             for way in ways {
                 let Some(found) = of.of_table(term, *way) else { continue };
+                um.extend(&found.deviation_um);
                 curves.push(TableCurve {
                     term,
                     way: *way,
-                    um: found.deviation_um.clone(),
                     rows: found.rows.merged(),
                     zero: (zero, at),
                 });
@@ -249,15 +222,23 @@ impl<'a> Table<'a> {
         };
         let passes = Pass::BOTH.into_iter().take(of.model.layout.passes);
         let walks = passes.flat_map(|pass| Diagonal::ALL.map(|d| walk(d, pass))).collect();
-        let by_cause = of.model.columns.iter();
-        let by_cause =
-            by_cause.map(|column| curves.iter().map(|curve| curve.moved_by(column)).collect());
+        let by_cause = of.model.columns.iter().map(|column| moved_by(&curves, column)).collect();
         let laser = of.model.laser.filter(|_| job.measurement.instrument.is_some());
-        Table { of, by_cause: by_cause.collect(), laser, curves, walks }
+        Table { of, um, by_cause, laser, curves, walks }
     }
 
-    fn nothing(&self) -> Vec<Curve> {
-        self.curves.iter().map(|curve| vec![0.0; curve.um.len()]).collect()
+    fn nothing(&self) -> Vec<f64> {
+        vec![0.0; self.um.len()]
+    }
+
+    /// Values of each curve.
+    fn points(&self) -> usize {
+        self.of.volume.steps + 1
+    }
+
+    /// One of the curves.
+    fn curve<'v>(&self, values: &'v [f64], index: usize) -> &'v [f64] {
+        &values[index * self.points()..(index + 1) * self.points()]
     }
 
     fn freedom(&self) -> Option<f64> {
@@ -273,90 +254,127 @@ impl<'a> Table<'a> {
         estimate.unwrap_or(1.0)
     }
 
-    fn repeats_nothing(&self, angles: &[usize]) -> bool {
-        angles.is_empty() && self.laser.is_none()
-    }
-
     /// One draw of what another measurement does not repeat; how many times the laser acts that it repeats.
-    fn anew(&self, number: usize) -> (Vec<Curve>, Option<(usize, f64)>) {
+    fn anew(&self, number: usize) -> (Vec<f64>, f64) {
         let mut random = random(number);
         let noise = self.estimate(&mut random);
         self.drawn(noise, &mut random)
     }
 
     /// The same with so many times the noise.
-    fn drawn(&self, noise: f64, random: &mut ChaCha8Rng) -> (Vec<Curve>, Option<(usize, f64)>) {
+    fn drawn(&self, noise: f64, random: &mut ChaCha8Rng) -> (Vec<f64>, f64) {
         let (z, mut shares) = self.of.model.draw(noise, random);
-        let laser = self.laser.map(|at| (at, std::mem::take(&mut shares[at])));
-        let mut drawn: Vec<Curve> = self.curves.iter().map(|curve| curve.moved_by(&z)).collect();
-        self.add(&mut drawn, shares.into_iter().enumerate());
+        let laser = self.laser.map_or(0.0, |at| std::mem::take(&mut shares[at]));
+        let mut drawn = moved_by(&self.curves, &z);
+        let causes = shares.iter().zip(&self.by_cause).filter(|(times, _)| **times != 0.0);
+        causes.for_each(|(times, part)| add(&mut drawn, *times, part));
         (drawn, laser)
     }
 
-    /// With a draw of all that another measurement repeats.
-    fn repeated(&self, curves: Vec<Curve>, number: usize, angles: &[usize]) -> Vec<Curve> {
-        let mut curves = self.with_angles(curves, number, angles);
-        let draw = StandardNormal.sample(&mut random(3 * DRAWS + number));
-        self.add(&mut curves, self.laser.map(|at| (at, draw)).into_iter());
-        curves
-    }
-
-    /// With a draw of these angles.
-    fn with_angles(&self, mut curves: Vec<Curve>, number: usize, order: &[usize]) -> Vec<Curve> {
-        let mut random = random(DRAWS + number);
-        // Uniform, with a standard deviation of 1.
-        let even = |at: &usize| {
-            let share: f64 = StandardUniform.sample(&mut random);
-            (*at, 12_f64.sqrt() * (share - 0.5))
-        };
-        self.add(&mut curves, order.iter().map(even));
-        curves
-    }
-
-    fn add(&self, curves: &mut [Curve], causes: impl Iterator<Item = (usize, f64)>) {
-        for (cause, times) in causes.filter(|(_, times)| *times != 0.0) {
-            for (curve, part) in curves.iter_mut().zip(&self.by_cause[cause]) {
-                curve.iter_mut().zip(part).for_each(|(um, part)| *um += times * part);
-            }
+    /// What a draw of all that another measurement repeats does.
+    fn repeated(&self, number: usize, angles: &[usize]) -> Vec<f64> {
+        let mut values = self.angles(number, angles);
+        if let Some(at) = self.laser {
+            let draw = StandardNormal.sample(&mut random(3 * DRAWS + number));
+            add(&mut values, draw, &self.by_cause[at]);
         }
+        values
+    }
+
+    /// What a draw of these angles does.
+    fn angles(&self, number: usize, order: &[usize]) -> Vec<f64> {
+        let mut random = random(DRAWS + number);
+        let mut values = self.nothing();
+        for cause in order {
+            // Uniform, with a standard deviation of 1.
+            let share: f64 = StandardUniform.sample(&mut random);
+            add(&mut values, 12_f64.sqrt() * (share - 0.5), &self.by_cause[*cause]);
+        }
+        values
     }
 
     /// The value at the reference of the curve that is zero there.
-    fn zero(&self, curves: &[Curve], of: usize) -> f64 {
+    fn zero(&self, values: &[f64], of: usize) -> f64 {
         let (zero, place) = self.curves[of].zero;
-        at(&curves[zero], place)
+        at(self.curve(values, zero), place)
     }
 
-    fn terms(&self, curves: &[Curve]) -> PerTerm<f64> {
+    /// All values, each with so many times that at its reference.
+    fn beside_reference(&self, values: &[f64], times: f64) -> Vec<f64> {
+        let mut all = values.to_vec();
+        for (index, own) in all.chunks_mut(self.points()).enumerate() {
+            let zero = times * self.zero(values, index);
+            own.iter_mut().for_each(|um| *um += zero);
+        }
+        all
+    }
+
+    /// The largest |error| + times · u of each term.
+    fn terms(&self, values: &[f64], times: f64, u: &[f64]) -> PerTerm<f64> {
         let mut terms = PerTerm::from_fn(|_| 0.0);
         for (index, curve) in self.curves.iter().enumerate() {
-            let zero = self.zero(curves, index);
-            let own = curves[index].iter().map(|um| (um - zero).abs()).fold(0.0, larger);
+            let [own, u] = [values, u].map(|values| self.curve(values, index));
+            let own = largest(own, self.zero(values, index), times, u);
             terms[curve.term] = larger(terms[curve.term], own);
         }
         terms
     }
 
-    fn sizes(&self, curves: &[Curve]) -> Sizes {
-        let mut sizes = Sizes { terms: self.terms(curves), ..Sizes::default() };
+    /// max − min along each diagonal.
+    fn ranges(&self, values: &[f64]) -> PerDiagonal<f64> {
+        let mut ranges = PerDiagonal::default();
         for walk in &self.walks {
-            let size = &mut sizes.diagonals[walk.diagonal];
-            *size = larger(*size, range(self.along(walk, curves).into_iter()));
+            let own = range(self.along(walk, values).into_iter());
+            ranges[walk.diagonal] = larger(ranges[walk.diagonal], own);
         }
-        sizes
+        ranges
+    }
+
+    fn sizes(&self, values: &[f64]) -> Sizes {
+        Sizes { terms: self.terms(values, 0.0, values), diagonals: self.ranges(values) }
     }
 
     /// The sum of the curves along a pass, by cell.
-    fn along(&self, walk: &TableWalk, curves: &[Curve]) -> Curve {
-        let last = self.of.volume.steps;
-        let at = |step: usize| {
-            let part = |(index, share, is_up): &(usize, f64, bool)| {
-                share * curves[*index][if *is_up { step } else { last - step }]
-            };
-            walk.parts.iter().map(part).sum()
-        };
-        (0..=last).map(at).collect()
+    fn along(&self, walk: &TableWalk, values: &[f64]) -> Curve {
+        let mut along = vec![0.0; self.points()];
+        for (index, share, is_up) in &walk.parts {
+            let mut curve = self.curve(values, *index).to_vec();
+            if !is_up {
+                curve.reverse();
+            }
+            add(&mut along, *share, &curve);
+        }
+        along
     }
+}
+
+/// Adds values, each so many times. This and `largest` are all that draws cost; counted by hand they take a fifth of
+/// what iterators take in a program that is not optimised.
+fn add(sum: &mut [f64], times: f64, part: &[f64]) {
+    let mut at = 0;
+    while at < part.len() {
+        sum[at] += times * part[at];
+        at += 1;
+    }
+}
+
+fn sum(one: &[f64], other: &[f64]) -> Vec<f64> {
+    let mut sum = one.to_vec();
+    add(&mut sum, 1.0, other);
+    sum
+}
+
+/// max of |value − zero| + times · u.
+fn largest(values: &[f64], zero: f64, times: f64, u: &[f64]) -> f64 {
+    let (mut at, mut largest) = (0, 0.0);
+    while at < values.len() {
+        let own = (values[at] - zero).abs() + times * u[at];
+        if own > largest {
+            largest = own;
+        }
+        at += 1;
+    }
+    largest
 }
 
 fn random(stream: usize) -> ChaCha8Rng {
@@ -369,8 +387,8 @@ fn random(stream: usize) -> ChaCha8Rng {
 fn quantiles(zero: String, draws: &[Sizes]) -> LargestErrors {
     let of = |um: &dyn Fn(&Sizes) -> f64| {
         let mut all: Vec<f64> = draws.iter().map(um).collect();
-        all.sort_by(f64::total_cmp);
-        all[all.len() * 19 / 20]
+        let place = all.len() * 19 / 20;
+        *all.select_nth_unstable_by(place, f64::total_cmp).1
     };
     LargestErrors {
         zero,

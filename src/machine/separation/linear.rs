@@ -131,7 +131,11 @@ impl Row {
 
     /// The figure of these entries.
     pub(super) fn dot(&self, z: &[f64]) -> f64 {
-        self.0.iter().map(|(place, weight)| weight * z[*place]).sum()
+        let mut sum = 0.0;
+        for (place, weight) in &self.0 {
+            sum += weight * z[*place];
+        }
+        sum
     }
 }
 

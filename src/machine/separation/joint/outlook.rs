@@ -7,7 +7,7 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Curve, Table, at, directions, random};
+use super::{CONFIDENCE, Table, directions, largest, random, sum};
 use crate::inputs::job::Job;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::linear::{Part, Row, Variance};
@@ -69,7 +69,7 @@ impl Separation {
         let table = Table::new(self, job, &directions(self, job));
         let u = table.variances(true, |v| v.all);
         let both = table.values(errors).into_iter().zip(u).enumerate();
-        let points = self.volume.steps + 1;
+        let points = table.points();
         let own = both.filter(|(place, _)| table.curves[place / points].term == term);
         let at_most = own.map(|(place, (um, u2))| (place, um.abs() + 2.0 * u2.sqrt()));
         let worst = at_most.max_by(|a, b| a.1.total_cmp(&b.1));
@@ -89,16 +89,6 @@ impl Separation {
 }
 
 impl Table<'_> {
-    /// All values, each with so many times that at its reference.
-    fn flat(&self, drawn: &[Curve], times: f64) -> Vec<f64> {
-        let own = self.curves.iter().zip(drawn);
-        let both = own.flat_map(|(curve, values)| {
-            let zero = times * at(&drawn[curve.zero.0], curve.zero.1);
-            values.iter().map(move |um| um + zero)
-        });
-        both.collect()
-    }
-
     /// What an error hangs on, less that at the reference.
     fn row(&self, curve: usize, index: usize) -> Row {
         let (zero, place) = self.curves[curve].zero;
@@ -119,11 +109,8 @@ impl Table<'_> {
         let mut model = self.of.model.clone();
         model.angles.retain(|_| angles);
         model.strains.start += usize::from(!angles && self.laser.is_some()); // it is the first
-        let own = self.curves.iter().map(|curve| {
-            let all = curve.rows.variances(&model).into_iter();
-            all.map(&of).collect()
-        });
-        self.flat(&own.collect::<Vec<Curve>>(), 1.0)
+        let own = self.curves.iter().flat_map(|curve| curve.rows.variances(&model));
+        self.beside_reference(&own.map(of).collect::<Vec<f64>>(), 1.0)
     }
 
     /// What was found of each, µm; 0 where nothing was.
@@ -140,13 +127,13 @@ impl Table<'_> {
         let freedom = self.freedom();
         // What both measurements repeat, and the factor of u beside it.
         let of_order = |order: &[usize]| -> Vec<(Vec<f64>, f64)> {
-            if self.repeats_nothing(order) {
-                return vec![(self.flat(&self.nothing(), -1.0), student(CONFIDENCE, freedom))];
+            if self.laser.is_none() && order.is_empty() {
+                return vec![(self.nothing(), student(CONFIDENCE, freedom))];
             }
             let bias = |number: usize| {
-                let repeated = self.repeated(self.nothing(), number, order);
                 let share = (float(number) + 0.5) / float(BIASES);
-                (self.flat(&repeated, -1.0), student(share, freedom))
+                let repeated = self.beside_reference(&self.repeated(number, order), -1.0);
+                (repeated, student(share, freedom))
             };
             (0..BIASES).map(bias).collect()
         };
@@ -164,7 +151,7 @@ impl Table<'_> {
             (self.variances(false, |v| v.noise), self.variances(false, |v| v.all - v.noise));
         let values = self.values(found.map(|(errors, _)| errors));
         let again = found.and_then(|(_, noise)| noise);
-        let points = self.of.volume.steps + 1;
+        let points = self.points();
         let share = |place: usize| {
             let curve = place / points * points..(place / points + 1) * points;
             let squares: f64 = values[curve.clone()].iter().map(|um| um * um).sum();
@@ -176,8 +163,9 @@ impl Table<'_> {
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
         let at_most = |visit: usize| {
             let mut random = random(FIRST + visit);
-            let before = self.flat(&self.drawn(again.unwrap_or(1.0), &mut random).0, -1.0);
-            let new = self.flat(&self.drawn(1.0, &mut random).0, -1.0);
+            let before =
+                self.beside_reference(&self.drawn(again.unwrap_or(1.0), &mut random).0, -1.0);
+            let new = self.beside_reference(&self.drawn(1.0, &mut random).0, -1.0);
             let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(&mut random) / freedom);
             let seen = |place: usize| match (found, again) {
                 (None, _) => new[place] - before[place],
@@ -188,16 +176,14 @@ impl Table<'_> {
                         + new[place]
                 }
             };
-            let figure = |place: usize| (seen(place), (noise[place] * s2 + rest[place]).sqrt());
-            let figures: Vec<(f64, f64)> = (0..values.len()).map(figure).collect();
-            let largest = |(bias, times): &(Vec<f64>, f64)| {
-                let each =
-                    figures.iter().zip(bias).map(|((um, u), bias)| (um + bias).abs() + times * u);
-                each.fold(0.0, larger)
-            };
-            let mut largest: Vec<f64> = biases.iter().map(largest).collect();
-            largest.sort_by(f64::total_cmp);
-            largest[biases.len() * 19 / 20]
+            let seen: Vec<f64> = (0..values.len()).map(seen).collect();
+            let u = noise.iter().zip(&rest).map(|(noise, rest)| (noise * s2 + rest).sqrt());
+            let u: Vec<f64> = u.collect();
+            let at_most =
+                |(bias, times): &(Vec<f64>, f64)| largest(&sum(&seen, bias), 0.0, *times, &u);
+            let mut each: Vec<f64> = biases.iter().map(at_most).collect();
+            let place = each.len() * 19 / 20;
+            *each.select_nth_unstable_by(place, f64::total_cmp).1
         };
         let visits = if found.is_some() && again.is_none() { 1 } else { VISITS };
         let mut at_most: Vec<f64> = (0..visits).map(at_most).collect();
