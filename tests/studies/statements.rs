@@ -8,7 +8,7 @@ use crate::support::published::{is_whole, published, share};
 use crate::support::visit::Visit;
 use nonius::quantity::axis::{Axis, ErrorTerm};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{RngCore, SeedableRng};
+use rand_chacha::rand_core::{Rng, SeedableRng};
 use serde_json::Value;
 
 const SEED: u64 = 41;
