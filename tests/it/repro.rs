@@ -159,7 +159,7 @@ fn what_is_undecided_says_what_decides_it() {
         .says("6 runs (");
     let errors = Visit::of("start/errors");
     errors.edit("job.toml", "[measurement]\n", "[measurement]\nuncertainty = { noise_um = 1 }\n");
-    errors.edit("job.toml", "max_deviation_um = 10", "max_deviation_um = 3");
+    errors.edit("job.toml", "max_deviation_um = 5.0", "max_deviation_um = 3");
     let made = errors.run("generate job.toml -o kit").ends(1);
     made.says("beside it noise of the readings ").says("\n  mean of 3 runs: at most 2.");
 }

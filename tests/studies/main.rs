@@ -24,4 +24,3 @@ mod exchanged;
 mod plan;
 mod right_kits;
 mod separation_laws;
-mod statements;
