@@ -123,10 +123,8 @@ impl Table<'_> {
             Some(order) => {
                 let bias = |number: usize| {
                     let share = (float(number) + 0.5) / float(BIASES);
-                    (
-                        self.beside_reference(&self.angles(number, order), -1.0),
-                        student(share, freedom),
-                    )
+                    let angles = self.angles(number, order);
+                    (self.beside_reference(&angles, -1.0), student(share, freedom))
                 };
                 (0..BIASES).map(bias).collect()
             }
