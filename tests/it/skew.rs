@@ -92,7 +92,7 @@ fn visit((job, errors): (String, String)) -> Visit {
 #[test]
 fn a_correction_that_is_not_zero_at_the_reference_is_named() {
     let visit = visit(texts([0.0, 2.0, 0.0], 0.0, [0.0, 0.0, 200.0]));
-    visit.edit("job.toml", "[limits]", "terms = [\"EXZ\"]\n[limits]");
+    visit.edit("job.toml", "[compensation]\n", "[compensation]\nterms = [\"EXZ\"]\n");
     let kit = visit.run("generate job.toml -o kit --format json").json();
     let notes = kit["notes"].to_string();
     assert!(notes.contains("adds -4.0 µm to X"), "{notes}");
