@@ -4,7 +4,7 @@ use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
     Machine, close, curve, index, mm, runs, solved, volume, with_noise,
 };
-use crate::support::words;
+use crate::support::{term, words};
 use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
 use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
@@ -37,10 +37,6 @@ fn found_with(
     change(&mut lines);
     let found = solved(&truth.volume, lines, &all);
     (truth, found)
-}
-
-fn term(name: &str) -> ErrorTerm {
-    ErrorTerm::from_name(name).unwrap()
 }
 
 fn u_at_end(found: &Separation, name: &str) -> Option<f64> {

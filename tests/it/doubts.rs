@@ -1,9 +1,9 @@
 //! What the readings say against a result reaches every output: `separate`, its table, the kit
 //! made from the readings, and the kit made from the table.
 use crate::support::diagonals::{
-    Machine, campaign, measurement, naive, normal, runs, solved, volume, with_noise,
+    Machine, box_30, campaign, measurement, naive, normal, runs, solved, volume, with_noise,
 };
-use crate::support::visit::{Ran, Visit, fixture, number};
+use crate::support::visit::{Ran, Visit, fixture, holds, number};
 use crate::support::words;
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::machine::separation::noise::{NoiseSource, Outlier, ReadingPlace};
@@ -18,10 +18,6 @@ use serde_json::Value;
 
 const SIGMA_UM: f64 = 0.3;
 
-fn box_30() -> Volume {
-    volume([900.0, 720.0, 720.0], 30)
-}
-
 /// Several forward runs of a machine with noise.
 fn repeated(seed: u64, count: u32) -> Vec<Run> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -34,11 +30,6 @@ fn disturb(runs: &mut [Run], diagonal: Diagonal, number: u32, node: usize, um: f
     let of = |run: &&mut Run| run.diagonal == diagonal && run.number == number;
     let run = runs.iter_mut().find(of).unwrap();
     run.deviations[node] = Deviation::from_um(run.deviations[node].um() + um);
-}
-
-#[track_caller]
-fn says(said: &str, words: &[&str]) {
-    words.iter().for_each(|words| assert!(said.contains(words), "expected `{words}` in\n{said}"));
 }
 
 fn place(diagonal: Diagonal, run: u32, node: usize) -> ReadingPlace {
@@ -63,7 +54,7 @@ fn a_disturbed_reading_of_three_runs_is_named_with_its_run() {
                 assert_eq!(noise.source, NoiseSource::Repeats);
                 assert!((noise.sigma_um - SIGMA_UM).abs() < 0.03, "{noise:?}");
                 let words = words(&found.labels).concat();
-                says(&words, &["PNP run 2 forward node 40", "counts in full beside U"]);
+                holds(&words, &["PNP run 2 forward node 40", "counts in full beside U"]);
             }
         }
         assert!(named >= least, "{um} um: {named} of 20");
@@ -137,7 +128,7 @@ fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
     let hardly = |labels: &[Finding]| beginning(labels, "these readings cannot detect");
     let said = hardly(&found.labels).unwrap();
     let pairs = ["NPP and PNP", "NPP and PPN", "PNP and PPN"];
-    says(&said, &[&pairs[..], &["or whether the steps went X, Z, Y or"]].concat());
+    holds(&said, &[&pairs[..], &["or whether the steps went X, Z, Y or"]].concat());
     assert!(!said.contains("PPP"), "{said}");
     assert!(found.doubts.is_empty(), "{:?}", words(&found.doubts));
     let rough = |seed| naive(&box_30(), &repeated(seed, 3));
@@ -163,12 +154,12 @@ fn a_scatter_far_above_the_noise_is_a_finding() {
         words(&separate(&campaign, &all).doubts).join("\n")
     };
     let above = "from the scatter of the closure: above the 1 µm that are assumed";
-    says(&found(50.0, None, 1), &[above, "state `noise_um`"]);
-    says(&found(1000.0, None, 1), &["above the 1 µm"]);
+    holds(&found(50.0, None, 1), &[above, "state `noise_um`"]);
+    holds(&found(1000.0, None, 1), &["above the 1 µm"]);
     let sound =
         [(None, 1), (Some(0.3), 3), (Some(0.2), 3)].map(|(um, count)| found(0.0, um, count));
     assert_eq!(sound, [""; 3]);
-    says(&found(0.0, Some(0.1), 3), &["more than 2 times the 0.1 µm that `noise_um` states"]);
+    holds(&found(0.0, Some(0.1), 3), &["more than 2 times the 0.1 µm that `noise_um` states"]);
 }
 
 #[test]
@@ -326,19 +317,19 @@ fn a_disturbed_reading_reaches_every_output() {
     let words = "PPP forward node 58";
     two_step(&visit, 1).says("note: disturbed reading").says(words);
     let page = visit.run("separate job.toml --format json").ends(1).json();
-    says(&page["labels"].to_string(), &[words]);
+    holds(&page["labels"].to_string(), &[words]);
     let csv = visit.read("errors.csv");
-    says(&csv, &["# note: disturbed reading", words, "# doubtful beside that, um: "]);
+    holds(&csv, &["# note: disturbed reading", words, "# doubtful beside that, um: "]);
     for (ran, page) in kits(&visit) {
         let text = ran.all();
-        says(text.split_once("verdict: undecided").unwrap().1, &[words]);
-        says(&page["notes"].to_string(), &[words]);
+        holds(text.split_once("verdict: undecided").unwrap().1, &[words]);
+        holds(&page["notes"].to_string(), &[words]);
     }
     for job in ["job", "nine"] {
         let verify = format!("verify {job}.toml --tables kit-{job} --format json");
         let page = visit.run(&verify).ends(1).json();
         assert_eq!(page["verdict"], "undecided");
-        says(&page["notes"].to_string(), &[words]);
+        holds(&page["notes"].to_string(), &[words]);
     }
 }
 
@@ -401,8 +392,8 @@ fn an_assumed_set_up_is_said_of_the_kit_made_from_the_table() {
     two_step(&visit, 0);
     let angles = "angular errors without a measurement, counted as zero";
     let words = ["set-up assumed perfect", "reversal is mixed into the curves", angles];
-    says(&visit.run("generate nine.toml -o kit --explain").ends(1).all(), &words);
-    says(&visit.document("kit/manifest.json")["notes"].to_string(), &words);
+    holds(&visit.run("generate nine.toml -o kit --explain").ends(1).all(), &words);
+    holds(&visit.document("kit/manifest.json")["notes"].to_string(), &words);
 }
 
 #[test]
@@ -421,7 +412,7 @@ fn where_nothing_is_asked_nothing_is_judged_and_worse_is_said() {
         .omits("verdict: pass")
         .says("WARNING: diagonal PPP becomes larger with the tables: 18.544 →");
     let notes = visit.document("kit/manifest.json")["notes"].to_string();
-    says(&notes, &["diagonal PPP becomes larger"]);
+    holds(&notes, &["diagonal PPP becomes larger"]);
 }
 
 /// A thousandth of the errors: values in mm under a column in µm.

@@ -162,16 +162,8 @@ fn is_of_its_form(profile: &Profile, file: &EmittedFile) -> bool {
 }
 
 fn job(controller: &str, policy: &str) -> String {
-    let mut page = format!(
-        "schema = 1\n[machine]\nname = \"VMC 100\"\n[measurement]\nerrors = \"errors.csv\"\n\
-         active_while_measuring = \"none\"\n[compensation]\ncontroller = \"{controller}\"\n\
-         backlash = \"{policy}\"\n"
-    );
-    for axis in ["x", "y", "z"] {
-        page += &format!(
-            "[machine.axes.{axis}]\ntravel_mm = [0.0, 100.0]\nreference_mm = 0.0\n\
-             [compensation.axes.{axis}]\nspacing_mm = 25.0\ndetection_unit_um = 1.0\n"
-        );
-    }
-    page
+    let keys = "spacing_mm = 25.0\ndetection_unit_um = 1.0".to_string();
+    let axes = ["x", "y", "z"].map(|axis| (axis, [0.0, 100.0], 0.0, keys.clone()));
+    let compensation = format!("controller = \"{controller}\"\nbacklash = \"{policy}\"");
+    support::job_of(support::UNCORRECTED, &compensation, axes)
 }

@@ -66,24 +66,14 @@ fn job(
     squareness: &str,
 ) -> String {
     let unit = if support::needs_unit(controller) { "detection_unit_um = 1.0" } else { "" };
-    let mut text = format!(
-        "schema = 1\n[machine]\nname = \"laws\"\n[measurement]\nerrors = \"errors.csv\"\n\
-         active_while_measuring = \"none\"\n{squareness}\
-         [limits]\nmax_correction_um = 5000.0\nmax_slope_um_per_mm = 100.0\n\
-         [compensation]\ncontroller = \"{controller}\"\n{keys}\n"
-    );
-    for (axis, rail) in Axis::ALL.iter().zip(rails) {
-        let (key, low, high) = (axis.key(), rail.mm[0], rail.mm[rail.mm.len() - 1]);
-        write!(
-            text,
-            "[machine.axes.{key}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = {:?}\n\
-             [compensation.axes.{key}]\n{}\n{unit}\n",
-            rail.reference,
-            grid(rail)
-        )
-        .unwrap();
-    }
-    text
+    let axes = Axis::ALL.iter().zip(rails).map(|(axis, rail)| {
+        let travel = [rail.mm[0], rail.mm[rail.mm.len() - 1]];
+        (axis.key(), travel, rail.reference, format!("{}\n{unit}", grid(rail)))
+    });
+    let measurement = format!("{}\n{squareness}", support::UNCORRECTED);
+    let compensation = format!("controller = \"{controller}\"\n{keys}");
+    support::job_of(&measurement, &compensation, axes)
+        + "[limits]\nmax_correction_um = 5000.0\nmax_slope_um_per_mm = 100.0\n"
 }
 
 fn spacing(rail: &Rail) -> String {

@@ -1,7 +1,7 @@
 //! Files that real controls wrote, read where they lie: not part of this repository, and nothing of
 //! them is copied here. What was understood of them is told in counts, ranges and largest values.
 use crate::support::visit::fixtures;
-use crate::support::{inputs, response, shown, tree, um_at};
+use crate::support::{inputs, job_of, response, shown, tree, um_at};
 use nonius::control::controller::Role;
 use nonius::control::table::Tables;
 use nonius::control::table::siemens::SiemensGrid;
@@ -28,22 +28,17 @@ fn real(folder: &str, names: &[&str]) -> Option<Files> {
 
 /// A job for three axes, measured with `active`; `axis` = lines of `[compensation.axes]`.
 fn job(control: &str, active: &str, travel: [[f64; 2]; 3], axis: fn(usize) -> String) -> Inputs {
-    let mut job = format!(
-        "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"{active}\"\n[compensation]\ncontroller = \"{control}\"\nbacklash = \"mean\"\n"
-    );
     let mut errors = "axis,position_mm,ex_um,ey_um,ez_um\n".to_string();
     for (index, letter) in ["x", "y", "z"].into_iter().enumerate() {
-        job += &format!(
-            "[machine.axes.{letter}]\ntravel_mm = {:?}\nreference_mm = 0.0\n[compensation.axes.{letter}]\n{}\n",
-            travel[index],
-            axis(index)
-        );
         for mm in travel[index] {
             let um = mm / 100.0;
             errors += &format!("{letter},{mm},{um},{},{}\n", -um, um / 2.0);
         }
     }
-    inputs(&job, &errors)
+    let axes = (0..3).map(|index| (["x", "y", "z"][index], travel[index], 0.0, axis(index)));
+    let measurement = format!("active_while_measuring = \"{active}\"");
+    let compensation = format!("controller = \"{control}\"\nbacklash = \"mean\"");
+    inputs(&job_of(&measurement, &compensation, axes), &errors)
 }
 
 /// A five-axis machine: three linear axes on the second measuring system.

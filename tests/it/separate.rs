@@ -39,7 +39,7 @@ fn separated(visit: &Visit, status: i32) -> Value {
 }
 
 #[track_caller]
-fn near(found: &Value, wanted: f64, tolerance: f64) {
+pub(crate) fn near(found: &Value, wanted: f64, tolerance: f64) {
     assert!((number(found) - wanted).abs() < tolerance, "{found}, expected {wanted}");
 }
 

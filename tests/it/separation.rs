@@ -1,6 +1,6 @@
 //! The separation against the golden cases of the project's reference (fixtures/diagonals): an
 //! independent numerical simulation made the readings and the expected figures.
-use crate::support::diagonals::{campaign, curve};
+use crate::support::diagonals::{campaign, close, curve};
 use crate::support::visit::{fixture, number};
 use crate::support::{read_job, readings};
 use nonius::inputs::job::{Linear, LinearSlope, MeasuredData};
@@ -34,18 +34,12 @@ fn separated(case: &str) -> (Separation, Value) {
     (separate(&campaign, &readings.runs), expected)
 }
 
-#[track_caller]
-fn close(found: f64, wanted: &Value, tolerance: f64, what: &str) {
-    let off = (found - number(wanted)).abs();
-    assert!(off <= tolerance, "{what}: {found}, expected {wanted} within {tolerance}");
-}
-
 fn all_curves_are_close(separation: &Separation, expected: &Value, tolerance: f64) {
     for term in ErrorTerm::ALL {
         let name = term.to_string();
         let wanted = expected["errors_x_primary_um"][&name].as_array().unwrap();
         for (index, (found, wanted)) in curve(separation, term).iter().zip(wanted).enumerate() {
-            close(*found, wanted, tolerance, &format!("{name} {index}"));
+            close(*found, number(wanted), tolerance, format!("{name} {index}"));
         }
     }
 }
@@ -54,7 +48,7 @@ fn all_curves_are_close(separation: &Separation, expected: &Value, tolerance: f6
 fn squareness_is_close(separation: &Separation, expected: &Value, tolerance: f64) {
     for plane in Plane::ALL {
         let found = separation.squareness_um_per_m.of(plane).unwrap();
-        close(found, &expected[plane.key()], tolerance, plane.key());
+        close(found, number(&expected[plane.key()]), tolerance, plane.key());
     }
 }
 
@@ -65,9 +59,9 @@ fn case_a_gives_the_machine_back() {
     all_curves_are_close(&separation, &expected, FILE_DIGITS_UM);
     for diagonal in Diagonal::ALL {
         let name = diagonal.name();
-        close(separation.end_um[diagonal], &expected["end_reading_um"][name], 1e-8, name);
+        close(separation.end_um[diagonal], number(&expected["end_reading_um"][name]), 1e-8, name);
     }
-    close(separation.scale_sum_um_mm, &14760.0.into(), 1e-4, "S");
+    close(separation.scale_sum_um_mm, 14760.0, 1e-4, "S");
 }
 
 #[test]
@@ -77,14 +71,14 @@ fn case_b_is_solved_in_spite_of_tilted_mirrors() {
     squareness_is_close(&separation, &expected["setup_aware_squareness_um_per_m"], 1e-4);
     for (name, wanted) in expected["naive_slope_um_per_m"].as_object().unwrap() {
         let term = ErrorTerm::from_name(name).unwrap();
-        close(separation.naive_slopes_um_per_m[term], wanted, 1e-5, name);
+        close(separation.naive_slopes_um_per_m[term], number(wanted), 1e-5, name);
     }
     for (axis, wanted) in Axis::ALL.map(|axis| (axis, &expected["mean_closure_um"][axis.key()])) {
-        close(separation.closure.mean[axis], wanted, 1e-7, axis.key());
+        close(separation.closure.mean[axis], number(wanted), 1e-7, axis.key());
     }
     for diagonal in Diagonal::ALL {
         let found = separation.tilts.as_ref().unwrap()[diagonal].arcsec;
-        close(found, &expected["setup_arcsec"][diagonal.name()], 0.01, diagonal.name());
+        close(found, number(&expected["setup_arcsec"][diagonal.name()]), 0.01, diagonal.name());
     }
     // Reference §3.2: the shapes keep 0.002 µm at tilts of 0.3 to 0.5 mrad.
     all_curves_are_close(&separation, &expected, 0.003);
@@ -96,13 +90,13 @@ fn cases_c_and_c2_show_what_angular_errors_do() {
         let (separation, expected) = separated(case);
         for (name, wanted) in expected["naive_um"].as_object().unwrap() {
             let found = curve(&separation, ErrorTerm::from_name(name).unwrap());
-            close(found[15], &wanted["node15"], FILE_DIGITS_UM, name);
-            close(found[30], &wanted["node30"], FILE_DIGITS_UM, name);
+            close(found[15], number(&wanted["node15"]), FILE_DIGITS_UM, name);
+            close(found[30], number(&wanted["node30"]), FILE_DIGITS_UM, name);
         }
         for axis in Axis::ALL {
             let all = separation.closure.by_interval[axis].iter();
             let found = all.fold(0.0, |largest: f64, w| largest.max(w.abs()));
-            close(found, &expected["max_closure_um"][axis.key()], FILE_DIGITS_UM, case);
+            close(found, number(&expected["max_closure_um"][axis.key()]), FILE_DIGITS_UM, case);
         }
     }
 }
@@ -116,8 +110,8 @@ fn case_d_is_resolved_by_the_true_direction_of_motion() {
         let curves = separation.errors.directed(direction).unwrap();
         let curve = curves[ErrorTerm::from_name(term).unwrap()].as_ref().unwrap();
         let um = &curve.deviation_um;
-        close(um.last().unwrap() - um.first().unwrap(), wanted, FILE_DIGITS_UM, name);
+        close(um.last().unwrap() - um.first().unwrap(), number(wanted), FILE_DIGITS_UM, name);
     }
     assert_eq!(separation.overrun, Some(true));
-    close(separation.noise.unwrap().sigma_um, &0.2.into(), 0.02, "noise of the readings");
+    close(separation.noise.unwrap().sigma_um, 0.2, 0.02, "noise of the readings");
 }

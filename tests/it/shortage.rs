@@ -11,19 +11,10 @@ use nonius::write::plan::{PlannedTable, Task, plan};
 use std::fmt::Write;
 
 fn job(controller: &str, more: &str, reference: f64, spacing: f64) -> String {
-    let mut text = format!(
-        "schema = 1\n[machine]\nname = \"VMC\"\n[measurement]\nerrors = \"errors.csv\"\n\
-         active_while_measuring = \"none\"\n[compensation]\ncontroller = \"{controller}\"\n{more}\n"
-    );
-    for axis in ["x", "y", "z"] {
-        writeln!(
-            text,
-            "[machine.axes.{axis}]\ntravel_mm = [0.0, 100.0]\nreference_mm = {reference:?}\n\
-             [compensation.axes.{axis}]\nspacing_mm = {spacing:?}\ndetection_unit_um = 1.0"
-        )
-        .unwrap();
-    }
-    text
+    let keys = format!("spacing_mm = {spacing:?}\ndetection_unit_um = 1.0");
+    let axes = ["x", "y", "z"].map(|axis| (axis, [0.0, 100.0], reference, keys.clone()));
+    let compensation = format!("controller = \"{controller}\"\n{more}");
+    support::job_of(support::UNCORRECTED, &compensation, axes)
 }
 
 /// What is planned is what a kit holds: four whole kits of each control show it.

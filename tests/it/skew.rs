@@ -14,16 +14,11 @@ fn texts(lean: [f64; 3], bent: f64, reference: [f64; 3]) -> (String, String) {
         errors += &format!("y,{mm:?},{:?},0,{:?}\n", xy * mm / 100.0, bent * part);
         errors += &format!("z,{mm:?},{:?},{:?},0\n", xz * mm / 100.0, yz * mm / 100.0);
     }
-    let mut job = "schema = 1\n[machine]\nname = \"P\"\n[measurement]\nerrors = \"errors.csv\"\n\
-         active_while_measuring = \"none\"\n[compensation]\ncontroller = \"klipper-skew\"\n\
-         [limits]\nmax_slope_um_per_mm = 20\nmax_correction_um = 5000\n[acceptance]\nmax_deviation_um = 50\n"
-        .to_string();
-    for (axis, reference) in ["x", "y", "z"].iter().zip(reference) {
-        job += &format!(
-            "[machine.axes.{axis}]\ntravel_mm = [0, 200]\nreference_mm = {reference:?}\n\
-             [compensation.axes.{axis}]\nspacing_mm = 20\n"
-        );
-    }
+    let axes = ["x", "y", "z"].into_iter().zip(reference);
+    let axes = axes.map(|(axis, mm)| (axis, [0.0, 200.0], mm, "spacing_mm = 20".to_string()));
+    let compensation = "controller = \"klipper-skew\"";
+    let job = support::job_of(support::UNCORRECTED, compensation, axes)
+        + "[limits]\nmax_slope_um_per_mm = 20\nmax_correction_um = 5000\n[acceptance]\nmax_deviation_um = 50\n";
     (job, errors)
 }
 
@@ -97,7 +92,7 @@ fn visit((job, errors): (String, String)) -> Visit {
 #[test]
 fn a_correction_that_is_not_zero_at_the_reference_is_named() {
     let visit = visit(texts([0.0, 2.0, 0.0], 0.0, [0.0, 0.0, 200.0]));
-    visit.edit("job.toml", "[limits]", "terms = [\"EXZ\"]\n[limits]");
+    visit.edit("job.toml", "[compensation]\n", "[compensation]\nterms = [\"EXZ\"]\n");
     let kit = visit.run("generate job.toml -o kit --format json").json();
     let notes = kit["notes"].to_string();
     assert!(notes.contains("adds -4.0 µm to X"), "{notes}");

@@ -1,5 +1,6 @@
 //! What `nonius standards` takes beside tables of runs: readings of the body diagonals, jobs that
 //! name them, and `.rtl` files.
+use crate::separate::near;
 use crate::support::visit::{Ran, Visit, fixture, fixtures, number};
 use serde_json::{Value, json};
 
@@ -13,27 +14,21 @@ fn document(file: &str, options: &str) -> Value {
     standards(file, &format!("{options} --format json")).ends(0).json()
 }
 
-#[track_caller]
-fn near(found: &Value, expected: f64) {
-    let um = number(found);
-    assert!((um - expected).abs() < 1e-3, "{um}, expected {expected}");
-}
-
 /// Golden figures of case D, to the digits of the reference.
 fn golden(part: &Value) {
     assert_eq!(part["label"], "from step-diagonal cell ends, not ISO 230-6");
-    near(&part["E_d_um"], 28.9797);
-    near(&part["B_d_um"], 9.1463);
+    near(&part["E_d_um"], 28.9797, 1e-3);
+    near(&part["B_d_um"], 9.1463, 1e-3);
     for (name, e_um) in [("PPP", 26.0335), ("NPP", 20.5642), ("PNP", 21.6609), ("PPN", 28.9797)] {
         let of = &part["diagonals"][name];
-        near(&of["E_um"], e_um);
-        near(&of["range_um"], e_um);
+        near(&of["E_um"], e_um, 1e-3);
+        near(&of["range_um"], e_um, 1e-3);
         for figure in ["E_up", "E_down", "M", "B", "B_mean", "R", "A"] {
             assert!(of[format!("{figure}_um")].is_number(), "{name} {figure}");
         }
     }
-    near(&part["diagonals"]["PPP"]["E_up_um"], 19.8554);
-    near(&part["diagonals"]["PPP"]["E_down_um"], 17.0333);
+    near(&part["diagonals"]["PPP"]["E_up_um"], 19.8554, 1e-3);
+    near(&part["diagonals"]["PPP"]["E_down_um"], 17.0333, 1e-3);
 }
 
 #[test]
@@ -59,9 +54,9 @@ fn readings_alone_give_the_same_figures() {
 fn one_direction_has_no_figures_of_the_machine() {
     let part = &document("diagonals/case_a_ideal/readings.csv", "")["iso_230_6"];
     assert_eq!(part["E_d_um"], Value::Null);
-    near(&part["largest_range_um"], 21.4574);
-    near(&part["range_over_all_um"], 30.8255);
-    near(&part["diagonals"]["PPN"]["E_up_um"], 21.4574);
+    near(&part["largest_range_um"], 21.4574, 1e-3);
+    near(&part["range_over_all_um"], 30.8255, 1e-3);
+    near(&part["diagonals"]["PPN"]["E_up_um"], 21.4574, 1e-3);
     assert_eq!(part["diagonals"]["PPN"]["E_um"], Value::Null);
 }
 
@@ -113,9 +108,9 @@ fn the_runs_of_an_rtl_file_keep_their_scatter() {
     let iso = &document["iso_230_2"];
     let first = &iso["targets"][0];
     assert_eq!(first["target_mm"], -200.0);
-    near(&first["mean_up_um"], 0.5); // 0.4 and 0.6
-    near(&first["s_up_um"], 0.2 / 2.0_f64.sqrt());
-    near(&iso["B_mean_um"], 1.55);
+    near(&first["mean_up_um"], 0.5, 1e-3); // 0.4 and 0.6
+    near(&first["s_up_um"], 0.2 / 2.0_f64.sqrt(), 1e-3);
+    near(&iso["B_mean_um"], 1.55, 1e-3);
     let notes = iso["notes"].to_string();
     assert!(notes.contains("Axis: X"), "{notes}");
 }
@@ -127,14 +122,14 @@ fn the_way_of_the_targets_turns_directions_and_deviations() {
     for (here, there) in
         [("E_um", "E_um"), ("R_um", "R_um"), ("A_um", "A_um"), ("E_up_um", "E_down_um")]
     {
-        near(&minus[there], number(&plus[here]));
+        near(&minus[there], number(&plus[here]), 1e-3);
     }
     let (first, last) = (&minus["targets"][0], &plus["targets"][8]);
-    near(&first["target_mm"], -number(&last["target_mm"]));
-    near(&first["mean_down_um"], -number(&last["mean_up_um"]));
-    near(&first["B_um"], number(&last["B_um"]));
+    near(&first["target_mm"], -number(&last["target_mm"]), 1e-3);
+    near(&first["mean_down_um"], -number(&last["mean_up_um"]), 1e-3);
+    near(&first["B_um"], number(&last["B_um"]), 1e-3);
     let turned = of_rtl("as-correction", "+");
-    near(&turned["iso_230_2"]["B_mean_um"], -1.55);
+    near(&turned["iso_230_2"]["B_mean_um"], -1.55, 1e-3);
 }
 
 const X_AXIS: &str = "standards/x_axis.csv";

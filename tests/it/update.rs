@@ -12,14 +12,16 @@ mod siemens_control;
 use crate::support;
 use crate::support::parallel::in_parallel;
 use crate::support::visit::holds;
-use crate::support::{Random, control, files_of, generate, inputs, response, shown, um_at, words};
+use crate::support::{
+    Random, control, files_of, generate, inputs, response, shown, term, um_at, words,
+};
 use nonius::control::control_state::ControlState;
 use nonius::control::controller::{Profile, Role, builtin};
 use nonius::control::table::Tables;
 use nonius::judge::active::{ActiveControl, ReadOutFor, from_kit, from_read_out, without_tables};
 use nonius::judge::findings::InForecast;
 use nonius::kit::{self, Inputs, Kit};
-use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
+use nonius::quantity::axis::{Axis, Direction};
 use nonius::quantity::units::Millimetres;
 use nonius::read::emulate::Emulator;
 use nonius::text::finding::{Finding, Severity, of_severity};
@@ -34,10 +36,6 @@ fn notes_of(active: &ActiveControl) -> String {
 #[track_caller]
 fn is_near(um: f64, wanted: f64) {
     assert!((um - wanted).abs() < 1e-9, "{um} µm, not {wanted}");
-}
-
-fn term(name: &str) -> ErrorTerm {
-    ErrorTerm::from_name(name).unwrap()
 }
 
 /// A job of two axes with what is added to `[measurement]` and `[compensation]`.

@@ -2,6 +2,7 @@
 //! largest of many, few degrees of freedom, a part of the travel, what nobody measured.
 use crate::support::tree::skipped;
 use crate::support::visit::{Visit, fixtures, number, replaced};
+use crate::support::{UNCORRECTED, job_of};
 use serde_json::Value;
 use std::fs;
 
@@ -24,14 +25,13 @@ fn verdict(visit: &Visit, command: &str, begins: &str, holds: &[&str]) -> String
 
 /// Axes of one travel, reference and spacing; `lines` go under [acceptance].
 fn job(axes: &[&str], [high, reference, spacing]: [u32; 3], u: &str, lines: &str) -> String {
-    let each = |text: String| axes.iter().map(|axis| text.replace('?', axis)).collect::<String>();
-    let travels = format!("travel_mm = [0, {high}]\nreference_mm = {reference}\n");
-    let travels = each(format!("[machine.axes.?]\n{travels}"));
-    let tables = each(format!("[compensation.axes.?]\nspacing_mm = {spacing}\n"));
-    let errors = "errors = \"errors.csv\"\nactive_while_measuring = \"none\"";
-    format!(
-        "schema = 1\n[machine]\nname = \"M\"\n{travels}[measurement]\n{errors}\n{u}[compensation]\ncontroller = \"generic\"\n{tables}[acceptance]\n{lines}\n"
-    )
+    let axis =
+        |axis| (axis, [0.0, high.into()], reference.into(), format!("spacing_mm = {spacing}"));
+    let measurement = format!("{UNCORRECTED}\n{u}");
+    job_of(&measurement, "controller = \"generic\"", axes.iter().map(axis))
+        + "[acceptance]\n"
+        + lines
+        + "\n"
 }
 
 /// X alone, 0 to 900 mm every 30 mm.
@@ -47,23 +47,15 @@ fn wave(to: u32, size: f64) -> String {
 
 const NOISE: &str = "[measurement.uncertainty]\nnoise_um = 0.5\n";
 
-fn given(job: &str, errors: &str) -> Visit {
-    let visit = Visit::new();
-    visit.put("job.toml", job).put("errors.csv", errors);
-    visit
-}
-
 /// With the kit made.
 fn made(job: &str, errors: &str) -> Visit {
-    let visit = given(job, errors);
-    visit.run(GENERATE).answers();
-    visit
+    Visit::with(job, errors).with_any_kit()
 }
 
 /// 0.5 µm at every position and at the reference: 0.5·√2 wherever it is asked for.
 #[test]
 fn the_noise_at_the_reference_is_in_every_u() {
-    let visit = given(&one_axis(NOISE, "max_deviation_um = 1.1"), &wave(900, 8.0));
+    let visit = Visit::with(one_axis(NOISE, "max_deviation_um = 1.1"), wave(900, 8.0));
     visit.run(GENERATE).ends(1);
     let kit = visit.document("kit/manifest.json");
     let verify = visit.json(VERIFY);
@@ -109,7 +101,7 @@ fn few_degrees_of_freedom_widen_u() {
 #[test]
 fn a_part_of_the_travel_decides_nothing_unless_it_is_what_is_asked_for() {
     let limit = "max_deviation_um = 5";
-    let visit = given(&one_axis("", limit), &wave(300, 8.0));
+    let visit = Visit::with(one_axis("", limit), wave(300, 8.0));
     let parts = ["EXX within 5 µm", "33 % of the travel of X"];
     let said = verdict(&visit, GENERATE, "undecided", &parts);
     assert!(!said.contains("every term"), "{said}");
@@ -191,7 +183,7 @@ fn the_scale_of_the_laser_counts_once_along_a_diagonal() {
 fn what_was_not_measured_decides_nothing() {
     let job = cube_job("noise_um = 0.1", "max_deviation_um = 5\nmax_diagonal_um = 9");
     for places in [&[0.0, 1000.0][..], &[0.0, 10.0, 20.0, 1000.0]] {
-        let visit = given(&job, &cube(places, 1.0));
+        let visit = Visit::with(&job, cube(places, 1.0));
         verdict(&visit, GENERATE, "undecided", &["of the travel of X"]);
     }
     // One column that stands still beside good ones: no laser read it.
@@ -208,12 +200,12 @@ fn what_was_not_measured_decides_nothing() {
 fn the_verdict_names_what_no_figure_holds() {
     let job = cube_job("noise_um = 0.1\ntemperature_k = 1", "max_deviation_um = 5");
     let holds = ["reversal not measured", "stated and not counted: temperature_k"];
-    verdict(&given(&job, &cube(&TENTHS, 1.0)), GENERATE, "", &holds);
+    verdict(&Visit::with(&job, cube(&TENTHS, 1.0)), GENERATE, "", &holds);
     let job = one_axis("", "max_deviation_um = 5");
     let plus = wave(900, 8.0).replace("axis,position_mm", "axis,direction,position_mm");
-    verdict(&given(&job, &plus.replace("\nx,", "\nx,+,")), GENERATE, "", &["moving + only"]);
+    verdict(&Visit::with(&job, plus.replace("\nx,", "\nx,+,")), GENERATE, "", &["moving + only"]);
     // A forgotten state of the control leaves it undecided.
-    let visit = given(&job, &wave(900, 8.0));
+    let visit = Visit::with(&job, wave(900, 8.0));
     visit.edit("job.toml", "active_while_measuring = \"none\"\n", "");
     verdict(&visit, GENERATE, "undecided", &["`active_while_measuring` is not stated"]);
 }
@@ -294,7 +286,7 @@ fn another_backlash_policy_leaves_what_was_said_of_it() {
         (&cube_both_ways(), cube_both_ways_job("\"mean\"", "max_diagonal_um = 2"), 1),
         (&cube_both_ways(), cube_both_ways_job("\"mean\"", BOTH_LIMITS), 1),
     ] {
-        let offered = offers_hold(&given("", errors), &job, "\"mean\"", least);
+        let offered = offers_hold(&Visit::with("", errors), &job, "\"mean\"", least);
         assert_eq!(offered[0], "\"two-tables\"", "{offered:?}");
     }
     let visit = Visit::of("diagonals/case_d_bidirectional");
@@ -308,7 +300,7 @@ fn another_backlash_policy_leaves_what_was_said_of_it() {
 /// The errors without compensation depend on the policy: with some the old backlash parameter belongs to them.
 #[test]
 fn it_is_offered_beside_active_tables_too() {
-    let visit = given(&lost_motion_job("\"forward-only\""), BOTH_WAYS);
+    let visit = Visit::with(lost_motion_job("\"forward-only\""), BOTH_WAYS);
     visit.run("generate job.toml -o old");
     let job = replaced(&lost_motion_job("\"mean\""), "\"none\"\n", "\"old\"\n");
     // Without the old parameter, what replaces it is refused, so it is not offered.
@@ -344,7 +336,7 @@ const BOTH_LIMITS: &str = "max_deviation_um = 1.2\nmax_diagonal_um = 2";
 #[test]
 fn of_policies_for_each_axis_one_is_changed() {
     let own = "{ x = \"mean\", y = \"two-tables\", z = \"mean\" }";
-    let visit = given("", &cube_both_ways());
+    let visit = Visit::with("", cube_both_ways());
     let job = cube_both_ways_job(own, "max_deviation_um = 1.2");
     let offered = offers_hold(&visit, &job, own, 2);
     let best = "{ x = \"two-tables\", y = \"two-tables\", z = \"mean\" }";
@@ -355,7 +347,7 @@ fn of_policies_for_each_axis_one_is_changed() {
 /// Each line of the comparison is the kit that the job would get; nothing is written.
 #[test]
 fn compared_policies_leave_what_their_kits_leave() {
-    let visit = given(&cube_both_ways_job("\"mean\"", BOTH_LIMITS), &cube_both_ways());
+    let visit = Visit::with(cube_both_ways_job("\"mean\"", BOTH_LIMITS), cube_both_ways());
     let before = visit.files();
     let page = visit.run("generate job.toml --compare").ends(1).out;
     assert_eq!(page.lines().filter(|line| line.starts_with('"')).count(), 12, "{page}");
@@ -387,7 +379,7 @@ fn compared_policies_leave_what_their_kits_leave() {
 #[test]
 fn a_second_visit_within_the_limit_leaves_the_control_as_it_is() {
     let job = one_axis("", "max_deviation_um = 2");
-    let visit = given(&job, &wave(900, 8.0));
+    let visit = Visit::with(&job, wave(900, 8.0));
     let advice = "the control can be left as it is";
     assert!(!verdict(&visit, GENERATE, "", &[]).contains(advice));
     visit.put("second.toml", replaced(&job, "\"none\"", "\"kit\""));

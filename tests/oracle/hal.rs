@@ -118,21 +118,16 @@ const UM: [[f64; 5]; 2] = [[0.0, 7.0, -3.0, 4.0, 11.0], [0.0, -2.0, 5.0, 5.0, 1.
 /// Six cross terms over a metre.
 fn long(spacing: f64) -> (String, String) {
     let mut errors = String::from("axis,position_mm,ex_um,ey_um,ez_um\n");
-    let mut job = String::from(
-        "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n\
-         active_while_measuring = \"none\"\n[compensation]\ncontroller = \"linuxcnc-hal\"\n",
-    );
     for (own, axis) in ["x", "y", "z"].into_iter().enumerate() {
         for (mm, at) in MEASURED_MM.iter().zip(0..) {
             let mut cells = UM.map(|um| um[at].to_string()).to_vec();
             cells.insert(own, String::new());
             errors += &format!("{axis},{mm},{}\n", cells.join(","));
         }
-        job += &format!(
-            "[machine.axes.{axis}]\ntravel_mm = [0, 1000]\nreference_mm = 0\n\
-             [compensation.axes.{axis}]\nspacing_mm = {spacing:?}\n"
-        );
     }
+    let keys = format!("spacing_mm = {spacing:?}");
+    let axes = ["x", "y", "z"].map(|axis| (axis, [0.0, 1000.0], 0.0, keys.clone()));
+    let job = support::job_of(support::UNCORRECTED, "controller = \"linuxcnc-hal\"", axes);
     (job, errors)
 }
 

@@ -473,10 +473,6 @@ fn u_of(found: &Separation, term: ErrorTerm) -> Vec<f64> {
     found.errors.mean[term].as_ref().unwrap().u_um.clone().unwrap()
 }
 
-fn u_of_squareness(found: &Separation, plane: Plane) -> f64 {
-    found.u_squareness.of(plane).unwrap().u_um_per_m
-}
-
 #[test]
 fn a_bow_of_the_yaw_shifts_the_squareness_and_u_holds_it() {
     let yaw = Rotation { about: Axis::Z, along: Axis::X };
@@ -537,7 +533,8 @@ fn a_bound_counts_as_its_straight_part_and_its_bow() {
             }
         }
         for (plane, square) in Plane::ALL.into_iter().zip(squareness) {
-            let [with, without] = [&with, &without].map(|found| u_of_squareness(found, plane));
+            let [with, without] =
+                [&with, &without].map(|found| found.u_squareness.of(plane).unwrap().u_um_per_m);
             compare(plane.key(), with, without, square);
         }
     }

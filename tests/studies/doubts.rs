@@ -1,16 +1,12 @@
 //! How often sound readings are doubted, and that what the closure sums up scatters as it says.
-use crate::support::diagonals::{Machine, naive, runs, volume, with_noise};
+use crate::support::diagonals::{Machine, box_30, naive, runs, with_noise};
 use crate::support::published::share;
 use nonius::quantity::axis::Axis;
-use nonius::quantity::diagonal::{Pass, Volume};
+use nonius::quantity::diagonal::Pass;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 const SIGMA_UM: f64 = 0.3;
-
-fn box_30() -> Volume {
-    volume([900.0, 720.0, 720.0], 30)
-}
 
 #[test]
 fn sound_readings_are_rarely_doubted() {

@@ -35,6 +35,10 @@ pub(crate) fn volume(size: [f64; 3], steps: usize) -> Volume {
     Volume { start: mm(0.0, 0.0, 0.0), size: mm(x, y, z), steps, order: Axis::ALL }
 }
 
+pub(crate) fn box_30() -> Volume {
+    volume([900.0, 720.0, 720.0], 30)
+}
+
 pub(crate) fn normal(random: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(random)
 }

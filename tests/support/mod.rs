@@ -18,7 +18,7 @@ use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
 use nonius::inputs::readings::Readings;
 use nonius::kit::{self, Inputs, Kit};
-use nonius::quantity::axis::Direction;
+use nonius::quantity::axis::{Direction, ErrorTerm};
 use nonius::quantity::units::{Millimetres, power_of_ten};
 use nonius::read::emulate::{Emulator, Response};
 use nonius::read::{KitFile, read};
@@ -26,10 +26,15 @@ use nonius::text::document::Source;
 use nonius::text::finding::Finding;
 use nonius::text::problem::Problems;
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
+use std::fmt::Display;
 use visit::fixture;
 
 /// Rounding of sums and products of numbers up to a few hundred micrometres.
 pub(crate) const DUST_UM: f64 = 1e-9;
+
+pub(crate) fn term(name: &str) -> ErrorTerm {
+    ErrorTerm::from_name(name).unwrap()
+}
 
 /// What was made; its problems end the test.
 #[track_caller]
@@ -45,6 +50,27 @@ pub(crate) fn source(name: &str, text: &str) -> Source {
 pub(crate) fn read_job(text: &str) -> Job {
     let read = Job::read(source("job.toml", text));
     read.unwrap_or_else(|p| panic!("{}\n{text}", p.render()))
+}
+
+/// `[measurement]` of a machine whose control corrected nothing.
+pub(crate) const UNCORRECTED: &str = "active_while_measuring = \"none\"";
+
+/// A job with `errors.csv`: further keys of `[measurement]`, those of `[compensation]`, and each axis with its travel and
+/// reference, mm, and the keys of its tables.
+pub(crate) fn job_of<A: Display>(
+    measurement: &str,
+    compensation: &str,
+    axes: impl IntoIterator<Item = (A, [f64; 2], f64, String)>,
+) -> String {
+    let axis = |(axis, travel, reference, keys): (A, [f64; 2], f64, String)| {
+        format!(
+            "[machine.axes.{axis}]\ntravel_mm = {travel:?}\nreference_mm = {reference:?}\n[compensation.axes.{axis}]\n{keys}\n"
+        )
+    };
+    let axes: String = axes.into_iter().map(axis).collect();
+    format!(
+        "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n{measurement}\n[compensation]\n{compensation}\n{axes}"
+    )
 }
 
 #[track_caller]

@@ -39,11 +39,11 @@ pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
     let asked = design.acceptance();
     let likely = |visit: &Visit| visit.reaches(asked) && design.chance(visit) >= Some(LIKELY);
     let variants = combinations(design, &additions);
-    let [forecast, second] = [
-        cheapest(design, &variants, |visit| visit.reaches(asked)),
-        cheapest(design, &variants, likely),
-    ]
-    .map(|found| {
+    let forecast = cheapest(design, &variants, |visit| visit.reaches(asked));
+    let second = asked.max_deviation_um.and(forecast.as_ref()).and_then(|first| {
+        if likely(first) { Some(first.clone()) } else { cheapest(design, &variants, likely) }
+    });
+    let [forecast, second] = [forecast, second].map(|found| {
         let new = found?;
         let known = visits.iter().position(|visit| visit.variant == new.variant);
         Some(known.unwrap_or_else(|| {

@@ -121,11 +121,9 @@ impl Table<'_> {
                 drawn.iter().enumerate().map(sizes).unzip();
             [left, found].map(|draws| quantiles(zero(job), &draws))
         };
-        let worst = |[a, b]: [LargestErrors; 2], [c, d]: [LargestErrors; 2]| {
-            [a.joined(&c, larger), b.joined(&d, larger)]
-        };
-        let [forecast, found] =
-            orders.iter().map(of_order).reduce(worst).map_or([None, None], |each| each.map(Some));
+        let all = orders.iter().map(of_order);
+        let worst = all.reduce(|[a, b], [c, d]| [a.joined(&c, larger), b.joined(&d, larger)]);
+        let [forecast, found] = worst.map_or([None, None], |each| each.map(Some));
         let values = quantiles(zero(job), &[self.sizes(&self.um)]);
         let sizes_of =
             |u: &[f64]| Sizes { terms: self.terms(&self.nothing(), 1.0, u), ..Sizes::default() };
