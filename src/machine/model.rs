@@ -153,9 +153,12 @@ impl ErrorModel {
         }
         let rotations = measured::rotations(job, table);
         let said = &table.remarks;
-        let other = said.measured.as_ref().filter(|most| most.zero != zero(job));
-        let other = other.map(|most| ModelFinding::OtherReference { zero: most.zero.clone() });
-        let is_own = other.is_none();
+        let mut zeros =
+            [&said.largest, &said.measured].into_iter().flatten().map(|most| &most.zero);
+        let other = zeros.clone().find(|own| **own != zero(job)).cloned();
+        // What is anew has no zero of its own.
+        let is_own = other.is_none() && zeros.next().is_some();
+        let other = other.map(|zero| ModelFinding::OtherReference { zero });
         let angles_do = !deviations && rotations.iter().any(|(_, angle)| angle.is_some());
         let nothing = terms.iter().all(|(_, term)| term.is_none()) && !angles_do;
         if nothing && problems.is_empty() {

@@ -195,6 +195,12 @@ impl Missed {
         worst.map(|worst| worst.at_most_um)
     }
 
+    /// What is doubtful of all of its kind in other figures, µm.
+    pub(crate) fn doubtful_of(&self, figures: &Forecast) -> f64 {
+        let doubtful = &figures.doubtful;
+        self.diagonal.map_or_else(|| doubtful.all_um(), |_| doubtful.ranges_um())
+    }
+
     /// What is left of the largest of its kind in other figures, µm.
     pub(crate) fn left_of(&self, figures: &Forecast) -> f64 {
         let diagonals = figures.diagonals.iter().map(|d| d.change.after_um);

@@ -13,7 +13,7 @@ use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::joint::Measured;
 use crate::machine::separation::{Instrument, Part, Separation, expected, table};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::quantity::units::Millimetres;
 use crate::text::document::Source;
@@ -46,6 +46,8 @@ pub struct Design<'a> {
     angles: Option<ErrorTable>,
     /// What is known of angles; `None` = what `angles` says.
     evidence: Option<AngleEvidence>,
+    /// By how much reversals are known to change along their axes, µm.
+    change_um: PerTerm<f64>,
     described: Variant,
     measurement: DiagonalMeasurement,
     instrument: Instrument,
@@ -74,6 +76,7 @@ impl<'a> Design<'a> {
             job,
             angles,
             evidence: None,
+            change_um: PerTerm::from_fn(|_| 0.0),
             times,
         })
     }
@@ -89,6 +92,8 @@ impl<'a> Design<'a> {
         run.overrun = Millimetres::new(f64::from(found.overrun != Some(false)));
         design.instrument.noise_um = found.noise.map_or(NOISE_UM, |noise| noise.sigma_um);
         design.evidence = Some(found.angle_evidence().clone());
+        design.change_um =
+            found.turn.as_ref().map_or(design.change_um, |turn| turn.change_um.clone());
         for (index, linear) in design.measurement.linear.iter_mut().enumerate() {
             linear.u_um_per_m = Some(found.u_of_line(index));
         }
@@ -189,7 +194,7 @@ impl<'a> Design<'a> {
         let back = usize::from(variant.run.bidirectional);
         let noise_um = self.instrument.noise_um;
         let passes = &Pass::BOTH[..=back];
-        let expected = expected(&campaign, passes, variant.run.runs, noise_um);
+        let expected = expected(&campaign, passes, variant.run.runs, noise_um, &self.change_um);
         let is_open =
             |term: &ErrorTerm| wants(&job, *term) && expanded_um(&expected, *term).is_none();
         Ok(Visit {

@@ -164,9 +164,13 @@ impl Judged<'_> {
         ))
     }
 
-    /// Better tables from what was measured after loading, or is measured like this in its place.
+    /// Better tables from what was measured after loading, with what is doubtful of it, or is measured like this in its
+    /// place.
     fn new_tables(&self, own: &Visit, visit: &Visit, missed: &Missed) -> Option<Act> {
-        Some(self.act(own, visit, self.remade(missed, missed.of(&visit.forecast)?)?, true))
+        let is_again = visit.variant.run.runs > own.variant.run.runs;
+        let doubtful_um = if is_again { 0.0 } else { missed.doubtful_of(self.figures) };
+        let off_um = missed.of(&visit.forecast)? + doubtful_um;
+        Some(self.act(own, visit, self.remade(missed, off_um)?, true))
     }
 
     /// What new tables are at most, that are so much off their points.

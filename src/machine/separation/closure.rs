@@ -29,7 +29,7 @@ use super::patterns::{Known, Patterns, Ramps};
 use super::readings::{CorrectedRun, Means, RunCounts, pass_of, run_counts};
 use super::steps::Steps;
 use crate::inputs::job::{Material, SetUp};
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::axis::{Axis, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
@@ -222,6 +222,8 @@ pub(super) struct Start {
     pub(super) outliers: Vec<Outlier>,
     /// σ of a reading where repeats or the job give it.
     pub(super) noise: Option<Noise>,
+    /// By how much reversals are known to change along their axes from elsewhere, µm.
+    pub(super) change_um: PerTerm<f64>,
 }
 
 impl Start {
@@ -231,6 +233,7 @@ impl Start {
         let (noise, outliers) = repeats(&runs);
         let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
         Start {
+            change_um: PerTerm::from_fn(|_| 0.0),
             material: material.map(|material| recorded(&material, raw_runs)),
             zeroed_runs: runs.iter().filter(zeroed).cloned().collect(),
             counts: run_counts(&runs),

@@ -12,22 +12,25 @@ use super::noise::Noise;
 use super::separate::{Separation, of_start};
 use super::uncertainty::of_length_ppm;
 use crate::inputs::job::{DiagonalMeasurement, StatedUncertainty};
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::axis::{Axis, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
 use crate::quantity::units::Deviation;
 
 /// What is expected of a measurement before its readings exist: deviations of 0, with the uncertainties
 /// that this many runs of these passes will have. `noise_um`: σ of a single reading. Whether the axes
-/// overrun has to be stated where the return pass is one of the passes.
+/// overrun has to be stated where the return pass is one of the passes. `change_um`: by how much the reversals are
+/// known to change along their axes.
 pub(crate) fn expected(
     campaign: &Campaign<'_>,
     passes: &[Pass],
     runs: u32,
     noise_um: f64,
+    change_um: &PerTerm<f64>,
 ) -> Separation {
     let of_noise = |noise: Noise| Noise { sigma_um: noise_um, ..noise };
     let mut start = Start::new(campaign, &exact(campaign, passes, runs));
     start.noise = start.noise.map(of_noise);
+    start.change_um.clone_from(change_um);
     of_start(campaign, &start, of_noise)
 }
 

@@ -11,7 +11,7 @@ use super::solved::{Solved, naive_squareness};
 use super::uncertainty::{Budget, u_squareness};
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
 use crate::quantity::axis::Axis;
-use crate::quantity::units::{Figure, rounded};
+use crate::quantity::units::{Figure, larger, rounded};
 use crate::text::finding::Finding;
 
 /// Of step runs.
@@ -38,7 +38,9 @@ pub(super) fn of_steps(
         Some(Found::FrameOf { frame: measurement.frame }),
         Some(way),
         (backs && !campaign.reverse_zero_known).then_some(Found::OwnZero),
-        turn.map(|turn| Found::FromTurn { change_um: turn.change_um }),
+        turn.map(|turn| Found::FromTurn {
+            change_um: turn.change_um.iter().map(|(_, um)| *um).fold(0.0, larger),
+        }),
         backs.then_some(Found::Directions),
     ];
     let labels = labels.into_iter().flatten();

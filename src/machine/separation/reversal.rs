@@ -11,8 +11,8 @@
 //! ```text
 //!   J_dk      = Σ_j s_dk s_dj (V_j/R) B_jk(e)      e = high end of k where s_dk = +, low end where s_dk = −
 //!   s_dk G_dk = Σ_j s_dk s_dj (V_j/R) (B_jk(high) − B_jk(low))
-//!   0         = B_jk(high) − B_jk(low) + c_jk      u²(c): mean square of the nine changes by J and G alone,
-//!                                                  their noise included, at least what noise makes of it
+//!   0         = B_jk(high) − B_jk(low) + c_jk      u²(c): square of this change by J and G alone, its noise
+//!                                                  included, at least what noise makes of it
 //! ```
 //! Generalised least squares of all: of neighbouring increments the noise is shared, so that the totals of the
 //! diagonals are in it. Differences of increments: neither the zero of the reverse runs nor the tilt of a mirror matters.
@@ -34,7 +34,7 @@ use super::solved::Solved;
 use super::steps::Steps;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
-use crate::quantity::units::Squared;
+use crate::quantity::units::{Squared, larger};
 use crate::text::finding::Finding;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -70,8 +70,9 @@ pub struct Turn {
     /// Probability of changes at least as large where the reversals of an axis, its cross terms included, are constant
     /// along it; `None` = noise not known.
     pub constancy: PerAxis<Option<f64>>,
-    /// u(c): by how much a reversal is taken to change along its axis, µm (k = 1).
-    pub change_um: f64,
+    /// u(c): by how much a reversal is taken to change along its axis, µm (k = 1): as much as was found, at least
+    /// what noise makes.
+    pub change_um: PerTerm<f64>,
     /// B of each term by place.
     curves: PerTerm<CurveRows>,
 }
@@ -167,12 +168,21 @@ impl Solved<'_> {
             let square = spread.into_owned().cholesky()?.solve(&own).dot(&own);
             chance_of(square, 3, noise.filter(|noise| noise.sigma_um > 0.0)?.freedom)
         };
-        let change_um = (changes.norm_squared().max(of_changes.trace()) / 9.0).sqrt();
+        let change_um = PerTerm::from_fn(|term| {
+            let own = at(term.along, term.of, Direction::Minus);
+            let found = changes[own].squared().max(of_changes[(own, own)]).sqrt();
+            larger(found, budget.start.change_um[term])
+        });
         covariance = covariance.resize(MEASURED + 9, MEASURED + 9, 0.0);
-        for equation in MEASURED..MEASURED + 9 {
-            covariance[(equation, equation)] = change_um.squared() + NEGLECTED * square;
-            rows.push(Row::of(self.add(0.0, change_um)));
+        for term in ErrorTerm::ALL {
+            let equation = MEASURED + at(term.along, term.of, Direction::Minus);
+            covariance[(equation, equation)] = change_um[term].squared() + NEGLECTED * square;
         }
+        let mut by_equation = [0.0; 9];
+        for (term, um) in change_um.iter() {
+            by_equation[at(term.along, term.of, Direction::Minus)] = *um;
+        }
+        rows.extend(by_equation.map(|um| Row::of(self.add(0.0, um))));
         let [gain, _] = solution(&design, covariance)?;
         let end = |term: ErrorTerm, end| {
             let of = gain.row(at(term.along, term.of, end));
