@@ -91,29 +91,6 @@ impl Chain {
             .map(|arm| lever_effect(rotation.about, arm))
             .collect()
     }
-
-    /// σ of paper 002: +1 if the axes 1, 2, 3 are a right-handed permutation of X, Y, Z, else −1.
-    pub(crate) fn parity(self) -> f64 {
-        let [first, second, third] = self.order();
-        unit(first).cross(unit(second))[third]
-    }
-
-    /// Factor from a right-handed angle of ISO 230-1 to paper 002's symbol "1 ab 2", whose sign is
-    /// that of its effect; `None` for the rotations that the paper's rows do not hold.
-    ///
-    /// ```text
-    ///   1ab2 = +σ r₁[2]   2ab2 = +σ r₂[2]   1ab3 = −σ r₁[3]   1ab1 = −σ r₁[1]   2ab1 = −σ r₂[1]
-    /// ```
-    /// source  docs/volumetric.md §2; reproduces figure 2 of the paper
-    pub fn paper_sign(self, rotation: Rotation) -> Option<f64> {
-        let [_, second, third] = self.order();
-        let Rotation { about, along } = rotation;
-        if along == third || (along == second && about == third) {
-            return None;
-        }
-        let sigma = self.parity();
-        Some(if about == second { sigma } else { -sigma })
-    }
 }
 
 impl fmt::Display for Chain {

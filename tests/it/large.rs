@@ -4,6 +4,7 @@
 
 use crate::COUNTED;
 use crate::support::parallel::in_parallel;
+use crate::support::published::short_or;
 use crate::support::tree::Entry;
 use crate::support::visit::{Ran, Visit, fixture, page, program, replaced};
 use nonius::text::document::{LARGEST_PAGE, MOST_LINES, MOST_POINTS, MOST_ROWS};
@@ -222,6 +223,8 @@ fn memory_stays_in_proportion_to_input_and_output() {
         ("siemens-840d-sl", "out/all.arc", archive(backlash.repeat(200_000)), READ_OUT),
         ("fanuc-30i", "out/PARA.TXT", format!("%\n{}%\n", "N1\n".repeat(MB)), READ_OUT),
     ];
+    // Every third, or all where `NONIUS_SIMULATIONS` is set.
+    let cases: Vec<_> = cases.iter().step_by(short_or(3, 1)).collect();
     let judged = in_parallel(&cases, |(control, name, text, command)| {
         let visit = beside(control, name, text, command);
         let of = |entry: &Entry| if let Entry::File(bytes) = entry { bytes.len() } else { 0 };

@@ -11,7 +11,6 @@ use std::ffi::OsStr;
 use std::fs::{self, Permissions};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
 
 fn spawned(visit: &Visit, words: &str) -> Child {
     let mut command = program(visit.folder(), words);
@@ -24,19 +23,6 @@ fn only_whole_kits(visit: &Visit) {
     let is_kit = |name: &&String| name.starts_with("kit") && !name.contains('/');
     for name in files.keys().filter(is_kit).filter(|name| !name.contains(".partial-")) {
         visit.run(&format!("verify job.toml --tables {name}")).ends(0);
-    }
-}
-
-#[test]
-fn killed_at_any_moment_nothing_looks_finished_that_is_not() {
-    let visit = Visit::of("start/errors");
-    for round in 0..60_u64 {
-        let mut child = spawned(&visit, "generate job.toml -o kit --force");
-        std::thread::sleep(Duration::from_micros(round * 150));
-        // It may have finished already; then there is nothing to kill.
-        let _ = child.kill();
-        child.wait().expect("the program ends");
-        only_whole_kits(&visit);
     }
 }
 

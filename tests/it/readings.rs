@@ -43,13 +43,6 @@ fn a_reading_stands_at_its_node() {
     assert_eq!([0, 7].map(|node| run.deviations[node].um()), [-6.4112, 2.5334]);
 }
 
-#[test]
-fn linear_measurements_of_the_job_are_read() {
-    let (measurement, _) = golden_readings("case_b_setup");
-    let axes: Vec<Axis> = measurement.linear.iter().map(|l| l.axis).collect();
-    assert_eq!(axes, Axis::ALL);
-}
-
 /// A box of 90 × 72 × 72 mm in two steps of each axis.
 fn measurement(kind: PathKind) -> DiagonalMeasurement {
     let [x, y, z] = [90.0, 72.0, 72.0].map(Millimetres::new);

@@ -105,17 +105,6 @@ fn without_linear_axes_the_scales_are_named_and_left_out() {
 }
 
 #[test]
-fn an_assumed_set_up_is_said_in_every_output() {
-    let visit = case("case_a_ideal");
-    let words = "set-up assumed perfect";
-    visit.run("separate job.toml -v").ends(0).says(words);
-    labelled(&separated(&visit, 0), words);
-    let csv = visit.yes("separate job.toml --trials 0 -o -");
-    assert!(csv.contains(words), "{csv}");
-    visit.run("generate job.toml -o kit").ends(1).says(words);
-}
-
-#[test]
 fn a_measured_linear_axis_serves_as_well_as_its_stated_slope() {
     let visit = case("case_b_setup");
     let end = || number(&separated(&visit, 0)["errors"]["EXX"]["deviation_um"][30]);

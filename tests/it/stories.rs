@@ -107,17 +107,6 @@ fn a_place_that_cannot_be_written_leaves_nothing() {
 }
 
 #[test]
-fn the_same_input_gives_the_same_bytes_from_anywhere() {
-    let (visit, other) = (Visit::with(JOB, TABLE), Visit::new());
-    visit.yes("generate job.toml -o one");
-    visit.yes("generate job.toml -o two");
-    other.yes(&format!("generate \"{}\" -o three", visit.at("job.toml").display()));
-    let one = below(&visit.files(), "one");
-    assert_eq!(below(&visit.files(), "two"), one);
-    assert_eq!(below(&other.files(), "three"), one);
-}
-
-#[test]
 fn a_job_on_standard_input() {
     let visit = Visit::with(JOB, TABLE);
     fs::remove_file(visit.at("job.toml")).unwrap();

@@ -1,6 +1,6 @@
 //! Laws of the rehearsal: what `simulate` predicts is what the test's own arithmetic reads on the
 //! same machine, and what `separate` takes apart again.
-use crate::support::diagonals::{Machine, curve, measurement, mm, naive, volume};
+use crate::support::diagonals::{Machine, measurement, mm, volume};
 use crate::support::{self, error_table, inputs, shown};
 use nonius::inputs::findings::Remark;
 use nonius::inputs::job::{Frame, SetUp};
@@ -136,18 +136,6 @@ proptest! {
         for run in &after.runs {
             for left in &run.deviations {
                 prop_assert!(left.um().abs() < 6.0 * GENERIC_UM, "{} {:?}: {left:?}", run.diagonal, run.pass);
-            }
-        }
-    }
-
-    #[test]
-    fn separation_takes_the_prediction_apart_again(machine in any_machine(), seed: u64) {
-        let inputs = inputs(&job(&machine.volume, false, false, true), &table(&machine, false));
-        let wishes = Wishes { noise: Noise { um: 0.0, seed }, ..Wishes::default() };
-        let separation = naive(&machine.volume, &simulate(&inputs, None, wishes).runs);
-        for term in ErrorTerm::ALL {
-            for (found, wanted) in curve(&separation, term).iter().zip(&machine.curves[term]) {
-                prop_assert!((found - wanted).abs() < 1e-6, "{term}: {found} for {wanted}");
             }
         }
     }

@@ -4,12 +4,10 @@ use crate::support::diagonals::{
     Machine, close, curve, index, measurement, mm, naive, normal, runs, solved, squareness_error,
     volume, with_noise,
 };
-use crate::support::published::{is_held, short_or};
-use crate::support::visit::fixture;
-use crate::support::{error_table, golden_readings, words};
-use nonius::inputs::error_table::ErrorTable;
+use crate::support::published::short_or;
+use crate::support::{error_table, words};
 use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
-use nonius::machine::separation::corrections::{AngleModel, angle_effects};
+use nonius::machine::separation::corrections::AngleModel;
 use nonius::machine::separation::curves::Curve;
 use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{Separation, separate};
@@ -290,74 +288,6 @@ fn rank_and_words_follow_the_linear_axes() {
 }
 
 #[test]
-fn scales_that_cancel_are_named_as_undetermined() {
-    let mut machine = Machine::perfect(&volume([900.0, 720.0, 720.0], 30));
-    machine.set_slope("EXX", 20.0);
-    machine.set_slope("EYY", -31.25);
-    let runs = forward(&machine);
-    let found = solved(&machine.volume, Vec::new(), &runs);
-    for d in Diagonal::ALL {
-        close(found.end_um[d], 0.0, DUST_UM, d);
-    }
-    close(found.scale_sum_um_mm, 0.0, 1e-5, "S");
-    assert_eq!(
-        words(&found.undetermined),
-        [
-            "scale of X, Y and Z can be traded against each other; measure two axes along their length"
-        ]
-    );
-    let naive = naive(&machine.volume, &runs);
-    curves_close(&naive, &machine.curves, DUST_UM);
-    assert!(words(&naive.labels)[0].starts_with("set-up assumed perfect"));
-    assert!(naive.undetermined.is_empty());
-}
-
-#[test]
-fn a_hidden_set_up_error_is_solved_away_with_linear_axes() {
-    let mut machine = Machine::perfect(&volume([900.0, 720.0, 720.0], 30));
-    for d in Diagonal::ALL {
-        machine.lean[d] =
-            PerAxis { x: d.sign(Axis::X) * 40e-6, y: d.sign(Axis::Y) * -50e-6, z: 0.0 };
-    }
-    let runs = forward(&machine);
-    let naive = naive(&machine.volume, &runs);
-    for (name, end) in [("EXX", 54.36), ("EYY", -67.95), ("EZZ", 0.0)] {
-        let term = ErrorTerm::from_name(name).unwrap();
-        close(curve(&naive, term)[30], end, 0.01, name);
-    }
-    for axis in Axis::ALL {
-        close(naive.closure.mean[axis], 0.0, 1e-6, axis);
-    }
-    for d in Diagonal::ALL {
-        // Second order: R |eta|^2 / 2.
-        close(naive.end_um[d], 0.0, 0.003, d);
-    }
-    let blind = solved(&machine.volume, Vec::new(), &runs);
-    assert!(words(&blind.undetermined)[0].starts_with("scale of X, Y and Z"));
-    assert!(words(&blind.labels).iter().all(|label| !label.contains("assumed perfect")));
-    for axes in [&[Axis::X, Axis::Y][..], &Axis::ALL] {
-        let found = solved(&machine.volume, machine.lines(axes, None), &runs);
-        curves_close(&found, &machine.curves, 1e-5);
-        for d in Diagonal::ALL {
-            let arcsec = (40e-6f64.hypot(50e-6)).to_degrees() * 3600.0;
-            close(found.tilts.unwrap()[d].arcsec, arcsec, 0.01, d);
-        }
-    }
-}
-
-#[test]
-fn the_geometries_of_paper_004_come_back() {
-    let mut random = ChaCha8Rng::seed_from_u64(6);
-    for (size, steps) in [([800.0, 600.0, 600.0], 40), ([900.0, 720.0, 720.0], 30)] {
-        let machine = Machine::random(&volume(size, steps), &mut random).x_primary();
-        let runs = forward(&machine);
-        curves_close(&naive(&machine.volume, &runs), &machine.curves, DUST_UM);
-        let lines = machine.lines(&[Axis::X, Axis::Z], None);
-        curves_close(&solved(&machine.volume, lines, &runs), &machine.curves, 0.003);
-    }
-}
-
-#[test]
 fn a_disturbed_reading_is_named_with_its_twins() {
     let volume = volume([900.0, 720.0, 720.0], 30);
     for seed in 0..24 {
@@ -377,59 +307,6 @@ fn a_disturbed_reading_is_named_with_its_twins() {
         assert!(named.readings.len() <= 4, "{:?}", named.readings);
         let sigma = found.noise.unwrap().sigma_um;
         close(sigma, 0.3, 0.1, "noise without the disturbed reading");
-    }
-}
-
-#[test]
-fn clean_noise_names_no_reading() {
-    let volume = volume([900.0, 720.0, 720.0], 30);
-    let (mut false_names, machines) = (0, short_or(60, 200));
-    for seed in 0..machines {
-        let mut random = ChaCha8Rng::seed_from_u64(1000 + seed);
-        let readings = with_noise(&Machine::perfect(&volume).readings(None), 0.3, &mut random);
-        let found = naive(&volume, &runs(1, Pass::Forward, &readings));
-        false_names += u32::from(!found.closure.outliers.is_empty());
-    }
-    let share = f64::from(false_names) / machines as f64;
-    assert!(is_held(share, machines as usize, 0.0..=0.04, 0.0..=0.04), "{false_names}");
-}
-
-/// A = 5, B = −8, C = 12 µrad · t · (1 − 0.3 k) for axis k = 0, 1, 2.
-fn angles() -> ErrorTable {
-    let mut text = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\n".to_string();
-    for (axis, length, share) in [("x", 900.0, 1.0), ("y", 720.0, 0.7), ("z", 720.0, 0.4)] {
-        for t in [0.0, 0.5, 1.0] {
-            let [a, b, c] = [5.0, -8.0, 12.0].map(|angle| angle * t * share);
-            text += &format!("{axis},{},0,0,0,{a},{b},{c}\n", length * t);
-        }
-    }
-    error_table(&text)
-}
-
-#[test]
-fn measured_angles_give_the_true_errors_back() {
-    let table = angles();
-    for (case, reflector, tolerance) in [
-        ("case_c_angles", Reflector::Retroreflector, 3e-4),
-        ("case_c2_mirror", Reflector::FlatMirror, 6e-4),
-    ] {
-        let (measured, readings) = golden_readings(case);
-        let chain = Chain::ALL_AXES_MOVE_THE_TOOL;
-        let model =
-            AngleModel::new(&table, chain, (&Levers::default(), PerAxis::default()), reflector);
-        let mut campaign = simulated::campaign(&measured, Vec::new());
-        campaign.angles = Some(angle_effects(&model, &measured.volume, PathKind::Step));
-        let found = separate(&campaign, &readings.runs);
-        let truth = error_table(&fixture(&format!("diagonals/{case}/truth.csv")));
-        let mut largest = 0.0f64;
-        for term in ErrorTerm::ALL {
-            let series = &truth.series(term.along)[0];
-            let wanted = series.deviations[term.of].as_ref().unwrap();
-            for (found, wanted) in curve(&found, term).iter().zip(wanted) {
-                largest = largest.max((found - wanted.um()).abs());
-            }
-        }
-        assert!(largest <= tolerance, "{case}: {largest}");
     }
 }
 
