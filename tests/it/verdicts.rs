@@ -229,12 +229,13 @@ fn offered(said: &str) -> Vec<(&str, &str)> {
     lines.filter_map(|line| line.split_once("` would leave ")).collect()
 }
 
-/// `at most 1.234 µm`, of what the rows of a page leave that the job limits.
-fn left_on(page: &Value, job: &str) -> String {
+/// `at most 1.234 µm`, of what the rows of a page leave that the job limits; the document has them to 10⁻⁶ µm, so one on
+/// half of the last digit that is shown may be `off_um` to either side.
+fn left_on(page: &Value, job: &str, off_um: f64) -> String {
     let at_most = |rows: &str| {
         let rows = page[rows].as_object().into_iter().flatten();
         let um = rows.map(|(_, row)| number(&row["forecast_um"])).fold(0.0, f64::max);
-        format!("at most {um:.3} µm")
+        format!("at most {:.3} µm", (um + off_um).max(0.0))
     };
     let (terms, diagonals) = (at_most("terms"), at_most("diagonals") + " on the diagonals");
     match (job.contains("max_deviation_um"), job.contains("max_diagonal_um")) {
@@ -259,8 +260,9 @@ fn offers_hold(visit: &Visit, job: &str, own: &str, least: usize) -> Vec<String>
         let tables = made["tables"].as_array().map_or(0, Vec::len);
         let tables = format!("{tables} {}", if tables == 1 { "table" } else { "tables" });
         let verdict = page["verdict"].as_str().unwrap();
-        let left = left_on(&page, job);
-        assert_eq!(*told, format!("{left} with {tables}: {verdict}"), "{other}\n{said}");
+        let fits =
+            |off_um| *told == format!("{} with {tables}: {verdict}", left_on(&page, job, off_um));
+        assert!(fits(-5e-7) || fits(5e-7), "{other}: {}\n{said}", left_on(&page, job, 0.0));
     }
     offers.into_iter().map(|(policy, _)| policy.to_string()).collect()
 }
