@@ -11,8 +11,8 @@
 //! ```text
 //!   J_dk      = Σ_j s_dk s_dj (V_j/R) B_jk(e)      e = high end of k where s_dk = +, low end where s_dk = −
 //!   s_dk G_dk = Σ_j s_dk s_dj (V_j/R) (B_jk(high) − B_jk(low))
-//!   0         = B_jk(high) − B_jk(low) + c_jk      u²(c): square of this change by J and G alone, its noise
-//!                                                  included, at least what noise makes of it
+//!   0         = B_jk(high) − B_jk(low) + c_jk      u²(c): square of this change by J and G alone, its noise included,
+//!                                                  at least the mean of the nine, and what noise makes of it
 //! ```
 //! Generalised least squares of all: of neighbouring increments the noise is shared, so that the totals of the
 //! diagonals are in it. Differences of increments: neither the zero of the reverse runs nor the tilt of a mirror matters.
@@ -71,7 +71,7 @@ pub struct Turn {
     /// along it; `None` = noise not known.
     pub constancy: PerAxis<Option<f64>>,
     /// u(c): by how much a reversal is taken to change along its axis, µm (k = 1): as much as was found, at least
-    /// what noise makes.
+    /// the root mean square of all nine and what noise makes.
     pub change_um: PerTerm<f64>,
     /// B of each term by place.
     curves: PerTerm<CurveRows>,
@@ -168,9 +168,10 @@ impl Solved<'_> {
             let square = spread.into_owned().cholesky()?.solve(&own).dot(&own);
             chance_of(square, 3, noise.filter(|noise| noise.sigma_um > 0.0)?.freedom)
         };
+        let usual = changes.norm_squared() / 9.0;
         let change_um = PerTerm::from_fn(|term| {
             let own = at(term.along, term.of, Direction::Minus);
-            let found = changes[own].squared().max(of_changes[(own, own)]).sqrt();
+            let found = changes[own].squared().max(of_changes[(own, own)]).max(usual).sqrt();
             larger(found, budget.start.change_um[term])
         });
         covariance = covariance.resize(MEASURED + 9, MEASURED + 9, 0.0);
