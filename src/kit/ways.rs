@@ -10,7 +10,7 @@ use crate::kit::inputs::judged;
 use crate::kit::made::Made;
 use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::units::larger;
-use crate::text::finding::{Finding, findings};
+use crate::text::finding::{Finding, findings, joined};
 
 /// What the last printed digit does not show is no gain, µm.
 const SHOWN_UM: f64 = 0.001;
@@ -23,9 +23,9 @@ findings! {
         Backlash { policies: PerAxis<Option<BacklashPolicy>>, left: Left, tables: usize, verdict: Verdict } => Label,
             "`backlash = {}` would leave {} with {tables} {}: {}", policies_as_stated(policies), left.words(), if *tables == 1 { "table" } else { "tables" }, verdict.word();
         Grid { terms: Vec<ErrorTerm>, largest_um: f64 } => Label,
-            "{}: the points of the tables leave up to {largest_um:.3} µm of it; closer points (`spacing_mm`, `points`, `max_residual_um`) leave less", names(terms);
+            "{}: the points of the tables leave up to {largest_um:.3} µm of it; closer points (`spacing_mm`, `points`, `max_residual_um`) leave less", joined(terms);
         NoTable { terms: Vec<ErrorTerm> } => Label,
-            "{}: no table holds it, so all of it is left", names(terms);
+            "{}: no table holds it, so all of it is left", joined(terms);
     }
 }
 
@@ -65,12 +65,6 @@ impl Left {
         let both: Vec<String> = terms.into_iter().chain(diagonals).collect();
         both.join(" and ")
     }
-}
-
-/// Names of terms, as in `EXX, EYX`.
-fn names(terms: &[ErrorTerm]) -> String {
-    let names: Vec<String> = terms.iter().map(ToString::to_string).collect();
-    names.join(", ")
 }
 
 /// The ways to another answer; none where the kit keeps its limit and nothing was active.

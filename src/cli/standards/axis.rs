@@ -11,7 +11,7 @@ use crate::machine::standards::{
 };
 use crate::page::{Locale, Picture, targets};
 use crate::quantity::axis::Direction;
-use crate::text::finding::Finding;
+use crate::text::finding::{self, Finding};
 use crate::text::problem::Problem;
 use serde_json::{Value, json};
 
@@ -68,7 +68,7 @@ impl Page<'_> {
         );
         let title = format!(
             "ISO 230-2, k = 2; the formulas are those of the editions {}\n{}",
-            editions_words(&iso_230_2::EDITIONS),
+            finding::joined(iso_230_2::EDITIONS),
             iso_230_2::label(&self.conditions)
         );
         Screen {
@@ -182,12 +182,6 @@ fn at_target<const N: usize>(mm: f64, figures: [(&str, Option<f64>); N]) -> Valu
     joined([json!({ "target_mm": mm }), named_um(figures)])
 }
 
-/// `1997, 2006, 2014`.
-fn editions_words(editions: &[u16]) -> String {
-    let years: Vec<String> = editions.iter().map(u16::to_string).collect();
-    years.join(", ")
-}
-
 pub(super) fn likely_words(confidence: &str) -> &str {
     match confidence {
         SURE => SURE,
@@ -209,7 +203,7 @@ pub(super) fn conditions(heading: &str, conditions: &[Condition]) -> More {
             condition.met.word(),
             condition.asked,
             condition.found,
-            editions_words(condition.editions),
+            finding::joined(condition.editions),
             condition.confidence
         )
     });

@@ -210,7 +210,11 @@ fn clean(place: &Path, parent: &Path, door: Option<&File>) {
     for path in left {
         let name = path.display();
         let held = File::open(&path);
-        match held.as_ref().map(File::try_lock) {
+        let locked = held.as_ref().map(File::try_lock);
+        if fs::symlink_metadata(&path).is_err() {
+            continue; // its run put it into its place, or removed it, meanwhile
+        }
+        match locked {
             Ok(Ok(())) if cfg!(unix) => {
                 remove(&path);
                 say(&format!("removed {name}, left by a run that was killed"));

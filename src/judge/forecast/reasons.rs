@@ -8,6 +8,7 @@ use crate::inputs::job::{Acceptance, Job};
 use crate::judge::conformity::Verdict;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::larger;
+use crate::text::finding::joined;
 use std::cmp::Ordering;
 use std::fmt;
 
@@ -253,11 +254,6 @@ fn singly_or_together(
     together.map(all).into_iter().collect()
 }
 
-fn listed(terms: &[ErrorTerm]) -> String {
-    let names: Vec<String> = terms.iter().map(ToString::to_string).collect();
-    names.join(", ")
-}
-
 /// Which errors a verdict speaks of.
 pub(crate) fn terms_words(terms: &[ErrorTerm]) -> String {
     let names: Vec<String> = terms.iter().map(ToString::to_string).collect();
@@ -321,13 +317,13 @@ impl fmt::Display for RestsOn {
                 out.write_str("reversal not measured")
             }
             RestsOn::NoReversal(terms) => {
-                write!(out, "reversal of {} not measured", listed(terms))
+                write!(out, "reversal of {} not measured", joined(terms))
             }
             RestsOn::WithoutU(terms) if terms.is_empty() => {
                 out.write_str("U is not stated and counted as 0")
             }
             RestsOn::WithoutU(terms) => {
-                write!(out, "U of {} is not stated and counted as 0", listed(terms))
+                write!(out, "U of {} is not stated and counted as 0", joined(terms))
             }
             RestsOn::Neglected(causes) => {
                 let words: Vec<&str> = causes.iter().map(|cause| words(*cause)).collect();

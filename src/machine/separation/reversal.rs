@@ -176,14 +176,10 @@ impl Solved<'_> {
         });
         covariance = covariance.resize(MEASURED + 9, MEASURED + 9, 0.0);
         for term in ErrorTerm::ALL {
-            let equation = MEASURED + at(term.along, term.of, Direction::Minus);
-            covariance[(equation, equation)] = change_um[term].squared() + NEGLECTED * square;
+            let (equation, um) = (rows.len(), change_um[term]); // in the order of the unknowns
+            covariance[(equation, equation)] = um.squared() + NEGLECTED * square;
+            rows.push(Row::of(self.add(0.0, um)));
         }
-        let mut by_equation = [0.0; 9];
-        for (term, um) in change_um.iter() {
-            by_equation[at(term.along, term.of, Direction::Minus)] = *um;
-        }
-        rows.extend(by_equation.map(|um| Row::of(self.add(0.0, um))));
         let [gain, _] = solution(&design, covariance)?;
         let end = |term: ErrorTerm, end| {
             let of = gain.row(at(term.along, term.of, end));

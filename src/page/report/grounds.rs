@@ -10,6 +10,7 @@ use crate::kit::visit_plan::{Measured, Share};
 use crate::machine::separation::Part;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Millimetres;
+use crate::text::finding::joined;
 use crate::text::html::escaped;
 
 /// So many of a kind stand on the first page; the parts behind it have all.
@@ -58,7 +59,7 @@ impl Report<'_> {
         match terms.len() {
             0 => self.t("asked_deviation"),
             all if all == ErrorTerm::ALL.len() => self.t("asked_deviation"),
-            few if few <= FEW => self.fill("asked_of", [("errors", names(terms))]),
+            few if few <= FEW => self.fill("asked_of", [("errors", joined(terms))]),
             some => self.fill("asked_of_some", [("count", some.to_string())]),
         }
     }
@@ -82,9 +83,9 @@ impl Report<'_> {
             }
             RestsOn::ReversalNotCounted => self.t("reversal_not_counted"),
             RestsOn::NoReversal(terms) if terms.is_empty() => self.t("no_reversal"),
-            RestsOn::NoReversal(terms) => self.fill("no_reversal_of", [("errors", names(terms))]),
+            RestsOn::NoReversal(terms) => self.fill("no_reversal_of", [("errors", joined(terms))]),
             RestsOn::WithoutU(terms) if terms.is_empty() => self.t("without_u"),
-            RestsOn::WithoutU(terms) => self.fill("without_u_of", [("errors", names(terms))]),
+            RestsOn::WithoutU(terms) => self.fill("without_u_of", [("errors", joined(terms))]),
             RestsOn::Neglected(causes) => self.neglected(causes),
             RestsOn::Unused(keys) => self.fill("unused", [("keys", keys.join(", "))]),
             RestsOn::NineNeeded => self.t("nine_needed"),
@@ -311,9 +312,4 @@ impl Report<'_> {
         ];
         self.fill("reason_range", facts)
     }
-}
-
-fn names(terms: &[ErrorTerm]) -> String {
-    let names: Vec<String> = terms.iter().map(ToString::to_string).collect();
-    names.join(", ")
 }
