@@ -1,7 +1,6 @@
 //! Lists of captures into a form: all of them, one too few, one too many, of diagonals and of one axis.
 use crate::support::source;
-use crate::support::tree::skipped;
-use crate::support::visit::{Visit, fixture, fixtures};
+use crate::support::visit::{Visit, fixture, shared};
 use nonius::inputs::import::stated::{Counting, Stated};
 use nonius::inputs::import::{List, Measurement, fill};
 use nonius::quantity::diagonal::Diagonal;
@@ -178,8 +177,8 @@ fn what_lists_do_not_carry_has_to_be_stated() {
 /// Real bidirectional runs of a stage, as a list in the order of its captures.
 #[test]
 fn a_list_of_a_real_axis_misses_the_capture_that_was_taken_out() {
-    let path = fixtures("../../shared/data/iso230-2/iso230_2_ess_b02_x.csv");
-    let Ok(table) = read_to_string(path) else { return skipped("../shared is not here") };
+    let Some(path) = shared("iso230-2/iso230_2_ess_b02_x.csv") else { return };
+    let table = read_to_string(path).unwrap();
     let rows = table.lines().filter(|line| !line.starts_with(['#', 'i']));
     let rows: Vec<Vec<f64>> =
         rows.map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect();

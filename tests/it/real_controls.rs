@@ -1,7 +1,7 @@
 //! Files that real controls wrote, read where they lie: not part of this repository, and nothing of
 //! them is copied here. What was understood of them is told in counts, ranges and largest values.
-use crate::support::visit::fixtures;
-use crate::support::{inputs, job_of, response, shown, tree, um_at};
+use crate::support::visit::shared;
+use crate::support::{inputs, job_of, response, shown, um_at};
 use nonius::control::controller::Role;
 use nonius::control::table::Tables;
 use nonius::control::table::siemens::SiemensGrid;
@@ -17,13 +17,9 @@ type Files = Vec<(String, Vec<u8>)>;
 
 /// Files of a folder; `None`, told in one line, where they do not lie beside the repository.
 fn real(folder: &str, names: &[&str]) -> Option<Files> {
-    let folder = fixtures("../../shared/data/real").join(folder);
-    let read = |name: &&str| Some((name.to_string(), std::fs::read(folder.join(name)).ok()?));
-    let files: Option<Files> = names.iter().map(read).collect();
-    if files.is_none() {
-        tree::skipped("../shared is not here");
-    }
-    files
+    let folder = shared(&format!("real/{folder}"))?;
+    let read = |name: &&str| (name.to_string(), std::fs::read(folder.join(name)).unwrap());
+    Some(names.iter().map(read).collect())
 }
 
 /// A job for three axes, measured with `active`; `axis` = lines of `[compensation.axes]`.

@@ -1,7 +1,7 @@
 //! Files that other people's instruments and CAM systems wrote, read where they lie beside the
 //! repository: what is understood of each, and which are refused for which reason.
-use crate::support::visit::{Visit, fixtures};
-use crate::support::{tree, words as said_of};
+use crate::support::visit::{Visit, shared};
+use crate::support::words as said_of;
 use nonius::control::controller::TableSign;
 use nonius::inputs::import::stated::{MaterialCorrected, Stated};
 use nonius::inputs::import::{Component, Imported, Measurement, import};
@@ -15,10 +15,7 @@ use std::path::{Path, PathBuf};
 
 /// The names and paths of the files of a folder; `None` where the data are not there.
 fn files(folder: &str) -> Option<BTreeMap<String, PathBuf>> {
-    let Ok(entries) = fs::read_dir(fixtures("../../shared/data/real").join(folder)) else {
-        tree::skipped("../shared is not here");
-        return None;
-    };
+    let entries = fs::read_dir(shared(&format!("real/{folder}"))?).unwrap();
     let paths = entries.map(|entry| entry.unwrap().path());
     let named = paths.map(|path| (path.file_name().unwrap().to_str().unwrap().to_string(), path));
     Some(named.filter(|(name, _)| !name.ends_with(".tsv")).collect())

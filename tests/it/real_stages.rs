@@ -1,11 +1,12 @@
 //! Measured machines: three real stages (ISO 230-2 runs, read where they lie, not part of this
 //! repository), and the shipped nine errors against an independent simulation.
-use crate::support::visit::{fixture, fixtures};
-use crate::support::{self, Lines, tree};
+use crate::support::visit::{fixture, shared};
+use crate::support::{self, Lines};
 use nonius::control::controller::{Dialect, builtin};
 use nonius::control::table::Tables;
 use nonius::control::table::fanuc::ParameterValue;
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm};
+use std::path::Path;
 
 /// Detection unit of the Fanuc jobs, µm.
 const UNIT_UM: f64 = 0.1;
@@ -19,10 +20,8 @@ struct Stage {
 }
 
 impl Stage {
-    /// `None` where the measured data do not lie beside the repository.
-    fn read(axis: &str) -> Option<Stage> {
-        let path = fixtures(&format!("../../shared/data/iso230-2/iso230_2_ess_b02_{axis}.csv"));
-        let text = std::fs::read_to_string(path).ok()?;
+    fn read(path: &Path) -> Stage {
+        let text = std::fs::read_to_string(path).unwrap();
         let rows = text.lines().filter(|line| !line.starts_with(['#', 'i']));
         let cells = |line: &str| line.split(',').map(|cell| cell.parse().unwrap()).collect();
         let rows: Vec<Vec<f64>> = rows.map(cells).collect();
@@ -33,7 +32,7 @@ impl Stage {
                 um: rows.iter().map(|row| um(row) * 1000.0).collect(),
             }
         };
-        Some(Stage { up: mean(2), down: mean(7) })
+        Stage { up: mean(2), down: mean(7) }
     }
 
     fn spacing(&self) -> f64 {
@@ -70,12 +69,9 @@ fn largest<'a>(values: impl IntoIterator<Item = &'a f64>) -> f64 {
 
 /// The three stages as one machine; the end of the test, told in one line, without the data.
 fn stages() -> Option<Vec<(Axis, Stage)>> {
-    let read = |axis: Axis| Some((axis, Stage::read(axis.key())?));
-    let stages: Option<Vec<_>> = Axis::ALL.into_iter().map(read).collect();
-    if stages.is_none() {
-        tree::skipped("../shared is not here");
-    }
-    stages
+    let data = shared("iso230-2")?;
+    let file = |axis: Axis| data.join(format!("iso230_2_ess_b02_{}.csv", axis.key()));
+    Some(Axis::ALL.map(|axis| (axis, Stage::read(&file(axis)))).into())
 }
 
 fn errors_csv(stages: &[(Axis, Stage)]) -> String {

@@ -1,15 +1,11 @@
 //! Figures by standard: against an independent computation on measured stages (read where they
-//! lie, not part of this repository) and golden machines, figures made by hand, and their
-//! laws; and what is wrong with files of runs of one axis.
-use crate::support::tree::skipped;
-use crate::support::visit::{Ran, Visit, fixture, fixtures, number, page, program};
+//! lie, not part of this repository), figures made by hand, and their laws; and what is wrong with files of runs of one axis.
+use crate::support::visit::{Ran, Visit, fixtures, page, program, shared};
 use crate::support::{fixed_seed, source};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
-use nonius::machine::standards::{
-    ByDirection, Condition, DiagonalMotion, Diagonals, Met, diagonal, vdi_3441,
-};
+use nonius::machine::standards::{ByDirection, Condition, DiagonalMotion, Met, diagonal, vdi_3441};
 use nonius::quantity::axis::Direction;
 use nonius::text::delimited::LengthUnit;
 use proptest::prelude::*;
@@ -45,10 +41,8 @@ fn by_name(axis: &AxisFigures, name: &str) -> Option<f64> {
 /// The figures of four stages, to the last digit that the independent computation printed.
 #[test]
 fn measured_stages_give_the_figures_of_an_independent_computation() {
-    let data = fixtures("../../shared/data/iso230-2");
-    let Ok(expected) = fs::read_to_string(data.join("expected.csv")) else {
-        return skipped("../shared is not here");
-    };
+    let Some(data) = shared("iso230-2") else { return };
+    let expected = fs::read_to_string(data.join("expected.csv")).unwrap();
     let lines: Vec<&str> = expected.lines().skip(2).collect();
     assert_eq!(lines.len(), 48);
     for line in lines {
@@ -63,63 +57,6 @@ fn measured_stages_give_the_figures_of_an_independent_computation() {
 }
 
 const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
-
-/// From the cell ends of the four diagonals of 900 × 720 × 720 mm: every third node, forward = up.
-fn step_diagonals(case: &str, steps: usize) -> Diagonals {
-    let readings = fixture(&format!("diagonals/{case}/readings.csv"));
-    let rows: Vec<Vec<&str>> = readings.lines().map(|line| line.split(',').collect()).collect();
-    let of = |name: &str, direction: &str| {
-        let at = |cell: usize| -> Vec<f64> {
-            let node = (3 * cell).to_string();
-            let is_it = |row: &&Vec<&str>| row[0] == name && row[2] == direction && row[3] == node;
-            rows.iter().filter(is_it).map(|row| row[5].parse().unwrap()).collect()
-        };
-        let um: Vec<Vec<f64>> = (0..=steps).map(at).collect();
-        (!um[0].is_empty()).then_some(um)
-    };
-    let length_mm = (900.0_f64.powi(2) + 720.0_f64.powi(2) * 2.0).sqrt();
-    let targets: Vec<f64> =
-        (0..=steps).map(|cell| length_mm * cell as f64 / steps as f64).collect();
-    let runs = DIAGONALS
-        .map(|name| Runs::new(targets.clone(), of(name, "forward"), of(name, "reverse")).unwrap());
-    let named: Vec<(&str, &Runs)> = DIAGONALS.into_iter().zip(&runs).collect();
-    diagonal(&named, DiagonalMotion::StepDiagonalCellEnds)
-}
-
-/// Figures of the simulation are exact to rounding of the readings (1e-9 µm).
-#[test]
-fn diagonals_of_the_golden_machine_in_both_directions_and_in_one() {
-    let expected = Visit::of("diagonals/case_d_bidirectional").document("expected.json");
-    let expected = expected["iso230_6"].as_object().unwrap();
-    let found = step_diagonals("case_d_bidirectional", 10);
-    assert_eq!(found.label, "from step-diagonal cell ends, not ISO 230-6");
-    for (key, value) in expected {
-        let um = match key.as_str() {
-            "E_d" => found.e_d_um,
-            "B_d" => found.b_d_um,
-            key => {
-                let (figure, name) = key.rsplit_once('_').unwrap();
-                let of = found.diagonals.iter().find(|of| of.name == name).unwrap();
-                by_name(&of.figures, figure)
-            }
-        };
-        let off = (um.unwrap() - number(value)).abs();
-        assert!(off <= 1e-8, "{key}: {um:?}, expected {value}");
-    }
-    assert_eq!(expected.len(), 34);
-    // In one direction there are ranges.
-    let found = step_diagonals("case_a_ideal", 30);
-    let close = |um: Option<f64>, expected: f64| {
-        assert!((um.unwrap() - expected).abs() <= 1e-6, "{um:?}, expected {expected}");
-    };
-    close(found.largest_range_um, 21.457424184);
-    close(found.range_over_all_um, 30.825471466);
-    let ranges = [18.543452999, 12.715510628, 13.843169661, 21.457424184];
-    for (of, expected) in found.diagonals.iter().zip(ranges) {
-        close(of.range_um, expected);
-    }
-    assert_eq!((found.e_d_um, found.b_d_um), (None, None));
-}
 
 /// Two runs over two targets.
 fn two_targets(up: Option<[[f64; 2]; 2]>, down: Option<[[f64; 2]; 2]>) -> Runs {

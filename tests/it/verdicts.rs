@@ -1,7 +1,6 @@
 //! No verdict is surer than what it rests on: one U for the same data everywhere, limits on the
 //! largest of many, few degrees of freedom, a part of the travel, what nobody measured.
-use crate::support::tree::skipped;
-use crate::support::visit::{Visit, fixtures, number, replaced};
+use crate::support::visit::{Visit, number, replaced};
 use crate::support::{UNCORRECTED, job_of};
 use serde_json::Value;
 use std::fs;
@@ -208,19 +207,6 @@ fn the_verdict_names_what_no_figure_holds() {
     let visit = Visit::with(&job, wave(900, 8.0));
     visit.edit("job.toml", "active_while_measuring = \"none\"\n", "");
     verdict(&visit, GENERATE, "undecided", &["`active_while_measuring` is not stated"]);
-}
-
-/// Cases beside the repository in which the program once said too much.
-#[test]
-fn cases_that_once_passed() {
-    let shared = "../../shared/data/repro";
-    if !fixtures(shared).is_dir() {
-        return skipped("../shared is not here");
-    }
-    for case in ["forecast_u", "student", "range3pct"] {
-        let visit = Visit::of(&format!("{shared}/{case}"));
-        visit.run("generate job.toml -o kit").ends(1).says("verdict: undecided");
-    }
 }
 
 /// The policies that the advice offers, and what each would leave.

@@ -7,8 +7,8 @@ mod canonical;
 mod own;
 mod real;
 
-use crate::support::tree::{is_installed, skipped};
-use crate::support::visit::{Visit, fixtures, number};
+use crate::support::tree::is_installed;
+use crate::support::visit::{Visit, number, shared};
 use canonical::{Walked, walked};
 use std::fs;
 use std::process::Command;
@@ -186,10 +186,7 @@ fn outcome(bench: &Bench, both: (&[u8], &str), unit: Unit, keys: &str) -> Result
 /// Real programs, each with what is expected of it.
 #[test]
 fn real_programs_go_where_linuxcnc_goes() {
-    let directory = fixtures("../../shared/data/real/gcode");
-    if !directory.is_dir() {
-        return skipped("the collection of real programs is not here");
-    }
+    let Some(directory) = shared("real/gcode") else { return };
     if !is_installed("rs274") {
         return;
     }

@@ -1,5 +1,5 @@
 //! Whether U = k·u holds the true value as often as it says, on simulated machines. Plain `cargo
-//! test` simulates 64 of them; `NONIUS_SIMULATIONS=twentieth` or `all` 1600.
+//! test` simulates 16 of them; `NONIUS_SIMULATIONS=twentieth` or `all` 1600.
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
     Machine, Readings, Share, curve, float, noisy_lines, noisy_runs, normal, runs,
@@ -26,7 +26,7 @@ const SIGMA_UM: f64 = 0.3;
 const U_LINE_UM_PER_M: f64 = 0.5;
 
 fn machines() -> usize {
-    short_or(64, 1600)
+    short_or(16, 1600)
 }
 
 fn seeds() -> std::ops::Range<u64> {

@@ -12,6 +12,16 @@ pub(crate) fn fixtures(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(name)
 }
 
+/// A path of the measured data beside the repository; `None`, told in one line, where they are not there.
+pub(crate) fn shared(name: &str) -> Option<PathBuf> {
+    let path = fixtures("../../shared/data").join(name);
+    let is_here = path.exists();
+    if !is_here {
+        super::tree::skipped("../shared is not here");
+    }
+    is_here.then_some(path)
+}
+
 /// The text of a fixture.
 pub(crate) fn fixture(name: &str) -> String {
     fs::read_to_string(fixtures(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
