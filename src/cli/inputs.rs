@@ -1,7 +1,7 @@
 //! Files of a user → checked inputs.
 
 use crate::cli::campaign::CampaignFiles;
-use crate::cli::files::{file_name, file_names, plain_words, read_argument};
+use crate::cli::files::{file_name, file_names, plain_words, read_argument, read_file};
 use crate::cli::job_files::{JobFiles, folder_of, read_page};
 use crate::control::controller::Profile;
 use crate::inputs::error_table::ErrorTable;
@@ -14,7 +14,7 @@ use crate::quantity::axis::PerAxis;
 use crate::quantity::diagonal::PathKind;
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Reads a job and everything it names, for tables.
@@ -129,36 +129,10 @@ pub(super) fn active(
         return without_tables(job, profile);
     };
     let full = files.folder.join(path);
-    let refuse = |error: std::io::Error| {
-        let words = format!("`{path}` cannot be read: {}", plain_words(&error));
-        files.at(ACTIVE, Problem::new(words).help("name a kit, a file or a directory read out of the control (relative to the job), or write \"none\""))
-    };
-    let is_file = !std::fs::metadata(&full).map_err(refuse)?.is_dir();
-    let names = match is_file {
-        true => vec![String::new()],
-        false => file_names(&full).map_err(refuse)?,
-    };
-    let own_name = full.file_name().unwrap_or_default().to_string_lossy();
-    let (mut manifest, mut found) = (None, Vec::new());
-    // What operating systems leave is ignored.
-    for name in names.into_iter().filter(|name| !name.starts_with('.')) {
-        let bytes = files.bytes(&place(&full, &name), ACTIVE)?;
-        if name == MANIFEST {
-            manifest = Some(bytes);
-        } else if is_file {
-            found.push((own_name.clone().into_owned(), bytes));
-        } else {
-            found.push((name, bytes));
-        }
-    }
-    if found.is_empty() {
-        let empty = Problem::new(format!("`{path}` holds no file of a control"));
-        let empty = empty.help("name the directory with the control's files");
-        return Err(files.at(ACTIVE, empty).into());
-    }
-    let inside = |name: &str| match is_file {
-        true => path.clone(),
-        false => format!("{path}/{name}"),
+    let (manifest, found) = of_control(&full, path).map_err(|problem| files.at(ACTIVE, problem))?;
+    let inside = |name: &str| match full.is_dir() {
+        true => format!("{path}/{name}"),
+        false => path.clone(),
     };
     let active = match &manifest {
         Some(manifest) => from_kit(job, profile, path, manifest, found)?,
@@ -170,10 +144,30 @@ pub(super) fn active(
     Ok(Some(active))
 }
 
-/// A file of a directory, or the file itself.
-fn place(full: &Path, name: &str) -> PathBuf {
-    match name {
-        "" => full.to_path_buf(),
-        name => full.join(name),
+/// The manifest, and names and bytes of the other files.
+type OfControl = (Option<Vec<u8>>, Vec<(String, Vec<u8>)>);
+
+/// A file of a control, or those of a directory; `path` = as it was named. What operating systems leave is ignored.
+pub(super) fn of_control(full: &Path, path: &str) -> Result<OfControl, Problem> {
+    let refuse = |error: std::io::Error| {
+        let words = format!("`{path}` cannot be read: {}", plain_words(&error));
+        Problem::new(words).help("name a kit, a file or a directory read out of the control (relative to the job), or write \"none\"")
+    };
+    if !std::fs::metadata(full).map_err(refuse)?.is_dir() {
+        return Ok((None, vec![(file_name(full), read_file(full)?)]));
     }
+    let (mut manifest, mut found) = (None, Vec::new());
+    for name in file_names(full).map_err(refuse)?.into_iter().filter(|name| !name.starts_with('.'))
+    {
+        let bytes = read_file(&full.join(&name))?;
+        match name == MANIFEST {
+            true => manifest = Some(bytes),
+            false => found.push((name, bytes)),
+        }
+    }
+    if found.is_empty() {
+        let empty = Problem::new(format!("`{path}` holds no file of a control"));
+        return Err(empty.help("name the directory with the control's files"));
+    }
+    Ok((manifest, found))
 }

@@ -1,19 +1,22 @@
 //! `nonius new --controller ID --travel X,Y,Z -o DIR`
 
 use crate::cli::files::read_argument;
-use crate::cli::inputs::errors;
+use crate::cli::inputs::{errors, of_control};
 use crate::cli::job_files::{JobFiles, folder_of, profile, read_page};
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, shell_word};
 use crate::cli::write::NamedBytes;
 use crate::control::controller::Profile;
-use crate::inputs::job::{MeasuredData, UseOf};
+use crate::inputs::job::{Job, MeasuredData, UseOf};
+use crate::judge::active::{ReadOutFor, from_read_out};
+use crate::judge::findings::InControl;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, Measured, Visit};
 use crate::quantity::axis::PerAxis;
 use crate::quantity::units::{Figure, MM_PER_INCH};
 use crate::text::document::{LONGEST_MM, Source};
 use crate::text::problem::{Problem, Problems};
+use crate::write::plan::axis_names;
 use clap::Args;
 use serde_json::json;
 use std::fmt;
@@ -45,6 +48,9 @@ pub(super) struct Options {
     #[arg(long, value_name = "JOB",
         conflicts_with_all = ["controller", "travel", "readings", "both_directions", "steps"])]
     from: Option<PathBuf>,
+    /// Read out of the control since then: what is active now, and what it says of unit, references, travel and detection units
+    #[arg(long, value_name = "PATH", requires = "from")]
+    read_out: Option<PathBuf>,
     #[command(flatten)]
     output: Output,
 }
@@ -75,7 +81,7 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let directory = options.output.free_directory()?;
     let (profile, begun, words) = match &options.from {
-        Some(job) => again(job, directory)?,
+        Some(job) => again(job, options.read_out.as_deref(), directory)?,
         None => first(options, directory)?,
     };
     let stages = stages(&begun, directory);
@@ -127,8 +133,8 @@ fn first(options: &Options, directory: &Path) -> Result<Beginning, Problems> {
     Ok((profile, begun, words))
 }
 
-/// The visit after that of a job, whose kit lies beside it.
-fn again(path: &Path, directory: &Path) -> Result<Beginning, Problems> {
+/// The visit after that of a job, whose kit lies beside it, or after what was read out since.
+fn again(path: &Path, read_out: Option<&Path>, directory: &Path) -> Result<Beginning, Problems> {
     let (name, bytes) = read_argument(path)?;
     let job = read_page(Source::from_bytes(&name, &bytes)?, folder_of(path), UseOf::Tables)?;
     let mut files = JobFiles::new(&job, path);
@@ -142,9 +148,11 @@ fn again(path: &Path, directory: &Path) -> Result<Beginning, Problems> {
         }
     };
     let folder = files.folder;
-    let kit = folder.join(KIT);
+    let kit = read_out.map_or_else(|| folder.join(KIT), Path::to_path_buf);
     let mut words = vec!["carried over as they stand: machine, control, box, uncertainty and protocol; compare them with the machine".to_string()];
-    let is_kit = kit.join(MANIFEST).is_file();
+    let held = read_out.map(|path| held(&job, &profile, path, &mut words)).transpose()?;
+    let held = held.unwrap_or_default();
+    let is_kit = read_out.is_some() || kit.join(MANIFEST).is_file();
     let place = ["first_table", "first_set"].into_iter();
     let place = place.rev().find(|place| profile.job_keys.iter().any(|key| key.key == *place));
     words.push(match (is_kit, place) {
@@ -159,9 +167,30 @@ fn again(path: &Path, directory: &Path) -> Result<Beginning, Problems> {
         (true, None) => format!("the new tables replace those of {}", kit.display()),
     });
     let kit = if is_kit { inside(&kit, directory) } else { String::new() };
-    let earlier = Earlier { job: &job, measured, place, kit };
+    let earlier = Earlier { job: &job, measured, place, kit, held };
     let begun = earlier.again(|path| inside(&folder.join(path), directory))?;
     Ok((profile, begun, words))
+}
+
+/// What was read out of the control for keys of the job that state something else, and where it stands there.
+fn held(
+    job: &Job,
+    profile: &Profile,
+    path: &Path,
+    words: &mut Vec<String>,
+) -> Result<Vec<(String, String)>, Problems> {
+    let (name, names) = (path.display().to_string(), axis_names(job, profile)?);
+    let (_, files) = of_control(path, &name)?;
+    let control = from_read_out(job, profile, &name, files, ReadOutFor::Judging)?;
+    let mut held: Vec<(String, String)> = Vec::new();
+    for finding in &control.findings {
+        let key = finding.kind().and_then(|kind: &InControl| kind.key(&names));
+        if let Some((key, value)) = key.filter(|new| held.iter().all(|(key, _)| *key != new.0)) {
+            words.push(format!("from the read-out: `{key} = {value}`; {finding}"));
+            held.push((key, value));
+        }
+    }
+    Ok(held)
 }
 
 /// What a length was taken for: where an axis counts from elsewhere, every position would be another one.

@@ -1,8 +1,9 @@
 //! What is found in the files of a control against a job, and in a second measurement: each kind with its facts, how grave it is, its words.
 
+use crate::control::controller::ControlUnit;
 use crate::inputs::job::Frame;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::units::{Figure, rounded};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::units::{Figure, MM_PER_INCH, rounded};
 use crate::read::emulate::CannotEmulate;
 use crate::text::finding::{Finding, findings};
 pub(crate) use crate::text::finding::{joined, listed};
@@ -94,6 +95,43 @@ findings! {
 }
 
 impl InControl {
+    /// The key of a job that it contradicts, and what the control has for it; `names` = those of the control's axes.
+    /// Where a gantry has several, its first counts.
+    pub(crate) fn key(&self, names: &PerAxis<Vec<String>>) -> Option<(String, String)> {
+        let of = |section: &str, name: &str, key: &str| {
+            let own = names.iter().find(|(_, names)| names.first().is_some_and(|own| own == name));
+            own.map(|(axis, _)| format!("{section}.axes.{}.{key}", axis.key()))
+        };
+        let mm = |position: &f64, unit: &str| {
+            let is_inch = unit == ControlUnit::Inch.word();
+            format!("{:?}", rounded(position * if is_inch { MM_PER_INCH } else { 1.0 }, 6))
+        };
+        Some(match self {
+            Self::ControlUnit { unit, .. } => {
+                ("compensation.control_unit".to_string(), format!("\"{unit}\""))
+            }
+            Self::Reference { axis, position, unit, .. }
+            | Self::ReferencePoint { axis, position, unit, .. } => {
+                (of("machine", axis, "reference_mm")?, mm(position, unit))
+            }
+            Self::HomeOffset { joint, position, unit, .. } => {
+                (of("machine", &joint.to_string(), "reference_mm")?, mm(position, unit))
+            }
+            Self::HomeDirection { joint, own, .. } => {
+                let word = format!("\"{}\"", own.opposite().symbol());
+                (of("machine", &joint.to_string(), "reference_direction")?, word)
+            }
+            Self::TravelBeyond { axis, held_mm, .. } | Self::OtherTravel { axis, held_mm, .. } => {
+                let ends = held_mm.map(|mm| rounded(mm, 6));
+                (of("machine", axis, "travel_mm")?, format!("{ends:?}"))
+            }
+            Self::DetectionUnit { axis, um, .. } => {
+                (of("compensation", axis, "detection_unit_um")?, format!("{um:?}"))
+            }
+            _ => return None,
+        })
+    }
+
     /// What to do where old tables are refused for it.
     pub(super) const fn help(&self) -> &'static str {
         match self {

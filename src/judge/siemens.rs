@@ -99,7 +99,7 @@ impl Family for SiemensFacts {
     fn surroundings(&self, before: &Before<'_>) -> (Vec<InControl>, Vec<String>) {
         let (wanted, held) = (before.compiled, before.held);
         let tables = own(&wanted.tables);
-        let found = surroundings::found(&wanted.state, tables, held);
+        let found = surroundings::cec_limits(held, tables, wanted.state.unit);
         (found, surroundings::absent(tables, held))
     }
 

@@ -327,3 +327,18 @@ fn a_second_visit_begins_where_the_first_one_ended() {
         at.run("verify next/job.toml --tables next/beside").answers().says("job and tables agree");
     }
 }
+
+#[test]
+fn a_read_out_fills_the_keys_that_it_knows() {
+    let at = Visit::with_job("nine_errors_900/fanuc-30i.toml");
+    at.put("PARA.TXT", "%\nN01240Q1A1P500.0A2P0.0\nN01320Q1A1P905.0\nN01321Q1A1P-5.0\n%\n");
+    let begun = at.run("new --from job.toml --read-out PARA.TXT -o next").ends(0);
+    let begun = begun.says("`machine.axes.x.reference_mm = 500.0`; 1240 of axis 1 is 500 mm");
+    begun.omits("axes.y").says("replace those of PARA.TXT or lie beside them");
+    for line in [
+        "travel_mm = [-5.0, 905.0]\nreference_mm = 500.0\n",
+        "\nactive_while_measuring = \"../PARA.TXT\"\n",
+    ] {
+        assert!(at.read("next/job.toml").contains(line), "{line}");
+    }
+}

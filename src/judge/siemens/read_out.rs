@@ -1,6 +1,8 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
-use super::data::{BACKLASH, CEC_ON, Datum, LEC_ON, TABLE_ON, UNIT, WEIGHT};
+use super::data::{
+    BACKLASH, CEC_ON, Datum, LEC_ON, REFERENCE, REFERENCE_MODE, TABLE_ON, UNIT, WEIGHT,
+};
 use super::surroundings::cec_limits;
 use crate::control::claims::Assumption;
 use crate::control::controller::ControlUnit;
@@ -49,6 +51,7 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
     sorted.tell_programs(&told, reads_programs);
     let (lec, cec) = (sorted.lec(), sorted.cec());
     sorted.tell_what_was_not_read_out();
+    sorted.tell_references();
     let metric = sorted.value(UNIT, &[]);
     Ok(Found {
         tables: Tables::Siemens(SiemensTables { lec, cec }),
@@ -197,6 +200,34 @@ impl Sorted<'_, '_> {
 
     fn encoder(&self, axis: Axis) -> u32 {
         self.stated_encoder(axis).unwrap_or(0)
+    }
+
+    /// MD34100, the position at the zero mark of an incremental measuring system. With an absolute or
+    /// a distance-coded one (MD34200 other than 1) it says nothing (both from memory). The index of
+    /// MD34100 is a reference cam, that of MD34200 the measuring system. Old tables count from wherever they do.
+    fn tell_references(&mut self) {
+        const SAME_MM: f64 = 1e-3;
+        const ZERO_MARK: f64 = 1.0;
+        let job = self.reading.job;
+        let unit = job.compensation.control_unit;
+        if !self.reading.judges() {
+            return;
+        }
+        for (own, names) in self.reading.names.clone().iter() {
+            let encoder = self.encoder(own).to_string();
+            for axis in names {
+                let mode = self.value(REFERENCE_MODE, &[encoder.as_str(), axis.as_str()]);
+                let counts = mode.is_none_or(|mode| (mode - ZERO_MARK).abs() <= 0.0);
+                let position = self.value(REFERENCE, &["0", axis.as_str()]).filter(|_| counts);
+                let machine = job.machine.axes[own].as_ref();
+                let (Some(position), Some(machine)) = (position, machine) else { continue };
+                let own_mm = machine.reference.mm();
+                if (position * unit.in_mm() - own_mm).abs() > SAME_MM {
+                    let (axis, unit) = (axis.clone(), unit.word());
+                    self.reading.tell(InControl::ReferencePoint { axis, position, unit, own_mm });
+                }
+            }
+        }
     }
 
     pub(super) fn value(&self, (_, name): Datum, indices: &[&str]) -> Option<f64> {

@@ -22,8 +22,10 @@ pub struct Earlier<'a> {
     pub measured: Measured,
     /// The key of the job that places tables in the control; `None` = files are replaced.
     pub place: Option<&'static str>,
-    /// Its kit as the new job names it; empty where none is known.
+    /// What is active now as the new job names it: its kit, or what was read out; empty where none is known.
     pub kit: String,
+    /// What was read out of the control for keys of the job.
+    pub held: Vec<(String, String)>,
 }
 
 /// A table that is measured once more.
@@ -65,6 +67,12 @@ impl Earlier<'_> {
         page.remove("measurement.active_while_measuring", "active_while_measuring");
         page.insert_above(data, format!("active_while_measuring = {kit}\n"));
         self.state_place(&mut page);
+        for (key, value) in &self.held {
+            if !page.set(key, value.clone()) {
+                let name = key.rsplit('.').next().unwrap_or(key);
+                page.insert_above("compensation.controller", format!("{name} = {value}\n"));
+            }
+        }
         page.set(data, quoted(name));
         page.set("measurement.date", quoted(""));
         for key in OF_THE_DAY {
@@ -130,6 +138,7 @@ impl Earlier<'_> {
         let expected = ActiveTables::Path(self.kit.clone());
         match read {
             Ok(job) if self.kit.is_empty() || job.measurement.active == expected => Ok(text),
+            Err(problems) if !self.held.is_empty() => Err(problems),
             _ => {
                 let name = &self.job.source.name;
                 let words = format!("`{name}` is laid out in a way that cannot be carried over");
