@@ -1,13 +1,11 @@
 //! The program and its library as a user meets them, a module a subject.
-#![allow(
+#![expect(
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::print_stdout,
-    clippy::print_stderr,
     clippy::float_cmp,
     clippy::disallowed_methods,
     clippy::cast_possible_truncation,
-    clippy::needless_range_loop,
     reason = "a test stops at what it did not expect, and says what it saw"
 )]
 

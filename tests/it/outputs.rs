@@ -1,9 +1,5 @@
 //! Where a run writes, and with whom at the same time: killed runs, twenty at once, a closed standard
 //! output, places that are read-only, links, or inputs.
-//!
-//! What is refused because it is an input or no regular file is tested in `tests/it/lost.rs`, a standard output
-//! that is full or not read in `tests/it/outcome.rs`, a failure of single system calls and a full disk in
-//! `tests/it/faults.rs`.
 
 use crate::support::tree::{Entry, below, copies, difference, skipped};
 use crate::support::visit::{Ran, Visit, program, replaced};

@@ -1,5 +1,5 @@
-//! Figures by standard: against an independent computation on measured stages (read where they
-//! lie, not part of this repository), figures made by hand, and their laws; and what is wrong with files of runs of one axis.
+//! Figures by standard: against an independent computation on measured stages, by hand, and their laws; and what is
+//! wrong with files of runs of one axis.
 use crate::support::visit::{Ran, Visit, fixtures, page, program, shared};
 use crate::support::{fixed_seed, source};
 use nonius::inputs::target_runs::{Runs, Stated, Values};

@@ -1,13 +1,11 @@
 //! Machines and emulators that know nothing of the program, and real controls.
-#![allow(
+#![expect(
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::print_stdout,
     clippy::print_stderr,
-    clippy::float_cmp,
     clippy::disallowed_methods,
     clippy::cast_possible_truncation,
-    clippy::needless_range_loop,
     reason = "a test stops at what it did not expect, and says what it saw"
 )]
 

@@ -1,10 +1,8 @@
 //! Seeded simulations: what writes the tables of docs/accuracy.md.
-#![allow(
+#![expect(
     clippy::unwrap_used,
     clippy::expect_used,
     clippy::print_stdout,
-    clippy::print_stderr,
-    clippy::float_cmp,
     clippy::disallowed_methods,
     clippy::cast_possible_truncation,
     clippy::needless_range_loop,
