@@ -10,7 +10,7 @@ use std::time::Instant;
 /// The variable that lets one bug show.
 const PLANTED: &str = "NONIUS_PLANTED";
 /// How long the fuzzer looks for each.
-const SECONDS: &str = "40";
+const SECONDS: &str = "60";
 
 /// Prints which bug was found by which; true = each by one at least.
 pub fn run() -> Result<bool, String> {
@@ -18,18 +18,18 @@ pub fn run() -> Result<bool, String> {
     let copy = root.join("target/planted");
     let bugs = copy_with_bugs(&root, &copy)?;
     let started = Instant::now();
-    // Without a bug nothing is found: what is built here is what the repository holds.
-    let build = [fuzzer(&copy, None, "0").0, faults(&copy, None)];
-    println!("built in {} s; without a bug: {build:?}", started.elapsed().as_secs());
+    let _ = [fuzzer(&copy, None, "0").0, faults(&copy, None)];
+    println!("built in {} s", started.elapsed().as_secs());
     println!("| planted bug | fuzzer | said | fault tests | s |\n| --- | --- | --- | --- | ---: |");
     let mut all = true;
-    for bug in &bugs {
+    // Without a bug nothing is found; with each, by one of the two at least.
+    for bug in std::iter::once(None).chain(bugs.iter().map(Some)) {
         let started = Instant::now();
-        let ((fuzzer, said), faults) =
-            (fuzzer(&copy, Some(bug), SECONDS), faults(&copy, Some(bug)));
+        let bug = bug.map(String::as_str);
+        let ((fuzzer, said), faults) = (fuzzer(&copy, bug, SECONDS), faults(&copy, bug));
         let seconds = started.elapsed().as_secs();
-        println!("| {bug} | {fuzzer} | {said} | {faults} | {seconds} |");
-        all &= [fuzzer, faults].contains(&FOUND);
+        println!("| {} | {fuzzer} | {said} | {faults} | {seconds} |", bug.unwrap_or("none"));
+        all &= [fuzzer, faults].contains(&FOUND) == bug.is_some();
     }
     Ok(all)
 }
@@ -79,8 +79,7 @@ fn fuzzer(copy: &Path, bug: Option<&str>, seconds: &str) -> (&'static str, Strin
         ["run", "--quiet", "--locked", "--release", "--manifest-path", "fuzz/Cargo.toml", "--"];
     let mut command = cargo(copy, bug);
     command.args(words).args(["--seconds", seconds, "--jobs", "2"]).stderr(Stdio::null());
-    // Optimised less, it is compiled in a quarter of the time, as in `.ci/run`.
-    let output = command.env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "0").output();
+    let output = command.output();
     let said = output
         .map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
         .unwrap_or_default();

@@ -245,7 +245,8 @@ impl Reading<'_> {
             self.drafts.push(draft);
             self.drafts.len() - 1
         });
-        if let Err(complaint) = self.drafts[at].take(text, line, fields) {
+        let most = self.facts.points.value as usize;
+        if let Err(complaint) = self.drafts[at].take(text, line, fields, most) {
             self.complaints.push(complaint);
         }
     }

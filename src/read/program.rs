@@ -18,6 +18,7 @@ pub use self::blocks::{Action, Cancelled, OwnWords, Step};
 use crate::control::controller::program::Language;
 use crate::read::lexer::located;
 use crate::read::{fanuc, linuxcnc, siemens};
+use crate::text::document::refuse_many_lines;
 use crate::text::problem::{Problem, Problems};
 
 /// Reads a program.
@@ -32,6 +33,7 @@ pub fn read(
         let message = format!("`{file}` holds a letter that is not ASCII");
         return Err(Problem::new(message).help("part programs are ASCII").into());
     };
+    refuse_many_lines(file, text)?;
     let vocabulary = match language {
         Language::Siemens => &siemens::program::VOCABULARY,
         Language::Fanuc => &fanuc::program::VOCABULARY,

@@ -51,9 +51,7 @@ impl Source {
             .ok()
             .filter(|text| !text.contains('\0'))
             .ok_or_else(|| not_text(name, bytes))?;
-        if text.split('\n').nth(MOST_LINES + 1).is_some() {
-            return Err(too_many_lines(name).into());
-        }
+        refuse_many_lines(name, text)?;
         refuse_long_lines(name, text)?;
         Ok(Source {
             name: name.to_string(),
@@ -115,11 +113,15 @@ impl Spot {
     }
 }
 
-fn too_many_lines(name: &str) -> Problem {
-    Problem::new(format!(
-        "`{name}` has more than {MOST_LINES} lines, too many for a measurement or a job"
-    ))
-    .help("check that the file is what it should be; remove blank lines, and measure fewer points")
+/// Refuses a text of more than [`MOST_LINES`] lines.
+pub(crate) fn refuse_many_lines(name: &str, text: &str) -> Result<(), Problem> {
+    let too_many = || {
+        Problem::new(format!(
+            "`{name}` has more than {MOST_LINES} lines, too many for a measurement or a job"
+        ))
+        .help("check that the file is what it should be; remove blank lines, and measure fewer points")
+    };
+    text.split('\n').nth(MOST_LINES + 1).map_or(Ok(()), |_| Err(too_many()))
 }
 
 /// Refuses a page that is larger than anybody writes.

@@ -150,6 +150,8 @@ fn a_short_table_is_refused_where_outside_is_not_known() {
         let ran = visit.put("active/READ.TXT", text).run(line).ends(expected);
         assert_eq!(ran.all().contains(words), expected > 0, "{line}: {}", ran.all());
     }
+    let many = whole.replacen("[Y]", &("400.0, 0.0, 0.0\r\n".repeat(50_000) + "[Y]"), 1);
+    visit.put("active/READ.TXT", many).run(verify).ends(2).says("a point behind the");
 }
 
 /// What is written has no point behind an end of the travel; a table that was read out with one is refused.

@@ -144,14 +144,6 @@ impl Term {
         }
     }
 
-    pub(crate) fn takes_directions(&self, profile: &Profile) -> bool {
-        let takes = match profile.dialect {
-            Dialect::Siemens(_) | Dialect::Generic(_) => true,
-            _ => self.term.is_positioning(),
-        };
-        takes && super::has_two_directions(profile)
-    }
-
     /// Every place where a measured curve bends.
     pub(crate) fn knots(&self) -> Vec<f64> {
         let both = [&self.plus, &self.minus];
@@ -472,8 +464,8 @@ impl Measured {
         terms: &mut Vec<Term>,
         csv: &mut String,
     ) -> f64 {
-        let Measured { directions, kind, steep, unit_um, reference, homing, length, .. } = self;
-        let (from, to) = self.range;
+        let Measured { directions, kind, steep, unit_um, range, reference, homing, length } = self;
+        let (from, to) = range;
         let count = 4 + random.below(12);
         let targets = |random: &mut Random, from: f64, to: f64| -> Vec<f64> {
             let step = (to - from) / (count - 1) as f64;

@@ -53,12 +53,13 @@ impl Draft {
         self.base.eq_ignore_ascii_case(base) && self.output.eq_ignore_ascii_case(output)
     }
 
-    /// Takes the fields of a line.
+    /// Takes the fields of a line, up to one point more than the control takes.
     pub(super) fn take(
         &mut self,
         text: &str,
         line: Range<usize>,
         fields: Vec<(Field, Range<usize>)>,
+        most: usize,
     ) -> Result<(), Complaint> {
         let mut number = None;
         let mut of_point = Vec::new();
@@ -75,8 +76,11 @@ impl Draft {
         if of_point.is_empty() {
             return Ok(());
         }
-        let is_known = |row: &Row| number.is_some_and(|own| row.number == Some(own));
-        let at = self.rows.iter().rposition(is_known).unwrap_or(self.rows.len());
+        let known = number.and_then(|_| self.rows.iter().rposition(|row| row.number == number));
+        let at = known.unwrap_or(self.rows.len());
+        if at > most {
+            return Ok(()); // the point before it is refused in the end
+        }
         if at == self.rows.len() {
             self.rows.push(Row { line, number, fields: Vec::new() });
         }

@@ -1,5 +1,6 @@
 //! A kit under test, what the control holds of it, and how far off it may be where.
 
+use crate::support::has_two_directions;
 use crate::support::machine::{Machine, Term};
 use nonius::control::controller::{Dialect, Profile, StraightnessForm};
 use nonius::control::table::Tables;
@@ -75,7 +76,9 @@ impl Case<'_> {
         let mut tables = self.kit.plan.tables.iter();
         let directed = tables.any(|t| t.term == term.term && t.direction.is_some());
         let asked = self.machine.policy == Some("two-tables") && term.both_ways();
-        if asked && !directed && term.takes_directions(self.profile) {
+        let of_cross = matches!(self.profile.dialect, Dialect::Siemens(_) | Dialect::Generic(_));
+        let takes = (of_cross || term.term.is_positioning()) && has_two_directions(self.profile);
+        if asked && !directed && takes {
             let mut kinds = self.kit.plan.notes.iter().filter_map(|note| note.kind());
             let (own, equal) = (term.term, "both directions are equal, so one table is written");
             let is_equal = || {
