@@ -21,13 +21,11 @@ fn what_operating_systems_leave_is_passed_over_with_or_without_manifest() {
     fs::create_dir(visit.at("kit/System Volume Information")).unwrap();
     let words = "`.DS_Store` was ignored: an operating system left it";
     visit.run(VERIFY).ends(0).says(words);
+    let manifest = visit.read("kit/manifest.json");
     fs::remove_file(visit.at("kit/manifest.json")).unwrap();
     visit.run(VERIFY).ends(0).says(words);
-}
-
-#[test]
-fn an_unlisted_file_is_passed_over_unless_the_control_would_read_it() {
-    let visit = kit();
+    // What is not listed, too, unless the control would read it.
+    visit.put("kit/manifest.json", manifest);
     visit.put("kit/offer.pdf", b"%PDF-1.7\n\xff\xfe");
     visit.put("kit/notes.txt", "called the customer on Monday\n");
     let words = "`notes.txt` was ignored: manifest.json does not list it";
@@ -40,20 +38,15 @@ fn an_unlisted_file_is_passed_over_unless_the_control_would_read_it() {
 }
 
 #[test]
-fn a_kit_of_another_control_is_named_as_such() {
+fn other_inputs_and_another_control_are_named() {
     let visit = kit();
+    visit.put("job.toml", visit.read("job.toml") + "# a comment\n");
+    let words = "the kit was made from other inputs: `job.toml` differ";
+    visit.run(VERIFY).ends(0).says(words);
     let words = "the kit was made for another control: manifest.json names `siemens-840d-sl`";
     visit.edit("job.toml", "siemens-840d-sl", "siemens-828d");
     visit.run(VERIFY).ends(1).says(words);
     visit.edit("job.toml", "siemens-828d", "fanuc-30i");
     visit.edit("job.toml", "# detection_unit_um", "detection_unit_um");
     visit.run(VERIFY).ends(2).says(words);
-}
-
-#[test]
-fn other_inputs_are_named_beside_the_verdict() {
-    let visit = kit();
-    visit.put("job.toml", visit.read("job.toml") + "# a comment\n");
-    let words = "the kit was made from other inputs: `job.toml` differ";
-    visit.run(VERIFY).ends(0).says(words);
 }

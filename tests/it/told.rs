@@ -16,8 +16,9 @@ fn told(controller: &str, profile: Option<&str>) -> (Visit, Ran) {
 }
 
 #[test]
-fn names_in_other_letters_and_paths_with_blanks_are_taken() {
-    let (visit, _) = told("siemens-840d-sl", None);
+fn the_verdict_stands_in_the_first_line_and_names_in_other_letters_are_taken() {
+    let (visit, Ran { out, .. }) = told("siemens-840d-sl", None);
+    assert!(out.starts_with("verdict: pass (asked: "), "{out}");
     let job = visit.read("job.toml");
     let name = job.lines().find(|line| line.starts_with("name = ")).unwrap();
     visit.edit("job.toml", name, "name = \"Fräse Süd, groß\"");
@@ -28,13 +29,7 @@ fn names_in_other_letters_and_paths_with_blanks_are_taken() {
 }
 
 #[test]
-fn the_verdict_stands_in_the_first_line() {
-    let (_, Ran { out, .. }) = told("siemens-840d-sl", None);
-    assert!(out.starts_with("verdict: pass (asked: "), "{out}");
-}
-
-#[test]
-fn assumptions_without_effect_stand_apart_with_the_reason() {
+fn preconditions_are_sentences_and_assumptions_without_effect_stand_apart() {
     let (_, ran) = told("fanuc-30i", None);
     let apart = "assumed too, without effect on this kit:";
     let (used, idle) = ran.out.split_once(apart).expect("both groups are there");
@@ -43,6 +38,9 @@ fn assumptions_without_effect_stand_apart_with_the_reason() {
     let line = "  straightness_amount_max = 32767: this kit holds no four-point straightness\n";
     assert!(idle.contains(line), "{idle}");
     assert!(idle.contains("interval_decimals_inch = 4: this kit is in mm"), "{idle}");
+    ran.says("\n  1240 of axis 1, 2, 3 must be 0 mm:\n")
+        .says("the power of the control must be switched off and on after loading 3620 to 3627:")
+        .says("checklist.html, why: docs/fanuc.md §4.2");
     let (_, ran) = told("fanuc-0i-f", None);
     let (used, idle) = ran.out.split_once(apart).expect("both groups are there");
     assert!(used.contains("straightness_amount_max"), "a 0i-F kit uses it");
@@ -72,15 +70,6 @@ fn what_is_to_be_decided_is_on_the_screen_and_has_its_box_in_the_steps() {
             assert!(!annex.contains(line), "{id}: {line}\n{annex}");
         }
     }
-}
-
-#[test]
-fn preconditions_are_sentences_and_axes_share_one() {
-    told("fanuc-30i", None)
-        .1
-        .says("\n  1240 of axis 1, 2, 3 must be 0 mm:\n")
-        .says("the power of the control must be switched off and on after loading 3620 to 3627:")
-        .says("checklist.html, why: docs/fanuc.md §4.2");
 }
 
 #[test]

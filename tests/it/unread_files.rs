@@ -43,20 +43,18 @@ fn a_file_that_no_reader_takes_gets_no_pass() {
     }
     let ran = visit.run(VERIFY).ends(1).says("job and tables agree");
     ran.says("verdict: undecided").says(UNREAD);
-}
-
-#[test]
-fn without_its_manifest_such_a_kit_gets_no_pass_either() {
-    let (visit, _) = kit("");
+    // Without its manifest neither.
     fs::remove_file(visit.at("kit/manifest.json")).unwrap();
     visit.run(VERIFY).ends(1).says("verdict: undecided").says(UNREAD);
 }
 
 #[test]
-fn a_sheet_that_no_control_loads_is_stated_as_such() {
+fn a_sheet_that_no_control_loads_is_stated_as_such_and_notes_in_the_checklist_stay_a_note() {
     let (visit, ran) = kit("loaded = false");
     ran.ends(0);
     visit.run(VERIFY).ends(0).says("verdict: pass").omits(UNREAD);
+    visit.put("kit/checklist.md", visit.read("kit/checklist.md") + "done, A.B.\n");
+    visit.run(VERIFY).ends(0).says("`checklist.md` was changed after it was made");
 }
 
 /// Every change of a kit that no reader would find, and what `verify` says of it.
@@ -78,13 +76,6 @@ fn a_file_that_no_reader_takes_fails_turned_deleted_or_unlisted() {
         visit.edit("kit/manifest.json", "\"loaded.csv\"", "\"shop.csv\"");
         fails("`loaded.csv` is not listed in manifest.json");
     }
-}
-
-#[test]
-fn notes_in_the_checklist_stay_a_note() {
-    let (visit, _) = kit("loaded = false");
-    visit.put("kit/checklist.md", visit.read("kit/checklist.md") + "done, A.B.\n");
-    visit.run(VERIFY).ends(0).says("`checklist.md` was changed after it was made");
 }
 
 #[test]

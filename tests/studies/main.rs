@@ -22,3 +22,4 @@ mod exchanged;
 mod plan;
 mod right_kits;
 mod separation_laws;
+mod silence;
