@@ -99,11 +99,12 @@ fn plan(words: &[&str]) -> Option<(Plan, usize, bool)> {
 
 fn fuzz(plan: &Plan, jobs: usize, kept: bool) -> ExitCode {
     println!("{} edges counted in nonius, seed {}", coverage::edges(), plan.seed);
-    let is_clean = supervisor::supervise(plan, jobs);
+    let (cases, findings) = supervisor::supervise(plan, jobs);
+    supervisor::print_sum(plan.seed, cases, findings);
     if !kept {
         let _ = std::fs::remove_dir_all(&plan.place);
     }
-    if is_clean { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if findings == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 fn as_worker(place: &str, numbers: [&str; 3], only: Option<&str>) -> ExitCode {

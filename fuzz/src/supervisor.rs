@@ -18,8 +18,8 @@ struct Worker {
     child: Option<Child>,
 }
 
-/// Runs `jobs` workers; true = nothing was found.
-pub fn supervise(plan: &Plan, jobs: usize) -> bool {
+/// Runs `jobs` workers; how many cases ran, and how many findings there are.
+pub fn supervise(plan: &Plan, jobs: usize) -> (u64, usize) {
     let started = Instant::now();
     let part = |index: usize| Plan {
         place: plan.place.join(index.to_string()),
@@ -92,8 +92,8 @@ impl Worker {
     }
 }
 
-/// The table over all workers; true = nothing was found.
-fn print(workers: &[Worker]) -> bool {
+/// The table over all workers, with its cases and findings.
+fn print(workers: &[Worker]) -> (u64, usize) {
     let mut all: BTreeMap<String, Count> = BTreeMap::new();
     let mut findings = BTreeSet::new();
     for worker in workers {
@@ -131,7 +131,20 @@ fn print(workers: &[Worker]) -> bool {
             "again: cargo run --release --manifest-path fuzz/Cargo.toml -- replay fuzz/found/NAME.case"
         );
     }
-    findings.is_empty()
+    (total.cases, findings.len())
+}
+
+/// The sum of all long runs, and the line of this one for their list.
+pub fn print_sum(seed: u64, cases: u64, findings: usize) {
+    const AIM: u64 = 100_000_000;
+    let list = concat!(env!("CARGO_MANIFEST_DIR"), "/runs.csv");
+    let known = fs::read_to_string(list).unwrap_or_default();
+    let known: u64 =
+        known.lines().filter_map(|run| run.split(',').nth(2)?.parse::<u64>().ok()).sum();
+    let commit = Command::new("git").args(["rev-parse", "--short", "HEAD"]).output();
+    let commit = commit.map(|output| String::from_utf8_lossy(&output.stdout).trim().to_string());
+    println!("{} of {AIM} cases, with the long runs of fuzz/runs.csv; this one:", known + cases);
+    println!("{},{seed},{cases},{findings}", commit.unwrap_or_default());
 }
 
 fn row(name: &str, count: &Count, findings: usize) {
