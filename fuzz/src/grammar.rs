@@ -269,12 +269,13 @@ fn fanuc(text: &str) -> Wrong {
     Ok(())
 }
 
-/// Number and axis of what `N00000Q1A1P0A2P0`, `N00000Q0P0` or `N0000A1P0` sets.
+/// Number and axis of what `N00000Q1A1P0A2P0`, `N00000Q1L1P0` (of a path), `N00000Q0P0` or `N0000A1P0` sets.
 fn record(line: &str) -> Option<Vec<(&str, &str)>> {
     let rest = line.strip_prefix('N')?;
     let (number, values) = rest.split_at(rest.find(|c: char| !c.is_ascii_digit())?);
     // The 16i knows no Q.
     let values = values.strip_prefix("Q0").or(values.strip_prefix("Q1")).unwrap_or(values);
+    let values = values.strip_prefix("L1").unwrap_or(values);
     if !(4..=5).contains(&number.len()) {
         return None;
     }

@@ -19,7 +19,7 @@ use crate::control::controller::program::Language;
 use crate::read::lexer::located;
 use crate::read::{fanuc, linuxcnc, siemens};
 use crate::text::document::refuse_many_lines;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::{Problem, Problems, refuse_long_lines};
 
 /// Reads a program.
 pub fn read(
@@ -34,6 +34,7 @@ pub fn read(
         return Err(Problem::new(message).help("part programs are ASCII").into());
     };
     refuse_many_lines(file, text)?;
+    refuse_long_lines(file, text)?;
     let vocabulary = match language {
         Language::Siemens => &siemens::program::VOCABULARY,
         Language::Fanuc => &fanuc::program::VOCABULARY,

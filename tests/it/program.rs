@@ -194,7 +194,7 @@ fn offset_targets_sample_every_phase_of_a_screw() {
 #[test]
 fn the_walk_finds_what_is_wrong_with_a_program() {
     let too_low = "before X and Y are there, or with them";
-    let long = format!("M30{}", "\n".repeat(50_001));
+    let [long, wide] = ["\n", " G40"].map(|part| format!("M30{}", part.repeat(50_001)));
     let of_siemens = [
         ("N3 G4 F3.0\n", "", "of 14 readings are taken"),
         ("N3 G4 F3.0", "N3 G4 F0.3", "the standstill is 0.3 s"),
@@ -223,6 +223,7 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("F1000.0", "F12000.0", "is too high for X"),
         ("M30", "", "the program has no end"),
         ("M30", long.as_str(), "more than 50000 lines"),
+        ("M30", wide.as_str(), "too many for a line"),
         ("M30", "M30\nG500", "follows the end"),
         ("G500", "G54", "`G54` is not a word"),
         ("G500", "$P_UIFR[1]=CTRANS(X,10)", "is no word"),
