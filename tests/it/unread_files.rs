@@ -43,7 +43,6 @@ fn a_file_that_no_reader_takes_gets_no_pass() {
     }
     let ran = visit.run(VERIFY).ends(1).says("job and tables agree");
     ran.says("verdict: undecided").says(UNREAD);
-    // Without its manifest neither.
     fs::remove_file(visit.at("kit/manifest.json")).unwrap();
     visit.run(VERIFY).ends(1).says("verdict: undecided").says(UNREAD);
 }
