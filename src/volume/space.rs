@@ -24,7 +24,7 @@ pub mod pair;
 
 pub mod boxes;
 
-mod support;
+mod sight;
 
 pub mod diameter;
 

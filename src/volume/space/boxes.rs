@@ -6,7 +6,7 @@
 //! no bound is above what was found, that is the largest value; if the steps end first, the highest bound is left.
 
 use super::diameter::Diameter;
-use super::grid_map::{ARM, GridMap, Node, Row, Vector, size_um};
+use super::grid_map::{ARM, GridMap, Node, Row, Vector};
 use super::pair::{dot, minus, room};
 use std::collections::BinaryHeap;
 use std::ops::{Add, Mul, Range, Sub};
@@ -31,9 +31,9 @@ impl<const N: usize> Largest<N> {
 
 /// All values from `low` to `high`.
 #[derive(Clone, Copy, Debug)]
-struct Interval {
-    low: f64,
-    high: f64,
+pub(super) struct Interval {
+    pub(super) low: f64,
+    pub(super) high: f64,
 }
 
 impl Add for Interval {
@@ -60,8 +60,14 @@ impl Mul for Interval {
 }
 
 impl Interval {
-    fn of(value: f64) -> Interval {
+    pub(super) fn of(value: f64) -> Interval {
         Interval { low: value, high: value }
+    }
+
+    fn or(self, other: Interval) -> Interval {
+        let low = if other.low < self.low { other.low } else { self.low };
+        let high = if other.high > self.high { other.high } else { self.high };
+        Interval { low, high }
     }
 
     fn largest(self) -> f64 {
@@ -73,30 +79,24 @@ impl Interval {
     }
 }
 
-/// Neighbouring nodes of an axis.
-struct Branch {
-    nodes: Range<usize>,
-    ranges: Row<Interval>,
-    /// Where its halves are in the tree; of a single node none.
-    halves: Option<[usize; 2]>,
+/// The ranges of rows, halved again and again: all of them are branch 1, the halves of branch n are 2n and 2n + 1, and
+/// from the number of the rows on a branch is a single row.
+pub(super) fn tree<const N: usize>(mut rows: Vec<[Interval; N]>) -> Vec<[Interval; N]> {
+    let count = rows.len();
+    rows.rotate_right(count.next_power_of_two() - count); // so that every branch is of neighbours
+    let mut tree = [rows.as_slice(), &rows].concat();
+    for n in (1..count).rev() {
+        let [one, two] = [tree[2 * n], tree[2 * n + 1]];
+        for m in 0..N {
+            tree[n][m] = one[m].or(two[m]);
+        }
+    }
+    tree
 }
 
-/// Appends the branch of some nodes of an axis with all below it; returns where it is.
-fn grow(rows: &[Row], nodes: Range<usize>, tree: &mut Vec<Branch>) -> usize {
-    let here = tree.len();
-    let ranges = rows[nodes.start].map(Interval::of);
-    tree.push(Branch { nodes: nodes.clone(), ranges, halves: None });
-    if nodes.len() > 1 {
-        let middle = nodes.start.midpoint(nodes.end);
-        let [a, b] = [nodes.start..middle, middle..nodes.end].map(|half| grow(rows, half, tree));
-        let ranges = [tree[a].ranges, tree[b].ranges];
-        tree[here].ranges = std::array::from_fn(|n| {
-            let [a, b] = ranges.map(|ranges| ranges[n]);
-            Interval { low: a.low.min(b.low), high: a.high.max(b.high) }
-        });
-        tree[here].halves = Some([a, b]);
-    }
-    here
+/// The row of a branch that is a single one, of so many.
+pub(super) fn row_of(branch: usize, count: usize) -> usize {
+    (branch + count - count.next_power_of_two()) % count
 }
 
 const UM_PER_M: f64 = 1e6;
@@ -104,7 +104,7 @@ const UM_PER_M: f64 = 1e6;
 /// A grid as trees, one an axis.
 pub struct Boxes<'m> {
     map: &'m GridMap,
-    trees: [Vec<Branch>; 3],
+    trees: [Vec<Row<Interval>>; 3],
     /// What a bound may be wrong by, µm.
     room: f64,
 }
@@ -112,18 +112,16 @@ pub struct Boxes<'m> {
 impl<'m> Boxes<'m> {
     /// The boxes of a map.
     pub fn of(map: &'m GridMap) -> Self {
-        let trees = map.rows.each_ref().map(|rows| {
-            let mut tree = Vec::with_capacity(2 * rows.len());
-            grow(rows, 0..rows.len(), &mut tree);
-            tree
-        });
-        let largest = trees.each_ref().map(|tree| tree[0].ranges.map(Interval::largest));
-        Boxes { map, room: room(size_um(largest)), trees }
+        let trees = map
+            .rows
+            .each_ref()
+            .map(|rows| tree(rows.iter().map(|row| row.map(Interval::of)).collect()));
+        Boxes { map, room: room(map.size_um()), trees }
     }
 
     /// Smallest and largest error in X, Y and Z over the nodes, µm.
     pub fn ranges(&self) -> [(f64, f64); 3] {
-        let all = self.error([0; 3]);
+        let all = self.error([1; 3]);
         let furthest = |c, end| self.map.at(self.furthest([end; 3], c..c + 1, usize::MAX).at)[c];
         [0, 1, 2].map(|c| (furthest(c, all[c].high), furthest(c, all[c].low)))
     }
@@ -168,7 +166,7 @@ impl<'m> Boxes<'m> {
 
     fn bound_of_length(&self, [p, q]: [[usize; 3]; 2]) -> f64 {
         let [e, f] = [self.error(p), self.error(q)];
-        let arm = |at: [usize; 3], axis: usize| self.trees[axis][at[axis]].ranges[ARM];
+        let arm = |at: [usize; 3], axis: usize| self.trees[axis][at[axis]][ARM];
         let apart = [0, 1, 2].map(|axis| (arm(p, axis) - arm(q, axis)) * Interval::of(UM_PER_M));
         if apart[0].low > 0.0 {
             return 0.0; // the same pairs stand in the two boxes the other way round
@@ -183,7 +181,7 @@ impl<'m> Boxes<'m> {
 
     /// The error of all nodes in a box.
     fn error(&self, branches: [usize; 3]) -> [Interval; 3] {
-        self.map.error([0, 1, 2].map(|axis| &self.trees[axis][branches[axis]].ranges))
+        self.map.error([0, 1, 2].map(|axis| &self.trees[axis][branches[axis]]))
     }
 
     /// Where a node lies, x, y, z in µm from the places without a lever.
@@ -202,8 +200,9 @@ impl<'m> Boxes<'m> {
         // The bits of numbers that are not negative are in their order.
         let open = |branches: [usize; N]| (bound(&branches).to_bits(), branches);
         let mut found = self.climbed(start, &value);
-        let mut boxes = BinaryHeap::from([open([0; N])]);
+        let mut boxes = BinaryHeap::from([open([1; N])]);
         let mut steps = 0..steps;
+        let size = self.map.size();
         while let Some((bits, branches)) = boxes.pop() {
             let least = found.um + self.room;
             let above = |bits: u64| (f64::from_bits(bits) - least).max(0.0);
@@ -215,10 +214,9 @@ impl<'m> Boxes<'m> {
                 break;
             }
             let cuts = (0..N).filter_map(|n| {
-                let halves = self.trees[n % 3][branches[n]].halves?;
-                Some(halves.map(|half| {
-                    open(std::array::from_fn(|m| if m == n { half } else { branches[m] }))
-                }))
+                let halves = [2 * branches[n], 2 * branches[n] + 1];
+                let half = |half| std::array::from_fn(|m| if m == n { half } else { branches[m] });
+                (branches[n] < size[n % 3]).then(|| halves.map(|n| open(half(n))))
             });
             let sums =
                 cuts.map(|parts| (parts.iter().map(|part| above(part.0)).sum::<f64>(), parts));
@@ -226,10 +224,7 @@ impl<'m> Boxes<'m> {
             for part in
                 best.into_iter().flat_map(|(_, parts)| parts).filter(|part| above(part.0) > 0.0)
             {
-                let middle = std::array::from_fn(|n| {
-                    let nodes = &self.trees[n % 3][part.1[n]].nodes;
-                    nodes.start.midpoint(nodes.end - 1)
-                });
+                let middle = std::array::from_fn(|n| middle(part.1[n], size[n % 3]));
                 if value(&middle) > found.um {
                     found = self.climbed(middle, &value);
                 }
@@ -261,6 +256,16 @@ impl<'m> Boxes<'m> {
             }
         }
     }
+}
+
+/// A row in the middle of a branch, of so many.
+fn middle(mut branch: usize, count: usize) -> usize {
+    let mut half = 0;
+    while branch < count {
+        branch = 2 * branch + half;
+        half = 1;
+    }
+    row_of(branch, count)
 }
 
 /// The two nodes, or boxes, of a pair.
