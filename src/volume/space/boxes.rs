@@ -8,8 +8,9 @@
 use super::diameter::Diameter;
 use super::grid_map::{ARM, GridMap, Node, Row, Vector};
 use super::pair::{dot, minus, room};
+use super::ranges::{Interval, last_row, tree};
 use std::collections::BinaryHeap;
-use std::ops::{Add, Mul, Range, Sub};
+use std::ops::Range;
 
 /// The largest value of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,76 +28,6 @@ impl<const N: usize> Largest<N> {
     pub fn is_exact(&self) -> bool {
         self.bound_um <= self.um
     }
-}
-
-/// All values from `low` to `high`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Interval {
-    pub(super) low: f64,
-    pub(super) high: f64,
-}
-
-impl Add for Interval {
-    type Output = Interval;
-    fn add(self, other: Interval) -> Interval {
-        Interval { low: self.low + other.low, high: self.high + other.high }
-    }
-}
-
-impl Sub for Interval {
-    type Output = Interval;
-    fn sub(self, other: Interval) -> Interval {
-        Interval { low: self.low - other.high, high: self.high - other.low }
-    }
-}
-
-impl Mul for Interval {
-    type Output = Interval;
-    fn mul(self, other: Interval) -> Interval {
-        let [a, b] = [self.low * other.low, self.low * other.high];
-        let [c, d] = [self.high * other.low, self.high * other.high];
-        Interval { low: a.min(b).min(c.min(d)), high: a.max(b).max(c.max(d)) }
-    }
-}
-
-impl Interval {
-    pub(super) fn of(value: f64) -> Interval {
-        Interval { low: value, high: value }
-    }
-
-    fn or(self, other: Interval) -> Interval {
-        let low = if other.low < self.low { other.low } else { self.low };
-        let high = if other.high > self.high { other.high } else { self.high };
-        Interval { low, high }
-    }
-
-    fn largest(self) -> f64 {
-        self.low.abs().max(self.high.abs())
-    }
-
-    fn smallest(self) -> f64 {
-        self.low.max(-self.high).max(0.0)
-    }
-}
-
-/// The ranges of rows, halved again and again: all of them are branch 1, the halves of branch n are 2n and 2n + 1, and
-/// from the number of the rows on a branch is a single row.
-pub(super) fn tree<const N: usize>(mut rows: Vec<[Interval; N]>) -> Vec<[Interval; N]> {
-    let count = rows.len();
-    rows.rotate_right(count.next_power_of_two() - count); // so that every branch is of neighbours
-    let mut tree = [rows.as_slice(), &rows].concat();
-    for n in (1..count).rev() {
-        let [one, two] = [tree[2 * n], tree[2 * n + 1]];
-        for m in 0..N {
-            tree[n][m] = one[m].or(two[m]);
-        }
-    }
-    tree
-}
-
-/// The row of a branch that is a single one, of so many.
-pub(super) fn row_of(branch: usize, count: usize) -> usize {
-    (branch + count - count.next_power_of_two()) % count
 }
 
 const UM_PER_M: f64 = 1e6;
@@ -213,10 +144,12 @@ impl<'m> Boxes<'m> {
                 found.bound_um = f64::from_bits(bits);
                 break;
             }
-            let cuts = (0..N).filter_map(|n| {
-                let halves = [2 * branches[n], 2 * branches[n] + 1];
-                let half = |half| std::array::from_fn(|m| if m == n { half } else { branches[m] });
-                (branches[n] < size[n % 3]).then(|| halves.map(|n| open(half(n))))
+            let cuts = (0..N).filter(|n| branches[*n] < size[*n % 3]).map(|n| {
+                [0, 1].map(|half| {
+                    let mut part = branches;
+                    part[n] = 2 * part[n] + half;
+                    open(part)
+                })
             });
             let sums =
                 cuts.map(|parts| (parts.iter().map(|part| above(part.0)).sum::<f64>(), parts));
@@ -224,9 +157,9 @@ impl<'m> Boxes<'m> {
             for part in
                 best.into_iter().flat_map(|(_, parts)| parts).filter(|part| above(part.0) > 0.0)
             {
-                let middle = std::array::from_fn(|n| middle(part.1[n], size[n % 3]));
-                if value(&middle) > found.um {
-                    found = self.climbed(middle, &value);
+                let corner = std::array::from_fn(|n| last_row(part.1[n], size[n % 3]));
+                if value(&corner) > found.um {
+                    found = self.climbed(corner, &value);
                 }
                 boxes.push(part);
             }
@@ -256,16 +189,6 @@ impl<'m> Boxes<'m> {
             }
         }
     }
-}
-
-/// A row in the middle of a branch, of so many.
-fn middle(mut branch: usize, count: usize) -> usize {
-    let mut half = 0;
-    while branch < count {
-        branch = 2 * branch + half;
-        half = 1;
-    }
-    row_of(branch, count)
 }
 
 /// The two nodes, or boxes, of a pair.

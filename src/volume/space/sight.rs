@@ -5,9 +5,9 @@
 //! branch of each axis follows what no f in that box exceeds. A box that may reach far enough is cut across the axis that
 //! was cut least, down to single nodes, the half with the higher bound first.
 
-use super::boxes::{Interval, row_of, tree};
 use super::grid_map::{ARM, BY_SECOND, BY_THIRD, GridMap, Node, ROLL, Row, Vector};
 use super::pair::dot;
+use super::ranges::{Interval, last_row, tree};
 
 /// The side of a direction where it points.
 pub(super) const AHEAD: f64 = 1.0;
@@ -80,7 +80,7 @@ impl Sight {
     ) -> f64 {
         let cut = (0..3).filter(|axis| branches[*axis] < self.size[*axis]);
         let Some(axis) = cut.min_by_key(|axis| branches[*axis]) else {
-            let node = [0, 1, 2].map(|axis| row_of(branches[axis], self.size[axis]));
+            let node = [0, 1, 2].map(|axis| last_row(branches[axis], self.size[axis]));
             return found(self.bound_of(branches, side), node);
         };
         let [mut one, mut two] = [branches; 2];
