@@ -5,8 +5,7 @@
 //! but [`histogram`] looks at all of them. They work on numbers alone: no job, no file.
 //!
 //! ```text
-//! curves at the nodes ─→ grid_map ─┬─→ diameter: volumetric accuracy, its pair
-//!                                  ├─→ windows: every sub-volume of a size
+//! curves at the nodes ─→ grid_map ─┬─→ diameter: volumetric accuracy, its pair, every sub-volume of a size
 //!                                  ├─→ boxes: error of a length, ranges, largest from a place
 //!                                  ├─→ histogram: all differences (sample: an estimate)
 //!                                  └─→ grouping: the method of paper 002, for comparison
@@ -22,11 +21,13 @@ pub mod grid_map;
 
 pub mod pair;
 
-pub mod boxes;
+mod ranges;
 
-mod support;
+mod sight;
 
 pub mod diameter;
+
+pub mod boxes;
 
 pub mod cloud;
 

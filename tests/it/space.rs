@@ -213,7 +213,7 @@ fn random_machines_against_all_pairs() {
     }
 }
 
-/// Grids large enough for bounds of several chords; the cloud looks at every vector.
+/// Grids too large for all pairs; the cloud looks at every vector.
 #[test]
 fn larger_random_machines_against_the_cloud() {
     for (number, family) in machines(105) {

@@ -6,10 +6,11 @@
 //! no bound is above what was found, that is the largest value; if the steps end first, the highest bound is left.
 
 use super::diameter::Diameter;
-use super::grid_map::{ARM, GridMap, Node, Row, Vector, size_um};
+use super::grid_map::{ARM, GridMap, Node, Row, Vector};
 use super::pair::{dot, minus, room};
+use super::ranges::{Interval, last_row, tree};
 use std::collections::BinaryHeap;
-use std::ops::{Add, Mul, Range, Sub};
+use std::ops::Range;
 
 /// The largest value of a search.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,82 +30,12 @@ impl<const N: usize> Largest<N> {
     }
 }
 
-/// All values from `low` to `high`.
-#[derive(Clone, Copy, Debug)]
-struct Interval {
-    low: f64,
-    high: f64,
-}
-
-impl Add for Interval {
-    type Output = Interval;
-    fn add(self, other: Interval) -> Interval {
-        Interval { low: self.low + other.low, high: self.high + other.high }
-    }
-}
-
-impl Sub for Interval {
-    type Output = Interval;
-    fn sub(self, other: Interval) -> Interval {
-        Interval { low: self.low - other.high, high: self.high - other.low }
-    }
-}
-
-impl Mul for Interval {
-    type Output = Interval;
-    fn mul(self, other: Interval) -> Interval {
-        let [a, b] = [self.low * other.low, self.low * other.high];
-        let [c, d] = [self.high * other.low, self.high * other.high];
-        Interval { low: a.min(b).min(c.min(d)), high: a.max(b).max(c.max(d)) }
-    }
-}
-
-impl Interval {
-    fn of(value: f64) -> Interval {
-        Interval { low: value, high: value }
-    }
-
-    fn largest(self) -> f64 {
-        self.low.abs().max(self.high.abs())
-    }
-
-    fn smallest(self) -> f64 {
-        self.low.max(-self.high).max(0.0)
-    }
-}
-
-/// Neighbouring nodes of an axis.
-struct Branch {
-    nodes: Range<usize>,
-    ranges: Row<Interval>,
-    /// Where its halves are in the tree; of a single node none.
-    halves: Option<[usize; 2]>,
-}
-
-/// Appends the branch of some nodes of an axis with all below it; returns where it is.
-fn grow(rows: &[Row], nodes: Range<usize>, tree: &mut Vec<Branch>) -> usize {
-    let here = tree.len();
-    let ranges = rows[nodes.start].map(Interval::of);
-    tree.push(Branch { nodes: nodes.clone(), ranges, halves: None });
-    if nodes.len() > 1 {
-        let middle = nodes.start.midpoint(nodes.end);
-        let [a, b] = [nodes.start..middle, middle..nodes.end].map(|half| grow(rows, half, tree));
-        let ranges = [tree[a].ranges, tree[b].ranges];
-        tree[here].ranges = std::array::from_fn(|n| {
-            let [a, b] = ranges.map(|ranges| ranges[n]);
-            Interval { low: a.low.min(b.low), high: a.high.max(b.high) }
-        });
-        tree[here].halves = Some([a, b]);
-    }
-    here
-}
-
 const UM_PER_M: f64 = 1e6;
 
 /// A grid as trees, one an axis.
 pub struct Boxes<'m> {
     map: &'m GridMap,
-    trees: [Vec<Branch>; 3],
+    trees: [Vec<Row<Interval>>; 3],
     /// What a bound may be wrong by, µm.
     room: f64,
 }
@@ -112,18 +43,16 @@ pub struct Boxes<'m> {
 impl<'m> Boxes<'m> {
     /// The boxes of a map.
     pub fn of(map: &'m GridMap) -> Self {
-        let trees = map.rows.each_ref().map(|rows| {
-            let mut tree = Vec::with_capacity(2 * rows.len());
-            grow(rows, 0..rows.len(), &mut tree);
-            tree
-        });
-        let largest = trees.each_ref().map(|tree| tree[0].ranges.map(Interval::largest));
-        Boxes { map, room: room(size_um(largest)), trees }
+        let trees = map
+            .rows
+            .each_ref()
+            .map(|rows| tree(rows.iter().map(|row| row.map(Interval::of)).collect()));
+        Boxes { map, room: room(map.size_um()), trees }
     }
 
     /// Smallest and largest error in X, Y and Z over the nodes, µm.
     pub fn ranges(&self) -> [(f64, f64); 3] {
-        let all = self.error([0; 3]);
+        let all = self.error([1; 3]);
         let furthest = |c, end| self.map.at(self.furthest([end; 3], c..c + 1, usize::MAX).at)[c];
         [0, 1, 2].map(|c| (furthest(c, all[c].high), furthest(c, all[c].low)))
     }
@@ -168,7 +97,7 @@ impl<'m> Boxes<'m> {
 
     fn bound_of_length(&self, [p, q]: [[usize; 3]; 2]) -> f64 {
         let [e, f] = [self.error(p), self.error(q)];
-        let arm = |at: [usize; 3], axis: usize| self.trees[axis][at[axis]].ranges[ARM];
+        let arm = |at: [usize; 3], axis: usize| self.trees[axis][at[axis]][ARM];
         let apart = [0, 1, 2].map(|axis| (arm(p, axis) - arm(q, axis)) * Interval::of(UM_PER_M));
         if apart[0].low > 0.0 {
             return 0.0; // the same pairs stand in the two boxes the other way round
@@ -183,7 +112,7 @@ impl<'m> Boxes<'m> {
 
     /// The error of all nodes in a box.
     fn error(&self, branches: [usize; 3]) -> [Interval; 3] {
-        self.map.error([0, 1, 2].map(|axis| &self.trees[axis][branches[axis]].ranges))
+        self.map.error([0, 1, 2].map(|axis| &self.trees[axis][branches[axis]]))
     }
 
     /// Where a node lies, x, y, z in µm from the places without a lever.
@@ -202,8 +131,9 @@ impl<'m> Boxes<'m> {
         // The bits of numbers that are not negative are in their order.
         let open = |branches: [usize; N]| (bound(&branches).to_bits(), branches);
         let mut found = self.climbed(start, &value);
-        let mut boxes = BinaryHeap::from([open([0; N])]);
+        let mut boxes = BinaryHeap::from([open([1; N])]);
         let mut steps = 0..steps;
+        let size = self.map.size();
         while let Some((bits, branches)) = boxes.pop() {
             let least = found.um + self.room;
             let above = |bits: u64| (f64::from_bits(bits) - least).max(0.0);
@@ -214,11 +144,12 @@ impl<'m> Boxes<'m> {
                 found.bound_um = f64::from_bits(bits);
                 break;
             }
-            let cuts = (0..N).filter_map(|n| {
-                let halves = self.trees[n % 3][branches[n]].halves?;
-                Some(halves.map(|half| {
-                    open(std::array::from_fn(|m| if m == n { half } else { branches[m] }))
-                }))
+            let cuts = (0..N).filter(|n| branches[*n] < size[*n % 3]).map(|n| {
+                [0, 1].map(|half| {
+                    let mut part = branches;
+                    part[n] = 2 * part[n] + half;
+                    open(part)
+                })
             });
             let sums =
                 cuts.map(|parts| (parts.iter().map(|part| above(part.0)).sum::<f64>(), parts));
@@ -226,12 +157,9 @@ impl<'m> Boxes<'m> {
             for part in
                 best.into_iter().flat_map(|(_, parts)| parts).filter(|part| above(part.0) > 0.0)
             {
-                let middle = std::array::from_fn(|n| {
-                    let nodes = &self.trees[n % 3][part.1[n]].nodes;
-                    nodes.start.midpoint(nodes.end - 1)
-                });
-                if value(&middle) > found.um {
-                    found = self.climbed(middle, &value);
+                let corner = std::array::from_fn(|n| last_row(part.1[n], size[n % 3]));
+                if value(&corner) > found.um {
+                    found = self.climbed(corner, &value);
                 }
                 boxes.push(part);
             }

@@ -13,9 +13,9 @@
 
 use super::cloud;
 pub use super::grid_map::Window;
-use super::grid_map::{self, Distinct, GridMap, Node, Vector};
+use super::grid_map::{self, GridMap, Node, Vector};
 use super::pair::{DirectionCell, Ends, Frame, Longest, Point, minus, room, search, unit};
-use super::support::Support;
+use super::sight::{AHEAD, BEHIND, Sight};
 
 /// Smallest cosine of a cell whose ends are listed rather than the cell cut.
 const NARROW: f64 = 0.94;
@@ -47,58 +47,40 @@ pub struct Diameter {
 pub fn diameter(map: &GridMap) -> Diameter {
     let low = [0; 3];
     let size = map.size();
-    Search::new(map).within(Window { low, size }, None)
+    within(map, Window { low, size }, None)
 }
 
-/// A search that keeps its lists from one window to the next.
-pub(super) struct Search<'a> {
+/// The largest difference within a window; a guess inside it makes the search shorter.
+fn within(map: &GridMap, window: Window, guess: Option<[Node; 2]>) -> Diameter {
+    let longest = Longest::none(map.number(window.low));
+    let mut search =
+        Search { map, nodes: map.distinct(window), longest, room: room(map.size_um()) };
+    if let Some([p, q]) = guess {
+        search.longest.offer(&search.point(p), &search.point(q));
+    }
+    let mut level: Vec<DirectionCell> = DirectionCell::half_sphere().collect();
+    while !level.is_empty() {
+        level.retain(|cell| search.visit(*cell));
+        if search.longest.um() <= LOST_IN_ROUNDING * search.room {
+            search.as_cloud();
+            break;
+        }
+        level = level.into_iter().flat_map(DirectionCell::quarters).collect();
+    }
+    let Longest { pair, .. } = search.longest;
+    Diameter { um: search.longest.um(), nodes: pair.map(|number| map.node(number)) }
+}
+
+/// A search for the largest difference.
+struct Search<'a> {
     map: &'a GridMap,
-    grid: Distinct,
-    top: Support,
-    bottom: Support,
+    /// The nodes that count, of axis 1, 2 and 3.
+    nodes: [Vec<usize>; 3],
     longest: Longest,
     room: f64,
 }
 
-impl<'a> Search<'a> {
-    pub(super) fn new(map: &'a GridMap) -> Self {
-        Search {
-            map,
-            grid: Distinct::default(),
-            top: Support::default(),
-            bottom: Support::default(),
-            longest: Longest::none(0),
-            room: 0.0,
-        }
-    }
-
-    /// The largest difference within a window; a guess inside it makes the search shorter.
-    pub(super) fn within(&mut self, window: Window, guess: Option<[Node; 2]>) -> Diameter {
-        self.grid.fill(self.map, window);
-        self.room = room(self.grid.size_um());
-        self.longest = Longest::none(self.map.number(window.low));
-        if let Some([p, q]) = guess {
-            self.longest.offer(&self.point(p), &self.point(q));
-        }
-        let mut level: Vec<DirectionCell> = DirectionCell::half_sphere().collect();
-        while !level.is_empty() {
-            let mut alive: Vec<(f64, DirectionCell)> = Vec::new();
-            for cell in level {
-                let reach = self.visit(cell);
-                alive.extend(reach.map(|reach| (reach, cell)));
-            }
-            if self.longest.um() <= LOST_IN_ROUNDING * self.room {
-                self.as_cloud();
-                break;
-            }
-            alive.retain(|(reach, cell)| *reach >= self.needed(*cell));
-            alive.sort_by(|a, b| b.0.total_cmp(&a.0));
-            level = alive.into_iter().flat_map(|(_, cell)| cell.quarters()).collect();
-        }
-        let map = self.map;
-        Diameter { um: self.longest.um(), nodes: self.longest.pair.map(|number| map.node(number)) }
-    }
-
+impl Search<'_> {
     fn point(&self, node: Node) -> Point {
         Point { at: self.map.at(node), number: self.map.number(node) }
     }
@@ -108,64 +90,60 @@ impl<'a> Search<'a> {
         self.longest.um() * cell.cosine() - self.room
     }
 
-    /// Bound of the extent along `d`.
-    fn aim(&mut self, d: &Vector) -> f64 {
-        let d = self.map.along_chain(*d);
-        self.top.aim(&self.grid, &d) + self.bottom.aim(&self.grid, &d.map(|c| -c))
+    /// The vectors along a direction and how far they reach to both sides, `None` where that is less than `needed`. The
+    /// pair there is offered: true where it is longer.
+    fn reach(&mut self, d: &Vector, needed: f64) -> Option<(Sight, [f64; 2], bool)> {
+        let sight = Sight::of(self.map, &self.nodes, d);
+        let (high, top) = sight.furthest(AHEAD, needed - sight.bound(BEHIND))?;
+        let (depth, bottom) = sight.furthest(BEHIND, needed - high)?;
+        let [top, bottom] = [top, bottom].map(|places| self.seen(places));
+        Some((sight, [high, depth], self.longest.offer(&top, &bottom)))
     }
 
-    /// How far the vectors reach to both sides; the pair there is offered. True where longer.
-    fn reach(&mut self) -> ([f64; 2], bool) {
-        let (high, top) = self.top.furthest(&self.grid);
-        let (depth, bottom) = self.bottom.furthest(&self.grid);
-        let node = |places: Node| [0, 1, 2].map(|axis| self.grid.axes[axis][places[axis]].0);
-        let [top, bottom] = [top, bottom].map(|places| self.point(node(places)));
-        ([high, depth], self.longest.offer(&top, &bottom))
+    /// A node by its places in the lists of the window.
+    fn seen(&self, places: Node) -> Point {
+        self.point([0, 1, 2].map(|axis| self.nodes[axis][places[axis]]))
     }
 
     /// Turns along the longest pair as long as that finds a longer one.
     fn turn(&mut self) {
         for _ in 0..TURNS {
             let [p, q] = self.longest.pair.map(|n| self.map.at(self.map.node(n)));
-            let Some(d) = unit(minus(&p, &q)) else {
-                break;
-            };
-            self.aim(&d);
-            if !self.reach().1 {
+            let needed = self.longest.um() - self.room;
+            let reached = unit(minus(&p, &q)).and_then(|d| self.reach(&d, needed));
+            if !reached.is_some_and(|(.., longer)| longer) {
                 break;
             }
         }
     }
 
-    /// Looks into a cell of directions; returns the extent along it where it has to be cut.
-    fn visit(&mut self, cell: DirectionCell) -> Option<f64> {
-        let d = cell.direction();
-        if self.aim(&d) < self.needed(cell) {
-            return None;
-        }
-        let ([high, depth], longer) = self.reach();
+    /// Looks into a cell of directions; true where it has to be cut.
+    fn visit(&mut self, cell: DirectionCell) -> bool {
+        let reached = self.reach(&cell.direction(), self.needed(cell));
+        let Some((sight, [high, depth], longer)) = reached else {
+            return false;
+        };
         if longer {
             self.turn();
         }
         let needed = self.needed(cell);
-        if high + depth < needed {
-            return None;
-        }
         let fine = cell.is_fine(self.longest.um(), self.room);
-        if fine || cell.cosine() > NARROW {
-            if longer {
-                self.aim(&d);
-            }
-            let most = if fine { usize::MAX } else { LISTED };
-            let grid = (self.map, &self.grid);
-            let top = self.top.beyond(grid, needed - depth, most);
-            let bottom = top.as_ref().and_then(|_| self.bottom.beyond(grid, needed - high, most));
-            if let (Some(top), Some(bottom)) = (top, bottom) {
-                self.compare(cell, &Ends { top, bottom });
-                return None;
-            }
+        if !fine && cell.cosine() <= NARROW {
+            return high + depth >= needed;
         }
-        Some(high + depth)
+        let most = if fine { usize::MAX } else { LISTED };
+        let list = |side, least| -> Option<Vec<Point>> {
+            let nodes = sight.beyond(side, least, most)?;
+            Some(nodes.into_iter().map(|places| self.seen(places)).collect())
+        };
+        let Some(top) = list(AHEAD, needed - depth) else {
+            return true;
+        };
+        let Some(bottom) = list(BEHIND, needed - high) else {
+            return true;
+        };
+        self.compare(cell, &Ends { top, bottom });
+        false
     }
 
     fn compare(&mut self, cell: DirectionCell, ends: &Ends) {
@@ -176,14 +154,10 @@ impl<'a> Search<'a> {
 
     /// All vectors, where the map is constant but for rounding.
     fn as_cloud(&mut self) {
-        let mut numbers = Vec::new();
-        let [first, second, third] = &self.grid.axes;
-        for (i, _) in first {
-            for (j, _) in second {
-                let line = third.iter().map(|(k, _)| [*i, *j, *k]);
-                numbers.extend(line.map(|node| self.map.number(node)));
-            }
-        }
+        let [first, second, third] = &self.nodes;
+        let lines = first.iter().flat_map(|i| second.iter().map(move |j| (*i, *j)));
+        let nodes = lines.flat_map(|(i, j)| third.iter().map(move |k| [i, j, *k]));
+        let numbers: Vec<usize> = nodes.map(|node| self.map.number(node)).collect();
         let vector = |number: &usize| self.map.at(self.map.node(*number));
         let vectors: Vec<Vector> = numbers.iter().map(vector).collect();
         if let Some(longest) = cloud::longest(&vectors) {
@@ -211,12 +185,11 @@ impl WindowMap {
             return None;
         }
         let positions = [0, 1, 2].map(|axis| whole[axis] - size[axis] + 1);
-        let mut search = Search::new(map);
         let mut figures: Vec<Diameter> = Vec::new();
         for number in 0..positions.iter().product() {
             let window = Window { low: grid_map::node(number, positions), size };
             let guess = figures.last().map(|figure| moved(figure.nodes, window));
-            figures.push(search.within(window, guess));
+            figures.push(within(map, window, guess));
         }
         Some(WindowMap { size, positions, figures })
     }

@@ -1,12 +1,7 @@
 //! The error vectors of a grid, kept as three lists of nodes instead of one vector a point.
-//!
-//! The nodes of a part of a grid, without those that only repeat others.
-//!
-//! Two nodes of an axis with the same shift, the same rotation and a lever that nothing turns
-//! give the same vectors. Of such nodes the first one stands for all: a map that depends on one
-//! axis only is a curve, not a million equal points.
 
 use crate::quantity::axis::Axis;
+use std::collections::HashSet;
 use std::ops::{Add, Mul, Sub};
 
 /// An error vector, x, y, z in µm.
@@ -159,6 +154,45 @@ impl GridMap {
         }
         roles
     }
+
+    /// The nodes of a window on axis 1, 2 and 3, without those that only repeat others.
+    ///
+    /// Two nodes of an axis with the same shift, the same rotation and a lever that nothing turns give the same vectors. Of
+    /// such nodes the first one stands for all: a map that depends on one axis only is a curve, not a million equal points.
+    pub(super) fn distinct(&self, window: Window) -> [Vec<usize>; 3] {
+        let nodes = [0, 1, 2].map(|axis| window.low[axis]..window.low[axis] + window.size[axis]);
+        let turns = |axis: usize, terms: [usize; 2]| {
+            let rows = &self.rows[axis][nodes[axis].clone()];
+            rows.iter().any(|row| terms.iter().any(|term| row[*term].abs() > 0.0))
+        };
+        let lever_counts = [
+            false,
+            turns(0, [BY_SECOND, ROLL]),
+            turns(0, [BY_THIRD, ROLL]) || turns(1, [BY_THIRD, ROLL]),
+        ];
+        [0, 1, 2].map(|axis| {
+            let mut seen = HashSet::new();
+            let is_new = |n: &usize| {
+                let mut key = self.rows[axis][*n].map(|v| (v + 0.0).to_bits());
+                key[ARM] = if lever_counts[axis] { key[ARM] } else { 0 };
+                seen.insert(key)
+            };
+            nodes[axis].clone().filter(is_new).collect()
+        })
+    }
+
+    /// Sum of the largest magnitudes that a vector is made of, µm.
+    pub(super) fn size_um(&self) -> f64 {
+        let [first, second, third] = self.rows.each_ref().map(|rows| {
+            let larger = |m: Row, row: &Row| std::array::from_fn(|n| m[n].max(row[n].abs()));
+            rows.iter().fold([0.0; 7], larger)
+        });
+        let shift = |row: &Row| row[0].max(row[1]).max(row[2]);
+        let turn = |row: &Row, term: usize| row[term].max(row[ROLL]);
+        let by_third = turn(&first, BY_THIRD) + turn(&second, BY_THIRD);
+        let levers = turn(&first, BY_SECOND) * second[ARM] + by_third * third[ARM];
+        3.0 * (shift(&first) + shift(&second) + shift(&third) + levers)
+    }
 }
 
 /// The node with a number, the last axis fastest.
@@ -193,61 +227,4 @@ pub struct Window {
     pub low: Node,
     /// Nodes of each axis.
     pub size: Node,
-}
-
-/// Nodes with their places on the axis.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Distinct {
-    /// Of axis 1, 2 and 3.
-    pub(super) axes: [Vec<(usize, Row)>; 3],
-    order: Vec<([u64; 7], usize)>,
-}
-
-impl Distinct {
-    /// Makes it the nodes of a window.
-    pub(super) fn fill(&mut self, map: &GridMap, window: Window) {
-        let nodes = [0, 1, 2].map(|axis| {
-            let start = window.low[axis];
-            &map.rows[axis][start..start + window.size[axis]]
-        });
-        let turns = |axis: usize, terms: [usize; 2]| {
-            nodes[axis].iter().any(|row| terms.iter().any(|term| row[*term].abs() > 0.0))
-        };
-        let lever_counts = [
-            false,
-            turns(0, [BY_SECOND, ROLL]),
-            turns(0, [BY_THIRD, ROLL]) || turns(1, [BY_THIRD, ROLL]),
-        ];
-        let order = &mut self.order;
-        for (axis, kept) in self.axes.iter_mut().enumerate() {
-            order.clear();
-            order.extend(nodes[axis].iter().enumerate().map(|(n, row)| {
-                let mut key = row.map(|v| (v + 0.0).to_bits());
-                key[ARM] = if lever_counts[axis] { key[ARM] } else { 0 };
-                (key, n)
-            }));
-            order.sort_unstable();
-            order.dedup_by_key(|(key, _)| *key);
-            order.sort_unstable_by_key(|(_, n)| *n);
-            kept.clear();
-            kept.extend(order.iter().map(|(_, n)| (window.low[axis] + n, nodes[axis][*n])));
-        }
-    }
-
-    /// Sum of the largest magnitudes that a vector is made of, µm.
-    pub(super) fn size_um(&self) -> f64 {
-        size_um(self.axes.each_ref().map(|rows| {
-            let start: Row = [0.0; 7];
-            rows.iter().fold(start, |m, (_, row)| std::array::from_fn(|n| m[n].max(row[n].abs())))
-        }))
-    }
-}
-
-/// Sum of the magnitudes that a vector is made of, µm, from the largest ones of each axis.
-pub(super) fn size_um([first, second, third]: [Row; 3]) -> f64 {
-    let shift = |row: &Row| row[0].max(row[1]).max(row[2]);
-    let turn = |row: &Row, term: usize| row[term].max(row[ROLL]);
-    let by_third = turn(&first, BY_THIRD) + turn(&second, BY_THIRD);
-    let levers = turn(&first, BY_SECOND) * second[ARM] + by_third * third[ARM];
-    3.0 * (shift(&first) + shift(&second) + shift(&third) + levers)
 }
