@@ -1,7 +1,7 @@
 //! The steps of a service visit: as they stand in a profile, and filled in for one kit (docs/field-kit.md).
 //! Nothing here moves a machine.
 
-use crate::control::controller::fact::{Evidence, Fact, Mechanism, Role, Word};
+use crate::control::controller::fact::{Evidence, Fact, Mechanism, Role, words};
 use serde::Serialize;
 
 /// One step.
@@ -17,45 +17,31 @@ pub struct Step {
     pub when: Option<When>,
 }
 
-/// What a step lists of a kit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum List {
-    /// Where each term goes: what the kit overwrites.
-    Places,
-    /// Preconditions with their values.
-    Preconditions,
-    /// What is assumed of the control, with the consequence.
-    Assumptions,
-    /// The largest movement of each axis when the tables are switched.
-    Movement,
-    /// Bumps, and what has to be seen.
-    SignProofs,
-    /// One place of each table, and what the file holds there.
-    Display,
-    /// Why there is no sign proof of a mechanism or no rollback file, and what the rollback files
-    /// do not hold.
-    NotWritten,
-    /// What the rollback files leave to a person, and what moves.
-    WayBack,
-    /// Values that are entered by hand with the tables.
-    Enter,
-    /// The same values on rollback.
-    PutBack,
-}
-
-impl Word for List {
-    const WORDS: &'static [(&'static str, List)] = &[
-        ("places", List::Places),
-        ("preconditions", List::Preconditions),
-        ("assumptions", List::Assumptions),
-        ("movement", List::Movement),
-        ("sign-proofs", List::SignProofs),
-        ("display", List::Display),
-        ("not-written", List::NotWritten),
-        ("way-back", List::WayBack),
-        ("enter", List::Enter),
-        ("put-back", List::PutBack),
-    ];
+words! {
+    /// What a step lists of a kit.
+    pub enum List {
+        /// Where each term goes: what the kit overwrites.
+        Places = "places",
+        /// Preconditions with their values.
+        Preconditions = "preconditions",
+        /// What is assumed of the control, with the consequence.
+        Assumptions = "assumptions",
+        /// The largest movement of each axis when the tables are switched.
+        Movement = "movement",
+        /// Bumps, and what has to be seen.
+        SignProofs = "sign-proofs",
+        /// One place of each table, and what the file holds there.
+        Display = "display",
+        /// Why there is no sign proof of a mechanism or no rollback file, and what the rollback files
+        /// do not hold.
+        NotWritten = "not-written",
+        /// What the rollback files leave to a person, and what moves.
+        WayBack = "way-back",
+        /// Values that are entered by hand with the tables.
+        Enter = "enter",
+        /// The same values on rollback.
+        PutBack = "put-back",
+    }
 }
 
 /// When a step stands in a checklist (`when = "cec"`, `when = "no rollback"`).

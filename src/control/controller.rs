@@ -39,7 +39,7 @@ pub(crate) use self::pattern::Field;
 pub use self::pattern::Pattern;
 pub use self::siemens::{MultiplyMode, SiemensFacts};
 
-use self::fact::{Word, facts};
+use self::fact::{facts, words};
 use crate::control::checklist::Step;
 
 facts! {
@@ -79,20 +79,16 @@ pub enum Dialect {
     Klipper(KlipperFacts),
 }
 
-/// End of a line in the files of a control.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LineEnd {
-    /// `\n`
-    Lf,
-    /// `\r\n`
-    CrLf,
-    /// `\n\r\r`, what a 30i-class control itself writes.
-    LfCrCr,
-}
-
-impl Word for LineEnd {
-    const WORDS: &'static [(&'static str, LineEnd)] =
-        &[("LF", LineEnd::Lf), ("CR LF", LineEnd::CrLf), ("LF CR CR", LineEnd::LfCrCr)];
+words! {
+    /// End of a line in the files of a control.
+    pub enum LineEnd {
+        /// `\n`
+        Lf = "LF",
+        /// `\r\n`
+        CrLf = "CR LF",
+        /// `\n\r\r`, what a 30i-class control itself writes.
+        LfCrCr = "LF CR CR",
+    }
 }
 
 impl LineEnd {
@@ -106,18 +102,14 @@ impl LineEnd {
     }
 }
 
-/// How the characters of a control's files are stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
-    /// UTF-8, of which plain letters and digits are ASCII.
-    Utf8,
-    /// UTF-16, the low byte first.
-    Utf16Le,
-}
-
-impl Word for Encoding {
-    const WORDS: &'static [(&'static str, Encoding)] =
-        &[("utf-8", Encoding::Utf8), ("utf-16le", Encoding::Utf16Le)];
+words! {
+    /// How the characters of a control's files are stored.
+    pub enum Encoding {
+        /// UTF-8, of which plain letters and digits are ASCII.
+        Utf8 = "utf-8",
+        /// UTF-16, the low byte first.
+        Utf16Le = "utf-16le",
+    }
 }
 
 /// One file that a profile emits.

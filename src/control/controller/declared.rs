@@ -8,7 +8,9 @@
 //!   how a line is read  lines, file_name, comments; their fields say how points lie, and whether a value has two directions
 //! ```
 
-use super::fact::{Comments, Fact, Facts, Mechanism, Outside, Stated, TableSign, Word, facts};
+use super::fact::{
+    Comments, Fact, Facts, Mechanism, Outside, Stated, TableSign, Word, facts, words,
+};
 use super::family::{Family, Proof};
 use super::pattern::{Field, Pattern};
 use crate::control::table::Tables;
@@ -42,51 +44,36 @@ pub(super) static FAMILY: Family = Family {
     ],
 };
 
-/// In which form a number of a table says what it says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ValueForm {
-    /// Error or correction itself.
-    Amount,
-    /// The position that error or correction leads to.
-    Position,
-    /// Its change from the point before.
-    Increment,
+words! {
+    /// In which form a number of a table says what it says.
+    pub enum ValueForm {
+        /// Error or correction itself.
+        Amount = "amount",
+        /// The position that error or correction leads to.
+        Position = "position",
+        /// Its change from the point before.
+        Increment = "increment",
+    }
 }
 
-impl Word for ValueForm {
-    const WORDS: &'static [(&'static str, ValueForm)] = &[
-        ("amount", ValueForm::Amount),
-        ("position", ValueForm::Position),
-        ("increment", ValueForm::Increment),
-    ];
+words! {
+    /// The order of the points in a file.
+    pub enum Order {
+        /// From − to +.
+        Ascending = "ascending",
+        /// From + to −.
+        Descending = "descending",
+    }
 }
 
-/// The order of the points in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Order {
-    /// From − to +.
-    Ascending,
-    /// From + to −.
-    Descending,
-}
-
-impl Word for Order {
-    const WORDS: &'static [(&'static str, Order)] =
-        &[("ascending", Order::Ascending), ("descending", Order::Descending)];
-}
-
-/// What the backlash parameter of an axis does beside a table of the axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BesideTable {
-    /// It acts in addition.
-    Adds,
-    /// Nothing: the table stands in its place.
-    Replaced,
-}
-
-impl Word for BesideTable {
-    const WORDS: &'static [(&'static str, BesideTable)] =
-        &[("adds", BesideTable::Adds), ("replaced", BesideTable::Replaced)];
+words! {
+    /// What the backlash parameter of an axis does beside a table of the axis.
+    pub enum BesideTable {
+        /// It acts in addition.
+        Adds = "adds",
+        /// Nothing: the table stands in its place.
+        Replaced = "replaced",
+    }
 }
 
 /// Size of 1 in a file, µm: a unit of length, or counts of any size.

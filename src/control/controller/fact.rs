@@ -17,16 +17,32 @@ pub(crate) trait Word: Copy + PartialEq + 'static {
     }
 }
 
-/// How well a fact is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Evidence {
-    /// Read in a manual of the maker, or in data that a real control wrote.
-    Manual,
-    /// Taken from memory, inference or a weaker source; a control may differ.
-    Assumed,
-    /// Seen on a real control that executed our file.
-    Executed,
+/// A closed list of values, each with its word in profiles.
+macro_rules! words {
+    ($(#[$of:meta])* $how:vis enum $name:ident { $($(#[$value_of:meta])* $value:ident = $word:literal,)+ }) => {
+        $(#[$of])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        $how enum $name { $($(#[$value_of])* $value),+ }
+
+        impl $crate::control::controller::fact::Word for $name {
+            const WORDS: &'static [(&'static str, $name)] = &[$(($word, $name::$value)),+];
+        }
+    };
+}
+pub(crate) use words;
+
+words! {
+    /// How well a fact is known.
+    #[derive(Serialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Evidence {
+        /// Read in a manual of the maker, or in data that a real control wrote.
+        Manual = "manual",
+        /// Taken from memory, inference or a weaker source; a control may differ.
+        Assumed = "assumed",
+        /// Seen on a real control that executed our file.
+        Executed = "executed",
+    }
 }
 
 impl Evidence {
@@ -47,26 +63,15 @@ impl Evidence {
     }
 }
 
-impl Word for Evidence {
-    const WORDS: &'static [(&'static str, Evidence)] = &[
-        ("manual", Evidence::Manual),
-        ("assumed", Evidence::Assumed),
-        ("executed", Evidence::Executed),
-    ];
-}
-
-/// What the numbers in a control's table mean: the machine's error, or what the control adds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum TableSign {
-    /// The table holds the deviation; a positive value makes the axis move in −.
-    AsError,
-    /// The table holds the correction; a positive value makes the axis move in +.
-    AsCorrection,
-}
-
-impl Word for TableSign {
-    const WORDS: &'static [(&'static str, TableSign)] =
-        &[("as_error", TableSign::AsError), ("as_correction", TableSign::AsCorrection)];
+words! {
+    /// What the numbers in a control's table mean: the machine's error, or what the control adds.
+    #[derive(clap::ValueEnum)]
+    pub enum TableSign {
+        /// The table holds the deviation; a positive value makes the axis move in −.
+        AsError = "as_error",
+        /// The table holds the correction; a positive value makes the axis move in +.
+        AsCorrection = "as_correction",
+    }
 }
 
 impl TableSign {
@@ -103,82 +108,56 @@ impl TableSign {
     }
 }
 
-/// In which form tables are delivered (docs/siemens.md §3.2).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TableForm {
-    /// Part program without header, ends with `M30`.
-    Program,
-    /// NC active data: `%_N_…_INI`, `CHANDATA(1)`, ends with `M17`.
-    Data,
+words! {
+    /// In which form tables are delivered (docs/siemens.md §3.2).
+    pub enum TableForm {
+        /// Part program without header, ends with `M30`.
+        Program = "program",
+        /// NC active data: `%_N_…_INI`, `CHANDATA(1)`, ends with `M17`.
+        Data = "data",
+    }
 }
 
-impl Word for TableForm {
-    const WORDS: &'static [(&'static str, TableForm)] =
-        &[("program", TableForm::Program), ("data", TableForm::Data)];
-}
-
-/// What of a control a fact belongs to: it matters for a kit only where the kit uses that.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mechanism {
-    /// Siemens: measuring-system error compensation.
-    EncComp,
-    /// Siemens: cross-error compensation.
-    Cec,
-    /// Siemens: CEC tables that multiply each other.
-    CecProducts,
-    /// Fanuc: stored pitch error compensation.
-    Pitch,
-    /// Fanuc: pitch tables of their own for travel in −.
-    Bidirectional,
-    /// Fanuc: straightness compensation of either form.
-    Straightness,
-    /// Fanuc: straightness through four points.
-    FourPoint,
-    /// Fanuc: straightness with one increment for each point.
-    PerPoint,
-    /// LinuxCNC: the table of a joint.
-    Comp,
-    /// LinuxCNC: the HAL file for cross terms.
-    Hal,
-    /// Declared: the table of an axis for itself.
-    OwnTable,
-    /// Declared: the table of an axis that follows another.
-    CrossTable,
-    /// ISG: volumetric compensation.
-    Volcomp,
-    /// ISG: its angles.
-    VolcompAngles,
-    /// Klipper: skew correction.
-    Skew,
-    /// Basic system mm.
-    Metric,
-    /// Basic system inch.
-    Inch,
-    /// Nothing: a wrong value has no consequence.
-    Nothing,
-}
-
-impl Word for Mechanism {
-    const WORDS: &'static [(&'static str, Mechanism)] = &[
-        ("enc-comp", Mechanism::EncComp),
-        ("cec", Mechanism::Cec),
-        ("cec-products", Mechanism::CecProducts),
-        ("pitch", Mechanism::Pitch),
-        ("bidirectional", Mechanism::Bidirectional),
-        ("straightness", Mechanism::Straightness),
-        ("four-point", Mechanism::FourPoint),
-        ("per-point", Mechanism::PerPoint),
-        ("comp", Mechanism::Comp),
-        ("hal", Mechanism::Hal),
-        ("own-table", Mechanism::OwnTable),
-        ("cross-table", Mechanism::CrossTable),
-        ("volcomp", Mechanism::Volcomp),
-        ("volcomp-angles", Mechanism::VolcompAngles),
-        ("skew", Mechanism::Skew),
-        ("metric", Mechanism::Metric),
-        ("inch", Mechanism::Inch),
-        ("none", Mechanism::Nothing),
-    ];
+words! {
+    /// What of a control a fact belongs to: it matters for a kit only where the kit uses that.
+    pub enum Mechanism {
+        /// Siemens: measuring-system error compensation.
+        EncComp = "enc-comp",
+        /// Siemens: cross-error compensation.
+        Cec = "cec",
+        /// Siemens: CEC tables that multiply each other.
+        CecProducts = "cec-products",
+        /// Fanuc: stored pitch error compensation.
+        Pitch = "pitch",
+        /// Fanuc: pitch tables of their own for travel in −.
+        Bidirectional = "bidirectional",
+        /// Fanuc: straightness compensation of either form.
+        Straightness = "straightness",
+        /// Fanuc: straightness through four points.
+        FourPoint = "four-point",
+        /// Fanuc: straightness with one increment for each point.
+        PerPoint = "per-point",
+        /// LinuxCNC: the table of a joint.
+        Comp = "comp",
+        /// LinuxCNC: the HAL file for cross terms.
+        Hal = "hal",
+        /// Declared: the table of an axis for itself.
+        OwnTable = "own-table",
+        /// Declared: the table of an axis that follows another.
+        CrossTable = "cross-table",
+        /// ISG: volumetric compensation.
+        Volcomp = "volcomp",
+        /// ISG: its angles.
+        VolcompAngles = "volcomp-angles",
+        /// Klipper: skew correction.
+        Skew = "skew",
+        /// Basic system mm.
+        Metric = "metric",
+        /// Basic system inch.
+        Inch = "inch",
+        /// Nothing: a wrong value has no consequence.
+        Nothing = "none",
+    }
 }
 
 impl Mechanism {
@@ -207,20 +186,16 @@ impl Mechanism {
     }
 }
 
-/// What a control adds outside a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outside {
-    /// The value at the end.
-    Hold,
-    /// Nothing.
-    Zero,
-    /// Not known: tables have to cover the travel.
-    Unknown,
-}
-
-impl Word for Outside {
-    const WORDS: &'static [(&'static str, Outside)] =
-        &[("hold", Outside::Hold), ("zero", Outside::Zero), ("unknown", Outside::Unknown)];
+words! {
+    /// What a control adds outside a table.
+    pub enum Outside {
+        /// The value at the end.
+        Hold = "hold",
+        /// Nothing.
+        Zero = "zero",
+        /// Not known: tables have to cover the travel.
+        Unknown = "unknown",
+    }
 }
 
 /// Whether the files of a control may carry comments.
@@ -304,39 +279,27 @@ impl ControlUnit {
     }
 }
 
-/// What an emitted file is for (contract §4).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
-    /// Compensation values.
-    Table,
-    /// Parameters, or memory reservation.
-    Parameters,
-    /// Switches the compensation on.
-    Enable,
-    /// Switches it off.
-    Disable,
-    /// Restores what was read out of the control.
-    Rollback,
-    /// Tables that are zero but for one bump, to prove the sign of a mechanism.
-    SignProof,
-    /// What to do at the machine, for people.
-    Checklist,
-    /// Whatever else a user's template writes; no reader of this program takes it, so nothing shows
-    /// what a control would hold that loads it.
-    Report,
-}
-
-impl Word for Role {
-    const WORDS: &'static [(&'static str, Role)] = &[
-        ("table", Role::Table),
-        ("parameters", Role::Parameters),
-        ("enable", Role::Enable),
-        ("disable", Role::Disable),
-        ("rollback", Role::Rollback),
-        ("sign-proof", Role::SignProof),
-        ("checklist", Role::Checklist),
-        ("report", Role::Report),
-    ];
+words! {
+    /// What an emitted file is for (contract §4).
+    pub enum Role {
+        /// Compensation values.
+        Table = "table",
+        /// Parameters, or memory reservation.
+        Parameters = "parameters",
+        /// Switches the compensation on.
+        Enable = "enable",
+        /// Switches it off.
+        Disable = "disable",
+        /// Restores what was read out of the control.
+        Rollback = "rollback",
+        /// Tables that are zero but for one bump, to prove the sign of a mechanism.
+        SignProof = "sign-proof",
+        /// What to do at the machine, for people.
+        Checklist = "checklist",
+        /// Whatever else a user's template writes; no reader of this program takes it, so nothing shows
+        /// what a control would hold that loads it.
+        Report = "report",
+    }
 }
 
 impl Role {

@@ -1,6 +1,6 @@
 //! FANUC: facts of the stored pitch error compensation and of straightness (docs/fanuc.md).
 
-use super::fact::{Facts, Mechanism, NumberRange, Outside, TableSign, Word, facts};
+use super::fact::{Facts, Mechanism, NumberRange, Outside, TableSign, facts, words};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
@@ -64,32 +64,24 @@ pub(super) static LANGUAGE: LanguageFacts = LanguageFacts {
     ],
 };
 
-/// Form of the straightness compensation (docs/fanuc.md §2.1, §2.2).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum StraightnessForm {
-    /// Three straight pieces through four points.
-    FourPoint,
-    /// One increment for each pitch point of the moving axis, up to 128.
-    PerPoint,
+words! {
+    /// Form of the straightness compensation (docs/fanuc.md §2.1, §2.2).
+    pub enum StraightnessForm {
+        /// Three straight pieces through four points.
+        FourPoint = "four-point",
+        /// One increment for each pitch point of the moving axis, up to 128.
+        PerPoint = "per-point",
+    }
 }
 
-impl Word for StraightnessForm {
-    const WORDS: &'static [(&'static str, StraightnessForm)] =
-        &[("four-point", StraightnessForm::FourPoint), ("per-point", StraightnessForm::PerPoint)];
-}
-
-/// How parameter 3624 (interval) is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IntervalForm {
-    /// A real number in mm or inch, with a decimal point.
-    Real,
-    /// An integer in least input increments.
-    Integer,
-}
-
-impl Word for IntervalForm {
-    const WORDS: &'static [(&'static str, IntervalForm)] =
-        &[("real", IntervalForm::Real), ("integer", IntervalForm::Integer)];
+words! {
+    /// How parameter 3624 (interval) is written.
+    pub enum IntervalForm {
+        /// A real number in mm or inch, with a decimal point.
+        Real = "real",
+        /// An integer in least input increments.
+        Integer = "integer",
+    }
 }
 
 facts! {

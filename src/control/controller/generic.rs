@@ -1,6 +1,6 @@
 //! No particular control: facts of the generic table (docs/interface.md §4.1).
 
-use super::fact::{Outside, Word, facts};
+use super::fact::{Outside, Word, facts, words};
 use super::family::Family;
 use crate::control::table::Tables;
 use crate::control::table::generic::GenericTable;
@@ -42,15 +42,16 @@ impl GenericFacts {
     }
 }
 
-/// What a person types into a control that reads no file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum TypedValue {
-    /// The machine's error.
-    Deviation,
-    /// What the control adds.
-    Correction,
-    /// Its change from the point before.
-    Increment,
+words! {
+    /// What a person types into a control that reads no file.
+    pub enum TypedValue {
+        /// The machine's error.
+        Deviation = "deviation",
+        /// What the control adds.
+        Correction = "correction",
+        /// Its change from the point before.
+        Increment = "increment",
+    }
 }
 
 impl TypedValue {
@@ -62,14 +63,6 @@ impl TypedValue {
             TypedValue::Increment => "change of the correction from the point before, from − to +",
         }
     }
-}
-
-impl Word for TypedValue {
-    const WORDS: &'static [(&'static str, TypedValue)] = &[
-        ("deviation", TypedValue::Deviation),
-        ("correction", TypedValue::Correction),
-        ("increment", TypedValue::Increment),
-    ];
 }
 
 impl Word for LengthUnit {

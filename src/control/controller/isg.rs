@@ -1,6 +1,6 @@
 //! ISG kernel, TwinCAT CNC: facts of the volumetric compensation (docs/isg.md).
 
-use super::fact::{Facts, Mechanism, Outside, TableSign, Word, facts};
+use super::fact::{Facts, Mechanism, Outside, TableSign, facts, words};
 use super::family::{Family, Proof};
 use crate::control::table::Tables;
 use crate::control::table::isg::IsgTables;
@@ -23,18 +23,14 @@ pub(super) static FAMILY: Family = Family {
     }],
 };
 
-/// Where the control counts levers from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LeverOrigin {
-    /// Position 0 of each axis.
-    MachineZero,
-    /// The reference point.
-    Reference,
-}
-
-impl Word for LeverOrigin {
-    const WORDS: &'static [(&'static str, LeverOrigin)] =
-        &[("machine_zero", LeverOrigin::MachineZero), ("reference", LeverOrigin::Reference)];
+words! {
+    /// Where the control counts levers from.
+    pub enum LeverOrigin {
+        /// Position 0 of each axis.
+        MachineZero = "machine_zero",
+        /// The reference point.
+        Reference = "reference",
+    }
 }
 
 facts! {

@@ -1,6 +1,6 @@
 //! LinuxCNC: facts of the tables that `COMP_FILE` names, and of the HAL file for cross terms (docs/linuxcnc.md).
 
-use super::fact::{Facts, Mechanism, Outside, TableSign, Word, facts};
+use super::fact::{Facts, Mechanism, Outside, TableSign, Word, facts, words};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::linuxcnc::{Columns, LinuxcncTables};
@@ -44,18 +44,14 @@ impl Word for Columns {
         &[("reached", Columns::Reached), ("trims", Columns::Trims)];
 }
 
-/// What corrects one joint by the position of another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CrossTerms {
-    /// Nothing.
-    None,
-    /// Components in a HAL file.
-    Hal,
-}
-
-impl Word for CrossTerms {
-    const WORDS: &'static [(&'static str, CrossTerms)] =
-        &[("none", CrossTerms::None), ("hal", CrossTerms::Hal)];
+words! {
+    /// What corrects one joint by the position of another.
+    pub enum CrossTerms {
+        /// Nothing.
+        None = "none",
+        /// Components in a HAL file.
+        Hal = "hal",
+    }
 }
 
 facts! {

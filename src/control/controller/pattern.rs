@@ -1,41 +1,42 @@
 //! A line of a control's file as a regular expression with named fields, checked when its profile is loaded.
 
-use super::fact::{Stated, Word};
+use super::fact::{Stated, Word, words};
 use crate::text::document::Section;
 use crate::text::problem::{nearest, shown};
 use regex_automata::PatternID;
 use regex_automata::meta::{BuildError, Config, Regex};
 use std::ops::Range;
 
-/// What a part of a line says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Field {
-    /// The axis that the lines below are for, base and output in one.
-    Axis,
-    /// The axis that is looked up.
-    Base,
-    /// The axis that is corrected.
-    Output,
-    /// Number of a point.
-    Point,
-    /// Where it lies.
-    Position,
-    /// Its value, in both directions.
-    Value,
-    /// Its value while the base axis moves in +.
-    Forward,
-    /// Its value while the base axis moves in −.
-    Reverse,
-    /// Where the first point lies.
-    Start,
-    /// The distance of points.
-    Spacing,
-    /// How many points there are.
-    Count,
-    /// The number of the last one.
-    Last,
-    /// The unit of the values, as a word.
-    Unit,
+words! {
+    /// What a part of a line says.
+    pub(crate) enum Field {
+        /// The axis that the lines below are for, base and output in one.
+        Axis = "axis",
+        /// The axis that is looked up.
+        Base = "base",
+        /// The axis that is corrected.
+        Output = "output",
+        /// Number of a point.
+        Point = "point",
+        /// Where it lies.
+        Position = "position",
+        /// Its value, in both directions.
+        Value = "value",
+        /// Its value while the base axis moves in +.
+        Forward = "forward",
+        /// Its value while the base axis moves in −.
+        Reverse = "reverse",
+        /// Where the first point lies.
+        Start = "start",
+        /// The distance of points.
+        Spacing = "spacing",
+        /// How many points there are.
+        Count = "count",
+        /// The number of the last one.
+        Last = "last",
+        /// The unit of the values, as a word.
+        Unit = "unit",
+    }
 }
 
 impl Field {
@@ -43,24 +44,6 @@ impl Field {
     pub(crate) fn word(self) -> &'static str {
         self.word_of()
     }
-}
-
-impl Word for Field {
-    const WORDS: &'static [(&'static str, Field)] = &[
-        ("axis", Field::Axis),
-        ("base", Field::Base),
-        ("output", Field::Output),
-        ("point", Field::Point),
-        ("position", Field::Position),
-        ("value", Field::Value),
-        ("forward", Field::Forward),
-        ("reverse", Field::Reverse),
-        ("start", Field::Start),
-        ("spacing", Field::Spacing),
-        ("count", Field::Count),
-        ("last", Field::Last),
-        ("unit", Field::Unit),
-    ];
 }
 
 /// A pattern that takes a whole line.

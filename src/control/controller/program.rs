@@ -1,25 +1,18 @@
 //! How a control is told to move: facts of its part programs (docs/program.md).
 
-use crate::control::controller::fact::{ControlUnit, Fact, Statement, Word};
+use crate::control::controller::fact::{ControlUnit, Fact, Statement, Word, words};
 use crate::control::controller::family::LanguageFacts;
 
-/// Family of part programs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Language {
-    /// SINUMERIK in its own language (not the ISO dialect).
-    Siemens,
-    /// FANUC, G-code system of a machining centre.
-    Fanuc,
-    /// LinuxCNC, RS274NGC.
-    Linuxcnc,
-}
-
-impl Word for Language {
-    const WORDS: &'static [(&'static str, Language)] = &[
-        ("siemens", Language::Siemens),
-        ("fanuc", Language::Fanuc),
-        ("linuxcnc", Language::Linuxcnc),
-    ];
+words! {
+    /// Family of part programs.
+    pub enum Language {
+        /// SINUMERIK in its own language (not the ISO dialect).
+        Siemens = "siemens",
+        /// FANUC, G-code system of a machining centre.
+        Fanuc = "fanuc",
+        /// LinuxCNC, RS274NGC.
+        Linuxcnc = "linuxcnc",
+    }
 }
 
 impl Language {

@@ -1,6 +1,6 @@
 //! SINUMERIK: facts of ENC_COMP and CEC tables (docs/siemens.md).
 
-use super::fact::{Facts, Mechanism, Outside, TableForm, TableSign, Word, facts};
+use super::fact::{Facts, Mechanism, Outside, TableForm, TableSign, facts, words};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::siemens::SiemensTables;
@@ -46,18 +46,14 @@ pub(super) static LANGUAGE: LanguageFacts = LanguageFacts {
     ]],
 };
 
-/// How a table t that names a factor table m contributes (docs/siemens.md §2.4).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MultiplyMode {
-    /// `f_t · f_m` instead of `f_t`.
-    Product,
-    /// `f_t + f_t · f_m`.
-    Additive,
-}
-
-impl Word for MultiplyMode {
-    const WORDS: &'static [(&'static str, MultiplyMode)] =
-        &[("product", MultiplyMode::Product), ("additive", MultiplyMode::Additive)];
+words! {
+    /// How a table t that names a factor table m contributes (docs/siemens.md §2.4).
+    pub enum MultiplyMode {
+        /// `f_t · f_m` instead of `f_t`.
+        Product = "product",
+        /// `f_t + f_t · f_m`.
+        Additive = "additive",
+    }
 }
 
 facts! {
