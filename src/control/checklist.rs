@@ -1,7 +1,8 @@
 //! The steps of a service visit: as they stand in a profile, and filled in for one kit (docs/field-kit.md).
 //! Nothing here moves a machine.
 
-use crate::control::controller::fact::{Evidence, Fact, Mechanism, Role, words};
+use crate::control::controller::fact::{Evidence, Fact, Mechanism, Role};
+use crate::text::words::words;
 use serde::Serialize;
 
 /// One step.

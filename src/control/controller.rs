@@ -39,8 +39,9 @@ pub(crate) use self::pattern::Field;
 pub use self::pattern::Pattern;
 pub use self::siemens::{MultiplyMode, SiemensFacts};
 
-use self::fact::{facts, words};
+use self::fact::facts;
 use crate::control::checklist::Step;
+use crate::text::words::words;
 
 facts! {
     /// Facts of every control.

@@ -15,27 +15,22 @@ mod read;
 use crate::quantity::axis::Direction;
 use crate::text::delimited::LengthUnit;
 use crate::text::problem::Problem;
+use crate::text::words::words;
 
-/// What the values of the runs are.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum Values {
-    /// Where the axis stood, P_ij.
-    Positions,
-    /// How far from the target it stood, x_ij = P_ij − P_i.
-    Deviations,
+words! {
+    /// What the values of the runs are.
+    #[derive(clap::ValueEnum)]
+    pub enum Values {
+        /// Where the axis stood, P_ij.
+        Positions = "positions",
+        /// How far from the target it stood, x_ij = P_ij − P_i.
+        Deviations = "deviations",
+    }
 }
 
 impl Values {
     /// Both.
     pub const ALL: [Values; 2] = [Values::Positions, Values::Deviations];
-
-    /// `positions` or `deviations`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Values::Positions => "positions",
-            Values::Deviations => "deviations",
-        }
-    }
 }
 
 /// What a person says about a file beside its header.

@@ -18,6 +18,7 @@
 
 use crate::machine::separation::noise::NORMAL_ONE_SIDED;
 use crate::quantity::units::larger;
+use crate::text::words::words;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::erf::erfc;
 
@@ -34,27 +35,20 @@ const PRECISION: f64 = 1e-6;
 /// From here on erfc is below 2e-17: thousands of such figures do not change a sum near 1.
 const SURE: f64 = 6.0;
 
-/// Answer to the question whether a limit is kept; the worse one is the larger.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Verdict {
-    /// The limit is kept, or none is stated.
-    Pass,
-    /// Neither is shown.
-    Undecided,
-    /// The limit is exceeded.
-    Fail,
-}
-
-impl Verdict {
-    /// `pass`, `fail` or `undecided`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Verdict::Pass => "pass",
-            Verdict::Undecided => "undecided",
-            Verdict::Fail => "fail",
-        }
+words! {
+    /// Answer to the question whether a limit is kept; the worse one is the larger.
+    #[derive(PartialOrd, Ord)]
+    pub enum Verdict {
+        /// The limit is kept, or none is stated.
+        Pass = "pass",
+        /// Neither is shown.
+        Undecided = "undecided",
+        /// The limit is exceeded.
+        Fail = "fail",
     }
 }
+
+impl Verdict {}
 
 /// One of the figures that are judged together.
 #[derive(Clone, Copy, Debug, PartialEq)]

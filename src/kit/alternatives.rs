@@ -8,6 +8,7 @@ use crate::kit::inputs::Inputs;
 use crate::kit::made::Made;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
+use crate::text::words::words;
 use serde::Serialize;
 
 /// The backlash policy of each axis.
@@ -83,29 +84,21 @@ impl Alternative {
     }
 }
 
-/// How far apart the points are, against what the job asks for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spacing {
-    /// As the job asks.
-    AsAsked,
-    /// Half of it.
-    Half,
-    /// Twice as far.
-    Twice,
+words! {
+    /// How far apart the points are, against what the job asks for.
+    pub enum Spacing {
+        /// As the job asks.
+        AsAsked = "asked",
+        /// Half of it.
+        Half = "half",
+        /// Twice as far.
+        Twice = "twice",
+    }
 }
 
 impl Spacing {
     /// All of them.
     pub const ALL: [Spacing; 3] = [Spacing::AsAsked, Spacing::Half, Spacing::Twice];
-
-    /// The word of tables and documents.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Spacing::AsAsked => "asked",
-            Spacing::Half => "half",
-            Spacing::Twice => "twice",
-        }
-    }
 
     /// What a job asks for in its place; of a residual half or twice as much.
     fn of(self, asked: GridRequest) -> GridRequest {

@@ -6,6 +6,7 @@
 //! docs/standards.md lists formulas, editions and how surely they are known.
 
 use crate::quantity::units::Figure;
+use crate::text::words::words;
 use serde::{Serialize, Serializer};
 
 mod diagonals;
@@ -26,32 +27,25 @@ pub const ISO_230_2: &str = SURE;
 /// How surely the figures of ISO 230-6 and ASME B5.54 are known.
 pub const DIAGONALS: &str = LIKELY;
 
-/// Whether a condition of a standard is met.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Met {
-    /// The data meet it.
-    #[serde(rename = "met")]
-    Yes,
-    /// The data do not meet it; figures are not according to the standard.
-    #[serde(rename = "not met")]
-    No,
-    /// The data cannot show it.
-    #[serde(rename = "not tested")]
-    NotTested,
+words! {
+    /// Whether a condition of a standard is met.
+    #[derive(Serialize)]
+    pub enum Met {
+        /// The data meet it.
+        #[serde(rename = "met")]
+        Yes = "met",
+        /// The data do not meet it; figures are not according to the standard.
+        #[serde(rename = "not met")]
+        No = "not met",
+        /// The data cannot show it.
+        #[serde(rename = "not tested")]
+        NotTested = "not tested",
+    }
 }
 
 impl Met {
     const fn of(yes: bool) -> Met {
         if yes { Met::Yes } else { Met::No }
-    }
-
-    /// `met`, `not met` or `not tested`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Met::Yes => "met",
-            Met::No => "not met",
-            Met::NotTested => "not tested",
-        }
     }
 }
 

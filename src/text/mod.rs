@@ -6,3 +6,4 @@ pub mod finding;
 pub(crate) mod html;
 pub mod plain;
 pub mod problem;
+pub(crate) mod words;

@@ -8,15 +8,14 @@
 //!   how a line is read  lines, file_name, comments; their fields say how points lie, and whether a value has two directions
 //! ```
 
-use super::fact::{
-    Comments, Fact, Facts, Mechanism, Outside, Stated, TableSign, Word, facts, words,
-};
+use super::fact::{Comments, Fact, Facts, Mechanism, Outside, Stated, TableSign, facts};
 use super::family::{Family, Proof};
 use super::pattern::{Field, Pattern};
 use crate::control::table::Tables;
 use crate::control::table::declared::DeclaredTables;
 use crate::text::delimited::LengthUnit;
 use crate::text::document::Section;
+use crate::text::words::words;
 
 pub(super) static FAMILY: Family = Family {
     word: "declared",
@@ -270,8 +269,8 @@ impl DeclaredFacts {
         };
         let wanted = [self.value_fields(true), places, cross].concat();
         for field in wanted.iter().filter(|field| !self.has(**field)) {
-            let message = format!("no pattern has the field `{}`", field.word_of());
-            let help = format!("write `(?<{}>…)` where it stands in a line", field.word_of());
+            let message = format!("no pattern has the field `{}`", field.word());
+            let help = format!("write `(?<{}>…)` where it stands in a line", field.word());
             facts.section.problem("lines", message, help);
         }
         if !self.has(Field::Axis) && !self.has(Field::Output) {

@@ -2,34 +2,9 @@
 
 use crate::quantity::units::{Correction, Deviation};
 use crate::text::document::Section;
+use crate::text::words::{Word, words};
 use serde::Serialize;
 use std::cell::RefCell;
-
-/// A closed list of values with the word of each in profiles.
-pub(crate) trait Word: Copy + PartialEq + 'static {
-    /// Each word with its value.
-    const WORDS: &'static [(&'static str, Self)];
-
-    /// The word of a value.
-    fn word_of(self) -> &'static str {
-        let own = Self::WORDS.iter().find(|(_, value)| *value == self);
-        own.map_or("", |(word, _)| word)
-    }
-}
-
-/// A closed list of values, each with its word in profiles.
-macro_rules! words {
-    ($(#[$of:meta])* $how:vis enum $name:ident { $($(#[$value_of:meta])* $value:ident = $word:literal,)+ }) => {
-        $(#[$of])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        $how enum $name { $($(#[$value_of])* $value),+ }
-
-        impl $crate::control::controller::fact::Word for $name {
-            const WORDS: &'static [(&'static str, $name)] = &[$(($word, $name::$value)),+];
-        }
-    };
-}
-pub(crate) use words;
 
 words! {
     /// How well a fact is known.
@@ -46,11 +21,6 @@ words! {
 }
 
 impl Evidence {
-    /// The word used in profiles and manifests.
-    pub fn word(self) -> &'static str {
-        self.word_of()
-    }
-
     /// How well the sense of a table is known, as a line for the person who loads the file.
     pub(crate) const fn of_sense(self) -> &'static str {
         match self {
@@ -239,13 +209,14 @@ pub struct Fact<T> {
     pub consequence: Option<String>,
 }
 
-/// Basic system of the control: the unit of positions (and Siemens values) in its files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ControlUnit {
-    /// Millimetres.
-    Millimetre,
-    /// Inches (25.4 mm).
-    Inch,
+words! {
+    /// Basic system of the control: the unit of positions (and Siemens values) in its files.
+    pub enum ControlUnit {
+        /// Millimetres.
+        Millimetre = "mm",
+        /// Inches (25.4 mm).
+        Inch = "inch",
+    }
 }
 
 impl ControlUnit {
@@ -267,14 +238,6 @@ impl ControlUnit {
         match self {
             ControlUnit::Millimetre => "1 (metric)",
             ControlUnit::Inch => "0 (inch)",
-        }
-    }
-
-    /// `mm` or `inch`.
-    pub const fn word(self) -> &'static str {
-        match self {
-            ControlUnit::Millimetre => "mm",
-            ControlUnit::Inch => "inch",
         }
     }
 }
@@ -307,11 +270,6 @@ impl Role {
     pub(crate) fn of_word(word: &str) -> Option<Role> {
         let own = Role::WORDS.iter().find(|(own, _)| *own == word);
         own.map(|(_, role)| *role)
-    }
-
-    /// The word used in profiles and manifests.
-    pub fn word(self) -> &'static str {
-        self.word_of()
     }
 
     /// Whether the file stands beside the kit: a control loads it instead of the tables, never

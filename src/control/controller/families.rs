@@ -1,6 +1,6 @@
 //! The families of controls that there are.
 
-use crate::control::controller::fact::{Facts, Mechanism, Word};
+use crate::control::controller::fact::{Facts, Mechanism};
 use crate::control::controller::{
     DeclaredFacts, Dialect, Family, FanucFacts, GenericFacts, IsgFacts, KlipperFacts,
     LinuxcncFacts, SiemensFacts,
@@ -25,5 +25,5 @@ pub(super) const FAMILIES: [Known; 7] = [
 pub(super) fn proved() -> Vec<(&'static str, Mechanism)> {
     let proofs = FAMILIES.iter().flat_map(|(family, _)| family.proofs);
     let mechanisms = proofs.map(|proof| proof.mechanism);
-    mechanisms.map(|own| (own.word_of(), own)).collect()
+    mechanisms.map(|own| (own.word(), own)).collect()
 }

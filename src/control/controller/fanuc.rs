@@ -1,9 +1,10 @@
 //! FANUC: facts of the stored pitch error compensation and of straightness (docs/fanuc.md).
 
-use super::fact::{Facts, Mechanism, NumberRange, Outside, TableSign, facts, words};
+use super::fact::{Facts, Mechanism, NumberRange, Outside, TableSign, facts};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
+use crate::text::words::words;
 use std::collections::BTreeMap;
 
 pub(super) static FAMILY: Family = Family {

@@ -1,10 +1,11 @@
 //! No particular control: facts of the generic table (docs/interface.md §4.1).
 
-use super::fact::{Outside, Word, facts, words};
+use super::fact::{Outside, facts};
 use super::family::Family;
 use crate::control::table::Tables;
 use crate::control::table::generic::GenericTable;
 use crate::text::delimited::LengthUnit;
+use crate::text::words::{Word, words};
 
 pub(super) static FAMILY: Family = Family {
     word: "generic",
@@ -38,7 +39,7 @@ impl GenericFacts {
     /// The column of a typed list that holds the values.
     pub(crate) fn typed_column(&self) -> String {
         let (value, unit) = (self.typed_value.value, self.typed_unit.value);
-        format!("{}_{}", value.word_of(), unit.word())
+        format!("{}_{}", value.word(), unit.word())
     }
 }
 

@@ -1,9 +1,10 @@
 //! ISG kernel, TwinCAT CNC: facts of the volumetric compensation (docs/isg.md).
 
-use super::fact::{Facts, Mechanism, Outside, TableSign, facts, words};
+use super::fact::{Facts, Mechanism, Outside, TableSign, facts};
 use super::family::{Family, Proof};
 use crate::control::table::Tables;
 use crate::control::table::isg::IsgTables;
+use crate::text::words::words;
 
 pub(super) static FAMILY: Family = Family {
     word: "isg",

@@ -1,39 +1,26 @@
 //! Keys of a job that a control needs: what only a person at the machine knows, and where it is read there.
 
-use crate::control::controller::fact::{Evidence, Fact, Word, origin_or_rule};
+use crate::control::controller::fact::{Evidence, Fact, origin_or_rule};
 use crate::text::document::Section;
+use crate::text::words::{Word, words};
 use serde::Serialize;
 
-/// The section of a job that a key stands in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum JobSection {
-    /// Each `[machine.axes.x]`.
-    #[serde(rename = "machine.axes")]
-    MachineAxes,
-    /// `[measurement]`.
-    #[serde(rename = "measurement")]
-    Measurement,
-    /// `[compensation]`.
-    #[serde(rename = "compensation")]
-    Compensation,
-    /// Each `[compensation.axes.x]`.
-    #[serde(rename = "compensation.axes")]
-    CompensationAxes,
-}
-
-impl Word for JobSection {
-    const WORDS: &'static [(&'static str, JobSection)] = &[
-        ("machine.axes", JobSection::MachineAxes),
-        ("measurement", JobSection::Measurement),
-        ("compensation", JobSection::Compensation),
-        ("compensation.axes", JobSection::CompensationAxes),
-    ];
-}
-
-impl JobSection {
-    /// The word used in profiles: the section of a job, without the axis.
-    pub fn word(self) -> &'static str {
-        self.word_of()
+words! {
+    /// The section of a job that a key stands in, without the axis.
+    #[derive(Serialize)]
+    pub enum JobSection {
+        /// Each `[machine.axes.x]`.
+        #[serde(rename = "machine.axes")]
+        MachineAxes = "machine.axes",
+        /// `[measurement]`.
+        #[serde(rename = "measurement")]
+        Measurement = "measurement",
+        /// `[compensation]`.
+        #[serde(rename = "compensation")]
+        Compensation = "compensation",
+        /// Each `[compensation.axes.x]`.
+        #[serde(rename = "compensation.axes")]
+        CompensationAxes = "compensation.axes",
     }
 }
 

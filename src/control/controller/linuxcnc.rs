@@ -1,9 +1,10 @@
 //! LinuxCNC: facts of the tables that `COMP_FILE` names, and of the HAL file for cross terms (docs/linuxcnc.md).
 
-use super::fact::{Facts, Mechanism, Outside, TableSign, Word, facts, words};
+use super::fact::{Facts, Mechanism, Outside, TableSign, facts};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::linuxcnc::{Columns, LinuxcncTables};
+use crate::text::words::{Word, words};
 
 pub(super) static FAMILY: Family = Family {
     word: "linuxcnc",

@@ -3,7 +3,7 @@
 //! A profile may build on a built-in one (`based_on = "fanuc-30i"`): its page is laid over that one,
 //! then read once. Whether a page is ours or a user's makes no difference.
 
-use crate::control::controller::fact::{Facts, Word, origin};
+use crate::control::controller::fact::{Facts, origin};
 use crate::control::controller::families::{FAMILIES, Known};
 use crate::control::controller::job_keys::job_keys;
 use crate::control::controller::load_parts::{Templates, checklist, files, program_facts};
@@ -179,7 +179,7 @@ fn dialect(family: Option<Known>, facts: &Facts<'_>) -> Option<Dialect> {
     let between = family.map_or("linear", |(family, _)| family.between);
     facts.read("interpolation", |f| f.choice("value", &[(between, ())]));
     let outside = family.map_or(&[][..], |(family, _)| family.outside);
-    let outside: Vec<_> = outside.iter().map(|own| (own.word_of(), *own)).collect();
+    let outside: Vec<_> = outside.iter().map(|own| (own.word(), *own)).collect();
     facts.read("outside", |f| f.choice("value", &outside));
     for told in ["direction", "value_unit"] {
         if facts.section.has(told) {

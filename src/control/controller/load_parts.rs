@@ -1,12 +1,13 @@
 //! `[[files]]`, `[[checklist]]` and `[program]` of a profile.
 
 use crate::control::checklist::{List, ROLES, Step, Subject, When, is_placeholder, pieces};
-use crate::control::controller::fact::{Facts, Word, origin_or_rule};
+use crate::control::controller::fact::{Facts, origin_or_rule};
 use crate::control::controller::families::proved;
 use crate::control::controller::program::{Language, ProgramFacts};
 use crate::control::controller::{EmittedFile, Mechanism, Role, TableForm};
 use crate::text::document::Section;
 use crate::text::problem::shown;
+use crate::text::words::Word;
 
 /// Finds the text of a template by its name, for the page itself (`true`) or for one that it builds on, whose
 /// templates are built in.
@@ -59,7 +60,7 @@ pub(super) fn files(
     let mut files: Vec<EmittedFile> = Vec::new();
     let mut are_whole = true;
     for section in &sections {
-        let of_form = section.choice("form", TableForm::WORDS).map(Word::word_of);
+        let of_form = section.choice("form", TableForm::WORDS).map(TableForm::word);
         match file(root, section, templates) {
             Some(file) if of_form.is_none() || of_form == form => {
                 if files.iter().any(|o| o.path.eq_ignore_ascii_case(&file.path)) {

@@ -1,8 +1,9 @@
 //! A line of a control's file as a regular expression with named fields, checked when its profile is loaded.
 
-use super::fact::{Stated, Word, words};
+use super::fact::Stated;
 use crate::text::document::Section;
 use crate::text::problem::{nearest, shown};
+use crate::text::words::{Word, words};
 use regex_automata::PatternID;
 use regex_automata::meta::{BuildError, Config, Regex};
 use std::ops::Range;
@@ -36,13 +37,6 @@ words! {
         Last = "last",
         /// The unit of the values, as a word.
         Unit = "unit",
-    }
-}
-
-impl Field {
-    /// The word of profiles.
-    pub(crate) fn word(self) -> &'static str {
-        self.word_of()
     }
 }
 
@@ -100,7 +94,7 @@ impl Pattern {
     pub(crate) fn take(&self, line: &str) -> Option<Vec<(Field, Range<usize>)>> {
         let mut found = self.regex.create_captures();
         self.regex.captures(line, &mut found);
-        let part = |field: Field| Some((field, found.get_group_by_name(field.word_of())?.range()));
+        let part = |field: Field| Some((field, found.get_group_by_name(field.word())?.range()));
         found.is_match().then(|| self.fields().filter_map(part).collect())
     }
 }

@@ -1,7 +1,8 @@
 //! How a control is told to move: facts of its part programs (docs/program.md).
 
-use crate::control::controller::fact::{ControlUnit, Fact, Statement, Word, words};
+use crate::control::controller::fact::{ControlUnit, Fact, Statement};
 use crate::control::controller::family::LanguageFacts;
+use crate::text::words::words;
 
 words! {
     /// Family of part programs.
@@ -16,11 +17,6 @@ words! {
 }
 
 impl Language {
-    /// The word used in profiles.
-    pub(crate) fn word(self) -> &'static str {
-        self.word_of()
-    }
-
     /// What is known of it.
     pub(crate) const fn facts(self) -> &'static LanguageFacts {
         match self {

@@ -1,9 +1,10 @@
 //! SINUMERIK: facts of ENC_COMP and CEC tables (docs/siemens.md).
 
-use super::fact::{Facts, Mechanism, Outside, TableForm, TableSign, facts, words};
+use super::fact::{Facts, Mechanism, Outside, TableForm, TableSign, facts};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::siemens::SiemensTables;
+use crate::text::words::words;
 
 pub(super) static FAMILY: Family = Family {
     word: "siemens",

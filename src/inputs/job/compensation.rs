@@ -7,6 +7,7 @@ use crate::quantity::fit::Fit;
 use crate::text::document::keys::LIMITS;
 use crate::text::document::{LONGEST_MM, Section};
 use crate::text::problem::{nearest, shown};
+use crate::text::words::{Word, words};
 
 /// What is asked of a job: whether it needs `[compensation]`, and which empty keys have to be filled in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,17 +78,18 @@ pub enum WantedTerms {
     Listed(Vec<ErrorTerm>),
 }
 
-/// What to do with the difference of the two directions of travel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BacklashPolicy {
-    /// One table with the mean of both directions.
-    Mean,
-    /// One table for each direction.
-    TwoTables,
-    /// One table with the curve of the + direction.
-    ForwardOnly,
-    /// One table with the curve of the reference direction; −B goes to the backlash parameter.
-    CurveAndParameter,
+words! {
+    /// What to do with the difference of the two directions of travel.
+    pub enum BacklashPolicy {
+        /// One table with the mean of both directions.
+        Mean = "mean",
+        /// One table for each direction.
+        TwoTables = "two-tables",
+        /// One table with the curve of the + direction.
+        ForwardOnly = "forward-only",
+        /// One table with the curve of the reference direction; −B goes to the backlash parameter.
+        CurveAndParameter = "curve-and-parameter",
+    }
 }
 
 impl BacklashPolicy {
@@ -98,16 +100,6 @@ impl BacklashPolicy {
         BacklashPolicy::ForwardOnly,
         BacklashPolicy::CurveAndParameter,
     ];
-
-    /// The word of the job.
-    pub const fn word(self) -> &'static str {
-        match self {
-            BacklashPolicy::Mean => "mean",
-            BacklashPolicy::TwoTables => "two-tables",
-            BacklashPolicy::ForwardOnly => "forward-only",
-            BacklashPolicy::CurveAndParameter => "curve-and-parameter",
-        }
-    }
 }
 
 /// Policies as a job states them: `"mean"`, or `{ x = "two-tables", y = "mean" }`.
@@ -137,13 +129,14 @@ pub enum GridRequest {
     MaxResidual(f64),
 }
 
-/// Where the grid passes the measured range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OutsideMeasured {
-    /// The end value is held, marked as not measured.
-    Hold,
-    /// Refused.
-    Refuse,
+words! {
+    /// Where the grid passes the measured range.
+    pub enum OutsideMeasured {
+        /// The end value is held, marked as not measured.
+        Hold = "hold",
+        /// Refused.
+        Refuse = "refuse",
+    }
 }
 
 /// `[compensation.axes.*]`.
@@ -223,8 +216,6 @@ impl Default for Compensation {
     }
 }
 
-const UNITS: [(&str, ControlUnit); 2] =
-    [("mm", ControlUnit::Millimetre), ("inch", ControlUnit::Inch)];
 const CURVES: [(&str, Interpolation); 3] = [
     ("linear", Interpolation::Linear),
     ("pchip", Interpolation::Pchip),
@@ -243,7 +234,7 @@ pub(super) fn compensation(section: &Section<'_>) -> Compensation {
     }
     let usual = Compensation::default();
     let controller = section.required_text("controller", controller);
-    let control_unit = section.choice("control_unit", &UNITS);
+    let control_unit = section.choice("control_unit", ControlUnit::WORDS);
     Compensation {
         controller: controller.unwrap_or_default(),
         control_unit: control_unit.unwrap_or(usual.control_unit),
@@ -260,13 +251,13 @@ pub(super) fn compensation(section: &Section<'_>) -> Compensation {
 
 /// One policy for all axes, or one for each.
 fn policies(section: &Section<'_>) -> PerAxis<Option<BacklashPolicy>> {
-    let words = BacklashPolicy::ALL.map(|policy| (policy.word(), policy));
+    let words = BacklashPolicy::WORDS;
     if !section.is_section("backlash") {
-        let policy = section.choice("backlash", &words);
+        let policy = section.choice("backlash", words);
         return PerAxis::from_fn(|_| policy);
     }
     let policies = section.section("backlash").map(|own| {
-        let policies = PerAxis::from_fn(|axis| own.choice(axis.key(), &words));
+        let policies = PerAxis::from_fn(|axis| own.choice(axis.key(), words));
         own.refuse_unknown_keys();
         policies
     });
@@ -315,7 +306,6 @@ fn unknown_term(section: &Section<'_>, name: &str) {
 
 fn axis_settings(section: &Section<'_>) -> AxisSettings {
     let system = "1 = motor encoder or first system, 2 = direct scale";
-    let words = [("hold", OutsideMeasured::Hold), ("refuse", OutsideMeasured::Refuse)];
     let settings = AxisSettings {
         grid: grid_request(section),
         ids: axis_ids(section),
@@ -326,7 +316,7 @@ fn axis_settings(section: &Section<'_>) -> AxisSettings {
         interpolated: section.flag("interpolated"),
         start_mm: section.millimetres("start_mm"),
         end_mm: section.millimetres("end_mm"),
-        outside: section.choice("outside", &words).unwrap_or(OutsideMeasured::Hold),
+        outside: section.choice("outside", OutsideMeasured::WORDS).unwrap_or(OutsideMeasured::Hold),
     };
     if let (Some(start), Some(end)) = (settings.start_mm, settings.end_mm) {
         section.ascending("end_mm", [start, end]);

@@ -6,6 +6,7 @@ use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
 use crate::text::document::keys::Places;
 use crate::text::document::{LONGEST_MM, Section};
+use crate::text::words::{Word, words};
 
 /// A measurement of the four body diagonals.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,47 +37,42 @@ pub struct DiagonalMeasurement {
     pub closure_errors: Option<String>,
 }
 
-/// What is assumed of the direction of mirror and beam in the four set-ups.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SetUp {
-    /// Unknown in every set-up, solved for.
-    Solve,
-    /// Exactly along the nominal diagonals: labelled in every output.
-    AssumePerfect,
+words! {
+    /// What is assumed of the direction of mirror and beam in the four set-ups.
+    pub enum SetUp {
+        /// Unknown in every set-up, solved for.
+        Solve = "solve",
+        /// Exactly along the nominal diagonals: labelled in every output.
+        AssumePerfect = "assume-perfect",
+    }
 }
 
-/// Frame in which the slopes of the cross terms are given.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Frame {
-    /// X primary, XY plane secondary: EYX, EZX and EZY have no slope.
-    XPrimary,
-    /// The slopes as they fell out.
-    AsMeasured,
+words! {
+    /// Frame in which the slopes of the cross terms are given.
+    pub enum Frame {
+        /// X primary, XY plane secondary: EYX, EZX and EZY have no slope.
+        XPrimary = "x-primary",
+        /// The slopes as they fell out.
+        AsMeasured = "as-measured",
+    }
 }
 
 impl Frame {
-    /// The word of the job.
-    pub const fn word(self) -> &'static str {
-        match self {
-            Frame::XPrimary => "x-primary",
-            Frame::AsMeasured => "as-measured",
-        }
-    }
-
     /// The frame of a word.
     pub(crate) fn from_word(word: &str) -> Option<Frame> {
-        let known = FRAMES.iter().find(|(known, _)| *known == word);
+        let known = Frame::WORDS.iter().find(|(known, _)| *known == word);
         known.map(|(_, frame)| *frame)
     }
 }
 
-/// What reflects the beam.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reflector {
-    /// A flat mirror: needed for single-axis steps; it turns with the tool.
-    FlatMirror,
-    /// A retroreflector: for straight runs.
-    Retroreflector,
+words! {
+    /// What reflects the beam.
+    pub enum Reflector {
+        /// A flat mirror: needed for single-axis steps; it turns with the tool.
+        FlatMirror = "flat-mirror",
+        /// A retroreflector: for straight runs.
+        Retroreflector = "retroreflector",
+    }
 }
 
 impl Reflector {
@@ -151,12 +147,6 @@ const LARGEST_ALPHA_PER_K: f64 = 1e-4; // four times aluminium
 const COLDEST_C: f64 = -10.0; // nobody measures outside these temperatures; they refuse °F as well
 const WARMEST_C: f64 = 50.0;
 
-const SET_UPS: [(&str, SetUp); 2] =
-    [("solve", SetUp::Solve), ("assume-perfect", SetUp::AssumePerfect)];
-const FRAMES: [(&str, Frame); 2] =
-    [(Frame::XPrimary.word(), Frame::XPrimary), (Frame::AsMeasured.word(), Frame::AsMeasured)];
-const REFLECTORS: [(&str, Reflector); 2] =
-    [("flat-mirror", Reflector::FlatMirror), ("retroreflector", Reflector::Retroreflector)];
 const ORDERS: [(&str, [Axis; 3]); 6] = [
     ("XYZ", Axis::ORDERS[0]),
     ("XZY", Axis::ORDERS[1]),
@@ -177,7 +167,7 @@ pub(super) fn diagonals(
     let is_straight = kind == PathKind::Straight;
     let straight = "`kind = \"straight\"`";
     section.only_with("closure_errors", is_straight, straight);
-    let target = section.choice("target", &REFLECTORS);
+    let target = section.choice("target", Reflector::WORDS);
     let is_mirror = target != Some(Reflector::Retroreflector);
     section.only_with("target", is_straight || is_mirror, straight);
     let volume = volume(section, kind, None, true);
@@ -190,8 +180,8 @@ pub(super) fn diagonals(
         readings,
         kind,
         laser_sign: section.direction("laser_sign").unwrap_or(Direction::Plus),
-        setup: section.choice("setup", &SET_UPS).unwrap_or(SetUp::Solve),
-        frame: section.choice("frame", &FRAMES).unwrap_or(Frame::XPrimary),
+        setup: section.choice("setup", SetUp::WORDS).unwrap_or(SetUp::Solve),
+        frame: section.choice("frame", Frame::WORDS).unwrap_or(Frame::XPrimary),
         target: target.unwrap_or(Reflector::usual(kind)),
         overrun: section.flag("overrun"),
         closure_errors: section.text("closure_errors"),

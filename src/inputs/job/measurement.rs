@@ -9,6 +9,7 @@ use crate::quantity::diagonal::PerDiagonal;
 use crate::quantity::units::Millimetres;
 use crate::text::document::Section;
 use crate::text::finding::Finding;
+use crate::text::words::{Word, words};
 
 /// Whether a compensation was active while measuring.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,13 +22,14 @@ pub enum ActiveTables {
     Path(String),
 }
 
-/// What becomes of a term that the active tables correct and that was not measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NotMeasured {
-    /// Its correction is carried over into the new tables.
-    Keep,
-    /// The new tables do without it; the old table has to be switched off.
-    Drop,
+words! {
+    /// What becomes of a term that the active tables correct and that was not measured.
+    pub enum NotMeasured {
+        /// Its correction is carried over into the new tables.
+        Keep = "keep",
+        /// The new tables do without it; the old table has to be switched off.
+        Drop = "drop",
+    }
 }
 
 /// What the job says to the active tables beyond their path.
@@ -258,10 +260,9 @@ fn active_settings(section: &Section<'_>, active: &ActiveTables) -> ActiveSettin
     let is_stated = section.has("active_while_measuring"); // or is to be filled in
     let none = "`active_while_measuring = …`";
     section.only_with("active_backlash_um", is_stated, none);
-    let words = [("keep", NotMeasured::Keep), ("drop", NotMeasured::Drop)];
     let backlash = |s: &Section<'_>| PerAxis::from_fn(|axis| s.number(axis.key()));
     ActiveSettings {
-        not_measured: section.choice("active_terms_not_measured", &words),
+        not_measured: section.choice("active_terms_not_measured", NotMeasured::WORDS),
         rezero: section
             .choice("active_reference", &[("same", false), ("rezero", true)])
             .unwrap_or(false),

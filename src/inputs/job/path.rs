@@ -6,6 +6,7 @@ use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::document::Section;
 use crate::text::document::keys::Places;
 use crate::text::problem::shown;
+use crate::text::words::Word;
 use std::collections::BTreeMap;
 
 /// `[path]`.
@@ -52,11 +53,6 @@ const LONGEST_TOOL_MM: f64 = 10_000.0;
 const COARSEST_ARC_MM: f64 = 0.1;
 
 const COORDINATES: PerAxis<&str> = PerAxis { x: "x_mm", y: "y_mm", z: "z_mm" };
-const LANGUAGES: [(&str, Language); 2] = [("iso", Language::Iso), ("siemens", Language::Siemens)];
-const WITHOUT_POINT: [(&str, WithoutPoint); 2] =
-    [("unit", WithoutPoint::Unit), ("increment", WithoutPoint::Increment)];
-const WITHOUT_H: [(&str, G43WithoutH); 3] =
-    [("refuse", G43WithoutH::Refuse), ("last-h", G43WithoutH::LastH), ("tool", G43WithoutH::Tool)];
 
 pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
     let usual = PathRequest::usual(axes);
@@ -72,7 +68,7 @@ pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
     let start = inside("start_mm");
     let (tools, tool_names) = tools(section);
     let setup = Setup {
-        language: section.choice("language", &LANGUAGES).unwrap_or_default(),
+        language: section.choice("language", Language::WORDS).unwrap_or_default(),
         start: start.unwrap_or(usual.setup.start),
         reference: usual.setup.reference,
         second_reference: inside("second_reference_mm"),
@@ -81,10 +77,10 @@ pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
         tool_names,
         inch: is_second("program_unit", "mm", "inch"),
         without_point: section
-            .choice("without_point", &WITHOUT_POINT)
+            .choice("without_point", WithoutPoint::WORDS)
             .unwrap_or(usual.setup.without_point),
         g43_without_h: section
-            .choice("g43_without_h", &WITHOUT_H)
+            .choice("g43_without_h", G43WithoutH::WORDS)
             .unwrap_or(usual.setup.g43_without_h),
         arc_mm: section.between("arc_mm", 1e-4..=COARSEST_ARC_MM, "mm"),
         skip_deletable: is_second("block_delete", "execute", "skip"),

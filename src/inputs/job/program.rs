@@ -6,29 +6,22 @@ use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
 use crate::text::document::Section;
+use crate::text::words::{Word, words};
 use std::ops::RangeInclusive;
 
-/// What the measuring run is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RunType {
-    /// The four body diagonals, one axis at a time (flat mirror).
-    StepDiagonal,
-    /// The four body diagonals, all axes together (retroreflector; ISO 230-6 motion).
-    StraightDiagonal,
-    /// Single axes along their length (ISO 230-2 motion).
-    SingleAxis,
+words! {
+    /// What the measuring run is.
+    pub enum RunType {
+        /// The four body diagonals, one axis at a time (flat mirror).
+        StepDiagonal = "step-diagonal",
+        /// The four body diagonals, all axes together (retroreflector; ISO 230-6 motion).
+        StraightDiagonal = "straight-diagonal",
+        /// Single axes along their length (ISO 230-2 motion).
+        SingleAxis = "single-axis",
+    }
 }
 
 impl RunType {
-    /// The word of the job.
-    pub const fn word(self) -> &'static str {
-        match self {
-            RunType::StepDiagonal => "step-diagonal",
-            RunType::StraightDiagonal => "straight-diagonal",
-            RunType::SingleAxis => "single-axis",
-        }
-    }
-
     /// How the diagonals are walked; `None` for single axes.
     pub const fn path(self) -> Option<PathKind> {
         match self {
@@ -39,22 +32,13 @@ impl RunType {
     }
 }
 
-/// How the target comes back to the start of a run that is measured in one direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WayBack {
-    /// Over the same nodes in the opposite order.
-    Retrace,
-    /// Straight, all axes together.
-    Diagonal,
-}
-
-impl WayBack {
-    /// The word of the job.
-    pub const fn word(self) -> &'static str {
-        match self {
-            WayBack::Retrace => "retrace",
-            WayBack::Diagonal => "diagonal",
-        }
+words! {
+    /// How the target comes back to the start of a run that is measured in one direction.
+    pub enum WayBack {
+        /// Over the same nodes in the opposite order.
+        Retrace = "retrace",
+        /// Straight, all axes together.
+        Diagonal = "diagonal",
     }
 }
 
@@ -187,9 +171,8 @@ pub(super) fn program(
     section: &Section<'_>,
     measurement: Option<&Measurement>,
 ) -> Option<ProgramRequest> {
-    let words = [RunType::StepDiagonal, RunType::StraightDiagonal, RunType::SingleAxis];
     section.require("what", "`step-diagonal`, `straight-diagonal` or `single-axis`");
-    let what = section.choice("what", &words.map(|what| (what.word(), what)));
+    let what = section.choice("what", RunType::WORDS);
     refuse_other_runs(section, what);
     let (bidirectional, way_back) = directions(section);
     let (overrun, preload) = run_out(section, what, bidirectional);
@@ -286,8 +269,7 @@ fn axes(section: &Section<'_>) -> Vec<Axis> {
 /// Whether the return pass is measured, and how it goes where it is not: a way back along the
 /// diagonal meets no node, so it is not measured.
 fn directions(section: &Section<'_>) -> (bool, WayBack) {
-    let words = [WayBack::Retrace, WayBack::Diagonal].map(|way| (way.word(), way));
-    let way_back = section.choice("return", &words).unwrap_or(WayBack::Retrace);
+    let way_back = section.choice("return", WayBack::WORDS).unwrap_or(WayBack::Retrace);
     let is_retraced = way_back == WayBack::Retrace;
     let stated = section.flag("bidirectional");
     let fits = stated != Some(true) || is_retraced;

@@ -6,25 +6,29 @@
 //! ```
 
 use crate::inputs::nc::moves::Place;
+use crate::text::words::words;
 use std::collections::BTreeMap;
 
-/// How coordinates without a decimal point are meant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum WithoutPoint {
-    /// `X100` = 100 mm (or inches), "calculator type".
-    Unit,
-    /// `X100` = 100 least input increments: 0.001 mm, or 0.0001 in.
-    Increment,
+words! {
+    /// How coordinates without a decimal point are meant.
+    pub enum WithoutPoint {
+        /// `X100` = 100 mm (or inches), "calculator type".
+        Unit = "unit",
+        /// `X100` = 100 least input increments: 0.001 mm, or 0.0001 in.
+        Increment = "increment",
+    }
 }
 
-/// In which words a program is written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Language {
-    /// Of Fanuc-like controls and LinuxCNC (ISO 6983).
-    #[default]
-    Iso,
-    /// Of SINUMERIK 840D and 828D.
-    Siemens,
+words! {
+    /// In which words a program is written.
+    #[derive(Default)]
+    pub enum Language {
+        /// Of Fanuc-like controls and LinuxCNC (ISO 6983).
+        #[default]
+        Iso = "iso",
+        /// Of SINUMERIK 840D and 828D.
+        Siemens = "siemens",
+    }
 }
 
 impl Language {
@@ -37,16 +41,18 @@ impl Language {
     }
 }
 
-/// Which tool offset G43 without H takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum G43WithoutH {
-    /// Refused.
-    #[default]
-    Refuse,
-    /// That of the last H.
-    LastH,
-    /// The one with the number of the tool that the last M6 changed in.
-    Tool,
+words! {
+    /// Which tool offset G43 without H takes.
+    #[derive(Default)]
+    pub enum G43WithoutH {
+        /// Refused.
+        #[default]
+        Refuse = "refuse",
+        /// That of the last H.
+        LastH = "last-h",
+        /// The one with the number of the tool that the last M6 changed in.
+        Tool = "tool",
+    }
 }
 
 /// What the control knows before the program starts.

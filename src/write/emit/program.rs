@@ -5,6 +5,7 @@ use crate::inputs::job::{Reflector, RunType, TargetGrid};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::Pass;
 use crate::text::problem::{Problem, Problems, shown};
+use crate::text::words::words;
 use crate::write::control_text::{COMMENT_TEXT, ascii, fixed, is_comment_text, trimmed};
 use crate::write::emit::{TOOL, Templates, bytes_of};
 use crate::write::program::{
@@ -23,27 +24,19 @@ pub struct ProgramFile {
     pub bytes: Vec<u8>,
 }
 
-/// What a file of a measuring run is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FileRole {
-    /// A part program.
-    Program,
-    /// Where each reading is taken.
-    Positions,
-    /// A file of readings whose last column is to be filled in.
-    Readings,
-}
-
-impl FileRole {
-    /// The word of the manifest.
-    pub const fn word(self) -> &'static str {
-        match self {
-            FileRole::Program => "program",
-            FileRole::Positions => "positions",
-            FileRole::Readings => "readings",
-        }
+words! {
+    /// What a file of a measuring run is for.
+    pub enum FileRole {
+        /// A part program.
+        Program = "program",
+        /// Where each reading is taken.
+        Positions = "positions",
+        /// A file of readings whose last column is to be filled in.
+        Readings = "readings",
     }
 }
+
+impl FileRole {}
 
 const POSITIONS: &str = "positions.csv";
 
