@@ -70,7 +70,7 @@ pub fn table_values(curve: &ErrorCurve, nodes: &Nodes, fit: Fit) -> Vec<Deviatio
     let values = match fit {
         Fit::Sample => sampled(curve, nodes),
         Fit::LeastSquares => least_squares(curve, nodes),
-        Fit::Minimax => minimax::values(curve, nodes, sampled(curve, nodes)),
+        Fit::Minimax => minimax::values(curve, nodes),
     };
     values.into_iter().map(Deviation::from_um).collect()
 }
@@ -88,34 +88,28 @@ pub fn residual(
     to: Millimetres,
 ) -> f64 {
     assert_eq!(values.len(), nodes.count);
-    let last = nodes.count - 1;
-    let (low_end, high_end) = (nodes.position(0), nodes.position(last));
-    let mut largest = 0.0_f64;
-    let mut look = |from: Millimetres, to: Millimetres, line: [f64; 2]| {
-        let (low, high) = curve.extremes_against_line(from, to, -line[0], -line[1]);
-        largest = largest.max(high.abs()).max(low.abs());
-    };
-    if from < low_end || last == 0 {
-        let to = if last == 0 || to < low_end { to } else { low_end };
-        look(from, to, [values[0].um(); 2]);
-    }
-    for node in 0..last {
-        let (left, right) = (nodes.position(node), nodes.position(node + 1));
-        let (start, end) = (left.mm().max(from.mm()), right.mm().min(to.mm()));
-        if start <= end {
-            let line_at = |x: f64| {
-                let u = (x - left.mm()) / (right - left).mm();
-                (1.0 - u) * values[node].um() + u * values[node + 1].um()
-            };
-            let line = [line_at(start), line_at(end)];
-            look(Millimetres::new(start), Millimetres::new(end), line);
+    let positions: Vec<Millimetres> = (0..nodes.count).map(|node| nodes.position(node)).collect();
+    // Straight lines between the nodes, held outside.
+    let table_at = |x: Millimetres| {
+        let right = positions.partition_point(|node| *node < x);
+        if right == 0 || right == nodes.count {
+            return values[right.saturating_sub(1)].um();
         }
-    }
-    if to > high_end && last > 0 {
-        let from = if from > high_end { from } else { high_end };
-        look(from, to, [values[last].um(); 2]);
-    }
-    largest
+        let (left, width) = (positions[right - 1], positions[right] - positions[right - 1]);
+        let u = (x - left).mm() / width.mm();
+        (1.0 - u) * values[right - 1].um() + u * values[right].um()
+    };
+    let mut corners = Vec::with_capacity(nodes.count + 2);
+    corners.push((from, table_at(from)));
+    let at_nodes = positions.iter().zip(values).map(|(node, value)| (*node, value.um()));
+    corners.extend(at_nodes.filter(|(node, _)| from < *node && *node < to));
+    corners.push((to, table_at(to)));
+    let magnitudes = corners.windows(2).map(|pair| {
+        let [(start, start_um), (end, end_um)] = [pair[0], pair[1]];
+        let (low, high) = curve.extremes_against_line(start, end, -start_um, -end_um);
+        high.abs().max(low.abs())
+    });
+    magnitudes.fold(0.0, f64::max)
 }
 
 fn sampled(curve: &ErrorCurve, nodes: &Nodes) -> Vec<f64> {
@@ -125,20 +119,16 @@ fn sampled(curve: &ErrorCurve, nodes: &Nodes) -> Vec<f64> {
     values
 }
 
-/// The normal equations of the hat functions, each side of the reference by itself.
+/// The normal equations of the hat functions. The row of the reference is v = 0, coupled to none.
 fn least_squares(curve: &ErrorCurve, nodes: &Nodes) -> Vec<f64> {
-    let loads = hat_loads(curve, nodes);
-    let last = nodes.count - 1;
-    let side = |range: std::ops::Range<usize>| {
-        let at_end = |node| node == 0 || node == last;
-        let diagonal = range.clone().map(|node| if at_end(node) { 2.0 } else { 4.0 });
-        let beside = vec![1.0; range.len()];
-        solve_tridiagonal(diagonal.collect(), &beside, loads[range].to_vec())
-    };
-    let mut values = side(0..nodes.reference_node);
-    values.push(0.0);
-    values.extend(side(nodes.reference_node + 1..nodes.count));
-    values
+    let (reference, last) = (nodes.reference_node, nodes.count - 1);
+    let mut loads = hat_loads(curve, nodes);
+    loads[reference] = 0.0;
+    let at_end = |node| node == 0 || node == last;
+    let diagonal = (0..nodes.count).map(|node| if at_end(node) { 2.0 } else { 4.0 }).collect();
+    let coupled = |left| left != reference && left + 1 != reference;
+    let beside: Vec<f64> = (0..last).map(|left| if coupled(left) { 1.0 } else { 0.0 }).collect();
+    solve_tridiagonal(diagonal, &beside, loads)
 }
 
 /// 6/h · ∫ d φ_i dx for every node, µm.

@@ -8,13 +8,16 @@
 //!   d − t ≤ (1−u)·v_k−1 + u·v_k ≤ d + t. From the interval of admissible v_k−1 this gives the
 //!   interval of admissible v_k, starting with {0}; an empty interval refutes t. Only the upper
 //!   convex hull of the places can bind from below and the lower hull from above.
+//! * **The mirror image.** "At most d + t" for v is "at least −d − t" for −v. So an upper bound is
+//!   written as a lower bound of the mirror image; pairs below are of v and of −v.
 //! * **The smallest tolerance.** Lower bounds are maxima and upper bounds minima of functions
 //!   affine in t, so the amount by which an interval is empty is convex in t. Newton's step along
 //!   the binding pair never passes the answer and reaches it in finitely many steps.
 //! * **Every place of the curve.** The places start as section ends, knots and stationary points
-//!   against the chord. Where the table found so breaks t, exactly computed, the place is added
-//!   (exchange, as in the second algorithm of Remez). Each t is the best for a *part* of the
-//!   demands, hence a lower bound of the answer; when nothing breaks it any more it is the answer.
+//!   against the chord, where the sampled table can be worst. Where the table found so breaks t,
+//!   exactly computed, the place is added (exchange, as in the second algorithm of Remez). Each t
+//!   is the best for a *part* of the demands, hence a lower bound of the answer; when nothing
+//!   breaks it any more it is the answer.
 //! * **The choice.** Admissible intervals usually leave room. From the outermost node inwards
 //!   each value is taken as near to the sampled one as the interval allows.
 //!
@@ -30,8 +33,6 @@ use crate::quantity::fit::Nodes;
 /// Exchange rounds; convergence is quadratic and four are usual. A side that needs more keeps
 /// the best values it has seen.
 const ROUNDS: usize = 40;
-/// Newton steps for one tolerance; finite by theory, about five in practice.
-const STEPS: usize = 200;
 /// A residual this much above t, relatively or in µm, still counts as t.
 const RELATIVE_SLACK: f64 = 1e-10;
 /// See [`RELATIVE_SLACK`]; far below a control's last digit, above rounding noise.
@@ -39,289 +40,231 @@ const ABSOLUTE_SLACK_UM: f64 = 1e-12;
 /// Places nearer than this part of a section are one place.
 const SAME_PART: f64 = 1e-12;
 
-/// Minimax values; `sampled` are the curve's values at the nodes, 0 at the reference.
-pub(super) fn values(curve: &ErrorCurve, nodes: &Nodes, mut sampled: Vec<f64>) -> Vec<f64> {
+/// Minimax values, 0 at the reference.
+pub(super) fn values(curve: &ErrorCurve, nodes: &Nodes) -> Vec<f64> {
     let reference = nodes.reference_node;
     let left: Vec<usize> = (0..=reference).rev().collect();
     let right: Vec<usize> = (reference..nodes.count).collect();
+    let mut values = vec![0.0; nodes.count];
     for outwards in [left, right] {
-        let mut side = Side::new(curve, nodes, &outwards, &sampled);
-        for (&node, value) in outwards.iter().zip(side.best()) {
-            sampled[node] = value;
+        let places: Vec<f64> = outwards.iter().map(|&node| nodes.position(node).mm()).collect();
+        for (node, value) in outwards.into_iter().zip(best(curve, &places)).skip(1) {
+            values[node] = value;
         }
     }
-    sampled
+    values
 }
 
-/// A place of a section: `along` from 0 (inner node) to 1 (outer node), value in µm.
-#[derive(Clone, Copy)]
-struct Point {
-    along: f64,
-    um: f64,
+/// The best values of one side, or the sampled ones if they are as good. Nodes at `places`, mm,
+/// counted outwards from the reference.
+fn best(curve: &ErrorCurve, places: &[f64]) -> Vec<f64> {
+    let sampled: Vec<f64> = places.iter().map(|&place| curve.um_at(place)).collect();
+    let ends = places.windows(2).map(|pair| [pair[0], pair[1]]);
+    let mut sections: Vec<Section> =
+        ends.map(|ends_mm| Section { curve, ends_mm, hulls: Default::default() }).collect();
+    let (by_sampling, _) = exchange(&mut sections, &sampled, f64::NEG_INFINITY);
+    let (mut best, mut least) = (Vec::new(), f64::INFINITY);
+    let mut tolerance = 0.0;
+    for _ in 0..ROUNDS {
+        let reached;
+        (tolerance, reached) = smallest_tolerance(&sections, tolerance);
+        let values = choice(&sections, &reached, tolerance, &sampled);
+        let (largest, added) = exchange(&mut sections, &values, with_slack(tolerance));
+        if !added || largest < least {
+            (best, least) = (values, largest);
+        }
+        if !added {
+            break;
+        }
+    }
+    let as_good = by_sampling <= with_slack(least);
+    if as_good { sampled } else { best }
 }
 
-/// A bound as a function of the tolerance, at the present tolerance: value and derivative.
+/// The exact largest residual of the values. Places above the line by more than `limit` become
+/// demands, those below it demands on the mirror image; whether they said anything new.
+fn exchange(sections: &mut [Section], values: &[f64], limit: f64) -> (f64, bool) {
+    let (mut largest, mut added) = (0.0_f64, false);
+    for (section, ends) in sections.iter_mut().zip(values.windows(2)) {
+        let mut beyond = [Vec::new(), Vec::new()];
+        section.visit(ends[1] - ends[0], |parts, um| {
+            let above = um - (parts[0] * ends[0] + parts[1] * ends[1]);
+            largest = largest.max(above.abs());
+            if above > limit {
+                beyond[0].push(Point { parts, um });
+            }
+            if -above > limit {
+                beyond[1].push(Point { parts, um: -um });
+            }
+        });
+        for (hull, places) in section.hulls.iter_mut().zip(beyond) {
+            added |= !places.is_empty() && widen(hull, places);
+        }
+    }
+    (largest, added)
+}
+
+/// The least t not below `from` that meets all demands so far, and the bounds of the nodes under
+/// it, by Newton's method: finite, about five steps are usual.
+fn smallest_tolerance(sections: &[Section], from: f64) -> (f64, Vec<Bounds>) {
+    let mut tolerance = from;
+    // Where rounding alone keeps an interval empty, the steps are noise; they then double.
+    let mut nudge = 4.0 * f64::EPSILON;
+    loop {
+        let raise = match propagate(sections, tolerance) {
+            Ok(reached) => return (tolerance, reached),
+            Err(raise) => raise,
+        };
+        if tolerance + raise <= with_slack(tolerance) {
+            nudge *= 2.0;
+        }
+        tolerance += raise.max(nudge * (tolerance + ABSOLUTE_SLACK_UM));
+    }
+}
+
+/// The bounds of every node, from inside out, between which the section behind it can be crossed
+/// under `t`; or by how much t must grow at least.
+fn propagate(sections: &[Section], t: f64) -> Result<Vec<Bounds>, f64> {
+    let mut reached = Vec::with_capacity(sections.len() + 1);
+    reached.push(exactly(0.0));
+    for (node, section) in sections.iter().enumerate() {
+        reached[node] = section.passable(t, reached[node])?;
+        reached.push(section.across(t, 1, reached[node], UNBOUNDED));
+    }
+    Ok(reached)
+}
+
+/// Values that meet all demands, as near to the sampled ones as possible from outside in.
+fn choice(sections: &[Section], reached: &[Bounds], t: f64, sampled: &[f64]) -> Vec<f64> {
+    let mut values = vec![0.0; sampled.len()];
+    let mut allowed = reached[sections.len()];
+    for (node, section) in sections.iter().enumerate().rev() {
+        values[node + 1] = nearest(sampled[node + 1], allowed);
+        allowed = section.across(t, 0, exactly(values[node + 1]), reached[node]);
+    }
+    values
+}
+
+/// A lower bound as a function of the tolerance, at the present tolerance: value and derivative.
 #[derive(Clone, Copy)]
 struct Bound {
     um: f64,
     per_tolerance: f64,
 }
 
-/// Admissible values of a node.
-#[derive(Clone, Copy)]
-struct Interval {
-    low: Bound,
-    high: Bound,
+impl Bound {
+    /// The higher one of this and another bound.
+    fn raise(&mut self, um: f64, per_tolerance: impl FnOnce() -> f64) {
+        if um > self.um {
+            *self = Bound { um, per_tolerance: per_tolerance() };
+        }
+    }
 }
 
-impl Interval {
-    const ZERO: Interval = {
-        let zero = Bound { um: 0.0, per_tolerance: 0.0 };
-        Interval { low: zero, high: zero }
-    };
+/// Bounds of a node's value v: of v and of −v.
+type Bounds = [Bound; 2];
+
+/// The bounds of a node of which nothing is known.
+const UNBOUNDED: Bounds = [Bound { um: f64::NEG_INFINITY, per_tolerance: 0.0 }; 2];
+
+/// The bounds that leave one value only.
+fn exactly(um: f64) -> Bounds {
+    [um, -um].map(|um| Bound { um, per_tolerance: 0.0 })
+}
+
+/// A place of a section: its parts of the inner and the outer node's value in the line there
+/// (1 − u and u), and the curve's value in µm.
+#[derive(Clone, Copy, PartialEq)]
+struct Point {
+    parts: [f64; 2],
+    um: f64,
 }
 
 /// From one node to the next one outwards, with the places that bind.
-struct Section {
-    inner_mm: f64,
-    outer_mm: f64,
-    /// Upper hull: the line stays above these minus t.
-    floor: Vec<Point>,
-    /// Lower hull: the line stays below these plus t.
-    ceiling: Vec<Point>,
+struct Section<'a> {
+    curve: &'a ErrorCurve,
+    /// The inner and the outer node.
+    ends_mm: [f64; 2],
+    /// Upper hulls of the curve and of its mirror image: the line stays above them less t.
+    hulls: [Vec<Point>; 2],
 }
 
-impl Section {
-    fn new(curve: &ErrorCurve, inner_mm: f64, outer_mm: f64) -> Section {
-        let (floor, ceiling) = (Vec::with_capacity(8), Vec::with_capacity(8));
-        let mut section = Section { inner_mm, outer_mm, floor, ceiling };
-        let rise = curve.um_at(outer_mm) - curve.um_at(inner_mm);
-        let mut places = Vec::with_capacity(8);
-        section.visit(curve, rise, |point| places.push(point));
-        for point in places {
-            section.demand(point);
-        }
-        section
-    }
-
-    /// Every place where the curve can be farthest from a line of this rise.
-    fn visit(&self, curve: &ErrorCurve, rise: f64, mut visit: impl FnMut(Point)) {
-        let width = self.outer_mm - self.inner_mm;
-        let (from, to) = (self.inner_mm.min(self.outer_mm), self.inner_mm.max(self.outer_mm));
-        curve.visit_candidates(from, to, -rise / width, |x, um| {
-            visit(Point { along: (x - self.inner_mm) / width, um });
+impl Section<'_> {
+    /// Every place where the curve can be farthest from a line of this rise, as in [`Point`].
+    fn visit(&self, rise: f64, mut visit: impl FnMut([f64; 2], f64)) {
+        let [inner, outer] = self.ends_mm;
+        let (from, to, width) = (inner.min(outer), inner.max(outer), outer - inner);
+        self.curve.visit_candidates(from, to, -rise / width, |x, um| {
+            let along = (x - inner) / width;
+            visit([1.0 - along, along], um);
         });
     }
 
-    /// Adds a place; false if it says nothing new.
-    fn demand(&mut self, point: Point) -> bool {
-        let floor = insert(&mut self.floor, point, 1.0);
-        let ceiling = insert(&mut self.ceiling, point, -1.0);
-        floor || ceiling
-    }
-
-    /// The part of the inner interval from which the section can be crossed within `t`, or by
-    /// how much `t` must grow at least.
+    /// The part of the inner bounds from which the section can be crossed within `t`, or by how
+    /// much `t` must grow at least.
     ///
-    /// A place i above and a place j below bound the inner value by the line through
-    /// (u_i, d_i − t) and (u_j, d_j + t), followed back to u = 0.
-    fn passable(&self, t: f64, inner: Interval) -> Result<Interval, f64> {
-        let Interval { mut low, mut high } = inner;
-        for i in &self.floor {
-            for j in &self.ceiling {
-                let gap = j.along - i.along;
-                if gap.abs() < SAME_PART {
-                    continue;
-                }
-                let um = (j.along * (i.um - t) - i.along * (j.um + t)) / gap;
-                let per_tolerance = -(i.along + j.along) / gap;
-                let bound = Bound { um, per_tolerance };
-                if gap > 0.0 && um > low.um {
-                    low = bound;
-                } else if gap < 0.0 && um < high.um {
-                    high = bound;
+    /// A place i of the curve and a place j of its mirror image bound the inner value by the line
+    /// through (u_i, d_i − t) and (u_j, d_j + t), followed back to u = 0: v if j is the outer one
+    /// of them, else −v.
+    fn passable(&self, t: f64, mut inner: Bounds) -> Result<Bounds, f64> {
+        for Point { parts: [_, i], um: above } in &self.hulls[0] {
+            for Point { parts: [_, j], um: below } in &self.hulls[1] {
+                let gap = (j - i).abs();
+                if gap >= SAME_PART {
+                    let um = (j * (above - t) + i * (below - t)) / gap;
+                    inner[usize::from(j < i)].raise(um, || -(i + j) / gap);
                 }
             }
         }
-        if low.um > high.um {
-            return Err((low.um - high.um) / (high.per_tolerance - low.per_tolerance));
+        let [low, high] = inner;
+        if low.um + high.um > 0.0 {
+            return Err(-(low.um + high.um) / (low.per_tolerance + high.per_tolerance));
         }
-        Ok(Interval { low, high })
+        Ok(inner)
     }
 
-    /// The admissible values of the outer node when the inner one may be anywhere in `inner`.
-    fn crossed(&self, t: f64, inner: Interval) -> Interval {
-        let across = |point: &Point, t_sign: f64, from: Bound| Bound {
-            um: (point.um + t_sign * t - (1.0 - point.along) * from.um) / point.along,
-            per_tolerance: (t_sign - (1.0 - point.along) * from.per_tolerance) / point.along,
-        };
-        let beyond = |point: &&Point| point.along > SAME_PART;
-        let lows = self.floor.iter().filter(beyond);
-        let highs = self.ceiling.iter().filter(beyond);
-        let low = lows.map(|point| across(point, -1.0, inner.high));
-        let high = highs.map(|point| across(point, 1.0, inner.low));
-        Interval {
-            low: low.fold(UNBOUNDED.low, |one, two| if two.um > one.um { two } else { one }),
-            high: high.fold(UNBOUNDED.high, |one, two| if two.um < one.um { two } else { one }),
-        }
-    }
-
-    /// The lowest and highest inner value when the outer one is `outer`.
-    fn inner_range(&self, t: f64, outer: f64) -> (f64, f64) {
-        let back =
-            |point: &Point, t: f64| (point.um + t - point.along * outer) / (1.0 - point.along);
-        let before = |point: &&Point| point.along < 1.0 - SAME_PART;
-        let lows = self.floor.iter().filter(before).map(|point| back(point, -t));
-        let highs = self.ceiling.iter().filter(before).map(|point| back(point, t));
-        (lows.fold(f64::NEG_INFINITY, f64::max), highs.fold(f64::INFINITY, f64::min))
-    }
-}
-
-const UNBOUNDED: Interval = Interval {
-    low: Bound { um: f64::NEG_INFINITY, per_tolerance: 0.0 },
-    high: Bound { um: f64::INFINITY, per_tolerance: 0.0 },
-};
-
-/// Puts a point into a hull: upper for `side` = 1, lower for −1; false if it lies inside.
-fn insert(hull: &mut Vec<Point>, point: Point, side: f64) -> bool {
-    let inside = |a: &Point, b: &Point, c: &Point| {
-        let (first, second) = (b.along - a.along, c.along - a.along);
-        side * ((b.um - a.um) * second - (c.um - a.um) * first) <= 0.0
-    };
-    let at = hull.partition_point(|other| other.along < point.along);
-    let near = |other: Option<&Point>| {
-        other.is_some_and(|other| (other.along - point.along).abs() < SAME_PART)
-    };
-    if near(hull.get(at)) || at > 0 && near(hull.get(at - 1)) {
-        return false;
-    }
-    if at > 0 && at < hull.len() && inside(&hull[at - 1], &point, &hull[at]) {
-        return false;
-    }
-    hull.insert(at, point);
-    while at + 2 < hull.len() && inside(&hull[at], &hull[at + 1], &hull[at + 2]) {
-        hull.remove(at + 1);
-    }
-    let mut at = at;
-    while at >= 2 && inside(&hull[at - 2], &hull[at - 1], &hull[at]) {
-        hull.remove(at - 1);
-        at -= 1;
-    }
-    true
-}
-
-/// One side of the reference, nodes counted outwards.
-struct Side<'a> {
-    curve: &'a ErrorCurve,
-    sections: Vec<Section>,
-    sampled: Vec<f64>,
-    /// Admissible values of each node from which the next one can be reached.
-    reached: Vec<Interval>,
-}
-
-impl<'a> Side<'a> {
-    fn new(curve: &'a ErrorCurve, nodes: &Nodes, outwards: &[usize], sampled: &[f64]) -> Self {
-        let place = |node| nodes.position(node).mm();
-        let pairs = outwards.windows(2);
-        Side {
-            curve,
-            sections: pairs
-                .map(|pair| Section::new(curve, place(pair[0]), place(pair[1])))
-                .collect(),
-            sampled: outwards.iter().map(|&node| sampled[node]).collect(),
-            reached: Vec::with_capacity(outwards.len()),
-        }
-    }
-
-    /// The best values, or the sampled ones if they are as good.
-    fn best(&mut self) -> Vec<f64> {
-        let sampled = self.sampled.clone();
-        let (by_sampling, _) = self.exchange(&sampled, f64::INFINITY);
-        let (mut best, mut least) = (Vec::new(), f64::INFINITY);
-        let mut tolerance = 0.0;
-        for _ in 0..ROUNDS {
-            tolerance = self.smallest_tolerance(tolerance);
-            let values = self.choice(tolerance);
-            let (largest, added) = self.exchange(&values, tolerance);
-            if !added || largest < least {
-                (best, least) = (values, largest);
-            }
-            if !added {
-                break;
-            }
-        }
-        let as_good = by_sampling <= with_slack(least);
-        if as_good { sampled } else { best }
-    }
-
-    /// The least t not below `from` that meets all demands so far, by Newton's method; leaves the
-    /// intervals of that t behind.
-    fn smallest_tolerance(&mut self, from: f64) -> f64 {
-        let mut tolerance = from;
-        // Where rounding alone keeps an interval empty, the steps are noise; they then double.
-        let mut nudge = 4.0 * f64::EPSILON;
-        for _ in 0..STEPS {
-            let Err(raise) = self.propagate(tolerance) else {
-                break;
-            };
-            if tolerance + raise <= with_slack(tolerance) {
-                nudge *= 2.0;
-            }
-            let least = nudge * (tolerance + ABSOLUTE_SLACK_UM);
-            tolerance += raise.max(least);
-        }
-        tolerance
-    }
-
-    fn propagate(&mut self, tolerance: f64) -> Result<(), f64> {
-        self.reached.clear();
-        let mut interval = Interval::ZERO;
-        for section in &self.sections {
-            let passable = section.passable(tolerance, interval)?;
-            self.reached.push(passable);
-            interval = section.crossed(tolerance, passable);
-        }
-        self.reached.push(interval);
-        Ok(())
-    }
-
-    /// Values that meet all demands, as near to the sampled ones as possible from outside in.
-    fn choice(&self, tolerance: f64) -> Vec<f64> {
-        let mut values = self.sampled.clone();
-        let mut allowed = (f64::NEG_INFINITY, f64::INFINITY);
-        for node in (0..values.len()).rev() {
-            if let Some(reached) = self.reached.get(node) {
-                allowed = (allowed.0.max(reached.low.um), allowed.1.min(reached.high.um));
-            }
-            values[node] = nearest(values[node], allowed);
-            if node > 0 {
-                allowed = self.sections[node - 1].inner_range(tolerance, values[node]);
-            }
-        }
-        values[0] = 0.0;
-        values
-    }
-
-    /// The exact largest residual of the values, and whether places beyond t were added.
-    fn exchange(&mut self, values: &[f64], tolerance: f64) -> (f64, bool) {
-        let limit = with_slack(tolerance);
-        let (mut largest, mut added) = (0.0_f64, false);
-        let mut beyond = Vec::new();
-        for (section, ends) in self.sections.iter_mut().zip(values.windows(2)) {
-            section.visit(self.curve, ends[1] - ends[0], |point| {
-                let line = (1.0 - point.along) * ends[0] + point.along * ends[1];
-                let residual = (point.um - line).abs();
-                largest = largest.max(residual);
-                if residual > limit {
-                    beyond.push(point);
+    /// `bounds` of the node at `end` (0 inner, 1 outer), tightened by those of the `other` one: the
+    /// line through a place is lowest here when it is highest there.
+    fn across(&self, t: f64, end: usize, other: Bounds, mut bounds: Bounds) -> Bounds {
+        for (side, hull) in self.hulls.iter().enumerate() {
+            let opposite = other[1 - side];
+            for Point { parts, um } in hull {
+                let (part, rest) = (parts[end], parts[1 - end]);
+                if part > SAME_PART {
+                    let um = (um - t + rest * opposite.um) / part;
+                    bounds[side].raise(um, || (rest * opposite.per_tolerance - 1.0) / part);
                 }
-            });
-            for point in beyond.drain(..) {
-                added |= section.demand(point);
             }
         }
-        (largest, added)
+        bounds
     }
+}
+
+/// Adds places to an upper hull, unless they are there; false if they say nothing new.
+fn widen(hull: &mut Vec<Point>, mut places: Vec<Point>) -> bool {
+    let same = |one: &Point, two: &Point| (one.parts[1] - two.parts[1]).abs() < SAME_PART;
+    places.dedup_by(|next, kept| same(next, kept));
+    places.retain(|place| !hull.iter().any(|known| same(known, place)));
+    places.extend_from_slice(hull);
+    places.sort_by(|one, two| one.parts[1].total_cmp(&two.parts[1]));
+    let mut wider: Vec<Point> = Vec::with_capacity(places.len());
+    for place in places {
+        while let [.., one, two] = wider[..]
+            && inside(one, two, place)
+        {
+            wider.pop();
+        }
+        wider.push(place);
+    }
+    let new = wider != *hull;
+    *hull = wider;
+    new
+}
+
+/// Whether `middle` lies on or below the line from `one` to `two`.
+fn inside(one: Point, middle: Point, two: Point) -> bool {
+    let [first, second] = [middle, two].map(|point| point.parts[1] - one.parts[1]);
+    (middle.um - one.um) * second <= (two.um - one.um) * first
 }
 
 /// What still counts as the tolerance.
@@ -329,10 +272,9 @@ fn with_slack(tolerance: f64) -> f64 {
     tolerance * (1.0 + RELATIVE_SLACK) + ABSOLUTE_SLACK_UM
 }
 
-/// The allowed value nearest to `wanted`; the middle where rounding left nothing between.
-fn nearest(wanted: f64, (low, high): (f64, f64)) -> f64 {
-    if low > high {
-        return (low + high) / 2.0;
-    }
-    wanted.max(low).min(high)
+/// The value between the bounds nearest to `wanted`; the middle where rounding left nothing
+/// between.
+fn nearest(wanted: f64, [low, mirrored_high]: Bounds) -> f64 {
+    let (low, high) = (low.um, -mirrored_high.um);
+    if low > high { (low + high) / 2.0 } else { wanted.max(low).min(high) }
 }
