@@ -61,14 +61,6 @@ impl LengthUnit {
     }
 }
 
-/// Units of lengths in the names of columns, and how many µm they have.
-pub const LENGTHS_UM: [(&str, f64); 4] = [
-    (LengthUnit::Um.word(), LengthUnit::Um.um()),
-    (LengthUnit::Mm.word(), LengthUnit::Mm.um()),
-    (LengthUnit::In.word(), LengthUnit::In.um()),
-    (LengthUnit::Uin.word(), LengthUnit::Uin.um()),
-];
-
 /// One line of the file. Its cells and places are found when they are asked for: a table may have
 /// a million of them.
 #[derive(Clone, Copy)]

@@ -4,7 +4,7 @@
 use crate::inputs::table::{Row, Table};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::{Deviation, MM_PER_INCH, Millimetres};
-use crate::text::delimited::{Cell, Expected, LENGTHS_UM, Line};
+use crate::text::delimited::{Cell, Expected, LengthUnit, Line};
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
 
@@ -65,20 +65,18 @@ pub(crate) fn known_columns() -> Vec<(String, Column)> {
     ];
     let single = single.map(|(name, holds, factor)| (name.to_string(), Column { holds, factor }));
     let mut known = single.to_vec();
+    let lengths = LengthUnit::ALL.map(|unit| (unit.word(), unit.um()));
     for (axis, letters) in Axis::ALL.into_iter().zip(["xa", "yb", "zc"]) {
         let (deviation, angle) = letters.split_at(1);
         let in_units = [
-            (format!("e{deviation}"), Quantity::Deviation(axis), &LENGTHS_UM[..]),
-            (format!("u_e{deviation}"), Quantity::Uncertainty(axis), &LENGTHS_UM),
+            (format!("e{deviation}"), Quantity::Deviation(axis), &lengths[..]),
+            (format!("u_e{deviation}"), Quantity::Uncertainty(axis), &lengths),
             (format!("e{angle}"), Quantity::Angle(axis), &ANGLES_URAD),
             (format!("u_e{angle}"), Quantity::AngleUncertainty(axis), &ANGLES_URAD),
         ];
         for (name, holds, units) in in_units {
-            let columns = units.iter().map(|(unit, factor)| {
-                let factor = *factor;
-                (format!("{name}_{unit}"), Column { holds, factor })
-            });
-            known.extend(columns);
+            let column = |&(unit, factor)| (format!("{name}_{unit}"), Column { holds, factor });
+            known.extend(units.iter().map(column));
         }
     }
     known

@@ -126,8 +126,8 @@ impl<'a, 'm> Table<'a, 'm> {
         let whole = filled.filter(|line| line.cells_under(width, problems).is_some());
         // Cells are taken apart again where they are needed: together they are many times the file.
         let whole: Vec<Line<'a>> = whole.collect();
-        let decimal = self.decimal(&whole, stated.decimal).map_err(Problems::from);
-        let (Some(decimal), true) = (problems.take(decimal), problems.is_empty()) else {
+        let decimal = problems.take(self.decimal(&whole, stated.decimal));
+        let (Some(decimal), true) = (decimal, problems.is_empty()) else {
             return Vec::new();
         };
         let rows = whole.into_iter().filter_map(|line| {
@@ -280,7 +280,7 @@ fn columns_of<'m>(header: &Line<'_>, mapping: &'m Mapping) -> Result<Vec<Column<
                 Err(Problem::new(message).at(header.whole()).help("columns are counted from 1"))
             }
         };
-        let Some(index) = problems.take(index.map_err(Problems::from)) else {
+        let Some(index) = problems.take(index) else {
             continue;
         };
         let mut refuse = |message: String, help: &str| {
