@@ -53,16 +53,13 @@ impl ErrorTable {
             let help = "write one row for each measured position, e.g. x,0,0";
             problems.push(columns.table.at_header(message, help));
         }
-        let headings = vec![columns.headings()];
-        let header = columns.table.header.whole();
-        let remarks = Remarks::read(&source.text);
-        problems.or_ok(()).map(|()| ErrorTable {
-            source,
-            header,
-            remarks,
+        problems.or_ok(ErrorTable {
+            header: columns.table.header.whole(),
+            remarks: Remarks::read(&source.text),
             series,
-            headings,
+            headings: vec![columns.headings()],
             more: Vec::new(),
+            source,
         })
     }
 
@@ -154,11 +151,9 @@ impl ErrorTable {
             return;
         };
         if let Some((message, help)) = self.misfit(axis, new, other) {
-            let problem = Problem::new(message).help(help);
-            problems.push(match other.place(new, 0) {
-                Some(place) => problem.at(place),
-                None => problem,
-            });
+            let mut problem = Problem::new(message).help(help);
+            problem.place = other.place(new, 0);
+            problems.push(problem);
         }
     }
 
@@ -172,7 +167,8 @@ impl ErrorTable {
         let known = &self.series[axis];
         if let Some(old) = known.iter().find(|old| !shared(old, new, axis).is_empty()) {
             let names = shared(old, new, axis).join(", ");
-            let (one, two) = (self.name(old), &other.source.name);
+            let one = self.source_of(old).map_or("", |source| &source.name);
+            let two = &other.source.name;
             return Some((
                 format!("{names} stands in two tables, `{one}` and `{two}`"),
                 "give each component of an axis in one table: the zeros of two measurements differ by what nobody measured",
@@ -193,15 +189,10 @@ impl ErrorTable {
         })
     }
 
-    fn name(&self, series: &Series) -> &str {
-        self.source_of(series).map_or("", |s| s.name.as_str())
-    }
-
     fn other_range(&self, axis: Axis, new: &[Series]) -> bool {
         let differ = |old: &Series, new: &Series| {
-            let ends = ends(old).into_iter().zip(ends(new));
-            old.direction == new.direction
-                && ends.into_iter().any(|(a, b)| (a - b).abs() > AT_PLACE_MM)
+            let mut ends = ends(old).into_iter().zip(ends(new));
+            old.direction == new.direction && ends.any(|(a, b)| (a - b).abs() > AT_PLACE_MM)
         };
         let known = &self.series[axis];
         new.iter().any(|new| known.iter().any(|old| differ(old, new)))

@@ -2,7 +2,7 @@
 
 use crate::text::delimited::{Cell, Expected, Line, columns_of, header_and_rows};
 use crate::text::document::Source;
-use crate::text::problem::{Problem, Problems, shown};
+use crate::text::problem::{Problem, Problems};
 use std::borrow::Cow;
 
 /// A table whose columns are known.
@@ -121,16 +121,11 @@ impl<'a> Row<'_, 'a> {
         index: Option<usize>,
         absent: Option<T>,
         parse: impl Fn(&str) -> Option<T>,
-        (expected, help): (&str, &str),
+        expected: (&str, &str),
     ) -> Option<T> {
         let Some(index) = index else { return absent };
-        let value = parse(self.cell(index));
-        if value.is_none() {
-            let (name, cell) = (&self.names[index], shown(self.cell(index)));
-            let message = format!("`{name}` is `{cell}`, expected {expected}");
-            self.refuse(index, message, help);
-        }
-        value
+        let (cell, problems) = self.named(index);
+        cell.read(parse, format_args!("`{}` is", cell.name), expected, problems)
     }
 
     /// The number of a cell, which must not be empty.

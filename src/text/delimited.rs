@@ -8,6 +8,7 @@ use crate::quantity::units::{MM_PER_INCH, UM_PER_MM};
 use crate::text::document::{LARGEST_NUMBER, Source};
 use crate::text::problem::{Place, Problem, Problems, nearest, shown};
 use std::borrow::Cow;
+use std::fmt;
 use std::ops::Range;
 
 /// A unit of length that a measurement is given in.
@@ -59,14 +60,6 @@ impl LengthUnit {
         }
     }
 }
-
-/// Units of lengths in the names of columns, and how many µm they have.
-pub const LENGTHS_UM: [(&str, f64); 4] = [
-    (LengthUnit::Um.word(), LengthUnit::Um.um()),
-    (LengthUnit::Mm.word(), LengthUnit::Mm.um()),
-    (LengthUnit::In.word(), LengthUnit::In.um()),
-    (LengthUnit::Uin.word(), LengthUnit::Uin.um()),
-];
 
 /// One line of the file. Its cells and places are found when they are asked for: a table may have
 /// a million of them.
@@ -211,6 +204,22 @@ impl Cell<'_, '_> {
     /// A problem that stands here.
     pub(crate) fn problem(&self, message: impl Into<String>, help: &str) -> Problem {
         Problem::new(message).at(self.line.cell_place(self.index)).in_column(self.index).help(help)
+    }
+
+    /// What is read from the cell; where that is nothing, a problem says what was expected and the next step.
+    pub(crate) fn read<T>(
+        &self,
+        read: impl Fn(&str) -> Option<T>,
+        what: impl fmt::Display,
+        (expected, help): (&str, &str),
+        problems: &mut Problems,
+    ) -> Option<T> {
+        let value = read(self.text);
+        if value.is_none() {
+            let message = format!("{what} `{}`, expected {expected}", shown(self.text));
+            problems.push_with(|| self.problem(message, help));
+        }
+        value
     }
 
     /// The finite number of the cell; `expected` is the next step where it is none.

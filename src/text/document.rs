@@ -79,17 +79,9 @@ impl Source {
 
     /// A problem at a key, or at the nearest section above it that exists.
     pub(crate) fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
-        let mut path = path;
-        let problem = Problem::new(message);
-        loop {
-            if let Some(place) = self.place_of(path) {
-                return problem.at(place);
-            }
-            match path.rfind('.') {
-                Some(dot) => path = &path[..dot],
-                None => return problem.at(self.place(&(0..0))),
-            }
-        }
+        let mut paths = std::iter::successors(Some(path), |path| Some(path.rsplit_once('.')?.0));
+        let place = paths.find_map(|path| self.place_of(path));
+        Problem::new(message).at(place.unwrap_or_else(|| self.place(&(0..0))))
     }
 }
 

@@ -4,6 +4,7 @@
 //! work is a [`Problem`]. All problems of one input are collected and shown together. The text
 //! is drawn by `annotate-snippets`, the way rustc shows its own.
 
+use crate::text::finding::joined;
 use crate::text::plain::line as seen;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use std::fmt;
@@ -143,8 +144,7 @@ pub const LONGEST_LINE_BYTES: usize = 1 << 16;
 /// Refuses a text with a line that is longer than anybody writes: with other line ends, or of another
 /// kind.
 pub(crate) fn refuse_long_lines(file: &str, text: &str) -> Result<(), Problem> {
-    let is_long = |line: &&str| line.len() > LONGEST_LINE_BYTES;
-    match text.split('\n').position(|line| is_long(&line)) {
+    match text.split('\n').position(|line| line.len() > LONGEST_LINE_BYTES) {
         None => Ok(()),
         Some(index) => Err(Problem::new(format!(
             "line {} of `{file}` has more than {LONGEST_LINE_BYTES} bytes, too many for a line",
@@ -155,15 +155,12 @@ pub(crate) fn refuse_long_lines(file: &str, text: &str) -> Result<(), Problem> {
 }
 
 fn floor_boundary(source: &str, at: usize) -> usize {
-    let mut at = at.min(source.len());
-    while !source.is_char_boundary(at) {
-        at -= 1;
-    }
-    at
+    let mut before = (0..=at.min(source.len())).rev();
+    before.find(|at| source.is_char_boundary(*at)).unwrap_or_default()
 }
 
 /// Why the program could not do its work.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Problem {
     /// One lower-case sentence: what was found and what was expected.
     pub message: String,
@@ -180,13 +177,7 @@ pub struct Problem {
 impl Problem {
     /// A problem without a place.
     pub fn new(message: impl Into<String>) -> Self {
-        Problem {
-            message: bounded(message.into()),
-            place: None,
-            also: Vec::new(),
-            column: None,
-            help: None,
-        }
+        Problem { message: bounded(message.into()), ..Problem::default() }
     }
 
     /// The same, in a column of a table: in the next rows it is told once.
@@ -237,9 +228,7 @@ impl Problem {
         }
         Renderer::plain().render(&[group])
     }
-}
 
-impl Problem {
     /// The other lines that it concerns, as they are written.
     fn also_at(&self) -> Option<String> {
         let line = |place: &Place| format!("line {}: {}", place.line, seen(place.text.trim()));
@@ -261,7 +250,7 @@ fn byte_of_column(text: &str, column: usize) -> usize {
 }
 
 /// One problem, and where else the same one stands.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Kept {
     problem: Problem,
     /// In how many more places.
@@ -315,14 +304,12 @@ impl Kept {
     }
 
     fn render(&self) -> String {
-        let lines: Vec<String> = self.lines.iter().map(usize::to_string).collect();
+        let lines = joined(&self.lines);
         let note = match self.again {
             0 => None,
-            1 => Some(format!("the same in line {}", lines.join(", "))),
-            more if more == lines.len() => Some(format!("the same in lines {}", lines.join(", "))),
-            more => {
-                Some(format!("the same in {more} more lines, the next are {}", lines.join(", ")))
-            }
+            1 => Some(format!("the same in line {lines}")),
+            more if more == self.lines.len() => Some(format!("the same in lines {lines}")),
+            more => Some(format!("the same in {more} more lines, the next are {lines}")),
         };
         let look = "; compare the cells of these rows with the header";
         let look = if self.is_shifted { look } else { "" };
@@ -362,9 +349,7 @@ impl Problems {
         self.add(Kept {
             last: problem.place.as_ref().map(|place| place.line),
             problem,
-            again: 0,
-            lines: Vec::new(),
-            is_shifted: false,
+            ..Kept::default()
         });
     }
 
@@ -390,14 +375,8 @@ impl Problems {
     }
 
     /// Keeps the value, or notes the problems and gives nothing.
-    pub fn take<T>(&mut self, result: Result<T, Problems>) -> Option<T> {
-        match result {
-            Ok(value) => Some(value),
-            Err(problems) => {
-                self.extend(problems);
-                None
-            }
-        }
+    pub fn take<T>(&mut self, result: Result<T, impl Into<Problems>>) -> Option<T> {
+        result.map_err(|problems| self.extend(problems.into())).ok()
     }
 
     /// Whether the next one would only be counted.
@@ -422,10 +401,9 @@ impl Problems {
 
     /// All problems as a person reads them, a blank line between.
     pub fn render(&self) -> String {
-        let shown = self.kept.iter().take(MOST_SHOWN);
-        let mut texts: Vec<String> = shown.map(Kept::render).collect();
-        let not_shown = self.kept.iter().skip(MOST_SHOWN);
-        let not_shown: usize = not_shown.map(|kept| 1 + kept.again).sum();
+        let (shown, not_shown) = self.kept.split_at(self.kept.len().min(MOST_SHOWN));
+        let mut texts: Vec<String> = shown.iter().map(Kept::render).collect();
+        let not_shown: usize = not_shown.iter().map(|kept| 1 + kept.again).sum();
         match self.more + not_shown {
             0 => {}
             1 => texts.push("… and 1 more problem".to_string()),
@@ -447,6 +425,16 @@ impl fmt::Display for Problems {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         out.write_str(&self.render())
     }
+}
+
+/// The next step after a mistyped word: the nearest of `known`, or something else where none is near.
+pub(crate) fn did_you_mean<'a>(
+    word: &str,
+    known: impl IntoIterator<Item = &'a str>,
+    otherwise: &str,
+) -> String {
+    let near = nearest(word, known).map(|near| format!("did you mean `{near}`?"));
+    near.unwrap_or_else(|| otherwise.to_string())
 }
 
 /// The nearest of `known` to a mistyped word, if one is near.

@@ -4,9 +4,9 @@
 use crate::inputs::table::{Row, Table};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::{Deviation, MM_PER_INCH, Millimetres};
-use crate::text::delimited::{Cell, Expected, LENGTHS_UM, Line};
+use crate::text::delimited::{Cell, Expected, LengthUnit, Line};
 use crate::text::document::Source;
-use crate::text::problem::{Place, Problem, Problems, shown};
+use crate::text::problem::{Place, Problem, Problems};
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,20 +65,18 @@ pub(crate) fn known_columns() -> Vec<(String, Column)> {
     ];
     let single = single.map(|(name, holds, factor)| (name.to_string(), Column { holds, factor }));
     let mut known = single.to_vec();
+    let lengths = LengthUnit::ALL.map(|unit| (unit.word(), unit.um()));
     for (axis, letters) in Axis::ALL.into_iter().zip(["xa", "yb", "zc"]) {
         let (deviation, angle) = letters.split_at(1);
         let in_units = [
-            (format!("e{deviation}"), Quantity::Deviation(axis), &LENGTHS_UM[..]),
-            (format!("u_e{deviation}"), Quantity::Uncertainty(axis), &LENGTHS_UM),
+            (format!("e{deviation}"), Quantity::Deviation(axis), &lengths[..]),
+            (format!("u_e{deviation}"), Quantity::Uncertainty(axis), &lengths),
             (format!("e{angle}"), Quantity::Angle(axis), &ANGLES_URAD),
             (format!("u_e{angle}"), Quantity::AngleUncertainty(axis), &ANGLES_URAD),
         ];
         for (name, holds, units) in in_units {
-            let columns = units.iter().map(|(unit, factor)| {
-                let factor = *factor;
-                (format!("{name}_{unit}"), Column { holds, factor })
-            });
-            known.extend(columns);
+            let column = |&(unit, factor)| (format!("{name}_{unit}"), Column { holds, factor });
+            known.extend(units.iter().map(column));
         }
     }
     known
@@ -138,10 +136,13 @@ impl<'a> Columns<'a> {
             let (cell, problems) = row.named(index);
             let mut number = None;
             match column.holds {
-                Quantity::Axis => axis = read_axis(&cell, problems),
+                Quantity::Axis => {
+                    axis = cell.read(Axis::from_letter, "unknown axis", AXIS, problems);
+                }
                 _ if cell.text.is_empty() => {}
                 Quantity::Direction => {
-                    direction = read_direction(&cell, problems);
+                    let read = Direction::from_symbol;
+                    direction = cell.read(read, "unknown direction", DIRECTION, problems);
                     complete &= direction.is_some();
                 }
                 _ => {
@@ -160,26 +161,10 @@ impl<'a> Columns<'a> {
     }
 }
 
-fn read_axis(cell: &Cell<'_, '_>, problems: &mut Problems) -> Option<Axis> {
-    let axis = Axis::from_letter(cell.text);
-    if axis.is_none() {
-        let found = shown(cell.text);
-        let message = format!("unknown axis `{found}`, expected `x`, `y` or `z`");
-        problems.push_with(|| cell.problem(message, "name the moving axis"));
-    }
-    axis
-}
-
-fn read_direction(cell: &Cell<'_, '_>, problems: &mut Problems) -> Option<Direction> {
-    let direction = Direction::from_symbol(cell.text);
-    if direction.is_none() {
-        let found = shown(cell.text);
-        let message = format!("unknown direction `{found}`, expected `+`, `-` or an empty cell");
-        let help = "`+` = the axis came from smaller coordinates";
-        problems.push_with(|| cell.problem(message, help));
-    }
-    direction
-}
+// What is expected in a column, and the next step where it is something else.
+const AXIS: (&str, &str) = ("`x`, `y` or `z`", "name the moving axis");
+const DIRECTION: (&str, &str) =
+    ("`+`, `-` or an empty cell", "`+` = the axis came from smaller coordinates");
 
 fn read_number(cell: &Cell<'_, '_>, holds: Quantity, problems: &mut Problems) -> Option<f64> {
     const OF_AXIS: &str =
@@ -206,7 +191,7 @@ pub(super) struct Record<'a> {
 }
 
 /// All measured positions of one axis in one direction (or without regard to direction).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
     /// Direction of travel; `None` = both.
     pub direction: Option<Direction>,
@@ -256,13 +241,8 @@ impl Columns<'_> {
         self.refuse_unordered(axis, rows, problems);
         let mut series = Series {
             direction: rows.first().and_then(|row| row.direction),
-            positions: Vec::new(),
-            deviations: PerAxis::default(),
-            uncertainties_um: PerAxis::default(),
-            angles_urad: PerAxis::default(),
-            angle_uncertainties_urad: PerAxis::default(),
             lines: rows.iter().map(|row| row.line.number()).collect(),
-            table: 0,
+            ..Series::default()
         };
         for (index, column) in self.table.kinds.iter().enumerate() {
             let mut values = || self.values(axis, index, rows, problems);

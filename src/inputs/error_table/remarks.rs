@@ -24,8 +24,9 @@ use crate::inputs::job::Frame;
 use crate::quantity::axis::{ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal};
 use crate::quantity::units::{Millimetres, smaller};
-use crate::text::finding::{Finding, once};
+use crate::text::finding::{Finding, joined, once};
 use crate::text::problem::bounded;
+use std::fmt;
 
 const DOUBT: &str = "doubt:";
 const NOT_DETERMINED: &str = "not determined:";
@@ -98,24 +99,18 @@ pub struct Silence {
 }
 
 impl Silence {
-    /// One line for each, `None` = nothing.
-    fn by_key(&self) -> impl Iterator<Item = (&'static str, &Vec<Cause>)> {
+    /// One comment for each of which there is anything.
+    fn lines(&self) -> impl Iterator<Item = String> {
         let all = [(NOT_STATED, &self.not_stated), (NEGLECTED, &self.neglected)];
-        all.into_iter().filter(|(_, causes)| !causes.is_empty())
+        let any = all.into_iter().filter(|(_, causes)| !causes.is_empty());
+        any.map(|(key, causes)| format!("{key} {}", keys(causes)))
     }
 
     /// One sentence for each, for the lines beside a result.
     pub fn sentences(&self) -> Vec<String> {
-        let of = |(key, causes): (&str, &Vec<Cause>)| match key {
-            NOT_STATED => {
-                format!(
-                    "not stated: {}; a verdict on these errors is at most undecided",
-                    keys(causes)
-                )
-            }
-            _ => format!("{key} {}", keys(causes)),
-        };
-        self.by_key().map(of).collect()
+        let open = "; a verdict on these errors is at most undecided";
+        let of = |line: String| if line.starts_with(NOT_STATED) { line + open } else { line };
+        self.lines().map(of).collect()
     }
 
     fn join(&mut self, other: Silence) {
@@ -152,30 +147,35 @@ impl Sizes {
         self.diagonals.iter().map(|(_, um)| *um).fold(0.0, f64::max)
     }
 
-    fn words(&self) -> String {
+    /// Those that are more than nothing.
+    fn words(&self) -> impl Iterator<Item = String> {
         let terms = self.terms.iter().map(|(term, um)| (term.to_string(), *um));
-        let diagonals = self.diagonals.iter().map(|(d, um)| (d.name().to_string(), *um));
+        let diagonals = self.diagonals.iter().map(|(d, um)| (d.to_string(), *um));
         let all = terms.chain(diagonals).filter(|(_, um)| *um > 0.0);
-        all.map(|(name, um)| format!(", {name} {um:.4}")).collect()
+        all.map(|(name, um)| format!("{name} {um:.4}"))
     }
 
     fn read(words: &str) -> Option<Sizes> {
         let mut sizes = Sizes::default();
         for (name, um) in pairs(words)? {
-            sizes.hear(name, um)?;
+            *sizes.named(name)? = um;
         }
         Some(sizes)
     }
 
-    /// Takes in one of them; `None` where it is none.
-    fn hear(&mut self, name: &str, um: f64) -> Option<()> {
+    /// The one of this name.
+    fn named(&mut self, name: &str) -> Option<&mut f64> {
         if let Some(term) = ErrorTerm::from_name(name) {
-            self.terms[term] = um;
-        } else {
-            let diagonal = Diagonal::ALL.into_iter().find(|d| d.name() == name)?;
-            self.diagonals[diagonal] = um;
+            return Some(&mut self.terms[term]);
         }
-        Some(())
+        let diagonal = Diagonal::ALL.into_iter().find(|d| d.name() == name)?;
+        Some(&mut self.diagonals[diagonal])
+    }
+}
+
+impl fmt::Display for Sizes {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&joined(self.words()))
     }
 }
 
@@ -213,23 +213,25 @@ impl LargestErrors {
         }
     }
 
-    fn words(&self, key: &str) -> String {
-        let (all, ranges) = (self.all_um, self.ranges_um);
-        let single = self.single.words();
-        format!("{key} {}: all {all:.4}, ranges {ranges:.4}{single}", self.zero)
-    }
-
     fn read(words: &str) -> Option<LargestErrors> {
         let (zero, rest) = words.split_once(':')?;
         let mut found = LargestErrors { zero: zero.trim().to_string(), ..LargestErrors::default() };
         for (name, um) in pairs(rest)? {
-            match name {
-                "all" => found.all_um = um,
-                "ranges" => found.ranges_um = um,
-                name => found.single.hear(name, um)?,
-            }
+            *match name {
+                "all" => &mut found.all_um,
+                "ranges" => &mut found.ranges_um,
+                name => found.single.named(name)?,
+            } = um;
         }
         Some(found)
+    }
+}
+
+impl fmt::Display for LargestErrors {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let both = [("all", self.all_um), ("ranges", self.ranges_um)];
+        let both = both.into_iter().map(|(name, um)| format!("{name} {um:.4}"));
+        write!(out, "{}: {}", self.zero, joined(both.chain(self.single.words())))
     }
 }
 
@@ -275,15 +277,12 @@ impl Remarks {
         for comment in once(comments.map(str::trim).collect()) {
             remarks.hear(comment);
         }
-        let missing = beyond(&mut remarks.not_determined);
-        match beyond(&mut remarks.doubts) + missing {
-            0 => {}
-            count => remarks.doubts.push(Remark::MoreDoubts { count }.into()),
-        }
-        match beyond(&mut remarks.notes) {
-            0 => {}
-            count => remarks.notes.push(Remark::MoreNotes { count }.into()),
-        }
+        let doubts = beyond(&mut remarks.not_determined) + beyond(&mut remarks.doubts);
+        let more = (doubts > 0).then(|| Finding::from(Remark::MoreDoubts { count: doubts }));
+        remarks.doubts.extend(more);
+        let notes = beyond(&mut remarks.notes);
+        let more = (notes > 0).then(|| Finding::from(Remark::MoreNotes { count: notes }));
+        remarks.notes.extend(more);
         remarks
     }
 
@@ -323,10 +322,8 @@ impl Remarks {
         self.silence.join(other.silence);
         (self.largest, self.measured) = (None, None); // of each table by itself
         (self.anew, self.same_laser) = (None, None);
-        self.doubtful = match (self.doubtful.take(), other.doubtful) {
-            (Some(own), Some(other)) => Some(own.joined(&other, f64::max)),
-            (own, other) => own.or(other),
-        };
+        let both = [self.doubtful.take(), other.doubtful];
+        self.doubtful = both.into_iter().flatten().reduce(|a, b| a.joined(&b, f64::max));
     }
 
     fn hear(&mut self, comment: &str) {
@@ -336,13 +333,9 @@ impl Remarks {
         } else if let Some(frame) = after(FRAME).as_deref().and_then(Frame::from_word) {
             self.frame = self.frame.or(Some(frame));
         } else if let Some(words) = after(LINES) {
-            let places: Option<Vec<f64>> =
-                words.split(',').map(|mm| mm.trim().parse().ok()).collect();
-            match places.as_deref() {
-                Some([x, y, z]) => {
-                    let [x, y, z] = [*x, *y, *z].map(Millimetres::new);
-                    self.lines = Some(PerAxis { x, y, z });
-                }
+            let places = words.split(',').map(|mm| mm.trim().parse().ok().map(Millimetres::new));
+            match places.collect::<Option<Vec<Millimetres>>>().as_deref() {
+                Some(&[x, y, z]) => self.lines = Some(PerAxis { x, y, z }),
                 _ => self.doubts.push(Remark::Doubtful { words: comment.to_string() }.into()),
             }
         } else if let Some(words) = after(NOTE) {
@@ -354,9 +347,8 @@ impl Remarks {
         } else if let Some(words) = after(ANEW) {
             self.anew = Sizes::read(&words);
         } else if let Some(words) = after(SAME_LASER) {
-            let both = words.rsplit_once(':');
-            self.same_laser = both
-                .and_then(|(serial, words)| Some((serial.trim().to_string(), Sizes::read(words)?)));
+            let of = |(serial, words)| Some((str::trim(serial).to_string(), Sizes::read(words)?));
+            self.same_laser = words.rsplit_once(':').and_then(of);
         } else if let Some(words) = after(DOUBTFUL) {
             match Sizes::read(&words) {
                 Some(sizes) => self.doubtful = Some(sizes),
@@ -375,8 +367,7 @@ impl Remarks {
             let um: Option<f64> = um.parse().ok();
             self.hidden_reversal_um = um.filter(|um| um.is_finite()).or(self.hidden_reversal_um);
         } else if let Some(words) = after(FREEDOM) {
-            let freedom: Option<f64> = words.parse().ok();
-            let freedom = freedom.filter(|freedom| *freedom >= 1.0);
+            let freedom = words.parse().ok().filter(|freedom: &f64| *freedom >= 1.0);
             let all = [freedom, self.degrees_of_freedom].into_iter().flatten();
             self.degrees_of_freedom = all.reduce(smaller);
         } else if let Some(words) = after(NOT_DETERMINED) {
@@ -390,33 +381,32 @@ impl Remarks {
 
     /// The comment lines that read back to these remarks, without their `#`.
     pub fn lines(&self) -> Vec<String> {
-        let doubts = self.doubts.iter().map(|words| format!("{DOUBT} {words}"));
-        let missing = self.not_determined.iter();
-        let missing = missing.map(|(term, why)| format!("{NOT_DETERMINED} {term}: {why}"));
-        let reversal = self.hidden_reversal_um.iter();
-        let reversal = reversal.map(|um| format!("{REVERSAL} {um:.3} um along the diagonals"));
-        let silent = self.silence.by_key().map(|(key, causes)| format!("{key} {}", keys(causes)));
-        let doubtful = self.doubtful.iter();
-        let doubtful =
-            doubtful.map(|sizes| format!("{DOUBTFUL} {}", sizes.words().trim_start_matches(", ")));
-        let anew = self.anew.iter();
-        let anew = anew.map(|sizes| format!("{ANEW} {}", sizes.words().trim_start_matches(", ")));
-        let same_laser = self.same_laser.iter().map(|(serial, sizes)| {
-            format!("{SAME_LASER} {serial}: {}", sizes.words().trim_start_matches(", "))
-        });
-        let largest = self.largest.iter().map(|largest| largest.words(LARGEST));
-        let measured = self.measured.iter().map(|largest| largest.words(MEASURED));
-        let largest = largest.chain(measured).chain(anew).chain(same_laser).chain(doubtful);
-        let notes = self.notes.iter().map(|words| format!("{NOTE} {words}"));
-        let freedom = self.degrees_of_freedom.iter();
-        let freedom = freedom.map(|freedom| format!("{FREEDOM} {freedom}"));
-        let first = doubts.chain(missing).chain(reversal).chain(freedom);
-        let frame = self.frame.iter();
-        let frame = frame.map(|frame| format!("{FRAME} {}", frame.word()));
-        let lines = self.lines.iter();
-        let lines = lines.map(|at| format!("{LINES} {}, {}, {}", at.x.mm(), at.y.mm(), at.z.mm()));
-        first.chain(silent).chain(largest).chain(frame).chain(lines).chain(notes).collect()
+        let missing = self.not_determined.iter().map(|(term, why)| format!("{term}: {why}"));
+        let reversal = self.hidden_reversal_um.map(|um| format!("{um:.3} um along the diagonals"));
+        let same_laser = self.same_laser.as_ref();
+        let same_laser = same_laser.map(|(serial, sizes)| format!("{serial}: {sizes}"));
+        let places = self.lines.map(|at| joined(at.iter().map(|(_, place)| place.mm())));
+        let mut lines = Vec::new();
+        tell(&mut lines, DOUBT, &self.doubts);
+        tell(&mut lines, NOT_DETERMINED, missing);
+        tell(&mut lines, REVERSAL, reversal);
+        tell(&mut lines, FREEDOM, self.degrees_of_freedom);
+        lines.extend(self.silence.lines());
+        tell(&mut lines, LARGEST, &self.largest);
+        tell(&mut lines, MEASURED, &self.measured);
+        tell(&mut lines, ANEW, &self.anew);
+        tell(&mut lines, SAME_LASER, same_laser);
+        tell(&mut lines, DOUBTFUL, &self.doubtful);
+        tell(&mut lines, FRAME, self.frame.map(Frame::word));
+        tell(&mut lines, LINES, places);
+        tell(&mut lines, NOTE, &self.notes);
+        lines
     }
+}
+
+/// A line for each remark of one kind.
+fn tell<T: fmt::Display>(lines: &mut Vec<String>, key: &str, said: impl IntoIterator<Item = T>) {
+    lines.extend(said.into_iter().map(|words| format!("{key} {words}")));
 }
 
 /// A note of a table; whether its values were simulated stands at its beginning.
@@ -434,8 +424,7 @@ pub fn is_simulated(note: &Finding) -> bool {
 
 /// The keys of causes, one after the other.
 pub fn keys(causes: &[Cause]) -> String {
-    let keys: Vec<&str> = causes.iter().map(|cause| cause.key()).collect();
-    keys.join(", ")
+    joined(causes.iter().map(|cause| cause.key()))
 }
 
 fn join(own: &mut Vec<Cause>, other: Vec<Cause>) {

@@ -61,29 +61,18 @@ impl DraftSeries {
 pub fn write(draft: &Draft) -> String {
     let columns = measured_columns(draft);
     let directed = draft.series.iter().any(|series| series.direction.is_some());
-    let mut text = String::new();
-    for comment in &draft.comments {
-        text.push_str(&plain::comment(comment));
-        text.push('\n');
-    }
     let mut header = vec!["axis".to_string()];
     header.extend(directed.then(|| "direction".to_string()));
     header.push("position_mm".to_string());
     header.extend(columns.iter().map(|column| column.name()));
-    push_row(&mut text, &header);
-    for axis in Axis::ALL {
-        for series in draft.series.iter().filter(|series| series.axis == axis) {
-            for row in 0..series.positions_mm.len() {
-                push_row(&mut text, &cells(series, row, directed, &columns));
-            }
-        }
-    }
-    text
-}
-
-fn push_row(text: &mut String, cells: &[String]) {
-    text.push_str(&cells.join(","));
-    text.push('\n');
+    let of = |axis: Axis| draft.series.iter().filter(move |series| series.axis == axis);
+    let rows = Axis::ALL.into_iter().flat_map(of).flat_map(|series| {
+        let rows = 0..series.positions_mm.len();
+        rows.map(|row| cells(series, row, directed, &columns))
+    });
+    let table = std::iter::once(header).chain(rows).map(|cells| cells.join(","));
+    let comments = draft.comments.iter().map(|comment| plain::comment(comment));
+    comments.chain(table).map(|line| line + "\n").collect()
 }
 
 fn cells(series: &DraftSeries, row: usize, directed: bool, columns: &[Column]) -> Vec<String> {

@@ -32,7 +32,7 @@ pub fn fill(
     stated: &Stated,
 ) -> Result<String, Problems> {
     let mut problems = stated.foreign_to(Format::List);
-    let column = problems.take(ListColumn::stated(stated).map_err(Problems::from));
+    let column = problems.take(ListColumn::stated(stated));
     let counting = CAPTURES.settled(None, stated.captures, stated, &mut problems);
     let form = problems.take(Form::read(source));
     let (Some(column), Some(counting), Some(form)) = (column, counting, form) else {

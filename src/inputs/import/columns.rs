@@ -62,6 +62,11 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
     problems.or_ok(reading)
 }
 
+// What is expected in a column, and the next step where it is something else.
+const DIRECTION: (&str, &str) =
+    ("`+` or `-`", "write the direction in which the axis moved, in machine coordinates");
+const RUN: (&str, &str) = ("a whole number from 1", "number the runs 1, 2, 3 …");
+
 /// A mapped column where it stands in the file.
 struct Column<'m> {
     index: usize,
@@ -121,8 +126,8 @@ impl<'a, 'm> Table<'a, 'm> {
         let whole = filled.filter(|line| line.cells_under(width, problems).is_some());
         // Cells are taken apart again where they are needed: together they are many times the file.
         let whole: Vec<Line<'a>> = whole.collect();
-        let decimal = self.decimal(&whole, stated.decimal).map_err(Problems::from);
-        let (Some(decimal), true) = (problems.take(decimal), problems.is_empty()) else {
+        let decimal = problems.take(self.decimal(&whole, stated.decimal));
+        let (Some(decimal), true) = (decimal, problems.is_empty()) else {
             return Vec::new();
         };
         let rows = whole.into_iter().filter_map(|line| {
@@ -200,10 +205,19 @@ impl<'a, 'm> Table<'a, 'm> {
             match column.mapped.content {
                 Content::Table(Quantity::Axis) => axis = axis_of(&cell, stated, problems),
                 Content::Table(Quantity::Direction) => {
-                    direction = direction_of(&cell, stated, problems);
+                    let read = Direction::from_symbol;
+                    let found = cell.read(read, "the direction is", DIRECTION, problems);
+                    // The way of the axis, whose sense may have been stated.
+                    direction = match stated.plus_moves {
+                        Some(Direction::Minus) => found.map(Direction::opposite),
+                        _ => found,
+                    };
                     complete &= direction.is_some();
                 }
-                Content::Run => run = count(&cell, problems),
+                Content::Run => {
+                    let count = |text: &str| text.parse().ok().filter(|count| *count >= 1_usize);
+                    run = cell.read(count, format_args!("`{}` is", cell.name), RUN, problems);
+                }
                 content => {
                     let expected = "write a plain number; its unit stands in the mapping, and a missing value is never filled in";
                     number = match content {
@@ -239,35 +253,6 @@ fn axis_of(cell: &Cell<'_, '_>, stated: &Stated, problems: &mut Problems) -> Opt
     None
 }
 
-/// The way of the axis, whose sense may have been stated.
-fn direction_of(
-    cell: &Cell<'_, '_>,
-    stated: &Stated,
-    problems: &mut Problems,
-) -> Option<Direction> {
-    let direction = Direction::from_symbol(cell.text);
-    if direction.is_none() {
-        let message = format!("the direction is `{}`, expected `+` or `-`", shown(cell.text));
-        let help = "write the direction in which the axis moved, in machine coordinates";
-        problems.push_with(|| cell.problem(message, help));
-    }
-    match stated.plus_moves {
-        Some(Direction::Minus) => direction.map(Direction::opposite),
-        _ => direction,
-    }
-}
-
-/// A whole number from 1.
-fn count(cell: &Cell<'_, '_>, problems: &mut Problems) -> Option<usize> {
-    let count = cell.text.parse().ok().filter(|count| *count >= 1_usize);
-    if count.is_none() {
-        let (name, found) = (cell.name, shown(cell.text));
-        let message = format!("`{name}` is `{found}`, expected a whole number from 1");
-        problems.push_with(|| cell.problem(message, "number the runs 1, 2, 3 …"));
-    }
-    count
-}
-
 /// Whether a number is one as a thousand or more would be written with a comma, e.g. `1,000`.
 fn may_be_thousands(text: &str) -> bool {
     let digits = text.trim_start_matches(['+', '-']);
@@ -295,7 +280,7 @@ fn columns_of<'m>(header: &Line<'_>, mapping: &'m Mapping) -> Result<Vec<Column<
                 Err(Problem::new(message).at(header.whole()).help("columns are counted from 1"))
             }
         };
-        let Some(index) = problems.take(index.map_err(Problems::from)) else {
+        let Some(index) = problems.take(index) else {
             continue;
         };
         let mut refuse = |message: String, help: &str| {

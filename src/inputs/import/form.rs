@@ -6,6 +6,7 @@ use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{MM_PER_INCH, UM_PER_MM};
 use crate::text::delimited::{Line, header_and_rows, plain_number};
 use crate::text::document::Source;
+use crate::text::finding::joined;
 use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -52,7 +53,7 @@ impl<'a> Form<'a> {
         let mut problems = Problems::none();
         for line in lines {
             let cells = line.cells_under(form.names.len(), &mut problems);
-            let row = cells.map(|cells| form.row(line, cells).map_err(Problems::from));
+            let row = cells.map(|cells| form.row(line, cells));
             form.rows.extend(row.and_then(|row| problems.take(row)));
         }
         problems.or_ok(form)
@@ -90,9 +91,7 @@ impl<'a> Form<'a> {
     pub(super) fn name(&self, row: &Row<'_>) -> String {
         let named = self.names.iter().zip(&row.cells);
         let named = named.filter(|(name, cell)| !cell.is_empty() && *name != DIAGONAL);
-        let named: Vec<String> =
-            named.map(|(name, cell)| format!("{name} {}", shown(cell))).collect();
-        named.join(", ")
+        joined(named.map(|(name, cell)| format!("{name} {}", shown(cell))))
     }
 
     /// What is expected of the values of one list; with targets they hold the way there.

@@ -9,7 +9,7 @@ use crate::inputs::import::stated::{AXIS, DIRECTION, Stated};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::MM_PER_INCH;
 use crate::text::delimited::LengthUnit;
-use crate::text::problem::{Problem, Problems, nearest, shown};
+use crate::text::problem::{Problem, Problems, did_you_mean, shown};
 
 const EXAMPLE: &str = "e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`";
 
@@ -237,10 +237,9 @@ fn pairs(text: &str) -> Vec<String> {
 }
 
 fn unknown_target<'a>(target: &str, known: impl Iterator<Item = &'a str>) -> Problem {
-    let help = nearest(target, known).map_or_else(
-        || "columns: axis, direction, run, position_mm, target_mm, ex_um, ex_mm … ec_urad, u_ex_um …".to_string(),
-        |near| format!("did you mean `{near}`?"),
-    );
+    let columns =
+        "columns: axis, direction, run, position_mm, target_mm, ex_um, ex_mm … ec_urad, u_ex_um …";
+    let help = did_you_mean(target, known, columns);
     Problem::new(format!("unknown column `{}` in `--columns`", shown(target))).help(help)
 }
 

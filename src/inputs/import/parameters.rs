@@ -392,10 +392,8 @@ fn read_columns(
         let message = format!(
             "the block has {count} rows, expected one without an argument, else at least two"
         );
-        problems.push(header.problem(
-            message,
-            "put a line with `#` between the blocks; the file may be incomplete",
-        ));
+        let help = "put a line with `#` between the blocks; the file may be incomplete";
+        problems.push(header.problem(message, help));
     }
     problems.or_ok(columns)
 }

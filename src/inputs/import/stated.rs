@@ -190,136 +190,87 @@ pub(super) struct Fact {
 const LASERS: &[Format] = &[Format::Rtl, Format::Ren, Format::Pos];
 const WITH_TARGETS: &[Format] = &[Format::Rtl, Format::Ren, Format::Pos, Format::Columns];
 const WITH_MATERIAL: &[Format] = &[Format::Rtl, Format::Pos];
+const MAPPED: &[Format] = &[Format::Columns, Format::List];
+const SIGNED: &[Format] =
+    &[Format::Rtl, Format::Ren, Format::Pos, Format::Etalon, Format::Isg, Format::Columns];
 
-/// Every fact, in the order in which the statements are told.
-const FACTS: [&Fact; 15] = [
-    &COLUMNS,
-    &AXIS,
-    &TERM,
-    &FIRST_TARGET,
-    &TARGETS_RUN,
-    &DIRECTION,
-    &PLUS_MOVES,
-    &SIGN,
-    &UNIT,
-    &VALUES,
-    &RUNS,
-    &MATERIAL_CORRECTED,
-    &CAPTURES,
-    &SHEET,
-    &DECIMAL,
-];
+/// The facts, each a constant, and all of them in the order in which the statements are told.
+macro_rules! facts {
+    ($($name:ident: $option:literal of $formats:expr, $value:expr, $why:literal, $add:literal;)*) => {
+        $(pub(super) const $name: Fact =
+            Fact { option: $option, formats: $formats, value: $value, why: $why, add: $add };)*
+        const FACTS: &[&Fact] = &[$(&$name),*];
+    };
+}
 
-pub(super) const COLUMNS: Fact = Fact {
-    option: "--columns",
-    formats: &[Format::Columns, Format::List],
-    value: |stated| stated.columns.as_ref().map(|c| format!("\"{c}\"")),
-    why: "which column holds what cannot be seen from the file",
-    add: "add the mapping, e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`",
-};
-pub(super) const AXIS: Fact = Fact {
-    option: "--axis",
-    formats: WITH_TARGETS,
-    value: |stated| stated.axis.map(|axis| axis.key().to_string()),
-    why: "no column is mapped to `axis`, the moving axis",
-    add: "add the axis that moved, e.g. `--axis x`",
-};
-pub(super) const TERM: Fact = Fact {
-    option: "--term",
-    formats: LASERS,
-    value: |stated| stated.term.map(|term| term.to_string()),
-    why: "the file does not say which deviation was measured",
-    add: "add e.g. `--term EXX` (positioning of X) or `--term EYX` (deviation in Y while X moves)",
-};
-pub(super) const FIRST_TARGET: Fact = Fact {
-    option: "--first-target-at-mm",
-    formats: WITH_TARGETS,
-    value: |stated| stated.first_target_at_mm.map(|mm| format!("{}", mm + 0.0)),
-    why: "the targets of the file count from the laser's zero, not from the machine's",
-    add: "add the machine coordinate of target 1, e.g. `--first-target-at-mm -200`",
-};
-pub(super) const TARGETS_RUN: Fact = Fact {
-    option: "--targets-run",
-    formats: WITH_TARGETS,
-    value: |stated| stated.targets_run.map(|way| way.to_string()),
-    why: "the file does not say whether the targets go towards larger or smaller machine coordinates",
-    add: "add `--targets-run +` or `--targets-run -`: the way of the axis from the first target to the last",
-};
-pub(super) const DIRECTION: Fact = Fact {
-    option: "--direction",
-    formats: &[Format::Columns],
-    value: |stated| stated.travel.map(word),
-    why: "no column is mapped to the direction of travel",
-    add: "add `--direction +`, `--direction -` or `--direction both` (not distinguished), or map a column to `direction`",
-};
-pub(super) const PLUS_MOVES: Fact = Fact {
-    option: "--plus-moves",
-    formats: &[Format::Columns],
-    value: |stated| stated.plus_moves.map(|way| way.to_string()),
-    why: "targets and axis do not both count up, so `+` of the file may be the machine's, that of the targets or the outward run",
-    add: "add `--plus-moves +` or `--plus-moves -`: the way of the axis, in machine coordinates, in rows whose direction is `+`",
-};
-pub(super) const SIGN: Fact = Fact {
-    option: "--sign",
-    formats: &[Format::Rtl, Format::Ren, Format::Pos, Format::Etalon, Format::Isg, Format::Columns],
-    value: |stated| stated.sign.map(word),
-    why: "the file does not say whether its values are deviations or corrections",
-    add: "add `--sign as-error` (measured - target) or `--sign as-correction` (what has to be added)",
-};
-pub(super) const UNIT: Fact = Fact {
-    option: "--unit",
-    formats: &[Format::Ren],
-    value: |stated| stated.unit.map(word),
-    why: "the file has no line `Compensation resolution`",
-    add: "add the unit of the values: `--unit um`, `mm`, `in` or `uin`",
-};
-pub(super) const VALUES: Fact = Fact {
-    option: "--values",
-    formats: &[Format::Ren],
-    value: |stated| stated.values.map(word),
-    why: "the file has no line `Compensation type`",
-    add: "add `--values absolute` if each value is the whole deviation at its position",
-};
-pub(super) const RUNS: Fact = Fact {
-    option: "--runs",
-    formats: &[Format::Rtl],
-    value: |stated| stated.runs.map(word),
-    why: "the second number of `Flags` does not say whether even runs go back",
-    add: "add `--runs bidirectional` (even runs go back) or `--runs unidirectional` (every run goes from the first target to the last; even runs of zeros were never made)",
-};
-pub(super) const MATERIAL_CORRECTED: Fact = Fact {
-    option: "--material-corrected",
-    formats: WITH_MATERIAL,
-    value: |stated| stated.material_corrected.map(word),
-    why: "the file notes a temperature of the material, but not whether the readings were brought to 20 °C",
-    add: "add `--material-corrected yes` (the instrument did it), `no`, or `not-stated`",
-};
-const SHEET: Fact = Fact {
-    option: "--sheet",
-    formats: &[Format::Columns, Format::List],
-    value: |stated| stated.sheet.clone(),
-    why: "the first sheet is read",
-    add: "add the name of the sheet, e.g. `--sheet Readings`",
-};
-/// The same of lists.
+facts! {
+    COLUMNS: "--columns" of MAPPED,
+        |stated| stated.columns.as_ref().map(|c| format!("\"{c}\"")),
+        "which column holds what cannot be seen from the file",
+        "add the mapping, e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`";
+    AXIS: "--axis" of WITH_TARGETS,
+        |stated| stated.axis.map(|axis| axis.key().to_string()),
+        "no column is mapped to `axis`, the moving axis",
+        "add the axis that moved, e.g. `--axis x`";
+    TERM: "--term" of LASERS,
+        |stated| stated.term.map(|term| term.to_string()),
+        "the file does not say which deviation was measured",
+        "add e.g. `--term EXX` (positioning of X) or `--term EYX` (deviation in Y while X moves)";
+    FIRST_TARGET: "--first-target-at-mm" of WITH_TARGETS,
+        |stated| stated.first_target_at_mm.map(|mm| format!("{}", mm + 0.0)),
+        "the targets of the file count from the laser's zero, not from the machine's",
+        "add the machine coordinate of target 1, e.g. `--first-target-at-mm -200`";
+    TARGETS_RUN: "--targets-run" of WITH_TARGETS,
+        |stated| stated.targets_run.map(|way| way.to_string()),
+        "the file does not say whether the targets go towards larger or smaller machine coordinates",
+        "add `--targets-run +` or `--targets-run -`: the way of the axis from the first target to the last";
+    DIRECTION: "--direction" of &[Format::Columns],
+        |stated| stated.travel.map(word),
+        "no column is mapped to the direction of travel",
+        "add `--direction +`, `--direction -` or `--direction both` (not distinguished), or map a column to `direction`";
+    PLUS_MOVES: "--plus-moves" of &[Format::Columns],
+        |stated| stated.plus_moves.map(|way| way.to_string()),
+        "targets and axis do not both count up, so `+` of the file may be the machine's, that of the targets or the outward run",
+        "add `--plus-moves +` or `--plus-moves -`: the way of the axis, in machine coordinates, in rows whose direction is `+`";
+    SIGN: "--sign" of SIGNED,
+        |stated| stated.sign.map(word),
+        "the file does not say whether its values are deviations or corrections",
+        "add `--sign as-error` (measured - target) or `--sign as-correction` (what has to be added)";
+    UNIT: "--unit" of &[Format::Ren],
+        |stated| stated.unit.map(word),
+        "the file has no line `Compensation resolution`",
+        "add the unit of the values: `--unit um`, `mm`, `in` or `uin`";
+    VALUES: "--values" of &[Format::Ren],
+        |stated| stated.values.map(word),
+        "the file has no line `Compensation type`",
+        "add `--values absolute` if each value is the whole deviation at its position";
+    RUNS: "--runs" of &[Format::Rtl],
+        |stated| stated.runs.map(word),
+        "the second number of `Flags` does not say whether even runs go back",
+        "add `--runs bidirectional` (even runs go back) or `--runs unidirectional` (every run goes from the first target to the last; even runs of zeros were never made)";
+    MATERIAL_CORRECTED: "--material-corrected" of WITH_MATERIAL,
+        |stated| stated.material_corrected.map(word),
+        "the file notes a temperature of the material, but not whether the readings were brought to 20 °C",
+        "add `--material-corrected yes` (the instrument did it), `no`, or `not-stated`";
+    CAPTURES: "--captures" of &[Format::List],
+        |stated| stated.captures.map(word),
+        "a list does not say whether its values count from the first capture or from the one before",
+        "add `--captures cumulative`, or `--captures incremental` if the first value is that of the second capture";
+    SHEET: "--sheet" of MAPPED,
+        |stated| stated.sheet.clone(),
+        "the first sheet is read",
+        "add the name of the sheet, e.g. `--sheet Readings`";
+    DECIMAL: "--decimal" of MAPPED,
+        |stated| stated.decimal.map(word),
+        "no number of the file shows what its comma means",
+        "add `--decimal comma` or `--decimal point`";
+}
+
+/// The mapping of lists.
 pub(super) const LIST_COLUMNS: Fact = Fact {
     why: "what the lists hold, in which unit and in which column cannot be seen from them",
     add: "add e.g. `--columns \"#1=displacement_mm\"`: the first column holds the readings, mm",
     ..COLUMNS
-};
-pub(super) const CAPTURES: Fact = Fact {
-    option: "--captures",
-    formats: &[Format::List],
-    value: |stated| stated.captures.map(word),
-    why: "a list does not say whether its values count from the first capture or from the one before",
-    add: "add `--captures cumulative`, or `--captures incremental` if the first value is that of the second capture",
-};
-pub(super) const DECIMAL: Fact = Fact {
-    option: "--decimal",
-    formats: &[Format::Columns, Format::List],
-    value: |stated| stated.decimal.map(word),
-    why: "no number of the file shows what its comma means",
-    add: "add `--decimal comma` or `--decimal point`",
 };
 
 impl Fact {

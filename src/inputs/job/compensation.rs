@@ -6,7 +6,7 @@ use crate::quantity::curve::Interpolation;
 use crate::quantity::fit::Fit;
 use crate::text::document::keys::LIMITS;
 use crate::text::document::{LONGEST_MM, Section};
-use crate::text::problem::{nearest, shown};
+use crate::text::problem::{did_you_mean, shown};
 use crate::text::words::{Word, words};
 
 /// What is asked of a job: whether it needs `[compensation]`, and which empty keys have to be filled in.
@@ -297,10 +297,8 @@ fn terms(section: &Section<'_>) -> WantedTerms {
 
 fn unknown_term(section: &Section<'_>, name: &str) {
     let names: Vec<String> = ErrorTerm::ALL.iter().map(ToString::to_string).collect();
-    let help = match nearest(name, names.iter().map(String::as_str)) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("terms: {}", names.join(", ")),
-    };
+    let all = format!("terms: {}", names.join(", "));
+    let help = did_you_mean(name, names.iter().map(String::as_str), &all);
     section.problem("terms", format!("unknown term `{}`", shown(name)), help);
 }
 

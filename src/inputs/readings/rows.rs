@@ -3,7 +3,7 @@
 use crate::inputs::table::{self, Table};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::text::delimited::{Expected, LENGTHS_UM, Line};
+use crate::text::delimited::{Expected, LengthUnit, Line};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
 use std::fmt;
@@ -41,8 +41,9 @@ fn known_columns() -> Vec<(String, Column)> {
     let plain = plain.map(|(name, column)| (name.to_string(), column));
     let values = [("deviation", Quantity::Deviation), ("displacement", Quantity::Displacement)];
     let values = values.into_iter().flat_map(|(name, quantity)| {
-        LENGTHS_UM
-            .map(|(unit, to_um)| (format!("{name}_{unit}"), Column::Value { quantity, to_um }))
+        LengthUnit::ALL.map(|unit| {
+            (format!("{name}_{}", unit.word()), Column::Value { quantity, to_um: unit.um() })
+        })
     });
     let temperature = |of: Axis| (format!("t_{}_c", of.key()), Column::Temperature { of });
     let temperatures = Axis::ALL.map(temperature);

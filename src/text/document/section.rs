@@ -1,7 +1,7 @@
 //! One section of a page, read key by key.
 
 use crate::text::finding::once;
-use crate::text::problem::{Problem, Problems, nearest, shown};
+use crate::text::problem::{Problem, Problems, did_you_mean, nearest, shown};
 
 use super::{LARGEST_NUMBER, LONGEST_MM, Source, Spot};
 use std::cell::RefCell;
@@ -99,11 +99,12 @@ impl<'a> Section<'a> {
             Some(DeValue::Table(_)) => "a section".to_string(),
             _ => format!("`{}`", self.written(key)),
         };
-        self.problem(
-            key,
-            format!("`{}` is {found}, expected {expected}", self.path_of(key)),
-            format!("write `{key} = …` with {expected}"),
-        );
+        self.unexpected(key, &found, expected);
+    }
+
+    fn unexpected(&self, key: &str, found: &str, expected: &str) {
+        let message = format!("`{}` is {found}, expected {expected}", self.path_of(key));
+        self.problem(key, message, format!("write `{key} = …` with {expected}"));
     }
 
     /// Whether the key is present (it then counts as known).
@@ -188,9 +189,7 @@ impl<'a> Section<'a> {
 
     /// A text that must be there.
     pub(crate) fn required_text(&self, key: &'static str, expected: &str) -> Option<String> {
-        if !self.has(key) {
-            self.missing(key, expected);
-        }
+        self.require(key, expected);
         self.text(key)
     }
 
@@ -230,12 +229,7 @@ impl<'a> Section<'a> {
     ) -> Option<f64> {
         let number = self.number(key)?;
         if !is_such(number) {
-            let path = self.path_of(key);
-            self.problem(
-                key,
-                format!("`{path}` is {number}, expected {expected}"),
-                format!("write `{key} = …` with {expected}"),
-            );
+            self.unexpected(key, &number.to_string(), expected);
         }
         Some(number).filter(|number| is_such(*number))
     }
@@ -296,12 +290,8 @@ impl<'a> Section<'a> {
         let found = words.iter().find(|(known, _)| same(known, &word));
         if found.is_none() {
             let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
-            let list: Vec<String> = known.iter().map(|word| format!("`{word}`")).collect();
-            let help = nearest(&word, known.iter().copied()).map_or_else(
-                || "choose one of them".to_string(),
-                |near| format!("did you mean `{near}`?"),
-            );
-            let (path, word, list) = (self.path_of(key), shown(&word), list.join(", "));
+            let help = did_you_mean(&word, known.iter().copied(), "choose one of them");
+            let (path, word, list) = (self.path_of(key), shown(&word), quoted(&known));
             let message = format!("`{path}` is `{word}`, expected one of {list}");
             self.problem(key, message, help);
         }
@@ -374,13 +364,10 @@ impl<'a> Section<'a> {
         spot: &str,
     ) -> Section<'a> {
         Section {
-            source: self.source,
-            table,
             span,
             path: self.path_of(key),
             spot: Arc::from(spot),
-            asked: RefCell::new(Vec::with_capacity(USUAL_KEYS)),
-            notes: self.notes,
+            ..Section::root(self.source, table, self.notes)
         }
     }
 
