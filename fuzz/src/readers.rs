@@ -199,13 +199,16 @@ fn kit<'a>(id: &str, files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Answer
     let role = Role::Table;
     let files = files.map(|(path, bytes)| KitFile { path, role, bytes });
     let read = nonius::read::read(&built_in(id)?, &files.collect::<Vec<_>>())?;
-    Ok(format!("{read:?}"))
+    // What is said of names passes this on its way to a person.
+    Ok(nonius::text::plain::page(&format!("{read:?}")).into_owned())
 }
 
 /// The same of the parts of a bundle.
 fn bundle(id: &str, input: &[u8]) -> Answer {
+    /// No folder of a control has more files.
+    const MOST: usize = 1000;
     let parts = Bundle::read(input).0;
-    kit(id, parts.iter().map(|(path, bytes)| (&**path, &**bytes)))
+    kit(id, parts.iter().take(MOST).map(|(path, bytes)| (&**path, &**bytes)))
 }
 
 /// The ini lines of a machine, the tables that they name and a HAL file: the parts of a bundle.

@@ -8,7 +8,7 @@ use crate::control::controller::families::{FAMILIES, Known};
 use crate::control::controller::job_keys::job_keys;
 use crate::control::controller::load_parts::{Templates, checklist, files, program_facts};
 use crate::control::controller::{CommonFacts, Dialect, Fact, Profile, ProfileSource};
-use crate::text::document::{Section, Source, read_page_over};
+use crate::text::document::{Section, Source, read_page_over, refuse_large_page};
 use crate::text::problem::{Problems, shown};
 use toml::de::{DeArray, DeTable, DeValue};
 
@@ -24,6 +24,7 @@ pub fn profile(
     templates: TemplateFinder<'_>,
     pages: PageFinder<'_>,
 ) -> Result<Profile, Problems> {
+    refuse_large_page(&source.name, source.text.len())?;
     let below = pages_below(&source.text, pages);
     let own_end = source.text.len();
     let templates = Templates { find: templates, own_end };

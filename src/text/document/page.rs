@@ -1,15 +1,15 @@
 //! A page of TOML: read, and its problems with their places.
 
 use crate::text::document::section::{Notes, Section, empty_keys};
-use crate::text::document::{Source, refuse_large_page};
+use crate::text::document::{LARGEST_PAGE, Source, refuse_large_page};
 use crate::text::problem::{Place, Problem, Problems, shown};
 use std::ops::Range;
 use toml::de::DeTable;
 
 /// Whether a page states a key.
 pub(crate) fn states(source: &Source, key: &str) -> bool {
-    let (root, _) = DeTable::parse_recoverable(&source.text);
-    root.get_ref().contains_key(key)
+    let is_read = source.text.len() <= LARGEST_PAGE; // else it is refused
+    is_read && DeTable::parse_recoverable(&source.text).0.get_ref().contains_key(key)
 }
 
 /// Reads a TOML page: `read` takes what it knows from the root section and gives a value if it could;
