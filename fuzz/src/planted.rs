@@ -18,7 +18,13 @@ pub fn run() -> Result<bool, String> {
     let copy = root.join("target/planted");
     let bugs = copy_with_bugs(&root, &copy)?;
     let started = Instant::now();
-    let _ = [fuzzer(&copy, None, "0").0, faults(&copy, None)];
+    fuzzer(&copy, None, "0");
+    let tests = cargo(&copy, None)
+        .args(["test", "--quiet", "--locked", "--test", "it", "--no-run"])
+        .status();
+    if !tests.is_ok_and(|status| status.success()) {
+        return Err("the copy with the bugs does not compile".to_string());
+    }
     println!("built in {} s", started.elapsed().as_secs());
     println!("| planted bug | fuzzer | said | fault tests | s |\n| --- | --- | --- | --- | ---: |");
     let mut all = true;
@@ -60,7 +66,7 @@ fn copy_with_bugs(root: &Path, copy: &Path) -> Result<Vec<String>, String> {
     patches.sort();
     for patch in &patches {
         let applied = Command::new("patch")
-            .args(["-p1", "--quiet", "-i"])
+            .args(["-p1", "--quiet", "--fuzz=0", "-i"])
             .arg(patch)
             .current_dir(copy)
             .status();
