@@ -129,7 +129,9 @@ pub(super) fn active(
         return without_tables(job, profile);
     };
     let full = files.folder.join(path);
-    let (manifest, found) = of_control(&full, path).map_err(|problem| files.at(ACTIVE, problem))?;
+    let help = "name a kit, a file or a directory read out of the control (relative to the job), or write \"none\"";
+    let found = of_control(&full, path, help);
+    let (manifest, found) = found.map_err(|problem| files.at(ACTIVE, problem))?;
     let inside = |name: &str| match full.is_dir() {
         true => format!("{path}/{name}"),
         false => path.clone(),
@@ -147,11 +149,11 @@ pub(super) fn active(
 /// The manifest, and names and bytes of the other files.
 type OfControl = (Option<Vec<u8>>, Vec<(String, Vec<u8>)>);
 
-/// A file of a control, or those of a directory; `path` = as it was named. What operating systems leave is ignored.
-pub(super) fn of_control(full: &Path, path: &str) -> Result<OfControl, Problem> {
+/// A file of a control, or those of a directory; `path` = as it was named, `help` = what can be named. What operating
+/// systems leave is ignored.
+pub(super) fn of_control(full: &Path, path: &str, help: &str) -> Result<OfControl, Problem> {
     let refuse = |error: std::io::Error| {
-        let words = format!("`{path}` cannot be read: {}", plain_words(&error));
-        Problem::new(words).help("name a kit, a file or a directory read out of the control (relative to the job), or write \"none\"")
+        Problem::new(format!("`{path}` cannot be read: {}", plain_words(&error))).help(help)
     };
     if !std::fs::metadata(full).map_err(refuse)?.is_dir() {
         return Ok((None, vec![(file_name(full), read_file(full)?)]));

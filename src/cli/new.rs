@@ -15,6 +15,7 @@ use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, Measured, Vi
 use crate::quantity::axis::PerAxis;
 use crate::quantity::units::{Figure, MM_PER_INCH};
 use crate::text::document::{LONGEST_MM, Source};
+use crate::text::finding::Severity;
 use crate::text::problem::{Problem, Problems};
 use crate::write::plan::axis_names;
 use clap::Args;
@@ -172,7 +173,8 @@ fn again(path: &Path, read_out: Option<&Path>, directory: &Path) -> Result<Begin
     Ok((profile, begun, words))
 }
 
-/// What was read out of the control for keys of the job that state something else, and where it stands there.
+/// What was read out of the control for keys of the job that state something else; said are these, and whatever
+/// else contradicts the job.
 fn held(
     job: &Job,
     profile: &Profile,
@@ -180,14 +182,20 @@ fn held(
     words: &mut Vec<String>,
 ) -> Result<Vec<(String, String)>, Problems> {
     let (name, names) = (path.display().to_string(), axis_names(job, profile)?);
-    let (_, files) = of_control(path, &name)?;
+    let (_, files) = of_control(path, &name, "name a file or a directory read out of the control")?;
     let control = from_read_out(job, profile, &name, files, ReadOutFor::Judging)?;
     let mut held: Vec<(String, String)> = Vec::new();
     for finding in &control.findings {
         let key = finding.kind().and_then(|kind: &InControl| kind.key(&names));
-        if let Some((key, value)) = key.filter(|new| held.iter().all(|(key, _)| *key != new.0)) {
-            words.push(format!("from the read-out: `{key} = {value}`; {finding}"));
-            held.push((key, value));
+        match key.filter(|new| held.iter().all(|(key, _)| *key != new.0)) {
+            Some((key, value)) => {
+                words.push(format!("from the read-out: `{key} = {value}`; {finding}"));
+                held.push((key, value));
+            }
+            None if finding.severity() > Severity::Note => {
+                words.push(format!("from the read-out: {finding}"));
+            }
+            None => {}
         }
     }
     Ok(held)

@@ -48,8 +48,6 @@ words! {
     }
 }
 
-impl Verdict {}
-
 /// One of the figures that are judged together.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Magnitude {

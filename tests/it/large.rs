@@ -212,6 +212,7 @@ fn memory_stays_in_proportion_to_input_and_output() {
         ("siemens-840d-sl", "job.toml", dense("siemens-840d-sl", 0.75), GENERATE),
         ("klipper-skew", "job.toml", dense("klipper-skew", 1e-4), "generate job.toml --compare"),
         (generic, "p.toml", patterns, "controllers check p.toml"),
+        (generic, "p.toml", "k = [1, 2, 3, 4, 5]\n".repeat(MOST_LINES), "controllers check p.toml"),
         (generic, "errors.csv", said("doubt"), "report errors.csv -o r.html"),
         (generic, "errors.csv", said("doubt"), "report job.toml -o r.html"),
         (generic, "errors.csv", said("note"), GENERATE),

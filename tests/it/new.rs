@@ -335,10 +335,15 @@ fn a_read_out_fills_the_keys_that_it_knows() {
     let begun = at.run("new --from job.toml --read-out PARA.TXT -o next").ends(0);
     let begun = begun.says("`machine.axes.x.reference_mm = 500.0`; 1240 of axis 1 is 500 mm");
     begun.omits("axes.y").says("replace those of PARA.TXT or lie beside them");
-    for line in [
-        "travel_mm = [-5.0, 905.0]\nreference_mm = 500.0\n",
-        "\nactive_while_measuring = \"../PARA.TXT\"\n",
-    ] {
-        assert!(at.read("next/job.toml").contains(line), "{line}");
-    }
+    let page = at.read("next/job.toml");
+    assert!(page.contains("travel_mm = [-5.0, 905.0]\nreference_mm = 500.0\n"), "{page}");
+    assert!(page.contains("\nactive_while_measuring = \"../PARA.TXT\"\n"), "{page}");
+    // In the unit of the control that was read out; what no key of the job holds is said.
+    let inch = "%_N_INITIAL_INI\nCHANDATA(1)\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=0\n\
+        N34100 $MA_REFP_SET_POS[0,AX1]=10\nN32700 $MA_ENC_COMP_ENABLE[0,AX1]=1\nM17\n";
+    let at = Visit::with_job("nine_errors_900/siemens-840d-sl.toml");
+    let begun = at.put("INITIAL.INI", inch).run("new --from job.toml --read-out INITIAL.INI -o 2");
+    begun.ends(0).says("from the read-out: MD32700");
+    let page = at.read("2/job.toml");
+    assert!(page.contains("control_unit = \"inch\"\n") && page.contains("= 254.0\n"), "{page}");
 }

@@ -22,9 +22,8 @@ fn the_verdict_stands_in_the_first_line_and_names_in_other_letters_are_taken() {
     let job = visit.read("job.toml");
     let name = job.lines().find(|line| line.starts_with("name = ")).unwrap();
     visit.edit("job.toml", name, "name = \"Fräse Süd, groß\"");
-    visit
-        .run("generate job.toml -o \"my kit\"")
-        .says("`Fräse Süd, groß` stands as `Fraese Sued, gross`")
+    let ran = visit.run("generate job.toml -o \"my kit\"");
+    ran.says("`Fräse Süd, groß` stands as `Fraese Sued, gross`")
         .says("nonius verify job.toml --tables \"my kit\"");
 }
 
@@ -99,10 +98,8 @@ fn a_reversal_within_its_uncertainty_is_told_as_noise() {
         "axis,direction,position_mm,ex_um,ey_um,u_ex_um,u_ey_um\n\
          x,+,0,0,0,0.5,0.5\nx,+,400,3,1,0.5,0.5\nx,-,0,-3,0,0.5,0.5\nx,-,400,0,2,0.5,0.5\n",
     );
-    visit
-        .run("generate job.toml -o noisy --force")
-        .says("EYX: its reversal, 1.0 µm at most, lies within the U = 1.4 µm")
-        .omits("EXX: its reversal");
+    let ran = visit.run("generate job.toml -o noisy --force").omits("EXX: its reversal");
+    ran.says("EYX: its reversal, 1.0 µm at most, lies within the U = 1.4 µm");
 }
 
 /// X was measured in both directions, Y and Z were not: that is neither "not measured" nor nothing.
@@ -111,7 +108,6 @@ fn the_errors_without_a_reversal_are_named() {
     let visit = Visit::with_job("machines/five_points/siemens-840d-sl.toml");
     let names = "EXY, EYY, EZY, EXZ, EYZ, EZZ";
     visit.run("generate job.toml -o kit").says(&format!("reversal of {names} not measured"));
-    visit
-        .run("report job.toml --language de -o -")
-        .says(&format!("Umkehrspanne von {names} nicht gemessen"));
+    let page = visit.run("report job.toml --language de -o -");
+    page.says(&format!("Umkehrspanne von {names} nicht gemessen"));
 }

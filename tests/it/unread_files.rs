@@ -84,8 +84,6 @@ fn a_kit_with_a_changed_file_is_no_predecessor_whatever_its_role() {
     visit.run("history kit").ends(1).says(CHANGED);
     let active = "active_while_measuring = \"none\"";
     visit.edit("job.toml", active, "active_while_measuring = \"kit\"");
-    visit
-        .run("generate job.toml -o new")
-        .ends(2)
-        .says("`loaded.csv` of the kit `kit` was changed after it was made");
+    let ran = visit.run("generate job.toml -o new").ends(2);
+    ran.says("`loaded.csv` of the kit `kit` was changed after it was made");
 }

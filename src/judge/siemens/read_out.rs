@@ -51,13 +51,13 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
     sorted.tell_programs(&told, reads_programs);
     let (lec, cec) = (sorted.lec(), sorted.cec());
     sorted.tell_what_was_not_read_out();
-    sorted.tell_references();
-    let metric = sorted.value(UNIT, &[]);
+    let unit = sorted.value(UNIT, &[]).map(ControlUnit::of_metric);
+    sorted.tell_references(unit);
     Ok(Found {
         tables: Tables::Siemens(SiemensTables { lec, cec }),
         backlash: PerAxis::from_fn(|axis| sorted.backlash(axis)),
         held: sorted.held,
-        unit: metric.map(ControlUnit::of_metric),
+        unit,
     })
 }
 
@@ -204,12 +204,13 @@ impl Sorted<'_, '_> {
 
     /// MD34100, the position at the zero mark of an incremental measuring system. With an absolute or
     /// a distance-coded one (MD34200 other than 1) it says nothing (both from memory). The index of
-    /// MD34100 is a reference cam, that of MD34200 the measuring system. Old tables count from wherever they do.
-    fn tell_references(&mut self) {
+    /// MD34100 is a reference cam, that of MD34200 the measuring system. Old tables count from wherever they do. Its
+    /// unit is that of the control that was read out (MD10240), which need not be the job's.
+    fn tell_references(&mut self, unit: Option<ControlUnit>) {
         const SAME_MM: f64 = 1e-3;
         const ZERO_MARK: f64 = 1.0;
         let job = self.reading.job;
-        let unit = job.compensation.control_unit;
+        let unit = unit.unwrap_or(job.compensation.control_unit);
         if !self.reading.judges() {
             return;
         }

@@ -68,9 +68,11 @@ impl Earlier<'_> {
         page.insert_above(data, format!("active_while_measuring = {kit}\n"));
         self.state_place(&mut page);
         for (key, value) in &self.held {
+            let (section, name) = key.rsplit_once('.').unwrap_or(("", key));
             if !page.set(key, value.clone()) {
-                let name = key.rsplit('.').next().unwrap_or(key);
-                page.insert_above("compensation.controller", format!("{name} = {value}\n"));
+                // Beside one that every job states there.
+                let own = if section == "compensation" { "controller" } else { "reference_mm" };
+                page.insert_above(&format!("{section}.{own}"), format!("{name} = {value}\n"));
             }
         }
         page.set(data, quoted(name));

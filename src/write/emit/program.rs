@@ -36,8 +36,6 @@ words! {
     }
 }
 
-impl FileRole {}
-
 const POSITIONS: &str = "positions.csv";
 
 /// Decimals of times and feeds: a thousandth of a second, of a millimetre per minute.
