@@ -22,7 +22,10 @@ use tempfile::TempDir;
 const NONIUS: &str = env!("CARGO_BIN_EXE_nonius");
 
 fn run(command: &mut Command) -> Duration {
-    command.current_dir(env!("CARGO_MANIFEST_DIR")).stdout(Stdio::null()).stderr(Stdio::null());
+    command
+        .current_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
     let start = Instant::now();
     let status = command.status();
     let time = start.elapsed();

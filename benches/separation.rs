@@ -105,7 +105,7 @@ struct Numpy {
 
 impl Numpy {
     fn start() -> Option<Numpy> {
-        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/benches/monte_carlo_numpy.py");
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/monte_carlo_numpy.py");
         let mut child = Command::new("python3")
             .arg(script)
             .stdin(Stdio::piped())

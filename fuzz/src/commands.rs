@@ -63,6 +63,9 @@ pub fn run(place: &Path, input: &[u8]) -> Ran {
     {
         wrong = follow_up(place, &directory, &words, &first, &mut trace).err();
     }
+    if wrong.is_none() && matches!(first.status, Some(0 | 1)) {
+        wrong = made_again(place, &directory, &words, &first).err();
+    }
     let mut answer = format!("{:?} {}", first.status, first.told);
     for (name, bytes) in &first.after {
         answer += &format!("\n=== {name}\n{}", String::from_utf8_lossy(bytes));
@@ -242,6 +245,38 @@ fn follow_up(
         return Err(format!("history ends with {:?}: {}", history.status, history.told));
     }
     Ok(())
+}
+
+/// What took the place of something is made in the same way once more: so it did not replace what it is made of. Only a
+/// form is filled in where it lies.
+fn made_again(place: &Path, directory: &Path, words: &[&str], made: &Run) -> Result<(), String> {
+    let is_form =
+        |output: &&str| words.windows(2).any(|pair| pair[0] == "--form" && pair[1] == *output);
+    let outputs = outputs(words);
+    let mut replaced = outputs.iter().map(|output| output.trim_end_matches('/'));
+    let Some(output) = replaced.find(|output| {
+        let folder = format!("{output}/");
+        let was_there = made.before.contains_key(*output) || made.before.contains_key(&folder);
+        was_there && !is_form(output)
+    }) else {
+        return Ok(());
+    };
+    let again = start(place, directory, words);
+    if again.status != made.status {
+        return Err(format!(
+            "{output} was replaced; made again: {:?}: {}",
+            again.status, again.told
+        ));
+    }
+    let is_of = |name: &str| name == output || name.starts_with(&format!("{output}/"));
+    match made
+        .after
+        .iter()
+        .find(|(name, bytes)| is_of(name) && again.after.get(*name) != Some(bytes))
+    {
+        Some((name, _)) => Err(format!("{output} was replaced; made again, another {name}")),
+        None => Ok(()),
+    }
 }
 
 fn merged(all: &[&[u8]]) -> Vec<u8> {

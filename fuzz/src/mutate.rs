@@ -1,5 +1,6 @@
 //! New inputs from old ones: bytes, words, numbers, lines, and parts of two inputs.
 
+use crate::bundle::Bundle;
 use crate::random::Random;
 
 /// Longer inputs are cut: what goes wrong does so in short ones, and they are faster.
@@ -92,27 +93,29 @@ const NASTY: &[&str] = &[
     "(?i)",
 ];
 
-/// One of each class of letter: of one to four bytes, longer in lower case, joined, turned, invisible, private, none.
-const LETTERS: [&str; 19] = [
-    "é",
-    "ß",
-    "€",
-    "Ａ",
-    "\u{130}",
-    "ǆ",
-    "e\u{301}",
-    "\u{5d0}",
-    "\u{202e}",
-    "\u{200b}",
-    "\u{200d}",
-    "\u{feff}",
-    "\u{ad}",
-    "😀",
-    "\u{e000}",
-    "\u{10ffff}",
-    "\u{e0041}",
-    "\u{a0}",
-    "=",
+/// The classes of letters, each by its first and its last: controls of one and of two bytes, of one to four bytes, longer
+/// in lower case, joined, turned, invisible, private, none, and what begins a formula.
+const LETTERS: [(char, char); 20] = [
+    ('\u{1}', '\u{1f}'),
+    ('\u{7f}', '\u{9f}'),
+    ('é', 'é'),
+    ('ß', 'ß'),
+    ('€', '€'),
+    ('Ａ', 'Ｚ'),
+    ('\u{130}', '\u{130}'),
+    ('ǆ', 'ǆ'),
+    ('\u{300}', '\u{304}'),
+    ('\u{5d0}', '\u{5ea}'),
+    ('\u{200e}', '\u{200f}'),
+    ('\u{202a}', '\u{202e}'),
+    ('\u{200b}', '\u{200d}'),
+    ('\u{feff}', '\u{feff}'),
+    ('\u{ad}', '\u{ad}'),
+    ('😀', '😄'),
+    ('\u{e000}', '\u{f8ff}'),
+    ('\u{10fffe}', '\u{10ffff}'),
+    ('\u{e0041}', '\u{e005a}'),
+    ('=', '='),
 ];
 
 /// Words that stand in the inputs of a target.
@@ -177,7 +180,7 @@ pub fn mutated(random: &mut Random, input: &[u8], other: &[u8], words: &Dictiona
 }
 
 fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &Dictionary) {
-    match random.below(13) {
+    match random.below(14) {
         0 => change_byte(random, text),
         1 => replace_span(random, text, |random, _| vec![(random.bits() & 0xff) as u8]),
         2 => replace_span(random, text, |_, _| Vec::new()),
@@ -189,6 +192,7 @@ fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &Diction
         9 => insert(random, text, words),
         10 => lines(random, text),
         11 => letter(random, text),
+        12 => name(random, text),
         _ => splice(random, text, other),
     }
 }
@@ -268,7 +272,31 @@ fn letter(random: &mut Random, text: &mut Vec<u8>) {
     };
     let at = start + random.below(end - start + 1);
     let until = (at + random.below(2)).min(end);
-    text.splice(at..until, random.pick(&LETTERS).bytes());
+    let (first, last) = *random.pick(&LETTERS);
+    let class = u32::from(first)..=u32::from(last);
+    let drawn = first as u32 + random.below(class.count()) as u32;
+    let drawn = char::from_u32(drawn).unwrap_or(first);
+    text.splice(at..until, drawn.to_string().bytes());
+}
+
+/// A word of the first line, which is a command where there is one, becomes the name of a file that lies there; now and
+/// then with leave to replace it.
+fn name(random: &mut Random, text: &mut Vec<u8>) {
+    let bundle = Bundle::read(text);
+    let Some(((head, first), files)) =
+        bundle.0.split_first().filter(|(_, files)| !files.is_empty())
+    else {
+        return;
+    };
+    let mut words: Vec<&[u8]> = first.split(|byte| *byte == b' ').collect();
+    let at = random.below(words.len());
+    words[at] = random.pick(files).0.as_bytes();
+    if random.one_in(4) {
+        words.push(b"--force");
+    }
+    let line = words.join(&b' ');
+    let files = files.iter().cloned();
+    *text = Bundle(std::iter::once((head.clone(), line)).chain(files).collect()).bytes();
 }
 
 /// The same input twice with one to three of its lines or words as many times each, so that the second is about `size`

@@ -51,8 +51,8 @@ struct Fuzzed {
     count: Count,
 }
 
-/// One case in so many is made large, and then run at half its size and whole.
-const LARGE_ONE_IN: usize = 10;
+/// One input in so many is made large, and then run at half its size and whole: a tenth of the cases.
+const LARGE_ONE_IN: usize = 20;
 /// Bytes of such a case.
 const LARGE: usize = 1 << 20;
 /// Steps below which growth is not judged; a larger input may leave or enter a path.
