@@ -8,6 +8,7 @@
 //! …
 //! ```
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Files with their names, in order.
@@ -15,9 +16,12 @@ use std::path::Path;
 pub struct Bundle(pub Vec<(String, Vec<u8>)>);
 
 const HEAD: &[u8] = b"=== ";
+/// Files of a folder; nobody keeps more with a job.
+const MOST: usize = 1000;
 
 impl Bundle {
-    /// Splits an input. Names that would lie elsewhere are left out, and so is what stands before the first.
+    /// Splits an input. Names that would lie elsewhere are left out, also those that are there already, what comes after
+    /// [`MOST`] of them, and what stands before the first.
     pub fn read(input: &[u8]) -> Bundle {
         let mut files: Vec<(String, Vec<u8>)> = Vec::new();
         for line in input.split_inclusive(|byte| *byte == b'\n') {
@@ -32,7 +36,9 @@ impl Bundle {
         for (_, bytes) in &mut files {
             bytes.pop(); // the line end before the next head is no part of the file
         }
-        files.retain(|(name, _)| is_inside(name));
+        let mut known = BTreeSet::new();
+        files.retain(|(name, _)| is_inside(name) && known.insert(name.clone()));
+        files.truncate(MOST);
         Bundle(files)
     }
 

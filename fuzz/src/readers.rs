@@ -205,10 +205,8 @@ fn kit<'a>(id: &str, files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Answer
 
 /// The same of the parts of a bundle.
 fn bundle(id: &str, input: &[u8]) -> Answer {
-    /// No folder of a control has more files.
-    const MOST: usize = 1000;
     let parts = Bundle::read(input).0;
-    kit(id, parts.iter().take(MOST).map(|(path, bytes)| (&**path, &**bytes)))
+    kit(id, parts.iter().map(|(path, bytes)| (&**path, &**bytes)))
 }
 
 /// The ini lines of a machine, the tables that they name and a HAL file: the parts of a bundle.
