@@ -5,15 +5,13 @@
 //! written).
 
 mod assess;
-mod campaign;
 mod controllers;
 mod diagonals;
-mod files;
+#[cfg(feature = "disk")]
+mod disk;
 mod generate;
 mod history;
 mod import;
-mod inputs;
-mod job_files;
 mod new;
 mod outcome;
 mod path;
@@ -28,16 +26,18 @@ mod simulate;
 mod squareness;
 mod standards;
 mod tables;
+#[cfg(feature = "disk")]
+mod terminal;
 mod verify;
+#[cfg(feature = "disk")]
 mod write;
 
-use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::files::Files;
 use clap::{CommandFactory, Parser, Subcommand};
 use outcome::Outcome;
-use screen::say;
-use std::ffi::OsString;
-use std::process::ExitCode;
+use screen::spoken;
+use std::io::Write;
 
 /// Turns laser measurements of a machine tool into the compensation files its control loads,
 /// and forecasts from the written bytes what they will leave.
@@ -118,63 +118,109 @@ enum Command {
     Man,
 }
 
-/// Runs the program with its arguments (the first is its name) and gives the exit status.
-pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let arguments: Vec<OsString> = arguments.into_iter().collect();
-    let arguments = match Arguments::try_parse_from(&arguments) {
-        Ok(arguments) => arguments,
-        Err(error) => return not_parsed(&error, &arguments),
-    };
-    match execute(arguments.command).and_then(Outcome::deliver) {
-        Ok(true) => ExitCode::SUCCESS,
-        Ok(false) => ExitCode::from(1),
-        Err(problems) => {
-            say(&problems.render());
-            could_not()
+#[cfg(feature = "disk")]
+pub use on_disk::run;
+
+/// The program of a computer.
+#[cfg(feature = "disk")]
+mod on_disk {
+    use super::{Arguments, COULD_NOT, ended};
+    use crate::cli::disk::Disk;
+    use crate::cli::terminal::{say, tell};
+    use crate::text::plain;
+    use clap::Parser;
+    use std::ffi::OsString;
+    use std::process::ExitCode;
+
+    /// Runs the program with its arguments (the first is its name) and gives the exit status.
+    pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+        let arguments: Vec<OsString> = arguments.into_iter().collect();
+        match Arguments::try_parse_from(&arguments) {
+            Ok(arguments) => {
+                let mut out = std::io::stdout().lock();
+                let (status, talk) = ended(arguments.command, &Disk::default(), &mut out);
+                tell(&talk);
+                ExitCode::from(status)
+            }
+            Err(error) => not_parsed(&error, &arguments),
         }
     }
-}
 
-/// Help and version are answers, everything else is wrong usage (2).
-fn not_parsed(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
-    let failed = error.use_stderr();
-    if failed && arguments.iter().any(is_foreign) {
-        say(&error.render().to_string());
-        return could_not();
+    /// Help and version are answers, everything else is wrong usage (2).
+    fn not_parsed(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
+        let failed = error.use_stderr();
+        if failed && arguments.iter().any(is_foreign) {
+            say(&error.render().to_string());
+            return ExitCode::from(COULD_NOT);
+        }
+        match error.print().is_ok() && !failed {
+            true => ExitCode::SUCCESS,
+            false => ExitCode::from(COULD_NOT),
+        }
     }
-    match error.print().is_ok() && !failed {
-        true => ExitCode::SUCCESS,
-        false => could_not(),
+
+    /// Whether an argument holds what a terminal may obey; it is not repeated as it is.
+    fn is_foreign(argument: &OsString) -> bool {
+        argument.to_string_lossy().chars().any(plain::is_unseen)
     }
 }
 
-/// Whether an argument holds what a terminal may obey; it is not repeated as it is.
-fn is_foreign(argument: &OsString) -> bool {
-    argument.to_string_lossy().chars().any(plain::is_unseen)
+/// What a command answered.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Answer {
+    /// Exit status: 0 = done and within limits, 1 = the answer is no, 2 = could not do it.
+    pub status: u8,
+    /// What goes to standard output.
+    pub out: Vec<u8>,
+    /// What goes to standard error.
+    pub err: String,
 }
 
-/// Exit status 2: could not do it.
-fn could_not() -> ExitCode {
-    ExitCode::from(2)
+/// Runs a command, e.g. `["generate", "job.toml", "-o", "kit"]`, on files wherever they are: as the program does, with
+/// the same bytes. Its outputs are among the files then.
+pub fn answer<'a>(files: &dyn Files, command: impl IntoIterator<Item = &'a str>) -> Answer {
+    let mut answer = Answer::default();
+    match Arguments::try_parse_from(std::iter::once("nonius").chain(command)) {
+        Ok(arguments) => {
+            (answer.status, answer.err) = ended(arguments.command, files, &mut answer.out);
+        }
+        Err(error) if error.use_stderr() => {
+            (answer.status, answer.err) = (COULD_NOT, error.render().to_string());
+        }
+        Err(error) => answer.out = error.render().to_string().into_bytes(),
+    }
+    answer
 }
 
-fn execute(command: Command) -> Result<Outcome, Problems> {
+/// Exit status of a command, and what is to be said.
+fn ended(command: Command, files: &dyn Files, out: &mut dyn Write) -> (u8, String) {
+    match execute(command, files).and_then(|outcome| outcome.deliver(files, out)) {
+        Ok((yes, talk)) if talk.is_empty() => (u8::from(!yes), talk),
+        Ok((yes, talk)) => (u8::from(!yes), spoken(&talk)),
+        Err(problems) => (COULD_NOT, spoken(&problems.render())),
+    }
+}
+
+/// Exit status: could not do it.
+const COULD_NOT: u8 = 2;
+
+fn execute(command: Command, files: &dyn Files) -> Result<Outcome, Problems> {
     match command {
-        Command::New(options) => new::run(&options),
-        Command::Generate(options) => generate::run(&options),
-        Command::Verify(options) => verify::run(&options),
-        Command::Report(options) => report::run(&options),
-        Command::History(options) => history::run(&options),
-        Command::Separate(options) => separate::run(&options),
-        Command::Assess(options) => assess::run(&options),
-        Command::Plan(options) => plan::run(&options),
-        Command::Program(options) => program::run(&options),
-        Command::Simulate(options) => simulate::run(&options),
-        Command::Import(options) => import::run(&options),
-        Command::Standards(options) => standards::run(&options),
-        Command::Path(options) => path::run(&options),
-        Command::Controllers { command } => controllers::run(command.as_ref()),
-        Command::Context(options) => controllers::context(&options),
+        Command::New(options) => new::run(&options, files),
+        Command::Generate(options) => generate::run(&options, files),
+        Command::Verify(options) => verify::run(&options, files),
+        Command::Report(options) => report::run(&options, files),
+        Command::History(options) => history::run(&options, files),
+        Command::Separate(options) => separate::run(&options, files),
+        Command::Assess(options) => assess::run(&options, files),
+        Command::Plan(options) => plan::run(&options, files),
+        Command::Program(options) => program::run(&options, files),
+        Command::Simulate(options) => simulate::run(&options, files),
+        Command::Import(options) => import::run(&options, files),
+        Command::Standards(options) => standards::run(&options, files),
+        Command::Path(options) => path::run(&options, files),
+        Command::Controllers { command } => controllers::run(command.as_ref(), files),
+        Command::Context(options) => controllers::context(&options, files),
         Command::Completions { shell } => {
             let mut page = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "nonius", &mut page);

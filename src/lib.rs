@@ -33,7 +33,7 @@
 //!
 //! Separately: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!
-//! Eleven rooms and the command line, in data-flow order; a room imports only from those before it
+//! Twelve rooms and the command line, in data-flow order; a room imports only from those before it
 //! (checked by `tests/it/order.rs`):
 //!
 //! | room | what it is |
@@ -49,7 +49,8 @@
 //! | [`judge`] | forecast, verdict, and causes of a difference |
 //! | [`kit`] | the directory of files for a control, its history, its rehearsal |
 //! | [`page`] | pictures, and the report that is handed over |
-//! | [`cli`] | arguments, files, terminal: no domain logic |
+//! | [`visit`] | a job with everything that it names, on a disk or in memory |
+//! | [`cli`] | arguments, screens, disk, terminal: no domain logic |
 //!
 //! `write` and `read` share only the tables of `control`, so reading back finds a mistake in a template. Only
 //! `cli` touches files and terminal.
@@ -62,6 +63,9 @@
 //! * **what a control does with a table**: `control.rs` in the folder of its family, [`read::siemens`] …
 //! * **where a new control goes**: a profile alone; or, for a new family, `write/<family>`, `read/<family>`, `judge/<family>`,
 //!   its facts and tables in `control`, a profile, templates (docs/controllers.md §3)
+//!
+//! Another program runs any command on files in memory with [`cli::answer`]; without the feature `disk` nothing here
+//! touches a disk or a terminal (a browser).
 //!
 //! The library serves the program and its tests; its interface may change in every version.
 //! docs/interface.md is the contract for other programs.
@@ -87,5 +91,7 @@ pub mod judge;
 pub mod kit;
 
 pub mod page;
+
+pub mod visit;
 
 pub mod cli;

@@ -171,6 +171,10 @@ fn one(random: &mut Random, text: &[u8], is: fn(u8) -> bool) -> Option<(usize, u
 /// A new input from one, with parts of another; several changes at once, few more often than many.
 pub fn mutated(random: &mut Random, input: &[u8], other: &[u8], words: &Dictionary) -> Vec<u8> {
     let mut text = input.to_vec();
+    if input.starts_with(COMMAND) && random.one_in(16) {
+        name(random, &mut text);
+        return text;
+    }
     let changes = 1 << random.below(4);
     for _ in 0..changes {
         change(random, &mut text, other, words);
@@ -180,7 +184,7 @@ pub fn mutated(random: &mut Random, input: &[u8], other: &[u8], words: &Dictiona
 }
 
 fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &Dictionary) {
-    match random.below(14) {
+    match random.below(13) {
         0 => change_byte(random, text),
         1 => replace_span(random, text, |random, _| vec![(random.bits() & 0xff) as u8]),
         2 => replace_span(random, text, |_, _| Vec::new()),
@@ -192,7 +196,6 @@ fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &Diction
         9 => insert(random, text, words),
         10 => lines(random, text),
         11 => letter(random, text),
-        12 => name(random, text),
         _ => splice(random, text, other),
     }
 }
@@ -279,24 +282,28 @@ fn letter(random: &mut Random, text: &mut Vec<u8>) {
     text.splice(at..until, drawn.to_string().bytes());
 }
 
-/// A word of the first line, which is a command where there is one, becomes the name of a file that lies there; now and
-/// then with leave to replace it.
+/// How a bundle with a command begins.
+const COMMAND: &[u8] = b"=== command\n";
+
+/// A command writes over one of its files.
 fn name(random: &mut Random, text: &mut Vec<u8>) {
-    let bundle = Bundle::read(text);
-    let Some(((head, first), files)) =
-        bundle.0.split_first().filter(|(_, files)| !files.is_empty())
+    let mut bundle = Bundle::read(text);
+    let Some(((_, command), files)) =
+        bundle.0.split_first_mut().filter(|(_, files)| !files.is_empty())
     else {
         return;
     };
-    let mut words: Vec<&[u8]> = first.split(|byte| *byte == b' ').collect();
-    let at = random.below(words.len());
-    words[at] = random.pick(files).0.as_bytes();
-    if random.one_in(4) {
+    let mut words: Vec<&[u8]> = command.split(|byte| *byte == b' ').collect();
+    if let Some(option) = words.iter().position(|word| *word == b"-o")
+        && let Some(output) = words.get_mut(option + 1)
+    {
+        *output = random.pick(files).0.as_bytes();
+    }
+    if !words.contains(&&b"--force"[..]) {
         words.push(b"--force");
     }
-    let line = words.join(&b' ');
-    let files = files.iter().cloned();
-    *text = Bundle(std::iter::once((head.clone(), line)).chain(files).collect()).bytes();
+    *command = words.join(&b' ');
+    *text = bundle.bytes();
 }
 
 /// The same input twice with one to three of its lines or words as many times each, so that the second is about `size`

@@ -6,11 +6,9 @@ mod page;
 mod parts;
 mod text;
 
-use crate::cli::files::{file_name, read_argument};
-use crate::cli::inputs;
 use crate::cli::outcome::{Outcome, Print, positive};
 use crate::cli::plot::PlotOnly;
-use crate::cli::tables::{AskedTables, Corrected, NamedControl};
+use crate::cli::tables::AskedTables;
 use crate::inputs::job::Job;
 use crate::inputs::kind::FileKind;
 use crate::kit::Inputs;
@@ -19,6 +17,9 @@ use crate::page::bin_um;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::chain::Chain;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::files::{Files, file_name};
+use crate::visit::inputs;
+use crate::visit::tables::{Corrected, NamedControl};
 use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
@@ -94,29 +95,29 @@ fn chain_word(text: &str) -> Result<Chain, String> {
     })
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let page = page(options)?;
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
+    let page = page(options, files)?;
     let (screen, document) = (|| text::screen(&page), || document(&page));
     let outcome = options.print.outcome(screen, document)?;
     options.plot.beside(outcome, |locale| Ok(page.picture(locale)))
 }
 
-fn page(options: &Options) -> Result<Page, Problems> {
+fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
     let request = Request {
         window_mm: options.window,
         histogram_um: options.histogram,
         grouping: options.grouping,
     };
-    let (name, bytes) = read_argument(&options.file)?;
+    let (name, bytes) = files.argument(&options.file)?;
     if FileKind::of(&name, &bytes) != FileKind::Job {
         return page_of_table(options, &request, name, &bytes);
     }
     let use_of = options.tables.use_of();
-    let (mut inputs, _) = inputs::read_job(&options.file, &name, &bytes, use_of)?;
+    let (mut inputs, _) = inputs::read_job(files, &options.file, &name, &bytes, use_of)?;
     take_chain(&mut inputs, options.chain)?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     check(&volume, options)?;
-    let corrected = options.tables.corrected(&inputs, &volume)?;
+    let corrected = options.tables.corrected(files, &inputs, &volume)?;
     page_of_job(options.grid, corrected, &request, &inputs, volume)
 }
 

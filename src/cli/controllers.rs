@@ -1,9 +1,6 @@
 //! `nonius controllers list|show|check`, and `nonius context`: what is known of a control, and what its
 //! templates see.
 
-use crate::cli::files::read_file;
-use crate::cli::inputs;
-use crate::cli::job_files::profile;
 use crate::cli::outcome::{Format, Outcome, Print};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::control::controller::{Evidence, JobKey, Profile, ProfileSource, Statement, builtin};
@@ -12,6 +9,9 @@ use crate::inputs::job::Job;
 use crate::kit::{Inputs, generate, program_kit, template_context};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
+use crate::visit::files::Files;
+use crate::visit::inputs;
+use crate::visit::job_files::profile;
 use clap::{Args, Subcommand};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -54,17 +54,17 @@ pub(super) struct Context {
 }
 
 /// What the templates of a job's control see.
-pub(super) fn context(options: &Context) -> Result<Outcome, Problems> {
-    Outcome::json(&template_context(&inputs::read(&options.job)?)?)
+pub(super) fn context(options: &Context, files: &dyn Files) -> Result<Outcome, Problems> {
+    Outcome::json(&template_context(&inputs::read(files, &options.job)?)?)
 }
 
 /// Without a command the list.
-pub(super) fn run(command: Option<&Command>) -> Result<Outcome, Problems> {
+pub(super) fn run(command: Option<&Command>, files: &dyn Files) -> Result<Outcome, Problems> {
     match command {
         None => list(Print::default()),
         Some(Command::List { print }) => list(*print),
-        Some(Command::Show { id, print, toml }) => show(id, *print, *toml),
-        Some(Command::Check { file, print }) => check(file, *print),
+        Some(Command::Show { id, print, toml }) => show(files, id, *print, *toml),
+        Some(Command::Check { file, print }) => check(files, file, *print),
     }
 }
 
@@ -103,12 +103,12 @@ fn summary_json(profile: &Profile) -> Value {
     })
 }
 
-fn show(id: &str, print: Print, toml: bool) -> Result<Outcome, Problems> {
-    let (profile, _) = profile(id, Path::new(""))?;
+fn show(files: &dyn Files, id: &str, print: Print, toml: bool) -> Result<Outcome, Problems> {
+    let (profile, _) = profile(files, id, Path::new(""))?;
     if toml {
         let page = match builtin::page(id) {
             Some(page) => page.to_string(),
-            None => String::from_utf8_lossy(&read_file(Path::new(id))?).into_owned(),
+            None => String::from_utf8_lossy(&files.bytes(Path::new(id))?).into_owned(),
         };
         return Ok(Outcome::text(&page));
     }
@@ -192,11 +192,11 @@ fn about(
 
 /// Checks a profile and renders its templates with a small machine that has everything: nine
 /// errors, X in both directions.
-fn check(file: &Path, print: Print) -> Result<Outcome, Problems> {
+fn check(files: &dyn Files, file: &Path, print: Print) -> Result<Outcome, Problems> {
     let path = file.display().to_string();
     // A bare name is still a path here, so it gets a folder in front.
     let reference = if path.contains(['/', '\\']) { path.clone() } else { format!("./{path}") };
-    let (profile, _) = profile(&reference, Path::new(""))?;
+    let (profile, _) = profile(files, &reference, Path::new(""))?;
     let sample = |name: &str, text: &str| Source::from_bytes(name, text.as_bytes());
     let job = Job::read(sample("sample job", SAMPLE_JOB)?)?;
     let table = ErrorTable::read(sample("sample errors", SAMPLE_ERRORS)?)?;

@@ -5,13 +5,15 @@ mod compare;
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::plot::Plot;
 use crate::cli::screen::{More, Screen, paragraphs, shell_word, wrapped};
-use crate::cli::{inputs, show};
+use crate::cli::show;
 use crate::control::controller::Role;
 use crate::judge::conformity::Verdict;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::{Inputs, Kit, cannot_emulate, emulator, generate, remarks};
 use crate::page::{Curves, Locale, Picture, terms};
 use crate::text::problem::Problems;
+use crate::visit::files::Files;
+use crate::visit::inputs;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -31,22 +33,17 @@ pub(super) struct Options {
     plot: Plot,
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     if options.compare {
-        return compare::run(&inputs::read(&options.job)?, options.output.print);
+        return compare::run(&inputs::read(files, &options.job)?, options.output.print);
     }
-    let directory = options.output.free_directory()?;
-    let inputs = inputs::read(&options.job)?;
+    let directory = options.output.free_directory(files)?;
+    let inputs = inputs::read(files, &options.job)?;
     let kit = generate(&inputs)?;
-    let files = kit.files.iter();
-    let files = files.map(|file| (file.path.as_str(), file.bytes.as_slice()));
+    let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
     let next_steps = next_steps(&options.job, directory, &inputs, &kit);
-    let outcome = options.output.deliver_directory(
-        &files.collect::<Vec<_>>(),
-        kit.manifest_bytes()?,
-        &screen(&inputs, &kit),
-        next_steps,
-    )?;
+    let (manifest, screen) = (kit.manifest_bytes()?, screen(&inputs, &kit));
+    let outcome = options.output.deliver_directory(own, manifest, &screen, next_steps);
     let outcome = outcome.answering(kit.verdict == Verdict::Pass);
     let picture = |locale: Locale<'_>| picture(locale, &inputs, &kit);
     options.plot.beside(outcome, options.output.force, picture)

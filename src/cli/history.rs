@@ -7,10 +7,8 @@
 //! (`DIR.previous`); only a manifest of the stated hash counts. Exit status 1 where the chain
 //! breaks or a file was changed.
 
-use crate::cli::files::read_file;
 use crate::cli::outcome::{Outcome, Print};
 use crate::cli::screen::Screen;
-use crate::cli::write::previous;
 use crate::control::controller::Role;
 use crate::kit::directory::{Fault, faults};
 use crate::kit::findings::FileFault;
@@ -19,6 +17,7 @@ use crate::kit::sha256;
 use crate::text::document::json_page;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
+use crate::visit::files::{Files, previous};
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
@@ -37,8 +36,8 @@ pub(super) struct Options {
     print: Print,
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let chain = follow(&options.directory)?;
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
+    let chain = follow(files, &options.directory)?;
     let outcome = options.print.outcome(|| screen(&chain), || &chain)?;
     Ok(outcome.answering(chain.is_sound()))
 }
@@ -77,9 +76,9 @@ impl Chain {
     }
 }
 
-fn follow(directory: &Path) -> Result<Chain, Problems> {
+fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
     let help = "name the directory of a kit, as `nonius generate` wrote it";
-    let first = read_link(directory).map_err(|problem| problem.help(help))?;
+    let first = read_link(files, directory).map_err(|problem| problem.help(help))?;
     let mut chain =
         Chain { schema: 1, kits: vec![first], end: "first", broken: None, read_out: None };
     loop {
@@ -95,7 +94,7 @@ fn follow(directory: &Path) -> Result<Chain, Problems> {
             return Ok(chain);
         };
         let found = match chain.kits.len() < LONGEST_CHAIN {
-            true => find(Path::new(&link.directory), path, hash),
+            true => find(files, Path::new(&link.directory), path, hash),
             false => Err("the chain is too long to be followed".to_string()),
         };
         match found {
@@ -109,22 +108,21 @@ fn follow(directory: &Path) -> Result<Chain, Problems> {
     }
 }
 
-fn read_link(directory: &Path) -> Result<Link, Problem> {
+fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
     let name = directory.display();
-    let bytes =
-        read_file(&directory.join(MANIFEST)).map_err(|problem| {
-            match std::fs::read_dir(directory).map_err(|error| error.kind()) {
-                Err(ErrorKind::PermissionDenied) => problem,
-                _ => Problem::new(format!("`{name}` holds no {MANIFEST}, so it is no kit")),
-            }
-        })?;
+    let bytes = files.bytes(&directory.join(MANIFEST)).map_err(|problem| {
+        match files.names(directory).map_err(|error| error.kind()) {
+            Err(ErrorKind::PermissionDenied) => problem,
+            _ => Problem::new(format!("`{name}` holds no {MANIFEST}, so it is no kit")),
+        }
+    })?;
     let manifest: Value = json_page(&bytes)
         .map_err(|error| Problem::new(format!("manifest.json of `{name}` is damaged: {error}")))?;
     let read = |name: &str| {
         let place = directory.join(name);
-        match read_file(&place) {
+        match files.bytes(&place) {
             Ok(bytes) => Ok(Some((None, bytes.into()))),
-            Err(problem) if place.exists() => Err(problem),
+            Err(problem) if files.exists(&place) => Err(problem),
             Err(_) => Ok(None),
         }
     };
@@ -146,16 +144,16 @@ fn read_link(directory: &Path) -> Result<Link, Problem> {
 }
 
 /// The kit of this hash at one of the places where a predecessor lies.
-fn find(kit: &Path, path: &str, hash: &str) -> Result<Link, String> {
+fn find(files: &dyn Files, kit: &Path, path: &str, hash: &str) -> Result<Link, String> {
     let parent = kit.parent().unwrap_or(Path::new(""));
     let last = Path::new(path).file_name().unwrap_or_default();
     let beside = [kit.join(path), parent.join(path), parent.join(last)];
     let kept = beside.iter().flat_map(|place| {
         let numbered = (1..).map(|number| previous(place, number));
-        numbered.take_while(|kept| kept.exists())
+        numbered.take_while(|kept| files.exists(kept))
     });
     let places = beside.iter().cloned().chain(kept);
-    let found = places.filter_map(|place| read_link(&place).ok());
+    let found = places.filter_map(|place| read_link(files, &place).ok());
     let found: Vec<Link> = found.collect();
     let other = found.first().map(|link| link.directory.clone());
     let same = found.into_iter().find(|link| link.manifest_sha256 == hash);

@@ -2,7 +2,6 @@
 
 mod lists;
 
-use crate::cli::files::{file_name, read_argument};
 use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::DraftSeries;
@@ -14,6 +13,7 @@ use crate::kit::sha256;
 use crate::quantity::axis::Direction;
 use crate::text::finding::{Severity, of_severity};
 use crate::text::problem::Problems;
+use crate::visit::files::{Files, file_name};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -40,14 +40,14 @@ pub(super) struct Options {
     output: Output,
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     if let Some(form) = &options.lists.form {
         let said = (options.encoding, &options.stated);
-        return lists::run((form, &options.lists), &options.file, said, &options.output);
+        return lists::run(files, (form, &options.lists), &options.file, said, &options.output);
     }
-    options.output.ensure_new("the error table")?;
+    options.output.ensure_new(files, "the error table")?;
     let file = options.file.as_deref().unwrap_or(Path::new("-"));
-    let (path, bytes) = read_argument(file)?;
+    let (path, bytes) = files.argument(file)?;
     let file =
         Measurement { path: &path, name: &file_name(file), sha256: &sha256(&bytes), bytes: &bytes };
     let stated = &options.stated;

@@ -1,11 +1,7 @@
 //! `nonius new --controller ID --travel X,Y,Z -o DIR`
 
-use crate::cli::files::read_argument;
-use crate::cli::inputs::{errors, of_control};
-use crate::cli::job_files::{JobFiles, folder_of, profile, read_page};
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, shell_word};
-use crate::cli::write::NamedBytes;
 use crate::control::controller::Profile;
 use crate::inputs::job::{Job, MeasuredData, UseOf};
 use crate::judge::active::{ReadOutFor, from_read_out};
@@ -17,6 +13,9 @@ use crate::quantity::units::{Figure, MM_PER_INCH};
 use crate::text::document::{LONGEST_MM, Source};
 use crate::text::finding::Severity;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::files::Files;
+use crate::visit::inputs::{errors, of_control};
+use crate::visit::job_files::{JobFiles, folder_of, profile, read_page};
 use crate::write::plan::axis_names;
 use clap::Args;
 use serde_json::json;
@@ -79,17 +78,16 @@ fn ends(text: &str) -> Result<(f64, f64), String> {
     })
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let directory = options.output.free_directory()?;
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
+    let directory = options.output.free_directory(files)?;
     let (profile, begun, words) = match &options.from {
-        Some(job) => again(job, options.read_out.as_deref(), directory)?,
-        None => first(options, directory)?,
+        Some(job) => again(files, job, options.read_out.as_deref(), directory)?,
+        None => first(options, files, directory)?,
     };
     let stages = stages(&begun, directory);
-    let tables: Vec<NamedBytes<'_>> =
-        begun.tables.iter().map(|(name, text)| (name.as_str(), text.as_bytes())).collect();
+    let tables = begun.tables.iter().map(|(name, text)| (name.as_str(), text.as_bytes()));
     let names: Vec<&str> =
-        std::iter::once(JOB).chain(tables.iter().map(|(name, _)| *name)).collect();
+        std::iter::once(JOB).chain(begun.tables.iter().map(|(name, _)| name.as_str())).collect();
     let next: Vec<&String> = stages.iter().flat_map(|stage| &stage.commands).collect();
     let document = json!({ "schema": 1, "controller": profile.id, "files": names,
         "steps": begun.steps, "next": next });
@@ -105,19 +103,20 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let (place, names) = (directory.display(), names.join(", "));
     let talk = format!("wrote {place}: {names}\nthen:\n{}", stages.join("\n"));
     let outcome = options.output.print.outcome(|| screen, || document)?;
-    options.output.deliver_files(outcome, &tables, (JOB, begun.job.as_bytes()), talk)
+    let job = (JOB, begun.job.into_bytes());
+    Ok(options.output.deliver_files(outcome, tables, job, talk))
 }
 
 /// The control, the files, and what has to be said of them.
 type Beginning = (Profile, Begun, Vec<String>);
 
-fn first(options: &Options, directory: &Path) -> Result<Beginning, Problems> {
+fn first(options: &Options, files: &dyn Files, directory: &Path) -> Result<Beginning, Problems> {
     let [x, y, z] = <[(f64, f64); 3]>::try_from(options.travel.clone()).map_err(|travel| {
         let (count, help) = (travel.len(), "for instance `--travel 800,500,400`");
         Problem::new(format!("`--travel` names {count} axes, expected X, Y and Z")).help(help)
     })?;
     let controller = options.controller.as_deref().unwrap_or_default();
-    let (profile, _) = profile(controller, Path::new(""))?;
+    let (profile, _) = profile(files, controller, Path::new(""))?;
     let visit = Visit {
         profile: &profile,
         controller: &from_inside(controller, directory),
@@ -135,25 +134,30 @@ fn first(options: &Options, directory: &Path) -> Result<Beginning, Problems> {
 }
 
 /// The visit after that of a job, whose kit lies beside it, or after what was read out since.
-fn again(path: &Path, read_out: Option<&Path>, directory: &Path) -> Result<Beginning, Problems> {
-    let (name, bytes) = read_argument(path)?;
-    let job = read_page(Source::from_bytes(&name, &bytes)?, folder_of(path), UseOf::Tables)?;
-    let mut files = JobFiles::new(&job, path);
-    let profile = files.profile()?;
+fn again(
+    files: &dyn Files,
+    path: &Path,
+    read_out: Option<&Path>,
+    directory: &Path,
+) -> Result<Beginning, Problems> {
+    let (name, bytes) = files.argument(path)?;
+    let job = read_page(files, Source::from_bytes(&name, &bytes)?, folder_of(path), UseOf::Tables)?;
+    let mut named = JobFiles::new(files, &job, path);
+    let profile = named.profile()?;
     let measured = match &job.measurement.data {
         MeasuredData::Diagonals(how) => {
-            Measured::Readings(files.source(&how.readings, "measurement.readings")?.0)
+            Measured::Readings(named.source(&how.readings, "measurement.readings")?.0)
         }
         MeasuredData::Errors(_) => {
-            Measured::Errors(Box::new(errors(&mut files)?.table(&job)?.into_owned()))
+            Measured::Errors(Box::new(errors(&mut named)?.table(&job)?.into_owned()))
         }
     };
-    let folder = files.folder;
+    let folder = named.folder;
     let kit = read_out.map_or_else(|| folder.join(KIT), Path::to_path_buf);
     let mut words = vec!["carried over as they stand: machine, control, box, uncertainty and protocol; compare them with the machine".to_string()];
-    let held = read_out.map(|path| held(&job, &profile, path, &mut words)).transpose()?;
+    let held = read_out.map(|path| held(files, &job, &profile, path, &mut words)).transpose()?;
     let held = held.unwrap_or_default();
-    let is_kit = read_out.is_some() || kit.join(MANIFEST).is_file();
+    let is_kit = read_out.is_some() || files.exists(&kit.join(MANIFEST));
     let place = ["first_table", "first_set"].into_iter();
     let place = place.rev().find(|place| profile.job_keys.iter().any(|key| key.key == *place));
     words.push(match (is_kit, place) {
@@ -176,14 +180,16 @@ fn again(path: &Path, read_out: Option<&Path>, directory: &Path) -> Result<Begin
 /// What was read out of the control for keys of the job that state something else; said are these, and whatever
 /// else contradicts the job.
 fn held(
+    files: &dyn Files,
     job: &Job,
     profile: &Profile,
     path: &Path,
     words: &mut Vec<String>,
 ) -> Result<Vec<(String, String)>, Problems> {
     let (name, names) = (path.display().to_string(), axis_names(job, profile)?);
-    let (_, files) = of_control(path, &name, "name a file or a directory read out of the control")?;
-    let control = from_read_out(job, profile, &name, files, ReadOutFor::Judging)?;
+    let (_, found) =
+        of_control(files, path, &name, "name a file or a directory read out of the control")?;
+    let control = from_read_out(job, profile, &name, found, ReadOutFor::Judging)?;
     let mut held: Vec<(String, String)> = Vec::new();
     for finding in &control.findings {
         let key = finding.kind().and_then(|kind: &InControl| kind.key(&names));

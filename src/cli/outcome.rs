@@ -1,16 +1,16 @@
 //! What a command made, on its way out: standard output first, then the files into their places, then
 //! the talk. Where one of the first two fails, nothing is written.
 
-use crate::cli::screen::{Detail, Screen, say};
-use crate::cli::write::{self, NamedBytes, Ready};
+use crate::cli::screen::{Detail, Screen};
 use crate::kit::manifest::{self, MANIFEST};
 use crate::quantity::units::picometres;
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::files::{Begun, Files, Long, NamedBytes, Ready, not_written};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::fs::File;
+use std::any::Any;
 use std::io::{ErrorKind, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -73,24 +73,18 @@ impl Output {
     }
 
     /// Refuses a file that is there already, before anything is computed; `what` = what it will hold.
-    pub(super) fn ensure_new(&self, what: &str) -> Result<(), Problems> {
+    pub(super) fn ensure_new(&self, files: &dyn Files, what: &str) -> Result<(), Problems> {
         if self.output.as_deref() == Some(Path::new("-")) && self.print.format == Format::Json {
             let words = format!("{what} and the document cannot both go to standard output");
             let help = "name a file with `-o`, or leave `--format json` out";
             return Err(Problem::new(words).help(help).into());
         }
-        self.place().map_or(Ok(()), |place| write::ensure_new(place, self.force))
+        self.place().map_or(Ok(()), |place| files.ensure_new(place, self.force))
     }
 
-    /// A long file beside its place and a handle to write with; of standard output there is no place.
-    pub(super) fn open(&self) -> Result<(Option<Ready>, std::io::Result<File>), Problems> {
-        match self.place() {
-            None => Ok((None, tempfile::tempfile())),
-            Some(place) => {
-                let (ready, file) = Ready::file(place, self.force)?;
-                Ok((Some(ready), Ok(file)))
-            }
-        }
+    /// A long file beside its place, to write into.
+    pub(super) fn begin(&self, files: &dyn Files) -> Result<Begun, Problems> {
+        files.begin(self.place(), self.force)
     }
 
     /// The screen or the document, and the file; where the file goes to standard output, the screen is
@@ -103,57 +97,66 @@ impl Output {
         next: &str,
     ) -> Result<Outcome, Problems> {
         let detail = self.print.detail;
-        let ready = match (content, self.place()) {
+        let write = match (content, self.place()) {
             (None, _) => return self.print.outcome(screen, document),
             (Some(Content::Bytes(bytes)), Some(place)) => {
-                write::write_file(place, &bytes, self.force)?
+                ToWrite::File(place.to_path_buf(), bytes, self.force)
             }
-            (Some(Content::Ready(ready)), _) => ready.complete()?,
+            (Some(Content::Begun(_, Some(ready))), _) => ToWrite::Begun(ready),
+            (Some(Content::Begun(mut long, None)), Some(place)) => {
+                let mut bytes = Vec::new();
+                long.read_to_end(&mut bytes).map_err(|e| not_written("cannot write", place, &e))?;
+                ToWrite::File(place.to_path_buf(), bytes, self.force)
+            }
             (Some(Content::Bytes(bytes)), None) => {
                 return Ok(Outcome::bytes(bytes).saying(detail, screen().page(detail)));
             }
-            (Some(Content::Spooled(file)), _) => {
-                return Ok(Outcome::of(Data::File(file)).saying(detail, screen().page(detail)));
+            (Some(Content::Begun(long, None)), None) => {
+                return Ok(Outcome::of(Data::Long(long)).saying(detail, screen().page(detail)));
             }
         };
         let place = self.place().unwrap_or(Path::new("-")).display();
-        let outcome = self.print.outcome(screen, document)?.writing(ready);
+        let outcome = self.print.outcome(screen, document)?.writing(write);
         Ok(outcome.saying(detail, format!("wrote {place}{next}")))
     }
 
     /// Refuses a directory that is not free, before anything is computed.
-    pub(super) fn free_directory(&self) -> Result<&Path, Problems> {
-        let directory = self.output.as_deref().unwrap_or(Path::new("."));
-        write::ensure_free(directory, self.force)?;
-        Ok(directory)
+    pub(super) fn free_directory(&self, files: &dyn Files) -> Result<&Path, Problems> {
+        files.ensure_free(self.directory(), self.force)?;
+        Ok(self.directory())
     }
 
-    /// The files and then the bytes of the manifest, complete beside their place; the screen or the
-    /// manifest is printed, `next_steps` are said.
-    pub(super) fn deliver_directory(
+    fn directory(&self) -> &Path {
+        self.output.as_deref().unwrap_or(Path::new("."))
+    }
+
+    /// The files and then the bytes of the manifest; the screen or the manifest is printed, `next_steps` are said.
+    pub(super) fn deliver_directory<'a>(
         &self,
-        files: &[NamedBytes<'_>],
+        files: impl IntoIterator<Item = NamedBytes<'a>>,
         manifest: Vec<u8>,
         screen: &Screen,
         next_steps: String,
-    ) -> Result<Outcome, Problems> {
+    ) -> Outcome {
         let outcome = match self.print.format {
             Format::Json => Outcome::bytes(manifest.clone()),
             Format::Text => Outcome::text(&screen.page(self.print.detail)),
         };
-        self.deliver_files(outcome, files, (MANIFEST, &manifest), next_steps)
+        self.deliver_files(outcome, files, (MANIFEST, manifest), next_steps)
     }
 
-    /// The files and then the last one, complete beside their place.
-    pub(super) fn deliver_files(
+    /// The files, and then the last one.
+    pub(super) fn deliver_files<'a>(
         &self,
         outcome: Outcome,
-        files: &[NamedBytes<'_>],
-        last: NamedBytes<'_>,
+        files: impl IntoIterator<Item = NamedBytes<'a>>,
+        (last, bytes): (&str, Vec<u8>),
         next_steps: String,
-    ) -> Result<Outcome, Problems> {
-        let ready = write::write_kit(self.free_directory()?, files, last, self.force)?;
-        Ok(outcome.writing(ready).saying(self.print.detail, next_steps))
+    ) -> Outcome {
+        let own = files.into_iter().map(|(name, bytes)| (name.to_string(), bytes.to_vec()));
+        let own = own.chain([(last.to_string(), bytes)]).collect();
+        let write = ToWrite::Folder(self.directory().to_path_buf(), own, self.force);
+        outcome.writing(write).saying(self.print.detail, next_steps)
     }
 }
 
@@ -177,19 +180,42 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
 /// What a file is to hold.
 pub(super) enum Content {
     Bytes(Vec<u8>),
-    /// What may be too long for the memory, on its way to standard output: from here to its end.
-    Spooled(File),
-    /// The same, on its way to a place.
-    Ready(Ready),
+    /// What may be too long for the memory, from here to its end; on its way to a place, or to standard output.
+    Begun(Box<dyn Long>, Option<Box<dyn Ready>>),
+}
+
+/// An output with its place, and whether it may take the place of an old one.
+pub(super) enum ToWrite {
+    File(PathBuf, Vec<u8>, bool),
+    /// With the names of its files.
+    Folder(PathBuf, Vec<(String, Vec<u8>)>, bool),
+    Begun(Box<dyn Ready>),
+}
+
+impl ToWrite {
+    /// Complete beside its place.
+    fn complete(self, files: &dyn Files) -> Result<Box<dyn Ready>, Problems> {
+        let ready = match self {
+            ToWrite::File(place, bytes, force) => files.write(&place, &bytes, force)?,
+            ToWrite::Folder(place, own, force) => {
+                files.ensure_free(&place, force)?;
+                let own = own.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
+                files.write_folder(&place, &own.collect::<Vec<_>>(), force)?
+            }
+            ToWrite::Begun(ready) => ready,
+        };
+        ready.complete()?;
+        Ok(ready)
+    }
 }
 
 /// What a command made; nothing of it is outside yet.
 pub(super) struct Outcome {
     yes: bool,
     data: Data,
-    ready: Vec<Ready>,
+    writes: Vec<ToWrite>,
     /// What stays locked until everything is out.
-    held: Option<File>,
+    held: Option<Box<dyn Any>>,
     talk: String,
 }
 
@@ -197,12 +223,12 @@ pub(super) struct Outcome {
 enum Data {
     Bytes(Vec<u8>),
     /// What may be too long for the memory, from here to its end.
-    File(File),
+    Long(Box<dyn Long>),
 }
 
 impl Outcome {
     fn of(data: Data) -> Outcome {
-        Outcome { yes: true, data, ready: Vec::new(), held: None, talk: String::new() }
+        Outcome { yes: true, data, writes: Vec::new(), held: None, talk: String::new() }
     }
 
     /// A page for people.
@@ -228,13 +254,13 @@ impl Outcome {
     }
 
     /// The same, and this is put into its place.
-    pub(super) fn writing(mut self, ready: Ready) -> Outcome {
-        self.ready.push(ready);
+    pub(super) fn writing(mut self, write: ToWrite) -> Outcome {
+        self.writes.push(write);
         self
     }
 
     /// The same, and this file stays locked until everything is out.
-    pub(super) fn holding(mut self, held: Option<File>) -> Outcome {
+    pub(super) fn holding(mut self, held: Option<Box<dyn Any>>) -> Outcome {
         self.held = held;
         self
     }
@@ -248,16 +274,20 @@ impl Outcome {
         self
     }
 
-    /// Lets everything out, and gives the answer.
-    pub(super) fn deliver(self) -> Result<bool, Problems> {
+    /// Lets everything out; the answer, and what is to be said.
+    pub(super) fn deliver(
+        self,
+        files: &dyn Files,
+        out: &mut dyn Write,
+    ) -> Result<(bool, String), Problems> {
+        let ready = self.writes.into_iter().map(|write| write.complete(files));
+        let ready = ready.collect::<Result<Vec<_>, _>>()?;
         self.data
-            .print()
+            .print(out)
             .map_err(|error| Problem::new(format!("standard output cannot be written: {error}")))?;
-        self.ready.into_iter().try_for_each(Ready::put)?;
-        if !self.talk.is_empty() {
-            say(&self.talk);
-        }
-        Ok(self.yes)
+        ready.into_iter().try_for_each(|ready| ready.put())?;
+        drop(self.held);
+        Ok((self.yes, self.talk))
     }
 }
 
@@ -305,11 +335,10 @@ fn round_figures(document: &mut Value, is_figure: bool) {
 
 impl Data {
     /// To standard output, flushed. A reader that went away (`| head`) is no failure.
-    fn print(self) -> std::io::Result<()> {
-        let mut out = std::io::stdout().lock();
+    fn print(self, out: &mut dyn Write) -> std::io::Result<()> {
         let printed = match self {
             Data::Bytes(bytes) => out.write_all(&bytes),
-            Data::File(mut file) => std::io::copy(&mut file, &mut out).map(|_| ()),
+            Data::Long(mut long) => std::io::copy(&mut long, out).map(|_| ()),
         };
         match printed.and_then(|()| out.flush()) {
             Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),

@@ -4,7 +4,6 @@ mod page;
 mod program_text;
 mod samples;
 
-use crate::cli::inputs;
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::plot::Plot;
 use crate::cli::tables::AskedTables;
@@ -12,6 +11,8 @@ use crate::inputs::nc::run as run_program;
 use crate::kit::Inputs;
 use crate::page::{Ink, Trace};
 use crate::text::problem::{Problem, Problems};
+use crate::visit::files::Files;
+use crate::visit::inputs;
 use crate::volume::tool_path::{PathMap, Profile, limits, path_map};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
@@ -38,14 +39,14 @@ pub(super) struct Options {
     plot: Plot,
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    options.output.ensure_new("the samples")?;
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
+    options.output.ensure_new(files, "the samples")?;
     if options.job == Path::new("-") && options.program == Path::new("-") {
         return Err(Problem::new("the job and the program cannot both come from standard input")
             .help("name a file for one of them")
             .into());
     }
-    let (page, points) = page(options)?;
+    let (page, points) = page(options, files)?;
     let content = points.map(Points::content).transpose()?;
     let next = format!(" ({} samples)", page.before.summary.samples);
     let output = &options.output;
@@ -54,21 +55,21 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
 }
 
 /// The page, and the samples where a file of them is asked for.
-fn page(options: &Options) -> Result<(Page, Option<Points>), Problems> {
-    let inputs = inputs::read_for(&options.job, options.tables.use_of())?;
+fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), Problems> {
+    let inputs = inputs::read_for(files, &options.job, options.tables.use_of())?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let map = map_of(&inputs, &volume)?;
-    let tables = options.tables.corrected(&inputs, &volume)?;
+    let tables = options.tables.corrected(files, &inputs, &volume)?;
     let after_map = tables.as_ref().map(|t| map_of(&inputs, &t.volume));
     let after_map = after_map.transpose()?;
     let after_map = after_map.as_ref();
-    let mut text = ProgramText::open(&options.program)?;
+    let mut text = ProgramText::open(files, &options.program)?;
     let program = text.name().to_string();
     let mut before = Profile::new(&map, limits(&inputs.job, &volume));
     let with_map = tables.as_ref().zip(after_map);
     let mut after = with_map.map(|(t, map)| Profile::new(map, limits(&inputs.job, &t.volume)));
     let points = options.output.is_asked_for();
-    let points = points.then(|| Points::create(&options.output, after_map.is_some()));
+    let points = points.then(|| Points::create(files, &options.output, after_map.is_some()));
     let mut points = points.transpose()?;
     let mut holes = Holes::default();
     let mut traces = vec![Trace::new(Ink::AsFound)];

@@ -2,8 +2,6 @@
 
 mod page;
 
-use crate::cli::files::read_argument;
-use crate::cli::job_files::JobFiles;
 use crate::cli::outcome::{Outcome, Print, number};
 use crate::inputs::job::{Job, UseOf};
 use crate::kit::visit_plan::{Design, SetUpTimes, Visit, plan};
@@ -12,6 +10,8 @@ use crate::quantity::axis::{Axis, PerTerm};
 use crate::quantity::diagonal::Diagonal;
 use crate::text::document::Source;
 use crate::text::problem::Problems;
+use crate::visit::files::Files;
+use crate::visit::job_files::JobFiles;
 use clap::Args;
 use page::{Page, letter};
 use serde_json::{Value, json};
@@ -36,16 +36,16 @@ fn minutes(text: &str) -> Result<f64, String> {
     number(text, 0.0..=1440.0, "min")
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let (name, bytes) = read_argument(&options.job)?;
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
+    let (name, bytes) = files.argument(&options.job)?;
     let job = Job::read_for(Source::from_bytes(&name, &bytes)?, UseOf::Plan)?;
     let times = SetUpTimes {
         diagonal_min: options.diagonal_set_up_min,
         linear_min: options.linear_set_up_min,
     };
-    let mut files = JobFiles::new(&job, &options.job);
+    let mut named = JobFiles::new(files, &job, &options.job);
     let angles = job.measurement.angles.as_deref();
-    let angles = angles.map(|path| files.table(path, "measurement.angles"));
+    let angles = angles.map(|path| named.table(path, "measurement.angles"));
     let design = Design::of(&job, angles.transpose()?, times)?;
     let found = plan(&design)?;
     let page = Page { machine: &job.machine.name, design: &design, found: &found };

@@ -1,7 +1,6 @@
 //! `--plot FILE`: what a command found, as a picture: in English, mm and µm.
 
-use crate::cli::outcome::Outcome;
-use crate::cli::write;
+use crate::cli::outcome::{Outcome, ToWrite};
 use crate::page::{Locale, Picture, Shown, Texts};
 use crate::text::problem::Problems;
 use clap::Args;
@@ -36,11 +35,10 @@ impl Plot {
         let Some(place) = &self.plot else {
             return Ok(outcome);
         };
-        write::ensure_new(place, force)?;
         let texts = Texts::english()?;
         let locale = Locale { texts: &texts, shown: Shown::Metric };
         let bytes = picture(locale)?.svg(locale).into_bytes();
-        Ok(outcome.writing(write::write_file(place, &bytes, force)?))
+        Ok(outcome.writing(ToWrite::File(place.clone(), bytes, force)))
     }
 }
 

@@ -1,7 +1,5 @@
 //! `nonius program JOB -o DIR`
 
-use crate::cli::files::read_file;
-use crate::cli::job_files::{folder_of, read_job_and_profile};
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, paragraphs, table, wrapped};
 use crate::cli::show;
@@ -13,6 +11,8 @@ use crate::quantity::units::Figure;
 use crate::text::delimited::{Line, header_and_rows};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
+use crate::visit::files::Files;
+use crate::visit::job_files::{folder_of, read_job_and_profile};
 use crate::write::emit::program::FileRole;
 use crate::write::program::left_open;
 use clap::Args;
@@ -29,22 +29,18 @@ pub(super) struct Options {
     output: Output,
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let directory = options.output.free_directory()?;
-    let (job, profile, hashes) = read_job_and_profile(&options.job)?;
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
+    let directory = options.output.free_directory(files)?;
+    let (job, profile, hashes) = read_job_and_profile(files, &options.job)?;
     let mut kit = make(&job, &profile, &hashes)?;
-    let table = Table::of(&job, folder_of(&options.job), &kit);
+    let table = Table::of(files, &job, folder_of(&options.job), &kit);
     if table.as_ref().is_some_and(|table| table.is_ready) {
         kit = kit.without_form();
     }
-    let files = kit.files.iter();
-    let files = files.map(|file| (file.path.as_str(), file.bytes.as_slice()));
-    options.output.deliver_directory(
-        &files.collect::<Vec<_>>(),
-        kit.manifest_bytes()?,
-        &screen(&job, &profile.name, &kit),
-        next_steps(directory, &kit, table),
-    )
+    let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
+    let (manifest, screen) = (kit.manifest_bytes()?, screen(&job, &profile.name, &kit));
+    let next_steps = next_steps(directory, &kit, table);
+    Ok(options.output.deliver_directory(own, manifest, &screen, next_steps))
 }
 
 /// The table of readings that the job names for this run.
@@ -55,7 +51,7 @@ struct Table {
 }
 
 impl Table {
-    fn of(job: &Job, folder: &Path, kit: &ProgramKit) -> Option<Table> {
+    fn of(files: &dyn Files, job: &Job, folder: &Path, kit: &ProgramKit) -> Option<Table> {
         let MeasuredData::Diagonals(measured) = &job.measurement.data else {
             return None;
         };
@@ -63,7 +59,7 @@ impl Table {
             return None;
         }
         let place = folder.join(&measured.readings);
-        let source = read_file(&place).ok();
+        let source = files.bytes(&place).ok();
         let source = source.and_then(|bytes| Source::from_bytes("", &bytes).ok());
         let rows = source.as_ref().and_then(header_and_rows);
         let is_empty =

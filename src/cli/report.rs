@@ -1,12 +1,9 @@
 //! `nonius report JOB|ERRORS [--tables DIR] [--after FILE|JOB] [--linear FILE] -o report.html`
 
-use crate::cli::files::{file_name, read_argument};
-use crate::cli::job_files::{folder_of, read_page};
 use crate::cli::outcome::{Content, Outcome, Output, json_of};
 use crate::cli::screen::Screen;
-use crate::cli::tables::{NamedControl, of_directory, own_tables};
 use crate::cli::verify::Judged;
-use crate::cli::{assess, inputs, standards};
+use crate::cli::{assess, standards};
 use crate::control::claims::Assumption;
 use crate::inputs::job::{Job, UseOf};
 use crate::inputs::kind::FileKind;
@@ -20,6 +17,10 @@ use crate::page::{Curves, Locale, Report, Shown, Texts, Visit, linear_document, 
 use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::files::{Files, file_name};
+use crate::visit::inputs;
+use crate::visit::job_files::{folder_of, read_page};
+use crate::visit::tables::{NamedControl, of_directory, own_tables};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -66,9 +67,9 @@ enum Unit {
     Inch,
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    options.output.ensure_new("the report")?;
-    let texts = texts(&options.language)?;
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
+    options.output.ensure_new(files, "the report")?;
+    let texts = texts(files, &options.language)?;
     let locale = Locale {
         texts: &texts,
         shown: match options.unit {
@@ -76,14 +77,14 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
             Unit::Inch => Shown::Inch,
         },
     };
-    let mut visit = visit(options, locale)?;
+    let mut visit = visit(options, files, locale)?;
     for file in &options.linear {
-        visit.add_linear(locale, file)?;
+        visit.add_linear(files, locale, file)?;
     }
     let report = Report {
         locale,
-        logo: options.logo.as_deref().map(logo).transpose()?,
-        template: options.template.as_deref().map(own_template).transpose()?,
+        logo: options.logo.as_deref().map(|path| logo(files, path)).transpose()?,
+        template: options.template.as_deref().map(|path| own_template(files, path)).transpose()?,
         visit: &visit,
     };
     let content = Content::Bytes(report.html()?.into_bytes());
@@ -107,25 +108,30 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
 const AS_FOUND: &str = "as-found";
 
 /// With the tables of a directory or of the job; as found where neither are there.
-fn visit(options: &Options, locale: Locale<'_>) -> Result<Visit, Problems> {
-    let (name, bytes) = read_argument(&options.job)?;
+fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<Visit, Problems> {
+    let (name, bytes) = files.argument(&options.job)?;
     let without_tables = options.tables.is_none();
     if without_tables && FileKind::of(&name, &bytes) == FileKind::Table {
         return of_table(locale, &options.job, &name, &bytes);
     }
-    let is_found = without_tables && !states_tables(options, &name, &bytes)?;
+    let is_found = without_tables && !states_tables(options, files, &name, &bytes)?;
     let use_of = UseOf::with(!is_found);
-    let (inputs, _) = inputs::read_job(&options.job, &name, &bytes, use_of)?;
+    let (inputs, _) = inputs::read_job(files, &options.job, &name, &bytes, use_of)?;
     match is_found {
         true => of_job(locale, &inputs),
-        false => with_tables(options, locale, &inputs),
+        false => with_tables(options, files, locale, &inputs),
     }
 }
 
 /// Whether the job says how the points of any axis are chosen.
-fn states_tables(options: &Options, name: &str, bytes: &[u8]) -> Result<bool, Problems> {
+fn states_tables(
+    options: &Options,
+    files: &dyn Files,
+    name: &str,
+    bytes: &[u8],
+) -> Result<bool, Problems> {
     let source = Source::from_bytes(name, bytes)?;
-    let job = read_page(source, folder_of(&options.job), UseOf::Figures)?;
+    let job = read_page(files, source, folder_of(&options.job), UseOf::Figures)?;
     Ok(job.compensation.axes.iter().any(|(_, axis)| axis.is_some()))
 }
 
@@ -151,11 +157,16 @@ fn of_job(locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
 }
 
 /// The tables of a directory, or those that `generate` would write.
-fn with_tables(options: &Options, locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
+fn with_tables(
+    options: &Options,
+    files: &dyn Files,
+    locale: Locale<'_>,
+    inputs: &Inputs,
+) -> Result<Visit, Problems> {
     let mut visit = Visit::of(&inputs.job);
     let (judged, control) = match options.tables.as_deref() {
-        None => of_own_tables(&mut visit, &options.job, inputs)?,
-        Some(directory) => of_files(&mut visit, options, inputs, directory)?,
+        None => of_own_tables(&mut visit, files, &options.job, inputs)?,
+        Some(directory) => of_files(&mut visit, options, files, inputs, directory)?,
     };
     let page = judged.page(inputs)?;
     visit.control.clone_from(&inputs.profile.name);
@@ -217,8 +228,13 @@ impl Visit {
     }
 
     /// Runs of one axis by standard.
-    fn add_linear(&mut self, locale: Locale<'_>, file: &Path) -> Result<(), Problems> {
-        let (name, bytes) = read_argument(file)?;
+    fn add_linear(
+        &mut self,
+        files: &dyn Files,
+        locale: Locale<'_>,
+        file: &Path,
+    ) -> Result<(), Problems> {
+        let (name, bytes) = files.argument(file)?;
         let (document, picture) = standards::of_axis(locale, &name, &bytes)?;
         self.linear.push(file_name(file));
         let name = linear_document(self.linear.len());
@@ -235,6 +251,7 @@ type Tables<'a> = (Judged<'a>, Result<NamedControl, Problems>);
 /// The tables that `generate` would write.
 fn of_own_tables<'a>(
     visit: &mut Visit,
+    files: &'a dyn Files,
     job: &'a Path,
     inputs: &Inputs,
 ) -> Result<Tables<'a>, Problems> {
@@ -243,40 +260,40 @@ fn of_own_tables<'a>(
     visit.documents.push(("kit".to_string(), manifest));
     let sizes = kit.files.iter().map(|f| (f.path.clone(), f.bytes.len()));
     visit.sizes = sizes.collect();
-    let (files, state) = (kit.kit_files(), Some(&kit.manifest.state));
-    let verification = verify(inputs, &files, state, Vec::new())?;
-    let control = load(inputs, &files, state).map(|control| (own_tables(inputs), control));
-    Ok((Judged::made(job, verification), control))
+    let (own, state) = (kit.kit_files(), Some(&kit.manifest.state));
+    let verification = verify(inputs, &own, state, Vec::new())?;
+    let control = load(inputs, &own, state).map(|control| (own_tables(inputs), control));
+    Ok((Judged::made(files, job, verification), control))
 }
 
 /// The files of a directory.
 fn of_files<'a>(
     visit: &mut Visit,
     options: &'a Options,
+    files: &'a dyn Files,
     inputs: &Inputs,
     directory: &'a Path,
 ) -> Result<Tables<'a>, Problems> {
-    let judged = Judged::read(inputs, &options.job, directory, options.after.as_deref())?;
+    let judged = Judged::read(files, inputs, &options.job, directory, options.after.as_deref())?;
     visit.protocol_after = judged.protocol_after();
-    if let Ok((_, bytes)) = read_argument(&directory.join(MANIFEST)) {
+    if let Ok((_, bytes)) = files.argument(&directory.join(MANIFEST)) {
         let manifest: Value = serde_json::from_slice(&bytes).unwrap_or_default();
-        visit.sizes = sizes(directory, &manifest);
+        visit.sizes = sizes(files, directory, &manifest);
         visit.documents.push(("kit".to_string(), manifest));
     }
-    Ok((judged, of_directory(inputs, directory)))
+    Ok((judged, of_directory(files, inputs, directory)))
 }
 
 /// Bytes of the files of a manifest. One of others may name any path: only what lies in the directory is looked at.
-fn sizes(directory: &Path, manifest: &Value) -> Vec<(String, usize)> {
-    let files = manifest["files"].as_array().into_iter().flatten();
+fn sizes(files: &dyn Files, directory: &Path, manifest: &Value) -> Vec<(String, usize)> {
+    let listed = manifest["files"].as_array().into_iter().flatten();
     let size = |file: &Value| {
         let name = file["path"].as_str()?;
         let is_inside = Path::new(name).file_name() == Some(name.as_ref());
         let path = is_inside.then(|| directory.join(name))?;
-        let bytes = std::fs::metadata(path).ok()?.len();
-        Some((name.to_string(), usize::try_from(bytes).ok()?))
+        Some((name.to_string(), files.bytes(&path).ok()?.len()))
     };
-    files.filter_map(size).collect()
+    listed.filter_map(size).collect()
 }
 
 fn add_volume(visit: &mut Visit, locale: Locale<'_>, page: &assess::Page) -> Result<(), Problems> {
@@ -297,32 +314,32 @@ fn add_readings(visit: &mut Visit, locale: Locale<'_>, inputs: &Inputs) -> Resul
     Ok(())
 }
 
-fn texts(language: &str) -> Result<Texts, Problems> {
+fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {
     if let Some(shipped) = Texts::shipped(language) {
         return shipped;
     }
     let path = Path::new(language);
-    if !path.is_file() {
+    if !files.exists(path) {
         let shipped: Vec<&str> = Texts::languages().collect();
         let help =
             format!("expected one of {}, or a file of texts (docs/report.md)", shipped.join(", "));
         return Err(Problem::new(format!("there are no texts `{language}`")).help(help).into());
     }
-    let (name, bytes) = read_argument(path)?;
+    let (name, bytes) = files.argument(path)?;
     let stem = Path::new(language).file_stem();
     let stem = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     Texts::read(&Source::from_bytes(&name, &bytes)?, &stem)
 }
 
-fn own_template(path: &Path) -> Result<(String, String), Problems> {
-    let (name, bytes) = read_argument(path)?;
+fn own_template(files: &dyn Files, path: &Path) -> Result<(String, String), Problems> {
+    let (name, bytes) = files.argument(path)?;
     let source = Source::from_bytes(&name, &bytes)?;
     Ok((name, source.text))
 }
 
 /// A picture as text of the page.
-fn logo(path: &Path) -> Result<String, Problems> {
-    let (name, bytes) = read_argument(path)?;
+fn logo(files: &dyn Files, path: &Path) -> Result<String, Problems> {
+    let (name, bytes) = files.argument(path)?;
     let kinds: [(&[u8], &str); 2] =
         [(b"\x89PNG\r\n\x1a\n", "image/png"), (b"\xff\xd8\xff", "image/jpeg")];
     let kind = kinds.into_iter().find(|(start, _)| bytes.starts_with(start));

@@ -3,7 +3,7 @@
 
 use crate::text::plain;
 use clap::Args;
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::Path;
 
 /// Findings on the screen; those that decide the verdict stand under it and are not counted.
@@ -110,11 +110,9 @@ impl Screen {
     }
 }
 
-/// Talk, to standard error.
-pub(super) fn say(text: &str) {
-    let mut out = std::io::stderr().lock();
-    // Nothing can be said about a standard error that is closed.
-    let _ = writeln!(out, "{}", plain::page(text.trim_end()));
+/// Talk, as it goes to standard error.
+pub(super) fn spoken(text: &str) -> String {
+    format!("{}\n", plain::page(text.trim_end()))
 }
 
 /// Paragraphs with a blank line between; empty ones are left out.

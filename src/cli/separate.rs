@@ -6,7 +6,6 @@ mod straight;
 mod text;
 mod words;
 
-use crate::cli::campaign::{CampaignFiles, read_campaign};
 use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::plot::Plot;
 use crate::inputs::error_table;
@@ -15,8 +14,10 @@ use crate::machine::separation::monte_carlo::{Simulated, Trials, simulate};
 use crate::page::{Locale, separated};
 use crate::quantity::diagonal::PathKind;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::campaign::{CampaignFiles, read_campaign};
+use crate::visit::files::Files;
 use clap::Args;
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -49,15 +50,15 @@ fn trials(text: &str) -> Result<usize, String> {
     }
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let output = &options.output;
-    output.ensure_new("the error table")?;
-    let campaign = read_campaign(&options.job)?;
+    output.ensure_new(files, "the error table")?;
+    let campaign = read_campaign(files, &options.job)?;
     if campaign.measurement.kind == PathKind::Straight {
         return straight_runs(options, &campaign);
     }
     let separation = campaign.separate()?;
-    let simulated = (options.trials > 0).then(|| simulated(options, &separation)).flatten();
+    let simulated = (options.trials > 0).then(|| simulated(options, files, &separation)).flatten();
     let csv = || Content::Bytes(error_table::write(&campaign.draft(&separation)).into_bytes());
     let csv = output.is_asked_for().then(csv);
     let document = document::separation(&separation, simulated.as_ref())?;
@@ -87,8 +88,8 @@ fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome,
     Ok(outcome.answering(result.doubts.is_empty()))
 }
 
-fn simulated(options: &Options, separation: &Separation) -> Option<Simulated> {
-    let mut progress = Progress::new(options.trials);
+fn simulated(options: &Options, files: &dyn Files, separation: &Separation) -> Option<Simulated> {
+    let mut progress = Progress::new(options.trials, files.is_watched());
     let plan = Trials { trials: options.trials, seed: options.seed };
     let simulated = simulate(separation, plan, || progress.add());
     progress.close();
@@ -99,20 +100,24 @@ fn simulated(options: &Options, separation: &Separation) -> Option<Simulated> {
 struct Progress {
     done: usize,
     all: usize,
-    begun: Instant,
-    shown: bool,
+    /// `None` where nobody looks on.
+    begun: Option<Instant>,
 }
 
 impl Progress {
-    fn new(all: usize) -> Progress {
-        Progress { done: 0, all, begun: Instant::now(), shown: std::io::stderr().is_terminal() }
+    fn new(all: usize, is_watched: bool) -> Progress {
+        Progress { done: 0, all, begun: is_watched.then(Instant::now) }
+    }
+
+    fn is_shown(&self) -> bool {
+        self.begun.is_some_and(|begun| begun.elapsed() > PATIENCE)
     }
 
     fn add(&mut self) {
         let percent = |done: usize| 100 * done / self.all.max(1);
         let (before, now) = (percent(self.done), percent(self.done + 1));
         self.done += 1;
-        if self.shown && now > before && self.begun.elapsed() > PATIENCE {
+        if now > before && self.is_shown() {
             let bar = "#".repeat(now / 4);
             // A bar that cannot be drawn is no failure.
             let _ = write!(std::io::stderr(), "\rsimulating [{bar:<25}] {now} %");
@@ -120,7 +125,7 @@ impl Progress {
     }
 
     fn close(&self) {
-        if self.shown && self.begun.elapsed() > PATIENCE {
+        if self.is_shown() {
             let _ = write!(std::io::stderr(), "\r{:40}\r", "");
         }
     }

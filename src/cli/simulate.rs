@@ -1,10 +1,8 @@
 //! `nonius simulate JOB -o readings.csv`
 
-use crate::cli::files::{file_name, read_argument};
 use crate::cli::outcome::{Content, Outcome, Output, joined, number};
 use crate::cli::screen::{Screen, table};
-use crate::cli::tables::read_directory;
-use crate::cli::{inputs, show};
+use crate::cli::show;
 use crate::inputs::error_table;
 use crate::inputs::job::{MeasuredData, UseOf};
 use crate::kit::findings::InRehearsal;
@@ -18,6 +16,9 @@ use crate::quantity::units::Figure;
 use crate::read::KitFile;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
+use crate::visit::files::{Files, file_name};
+use crate::visit::inputs;
+use crate::visit::tables::read_directory;
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -76,19 +77,19 @@ struct Simulated {
     document: Value,
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    options.output.ensure_new("the readings")?;
-    let Simulated { bytes, screen, document } = simulated(options)?;
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
+    options.output.ensure_new(files, "the readings")?;
+    let Simulated { bytes, screen, document } = simulated(options, files)?;
     let next = format!(" ({SIMULATED})");
     let bytes = Some(Content::Bytes(bytes));
     options.output.deliver(bytes, || screen, || document, &next)
 }
 
-fn simulated(options: &Options) -> Result<Simulated, Problems> {
-    let (name, bytes) = read_argument(&options.job)?;
+fn simulated(options: &Options, files: &dyn Files) -> Result<Simulated, Problems> {
+    let (name, bytes) = files.argument(&options.job)?;
     let machine = options.machine.as_deref();
     let named = (options.job.as_path(), name.as_str(), bytes.as_slice());
-    let (inputs, angles) = inputs::read_job_of(machine, named, UseOf::Tables)?;
+    let (inputs, angles) = inputs::read_job_of(files, machine, named, UseOf::Tables)?;
     // The angles of an error table are no part of a measurement of diagonals.
     let is_of_diagonals = matches!(inputs.job.measurement.data, MeasuredData::Diagonals(_));
     let angles = angles.filter(|_| is_of_diagonals);
@@ -103,7 +104,7 @@ fn simulated(options: &Options) -> Result<Simulated, Problems> {
         true => None,
         false => Some(Rehearsal::of(&inputs.job, angles.as_ref(), wishes)?),
     };
-    let (loaded, mut origin) = tables(options, &inputs)?;
+    let (loaded, mut origin) = tables(options, files, &inputs)?;
     origin.notes.extend(taken_for_granted(&inputs));
     let machine = SimulatedMachine::new(&inputs, loaded.as_ref(), options.scale_um_per_m);
     let Some(rehearsal) = rehearsal else {
@@ -122,6 +123,7 @@ fn simulated(options: &Options) -> Result<Simulated, Problems> {
 /// The tables that are active, and where they come from.
 fn tables(
     options: &Options,
+    files: &dyn Files,
     inputs: &Inputs,
 ) -> Result<(Option<SimulatedTables>, SimulationSource), Problems> {
     let mut origin = SimulationSource {
@@ -142,7 +144,7 @@ fn tables(
             SimulatedTables::read(inputs, &kit.kit_files(), None)?
         }
         Some(directory) => {
-            let found = read_directory(inputs, directory)?;
+            let found = read_directory(files, inputs, directory)?;
             origin.table_files = hashes(&found.kit_files());
             origin.tables = format!("with the tables in {}", file_name(directory));
             found.rehearse(inputs)?

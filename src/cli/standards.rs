@@ -3,7 +3,6 @@
 mod axis;
 mod diagonals;
 
-use crate::cli::files::{file_name, read_argument};
 use crate::cli::outcome::{Outcome, Print};
 use crate::cli::plot::PlotOnly;
 use crate::control::controller::TableSign;
@@ -20,6 +19,7 @@ use crate::text::delimited::LengthUnit;
 use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::files::{Files, file_name};
 use axis::Page;
 use clap::Args;
 pub(super) use diagonals::of_separation;
@@ -65,12 +65,12 @@ pub(super) struct Options {
     print: Print,
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let (name, bytes) = read_argument(&options.file)?;
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
+    let (name, bytes) = files.argument(&options.file)?;
     let input = FileKind::of(&name, &bytes);
     options.refuse_foreign(input)?;
     match input {
-        FileKind::Job => diagonals::of_job(&options.file, options.print, &options.plot),
+        FileKind::Job => diagonals::of_job(files, &options.file, options.print, &options.plot),
         FileKind::Readings => {
             let source = Source::from_bytes(&name, &bytes)?;
             diagonals::of_readings(source, options.print, &options.plot)

@@ -3,14 +3,15 @@
 mod page;
 mod second;
 
-use crate::cli::inputs;
 use crate::cli::outcome::{Outcome, Print};
 use crate::cli::plot::PlotOnly;
-use crate::cli::tables::read_directory;
 use crate::judge::conformity::Verdict;
 use crate::kit::second_look::second_look;
 use crate::kit::{Inputs, Verification};
 use crate::text::problem::Problems;
+use crate::visit::files::Files;
+use crate::visit::inputs;
+use crate::visit::tables::read_directory;
 use clap::Args;
 pub(super) use page::Page;
 use second::Second;
@@ -33,9 +34,10 @@ pub(super) struct Options {
     print: Print,
 }
 
-pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
-    let inputs = inputs::read(&options.job)?;
-    let judged = Judged::read(&inputs, &options.job, &options.tables, options.after.as_deref())?;
+pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
+    let inputs = inputs::read(files, &options.job)?;
+    let judged =
+        Judged::read(files, &inputs, &options.job, &options.tables, options.after.as_deref())?;
     let page = judged.page(&inputs)?;
     let outcome = options.print.outcome(|| page.screen(), || page.document())?;
     let outcome = outcome.answering(page.verdict() == Verdict::Pass);
@@ -44,6 +46,7 @@ pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
 
 /// Tables, and a measurement with them active.
 pub(super) struct Judged<'a> {
+    files: &'a dyn Files,
     job: &'a Path,
     directory: &'a Path,
     verification: Verification,
@@ -53,21 +56,26 @@ pub(super) struct Judged<'a> {
 impl<'a> Judged<'a> {
     /// The files of a directory, and of a second measurement.
     pub(super) fn read(
+        files: &'a dyn Files,
         inputs: &Inputs,
         job: &'a Path,
         directory: &'a Path,
         after: Option<&Path>,
     ) -> Result<Judged<'a>, Problems> {
-        let second = after.map(|path| Second::read(inputs, path, directory));
+        let second = after.map(|path| Second::read(files, inputs, path, directory));
         let second = second.transpose()?;
-        let verification = read_directory(inputs, directory)?.verify(inputs)?;
-        Ok(Judged { job, directory, verification, second })
+        let verification = read_directory(files, inputs, directory)?.verify(inputs)?;
+        Ok(Judged { files, job, directory, verification, second })
     }
 
     /// Tables that were made and lie nowhere yet.
-    pub(super) fn made(job: &'a Path, verification: Verification) -> Judged<'a> {
+    pub(super) fn made(
+        files: &'a dyn Files,
+        job: &'a Path,
+        verification: Verification,
+    ) -> Judged<'a> {
         let directory = Path::new("");
-        Judged { job, directory, verification, second: None }
+        Judged { files, job, directory, verification, second: None }
     }
 
     /// `date` and protocol of the second measurement, as its job states them.
@@ -79,7 +87,7 @@ impl<'a> Judged<'a> {
     pub(super) fn page<'b>(&'b self, inputs: &'b Inputs) -> Result<Page<'b>, Problems> {
         let second = self.second.as_ref().map(|second| {
             second.ensure_active(inputs, &self.verification)?;
-            let corrected = || second::corrected(inputs, self.job);
+            let corrected = || second::corrected(self.files, inputs, self.job);
             let look = second_look(inputs, &self.verification, &second.measurement, corrected)?;
             Ok::<_, Problems>((second, look))
         });

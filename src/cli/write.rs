@@ -16,16 +16,13 @@
 
 mod partial;
 
-use crate::cli::files::{input_at, plain_words, with_suffix};
-use crate::cli::screen::say;
+use crate::cli::terminal::say;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::files::{NamedBytes, Ready, not_written, plain_words, previous};
 use partial::{Partial, parent_of};
 use std::fs::{self, File};
 use std::io::{ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
-
-/// A file to be written: name and bytes.
-pub(super) type NamedBytes<'a> = (&'a str, &'a [u8]);
 
 /// Refuses a directory that holds something, before any work is done.
 pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems> {
@@ -60,7 +57,7 @@ pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems>
 }
 
 /// An output that is complete beside its place: a directory, or one file.
-pub(super) struct Ready {
+pub(super) struct Output {
     partial: Partial,
     /// Directories that were made for it; without it they go, so they stand behind it.
     _parents: Vec<Partial>,
@@ -70,45 +67,34 @@ pub(super) struct Ready {
     force: bool,
 }
 
-impl Ready {
+impl Output {
     /// A new file beside a place where a file may be put, and a handle to write with.
-    pub(super) fn file(place: &Path, force: bool) -> Result<(Ready, File), Problems> {
-        ensure_new(place, force)?;
-        refuse_input(place)?;
+    pub(super) fn file(place: &Path, force: bool) -> Result<(Output, File), Problems> {
         let refuse = |error| not_written("cannot write", place, &error);
         let (partial, file) = Partial::file(place).map_err(refuse)?;
         let handle = file.try_clone().map_err(refuse)?;
-        let ready = Ready {
-            partial,
-            _parents: Vec::new(),
-            file: Some(file),
-            place: place.to_path_buf(),
-            force,
-        };
-        Ok((ready, handle))
+        let (file, place) = (Some(file), place.to_path_buf());
+        Ok((Output { partial, _parents: Vec::new(), file, place, force }, handle))
     }
 
-    /// Where it will be.
-    pub(super) fn place(&self) -> &Path {
-        &self.place
-    }
-
-    /// Waits until a file is on the disk.
-    pub(super) fn complete(self) -> Result<Ready, Problems> {
-        let synced = self.file.as_ref().map_or(Ok(()), File::sync_all);
-        synced.map_err(|error| not_written("cannot write", &self.place, &error))?;
-        Ok(self)
-    }
-
-    /// One rename puts it into its place.
-    pub(super) fn put(self) -> Result<(), Problems> {
-        if self.file.is_some() {
-            self.put_file()?;
-        } else {
-            take_place(&self.partial, &self.place, self.force)?;
+    /// All files, in their order, beside the place of the directory.
+    pub(super) fn folder(
+        place: PathBuf,
+        files: &[NamedBytes<'_>],
+        force: bool,
+    ) -> Result<Output, Problems> {
+        let parent = parent_of(&place);
+        let parents = Partial::parents(&parent)
+            .map_err(|e| not_written("cannot make the directory", &parent, &e))?;
+        let partial = Partial::directory(&place)
+            .map_err(|e| not_written("cannot make a directory in", &parent, &e))?;
+        for (file, bytes) in files {
+            let path = partial.path().join(file);
+            let made = File::create_new(&path).and_then(|mut file| written(&mut file, bytes));
+            made.map_err(|e| not_written("cannot write", &path, &e))?;
         }
-        sync_directory(&parent_of(&self.place));
-        Ok(())
+        sync_directory(partial.path());
+        Ok(Output { partial, _parents: parents, file: None, place, force })
     }
 
     fn put_file(&self) -> Result<(), Problems> {
@@ -121,6 +107,27 @@ impl Ready {
             }
         });
         put.map_err(|error| not_written("cannot put into place", &self.place, &error))
+    }
+}
+
+impl Ready for Output {
+    fn place(&self) -> &Path {
+        &self.place
+    }
+
+    fn complete(&self) -> Result<(), Problems> {
+        let synced = self.file.as_ref().map_or(Ok(()), File::sync_all);
+        synced.map_err(|error| not_written("cannot write", &self.place, &error))
+    }
+
+    fn put(self: Box<Self>) -> Result<(), Problems> {
+        if self.file.is_some() {
+            self.put_file()?;
+        } else {
+            take_place(&self.partial, &self.place, self.force)?;
+        }
+        sync_directory(&parent_of(&self.place));
+        Ok(())
     }
 }
 
@@ -138,43 +145,14 @@ fn is_drive(_: &Path) -> bool {
     false
 }
 
-/// Writes all files, then `manifest`, beside the place of the directory.
-pub(super) fn write_kit(
-    directory: &Path,
-    files: &[NamedBytes<'_>],
-    manifest: NamedBytes<'_>,
-    force: bool,
-) -> Result<Ready, Problems> {
+/// The place of a new directory; `kit/` and `kit` are the same.
+pub(super) fn named(directory: &Path) -> Result<PathBuf, Problem> {
     let place = trimmed(directory);
-    if place.file_name().is_none() {
-        let message = format!("`{}` is no name for a new directory", place.display());
-        return Err(Problem::new(message).help("name a directory below it, e.g. `kit`").into());
+    match place.file_name() {
+        Some(_) => Ok(place),
+        None => Err(Problem::new(format!("`{}` is no name for a new directory", place.display()))
+            .help("name a directory below it, e.g. `kit`")),
     }
-    refuse_input(&place)?;
-    let parent = parent_of(&place);
-    let parents = Partial::parents(&parent)
-        .map_err(|e| not_written("cannot make the directory", &parent, &e))?;
-    let partial = Partial::directory(&place)
-        .map_err(|e| not_written("cannot make a directory in", &parent, &e))?;
-    for (file, bytes) in files.iter().chain([&manifest]) {
-        let path = partial.path().join(file);
-        write_new(&path, bytes).map_err(|e| not_written("cannot write", &path, &e))?;
-    }
-    sync_directory(partial.path());
-    Ok(Ready { partial, _parents: parents, file: None, place, force })
-}
-
-/// Refuses an output that this run reads, that contains something that it reads, or that would lie in
-/// a directory that it reads: asked when everything was read and nothing is written.
-fn refuse_input(output: &Path) -> Result<(), Problem> {
-    let Some(input) = input_at(output) else {
-        return Ok(());
-    };
-    let name = output.display();
-    Err(Problem::new(format!(
-        "writing `{name}` would replace or change `{input}`, which this run reads"
-    ))
-    .help("choose another name for `-o`"))
 }
 
 /// Refuses a file that exists, and with `--force` anything but a regular one, before any work is done.
@@ -201,46 +179,22 @@ pub(super) fn ensure_new(file: &Path, force: bool) -> Result<(), Problems> {
     Err(Problem::new(message).help(help).into())
 }
 
-/// Writes a file beside its place, whole.
-pub(super) fn write_file(place: &Path, bytes: &[u8], force: bool) -> Result<Ready, Problems> {
-    let (ready, mut file) = Ready::file(place, force)?;
-    let written = write_and_read_back(&mut file, bytes);
-    written.map_err(|error| not_written("cannot write", place, &error))?;
-    ready.complete()
-}
-
-pub(super) fn not_written(what: &str, path: &Path, error: &std::io::Error) -> Problems {
-    Problem::new(format!(
-        "{what} `{}`: {}; nothing was written",
-        path.display(),
-        plain_words(error)
-    ))
-    .help("check the place and its free space, then run the command again")
-    .into()
-}
-
 /// `kit/` and `kit` are the same directory.
 fn trimmed(directory: &Path) -> PathBuf {
     directory.components().collect()
 }
 
 /// Writes a new file, reads it back from the system and waits until it is on the disk.
-fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    let mut file = File::create_new(path)?;
-    write_and_read_back(&mut file, bytes)?;
-    file.sync_all()
-}
-
-fn write_and_read_back(file: &mut File, bytes: &[u8]) -> std::io::Result<()> {
+pub(super) fn written(file: &mut File, bytes: &[u8]) -> std::io::Result<()> {
     file.write_all(bytes)?;
     file.rewind()?;
     let mut found = Vec::with_capacity(bytes.len() + 1);
     file.read_to_end(&mut found)?;
-    if found == bytes {
-        return Ok(());
+    if found != bytes {
+        let other = "the bytes in the file are not those that were written";
+        return Err(std::io::Error::other(other));
     }
-    let other = "the bytes in the file are not those that were written";
-    Err(std::io::Error::other(other))
+    file.sync_all()
 }
 
 /// Makes a rename durable where the system can; elsewhere the system does it in its own time.
@@ -300,12 +254,4 @@ fn swap(one: &Path, other: &Path) -> std::io::Result<()> {
 #[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
 fn swap(_: &Path, _: &Path) -> std::io::Result<()> {
     Err(ErrorKind::Unsupported.into())
-}
-
-/// Where the directory that `--force` replaces is kept: `DIR.previous`, `DIR.previous-2`, ….
-pub(super) fn previous(directory: &Path, number: usize) -> PathBuf {
-    match number {
-        0 | 1 => with_suffix(directory, ".previous"),
-        _ => with_suffix(directory, &format!(".previous-{number}")),
-    }
 }

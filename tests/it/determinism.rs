@@ -1,8 +1,9 @@
 //! The same bytes everywhere: files and standard output depend on the inputs and the command only, not
 //! on language, time zone, cores, working directory or environment.
 
-use crate::support::tree::{Tree, difference, skipped};
+use crate::support::tree::{Entry, Tree, difference, skipped};
 use crate::support::visit::Visit;
+use nonius::visit::memory::Memory;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
@@ -51,6 +52,27 @@ fn expect_same(what: &str, words: &str, expected: &Made, found: &Made) {
     assert_eq!(found.1, expected.1, "{what}: {words}");
     let names = difference(&expected.2, &found.2);
     assert!(names.is_empty(), "{what}: {words}: {names} differ");
+}
+
+/// What another program gets of files in its memory.
+#[test]
+fn a_disk_and_memory_give_the_same() {
+    fn files(tree: &Tree) -> impl Iterator<Item = (&str, &[u8])> {
+        tree.iter().filter_map(|(name, entry)| match entry {
+            Entry::File(bytes) => Some((name.as_str(), bytes.as_slice())),
+            _ => None,
+        })
+    }
+    for (fixture, words) in COMMANDS {
+        let (status, said, tree) = made_by(nonius(), (fixture, words));
+        let memory = Memory::of(files(&Visit::of(fixture).files()));
+        let answer = nonius::cli::answer(&memory, words.replace("{}", "").split(' '));
+        assert_eq!(Some(i32::from(answer.status)), status, "{words}: {}", answer.err);
+        assert_eq!(String::from_utf8(answer.out).unwrap(), said, "{words}");
+        let all = memory.all();
+        let found: Vec<_> = all.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
+        assert!(found == files(&tree).collect::<Vec<_>>(), "{words}: other files");
+    }
 }
 
 #[test]

@@ -41,7 +41,7 @@ const OF_A_JOB: [&str; 24] = [
     "assess {}.toml --grid 7,7,7 --format json",
     "assess {}.toml --grid 7,7,7 --tables {}-kit --format json",
     "context {}.toml",
-    "report {}.toml --tables {}-kit --date 2026-11-24 -o {}-report.html",
+    "report {}.toml --tables {}-kit -o {}-report.html",
     "history {}-kit",
     "simulate {}.toml --errors --tables {}-kit --noise-um 0.2 --seed 7 -o {}-errors.csv",
     "simulate {}.toml --tables {}-kit --noise-um 0.2 --seed 7 -o {}-readings.csv",

@@ -1,6 +1,5 @@
 //! `nonius import --form readings.csv --ppp FILE … -o readings.csv`
 
-use crate::cli::files::{file_name, read_argument, read_form};
 use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::screen::Screen;
 use crate::inputs::import::stated::Stated;
@@ -9,6 +8,7 @@ use crate::kit::sha256;
 use crate::quantity::diagonal::Diagonal;
 use crate::text::document::Source;
 use crate::text::problem::Problems;
+use crate::visit::files::{Files, file_name};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -36,9 +36,12 @@ pub(super) struct Lists {
 /// A list as it was read: of which diagonal, path, name, hash and bytes.
 type Read = (Option<Diagonal>, String, String, String, Vec<u8>);
 
-fn read((of, file): (Option<Diagonal>, &Option<PathBuf>)) -> Option<Result<Read, Problems>> {
+fn read(
+    files: &dyn Files,
+    (of, file): (Option<Diagonal>, &Option<PathBuf>),
+) -> Option<Result<Read, Problems>> {
     let file = file.as_deref()?;
-    let read = read_argument(file);
+    let read = files.argument(file);
     Some(read.map(|(path, bytes)| (of, path, file_name(file), sha256(&bytes), bytes)))
 }
 
@@ -49,17 +52,18 @@ fn as_list((of, path, name, sha256, bytes): &Read) -> List<'_> {
 
 /// Fills the form in; `file` is the list of an axis.
 pub(super) fn run(
+    files: &dyn Files,
     (form, lists): (&Path, &Lists),
     file: &Option<PathBuf>,
     (encoding, stated): (Option<&'static encoding_rs::Encoding>, &Stated),
     output: &Output,
 ) -> Result<Outcome, Problems> {
-    output.ensure_new("the readings")?;
-    let (name, bytes, held) = read_form(form, output.place())?;
+    output.ensure_new(files, "the readings")?;
+    let (name, bytes, held) = files.form(form, output.place())?;
     let form = Source::from_bytes(&name, &bytes)?;
     let Lists { ppp, npp, pnp, ppn, .. } = lists;
     let of_diagonals = Diagonal::ALL.map(Some).into_iter().zip([ppp, npp, pnp, ppn]);
-    let lists = of_diagonals.chain([(None, file)]).filter_map(read);
+    let lists = of_diagonals.chain([(None, file)]).filter_map(|own| read(files, own));
     let lists: Vec<Read> = lists.collect::<Result<_, _>>()?;
     let named: Vec<List<'_>> = lists.iter().map(as_list).collect();
     let text = fill(&form, &named, encoding, stated)?;

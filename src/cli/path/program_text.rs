@@ -1,38 +1,34 @@
 //! A part program on disk, read line by line.
 
-use crate::cli::files::{STANDARD_INPUT, open, plain_words, standard_input};
 use crate::inputs::nc::{Line, Mark, Text};
 use crate::text::problem::Problem;
-use std::fs::File;
+use crate::visit::files::{Files, Long, plain_words};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 /// No control reads a longer line.
 const LONGEST_LINE: u64 = 4096;
-/// What is taken from standard input (it is kept on disk, because subprograms are gone back to).
-const LARGEST_PIPE_BYTES: u64 = 16 * 1024 * 1024 * 1024;
 /// Filled again whenever a subprogram is called or ends that is not in it.
 const BUFFER_BYTES: usize = 1 << 16;
 
 /// A program that is open.
 pub(super) struct ProgramText {
     name: String,
-    reader: BufReader<File>,
+    reader: BufReader<Box<dyn Long>>,
     line: Vec<u8>,
     mark: Mark,
 }
 
 impl ProgramText {
     /// Opens a file; `-` = standard input.
-    pub(super) fn open(path: &Path) -> Result<ProgramText, Problem> {
-        let (name, file) = if path == Path::new("-") {
-            (STANDARD_INPUT.to_string(), spooled(STANDARD_INPUT, standard_input())?)
-        } else {
-            (path.display().to_string(), opened(path)?)
-        };
+    pub(super) fn open(files: &dyn Files, path: &Path) -> Result<ProgramText, Problem> {
+        let (name, long) = files.long(path).map_err(|problem| match problem.help {
+            Some(_) => problem,
+            None => problem.help("check the path of the part program"),
+        })?;
         Ok(ProgramText {
             name,
-            reader: BufReader::with_capacity(BUFFER_BYTES, file),
+            reader: BufReader::with_capacity(BUFFER_BYTES, long),
             line: Vec::new(),
             mark: Mark::default(),
         })
@@ -41,32 +37,6 @@ impl ProgramText {
     pub(super) fn name(&self) -> &str {
         &self.name
     }
-}
-
-fn opened(path: &Path) -> Result<File, Problem> {
-    let (file, metadata) = open(path).map_err(|problem| match problem.help {
-        Some(_) => problem,
-        None => problem.help("check the path of the part program"),
-    })?;
-    if metadata.is_file() { Ok(file) } else { spooled(&format!("`{}`", path.display()), file) }
-}
-
-/// What comes through a pipe, as a file without a name.
-fn spooled(name: &str, input: impl Read) -> Result<File, Problem> {
-    let refuse = |error: std::io::Error| {
-        Problem::new(format!("{name} cannot be read: {}", plain_words(&error)))
-    };
-    let mut file = tempfile::tempfile().map_err(refuse)?;
-    let mut input = input.take(LARGEST_PIPE_BYTES + 1);
-    if std::io::copy(&mut input, &mut file).map_err(refuse)? > LARGEST_PIPE_BYTES {
-        let message = format!(
-            "{name} holds more than {} GiB, too much for a part program",
-            LARGEST_PIPE_BYTES >> 30
-        );
-        return Err(Problem::new(message).help("name the file in place of `-`"));
-    }
-    file.rewind().map_err(refuse)?;
-    Ok(file)
 }
 
 fn failed(name: &str, error: &std::io::Error) -> Problem {

@@ -1,22 +1,20 @@
 //! The samples of a path as CSV, written as they come: whole or not at all; and the worst of the holes
 //! that canned cycles drill.
 
-use crate::cli::files::plain_words;
 use crate::cli::outcome::{Content, Output};
-use crate::cli::write::{self, Ready};
 use crate::quantity::units::Figure;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::Problems;
+use crate::visit::files::{Files, Long, Ready, not_put_out, not_written};
 use crate::volume::tool_path::{PathMap, Sample};
 use serde::Serialize;
-use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
 
 /// A file that is being written beside its place; that of standard output is a temporary one.
 pub(super) struct Points {
     /// `None` = standard output.
-    ready: Option<Ready>,
-    writer: BufWriter<File>,
+    ready: Option<Box<dyn Ready>>,
+    writer: BufWriter<Box<dyn Long>>,
     failed: Option<std::io::Error>,
 }
 
@@ -26,11 +24,14 @@ const AFTER: &str =
     ",after_ex_um,after_ey_um,after_ez_um,after_e_um,after_tangent_um,after_normal_um";
 
 impl Points {
-    pub(super) fn create(output: &Output, has_after: bool) -> Result<Points, Problems> {
-        let (ready, file) = output.open()?;
-        let file = file.map_err(|error| not_written(output.place(), &error))?;
+    pub(super) fn create(
+        files: &dyn Files,
+        output: &Output,
+        has_after: bool,
+    ) -> Result<Points, Problems> {
+        let (long, ready) = output.begin(files)?;
         let mut points =
-            Points { ready, writer: BufWriter::with_capacity(1 << 18, file), failed: None };
+            Points { ready, writer: BufWriter::with_capacity(1 << 18, long), failed: None };
         let after = if has_after { AFTER } else { "" };
         let head = writeln!(points.writer, "{COLUMNS}{after}");
         points.note(head);
@@ -55,19 +56,14 @@ impl Points {
     pub(super) fn content(mut self) -> Result<Content, Problems> {
         let flushed = self.writer.flush();
         self.note(flushed);
-        let path = self.ready.as_ref().map(Ready::place);
+        let path = self.ready.as_ref().map(|ready| ready.place());
         if let Some(error) = &self.failed {
-            return Err(not_written(path, error));
+            return Err(refused(path, error));
         }
-        let (mut file, _) = self.writer.into_parts();
-        match self.ready {
-            Some(ready) => Ok(Content::Ready(ready)),
-            None => {
-                let rewound = file.rewind();
-                rewound.map_err(|error| not_written(None, &error))?;
-                Ok(Content::Spooled(file))
-            }
-        }
+        let (mut long, _) = self.writer.into_parts();
+        let rewound = long.rewind();
+        rewound.map_err(|error| refused(path, &error))?;
+        Ok(Content::Begun(long, self.ready))
     }
 }
 
@@ -99,13 +95,10 @@ fn error(out: &mut impl Write, sample: &Sample, error: [f64; 3]) -> std::io::Res
     }
 }
 
-fn not_written(path: Option<&Path>, error: &std::io::Error) -> Problems {
+fn refused(path: Option<&Path>, error: &std::io::Error) -> Problems {
     match path {
-        Some(path) => write::not_written("cannot write", path, error),
-        None => {
-            let words = plain_words(error);
-            Problem::new(format!("standard output cannot be written: {words}")).into()
-        }
+        Some(path) => not_written("cannot write", path, error),
+        None => not_put_out(error).into(),
     }
 }
 

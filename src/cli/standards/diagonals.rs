@@ -1,7 +1,6 @@
 //! Figures of the body diagonals: of a job with readings, or of readings alone.
 
 use super::axis::{conditions, conditions_json, likely_words, missed};
-use crate::cli::campaign::read_campaign;
 use crate::cli::diagonals::{StandardFigures, diagonal_json, named_um};
 use crate::cli::outcome::{Outcome, Print, joined};
 use crate::cli::plot::PlotOnly;
@@ -18,6 +17,8 @@ use crate::quantity::diagonal::PathKind;
 use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
+use crate::visit::campaign::read_campaign;
+use crate::visit::files::Files;
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
@@ -26,8 +27,13 @@ const ALONG: &str = "along_diagonal";
 const ALONG_STEPS: &str = "along_diagonal_steps";
 
 /// Figures of the readings that a job names.
-pub(super) fn of_job(path: &Path, print: Print, plot: &PlotOnly) -> Result<Outcome, Problems> {
-    let files = read_campaign(path)?;
+pub(super) fn of_job(
+    on: &dyn Files,
+    path: &Path,
+    print: Print,
+    plot: &PlotOnly,
+) -> Result<Outcome, Problems> {
+    let files = read_campaign(on, path)?;
     let measurement = &files.measurement;
     let (runs, all) = match measurement.kind {
         PathKind::Step => {

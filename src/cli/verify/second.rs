@@ -1,9 +1,5 @@
 //! Files of a user → the measurement with the tables active.
 
-use crate::cli::campaign::CampaignFiles;
-use crate::cli::files::{file_name, read_argument};
-use crate::cli::inputs::{self, ACTIVE};
-use crate::cli::job_files::JobFiles;
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{ActiveTables, Job, MeasuredData};
 use crate::inputs::kind::FileKind;
@@ -21,6 +17,10 @@ use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::campaign::CampaignFiles;
+use crate::visit::files::{Files, file_name};
+use crate::visit::inputs::{self, ACTIVE};
+use crate::visit::job_files::JobFiles;
 use std::path::Path;
 
 /// A second measurement, and every file that it was read from.
@@ -57,9 +57,7 @@ fn active(
             .help("name the kit that was loaded, relative to this job; if none was loaded, it is a measurement to make tables from")
             .into()),
         ActiveTables::Path(path) => {
-            let place = |path: &Path| std::fs::canonicalize(path).ok();
-            let own = place(&files.folder.join(path));
-            if own.is_some() && own == place(tables) {
+            if files.files.same(&files.folder.join(path), tables) {
                 return Ok(None);
             }
             inputs::active(files, &first.profile)
@@ -87,8 +85,13 @@ fn notes(job: &Job, tables: &Path) -> Vec<Finding> {
 impl Second {
     /// Reads an error table, or a job with errors, readings or straight diagonals, measured with the
     /// tables of a directory active.
-    pub(super) fn read(first: &Inputs, path: &Path, tables: &Path) -> Result<Second, Problems> {
-        let (name, bytes) = read_argument(path)?;
+    pub(super) fn read(
+        files: &dyn Files,
+        first: &Inputs,
+        path: &Path,
+        tables: &Path,
+    ) -> Result<Second, Problems> {
+        let (name, bytes) = files.argument(path)?;
         let own = hashed(&file_name(path), &bytes);
         let source = Source::from_bytes(&name, &bytes)?;
         if FileKind::of(&name, &bytes) != FileKind::Job {
@@ -104,14 +107,14 @@ impl Second {
         }
         let job = Job::read_second(source, &first.job)?;
         ensure_same_machine(&first.job, &job)?;
-        let mut files = JobFiles::new(&job, path);
-        let active = active(first, &mut files, tables)?;
-        files.hashes = vec![own];
-        let (measurement, errors) = of_job(&first.job, &mut files)?;
+        let mut named = JobFiles::new(files, &job, path);
+        let active = active(first, &mut named, tables)?;
+        named.hashes = vec![own];
+        let (measurement, errors) = of_job(&first.job, &mut named)?;
         Ok(Second {
             measurement,
             errors,
-            hashes: files.hashes,
+            hashes: named.hashes,
             protocol: protocol(&job),
             notes: notes(&job, tables),
             job: Some(job),
@@ -209,7 +212,11 @@ fn of_job(
 
 /// The machine as found under each slip of the records of the first measurement; none where its job
 /// gives errors, not readings.
-pub(super) fn corrected(first: &Inputs, job_path: &Path) -> Result<Vec<Corrected>, Problems> {
+pub(super) fn corrected(
+    files: &dyn Files,
+    first: &Inputs,
+    job_path: &Path,
+) -> Result<Vec<Corrected>, Problems> {
     let Inputs { job, profile, .. } = first;
     let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
         return Ok(Vec::new());
@@ -217,7 +224,7 @@ pub(super) fn corrected(first: &Inputs, job_path: &Path) -> Result<Vec<Corrected
     if measurement.kind != PathKind::Step {
         return Ok(Vec::new());
     }
-    let campaign = CampaignFiles::read(&mut JobFiles::new(job, job_path), measurement)?;
+    let campaign = CampaignFiles::read(&mut JobFiles::new(files, job, job_path), measurement)?;
     // The machine without tables, by the way that the job itself is read.
     let model = |slip| -> Result<ErrorModel, Problems> {
         let errors = campaign.without(slip).errors()?;

@@ -1,7 +1,5 @@
 //! A measurement of body diagonals with everything that its job names.
 
-use crate::cli::files::read_argument;
-use crate::cli::job_files::{JobFiles, folder_of, read_page};
 use crate::inputs::error_table::{Draft, ErrorTable};
 use crate::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData, UseOf};
 use crate::inputs::readings::Readings;
@@ -16,18 +14,20 @@ use crate::machine::separation::{self, Campaign, Separation};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
+use crate::visit::files::Files;
+use crate::visit::job_files::{JobFiles, folder_of, read_page};
 use crate::write::emit::TOOL;
 use std::path::Path;
 use std::sync::Arc;
 
 /// A measurement of diagonals with everything that its job names.
 #[derive(Clone)]
-pub(super) struct CampaignFiles {
+pub(crate) struct CampaignFiles {
     /// The job itself.
-    pub(super) job: Job,
+    pub(crate) job: Job,
     /// How it was measured.
-    pub(super) measurement: DiagonalMeasurement,
-    pub(super) readings: Readings,
+    pub(crate) measurement: DiagonalMeasurement,
+    pub(crate) readings: Readings,
     tables: NamedTables,
     closure_errors: Option<ErrorTable>,
     readings_sha256: String,
@@ -35,7 +35,7 @@ pub(super) struct CampaignFiles {
 
 impl CampaignFiles {
     /// The readings of a job, and every file that it names for them.
-    pub(super) fn read(
+    pub(crate) fn read(
         files: &mut JobFiles<'_>,
         measurement: &DiagonalMeasurement,
     ) -> Result<CampaignFiles, Problems> {
@@ -70,7 +70,7 @@ impl CampaignFiles {
     }
 
     /// The nine errors, for any backlash policy.
-    pub(super) fn errors(&self) -> Result<ErrorSource, Problems> {
+    pub(crate) fn errors(&self) -> Result<ErrorSource, Problems> {
         Ok(ErrorSource::Separated {
             separation: Arc::new(self.separate()?),
             readings: self.measurement.readings.clone(),
@@ -79,14 +79,14 @@ impl CampaignFiles {
     }
 
     /// What goes into a separation beside the readings.
-    pub(super) fn campaign(&self) -> Result<Campaign<'_>, Problems> {
+    pub(crate) fn campaign(&self) -> Result<Campaign<'_>, Problems> {
         let known = |run| self.readings.offset_known(run);
         let reverse_zero_known = self.readings.runs.iter().all(known);
         campaign::campaign(&self.job, &self.measurement, &self.tables, reverse_zero_known)
     }
 
     /// The nine errors.
-    pub(super) fn separate(&self) -> Result<Separation, Problems> {
+    pub(crate) fn separate(&self) -> Result<Separation, Problems> {
         self.check_turn()?;
         let mut separation = separation::separate(&self.campaign()?, &self.readings.runs);
         separation.labels.splice(0..0, self.readings.notes());
@@ -94,7 +94,7 @@ impl CampaignFiles {
     }
 
     /// The same with a slip of the records taken back.
-    pub(super) fn without(&self, slip: Slip) -> CampaignFiles {
+    pub(crate) fn without(&self, slip: Slip) -> CampaignFiles {
         let mut files = self.clone();
         match slip {
             Slip::Names(one, other) => files.readings.exchange(one, other),
@@ -124,7 +124,7 @@ impl CampaignFiles {
     }
 
     /// What straight runs say.
-    pub(super) fn straight(&self) -> Result<StraightResult, Problems> {
+    pub(crate) fn straight(&self) -> Result<StraightResult, Problems> {
         let mut result =
             straight(&self.campaign()?, &self.readings.runs, self.closure_errors.as_ref())?;
         result.labels.splice(0..0, self.readings.notes());
@@ -132,7 +132,7 @@ impl CampaignFiles {
     }
 
     /// Means and figures of straight runs, for a comparison with a forecast.
-    pub(super) fn straight_runs(&self) -> Result<StraightRuns, Problems> {
+    pub(crate) fn straight_runs(&self) -> Result<StraightRuns, Problems> {
         let result = self.straight()?;
         let counts = run_counts(&result.runs);
         let means = means(&result.runs);
@@ -168,7 +168,7 @@ impl CampaignFiles {
     }
 
     /// The error table, with where it comes from and what it rests on.
-    pub(super) fn draft(&self, separation: &Separation) -> Draft {
+    pub(crate) fn draft(&self, separation: &Separation) -> Draft {
         table::draft(separation, &self.job, self.comments())
     }
 
@@ -182,10 +182,10 @@ impl CampaignFiles {
 }
 
 /// Reads a job with readings and everything it names.
-pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> {
-    let (name, bytes) = read_argument(job_path)?;
+pub(crate) fn read_campaign(files: &dyn Files, job_path: &Path) -> Result<CampaignFiles, Problems> {
+    let (name, bytes) = files.argument(job_path)?;
     let source = Source::from_bytes(&name, &bytes)?;
-    let job = read_page(source, folder_of(job_path), UseOf::Separation)?;
+    let job = read_page(files, source, folder_of(job_path), UseOf::Separation)?;
     let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
         return Err(job
             .problem_at(
@@ -195,5 +195,5 @@ pub(super) fn read_campaign(job_path: &Path) -> Result<CampaignFiles, Problems> 
             .help("a job with `readings` is needed here")
             .into());
     };
-    CampaignFiles::read(&mut JobFiles::new(&job, job_path), measurement)
+    CampaignFiles::read(&mut JobFiles::new(files, &job, job_path), measurement)
 }

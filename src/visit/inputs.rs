@@ -1,8 +1,5 @@
 //! Files of a user → checked inputs.
 
-use crate::cli::campaign::CampaignFiles;
-use crate::cli::files::{file_name, file_names, plain_words, read_argument, read_file};
-use crate::cli::job_files::{JobFiles, folder_of, read_page};
 use crate::control::controller::Profile;
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::{ActiveTables, BacklashPolicy, MeasuredData, UseOf};
@@ -14,60 +11,69 @@ use crate::quantity::axis::PerAxis;
 use crate::quantity::diagonal::PathKind;
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::campaign::CampaignFiles;
+use crate::visit::files::{Files, Kind, file_name, plain_words};
+use crate::visit::job_files::{JobFiles, folder_of, read_page};
 use std::path::Path;
 use std::sync::Arc;
 
 /// Reads a job and everything it names, for tables.
-pub(super) fn read(job_path: &Path) -> Result<Inputs, Problems> {
-    read_for(job_path, UseOf::Tables)
+pub(crate) fn read(files: &dyn Files, job_path: &Path) -> Result<Inputs, Problems> {
+    read_for(files, job_path, UseOf::Tables)
 }
 
 /// Reads a job and everything it names, for what is asked of it.
-pub(super) fn read_for(job_path: &Path, use_of: UseOf) -> Result<Inputs, Problems> {
-    let (name, bytes) = read_argument(job_path)?;
-    Ok(read_job(job_path, &name, &bytes, use_of)?.0)
+pub(crate) fn read_for(
+    files: &dyn Files,
+    job_path: &Path,
+    use_of: UseOf,
+) -> Result<Inputs, Problems> {
+    let (name, bytes) = files.argument(job_path)?;
+    Ok(read_job(files, job_path, &name, &bytes, use_of)?.0)
 }
 
 /// Reads everything that a job names, the table of its angles too; `bytes` are those of the job.
-pub(super) fn read_job(
+pub(crate) fn read_job(
+    files: &dyn Files,
     job_path: &Path,
     name: &str,
     bytes: &[u8],
     use_of: UseOf,
 ) -> Result<(Inputs, Option<ErrorTable>), Problems> {
-    read_job_of(None, (job_path, name, bytes), use_of)
+    read_job_of(files, None, (job_path, name, bytes), use_of)
 }
 
 /// The same with an error table in place of what the job measured.
-pub(super) fn read_job_of(
+pub(crate) fn read_job_of(
+    files: &dyn Files,
     machine: Option<&Path>,
     (job_path, name, bytes): (&Path, &str, &[u8]),
     use_of: UseOf,
 ) -> Result<(Inputs, Option<ErrorTable>), Problems> {
     let source = Source::from_bytes(name, bytes)?;
-    let mut job = read_page(source, folder_of(job_path), use_of)?;
+    let mut job = read_page(files, source, folder_of(job_path), use_of)?;
     if use_of == UseOf::Figures {
         let policies = job.compensation.backlash;
         let or_mean = |axis| policies[axis].or(Some(BacklashPolicy::Mean));
         job.compensation.backlash = PerAxis::from_fn(or_mean);
     }
-    let mut files = JobFiles::new(&job, job_path);
-    files.hashes.push(hashed(&file_name(job_path), bytes));
+    let mut named = JobFiles::new(files, &job, job_path);
+    named.hashes.push(hashed(&file_name(job_path), bytes));
     let mut problems = Problems::none();
-    let profile = problems.take(files.profile());
+    let profile = problems.take(named.profile());
     let errors = match machine {
-        None => errors(&mut files),
-        Some(path) => stated(&mut files, path),
+        None => errors(&mut named),
+        Some(path) => stated(&mut named, path),
     };
     let errors = problems.take(errors);
     let (Some(profile), Some(errors)) = (profile, errors) else {
         return Err(problems);
     };
     let angles = job.measurement.angles.as_deref();
-    let angles = angles.map(|path| files.table(path, "measurement.angles"));
+    let angles = angles.map(|path| named.table(path, "measurement.angles"));
     let angles = angles.transpose()?;
-    let active = active(&mut files, &profile)?;
-    let hashes = files.hashes;
+    let active = active(&mut named, &profile)?;
+    let hashes = named.hashes;
     if let ErrorSource::Table(table) = &errors
         && let Some(lines) = table.remarks.lines
     {
@@ -83,14 +89,14 @@ pub(super) fn read_job_of(
 
 /// An error table that no job names.
 fn stated(files: &mut JobFiles<'_>, path: &Path) -> Result<ErrorSource, Problems> {
-    let (name, bytes) = read_argument(path)?;
+    let (name, bytes) = files.files.argument(path)?;
     files.hashes.push(hashed(&file_name(path), &bytes));
     let table = ErrorTable::read(Source::from_bytes(&name, &bytes)?)?;
     Ok(ErrorSource::Table(Arc::new(table)))
 }
 
 /// The errors of a job: those that it names, or those that its readings hold.
-pub(super) fn errors(files: &mut JobFiles<'_>) -> Result<ErrorSource, Problems> {
+pub(crate) fn errors(files: &mut JobFiles<'_>) -> Result<ErrorSource, Problems> {
     let job = files.job;
     let paths = match &job.measurement.data {
         MeasuredData::Errors(paths) => paths,
@@ -117,10 +123,10 @@ pub(super) fn errors(files: &mut JobFiles<'_>) -> Result<ErrorSource, Problems> 
 }
 
 /// The key of what was active.
-pub(super) const ACTIVE: &str = "measurement.active_while_measuring";
+pub(crate) const ACTIVE: &str = "measurement.active_while_measuring";
 
 /// `active_while_measuring`: the control as it was while measuring; every file that was read is hashed.
-pub(super) fn active(
+pub(crate) fn active(
     files: &mut JobFiles<'_>,
     profile: &Profile,
 ) -> Result<Option<ActiveControl>, Problems> {
@@ -130,9 +136,10 @@ pub(super) fn active(
     };
     let full = files.folder.join(path);
     let help = "name a kit, a file or a directory read out of the control (relative to the job), or write \"none\"";
-    let found = of_control(&full, path, help);
+    let found = of_control(files.files, &full, path, help);
     let (manifest, found) = found.map_err(|problem| files.at(ACTIVE, problem))?;
-    let inside = |name: &str| match full.is_dir() {
+    let is_folder = files.files.kind(&full).is_ok_and(|kind| kind == Kind::Folder);
+    let inside = |name: &str| match is_folder {
         true => format!("{path}/{name}"),
         false => path.clone(),
     };
@@ -151,17 +158,22 @@ type OfControl = (Option<Vec<u8>>, Vec<(String, Vec<u8>)>);
 
 /// A file of a control, or those of a directory; `path` = as it was named, `help` = what can be named. What operating
 /// systems leave is ignored.
-pub(super) fn of_control(full: &Path, path: &str, help: &str) -> Result<OfControl, Problem> {
+pub(crate) fn of_control(
+    files: &dyn Files,
+    full: &Path,
+    path: &str,
+    help: &str,
+) -> Result<OfControl, Problem> {
     let refuse = |error: std::io::Error| {
         Problem::new(format!("`{path}` cannot be read: {}", plain_words(&error))).help(help)
     };
-    if !std::fs::metadata(full).map_err(refuse)?.is_dir() {
-        return Ok((None, vec![(file_name(full), read_file(full)?)]));
+    if files.kind(full).map_err(refuse)? == Kind::File {
+        return Ok((None, vec![(file_name(full), files.bytes(full)?)]));
     }
     let (mut manifest, mut found) = (None, Vec::new());
-    for name in file_names(full).map_err(refuse)?.into_iter().filter(|name| !name.starts_with('.'))
+    for name in files.names(full).map_err(refuse)?.into_iter().filter(|name| !name.starts_with('.'))
     {
-        let bytes = read_file(&full.join(&name))?;
+        let bytes = files.bytes(&full.join(&name))?;
         match name == MANIFEST {
             true => manifest = Some(bytes),
             false => found.push((name, bytes)),

@@ -1,6 +1,5 @@
 //! The files that a job names: read, and hashed.
 
-use crate::cli::files::{beside_job, file_name, read_argument, read_file};
 use crate::control::controller::{Profile, ProfileSource, builtin, load};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::import::source_of;
@@ -10,24 +9,26 @@ use crate::kit::hashed;
 use crate::kit::manifest::HashedFile;
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
+use crate::visit::files::{Files, beside_job, file_name};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 /// A job and where it lies, with the hash of everything that was read for it.
-pub(super) struct JobFiles<'a> {
-    pub(super) job: &'a Job,
-    pub(super) folder: &'a Path,
-    pub(super) hashes: Vec<HashedFile>,
+pub(crate) struct JobFiles<'a> {
+    pub(crate) files: &'a dyn Files,
+    pub(crate) job: &'a Job,
+    pub(crate) folder: &'a Path,
+    pub(crate) hashes: Vec<HashedFile>,
 }
 
 impl<'a> JobFiles<'a> {
     /// Of a job that was read from `path`.
-    pub(super) fn new(job: &'a Job, path: &'a Path) -> JobFiles<'a> {
-        JobFiles { job, folder: folder_of(path), hashes: Vec::new() }
+    pub(crate) fn new(files: &'a dyn Files, job: &'a Job, path: &'a Path) -> JobFiles<'a> {
+        JobFiles { files, job, folder: folder_of(path), hashes: Vec::new() }
     }
 
     /// A problem of what stands at `key`.
-    pub(super) fn at(&self, key: &str, problem: Problem) -> Problem {
+    pub(crate) fn at(&self, key: &str, problem: Problem) -> Problem {
         beside_job(match self.job.source.place_of(key) {
             Some(place) => problem.at(place),
             None => problem,
@@ -35,12 +36,12 @@ impl<'a> JobFiles<'a> {
     }
 
     /// The bytes of a file that stands at `key`.
-    pub(super) fn bytes(&self, path: &Path, key: &str) -> Result<Vec<u8>, Problem> {
-        read_file(path).map_err(|problem| self.at(key, problem))
+    pub(crate) fn bytes(&self, path: &Path, key: &str) -> Result<Vec<u8>, Problem> {
+        self.files.bytes(path).map_err(|problem| self.at(key, problem))
     }
 
     /// A text that stands at `key`, and its hash; the measurement that it came from is hashed too.
-    pub(super) fn source(&mut self, path: &str, key: &str) -> Result<(Source, String), Problems> {
+    pub(crate) fn source(&mut self, path: &str, key: &str) -> Result<(Source, String), Problems> {
         let full = self.folder.join(path);
         let bytes = self.bytes(&full, key)?;
         let hash = hashed(path, &bytes);
@@ -59,13 +60,13 @@ impl<'a> JobFiles<'a> {
     }
 
     /// An error table that stands at `key`.
-    pub(super) fn table(&mut self, path: &str, key: &str) -> Result<ErrorTable, Problems> {
+    pub(crate) fn table(&mut self, path: &str, key: &str) -> Result<ErrorTable, Problems> {
         ErrorTable::read(self.source(path, key)?.0)
     }
 
     /// The profile of the job's control.
-    pub(super) fn profile(&mut self) -> Result<Profile, Problems> {
-        let (profile, hashes) = profile(&self.job.compensation.controller, self.folder)
+    pub(crate) fn profile(&mut self) -> Result<Profile, Problems> {
+        let (profile, hashes) = profile(self.files, &self.job.compensation.controller, self.folder)
             .map_err(|problems| self.at_controller(&problems))?;
         self.hashes.extend(hashes);
         Ok(profile)
@@ -85,17 +86,22 @@ impl<'a> JobFiles<'a> {
 }
 
 /// The folder that the paths of a job are relative to.
-pub(super) fn folder_of(job_path: &Path) -> &Path {
+pub(crate) fn folder_of(job_path: &Path) -> &Path {
     job_path.parent().unwrap_or(Path::new(""))
 }
 
 /// The job of a page that lies in `folder`; a job that is refused is refused for everything at once.
-pub(super) fn read_page(source: Source, folder: &Path, use_of: UseOf) -> Result<Job, Problems> {
+pub(crate) fn read_page(
+    files: &dyn Files,
+    source: Source,
+    folder: &Path,
+    use_of: UseOf,
+) -> Result<Job, Problems> {
     Job::read_for(source.clone(), use_of).map_err(|mut problems| {
-        let find = |word: &str| Ok(profile(word, folder)?.0);
+        let find = |word: &str| Ok(profile(files, word, folder)?.0);
         let look_at = |path: &str, are_readings: bool| {
             let path = folder.join(path);
-            let Ok(bytes) = read_file(&path) else {
+            let Ok(bytes) = files.bytes(&path) else {
                 return Ok(()); // told when the job can be read
             };
             let source = Source::from_bytes(&path.display().to_string(), &bytes)?;
@@ -110,19 +116,21 @@ pub(super) fn read_page(source: Source, folder: &Path, use_of: UseOf) -> Result<
 }
 
 /// Reads a job and the profile of its control for a run, and nothing that was measured.
-pub(super) fn read_job_and_profile(
+pub(crate) fn read_job_and_profile(
+    files: &dyn Files,
     job_path: &Path,
 ) -> Result<(Job, Profile, Vec<HashedFile>), Problems> {
-    let (name, bytes) = read_argument(job_path)?;
+    let (name, bytes) = files.argument(job_path)?;
     let job = Job::read_for(Source::from_bytes(&name, &bytes)?, UseOf::Programs)?;
-    let mut files = JobFiles::new(&job, job_path);
-    files.hashes.push(hashed(&file_name(job_path), &bytes));
-    let (profile, hashes) = (files.profile()?, files.hashes);
+    let mut named = JobFiles::new(files, &job, job_path);
+    named.hashes.push(hashed(&file_name(job_path), &bytes));
+    let (profile, hashes) = (named.profile()?, named.hashes);
     Ok((job, profile, hashes))
 }
 
 /// A built-in profile by id, or a user's own by path (relative to `folder`), with the hashes of its files.
-pub(super) fn profile(
+pub(crate) fn profile(
+    files: &dyn Files,
     reference: &str,
     folder: &Path,
 ) -> Result<(Profile, Vec<HashedFile>), Problems> {
@@ -132,12 +140,12 @@ pub(super) fn profile(
         return Ok((builtin::profile(reference)?, Vec::new()));
     }
     let path = folder.join(reference.strip_prefix("./").unwrap_or(reference));
-    let bytes = read_file(&path).map_err(beside_job)?;
+    let bytes = files.bytes(&path).map_err(beside_job)?;
     let source = Source::from_bytes(&path.display().to_string(), &bytes)?;
     let beside = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let hashes = RefCell::new(vec![hashed(reference, &bytes)]);
     let unreadable = RefCell::new(Problems::none());
-    let own = |name: &str| match own_template(&beside, name) {
+    let own = |name: &str| match own_template(files, &beside, name) {
         Ok(None) => builtin::template(name),
         Ok(Some((text, hash))) => {
             let mut hashes = hashes.borrow_mut();
@@ -161,14 +169,18 @@ pub(super) fn profile(
 }
 
 /// A template beside the profile, `None` if there is none; its name must be a plain file name.
-fn own_template(folder: &Path, name: &str) -> Result<Option<(String, HashedFile)>, Problems> {
+fn own_template(
+    files: &dyn Files,
+    folder: &Path,
+    name: &str,
+) -> Result<Option<(String, HashedFile)>, Problems> {
     let path: PathBuf = folder.join(name);
     let plain = !name.contains(['/', '\\']) && !name.starts_with('.');
     let is_absent = |error: std::io::Error| error.kind() == std::io::ErrorKind::NotFound;
-    if !plain || std::fs::symlink_metadata(&path).is_err_and(is_absent) {
+    if !plain || files.kind(&path).is_err_and(is_absent) {
         return Ok(None);
     }
-    let bytes = read_file(&path)?;
+    let bytes = files.bytes(&path)?;
     let text = Source::from_bytes(&path.display().to_string(), &bytes)?.text;
     Ok(Some((text, hashed(name, &bytes))))
 }

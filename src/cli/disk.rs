@@ -1,0 +1,311 @@
+//! The files of this computer; and what was read of them in this run, over which nothing is written.
+
+use crate::cli::write::{self, Output, written};
+use crate::text::document::LARGEST_FILE_MIB;
+use crate::text::problem::{Problem, Problems};
+use crate::visit::files::{
+    Begun, Files, Form, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, not_put_out, not_written,
+    plain_words,
+};
+use crate::visit::memory::written_over;
+use std::cell::RefCell;
+use std::fs::{File, Metadata, TryLockError};
+use std::io::{Error, IsTerminal, Read, Seek};
+use std::path::{Path, PathBuf};
+
+/// A file or directory that was read.
+struct Input {
+    name: String,
+    /// Without links; empty of standard input.
+    place: PathBuf,
+    is_directory: bool,
+    identity: Option<Identity>,
+}
+
+/// The same for all names of a file: device and number on it.
+type Identity = (u64, u64);
+
+/// The files of this computer, and what was read of them.
+#[derive(Default)]
+pub(super) struct Disk {
+    read: RefCell<Vec<Input>>,
+}
+
+/// What is taken of a long text that comes through a pipe (it is kept on disk, because subprograms are gone back to).
+const LARGEST_PIPE_BYTES: u64 = 16 * 1024 * 1024 * 1024;
+
+impl Disk {
+    fn remember(&self, name: &str, place: Option<&Path>, metadata: &Metadata) {
+        self.read.borrow_mut().push(Input {
+            name: name.to_string(),
+            place: place.map(resolved).unwrap_or_default(),
+            is_directory: metadata.is_dir(),
+            identity: identity(metadata),
+        });
+    }
+
+    /// Refuses an output that this run read, that contains something that it read, or that would lie in a directory that
+    /// it read (it need not exist): asked when everything was read and nothing is written.
+    fn refuse_input(&self, output: &Path) -> Result<(), Problem> {
+        let place = resolved(output);
+        let own = output.metadata().ok().and_then(|m| identity(&m));
+        let read = self.read.borrow();
+        let concerns = |input: &&Input| {
+            (own.is_some() && own == input.identity)
+                || input.place.starts_with(&place)
+                || (input.is_directory && place.starts_with(&input.place))
+        };
+        let input = read.iter().find(concerns);
+        input.map_or(Ok(()), |input| Err(written_over(output, &input.name)))
+    }
+
+    /// Opens a regular file or a pipe, without waiting for somebody who writes into it.
+    fn open(&self, path: &Path) -> Result<(File, Metadata), Problem> {
+        let name = path.display().to_string();
+        if name.chars().any(char::is_control) {
+            let plain = name.escape_debug();
+            return Err(Problem::new(format!("`{plain}` is no path of a file"))
+                .help("between double quotes a backslash begins a control character: write `/`, or single quotes around the path"));
+        }
+        let refuse = |error: Error| {
+            Problem::new(format!("`{name}` cannot be read: {}", plain_words(&error)))
+        };
+        let metadata = std::fs::metadata(path).map_err(refuse)?;
+        if metadata.is_dir() {
+            return Err(Problem::new(format!("`{name}` is a directory, expected a file"))
+                .help("name a file in it"));
+        }
+        if !metadata.is_file() && !is_pipe(&metadata) {
+            return Err(Problem::new(format!("`{name}` is no regular file")).help("name a file"));
+        }
+        let file = if metadata.is_file() { File::open(path) } else { open_pipe(path) };
+        let file = file.map_err(refuse)?;
+        self.remember(&name, Some(path), &metadata);
+        Ok((file, metadata))
+    }
+
+    fn new_file(&self, file: &Path, force: bool) -> Result<(Output, File), Problems> {
+        write::ensure_new(file, force)?;
+        self.refuse_input(file)?;
+        Output::file(file, force)
+    }
+
+    /// Standard input, which may be a file into which something else is to be written.
+    fn piped(&self) -> impl Read {
+        let input = std::io::stdin();
+        #[cfg(unix)]
+        {
+            use std::os::fd::AsFd;
+            let handle = input.as_fd().try_clone_to_owned().map(File::from);
+            if let Ok(metadata) = handle.and_then(|file| file.metadata()) {
+                self.remember(STANDARD_INPUT, None, &metadata);
+            }
+        }
+        input.lock()
+    }
+}
+
+impl Files for Disk {
+    fn bytes(&self, path: &Path) -> Result<Vec<u8>, Problem> {
+        let name = path.display().to_string();
+        let (file, metadata) = self.open(path)?;
+        let bytes = bounded(&format!("`{name}`"), metadata.len(), file)?;
+        if bytes.is_empty() && !metadata.is_file() {
+            return Err(Problem::new(format!(
+                "`{name}` is a pipe, and nothing was written into it"
+            ))
+            .help("name a file"));
+        }
+        Ok(bytes)
+    }
+
+    fn standard_input(&self) -> Result<Vec<u8>, Problem> {
+        bounded(STANDARD_INPUT, 0, self.piped())
+    }
+
+    /// On Windows nothing is locked.
+    fn form(&self, path: &Path, output: Option<&Path>) -> Result<Form, Problems> {
+        let is_replaced =
+            path.is_file() && output.is_some_and(|own| resolved(own) == resolved(path));
+        let held = (cfg!(unix) && is_replaced).then(|| File::open(path).ok()).flatten();
+        if let Some(Err(TryLockError::WouldBlock)) = held.as_ref().map(File::try_lock) {
+            let message = format!("another run is filling in `{}`", path.display());
+            return Err(Problem::new(message).help("look at what it wrote").into());
+        }
+        let (name, bytes) = self.argument(path)?; // by its name: what was put there meanwhile is read
+        self.read.borrow_mut().pop();
+        Ok((name, bytes, held.map(|file| Box::new(file) as _)))
+    }
+
+    fn long(&self, path: &Path) -> Result<(String, Box<dyn Long>), Problem> {
+        if path == Path::new("-") {
+            let file = spooled(STANDARD_INPUT, self.piped())?;
+            return Ok((STANDARD_INPUT.to_string(), Box::new(file)));
+        }
+        let name = path.display().to_string();
+        let (file, metadata) = self.open(path)?;
+        let file = match metadata.is_file() {
+            true => file,
+            false => spooled(&format!("`{name}`"), file)?,
+        };
+        Ok((name, Box::new(file)))
+    }
+
+    fn names(&self, folder: &Path) -> std::io::Result<Vec<String>> {
+        let mut names = Vec::new();
+        for entry in std::fs::read_dir(folder)? {
+            let entry = entry?;
+            if entry.file_type()?.is_file() {
+                names.push(entry.file_name().into_string().map_err(|name| {
+                    Error::other(format!("the name {name:?} of a file in it is not UTF-8"))
+                })?);
+            }
+        }
+        names.sort();
+        let name = folder.display().to_string();
+        self.remember(&name, Some(folder), &folder.metadata()?);
+        Ok(names)
+    }
+
+    fn kind(&self, path: &Path) -> std::io::Result<Kind> {
+        let found = std::fs::metadata(path).map_err(|error| match path.is_symlink() {
+            true => Error::other(error.to_string()), // it leads nowhere, but it is there
+            false => error,
+        });
+        Ok(if found?.is_dir() { Kind::Folder } else { Kind::File })
+    }
+
+    fn same(&self, one: &Path, other: &Path) -> bool {
+        let place = |path: &Path| std::fs::canonicalize(path).ok();
+        place(one).is_some_and(|place_of_one| Some(place_of_one) == place(other))
+    }
+
+    fn ensure_new(&self, file: &Path, force: bool) -> Result<(), Problems> {
+        write::ensure_new(file, force)
+    }
+
+    fn ensure_free(&self, folder: &Path, force: bool) -> Result<(), Problems> {
+        write::ensure_free(folder, force)
+    }
+
+    fn write(&self, file: &Path, bytes: &[u8], force: bool) -> Result<Box<dyn Ready>, Problems> {
+        let (ready, mut handle) = self.new_file(file, force)?;
+        written(&mut handle, bytes).map_err(|e| not_written("cannot write", file, &e))?;
+        Ok(Box::new(ready))
+    }
+
+    fn write_folder(
+        &self,
+        folder: &Path,
+        files: &[NamedBytes<'_>],
+        force: bool,
+    ) -> Result<Box<dyn Ready>, Problems> {
+        let place = write::named(folder)?;
+        self.refuse_input(&place)?;
+        Ok(Box::new(Output::folder(place, files, force)?))
+    }
+
+    fn begin(&self, file: Option<&Path>, force: bool) -> Result<Begun, Problems> {
+        let Some(file) = file else {
+            let file = tempfile::tempfile().map_err(|error| not_put_out(&error))?;
+            return Ok((Box::new(file), None));
+        };
+        let (ready, handle) = self.new_file(file, force)?;
+        Ok((Box::new(handle), Some(Box::new(ready))))
+    }
+
+    fn is_watched(&self) -> bool {
+        std::io::stderr().is_terminal()
+    }
+}
+
+/// A path without links, also of something that does not exist yet.
+fn resolved(path: &Path) -> PathBuf {
+    match (path.canonicalize(), path.parent(), path.file_name()) {
+        (Ok(found), _, _) => found,
+        (Err(_), Some(parent), Some(name)) if parent != Path::new("") => {
+            resolved(parent).join(name)
+        }
+        (Err(_), _, Some(name)) => resolved(Path::new(".")).join(name),
+        (Err(_), _, None) => path.to_path_buf(),
+    }
+}
+
+#[cfg(unix)]
+fn identity(metadata: &Metadata) -> Option<Identity> {
+    use std::os::unix::fs::MetadataExt;
+    Some((metadata.dev(), metadata.ino()))
+}
+
+/// Elsewhere a file is known by its path alone.
+#[cfg(not(unix))]
+fn identity(_: &Metadata) -> Option<Identity> {
+    None
+}
+
+#[cfg(unix)]
+fn is_pipe(metadata: &Metadata) -> bool {
+    std::os::unix::fs::FileTypeExt::is_fifo(&metadata.file_type())
+}
+
+#[cfg(not(unix))]
+fn is_pipe(_: &Metadata) -> bool {
+    false
+}
+
+/// A pipe that nobody writes into would be waited for when it is opened; when it is read, it ends.
+#[cfg(unix)]
+fn open_pipe(path: &Path) -> std::io::Result<File> {
+    use rustix::fs::{CWD, Mode, OFlags, fcntl_setfl, openat};
+    let flags = OFlags::RDONLY | OFlags::CLOEXEC | OFlags::NONBLOCK;
+    let file = openat(CWD, path, flags, Mode::empty())?;
+    fcntl_setfl(&file, OFlags::empty())?;
+    Ok(file.into())
+}
+
+#[cfg(not(unix))]
+fn open_pipe(path: &Path) -> std::io::Result<File> {
+    File::open(path)
+}
+
+/// All bytes of an input, or a refusal; `length` is what the system says that there are, `name` as
+/// it stands in a sentence.
+fn bounded(name: &str, length: u64, input: impl Read) -> Result<Vec<u8>, Problem> {
+    let limit = LARGEST_FILE_MIB << 20;
+    let too_long = || {
+        Problem::new(format!(
+            "{name} holds more than {LARGEST_FILE_MIB} MiB, too much for an input"
+        ))
+    };
+    if length > limit {
+        return Err(too_long());
+    }
+    let expected = usize::try_from(length).unwrap_or(0);
+    let mut bytes = Vec::with_capacity(expected + 1);
+    let read = input.take(limit + 1).read_to_end(&mut bytes);
+    read.map_err(|error| {
+        let words = plain_words(&error);
+        Problem::new(format!("{name} cannot be read: {words}"))
+    })?;
+    if bytes.len() as u64 > limit {
+        return Err(too_long());
+    }
+    Ok(bytes)
+}
+
+/// What comes through a pipe, as a file without a name.
+fn spooled(name: &str, input: impl Read) -> Result<File, Problem> {
+    let refuse =
+        |error: Error| Problem::new(format!("{name} cannot be read: {}", plain_words(&error)));
+    let mut file = tempfile::tempfile().map_err(refuse)?;
+    let mut input = input.take(LARGEST_PIPE_BYTES + 1);
+    if std::io::copy(&mut input, &mut file).map_err(refuse)? > LARGEST_PIPE_BYTES {
+        let message = format!(
+            "{name} holds more than {} GiB, too much for a part program",
+            LARGEST_PIPE_BYTES >> 30
+        );
+        return Err(Problem::new(message).help("name the file in place of `-`"));
+    }
+    file.rewind().map_err(refuse)?;
+    Ok(file)
+}

@@ -1,0 +1,168 @@
+//! Where the files of a run come from and go to: a disk, or the memory of a program that uses this one.
+
+use crate::text::problem::{Problem, Problems};
+use std::any::Any;
+use std::io::{Cursor, Error, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+/// A file to be written: name and bytes.
+pub type NamedBytes<'a> = (&'a str, &'a [u8]);
+
+/// What may be too long to be held as bytes.
+pub trait Long: Read + Write + Seek {}
+
+impl<T: Read + Write + Seek> Long for T {}
+
+/// What lies at a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A file, or a pipe.
+    File,
+    /// A folder.
+    Folder,
+}
+
+/// An output that is complete, and not in its place yet. Dropped before it is there, it goes.
+pub trait Ready {
+    /// Where it will be.
+    fn place(&self) -> &Path;
+
+    /// Waits until what was begun is where it stays.
+    fn complete(&self) -> Result<(), Problems> {
+        Ok(())
+    }
+
+    /// Puts it there, at once.
+    fn put(self: Box<Self>) -> Result<(), Problems>;
+}
+
+/// What a run reads, and where it writes. Paths are as a user gives them, `-` is standard input.
+///
+/// Whatever is read is remembered: nothing is written over it, into it or around it.
+pub trait Files {
+    /// The bytes of a file; a folder, what is no file and what is too long is refused.
+    fn bytes(&self, path: &Path) -> Result<Vec<u8>, Problem>;
+
+    /// The bytes that come in by standard input.
+    fn standard_input(&self) -> Result<Vec<u8>, Problem>;
+
+    /// A form with its bytes, which `output` may replace; as long as the last part is held, no other run fills it in.
+    fn form(&self, path: &Path, output: Option<&Path>) -> Result<Form, Problems>;
+
+    /// A text that may be too long for the memory, with its name.
+    fn long(&self, path: &Path) -> Result<(String, Box<dyn Long>), Problem>;
+
+    /// The names of the files in a folder, in order; links and folders are none.
+    fn names(&self, folder: &Path) -> std::io::Result<Vec<String>>;
+
+    /// What lies at a path.
+    fn kind(&self, path: &Path) -> std::io::Result<Kind>;
+
+    /// Whether two paths lead to the same.
+    fn same(&self, one: &Path, other: &Path) -> bool;
+
+    /// Refuses a file that exists, and with `force` anything but a regular one, before any work is done.
+    fn ensure_new(&self, file: &Path, force: bool) -> Result<(), Problems>;
+
+    /// Refuses a folder that holds something, before any work is done.
+    fn ensure_free(&self, folder: &Path, force: bool) -> Result<(), Problems>;
+
+    /// Writes a file, whole.
+    fn write(&self, file: &Path, bytes: &[u8], force: bool) -> Result<Box<dyn Ready>, Problems>;
+
+    /// Writes the files of a folder, the last one last.
+    fn write_folder(
+        &self,
+        folder: &Path,
+        files: &[NamedBytes<'_>],
+        force: bool,
+    ) -> Result<Box<dyn Ready>, Problems>;
+
+    /// Begins what may be too long for the memory: a file, or what goes to standard output. What has no place yet is
+    /// written as a whole when it is complete.
+    fn begin(&self, _file: Option<&Path>, _force: bool) -> Result<Begun, Problems> {
+        Ok((Box::new(Cursor::new(Vec::new())), None))
+    }
+
+    /// Whether somebody looks on while the run is at work.
+    fn is_watched(&self) -> bool {
+        false
+    }
+
+    /// A file argument with its name: `-` is standard input.
+    fn argument(&self, path: &Path) -> Result<(String, Vec<u8>), Problems> {
+        if path == Path::new("-") {
+            return Ok((STANDARD_INPUT.to_string(), self.standard_input()?));
+        }
+        let bytes = self.bytes(path).map_err(|p| or_help(p, "check the path"))?;
+        Ok((path.display().to_string(), bytes))
+    }
+
+    /// Whether there is something.
+    fn exists(&self, path: &Path) -> bool {
+        self.kind(path).is_ok()
+    }
+}
+
+/// Name, bytes, and what keeps other runs away.
+pub type Form = (String, Vec<u8>, Option<Box<dyn Any>>);
+
+/// What a long file is written into, and what puts it into its place.
+pub type Begun = (Box<dyn Long>, Option<Box<dyn Ready>>);
+
+/// How standard input is called.
+pub const STANDARD_INPUT: &str = "standard input";
+
+/// The last part of a path.
+pub fn file_name(path: &Path) -> String {
+    path.file_name().map_or_else(|| "-".to_string(), |name| name.to_string_lossy().into_owned())
+}
+
+/// What went wrong, the same on every operating system where it is common.
+pub fn plain_words(error: &Error) -> String {
+    match error.kind() {
+        std::io::ErrorKind::NotFound => "it does not exist".to_string(),
+        std::io::ErrorKind::NotADirectory => "a part of its path is a file".to_string(),
+        std::io::ErrorKind::PermissionDenied => "permission denied".to_string(),
+        std::io::ErrorKind::StorageFull => "no space left".to_string(),
+        _ => error.to_string(),
+    }
+}
+
+/// What stopped an output on its way to a place.
+pub(crate) fn not_written(what: &str, path: &Path, error: &Error) -> Problems {
+    Problem::new(format!(
+        "{what} `{}`: {}; nothing was written",
+        path.display(),
+        plain_words(error)
+    ))
+    .help("check the place and its free space, then run the command again")
+    .into()
+}
+
+/// The same on its way to standard output.
+pub(crate) fn not_put_out(error: &Error) -> Problem {
+    Problem::new(format!("standard output cannot be written: {}", plain_words(error)))
+}
+
+/// Where the folder that `--force` replaces is kept: `DIR.previous`, `DIR.previous-2`, ….
+pub fn previous(folder: &Path, number: usize) -> PathBuf {
+    let mut name = folder.as_os_str().to_os_string();
+    name.push(match number {
+        0 | 1 => ".previous".to_string(),
+        _ => format!(".previous-{number}"),
+    });
+    PathBuf::from(name)
+}
+
+/// The next step for a file that a job names.
+pub(crate) fn beside_job(problem: Problem) -> Problem {
+    or_help(problem, "relative paths in a job are relative to the job file")
+}
+
+fn or_help(problem: Problem, help: &str) -> Problem {
+    match problem.help {
+        Some(_) => problem,
+        None => problem.help(help),
+    }
+}

@@ -1,0 +1,225 @@
+//! Files in the memory of a program that uses this one, by their names.
+
+use super::files::{Files, Form, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, previous};
+use crate::text::document::LARGEST_FILE_MIB;
+use crate::text::problem::{Problem, Problems};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::io::{Cursor, Error, ErrorKind};
+use std::path::{Component, Path, PathBuf};
+use std::rc::Rc;
+
+type ByName = BTreeMap<PathBuf, Vec<u8>>;
+
+/// Files by their names; a folder is what stands before a `/`.
+///
+/// ```
+/// use nonius::visit::memory::Memory;
+/// let job = include_bytes!("../../fixtures/nine_errors_900/generic.toml");
+/// let errors = include_bytes!("../../fixtures/nine_errors_900/errors.csv");
+/// let files = Memory::of([("job.toml", &job[..]), ("errors.csv", &errors[..])]);
+/// let answer = nonius::cli::answer(&files, ["generate", "job.toml", "-o", "kit"]);
+/// assert_eq!(answer.status, 0, "{}", answer.err);
+/// assert!(files.all().contains_key("kit/compensation.csv"));
+/// ```
+#[derive(Default)]
+pub struct Memory {
+    all: Rc<RefCell<ByName>>,
+    read: RefCell<Vec<PathBuf>>,
+}
+
+impl Memory {
+    /// These files.
+    pub fn of<'a>(files: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> Memory {
+        let all = files.into_iter().map(|(name, bytes)| (plain(Path::new(name)), bytes.to_vec()));
+        Memory { all: Rc::new(RefCell::new(all.collect())), read: RefCell::default() }
+    }
+
+    /// All files that are there now.
+    pub fn all(&self) -> BTreeMap<String, Vec<u8>> {
+        let all = self.all.borrow();
+        let named = |(path, bytes): (&PathBuf, &Vec<u8>)| (shown(path), bytes.clone());
+        all.iter().map(named).collect()
+    }
+
+    /// What was read and is, contains or lies in what is at `output`.
+    fn refuse_input(&self, output: &Path) -> Result<(), Problem> {
+        let read = self.read.borrow();
+        let place = plain(output);
+        let concerns = |input: &&PathBuf| input.starts_with(&place) || place.starts_with(input);
+        match read.iter().find(concerns) {
+            None => Ok(()),
+            Some(input) => Err(written_over(output, &shown(input))),
+        }
+    }
+
+    /// Refuses what is there already, and with `force` what is something else.
+    fn ensure(&self, path: &Path, kind: Kind, force: bool) -> Result<(), Problems> {
+        match self.kind(path) {
+            Ok(found) if found != kind || !force => {
+                let words = format!("`{}` is there, so it is not overwritten", path.display());
+                Err(Problem::new(words)
+                    .help("choose another name, or `--force` to replace it")
+                    .into())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn pending(&self, place: &Path, put: impl FnOnce(&mut ByName) + 'static) -> Box<dyn Ready> {
+        Box::new(Pending { place: place.to_path_buf(), all: Rc::clone(&self.all), put })
+    }
+}
+
+/// Refuses an output that the run reads, or that lies in or around what it reads.
+pub(crate) fn written_over(output: &Path, input: &str) -> Problem {
+    let name = output.display();
+    let message =
+        format!("writing `{name}` would replace or change `{input}`, which this run reads");
+    Problem::new(message).help("choose another name for `-o`")
+}
+
+/// A path without `.`, and without what `..` takes back.
+fn plain(path: &Path) -> PathBuf {
+    let mut plain = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::ParentDir if plain.file_name().is_some() => _ = plain.pop(),
+            Component::CurDir => {}
+            part => plain.push(part),
+        }
+    }
+    plain
+}
+
+fn shown(path: &Path) -> String {
+    path.to_string_lossy().replace('\\', "/")
+}
+
+impl Files for Memory {
+    fn bytes(&self, path: &Path) -> Result<Vec<u8>, Problem> {
+        let name = path.display();
+        match self.kind(path) {
+            Ok(Kind::File) => {}
+            Ok(Kind::Folder) => {
+                let words = format!("`{name}` is a directory, expected a file");
+                return Err(Problem::new(words).help("name a file in it"));
+            }
+            Err(_) => {
+                return Err(Problem::new(format!("`{name}` cannot be read: it does not exist")));
+            }
+        }
+        self.read.borrow_mut().push(plain(path));
+        let bytes = self.all.borrow().get(&plain(path)).cloned().unwrap_or_default();
+        match bytes.len() as u64 > LARGEST_FILE_MIB << 20 {
+            true => Err(Problem::new(format!(
+                "`{name}` holds more than {LARGEST_FILE_MIB} MiB, too much for an input"
+            ))),
+            false => Ok(bytes),
+        }
+    }
+
+    fn standard_input(&self) -> Result<Vec<u8>, Problem> {
+        Err(Problem::new(format!("there is no {STANDARD_INPUT}")).help("name a file"))
+    }
+
+    fn form(&self, path: &Path, _: Option<&Path>) -> Result<Form, Problems> {
+        let (name, bytes) = self.argument(path)?;
+        self.read.borrow_mut().pop();
+        Ok((name, bytes, None))
+    }
+
+    fn long(&self, path: &Path) -> Result<(String, Box<dyn Long>), Problem> {
+        Ok((path.display().to_string(), Box::new(Cursor::new(self.bytes(path)?))))
+    }
+
+    fn names(&self, folder: &Path) -> std::io::Result<Vec<String>> {
+        let Kind::Folder = self.kind(folder)? else {
+            return Err(ErrorKind::NotADirectory.into());
+        };
+        let place = plain(folder);
+        let all = self.all.borrow();
+        let inside = all.keys().filter(|path| path.parent() == Some(&place));
+        let names = inside.filter_map(|path| path.file_name()?.to_str());
+        self.read.borrow_mut().push(place.clone());
+        Ok(names.map(str::to_string).collect())
+    }
+
+    fn kind(&self, path: &Path) -> std::io::Result<Kind> {
+        let (all, place) = (self.all.borrow(), plain(path));
+        match all.contains_key(&place) {
+            true => Ok(Kind::File),
+            false if all.keys().any(|path| path.starts_with(&place)) => Ok(Kind::Folder),
+            false => Err(Error::from(ErrorKind::NotFound)),
+        }
+    }
+
+    fn same(&self, one: &Path, other: &Path) -> bool {
+        plain(one) == plain(other)
+    }
+
+    fn ensure_new(&self, file: &Path, force: bool) -> Result<(), Problems> {
+        self.ensure(file, Kind::File, force)
+    }
+
+    fn ensure_free(&self, folder: &Path, force: bool) -> Result<(), Problems> {
+        self.ensure(folder, Kind::Folder, force)
+    }
+
+    fn write(&self, file: &Path, bytes: &[u8], force: bool) -> Result<Box<dyn Ready>, Problems> {
+        self.ensure_new(file, force)?;
+        self.refuse_input(file)?;
+        let (place, bytes) = (plain(file), bytes.to_vec());
+        Ok(self.pending(file, move |all| _ = all.insert(place, bytes)))
+    }
+
+    fn write_folder(
+        &self,
+        folder: &Path,
+        files: &[NamedBytes<'_>],
+        force: bool,
+    ) -> Result<Box<dyn Ready>, Problems> {
+        self.ensure_free(folder, force)?;
+        self.refuse_input(folder)?;
+        let place = plain(folder);
+        let files = files.iter().map(|(name, bytes)| (place.join(name), bytes.to_vec()));
+        let files: ByName = files.collect();
+        Ok(self.pending(folder, move |all| {
+            keep(all, &place);
+            all.extend(files);
+        }))
+    }
+}
+
+/// What lies in a folder goes to where `--force` keeps it.
+fn keep(all: &mut ByName, folder: &Path) {
+    let is_free = |kept: &PathBuf| !all.keys().any(|path| path.starts_with(kept));
+    let Some(kept) = (1..).map(|number| previous(folder, number)).find(is_free) else {
+        return;
+    };
+    let old: Vec<PathBuf> = all.keys().filter(|path| path.starts_with(folder)).cloned().collect();
+    for path in old {
+        let bytes = all.remove(&path).unwrap_or_default();
+        let rest = path.strip_prefix(folder).unwrap_or(&path);
+        all.insert(kept.join(rest), bytes);
+    }
+}
+
+/// An output on its way.
+struct Pending<F> {
+    place: PathBuf,
+    all: Rc<RefCell<ByName>>,
+    put: F,
+}
+
+impl<F: FnOnce(&mut ByName)> Ready for Pending<F> {
+    fn place(&self) -> &Path {
+        &self.place
+    }
+
+    fn put(self: Box<Self>) -> Result<(), Problems> {
+        let Pending { all, put, .. } = *self;
+        put(&mut all.borrow_mut());
+        Ok(())
+    }
+}

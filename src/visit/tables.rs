@@ -1,0 +1,105 @@
+//! The directory of a kit, or of what was read out of a control; and the machine as such tables leave it.
+
+use crate::kit::directory::Directory;
+use crate::kit::manifest::MANIFEST;
+use crate::kit::{Inputs, LoadedControl};
+use crate::text::finding::{Finding, Severity};
+use crate::text::problem::{Problem, Problems};
+use crate::visit::files::{Files, Kind, plain_words};
+use crate::volume::assessment::with_tables;
+use crate::volume::volume_model::VolumeModel;
+use std::path::Path;
+
+/// The machine with tables.
+pub(crate) struct Corrected {
+    /// Where the tables come from, in words.
+    pub(crate) from: String,
+    /// Its errors.
+    pub(crate) volume: VolumeModel,
+    /// How the files differ from what the job asks for.
+    pub(crate) disagreements: Vec<Finding>,
+    /// What no file does, what was ignored, and what is taken for granted.
+    pub(crate) notes: Vec<Finding>,
+}
+
+/// Where tables come from, in words, and the control with them.
+pub(crate) type NamedControl = (String, LoadedControl);
+
+/// The words for the tables that a job asks for.
+pub(crate) fn own_tables(inputs: &Inputs) -> String {
+    format!("the tables of the job for {}", inputs.profile.name)
+}
+
+/// The control with the files of a directory.
+pub(crate) fn of_directory(
+    files: &dyn Files,
+    inputs: &Inputs,
+    directory: &Path,
+) -> Result<NamedControl, Problems> {
+    let loaded = read_directory(files, inputs, directory)?.load(inputs)?;
+    Ok((format!("the files of {}", directory.display()), loaded))
+}
+
+impl Corrected {
+    /// `volume` is the machine as it was measured.
+    pub(crate) fn of(
+        inputs: &Inputs,
+        volume: &VolumeModel,
+        (from, loaded): NamedControl,
+    ) -> Result<Corrected, Problems> {
+        let control = loaded.control.as_ref();
+        let volume = with_tables(volume, &inputs.model, &loaded.plan, control).map_err(|e| {
+            Problem::new(format!("the tables cannot be emulated: {}", e.0))
+                .help("nothing can be said of the machine with them")
+        })?;
+        let found = loaded.findings.into_iter();
+        let (disagreements, notes) =
+            found.partition(|found| found.severity() == Severity::Disagreement);
+        Ok(Corrected { from, volume, disagreements, notes })
+    }
+}
+
+/// What operating systems leave on a USB stick; no file of a control is called so.
+fn is_left_by_a_computer(name: &str) -> bool {
+    let names = ["thumbs.db", "desktop.ini"];
+    name.starts_with('.') || names.contains(&name.to_ascii_lowercase().as_str())
+}
+
+/// Reads the files of a directory, and its manifest where it has one.
+pub(crate) fn read_directory(
+    files: &dyn Files,
+    inputs: &Inputs,
+    path: &Path,
+) -> Result<Directory, Problems> {
+    let name = path.display();
+    let refuse = |words: String| {
+        Problem::new(format!("`{name}` {words}"))
+            .help("name the directory with the control's files, as `nonius generate` wrote it")
+    };
+    if files.kind(path).is_ok_and(|kind| kind == Kind::File) {
+        return Err(refuse("is a file, expected the directory that holds it".to_string()).into());
+    }
+    let names = files
+        .names(path)
+        .map_err(|error| refuse(format!("cannot be read: {}", plain_words(&error))))?;
+    let (left, names): (Vec<String>, Vec<String>) =
+        names.into_iter().partition(|n| is_left_by_a_computer(n));
+    let (manifest, names): (Vec<String>, Vec<String>) =
+        names.into_iter().partition(|name| name == MANIFEST);
+    if names.is_empty() {
+        let words = "holds no file of a control, expected its tables".to_string();
+        return Err(refuse(words).into());
+    }
+    let read = |name: &String| files.bytes(&path.join(name));
+    let own = names.into_iter().map(|name| {
+        let bytes = read(&name)?;
+        Ok((name, bytes))
+    });
+    let own: Vec<_> = own.collect::<Result<_, Problem>>()?;
+    let manifest = manifest.first().map(read).transpose()?;
+    let mut found = Directory::of(inputs, name.to_string(), own, manifest.as_deref())?;
+    for name in &left {
+        found.ignored(name, "an operating system left it");
+    }
+    Ok(found)
+}
