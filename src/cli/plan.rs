@@ -56,7 +56,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 /// `--format json` (contract §5).
 fn document(page: &Page<'_>) -> Value {
     let (design, found) = (page.design, page.found);
-    let (instrument, times) = (design.instrument(), design.times());
+    let (instrument, times) = (design.instrument, design.times);
     let (acceptance, u) = (design.acceptance(), design.u_um_per_m(&found.visits[0]));
     let visits = found.visits.iter().enumerate();
     let visits = visits.map(|(index, visit)| of_visit(page, index, visit));
@@ -83,7 +83,7 @@ fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
     let missing = expected.missing().into_iter();
     json!({
         "name": letter(index),
-        "change": visit.variant.change(page.design.described()),
+        "change": visit.variant.change(&page.design.described),
         "steps": run.volume.steps,
         "runs": run.runs,
         "return_pass": run.bidirectional,

@@ -137,13 +137,16 @@ fn what_is_undecided_says_what_decides_it() {
     let left =
         visit.run("verify job.toml --tables kit --after after.toml --format json").ends(1).json();
     let acts = left["what_decides"]["acts"].as_array().unwrap();
-    assert!(acts.iter().any(|act| act["what"] == "new tables from this measurement"), "{left}");
+    assert!(
+        acts.iter().any(|act| act["what"] == "new tables from this measurement, measured again"),
+        "{left}"
+    );
     assert!(left["what_decides"]["parts"][0]["what"] == "noise of the readings", "{left}");
     let page = "report job.toml --tables kit --after after.toml -o - --language";
     for (language, words) in [
         ("en", "What decides: EZX, <span"),
         ("de", "in 6 Durchläufen messen ("),
-        ("zh", "由本次测量生成新补偿表："),
+        ("zh", "由本次测量生成新补偿表，再次测量"),
     ] {
         let page = visit.run(&format!("{page} {language}")).ends(1).out;
         let (first, _) = page.split_once("<div class=\"tables\">").unwrap();

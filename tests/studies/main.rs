@@ -13,6 +13,7 @@
 #[allow(dead_code, reason = "each test program uses a part of it")]
 mod support;
 
+mod acts;
 mod causes;
 mod coverage;
 mod coverage_bounds;

@@ -111,7 +111,7 @@ impl Row {
 
     fn visit(&self, job: &Job) -> Visit {
         let design = Design::of(job, None, TIMES).unwrap();
-        let mut variant = design.described().clone();
+        let mut variant = design.described.clone();
         variant.linear = self.linear.to_vec();
         design.visit(variant).unwrap()
     }

@@ -11,13 +11,13 @@ use crate::support::visit::Visit;
 use serde_json::Value;
 use std::fmt::Write;
 
-const AXES: Travels = [("x", 0.0, 900.0), ("y", 0.0, 720.0), ("z", -720.0, 0.0)];
+pub(super) const AXES: Travels = [("x", 0.0, 900.0), ("y", 0.0, 720.0), ("z", -720.0, 0.0)];
 
 /// One position of one axis with its three deviations, µm.
-struct Row {
-    axis: usize,
+pub(super) struct Row {
+    pub(super) axis: usize,
     mm: f64,
-    um: [f64; 3],
+    pub(super) um: [f64; 3],
 }
 
 /// A curve over 0 … 1: slope, bow, one wave, a ripple.
@@ -51,7 +51,7 @@ impl Shape {
 }
 
 /// Nine wavy curves of about `size` µm, X primary: EYX, EZX and EZY end as they begin.
-fn machine(random: &mut Random, points: u32, size: f64) -> Vec<Row> {
+pub(super) fn machine(random: &mut Random, points: u32, size: f64) -> Vec<Row> {
     let mut rows = Vec::new();
     for (axis, (_, low, high)) in AXES.into_iter().enumerate() {
         let sloped = |of: usize| !matches!((of, axis), (1 | 2, 0) | (2, 1));
@@ -69,7 +69,7 @@ fn machine(random: &mut Random, points: u32, size: f64) -> Vec<Row> {
 }
 
 /// An error table; `noise` is added to every value, and stated where `u_um` is given.
-fn table(rows: &[Row], mut noise: impl FnMut() -> f64, u_um: Option<f64>) -> String {
+pub(super) fn table(rows: &[Row], mut noise: impl FnMut() -> f64, u_um: Option<f64>) -> String {
     let mut csv = String::from("axis,position_mm,ex_um,ey_um,ez_um");
     csv.push_str(if u_um.is_some() { ",u_ex_um,u_ey_um,u_ez_um\n" } else { "\n" });
     for row in rows {
@@ -86,7 +86,7 @@ fn table(rows: &[Row], mut noise: impl FnMut() -> f64, u_um: Option<f64>) -> Str
 }
 
 /// The rows of an error table that the program wrote.
-fn read_table(csv: &str) -> Vec<Row> {
+pub(super) fn read_table(csv: &str) -> Vec<Row> {
     let lines = csv.lines().filter(|line| !line.starts_with('#'));
     let row = |line: &str| {
         let cells: Vec<&str> = line.split(',').collect();
@@ -108,7 +108,7 @@ fn job(measurement: &str, seed: u64, points: u32) -> String {
     job_text(AXES, parts, sections, "detection_unit_um = 0.1")
 }
 
-const BOX: &str = "start_mm = { x = 0.0, y = 0.0, z = -720.0 }\nsize_mm = { x = 900.0, y = 720.0, z = 720.0 }\nsteps = 30\norder = \"XYZ\"\n";
+pub(super) const BOX: &str = "start_mm = { x = 0.0, y = 0.0, z = -720.0 }\nsize_mm = { x = 900.0, y = 720.0, z = 720.0 }\nsteps = 30\norder = \"XYZ\"\n";
 
 fn diagonals(readings: &str, linear: &str, active: &str, u: &str) -> String {
     let mut text = format!(

@@ -100,7 +100,7 @@ impl Page<'_> {
     /// A visit by its letter, with what it needs of the tables.
     fn named(&self, index: usize) -> String {
         let visit = &self.found.visits[index];
-        let (change, minutes) = (visit.variant.change(self.design.described()), visit.minutes);
+        let (change, minutes) = (visit.variant.change(&self.design.described), visit.minutes);
         let grid = self
             .design
             .other_grid(&visit.variant)
@@ -110,7 +110,7 @@ impl Page<'_> {
 
     fn variants(&self) -> String {
         let row = |(index, visit): (usize, &Visit)| {
-            let (name, change) = (letter(index), visit.variant.change(self.design.described()));
+            let (name, change) = (letter(index), visit.variant.change(&self.design.described));
             let reversal = or_dash(Axis::letters(&visit.reversals()));
             let open = or_dash(joined(visit.expected.missing()));
             let chance =

@@ -28,7 +28,7 @@ findings! {
 impl Design<'_> {
     /// What the figures rest on.
     pub(crate) fn assumed(&self, described: &Visit) -> Vec<Finding> {
-        let (run, times) = (&described.variant.run, self.times());
+        let (run, times) = (&described.variant.run, self.times);
         let linear = Assumed::LinearAxes {
             runs: run.along(Axis::X).runs,
             u_um_per_m: self.u_um_per_m(described),
@@ -48,7 +48,7 @@ impl Design<'_> {
 
     /// What is asked for where the noise is not stated.
     pub(crate) fn noise_asked(&self) -> Option<Finding> {
-        let is_stated = self.instrument().stated.noise_um.is_some();
+        let is_stated = self.instrument.stated.noise_um.is_some();
         (!is_stated).then(|| Assumed::NoiseNotStated { um: NOISE_UM }.into())
     }
 
@@ -64,7 +64,7 @@ impl Design<'_> {
 
     /// What is known of the laser, and what U leaves out.
     fn of_instrument(&self, described: &Visit) -> Vec<Assumed> {
-        let stated = self.instrument().stated;
+        let stated = self.instrument.stated;
         let noise = stated.noise_um.map(|um| Assumed::Noise { um });
         let not_counted = described.expected.silence.sentences().into_iter();
         let not_counted = not_counted.map(|words| Assumed::NotCounted { words });

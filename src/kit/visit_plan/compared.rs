@@ -24,10 +24,10 @@ pub struct VisitPlan {
 
 /// Compares the described run with its variants.
 pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
-    let described = design.described();
+    let described = &design.described;
     let mut visits = vec![design.visit(described.clone())?];
     let worst = visits[0].forecast.worst();
-    let parts = worst.map_or_else(Vec::new, |worst| design.parts(&visits[0], &worst, None));
+    let parts = worst.map_or_else(Vec::new, |worst| visits[0].parts(design.job, &worst, None));
     let additions = design.additions(&visits[0], &parts);
     let runs = [1, 3, MOST_RUNS].map(|runs| described.in_runs(runs)).to_vec();
     let ways = vec![described.one_way(), described.turning()];
@@ -66,7 +66,7 @@ pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
 /// All changes together but for the runs. A return pass is not given up: without it the reversal is mixed into the
 /// curves, and U does not say so.
 fn combinations(design: &Design<'_>, additions: &[Variant]) -> Vec<Variant> {
-    let all = together(design.described(), additions).into_iter();
+    let all = together(&design.described, additions).into_iter();
     let ways = all.flat_map(|one| [one.turning(), one]);
     ways.flat_map(|one| [design.in_other_steps(&one), vec![one]].concat()).collect()
 }

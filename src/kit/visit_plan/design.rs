@@ -7,11 +7,10 @@ use crate::inputs::job::{
     Measurement, ProgramRequest, RunType, SetUp,
 };
 use crate::judge::after::alone;
-use crate::judge::forecast::{Forecast, Missed};
+use crate::judge::forecast::Forecast;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::corrections::AngleEvidence;
-use crate::machine::separation::joint::Measured;
 use crate::machine::separation::{Instrument, Part, Separation, expected, table};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
@@ -42,16 +41,18 @@ pub struct SetUpTimes {
 /// A visit as the job describes it.
 #[derive(Clone, Debug)]
 pub struct Design<'a> {
-    job: &'a Job,
+    pub(super) job: &'a Job,
     angles: Option<ErrorTable>,
     /// What is known of angles; `None` = what `angles` says.
     evidence: Option<AngleEvidence>,
     /// By how much reversals are known to change along their axes, µm.
     change_um: PerTerm<f64>,
-    described: Variant,
+    /// The run of the job.
+    pub described: Variant,
     measurement: DiagonalMeasurement,
-    instrument: Instrument,
-    times: SetUpTimes,
+    /// The laser.
+    pub(crate) instrument: Instrument,
+    pub(crate) times: SetUpTimes,
 }
 
 impl<'a> Design<'a> {
@@ -100,29 +101,14 @@ impl<'a> Design<'a> {
         Ok(design)
     }
 
-    /// The run of the job.
-    pub fn described(&self) -> &Variant {
-        &self.described
-    }
-
     /// Runs that there are already, or one.
     pub(super) fn fewest_runs(&self) -> u32 {
         self.evidence.as_ref().map_or(1, |_| self.described.run.runs)
     }
 
-    /// The laser.
-    pub(crate) fn instrument(&self) -> Instrument {
-        self.instrument
-    }
-
     /// The limits of the job.
     pub(crate) fn acceptance(&self) -> Acceptance {
         self.job.acceptance
-    }
-
-    /// The set-up times.
-    pub(crate) fn times(&self) -> SetUpTimes {
-        self.times
     }
 
     /// Axes whose linear measurement the job names: they take no time.
@@ -218,22 +204,6 @@ impl<'a> Design<'a> {
         Some(visit.expected.outlook(self.job, None, limit_um)?.1)
     }
 
-    /// What makes U of what is at most most: parts in µm that make it together as squares, the largest first.
-    pub(super) fn parts(
-        &self,
-        visit: &Visit,
-        worst: &Missed,
-        found: Option<&ErrorModel>,
-    ) -> Vec<(Part, f64)> {
-        let value = found.map(value_um);
-        let value = value.as_ref().map(|value| value as Measured<'_>);
-        worst.shares(match (worst.diagonal, ErrorTerm::from_name(&worst.name)) {
-            (Some(diagonal), _) => visit.expected.parts_along(diagonal),
-            (None, Some(term)) => visit.expected.parts(self.job, term, value),
-            (None, None) => Vec::new(),
-        })
-    }
-
     /// What can be measured in addition: each linear axis, that angle of the stated ones that does most, all of them.
     pub(super) fn additions(&self, described: &Visit, parts: &[(Part, f64)]) -> Vec<Variant> {
         let one = |axis: Axis| self.described.with(&[axis], &[]);
@@ -294,14 +264,6 @@ impl<'a> Design<'a> {
             },
             ..self.job.clone()
         }
-    }
-}
-
-/// What a model holds of an error, µm; 0 where nothing.
-pub(super) fn value_um(model: &ErrorModel) -> impl Fn(ErrorTerm, Direction, Millimetres) -> f64 {
-    |term, way, at| {
-        let curve = model.terms[term].as_ref().and_then(|of| of.measured.curve(way));
-        curve.map_or(0.0, |curve| curve.at(at).um())
     }
 }
 

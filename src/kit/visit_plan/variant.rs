@@ -1,10 +1,12 @@
 //! One way to make a visit, and what it costs and gives.
 
-use crate::inputs::job::{Acceptance, ProgramRequest};
+use crate::inputs::job::{Acceptance, Job, ProgramRequest};
 use crate::judge::conformity::Verdict;
-use crate::judge::forecast::{Forecast, JudgedRange};
+use crate::judge::forecast::{Forecast, JudgedRange, Missed};
+use crate::machine::model::ErrorModel;
+use crate::machine::separation::joint::Measured;
 use crate::machine::separation::{MeasuredLine, Part, Separation};
-use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, Rotation};
 use crate::quantity::units::{Millimetres, larger, rounded};
 use crate::write::program::MirrorSize;
 use serde::Serialize;
@@ -179,16 +181,29 @@ impl Visit {
         self.forecast.all_at_most_um()
     }
 
+    /// What makes U of what is at most most: parts in µm that make it together as squares, the largest first.
+    pub(super) fn parts(
+        &self,
+        job: &Job,
+        worst: &Missed,
+        found: Option<&ErrorModel>,
+    ) -> Vec<(Part, f64)> {
+        let value = found.map(value_um);
+        let value = value.as_ref().map(|value| value as Measured<'_>);
+        worst.shares(match (worst.diagonal, ErrorTerm::from_name(&worst.name)) {
+            (Some(diagonal), _) => self.expected.parts_along(diagonal),
+            (None, Some(term)) => self.expected.parts(job, term, value),
+            (None, None) => Vec::new(),
+        })
+    }
+
     /// The three largest parts of U.
     pub(super) fn largest(&self, parts: Vec<(Part, f64)>) -> Vec<Share> {
-        let linear = |index: usize| {
-            let along = |axis: &Axis| self.lines[index].direction[*axis] > 0.999;
-            Axis::ALL.into_iter().find(along)
+        let linear = |part: Part| {
+            let Part::Line(index) = part else { return None };
+            Axis::ALL.into_iter().find(|axis| self.lines[index].direction[*axis] > 0.999)
         };
-        let share = |(part, um)| match part {
-            Part::Line(index) => Share::new(part, linear(index), um),
-            _ => Share::new(part, None, um),
-        };
+        let share = |(part, um)| Share::new(part, linear(part), um);
         parts.into_iter().take(3).map(share).collect()
     }
 
@@ -207,6 +222,14 @@ impl Visit {
     pub(super) fn short_ranges(&self) -> Vec<String> {
         let ranges = self.forecast.ranges.iter();
         ranges.filter_map(JudgedRange::missing).collect()
+    }
+}
+
+/// What a model holds of an error, µm; 0 where nothing.
+pub(super) fn value_um(model: &ErrorModel) -> impl Fn(ErrorTerm, Direction, Millimetres) -> f64 {
+    |term, way, at| {
+        let curve = model.terms[term].as_ref().and_then(|of| of.measured.curve(way));
+        curve.map_or(0.0, |curve| curve.at(at).um())
     }
 }
 

@@ -2,28 +2,30 @@
 //! come to: computed as `plan` computes it, for the noise that was found.
 
 use super::compared::{MOST_RUNS, cheapest, fewest_runs, together};
-use super::design::{Design, value_um};
-use super::variant::{DIGITS, Share, Variant, Visit, listed};
+use super::design::Design;
+use super::variant::{DIGITS, Share, Visit, listed, value_um};
 use crate::inputs::job::{Job, MeasuredData};
-use crate::judge::conformity::{Magnitude, Verdict, expanded_um};
+use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, Missed};
 use crate::machine::model::ErrorModel;
+use crate::machine::separation::joint::{Found, Outlook};
 use crate::machine::separation::table::ErrorSource;
 use crate::machine::separation::{Part, Separation};
 use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
 use crate::quantity::units::{Squared, rounded};
 use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, FisherSnedecor};
+use std::f64::consts::SQRT_2;
 use std::fmt;
 
 /// Acts that are told.
 const MOST: usize = 3;
 /// Share of the visits that have to come to an answer before it is promised.
 const SURE: f64 = 0.9;
-/// So many standard deviations an estimated noise may be larger the next time: 90 %.
+/// Degrees of freedom of what is known.
+const MANY: f64 = 1e6;
+/// So many standard deviations another draw may be larger: 90 %.
 const ROOM: f64 = 1.28;
-
-/// What a second measurement can always be used for.
-const NEW_TABLES: &str = "new tables from this measurement";
 
 /// What decides.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -45,7 +47,7 @@ pub struct WhatDecides {
 pub struct Act {
     /// What to do.
     pub what: String,
-    /// Time that it takes at the machine, min; `None` = nothing is measured, or not known.
+    /// Time that it takes at the machine, min; `None` = not known.
     pub minutes: Option<f64>,
     /// What the largest of all errors, or of all diagonals, would be at most, µm.
     pub at_most_um: f64,
@@ -65,7 +67,7 @@ pub struct Measured {
     pub angles: Vec<Rotation>,
     /// All once more, in so many runs.
     pub runs: Option<u32>,
-    /// From all that is then there.
+    /// From all that is then there; they are loaded and measured likewise.
     pub new_tables: bool,
 }
 
@@ -109,22 +111,31 @@ impl Judged<'_> {
 
     fn of_readings(&self, found: &Separation, missed: &Missed) -> Option<(Vec<Share>, Vec<Act>)> {
         let design = Design::made(self.job, found).ok()?;
-        let described = design.visit(design.described().clone()).ok()?;
-        let as_left = self.expected.map(|_| self.model);
-        let parts = design.parts(&described, missed, as_left);
+        let described = design.visit(design.described.clone()).ok()?;
+        let parts = described.parts(self.job, missed, self.expected.map(|_| self.model));
         let additions = design.additions(&described, &parts);
-        let mut acts: Vec<Act> =
-            self.new_tables(&described, &described, missed).into_iter().collect();
+        let all = together(&described.variant, &additions);
+        let act = |visit: &Visit, remade: bool| self.act(&described, visit, missed, remade);
+        let decides = |visit: &Visit, remade: bool| act(visit, remade).is_some_and(|a| a.passes());
+        let cheapest = |remade: bool| {
+            let found = cheapest(&design, &all, |visit| decides(visit, remade))?;
+            act(&found, remade)
+        };
+        let mut acts = Vec::new();
         if missed.verdict == Verdict::Undecided {
-            acts.extend(self.measurements(&design, &described, &additions, missed));
+            let visit = |variant| design.visit(variant).ok();
+            let (own, most) = (&described.variant, described.variant.in_runs(MOST_RUNS));
+            let runs = fewest_runs(&design, own, |visit| decides(visit, false));
+            let added = additions.iter().cloned().filter_map(visit);
+            let visits = added.chain(runs.or_else(|| visit(most)));
+            acts.extend(visits.filter_map(|visit| act(&visit, false)));
+            if !acts.iter().any(Act::passes) {
+                acts.extend(cheapest(false));
+            }
         }
-        let passes = |act: &Act| act.verdict == Verdict::Pass.word();
-        if self.expected.is_some() && !acts.iter().any(passes) {
-            let new_tables = |visit: &Visit| self.new_tables(&described, visit, missed);
-            let all = together(&described.variant, &additions);
-            let best =
-                cheapest(&design, &all, |visit| new_tables(visit).as_ref().is_some_and(passes));
-            acts.extend(best.as_ref().and_then(new_tables));
+        acts.extend(act(&described, true));
+        if self.expected.is_some() && !acts.iter().any(Act::passes) {
+            acts.extend(cheapest(true));
         }
         Some((described.largest(parts), acts))
     }
@@ -144,125 +155,119 @@ impl Judged<'_> {
         let parts = vec![(Part::Noise, noise), (Part::Laser, laser), (Part::Stated, stated)];
         let parts = missed.shares(parts).into_iter();
         let share = |(part, um)| Share::new(part, None, um);
-        let zero = self.figures.terms.iter().flat_map(|term| &term.figures);
-        let zero: Vec<Magnitude> = zero.map(|of| Magnitude { um: 0.0, ..*of }).collect();
-        let remade = self.remade(missed, expanded_um(&zero, self.figures.sigma));
-        let new_tables = Measured { new_tables: true, ..Measured::default() };
-        let acts = remade.map(|of| Act::new(NEW_TABLES.to_string(), None, of, new_tables));
-        let runs = |runs: u32| {
+        let left_um = self.expected.map(|expected| missed.left_of(expected));
+        // In half of the visits, and in those that have to be counted on: |e − e′| + k u of the worst.
+        let (sigma, terms) = (self.figures.sigma, self.figures.terms.iter());
+        let count = terms.map(|term| term.figures.len()).sum();
+        let factor = |share| SQRT_2 * sigma.joint_at(count, share) + sigma.one_sided();
+        let off_um = [0.5, SURE].map(|share| factor(share) * point.u_um);
+        let act = |runs: u32, new_tables: bool| {
             let less = noise * (1.0 - 1.0 / f64::from(runs)) / point.u_um.squared();
-            let measured = Measured { runs: Some(runs), ..Measured::default() };
-            let answer = self.scaled(missed, (1.0 - less).sqrt(), 0.0);
-            Act::new(format!("mean of {runs} runs"), None, answer, measured)
+            let times = (1.0 - less).sqrt();
+            let answer = if new_tables {
+                let [at_most_um, sure_um] = off_um.map(|um| Some(left_um? + times * um));
+                (at_most_um?, sure_um? <= missed.limit_um)
+            } else {
+                self.scaled(missed, times, 0.0)
+            };
+            let mean = (runs > 1).then(|| format!("mean of {runs} runs"));
+            let runs = Some(runs).filter(|runs| *runs > 1);
+            let measured = Measured { runs, new_tables, ..Measured::default() };
+            Some(Act::new(mean, measured, answer))
         };
-        let is_useful = missed.verdict == Verdict::Undecided && noise > 0.0;
-        let mut all = (2..=MOST_RUNS).filter(|_| is_useful).map(runs);
-        let least = all.clone().find(|act| act.verdict == Verdict::Pass.word());
-        Some((
-            parts.map(share).collect(),
-            acts.into_iter().chain(least.or_else(|| all.next_back())).collect(),
-        ))
+        let most = if noise > 0.0 { MOST_RUNS } else { 1 };
+        let first = if missed.verdict == Verdict::Undecided { 2 } else { most + 1 };
+        let fewest = [(1, true), (first, false)].map(|(first, new_tables)| {
+            let mut acts = (first..=most).filter_map(|runs| act(runs, new_tables));
+            acts.clone().find(Act::passes).or_else(|| acts.next_back())
+        });
+        Some((parts.map(share).collect(), fewest.into_iter().flatten().collect()))
+    }
+
+    /// What is measured in a visit, and made of it; `None` where it is nothing, or nothing can be said.
+    fn act(&self, own: &Visit, visit: &Visit, missed: &Missed, new_tables: bool) -> Option<Act> {
+        let variant = &visit.variant;
+        let runs = Some(variant.run.runs).filter(|runs| *runs > own.variant.run.runs);
+        let change = (*variant != own.variant).then(|| variant.change(&own.variant));
+        let (again, answer) = match (new_tables, &change) {
+            (true, _) => (visit.minutes, self.remade(visit, missed, runs.is_some())?),
+            (false, Some(_)) => (0.0, self.answer(own, visit, missed)?),
+            (false, None) => return None,
+        };
+        let minutes = again + visit.minutes - runs.map_or(own.minutes, |_| 0.0);
+        let (linear, angles) = (variant.linear.clone(), variant.angles.clone());
+        let measured = Measured { linear, angles, runs, new_tables };
+        let minutes = Some(minutes.round());
+        Some(Act { minutes, ..Act::new(change, measured, answer) })
     }
 
     /// Better tables from what was measured after loading, with what is doubtful of it, or is measured like this in its
-    /// place.
-    fn new_tables(&self, own: &Visit, visit: &Visit, missed: &Missed) -> Option<Act> {
-        let is_again = visit.variant.run.runs > own.variant.run.runs;
+    /// place; they are measured likewise.
+    fn remade(&self, visit: &Visit, missed: &Missed, is_again: bool) -> Option<(f64, bool)> {
         let doubtful_um = if is_again { 0.0 } else { missed.doubtful_of(self.figures) };
-        let off_um = missed.of(&visit.forecast)? + doubtful_um;
-        Some(self.act(own, visit, self.remade(missed, off_um)?, true))
-    }
-
-    /// What new tables are at most, that are so much off their points.
-    fn remade(&self, missed: &Missed, off_um: f64) -> Option<(f64, Verdict)> {
-        let at_most_um = off_um + missed.left_of(self.expected?);
-        let is_kept = at_most_um <= missed.limit_um;
-        Some((at_most_um, if is_kept { Verdict::Pass } else { Verdict::Undecided }))
-    }
-
-    fn act(&self, own: &Visit, visit: &Visit, answer: (f64, Verdict), new_tables: bool) -> Act {
-        let variant = &visit.variant;
-        let runs = Some(variant.run.runs).filter(|runs| *runs > own.variant.run.runs);
-        let minutes = visit.minutes - runs.map_or(own.minutes, |_| 0.0);
-        let (linear, angles) = (variant.linear.clone(), variant.angles.clone());
-        let measured = Measured { linear, angles, runs, new_tables };
-        let change = (*variant != own.variant).then(|| variant.change(&own.variant));
-        let minutes = change.as_ref().map(|_| minutes.round());
-        let what = match (change, new_tables) {
-            (Some(change), false) => change,
-            (Some(change), true) => format!("{change}, then new tables"),
-            (None, _) => NEW_TABLES.to_string(),
+        let left_um = doubtful_um + missed.left_of(self.expected?);
+        let room_um = missed.limit_um - left_um;
+        let (um, is_sure) = match missed.diagonal {
+            Some(_) => missed.of(&visit.forecast).map(|um| (um, um <= room_um))?,
+            None => sure(visit.expected.outlook(self.job, None, room_um)?),
         };
-        Act::new(what, minutes, answer, measured)
+        Some((left_um + um, is_sure))
     }
 
-    /// More runs, linear axes, angles; where none of them decides, the cheapest of all together that does.
-    fn measurements(
-        &self,
-        design: &Design<'_>,
-        described: &Visit,
-        additions: &[Variant],
-        missed: &Missed,
-    ) -> Vec<Act> {
-        let own = &described.variant;
-        let answer = |visit: &Visit| self.answer(described, visit, missed);
-        let decides = |visit: &Visit| answer(visit).is_some_and(|of| of.1 != Verdict::Undecided);
-        let visit = |variant| design.visit(variant).ok();
-        let runs = fewest_runs(design, own, decides).or_else(|| visit(own.in_runs(MOST_RUNS)));
-        let mut visits: Vec<Visit> =
-            additions.iter().cloned().filter_map(visit).chain(runs).collect();
-        if !visits.iter().any(decides) {
-            visits.extend(cheapest(design, &together(own, additions), decides));
-        }
-        visits.retain(|visit| visit.variant != *own);
-        let act = |visit: &Visit| Some(self.act(described, visit, answer(visit)?, false));
-        visits.iter().filter_map(act).collect()
-    }
-
-    /// What the largest is at most after a measurement, and the verdict that can be counted on.
-    fn answer(&self, own: &Visit, visit: &Visit, missed: &Missed) -> Option<(f64, Verdict)> {
+    /// What the largest is at most after a measurement, and whether a pass can be counted on.
+    fn answer(&self, own: &Visit, visit: &Visit, missed: &Missed) -> Option<(f64, bool)> {
         if self.expected.is_some() && missed.diagonal.is_none() {
-            let runs = [own, visit].map(|visit| f64::from(visit.variant.run.runs));
-            let noise = (runs[1] > runs[0]).then(|| (runs[1] / runs[0]).sqrt());
-            let found = value_um(self.model);
-            let (um, passes) =
-                visit.expected.outlook(self.job, Some((&found, noise)), missed.limit_um)?;
-            let is_sure = passes >= SURE;
-            return Some((um, if is_sure { Verdict::Pass } else { Verdict::Undecided }));
+            let again = f64::from(visit.variant.run.runs > own.variant.run.runs);
+            let found: Found = (&value_um(self.model), &own.expected, again);
+            return visit.expected.outlook(self.job, Some(found), missed.limit_um).map(sure);
         }
-        let freedom = visit.expected.noise.and_then(|noise| noise.freedom_f64());
-        let room = freedom.map_or(0.0, |freedom| ROOM / (2.0 * freedom).sqrt());
+        // The noise was estimated, and is estimated anew.
+        let [next, found] =
+            [visit, own].map(|of| of.expected.noise.and_then(|of| of.freedom_f64()));
+        let ratio = FisherSnedecor::new(next.unwrap_or(MANY), found.unwrap_or(MANY)).ok()?;
+        let parts = visit.parts(self.job, &visit.forecast.worst()?, None);
+        let square = |of: &[(Part, f64)]| of.iter().map(|(_, um)| um.squared()).sum::<f64>();
+        let noise: Vec<_> = parts.iter().copied().filter(|of| of.0 == Part::Noise).collect();
+        let more = square(&noise) / square(&parts) * (ratio.inverse_cdf(SURE) - 1.0);
+        let room = (1.0 + more).sqrt() - 1.0;
         Some(self.scaled(missed, missed.of(&visit.forecast)? / missed.of(&own.forecast)?, room))
     }
 
     /// The same with so many times the uncertainty; what was measured as left will be another draw of it.
-    fn scaled(&self, missed: &Missed, times: f64, room: f64) -> (f64, Verdict) {
+    fn scaled(&self, missed: &Missed, times: f64, room: f64) -> (f64, bool) {
         let u_um = times * missed.u_um;
         let room_um = match self.expected {
             None => room * u_um,
             Some(_) => ROOM / self.figures.sigma.one_sided() * missed.u_um.hypot(u_um),
         };
         let at_most_um = missed.at_most_um - missed.u_um + u_um;
-        let is_kept = at_most_um + room_um <= missed.limit_um;
-        (at_most_um, if is_kept { Verdict::Pass } else { Verdict::Undecided })
+        (at_most_um, at_most_um + room_um <= missed.limit_um)
     }
 }
 
+/// What it is at most in half of the visits, and whether a pass can be counted on.
+fn sure((at_most_um, passes): Outlook) -> (f64, bool) {
+    (at_most_um, passes >= SURE)
+}
+
 impl Act {
-    fn new(
-        what: String,
-        minutes: Option<f64>,
-        (at_most_um, verdict): (f64, Verdict),
-        measured: Measured,
-    ) -> Act {
-        let (at_most_um, verdict) = (rounded(at_most_um, DIGITS), verdict.word());
-        Act { what, minutes, at_most_um, verdict, measured }
+    fn new(change: Option<String>, measured: Measured, of: (f64, bool)) -> Act {
+        let what = match (change, measured.new_tables) {
+            (Some(change), true) => format!("{change}, then new tables, measured again"),
+            (Some(change), false) => change,
+            (None, _) => "new tables from this measurement, measured again".to_string(),
+        };
+        let verdict = if of.1 { Verdict::Pass } else { Verdict::Undecided }.word();
+        Act { what, minutes: None, at_most_um: rounded(of.0, DIGITS), verdict, measured }
+    }
+
+    fn passes(&self) -> bool {
+        self.verdict == Verdict::Pass.word()
     }
 
     /// What passes by its time, then what is at most least.
     fn rank(&self) -> f64 {
-        let passes = self.verdict == Verdict::Pass.word();
-        if passes { self.minutes.unwrap_or(0.0) } else { 1e6 + self.at_most_um }
+        if self.passes() { self.minutes.unwrap_or(0.0) } else { 1e6 + self.at_most_um }
     }
 }
 
@@ -270,11 +275,8 @@ impl fmt::Display for WhatDecides {
     /// A line for what decides, one for each act, one for what is proved.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let WhatDecides { term, left_um, at_most_um, .. } = self;
-        write!(
-            out,
-            "what decides: {term}, {left_um:.3} µm left; beside it {}",
-            listed(&self.parts)
-        )?;
+        let parts = listed(&self.parts);
+        write!(out, "what decides: {term}, {left_um:.3} µm left; beside it {parts}")?;
         for Act { what, minutes, at_most_um, verdict, .. } in &self.acts {
             let minutes = minutes.map_or(String::new(), |minutes| format!(" ({minutes:.0} min)"));
             write!(out, "\n  {what}{minutes}: at most {at_most_um:.3} µm: {verdict}")?;

@@ -14,7 +14,7 @@
 
 mod outlook;
 
-pub(crate) use self::outlook::Measured;
+pub(crate) use self::outlook::{Found, Measured, Outlook};
 use super::curves::{Curve, range};
 use super::linear::CurveRows;
 use super::noise::{Noise, student};

@@ -2,12 +2,15 @@
 //!
 //! ```text
 //!   left    −e of the measurement that the tables are made from: they carry its errors, and leave nothing else;
-//!           or what was found, v, less what of it is noise:  λ v + √λ e    λ = 1 − Σ u²/Σ v² of each curve
-//!   found   left + e of the new measurement                e: without what both repeat, which stays and cancels
+//!           or what was found, v, with another draw of what is replaced of its error e₀:  λ v + √(λ q) e₀
+//!           q = 1, or 1 − Σ u²/Σ u₀² where the readings stay    λ = 1 − q Σ u₀²/Σ v² of each curve, at least 1 − q/2:
+//!           the tables carry the errors of a measurement like it
+//!   found   left + e of the new measurement, if its readings are new + angles that are measured now and were not
+//!                                                          e: without what both repeat, which stays and cancels
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, directions, largest, random, sum};
+use super::{CONFIDENCE, Table, TableCurve, directions, largest, random, sum};
 use crate::inputs::job::Job;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::linear::{Part, Row, Variance};
@@ -28,8 +31,8 @@ const FIRST: usize = 10_000;
 /// What was measured of an error moving so at a place, µm.
 pub(crate) type Measured<'a> = &'a dyn Fn(ErrorTerm, Direction, Millimetres) -> f64;
 
-/// What a measurement after loading found; its noise by that of the next one, `None` = its readings stay.
-pub(crate) type Found<'a> = (Measured<'a>, Option<f64>);
+/// What a measurement after loading found; what was known of it; 1 where the next one has readings of its own, else 0.
+pub(crate) type Found<'a> = (Measured<'a>, &'a Separation, f64);
 
 /// What the largest of all errors is at most in half of the visits, µm; the share of visits in which it is no
 /// more than the limit.
@@ -44,8 +47,10 @@ impl Separation {
         found: Option<Found<'_>>,
         limit_um: f64,
     ) -> Option<Outlook> {
-        let table = Table::new(self, job, &directions(self, job));
-        table.is_known().then(|| table.outlook(found, limit_um))
+        let [table, former] = [self, found.map_or(self, |found| found.1)]
+            .map(|of| Table::new(of, job, &directions(of, job)));
+        let is_known = table.is_known() && former.is_known();
+        is_known.then(|| table.outlook(found, &former, limit_um))
     }
 
     /// What is known of angles.
@@ -67,15 +72,14 @@ impl Separation {
         errors: Option<Measured<'_>>,
     ) -> Vec<(Part, f64)> {
         let table = Table::new(self, job, &directions(self, job));
-        let u = table.variances(true, |v| v.all);
-        let both = table.values(errors).into_iter().zip(u).enumerate();
         let points = table.points();
-        let own = both.filter(|(place, _)| table.curves[place / points].term == term);
-        let at_most = own.map(|(place, (um, u2))| (place, um.abs() + 2.0 * u2.sqrt()));
+        let row = |place: usize| table.row(place / points, place % points);
+        let values = table.values(errors).into_iter().enumerate();
+        let own = values.filter(|(place, _)| table.curves[place / points].term == term);
+        let u = |place| larger(self.model.variance(&row(place)).all, 0.0).sqrt();
+        let at_most = own.map(|(place, um)| (place, um.abs() + 2.0 * u(place)));
         let worst = at_most.max_by(|a, b| a.1.total_cmp(&b.1));
-        worst.map_or_else(Vec::new, |(place, _)| {
-            self.model.parts(&table.row(place / points, place % points))
-        })
+        worst.map_or_else(Vec::new, |(place, _)| self.model.parts(&row(place)))
     }
 
     /// What the variance of the displacement along a diagonal is made of; unmeasured angles do not change it.
@@ -104,11 +108,11 @@ impl Table<'_> {
         row
     }
 
-    /// Something of u² of each value, its reference included, with angles or without.
-    fn variances(&self, angles: bool, of: impl Fn(Variance) -> f64) -> Vec<f64> {
+    /// Something of u² of each value, its reference included, without angles and what the laser repeats.
+    fn variances(&self, of: impl Fn(Variance) -> f64) -> Vec<f64> {
         let mut model = self.of.model.clone();
-        model.angles.retain(|_| angles);
-        model.strains.start += usize::from(!angles && self.laser.is_some()); // it is the first
+        model.angles.clear();
+        model.strains.start += usize::from(self.laser.is_some()); // it is the first
         let own = self.curves.iter().flat_map(|curve| curve.rows.variances(&model));
         self.beside_reference(&own.map(of).collect::<Vec<f64>>(), 1.0)
     }
@@ -123,7 +127,18 @@ impl Table<'_> {
         each.collect()
     }
 
-    fn outlook(&self, found: Option<Found<'_>>, limit_um: f64) -> Outlook {
+    /// Values of another table for each of these curves; 0 of what it does not hold.
+    fn carried(&self, other: &Table<'_>, values: &[f64]) -> Vec<f64> {
+        let of = |curve: &TableCurve| {
+            let is_way = |own: &TableCurve| own.way.is_none_or(|_| own.way == curve.way);
+            let is_same = |own: &TableCurve| own.term == curve.term && is_way(own);
+            let found = other.curves.iter().position(is_same);
+            found.map_or(vec![0.0; self.points()], |index| other.curve(values, index).to_vec())
+        };
+        self.curves.iter().flat_map(of).collect()
+    }
+
+    fn outlook(&self, found: Option<Found<'_>>, former: &Table<'_>, limit_um: f64) -> Outlook {
         let freedom = self.freedom();
         // What both measurements repeat, and the factor of u beside it.
         let of_order = |order: &[usize]| -> Vec<(Vec<f64>, f64)> {
@@ -139,56 +154,57 @@ impl Table<'_> {
         };
         // Of the orders that the axes may have, the one in which the angles do most.
         let does_um = |biases: &[(Vec<f64>, f64)]| -> f64 {
-            biases
-                .iter()
-                .map(|(bias, _)| bias.iter().fold(0.0, |most, um| larger(most, um.abs())))
-                .sum()
+            biases.iter().map(|(bias, _)| largest(bias, 0.0, 0.0, bias)).sum()
         };
         let orders = self.of.model.angles.iter().map(|order| of_order(order));
         let worst = orders.max_by(|a, b| does_um(a).total_cmp(&does_um(b)));
         let biases = worst.unwrap_or_else(|| of_order(&[]));
-        let (noise, rest) =
-            (self.variances(false, |v| v.noise), self.variances(false, |v| v.all - v.noise));
-        let values = self.values(found.map(|(errors, _)| errors));
-        let again = found.and_then(|(_, noise)| noise);
+        let (noise, rest) = (self.variances(|v| v.noise), self.variances(|v| v.all - v.noise));
+        let values = self.values(found.map(|found| found.0));
+        let again = found.map_or(1.0, |found| found.2);
+        let u2_before = self.carried(former, &former.variances(|v| v.all));
+        let squares: Vec<f64> = values.iter().map(|um| um * um).collect();
         let points = self.points();
-        let share = |place: usize| {
-            let curve = place / points * points..(place / points + 1) * points;
-            let squares: f64 = values[curve.clone()].iter().map(|um| um * um).sum();
-            let u: f64 =
-                curve.map(|at| noise[at] * again.unwrap_or(0.0).squared() + rest[at]).sum();
-            (1.0 - u / squares.max(f64::MIN_POSITIVE)).max(0.0)
+        // λ and √(λ q) of each curve.
+        let share = |curve: usize| {
+            let own = curve * points..(curve + 1) * points;
+            let sum = |of: &[f64]| of[own.clone()].iter().sum::<f64>().max(f64::MIN_POSITIVE);
+            let stays = (1.0 - again) * (sum(&noise) + sum(&rest)) / sum(&u2_before);
+            let q = larger(1.0 - stays, 0.0);
+            let share = larger(1.0 - q * sum(&u2_before) / sum(&squares), 1.0 - q / 2.0);
+            (share, (share * q).sqrt())
         };
-        let shares: Vec<f64> = (0..values.len()).map(share).collect();
+        let shares: Vec<(f64, f64)> = (0..self.curves.len()).map(share).collect();
+        // Of angles that are measured now; in any order that the axes may have.
+        let rotations = &former.of.model.rotations;
+        let order = former.of.model.angles.first().into_iter().flatten().copied();
+        let is_measured = |at: &usize| !self.of.model.rotations.contains(&rotations[*at]);
+        let measured: Vec<usize> = order.filter(is_measured).collect();
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
         let at_most = |visit: usize| {
             let mut random = random(FIRST + visit);
-            let before =
-                self.beside_reference(&self.drawn(again.unwrap_or(1.0), &mut random).0, -1.0);
+            let of_former = |um: &[f64]| self.carried(former, &former.beside_reference(um, -1.0));
+            let before = of_former(&former.drawn(1.0, &mut random).0);
+            let angles = of_former(&former.angles(visit, &measured));
             let new = self.beside_reference(&self.drawn(1.0, &mut random).0, -1.0);
             let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(&mut random) / freedom);
-            let seen = |place: usize| match (found, again) {
-                (None, _) => new[place] - before[place],
-                (Some(_), None) => values[place],
-                _ => {
-                    shares[place] * values[place]
-                        + shares[place].sqrt() * before[place]
-                        + new[place]
-                }
+            let seen = |place: usize| {
+                let (stays, of_before) = shares[place / points];
+                let left = stays * values[place] + of_before * before[place] + angles[place];
+                found.map_or(new[place] - before[place], |_| left + again * new[place])
             };
             let seen: Vec<f64> = (0..values.len()).map(seen).collect();
-            let u = noise.iter().zip(&rest).map(|(noise, rest)| (noise * s2 + rest).sqrt());
-            let u: Vec<f64> = u.collect();
+            let both = noise.iter().zip(&rest);
+            let u: Vec<f64> = both.map(|(noise, rest)| (noise * s2 + rest).sqrt()).collect();
             let at_most =
                 |(bias, times): &(Vec<f64>, f64)| largest(&sum(&seen, bias), 0.0, *times, &u);
             let mut each: Vec<f64> = biases.iter().map(at_most).collect();
             let place = each.len() * 19 / 20;
             *each.select_nth_unstable_by(place, f64::total_cmp).1
         };
-        let visits = if found.is_some() && again.is_none() { 1 } else { VISITS };
-        let mut at_most: Vec<f64> = (0..visits).map(at_most).collect();
+        let mut at_most: Vec<f64> = (0..VISITS).map(at_most).collect();
         at_most.sort_by(f64::total_cmp);
         let passed = at_most.iter().filter(|um| **um <= limit_um).count();
-        (at_most[visits / 2], float(passed) / float(visits))
+        (at_most[VISITS / 2], float(passed) / float(VISITS))
     }
 }
