@@ -35,9 +35,14 @@ fn seeds() -> std::ops::Range<u64> {
 
 /// By what was estimated.
 #[derive(Default)]
-struct Tally(BTreeMap<String, Share>);
+pub(super) struct Tally(BTreeMap<String, Share>);
 
 impl Tally {
+    /// What has names that begin so.
+    pub(super) fn begun(&self, with: &str) -> Vec<Share> {
+        self.0.iter().filter(|(what, _)| what.starts_with(with)).map(|(_, of)| *of).collect()
+    }
+
     fn add(&mut self, what: &str, error: f64, expanded: f64) {
         self.0.entry(what.to_string()).or_default().add(error, expanded);
     }
@@ -134,7 +139,7 @@ fn count_curve(
     }
 }
 
-fn count(tally: &mut Tally, truth: &Machine, found: &Separation) {
+pub(super) fn count(tally: &mut Tally, truth: &Machine, found: &Separation) {
     for term in ErrorTerm::ALL {
         let mut curve = |name: &str, evidence: &SeparatedError, truth: &[f64]| {
             count_curve(tally, &format!("{term}{name}"), truth, evidence, found.noise);

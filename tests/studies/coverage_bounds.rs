@@ -5,6 +5,7 @@
 //! The truth is that of the lines through the middle of the box. A hundredth of the runs by default;
 //! `NONIUS_SIMULATIONS=all cargo test --release --test studies coverage_bounds` makes all of them and
 //! compares the table of docs/accuracy.md §8, with `NONIUS_UPDATE=1` it writes it.
+use super::coverage::{Tally, count};
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
     Machine, Share, dot, float, noisy_lines, noisy_runs, normal, runs, squareness_error, volume,
@@ -95,44 +96,24 @@ impl Rigid {
         truth.x_primary()
     }
 
-    /// Steps that an axis has made at a node.
-    fn made(&self, axis: Axis, node: usize) -> usize {
-        let turn = self.volume().order.iter().position(|a| *a == axis).unwrap();
-        node / 3 + usize::from(node % 3 > turn)
-    }
-
-    /// Commanded place by shares, deviation (mm) and rotation (rad) at a node.
+    /// Way from the start (mm), error (mm) and rotation (rad) at a node.
     fn state(&self, d: Diagonal, node: usize, back: Option<bool>) -> [PerAxis<f64>; 3] {
-        let n = self.volume().steps;
-        let index = |axis: Axis| match d.forward(axis) {
-            Direction::Plus => self.made(axis, node),
-            Direction::Minus => n - self.made(axis, node),
-        };
-        let shares = PerAxis::from_fn(|axis| float(index(axis)) / float(n));
-        let (mut error, turned) = self.turned(shares);
-        for along in Axis::ALL {
-            let reversed = back.is_some_and(|overrun| overrun || self.made(along, node) < n);
-            let minus = (d.forward(along) == Direction::Minus) != reversed;
-            for of in Axis::ALL {
-                error[of] += self.nine.curves[ErrorTerm { of, along }][index(along)] / 1000.0;
-            }
-            error[along] -= f64::from(minus) * self.nine.lost_um[along] / 1000.0;
-        }
-        [shares, error, turned]
+        let (way, um) = self.nine.state(d, node, back);
+        let start = |axis| f64::from(d.forward(axis) == Direction::Minus);
+        let share = |axis| start(axis) + way[axis] / self.volume().size[axis].mm();
+        let (error, turned) = self.turned(PerAxis::from_fn(share));
+        [way, error.plus(um.times(1e-3)), turned]
     }
 
     /// Readings of a pass, µm: a plane wave along b, reflected by a plane through the tool point with
     /// the normal n, has gone 2 (b·n)(n·w) further for a mirror w from the head.
     fn readings(&self, back: Option<bool>) -> PerDiagonal<Vec<f64>> {
         PerDiagonal::from_fn(|d| {
-            let size = PerAxis::from_fn(|axis| self.volume().size[axis].mm());
             let u = self.volume().laser(d);
             let normal = unit(u.plus(self.nine.lean[d]));
             let beam = unit(normal.plus(self.beam[d]));
-            let [first, first_error, first_turn] = self.state(d, 0, None);
-            let at = |[shares, error, turned]: [PerAxis<f64>; 3]| {
-                let way = shares.minus(first);
-                let way = PerAxis::from_fn(|axis| way[axis] * size[axis]);
+            let [_, first_error, first_turn] = self.state(d, 0, None);
+            let at = |[way, error, turned]: [PerAxis<f64>; 3]| {
                 let moved = way.plus(error).minus(first_error);
                 let n = unit(normal.plus(turned.minus(first_turn).cross(normal)));
                 let w = beam.times(AHEAD_MM).plus(moved);
@@ -306,70 +287,27 @@ fn separated(row: &Row, seed: u64) -> (Machine, Separation) {
     (truth, found)
 }
 
-/// By curve (mean, +, −) and plane.
-#[derive(Default)]
-struct Tally {
-    points: [PerTerm<Share>; 3],
-    ends: [PerTerm<Share>; 3],
-    squareness: [Share; 3],
+/// The figures of the table: points, far ends, squareness.
+const FIGURES: [&str; 3] = ["points ", "end ", "stated squareness "];
+
+/// Share of the points of all curves together.
+fn pooled(tally: &Tally) -> f64 {
+    let points = tally.begun(FIGURES[0]);
+    let sum = points
+        .iter()
+        .fold((0.0, 0), |sum, of| (sum.0 + of.value() * float(of.all), sum.1 + of.all));
+    sum.0 / float(sum.1)
 }
 
-impl Tally {
-    fn count(&mut self, truth: &Machine, found: &Separation) {
-        let directed = Direction::BOTH.map(|direction| found.errors.directed(direction));
-        let curves = [Some(&found.errors.mean), directed[0], directed[1]];
-        for (which, curves) in curves.into_iter().enumerate() {
-            for term in ErrorTerm::ALL {
-                let Some(evidence) = curves.and_then(|curves| curves[term].as_ref()) else {
-                    continue;
-                };
-                let own = which == 2 && found.turn.is_some() && term.is_positioning();
-                let offset = f64::from(own) * truth.lost_um[term.along];
-                for (index, wanted) in truth.curves[term].iter().enumerate() {
-                    let error = evidence.deviation_um[index] - (wanted - offset);
-                    let expanded = evidence.expanded_um(index, found.noise).unwrap();
-                    // What the frame sets to zero is not uncertain.
-                    if expanded > 1e-9 {
-                        self.points[which][term].add(error, expanded);
-                        if index == STEPS {
-                            self.ends[which][term].add(error, expanded);
-                        }
-                    }
-                }
-            }
-        }
-        for (plane, share) in Plane::ALL.into_iter().zip(&mut self.squareness) {
-            let expanded = found.expanded_squareness_um_per_m(plane).unwrap();
-            share.add(squareness_error(truth, found, plane), expanded);
-        }
-    }
-
-    /// Share of the points of all curves together.
-    fn pooled(&self) -> f64 {
-        let all = self.points.iter().flat_map(|by_term| by_term.iter());
-        let sum = all.filter(|(_, one)| one.all > 0).fold((0.0, 0), |sum, (_, one)| {
-            (sum.0 + one.value() * float(one.all), sum.1 + one.all)
-        });
-        sum.0 / float(sum.1)
-    }
-
-    /// Shares of points, ends and squareness.
-    fn shares(&self) -> [Vec<f64>; 3] {
-        let flat = |all: &[PerTerm<Share>; 3]| -> Vec<f64> {
-            let every = all.iter().flat_map(|by_term| by_term.iter());
-            let counted = every.filter(|(_, share)| share.all > 0);
-            counted.map(|(_, share)| share.value()).collect()
-        };
-        let squareness = self.squareness.map(Share::value);
-        [flat(&self.points), flat(&self.ends), squareness.into()]
-    }
+fn shares(tally: &Tally) -> [Vec<f64>; 3] {
+    FIGURES.map(|begin| tally.begun(begin).into_iter().map(Share::value).collect())
 }
 
 fn tally(row: &Row, index: u64, many: u64) -> Tally {
     let mut tally = Tally::default();
     for run in 0..many {
         let (truth, found) = separated(row, SEED + 1_000_000 * index + run);
-        tally.count(&truth, &found);
+        count(&mut tally, &truth, &found);
     }
     tally
 }
@@ -394,15 +332,15 @@ fn judge(row: &Row, tally: &Tally, many: u64) {
     let is_bound = row.angle_urad.is_some() || row.beam_mrad.is_some();
     // After a turn U holds a change of the reversal along the axis, which these machines do not have.
     let highest = if is_bound || row.back == Some(false) { 1.0 } else { 0.97 };
-    let [points, ends, squareness] = tally.shares();
-    let curves = if row.turning.is_some() { vec![tally.pooled()] } else { [points, ends].concat() };
+    let [points, ends, squareness] = shares(tally);
+    let curves = if row.turning.is_some() { vec![pooled(tally)] } else { [points, ends].concat() };
     for share in curves.iter().chain(&squareness) {
         let strict = lowest - slack..=highest + slack;
         assert!(is_held(*share, many, lowest..=highest, strict), "{}: {share}", row.name);
     }
     // Two coefficients of each angle make the errors of all points of a curve: their share scatters more.
     let is_meant = row.turning == Some(Shape::Meant) && row.beam_mrad.is_none() && is_whole();
-    assert!(!is_meant || tally.pooled() <= 0.97, "{}: {}", row.name, tally.pooled());
+    assert!(!is_meant || pooled(tally) <= 0.97, "{}: {}", row.name, pooled(tally));
 }
 
 #[test]
@@ -427,8 +365,8 @@ fn table(rows: &[Row], first: u64, many: u64) -> (String, Vec<Tally>) {
     let mut all = Vec::new();
     for (index, row) in (first..).zip(rows) {
         let tally = tally(row, index, many);
-        let pooled = format!("{:.1} %", 100.0 * tally.pooled());
-        let shares = tally.shares().map(|shares| percent(&shares)).join(" | ");
+        let pooled = format!("{:.1} %", 100.0 * pooled(&tally));
+        let shares = shares(&tally).map(|shares| percent(&shares)).join(" | ");
         write!(table, "\n| {} | {pooled} | {shares} |", row.name).unwrap();
         println!("{}: {pooled} | {shares}", row.name);
         all.push(tally);

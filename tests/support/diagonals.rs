@@ -142,7 +142,7 @@ impl Machine {
     }
 
     /// Commanded travel of every axis from the start corner (mm), and its error there (µm).
-    fn state(
+    pub(crate) fn state(
         &self,
         diagonal: Diagonal,
         node: usize,
