@@ -104,7 +104,7 @@ fn the_work_of_refusing_an_input_grows_with_it_not_with_its_square() {
     let columns = format!("{}\n1;2\n", ";p".repeat(LARGEST_PAGE / 8));
     let returns = "k = 1\r".repeat(40_000);
     let names = lines(MOST_LINES / 2 - 10, |n| format!("[Q{n}]\nVALUE = 1"));
-    let sections = lines(MOST_LINES * 10, |n| format!("S{n}::"));
+    let sections = lines(MOST_LINES - 10, |n| format!("S{n}::"));
     let axes = lines(MOST_ROWS - 10, |n| format!("EXX,A{n},A{n},,0,0,0,0,"));
     let (good, bad) = ("N06000Q1A1P40\n".repeat(300_000), "N03620Q1A1X5\n".repeat(5000));
     for (name, text, command, says) in [
@@ -113,7 +113,7 @@ fn the_work_of_refusing_an_input_grows_with_it_not_with_its_square() {
         ("runs.csv", columns, "standards runs.csv", "columns, at most 1000 are read"),
         ("job.toml", returns, GENERATE, "too many for a line"),
         ("a.txt", names, ETALON, "unknown parameter `Q0`"),
-        ("a.rtl", sections, RTL, "lines, too many"),
+        ("a.rtl", sections, RTL, "there is no section `RUNS::`"),
         ("out/table.csv", format!("{ROWS}{axes}"), READ_OUT, "is another axis"),
         ("out/PARA.TXT", format!("%\n{good}{bad}%\n"), READ_OUT, "the same in 1999 more lines"),
     ] {

@@ -23,13 +23,15 @@ const WHICH: &str = "which of the two holds is not known: save the file again";
 /// Lines of each section, by its name in capital letters.
 pub(super) struct Sections<'a> {
     source: &'a Source,
-    found: Vec<(String, Vec<Piece<'a>>)>,
+    found: BTreeMap<String, Vec<Piece<'a>>>,
 }
 
 impl<'a> Sections<'a> {
     pub(super) fn of(source: &'a Source) -> Result<Self, Problems> {
         let mut problems = Problems::none();
-        let mut sections = Sections { source, found: Vec::new() };
+        let mut sections = Sections { source, found: BTreeMap::new() };
+        // Whose lines follow; of a section that is given twice those of the first count.
+        let mut own = None;
         let mut is_over = false;
         for line in lines(source) {
             // Some editors end a text with the control character 26.
@@ -41,12 +43,13 @@ impl<'a> Sections<'a> {
             if let Some(name) = line.text.trim().strip_suffix("::") {
                 let name = name.trim().to_uppercase();
                 is_over = name == "EOF";
-                if sections.has(&name) {
+                own = Some(name.clone()).filter(|name| !sections.has(name));
+                if own.is_none() {
                     let message = format!("section `{}::` is given twice", shown(&name));
                     problems.push_with(|| line.problem(message, WHICH));
                 }
-                sections.found.push((name, Vec::new()));
-            } else if let Some((_, lines)) = sections.found.last_mut() {
+                sections.found.entry(name).or_default();
+            } else if let Some(lines) = own.as_ref().and_then(|name| sections.found.get_mut(name)) {
                 lines.push(line);
             }
         }
@@ -70,12 +73,11 @@ impl<'a> Sections<'a> {
     }
 
     fn has(&self, section: &str) -> bool {
-        self.found.iter().any(|(name, _)| name == section)
+        self.found.contains_key(section)
     }
 
     pub(super) fn lines(&self, section: &str) -> &[Piece<'a>] {
-        let found = self.found.iter().find(|(name, _)| name == section);
-        found.map_or(&[], |(_, lines)| lines)
+        self.found.get(section).map_or(&[], Vec::as_slice)
     }
 
     pub(super) fn fields(&self, section: &str) -> Fields<'a> {
