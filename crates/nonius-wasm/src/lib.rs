@@ -1,0 +1,82 @@
+//! Any command of nonius on files in memory, over two integers: a question and its answer are lists of parts, each
+//! with its length (four bytes, the lowest first) before it.
+//!
+//! ```text
+//!   question   number of words, words of the command, then name and bytes of each file
+//!   answer     exit status as text, standard output, standard error, then name and bytes of each file that is there
+//! ```
+
+use nonius::visit::memory::Memory;
+
+/// Room for a question of so many bytes.
+#[unsafe(no_mangle)]
+pub extern "C" fn room(length: usize) -> *mut u8 {
+    Box::leak(vec![0; length].into_boxed_slice()).as_mut_ptr()
+}
+
+/// Runs the command of a question; the answer begins with its own length.
+///
+/// # Safety
+/// `start` and `length` are those of [`room`], which is given back.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn run(start: *mut u8, length: usize) -> *mut u8 {
+    // SAFETY: the caller hands over what `room` gave.
+    let question = unsafe { Box::from_raw(std::ptr::slice_from_raw_parts_mut(start, length)) };
+    let mut all = Vec::new();
+    add(&mut all, &answered(&question));
+    Box::leak(all.into_boxed_slice()).as_mut_ptr()
+}
+
+/// Gives the memory of an answer back; `length` as it begins with, and four.
+///
+/// # Safety
+/// `start` is what [`run`] returned.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn forget(start: *mut u8, length: usize) {
+    // SAFETY: the caller hands over what `run` gave.
+    drop(unsafe { Box::from_raw(std::ptr::slice_from_raw_parts_mut(start, length)) });
+}
+
+/// The answer to a question.
+pub fn answered(question: &[u8]) -> Vec<u8> {
+    let mut parts = Parts(question);
+    let count = parts.next().and_then(|part| std::str::from_utf8(part).ok()?.parse().ok());
+    let words = parts.by_ref().take(count.unwrap_or(0)).map(String::from_utf8_lossy);
+    let words: Vec<_> = words.collect();
+    let mut files = Vec::new();
+    while let Some(file) = parts.next().zip(parts.next()) {
+        files.push((String::from_utf8_lossy(file.0).into_owned(), file.1));
+    }
+    let memory = Memory::of(files.iter().map(|(name, bytes)| (name.as_str(), *bytes)));
+    let answer = nonius::cli::answer(&memory, words.iter().map(|word| word.as_ref()));
+    let mut all = Vec::new();
+    for part in [answer.status.to_string().as_bytes(), &answer.out, answer.err.as_bytes()] {
+        add(&mut all, part);
+    }
+    for (name, bytes) in memory.all() {
+        add(&mut all, name.as_bytes());
+        add(&mut all, &bytes);
+    }
+    all
+}
+
+fn add(all: &mut Vec<u8>, part: &[u8]) {
+    let length = u32::try_from(part.len()).unwrap_or(u32::MAX);
+    all.extend(length.to_le_bytes());
+    all.extend(part);
+}
+
+/// The parts of a question.
+struct Parts<'a>(&'a [u8]);
+
+impl<'a> Iterator for Parts<'a> {
+    type Item = &'a [u8];
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let (length, rest) = self.0.split_first_chunk()?;
+        let length = u32::from_le_bytes(*length) as usize;
+        let (part, rest) = rest.split_at_checked(length)?;
+        self.0 = rest;
+        Some(part)
+    }
+}
