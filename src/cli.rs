@@ -180,12 +180,13 @@ pub struct Answer {
 /// the same bytes. Its outputs are among the files then.
 pub fn answer<'a>(files: &dyn Files, command: impl IntoIterator<Item = &'a str>) -> Answer {
     let mut answer = Answer::default();
+    files.begin_run();
     match Arguments::try_parse_from(std::iter::once("nonius").chain(command)) {
         Ok(arguments) => {
             (answer.status, answer.err) = ended(arguments.command, files, &mut answer.out);
         }
         Err(error) if error.use_stderr() => {
-            (answer.status, answer.err) = (COULD_NOT, error.render().to_string());
+            (answer.status, answer.err) = (COULD_NOT, spoken(&error.render().to_string()));
         }
         Err(error) => answer.out = error.render().to_string().into_bytes(),
     }

@@ -5,9 +5,8 @@ use crate::text::document::LARGEST_FILE_MIB;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{
     Begun, Files, Form, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, not_put_out, not_written,
-    plain_words,
+    plain_words, written_over,
 };
-use crate::visit::memory::written_over;
 use std::cell::RefCell;
 use std::fs::{File, Metadata, TryLockError};
 use std::io::{Error, IsTerminal, Read, Seek};
@@ -200,6 +199,7 @@ impl Files for Disk {
         files: &[NamedBytes<'_>],
         force: bool,
     ) -> Result<Box<dyn Ready>, Problems> {
+        write::ensure_free(folder, force)?;
         let place = write::named(folder)?;
         self.refuse_input(&place)?;
         Ok(Box::new(Output::folder(place, files, force)?))

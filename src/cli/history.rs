@@ -122,7 +122,7 @@ fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
         let place = directory.join(name);
         match files.bytes(&place) {
             Ok(bytes) => Ok(Some((None, bytes.into()))),
-            Err(problem) if files.exists(&place) => Err(problem),
+            Err(problem) if files.kind(&place).is_ok() => Err(problem),
             Err(_) => Ok(None),
         }
     };
@@ -150,7 +150,7 @@ fn find(files: &dyn Files, kit: &Path, path: &str, hash: &str) -> Result<Link, S
     let beside = [kit.join(path), parent.join(path), parent.join(last)];
     let kept = beside.iter().flat_map(|place| {
         let numbered = (1..).map(|number| previous(place, number));
-        numbered.take_while(|kept| files.exists(kept))
+        numbered.take_while(|kept| files.kind(kept).is_ok())
     });
     let places = beside.iter().cloned().chain(kept);
     let found = places.filter_map(|place| read_link(files, &place).ok());

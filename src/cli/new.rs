@@ -13,7 +13,7 @@ use crate::quantity::units::{Figure, MM_PER_INCH};
 use crate::text::document::{LONGEST_MM, Source};
 use crate::text::finding::Severity;
 use crate::text::problem::{Problem, Problems};
-use crate::visit::files::Files;
+use crate::visit::files::{Files, Kind};
 use crate::visit::inputs::{errors, of_control};
 use crate::visit::job_files::{JobFiles, folder_of, profile, read_page};
 use crate::write::plan::axis_names;
@@ -157,7 +157,7 @@ fn again(
     let mut words = vec!["carried over as they stand: machine, control, box, uncertainty and protocol; compare them with the machine".to_string()];
     let held = read_out.map(|path| held(files, &job, &profile, path, &mut words)).transpose()?;
     let held = held.unwrap_or_default();
-    let is_kit = read_out.is_some() || files.exists(&kit.join(MANIFEST));
+    let is_kit = read_out.is_some() || files.is(Kind::File, &kit.join(MANIFEST));
     let place = ["first_table", "first_set"].into_iter();
     let place = place.rev().find(|place| profile.job_keys.iter().any(|key| key.key == *place));
     words.push(match (is_kit, place) {

@@ -198,7 +198,6 @@ impl ToWrite {
         let ready = match self {
             ToWrite::File(place, bytes, force) => files.write(&place, &bytes, force)?,
             ToWrite::Folder(place, own, force) => {
-                files.ensure_free(&place, force)?;
                 let own = own.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
                 files.write_folder(&place, &own.collect::<Vec<_>>(), force)?
             }

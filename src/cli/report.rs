@@ -17,7 +17,7 @@ use crate::page::{Curves, Locale, Report, Shown, Texts, Visit, linear_document, 
 use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
-use crate::visit::files::{Files, file_name};
+use crate::visit::files::{Files, Kind, file_name};
 use crate::visit::inputs;
 use crate::visit::job_files::{folder_of, read_page};
 use crate::visit::tables::{NamedControl, of_directory, own_tables};
@@ -319,7 +319,7 @@ fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {
         return shipped;
     }
     let path = Path::new(language);
-    if !files.exists(path) {
+    if !files.is(Kind::File, path) {
         let shipped: Vec<&str> = Texts::languages().collect();
         let help =
             format!("expected one of {}, or a file of texts (docs/report.md)", shipped.join(", "));

@@ -90,7 +90,10 @@ impl Output {
             .map_err(|e| not_written("cannot make a directory in", &parent, &e))?;
         for (file, bytes) in files {
             let path = partial.path().join(file);
-            let made = File::create_new(&path).and_then(|mut file| written(&mut file, bytes));
+            let made = File::create_new(&path).and_then(|mut file| {
+                written(&mut file, bytes)?;
+                file.sync_all()
+            });
             made.map_err(|e| not_written("cannot write", &path, &e))?;
         }
         sync_directory(partial.path());
@@ -184,17 +187,17 @@ fn trimmed(directory: &Path) -> PathBuf {
     directory.components().collect()
 }
 
-/// Writes a new file, reads it back from the system and waits until it is on the disk.
+/// Writes a new file and reads it back from the system.
 pub(super) fn written(file: &mut File, bytes: &[u8]) -> std::io::Result<()> {
     file.write_all(bytes)?;
     file.rewind()?;
     let mut found = Vec::with_capacity(bytes.len() + 1);
     file.read_to_end(&mut found)?;
-    if found != bytes {
-        let other = "the bytes in the file are not those that were written";
-        return Err(std::io::Error::other(other));
+    if found == bytes {
+        return Ok(());
     }
-    file.sync_all()
+    let other = "the bytes in the file are not those that were written";
+    Err(std::io::Error::other(other))
 }
 
 /// Makes a rename durable where the system can; elsewhere the system does it in its own time.

@@ -40,6 +40,9 @@ pub trait Ready {
 ///
 /// Whatever is read is remembered: nothing is written over it, into it or around it.
 pub trait Files {
+    /// A command begins, which has read nothing yet.
+    fn begin_run(&self) {}
+
     /// The bytes of a file; a folder, what is no file and what is too long is refused.
     fn bytes(&self, path: &Path) -> Result<Vec<u8>, Problem>;
 
@@ -67,10 +70,10 @@ pub trait Files {
     /// Refuses a folder that holds something, before any work is done.
     fn ensure_free(&self, folder: &Path, force: bool) -> Result<(), Problems>;
 
-    /// Writes a file, whole.
+    /// Writes a file, whole; refuses what [`Files::ensure_new`] does.
     fn write(&self, file: &Path, bytes: &[u8], force: bool) -> Result<Box<dyn Ready>, Problems>;
 
-    /// Writes the files of a folder, the last one last.
+    /// Writes the files of a folder, the last one last; refuses what [`Files::ensure_free`] does.
     fn write_folder(
         &self,
         folder: &Path,
@@ -98,9 +101,9 @@ pub trait Files {
         Ok((path.display().to_string(), bytes))
     }
 
-    /// Whether there is something.
-    fn exists(&self, path: &Path) -> bool {
-        self.kind(path).is_ok()
+    /// Whether there is a file, or a folder.
+    fn is(&self, kind: Kind, path: &Path) -> bool {
+        self.kind(path).is_ok_and(|found| found == kind)
     }
 }
 
@@ -143,6 +146,14 @@ pub(crate) fn not_written(what: &str, path: &Path, error: &Error) -> Problems {
 /// The same on its way to standard output.
 pub(crate) fn not_put_out(error: &Error) -> Problem {
     Problem::new(format!("standard output cannot be written: {}", plain_words(error)))
+}
+
+/// Refuses an output that the run reads, or that lies in or around what it reads.
+pub(crate) fn written_over(output: &Path, input: &str) -> Problem {
+    let name = output.display();
+    let message =
+        format!("writing `{name}` would replace or change `{input}`, which this run reads");
+    Problem::new(message).help("choose another name for `-o`")
 }
 
 /// Where the folder that `--force` replaces is kept: `DIR.previous`, `DIR.previous-2`, ….

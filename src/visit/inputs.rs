@@ -138,7 +138,7 @@ pub(crate) fn active(
     let help = "name a kit, a file or a directory read out of the control (relative to the job), or write \"none\"";
     let found = of_control(files.files, &full, path, help);
     let (manifest, found) = found.map_err(|problem| files.at(ACTIVE, problem))?;
-    let is_folder = files.files.kind(&full).is_ok_and(|kind| kind == Kind::Folder);
+    let is_folder = files.files.is(Kind::Folder, &full);
     let inside = |name: &str| match is_folder {
         true => format!("{path}/{name}"),
         false => path.clone(),

@@ -1,6 +1,8 @@
 //! Files in the memory of a program that uses this one, by their names.
 
-use super::files::{Files, Form, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, previous};
+use super::files::{
+    Files, Form, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, previous, written_over,
+};
 use crate::text::document::LARGEST_FILE_MIB;
 use crate::text::problem::{Problem, Problems};
 use std::cell::RefCell;
@@ -21,6 +23,9 @@ type ByName = BTreeMap<PathBuf, Vec<u8>>;
 /// let answer = nonius::cli::answer(&files, ["generate", "job.toml", "-o", "kit"]);
 /// assert_eq!(answer.status, 0, "{}", answer.err);
 /// assert!(files.all().contains_key("kit/compensation.csv"));
+/// let again = ["verify job.toml --tables kit", "generate job.toml -o kit --force"];
+/// let again = again.map(|command| nonius::cli::answer(&files, command.split(' ')).status);
+/// assert_eq!(again, [0, 0]);
 /// ```
 #[derive(Default)]
 pub struct Memory {
@@ -71,14 +76,6 @@ impl Memory {
     }
 }
 
-/// Refuses an output that the run reads, or that lies in or around what it reads.
-pub(crate) fn written_over(output: &Path, input: &str) -> Problem {
-    let name = output.display();
-    let message =
-        format!("writing `{name}` would replace or change `{input}`, which this run reads");
-    Problem::new(message).help("choose another name for `-o`")
-}
-
 /// A path without `.`, and without what `..` takes back.
 fn plain(path: &Path) -> PathBuf {
     let mut plain = PathBuf::new();
@@ -97,6 +94,10 @@ fn shown(path: &Path) -> String {
 }
 
 impl Files for Memory {
+    fn begin_run(&self) {
+        self.read.borrow_mut().clear();
+    }
+
     fn bytes(&self, path: &Path) -> Result<Vec<u8>, Problem> {
         let name = path.display();
         match self.kind(path) {
@@ -167,7 +168,7 @@ impl Files for Memory {
     }
 
     fn write(&self, file: &Path, bytes: &[u8], force: bool) -> Result<Box<dyn Ready>, Problems> {
-        self.ensure_new(file, force)?;
+        self.ensure(file, Kind::File, force)?;
         self.refuse_input(file)?;
         let (place, bytes) = (plain(file), bytes.to_vec());
         Ok(self.pending(file, move |all| _ = all.insert(place, bytes)))
@@ -179,7 +180,7 @@ impl Files for Memory {
         files: &[NamedBytes<'_>],
         force: bool,
     ) -> Result<Box<dyn Ready>, Problems> {
-        self.ensure_free(folder, force)?;
+        self.ensure(folder, Kind::Folder, force)?;
         self.refuse_input(folder)?;
         let place = plain(folder);
         let files = files.iter().map(|(name, bytes)| (place.join(name), bytes.to_vec()));

@@ -76,7 +76,7 @@ pub(crate) fn read_directory(
         Problem::new(format!("`{name}` {words}"))
             .help("name the directory with the control's files, as `nonius generate` wrote it")
     };
-    if files.kind(path).is_ok_and(|kind| kind == Kind::File) {
+    if files.is(Kind::File, path) {
         return Err(refuse("is a file, expected the directory that holds it".to_string()).into());
     }
     let names = files
