@@ -122,7 +122,7 @@ pub(crate) fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem>
         return Ok(());
     }
     Err(Problem::new(format!(
-        "`{name}` holds more than {} KiB, too much for a job, a profile or a manifest",
+        "`{name}` holds more than {} KiB, too much for a job, a profile, a template or a manifest",
         LARGEST_PAGE >> 10
     ))
     .help("check that the file is what it should be"))
