@@ -14,13 +14,13 @@ pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
     if let Some(found) = text.chars().find(|c| is_control(*c)) {
         return Err(format!("control character in the output: {:?}", around(text, found)));
     }
-    // A control character is left out of a message, and the letters beside it come together.
-    let own = String::from_utf8_lossy(input).to_ascii_lowercase();
-    let own: String = own.chars().filter(|c| !c.is_control()).collect();
     // "expected `inf`" is a sentence about the language of jobs, no figure.
     let text = text.replace("`inf`", "").replace("`nan`", "");
     let words = text.split(|c: char| !c.is_ascii_alphanumeric());
     for word in words.filter(|word| ["NaN", "inf", "Infinity"].contains(word)) {
+        // A control character is left out of a message, and the letters beside it come together.
+        let own = String::from_utf8_lossy(input).to_ascii_lowercase();
+        let own: String = own.chars().filter(|c| !c.is_control()).collect();
         if !own.contains(&word.to_ascii_lowercase()) {
             return Err(format!("no number in the output: {word}"));
         }
