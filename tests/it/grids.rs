@@ -1,6 +1,5 @@
 //! Every planned grid covers the travel, unless the job says where it begins and ends.
 use crate::support;
-use crate::support::fixed_seed;
 use nonius::quantity::axis::Axis;
 use nonius::write::grid::Grid;
 use nonius::write::plan::{Task, plan};
@@ -52,7 +51,7 @@ fn covers(grid: &Grid, [low, high]: [f64; 2]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(fixed_seed(16, 300))]
+    #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
     fn every_planned_grid_covers_the_travel(

@@ -113,7 +113,12 @@ fn the_work_of_refusing_an_input_grows_with_it_not_with_its_square() {
         ("job.toml", unknown, GENERATE, "unknown key `k0`"),
         ("runs.csv", columns, "standards runs.csv", "columns, at most 1000 are read"),
         ("job.toml", returns, GENERATE, "too many for a line"),
-        ("page.tera", layout, "report job.toml -o page.html --template page.tera", "KiB, too much for"),
+        (
+            "page.tera",
+            layout,
+            "report job.toml -o page.html --template page.tera",
+            "KiB, too much for",
+        ),
         ("a.txt", names, ETALON, "unknown parameter `Q0`"),
         ("a.rtl", sections, RTL, "there is no section `RUNS::`"),
         ("out/table.csv", format!("{ROWS}{axes}"), READ_OUT, "is another axis"),

@@ -310,9 +310,9 @@ fn same_words(line: &str) -> Result<(), String> {
 }
 
 fn value() -> impl Strategy<Value = String> {
-    let parts = (any::<bool>(), 0_u32..20_000, proptest::option::of("[0-9]{1,4}"));
-    parts.prop_map(|(minus, whole, decimals)| {
-        let decimals = decimals.map_or(String::new(), |decimals| format!(".{decimals}"));
+    let parts = (any::<bool>(), 0_u32..20_000, 0_u32..10_000, 0_usize..5);
+    parts.prop_map(|(minus, whole, decimals, places)| {
+        let decimals = if places == 0 { String::new() } else { format!(".{decimals:0places$}") };
         format!("{}{whole}{decimals}", if minus { "-" } else { "" })
     })
 }

@@ -1,7 +1,7 @@
 //! Part programs of measuring runs: what the operator gets, and that every program is walked by
 //! code that knows nothing of how it was written.
 use crate::support::visit::replaced;
-use crate::support::{fixed_seed, read_job, readings, source};
+use crate::support::{read_job, readings, source};
 use nonius::control::controller::builtin;
 use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
 use nonius::inputs::target_runs::{Runs, Stated};
@@ -405,7 +405,7 @@ fn cases() -> impl Strategy<Value = Case> {
 }
 
 proptest! {
-    #![proptest_config(fixed_seed(7, 64))]
+    #![proptest_config(ProptestConfig::with_cases(64))]
 
     /// `make` itself reads its bytes back and walks them; here the positions go on as a file of
     /// readings, which the reader of measurements must take without a word.

@@ -1,7 +1,7 @@
 //! Laws that hold for every machine: what may and what may not change the tables.
 use crate::support;
 use crate::support::published::short_or;
-use crate::support::{DUST_UM, fixed_seed, um_at};
+use crate::support::{DUST_UM, um_at};
 use nonius::control::table::Tables;
 use nonius::control::table::generic::GenericRow;
 use nonius::kit;
@@ -147,7 +147,7 @@ fn same_value_um(ways: &str) -> f64 {
 }
 
 proptest! {
-    #![proptest_config(fixed_seed(230, short_or(12, 48)))]
+    #![proptest_config(ProptestConfig::with_cases(short_or(12, 48)))]
 
     #[test]
     fn twice_the_errors_twice_the_corrections(rails in rails(), ways in all_ways()) {
@@ -319,7 +319,7 @@ proptest! {
 
 proptest! {
     // Over all controls: a sixth of the cases in plain `cargo test`.
-    #![proptest_config(fixed_seed(230, short_or(4, 48)))]
+    #![proptest_config(ProptestConfig::with_cases(short_or(4, 48)))]
 
     #[test]
     fn a_machine_without_errors_gets_tables_of_zeros(

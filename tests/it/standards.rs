@@ -1,7 +1,7 @@
 //! Figures by standard: against an independent computation on measured stages, by hand, and their laws; and what is
 //! wrong with files of runs of one axis.
+use crate::support::source;
 use crate::support::visit::{Ran, Visit, fixtures, page, program, shared};
-use crate::support::{fixed_seed, source};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
@@ -329,7 +329,6 @@ fn same(a: &[f64], b: &[f64]) -> bool {
 }
 
 proptest! {
-    #![proptest_config(fixed_seed(2302, 256))]
 
     #[test]
     fn a_constant_moves_means_and_nothing_else((mut up, mut down) in any_runs(), constant in -100.0..100.0_f64) {

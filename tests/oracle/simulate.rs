@@ -96,7 +96,7 @@ fn any_machine() -> impl Strategy<Value = Machine> {
 }
 
 proptest! {
-    #![proptest_config(support::fixed_seed(98, support::published::short_or(16, 64)))]
+    #![proptest_config(ProptestConfig::with_cases(support::published::short_or(16, 64)))]
 
     #[test]
     fn the_prediction_is_what_the_test_reads_on_the_same_machine(mut machine in any_machine(), directed: bool, overrun: bool) {

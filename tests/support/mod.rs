@@ -25,7 +25,6 @@ use nonius::read::{KitFile, read};
 use nonius::text::document::Source;
 use nonius::text::finding::Finding;
 use nonius::text::problem::Problems;
-use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use std::fmt::Display;
 use visit::fixture;
 
@@ -287,16 +286,6 @@ impl Lines {
         let (x0, x1) = (self.mm[right - 1], self.mm[right]);
         let (y0, y1) = (self.um[right - 1], self.um[right]);
         y0 + (x - x0) / (x1 - x0) * (y1 - y0)
-    }
-}
-
-/// Generated cases that are the same in every run.
-pub(crate) fn fixed_seed(seed: u64, cases: u32) -> ProptestConfig {
-    ProptestConfig {
-        cases,
-        rng_seed: RngSeed::Fixed(seed),
-        failure_persistence: None,
-        ..ProptestConfig::default()
     }
 }
 

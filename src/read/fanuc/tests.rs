@@ -4,6 +4,7 @@
 
 use super::*;
 use crate::control::controller::{Evidence, Fact, IntervalForm, StraightnessForm, TableSign};
+use crate::text::plain::tests::texts_of;
 
 fn fact<T>(value: T) -> Fact<T> {
     Fact { value, evidence: Evidence::Manual, source: "test".to_string(), consequence: None }
@@ -273,9 +274,13 @@ fn files_of_a_kit_make_one_memory_unless_they_disagree() {
 proptest::proptest! {
     /// Whatever stands in a file, it is read or its problems can be shown.
     #[test]
-    fn no_text_stops_the_reader(text in "(%[\r\n;]{0,2})?[%NQPALSG0-9.,;(\r\n \u{e9}-]{0,60}%?") {
-        if let Err(problems) = read_30i(&text) {
-            proptest::prop_assert!(!problems.render().is_empty());
+    fn no_text_stops_the_reader(
+        text in texts_of("%NQPALSG0123456789.,;(\r\n \u{e9}-".chars(), 60),
+    ) {
+        for text in [format!("%\n{text}%"), text] {
+            if let Err(problems) = read_30i(&text) {
+                proptest::prop_assert!(!problems.render().is_empty());
+            }
         }
     }
 }
