@@ -74,7 +74,7 @@ pub struct LineIndex {
 }
 
 /// Bytes of a text in which line ends are counted again for each place.
-const INDEX_BLOCK: usize = 1 << 14;
+const INDEX_BLOCK: usize = 1 << 10;
 
 impl LineIndex {
     /// The place of the bytes `start..end` of `source`, which is the same text in every call.
