@@ -86,6 +86,8 @@ const KIT: &str = "verify job.toml --tables kit";
 const RTL: &str = "import a.rtl -o out.csv --term EXX --first-target-at-mm 0 --targets-run + --sign as-error --runs bidirectional --material-corrected yes";
 const ETALON: &str = "import a.txt -o out.csv --from etalon --sign as-error";
 const COLUMNS: &str = "import a.csv -o out.csv --columns pos=position_mm,ex=ex_um --axis x --sign as-error --direction both";
+const TYPED: &str =
+    "term,base_axis,output_axis,direction,zero_mm,page,point,position_mm,increment_um,seen\n";
 const ROWS: &str = "term,base_axis,output_axis,direction,index,position_mm,deviation_um,correction_um,increment_um\n";
 
 fn beside(control: &str, name: &str, text: &str, command: &str) -> Visit {
@@ -162,6 +164,7 @@ fn memory_stays_in_proportion_to_input_and_output() {
         let increment = if n == 0 { "" } else { "0" };
         format!("EXX,X,X,,{n},{}.{:02},0,0,{increment}", n / 100, n % 100)
     });
+    let typed = lines(MOST_ROWS - 10, |n| format!("EXX,X,X,,0,1,{n},{n},0,"));
     let pairs = lines(MOST_LINES - 10, |n| format!("{}.{:03},1", n / 1000, n % 1000));
     let dense = |control: &str, spacing_mm: f64| {
         let job = fixture(&format!("nine_errors_900/{control}.toml"));
@@ -209,6 +212,7 @@ fn memory_stays_in_proportion_to_input_and_output() {
         (generic, json, array(format!("[{}1],", "1,".repeat(2 * MB))), READ_OUT),
         (generic, csv, format!("{ROWS}{points}"), READ_OUT),
         (generic, csv, format!("{ROWS}{}", "x\n".repeat(3 * MB)), READ_OUT),
+        (generic, csv, format!("{TYPED}{typed}EXX,X,X,,,1,sum,,0,\n"), READ_OUT),
         (generic, "a.csv", format!("pos,ex\n{pairs}"), COLUMNS),
         (generic, "job.toml", dense(generic, 0.75), GENERATE),
         ("linuxcnc", "job.toml", dense("linuxcnc", 4.0), "generate job.toml --compare"),

@@ -36,6 +36,8 @@ const COLUMNS: [&str; 9] = [
     "position_mm",
     "seen",
 ];
+/// The columns that hold words; there may be fifty thousand rows, each with its own.
+const NAMES: [&str; 5] = ["term", "base_axis", "output_axis", "direction", "page"];
 /// The columns of values; a list has one of them.
 const VALUES: [(&str, Kind, LengthUnit); 6] = [
     ("deviation_um", Kind::Deviation, LengthUnit::Um),
@@ -82,10 +84,10 @@ fn read_as(file: &str, text: &str, is_seen: bool) -> Result<GenericTable, Proble
         return Err(problem.at(header.whole()).into());
     }
     let mut problems = Problems::none();
-    let rows = lines.iter();
-    let rows: Vec<Row<'_>> = rows.filter_map(|line| problems.take(row(line, &columns))).collect();
-    let (sums, mut points): (Vec<_>, Vec<_>) =
-        problems.or_ok(rows)?.into_iter().partition(Row::is_sum);
+    let mut rows = Vec::with_capacity(lines.len());
+    rows.extend(lines.iter().filter_map(|line| problems.take(row(line, &columns))));
+    let mut points = problems.or_ok(rows)?;
+    let sums: Vec<Row<'_>> = points.extract_if(.., |row| row.is_sum()).collect();
     refuse_other_sums(&points, &sums, &columns)?;
     let was_seen = points.iter().any(|point| point.seen_um.is_some());
     if was_seen {
@@ -153,7 +155,8 @@ impl Columns {
 /// A point, or the sum of a page.
 struct Row<'a> {
     line: Line<'a>,
-    cells: BTreeMap<&'static str, Cow<'a, str>>,
+    /// In the order of [`NAMES`].
+    names: [Cow<'a, str>; NAMES.len()],
     point: Option<u32>,
     position_mm: f64,
     zero_mm: f64,
@@ -168,7 +171,8 @@ impl Row<'_> {
     }
 
     fn text(&self, column: &str) -> &str {
-        self.cells.get(column).map_or("", |cell| cell.as_ref())
+        let place = NAMES.iter().position(|own| *own == column);
+        place.map_or("", |place| self.names[place].as_ref())
     }
 
     /// The block it belongs to.
@@ -219,10 +223,9 @@ fn row<'a>(line: &Line<'a>, columns: &Columns) -> Result<Row<'a>, Problems> {
         false => number("seen"),
     };
     let um = |value: f64| units::rounded(value * columns.unit.um(), DUST_DECIMALS);
-    let cells = COLUMNS.map(|column| (column, cell(column)));
     problems.or_ok(Row {
         line: *line,
-        cells: cells.into_iter().collect(),
+        names: NAMES.map(cell),
         point,
         position_mm: position_mm.unwrap_or_default(),
         zero_mm: zero_mm.unwrap_or_default(),
