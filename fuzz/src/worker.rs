@@ -159,7 +159,7 @@ impl Fuzzed {
             }
         }
         if whole.0.steps > MANY_STEPS.max(STEPS_OF_TWICE * half.0.steps)
-            && half.0.steps > MANY_STEPS / 100
+            && half.0.steps > MANY_STEPS / 10
         {
             let (few, many) = (half.0.steps, whole.0.steps);
             self.report(
