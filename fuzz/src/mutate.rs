@@ -178,8 +178,8 @@ pub fn mutated(random: &mut Random, input: &[u8], other: &[u8], words: &Dictiona
     let changes = 1 << random.below(4);
     for _ in 0..changes {
         change(random, &mut text, other, words);
+        text.truncate(LONGEST); // before a part of it is repeated once more
     }
-    text.truncate(LONGEST);
     text
 }
 
