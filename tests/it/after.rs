@@ -1,6 +1,6 @@
 //! `verify --after`: the figures of the page and the verdict on what was measured.
 
-use crate::support::visit::{Visit, fixture, number};
+use crate::support::{Visit, fixture, number};
 use serde_json::Value;
 
 const ACCEPTANCE: &str = "[acceptance]\nmax_deviation_um = 1.0\n";
@@ -140,9 +140,7 @@ fn tables_that_do_not_act_or_were_changed_fail() {
     visit(&table(&[[0.0, 0.0, 0.0], [50.0, 6.05, 3.02], [100.0, 16.0, -4.0]], 0.1))
         .run("verify job.toml --tables kit --after after.csv")
         .ends(1)
-        .says("NOT ACTIVE: all tables do not act")
-        .says("to decide:")
-        .says("verdict: fail");
+        .tells(&["NOT ACTIVE: all tables do not act", "to decide:", "verdict: fail"]);
     let visit = visit(&table(&[[0.0, 0.0, 0.0], [50.0, 0.0, 0.0], [100.0, 0.0, 0.0]], 0.1));
     visit.put("kit/compensation.csv", visit.read("kit/compensation.csv") + "\n");
     again(&visit, "after.csv").is("fail", &["hash"]);
@@ -212,11 +210,8 @@ fn far_fewer_positions_leave_it_undecided() {
     for (step, verdict) in [(20, "pass"), (25, "undecided"), (100, "undecided")] {
         visit.put("after.csv", rows(step));
         let causes = again(&visit, "after.csv").is(verdict, &[]).page["causes"].to_string();
-        assert_eq!(
-            causes.contains("between the targets is not known"),
-            verdict != "pass",
-            "every {step} mm"
-        );
+        let is_told = causes.contains("between the targets is not known");
+        assert_eq!(is_told, verdict != "pass", "every {step} mm");
     }
 }
 
@@ -286,10 +281,8 @@ fn the_backlash_parameter_of_a_kit_is_the_one_of_its_manifest() {
     visit.put("errors.csv", directed([0.0, 6.0, 16.0], 5.0));
     let cause = "the kit was made for 3 µm, the job asks for 5 µm";
     verified(&visit, "").is("fail", &[cause]).figure("EXX", "forecast_um", 2.0);
-    visit
-        .run("simulate job.toml --tables kit --errors -o -")
-        .says("x,-,100,2,")
-        .says("3.000 µm as manifest.json of the kit names it");
+    let ran = visit.run("simulate job.toml --tables kit --errors -o -");
+    ran.tells(&["x,-,100,2,", "3.000 µm as manifest.json of the kit names it"]);
 }
 
 /// Files under names of the control's own, with data of no concern among them.
@@ -303,12 +296,9 @@ fn a_read_out_is_judged_by_what_it_does() {
     });
     let other = "$MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\n$MA_BACKLASH[0,AX1]=0.006\n";
     visit.put("out/all.arc", format!("{eec}{other}{cec}M30\n"));
-    visit
-        .run("verify job.toml --tables out")
-        .ends(0)
-        .says("1 other machine data were ignored")
-        .says("taken to be on")
-        .says("MD32450) of axis AX1 is 6 µm");
+    let says =
+        ["1 other machine data were ignored", "taken to be on", "MD32450) of axis AX1 is 6 µm"];
+    visit.run("verify job.toml --tables out").ends(0).tells(&says);
     visit.edit("out/all.arc", "M30", "$AA_ENC_COMP[0,3,AX1]=0.5\nM30");
     visit.run("verify job.toml --tables out").ends(1);
 }

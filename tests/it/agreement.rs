@@ -2,7 +2,7 @@
 //! the travel, and uncertainties that are not known.
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, close, curve, index, mm, runs, solved, volume, with_noise,
+    Machine, close, curve, mm, runs, seeded, solved, volume, with_noise,
 };
 use crate::support::{term, words};
 use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
@@ -10,14 +10,12 @@ use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass, Run};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 
 const SIGMA_UM: f64 = 0.3;
 
 /// A machine, and its readings with a mirror that leans and such a noise.
 fn measured(seed: u64, sigma: f64) -> (Machine, Vec<Run>) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = seeded(seed);
     let box_ = volume([900.0, 720.0, 720.0], 30);
     let truth = Machine::random(&box_, &mut random).x_primary();
     let mut leant = truth.clone();
@@ -134,14 +132,12 @@ fn steel(axes: &[Axis], temperature_c: Option<f64>) -> Option<Material> {
     Some(Material { material_corrected: true, air_corrected: true, axes })
 }
 
-const NOTHING: fn() -> StatedUncertainty = simulated::exact;
-
 /// Z²p_zz = S − X²p_xx − Y²p_yy: a scale error of the diagonals comes out (R/Z)² = 3.5625 times as
 /// large in EZZ, and not at all in EXX, which is the linear axis.
 #[test]
 fn the_laser_goes_through_the_solution() {
-    let plain = with_stated(5, NOTHING(), None, None);
-    let stated = StatedUncertainty { laser_ppm: Some(1.0), ..NOTHING() };
+    let plain = with_stated(5, simulated::exact(), None, None);
+    let stated = StatedUncertainty { laser_ppm: Some(1.0), ..simulated::exact() };
     let found = with_stated(5, stated, None, None);
     let added = |name: &str| {
         let [with, without] = [&found, &plain].map(|s| u_at_end(s, name).unwrap());
@@ -162,7 +158,7 @@ fn the_laser_goes_through_the_solution() {
 
 #[test]
 fn the_temperature_goes_through_the_solution() {
-    let stated = StatedUncertainty { temperature_k: Some(1.0), ..NOTHING() };
+    let stated = StatedUncertainty { temperature_k: Some(1.0), ..simulated::exact() };
     let found = with_stated(5, stated, steel(&Axis::ALL, Some(22.0)), None);
     close(u_at_end(&found, "EZZ").unwrap(), 29.50, 0.05, "EZZ");
     close(u_at_end(&found, "EXX").unwrap(), 0.09, 1e-3, "EXX");
@@ -176,7 +172,7 @@ fn the_temperature_goes_through_the_solution() {
 
 #[test]
 fn changes_between_set_ups_make_squareness_uncertain() {
-    let stated = StatedUncertainty { setup_ppm: Some(2.3), ..NOTHING() };
+    let stated = StatedUncertainty { setup_ppm: Some(2.3), ..simulated::exact() };
     let found = with_stated(5, stated, None, None);
     for plane in Plane::ALL {
         let (a, b) = plane.axes();
@@ -185,7 +181,7 @@ fn changes_between_set_ups_make_squareness_uncertain() {
         let wanted = 2.3 * found.volume.diagonal_mm().powi(2) / (2.0 * area);
         close(u_squareness(&found, plane), wanted, 0.01, plane.key());
     }
-    let silent = with_stated(5, NOTHING(), None, None);
+    let silent = with_stated(5, simulated::exact(), None, None);
     labelled(&silent, "setup_ppm is not stated");
     let said = words(&silent.labels).concat();
     let sizes = ["xy 1.42, xz 1.42, yz 1.78", "xy 1.43, xz 1.43, yz 1.78"];
@@ -194,7 +190,7 @@ fn changes_between_set_ups_make_squareness_uncertain() {
 
 #[test]
 fn recorded_temperatures_serve_the_coefficient_of_expansion() {
-    let stated = StatedUncertainty { alpha_per_k: Some(1e-6), ..NOTHING() };
+    let stated = StatedUncertainty { alpha_per_k: Some(1e-6), ..simulated::exact() };
     let cold = with_stated(6, stated, steel(&Axis::ALL, None), None);
     labelled(&cold, "alpha_per_k is stated but not included for any axis");
     let warm = with_stated(6, stated, steel(&Axis::ALL, None), Some(35.0));
@@ -222,7 +218,7 @@ fn a_beam_over_a_part_of_the_travel_is_freed_of_the_shapes() {
         rises[0] + rises[1]
     };
     let skew = MeasuredLine {
-        direction: PerAxis::from_fn(|axis| travel[index(axis)] / length),
+        direction: PerAxis::from_fn(|axis| travel[axis as usize] / length),
         slope_um_per_m: 1000.0 * (travel[0] * rise(Axis::X) + travel[1] * rise(Axis::Y))
             / (length * length),
         u_um_per_m: Some(0.1),

@@ -1,7 +1,6 @@
 //! `nonius assess`: machine H to the digits, the tables of paper 000, before and after.
 
-use crate::support::visit::{LAST_DIGIT, Visit, fixture, near, number};
-use crate::support::{error_table, read_job};
+use crate::support::{LAST_DIGIT, Visit, error_table, fixture, holds, near, number, read_job};
 use nonius::machine::model::ErrorModel;
 use nonius::quantity::axis::{Axis, ErrorTerm, PerTerm};
 use nonius::volume::definitions::ByComponent;
@@ -227,8 +226,7 @@ fn angles_can_be_zeroed_where_the_squareness_was_measured() {
     let found = document(&visit, "assess job.toml");
     // By a program of its own: all angles less their value at 0.
     near("VA", number(&found["definitions"]["va_um"]), 1_148.470_874, LAST_DIGIT);
-    let page = visit.yes("assess job.toml --explain");
-    assert!(page.contains("angles of X count from 0 mm"), "{page}");
+    holds(&visit.yes("assess job.toml --explain"), &["angles of X count from 0 mm"]);
 }
 
 #[test]

@@ -2,14 +2,13 @@
 //! measured.
 
 use super::assess::document;
-use crate::support::published::short_or;
-use crate::support::visit::{Visit, number, page, replaced};
+use crate::support::{Ran, Visit, number, page, replaced, short_or};
 use serde_json::{Value, json};
 
-/// The page of a command that ends with 0.
+/// A command that ends with 0, with its explanations.
 #[track_caller]
-fn explained(visit: &Visit, command: &str) -> String {
-    visit.yes(&format!("{command} --explain"))
+fn explained(visit: &Visit, command: &str) -> Ran {
+    visit.run(&format!("{command} --explain")).ends(0)
 }
 
 /// A job for a cube of 300 mm, without anything for a control.
@@ -55,8 +54,7 @@ fn the_volume_is_claimed_only_where_no_place_is_worse() {
     assert!(finer > 59.7 && !claimed, "{finer}");
     for (job, places) in [("spline.toml", "of these nodes"), ("job.toml", "places of the volume")] {
         let words = format!("51.962 µm: no two {places} differ by more");
-        let said = explained(&visit, &format!("assess {job}"));
-        assert!(said.contains(&words), "{words}: {said}");
+        explained(&visit, &format!("assess {job}")).says(&words);
     }
 }
 
@@ -68,9 +66,8 @@ fn a_separation_keeps_its_labels_and_its_frame() {
     has_label(&found, "a reversal of about");
     let visit = Visit::of("start/readings");
     assert_eq!(document(&visit, "assess job.toml")["frame"], "x-primary");
-    let said = explained(&visit, "assess job.toml");
-    assert!(said.contains("frame: X primary, XY plane secondary"), "{said}");
-    assert!(!said.contains("nothing was rotated"), "{said}");
+    let said = explained(&visit, "assess job.toml").omits("nothing was rotated");
+    said.says("frame: X primary, XY plane secondary");
 }
 
 /// A small rotation of the machine's frame changes VA and not what the page says to stay.
@@ -117,18 +114,15 @@ fn tables_that_were_active_are_part_of_the_machine_as_measured() {
     let after = replaced(&job, active, "active_while_measuring = \"kit\"");
     visit.put("after.toml", replaced(&after, "errors.csv", "residual.csv"));
     visit.put("silent.toml", replaced(&job, active, ""));
-    visit.put(
-        "residual.csv",
-        "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,400,1,0,0\ny,0,0,0,0\ny,300,0,0,0\nz,-200,0,0,0\nz,0,0,0,0\n",
-    );
+    let residual = "axis,position_mm,ex_um,ey_um,ez_um\nx,0,0,0,0\nx,400,1,0,0\ny,0,0,0,0\ny,300,0,0,0\nz,-200,0,0,0\nz,0,0,0,0\n";
+    visit.put("residual.csv", residual);
     visit.yes("generate job.toml -o kit");
     let found = document(&visit, "assess after.toml");
     assert_eq!(found["active"]["tables"], "kit");
     assert_eq!(number(&found["definitions"]["va_um"]), 1.0);
     assert!(number(&found["active"]["va_without_um"]) > 14.0, "{}", found["active"]);
-    let said = explained(&visit, "assess after.toml");
     let words = "as measured, with the tables of `kit` active; without any tables";
-    assert!(said.contains(words), "{said}");
+    explained(&visit, "assess after.toml").says(words);
     let found = document(&visit, "assess silent.toml");
     has_label(&found, "`active_while_measuring` is not stated");
     assert_eq!(found["active"], Value::Null);
@@ -143,8 +137,8 @@ fn places_that_levers_depend_on_are_named() {
     assert_eq!(found["offsets_mm"], json!({"x": 4000.0, "y": 100.0, "z": null}));
     assert_eq!(found["volume_mm"]["y"], json!([0.0, 300.0]));
     has_label(&found, "does not reach: X 4000 mm");
-    let said = explained(&visit, "assess job.toml");
-    assert!(said.contains("tool offset (0, 0, -120.5) mm; offsets X 4000, Y 100 mm"), "{said}");
+    let words = "tool offset (0, 0, -120.5) mm; offsets X 4000, Y 100 mm";
+    explained(&visit, "assess job.toml").says(words);
 }
 
 #[test]
@@ -159,15 +153,12 @@ fn what_was_not_measured_is_no_error_of_nothing() {
     assert_eq!(found["errors_measured"], 5);
     assert_eq!(found["definitions"]["ranges_um"], json!([10.0, null, 1.0]));
     assert_eq!(found["volume_mm"]["y"], Value::Null);
-    let said = explained(&visit, "assess x.csv --chain wXYZt");
-    for words in [
+    explained(&visit, "assess x.csv --chain wXYZt").tells(&[
         "volume X 0.1 … 900.25 mm, Y not measured and its travel not stated, Z not measured",
         "5 of the 21 errors were measured",
         "range Y       not measured",
         "angles measured and not counted: EAX, EBX, ECX; the travel of Y, Z, their lever, is not stated",
-    ] {
-        assert!(said.contains(words), "{words}\n{said}");
-    }
+    ]);
 }
 
 #[test]
@@ -186,8 +177,7 @@ fn bins_that_no_drawn_pair_hit_are_unknown() {
     assert!(number(&counts[1149]) >= 1.0, "the last bin holds the largest difference");
     assert!(counts.iter().any(Value::is_null), "no drawn pair fell there");
     assert!(counts.iter().chain(errors).all(|value| value.as_f64() != Some(0.0)));
-    let said = explained(&visit, command);
-    assert!(said.contains("no drawn pair fell there"), "{said}");
+    explained(&visit, command).says("no drawn pair fell there");
 }
 
 #[test]
@@ -218,7 +208,7 @@ fn the_map_of_sub_volumes_holds_the_extremes() {
     // Of two vectors one is kept: that is no difference of 0.
     let one = Visit::with(cube(), "axis,position_mm,ex_um\nx,0,0\nx,300,10\n");
     let command = "assess errors.csv --grid 2,1,1 --grouping 0.1";
-    assert!(explained(&one, command).contains("no two vectors are kept; exact 10.000 µm"));
+    explained(&one, command).says("no two vectors are kept; exact 10.000 µm");
 }
 
 #[test]

@@ -2,8 +2,7 @@
 //! a picture is cut off or lies on another, every link leads somewhere, the print has its pages. Skipped, with a
 //! word, where they are not installed.
 
-use crate::support::tree::is_installed;
-use crate::support::visit::{Ran, Visit, fixture, replaced};
+use crate::support::{Ran, Visit, fixture, fixtures, is_installed, program, replaced};
 use std::process::{Command, Output};
 
 const JOB: &str = "fixtures/nine_errors_900/siemens-840d-sl.toml";
@@ -11,12 +10,8 @@ const READINGS: &str = "fixtures/start/readings/job.toml";
 
 /// Runs the program in the repository; `OUT` is the folder of the visit.
 fn run(visit: &Visit, command: &str) -> Ran {
-    let folder = visit.folder().display().to_string();
-    let output = Command::new(env!("CARGO_BIN_EXE_nonius"))
-        .current_dir(env!("CARGO_MANIFEST_DIR"))
-        .args(command.split_whitespace().map(|word| word.replace("OUT", &folder)))
-        .output();
-    Ran::of(command, &output.expect("the program runs"))
+    let words = command.replace("OUT", &visit.folder().display().to_string());
+    Ran::of(command, &program(&fixtures(".."), &words).output().expect("the program runs"))
 }
 
 /// Reports of an error table, of readings, and of a kit with a second measurement.
@@ -52,10 +47,8 @@ fn pictures(visit: &Visit, after: &str) -> Vec<String> {
     let offset = "[[path.offset]]\nsystem = \"G54\"\nx_mm = 0\ny_mm = 0\nz_mm = 0\n";
     visit.put("path.toml", format!("{}\n{offset}", fixture("nine_errors_900/generic.toml")));
     visit.copy("nine_errors_900/errors.csv", "errors.csv");
-    visit.put(
-        "part.nc",
-        "G90 G21\nG0 X10 Y10 Z-100\nG1 Z-110 F1000\nX800\nG2 Y600 I0 J295\nG81 X200 Y200 Z-120 R-105 F200\nX600 Y500\nG80\nM30\n",
-    );
+    let part = "G90 G21\nG0 X10 Y10 Z-100\nG1 Z-110 F1000\nX800\nG2 Y600 I0 J295\nG81 X200 Y200 Z-120 R-105 F200\nX600 Y500\nG80\nM30\n";
+    visit.put("part.nc", part);
     let case_d = "fixtures/diagonals/case_d_bidirectional/job.toml";
     let commands = [
         &format!("generate {JOB} -o OUT/second"),
@@ -154,9 +147,8 @@ fn signatures_stand_on_the_first_sheet() {
         sheet += "<body>";
         for (language, page) in &pages {
             let (_, body) = page.split_once("<body>").expect("a body");
-            sheet += &format!(
-                "<div lang=\"{language}\" style=\"break-after:page\">{body}</section></div>"
-            );
+            let div = format!("<div lang=\"{language}\" style=\"break-after:page\">");
+            sheet += &format!("{div}{body}</section></div>");
         }
         visit.put("sheet.html", sheet);
         assert_eq!(printed(&visit, "sheet.html"), pages.len(), "{size}");
@@ -176,48 +168,18 @@ fn chromium(visit: &Visit, page: &str, arguments: &[&str]) -> Output {
 }
 
 /// Measures pages in frames of three widths and writes down what is wrong.
-const MEASURE: &str = r#"<!DOCTYPE html><body style="margin:0"><pre id="r"></pre><script>
-function measured(d) {
-  const root = d.documentElement, out = [];
-  if (root.scrollWidth > root.clientWidth) out.push('the page is ' + root.scrollWidth + ' wide in ' + root.clientWidth);
-  for (const svg of d.querySelectorAll('svg')) {
-    const box = svg.getBoundingClientRect();
-    const texts = [...svg.querySelectorAll('text')].map(e => [e.textContent, e.getBoundingClientRect()]);
-    texts.forEach(([words, r], i) => {
-      if (r.left < box.left - 1 || r.right > box.right + 1 || r.top < box.top - 1 || r.bottom > box.bottom + 1) out.push('cut off: ' + words);
-      for (const [other, o] of texts.slice(i + 1)) {
-        const wide = Math.min(r.right, o.right) - Math.max(r.left, o.left), high = Math.min(r.bottom, o.bottom) - Math.max(r.top, o.top);
-        if (wide > 1 && high > 2) out.push('on each other: ' + words + ' / ' + other);
-      }
-    });
-  }
-  for (const e of d.querySelectorAll('body *')) {
-    if (e.closest('svg') || e.closest('.wide') || e.closest('figure')) continue;
-    if (e.getBoundingClientRect().right > root.clientWidth + 1) out.push('beyond the edge: ' + e.tagName + ' ' + e.textContent.slice(0, 40));
-  }
-  for (const a of d.querySelectorAll('a')) if (!d.getElementById(a.getAttribute('href').slice(1))) out.push('leads nowhere: ' + a.href);
-  return out;
-}
-for (const page of 'PAGES'.split(' ')) for (const width of [1280, 390, 794]) {
-  const f = document.createElement('iframe');
-  f.style = 'border:0;display:block;height:900px;width:' + width + 'px';
-  f.onload = () => r.append(['measured ' + page + ' ' + width, ...measured(f.contentDocument)].join('\n  ') + '\n');
-  f.src = page;
-  document.body.append(f);
-}
-</script>"#;
+const MEASURE: &str = include_str!("browser.html");
 
 #[test]
 fn pages_are_whole_in_any_window_and_on_paper_and_their_html_is_valid() {
     let visit = Visit::new();
     let reports = reports(&visit);
-    run(&visit, "assess fixtures/start/errors/job.toml --plot OUT/0.svg")
-        .ends(2)
-        .says("is not overwritten");
+    let again = run(&visit, "assess fixtures/start/errors/job.toml --plot OUT/0.svg");
+    again.ends(2).says("is not overwritten");
     if is_installed("chromium") {
         visit.put("measure.html", MEASURE.replace("PAGES", &reports.join(" ")));
-        let output =
-            chromium(&visit, "measure.html", &["--virtual-time-budget=5000", "--dump-dom"]);
+        let options = ["--virtual-time-budget=5000", "--dump-dom"];
+        let output = chromium(&visit, "measure.html", &options);
         let dom = String::from_utf8_lossy(&output.stdout);
         let found = dom.split("<pre id=\"r\">").nth(1).and_then(|rest| rest.split("</pre>").next());
         let found: Vec<&str> = found.expect("what was measured").lines().collect();

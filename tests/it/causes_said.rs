@@ -1,7 +1,6 @@
 //! What `verify --after` says of single faults: the number, the place to look at, the words, and
 //! what is refused. How often faults are named at all stands in tests/studies/causes.rs.
-use crate::support::Random;
-use crate::support::visit::{Visit, holds, number};
+use crate::support::{Random, Visit, holds, number};
 use serde_json::Value;
 
 /// Noise of both measurements, µm.

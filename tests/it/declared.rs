@@ -1,7 +1,7 @@
 //! The control of docs/controllers.md §3, added without Rust: the page's own files, from the profile to the second visit;
 //! and what the built-in profiles of this dialect ask of files and checklists.
 
-use crate::support::visit::{Visit, page, replaced};
+use crate::support::{Visit, page, replaced};
 
 const NO_PATTERN: &str = "no pattern of the profile takes this line";
 

@@ -1,11 +1,11 @@
 //! The same bytes everywhere: files and standard output depend on the inputs and the command only, not
 //! on language, time zone, cores, working directory or environment.
 
-use crate::support::tree::{Entry, Tree, difference, skipped};
-use crate::support::visit::Visit;
+use crate::support::{Entry, Tree, Visit, difference, skipped};
 use nonius::visit::memory::Memory;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::sync::LazyLock;
 
 /// Fixtures and commands that between them write kits, tables, pages and documents; `{}` = the path of
 /// the fixture, with a separator at its end.
@@ -40,6 +40,14 @@ fn nonius() -> Command {
     Command::new(env!("CARGO_BIN_EXE_nonius"))
 }
 
+/// Of each command, undisturbed.
+static MADE: LazyLock<Vec<Made>> =
+    LazyLock::new(|| COMMANDS.iter().map(|command| made_by(nonius(), *command)).collect());
+
+fn commands() -> impl Iterator<Item = (&'static (&'static str, &'static str), &'static Made)> {
+    COMMANDS.iter().zip(&*MADE)
+}
+
 /// Runs a command where its fixture is.
 fn made_by(mut program: Command, (fixture, words): (&str, &str)) -> Made {
     let visit = Visit::of(fixture);
@@ -63,15 +71,14 @@ fn a_disk_and_memory_give_the_same() {
             _ => None,
         })
     }
-    for (fixture, words) in COMMANDS {
-        let (status, said, tree) = made_by(nonius(), (fixture, words));
+    for ((fixture, words), (status, said, tree)) in commands() {
         let memory = Memory::of(files(&Visit::of(fixture).files()));
         let answer = nonius::cli::answer(&memory, words.replace("{}", "").split(' '));
-        assert_eq!(Some(i32::from(answer.status)), status, "{words}: {}", answer.err);
-        assert_eq!(String::from_utf8(answer.out).unwrap(), said, "{words}");
+        assert_eq!(Some(i32::from(answer.status)), *status, "{words}: {}", answer.err);
+        assert_eq!(String::from_utf8(answer.out).unwrap(), *said, "{words}");
         let all = memory.all();
         let found: Vec<_> = all.iter().map(|(name, bytes)| (name.as_str(), &bytes[..])).collect();
-        assert!(found == files(&tree).collect::<Vec<_>>(), "{words}: other files");
+        assert!(found == files(tree).collect::<Vec<_>>(), "{words}: other files");
     }
 }
 
@@ -86,8 +93,7 @@ fn language_time_zone_and_environment_change_no_byte() {
         &[("CLICOLOR_FORCE", "1"), ("RUST_BACKTRACE", "full")],
         &[], // cleared
     ];
-    for command in COMMANDS {
-        let expected = made_by(nonius(), *command);
+    for (command, expected) in commands() {
         for setting in settings {
             let mut program = nonius();
             if setting.is_empty() {
@@ -95,7 +101,7 @@ fn language_time_zone_and_environment_change_no_byte() {
             }
             program.envs(setting.iter().copied());
             let found = made_by(program, *command);
-            expect_same(&format!("{setting:?}"), command.1, &expected, &found);
+            expect_same(&format!("{setting:?}"), command.1, expected, &found);
         }
     }
 }
@@ -107,19 +113,17 @@ fn one_core_or_all_change_no_byte() {
     if !tried.is_ok_and(|output| output.status.success()) {
         return skipped("taskset is not here");
     }
-    for command in COMMANDS {
+    for (command, expected) in commands() {
         let mut program = Command::new("taskset");
         program.args(["-c", "0", env!("CARGO_BIN_EXE_nonius")]);
-        let found = made_by(program, *command);
-        expect_same("one core", command.1, &made_by(nonius(), *command), &found);
+        expect_same("one core", command.1, expected, &made_by(program, *command));
     }
 }
 
 /// The manifest names inputs as the job does, so where one stands does not matter either.
 #[test]
 fn working_directory_and_kind_of_path_change_no_byte_of_a_file() {
-    for (fixture, words) in COMMANDS {
-        let expected = made_by(nonius(), (*fixture, *words));
+    for ((fixture, words), expected) in commands() {
         for kind in ["NAME/", "FOLDER/", "./NAME/../NAME/"] {
             let visit = Visit::of(fixture);
             let (folder, above) = (visit.folder(), visit.folder().parent().expect("a folder"));
@@ -130,7 +134,7 @@ fn working_directory_and_kind_of_path_change_no_byte_of_a_file() {
             let (status, said, files) = make(&mut nonius(), &visit, from, &called, words);
             // Pages name files as they were called.
             let found = (status, said.replace(&called, ""), files);
-            expect_same(kind, words, &expected, &found);
+            expect_same(kind, words, expected, &found);
         }
     }
 }

@@ -1,10 +1,9 @@
 //! What the readings say against a result reaches every output: `separate`, its table, the kit
 //! made from the readings, and the kit made from the table.
 use crate::support::diagonals::{
-    Machine, box_30, campaign, measurement, naive, normal, runs, solved, volume, with_noise,
+    Machine, box_30, campaign, measurement, naive, normal, runs, seeded, solved, volume, with_noise,
 };
-use crate::support::visit::{Ran, Visit, fixture, holds, number};
-use crate::support::words;
+use crate::support::{Ran, Visit, fixture, golden_case, holds, number, words};
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::machine::separation::noise::{NoiseSource, Outlier, ReadingPlace};
 use nonius::machine::separation::separate;
@@ -12,15 +11,13 @@ use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use nonius::quantity::units::Deviation;
 use nonius::text::finding::Finding;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use serde_json::Value;
 
 const SIGMA_UM: f64 = 0.3;
 
 /// Several forward runs of a machine with noise.
 fn repeated(seed: u64, count: u32) -> Vec<Run> {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = seeded(seed);
     let readings = Machine::random(&box_30(), &mut random).readings(None);
     let mut noisy = || with_noise(&readings, SIGMA_UM, &mut random);
     (1..=count).flat_map(|run| runs(run, Pass::Forward, &noisy())).collect()
@@ -101,7 +98,7 @@ fn steps_in_another_order_are_told() {
     let [x, y, z] = Axis::ALL;
     for recorded in [[x, y, z], [z, x, y]] {
         for order in Axis::ORDERS {
-            let mut random = ChaCha8Rng::seed_from_u64(5);
+            let mut random = seeded(5);
             let mut machine = Machine::random(&box_30(), &mut random);
             machine.volume.order = order;
             let readings = with_noise(&machine.readings(None), 0.1, &mut random);
@@ -118,7 +115,7 @@ fn steps_in_another_order_are_told() {
 /// A machine without waves tells no names apart: that is said, and no finding.
 #[test]
 fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
-    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut random = seeded(1);
     let mut smooth = Machine::perfect(&box_30());
     for term in ErrorTerm::ALL {
         smooth.set(term, |t| 9.0 * t + 200.0 * t * (1.0 - t));
@@ -140,7 +137,7 @@ fn names_that_readings_cannot_show_are_said_and_change_no_answer() {
 fn a_scatter_far_above_the_noise_is_a_finding() {
     let box_4 = volume([400.0, 300.0, 200.0], 4);
     let found = |off_um: f64, noise_um: Option<f64>, count: u32| {
-        let mut random = ChaCha8Rng::seed_from_u64(2);
+        let mut random = seeded(2);
         let readings = Machine::random(&box_4, &mut random).readings(None);
         let noisy = |run| {
             let mut noisy = with_noise(&readings, SIGMA_UM, &mut random);
@@ -197,7 +194,7 @@ fn rolling(volume: &Volume, urad: f64) -> PerDiagonal<Vec<f64>> {
 #[test]
 fn roll_makes_ramps_and_accuses_no_reading() {
     let volume = box_30();
-    let mut random = ChaCha8Rng::seed_from_u64(11);
+    let mut random = seeded(11);
     for (sigma, urad) in [(0.0, 20.0), (0.1, 60.0)] {
         let readings = with_noise(&rolling(&volume, urad), sigma, &mut random);
         let found = naive(&volume, &runs(1, Pass::Forward, &readings));
@@ -256,13 +253,9 @@ fn a_perfect_set_up_is_contradicted_by_the_mean_of_the_closure() {
     assert!(solved.stands(), "{:?}", solved.doubts);
 }
 
-fn of_case(case: &str) -> Visit {
-    Visit::of(&format!("diagonals/{case}"))
-}
-
 /// A case with a policy for its reversals.
 fn with_policy(case: &str, policy: &str) -> Visit {
-    let visit = of_case(case);
+    let visit = golden_case(case);
     let with = format!("[compensation]\nbacklash = \"{policy}\"");
     visit.edit("job.toml", "[compensation]", &with);
     visit
@@ -295,7 +288,7 @@ fn kits(visit: &Visit) -> [(Ran, Value); 2] {
 
 /// Case B with 0.3 µm noise and one reading 20 µm off.
 fn disturbed_case_b() -> Visit {
-    let mut random = ChaCha8Rng::seed_from_u64(20);
+    let mut random = seeded(20);
     let spoilt = |line: &str| {
         let (before, um) = line.rsplit_once(',').unwrap();
         let Ok(um) = um.parse::<f64>() else { return format!("{line}\n") };
@@ -304,7 +297,7 @@ fn disturbed_case_b() -> Visit {
         let um = if before.contains(",0,") { um } else { um + noise + off };
         format!("{before},{um:.6}\n")
     };
-    let visit = of_case("case_b_setup");
+    let visit = golden_case("case_b_setup");
     let readings = visit.read("readings.csv");
     let rows = readings.lines().filter(|line| !line.starts_with('#'));
     visit.put("readings.csv", rows.map(spoilt).collect::<String>());
@@ -335,7 +328,7 @@ fn a_disturbed_reading_reaches_every_output() {
 
 #[test]
 fn a_kit_without_scales_is_undecided_and_says_what_is_missing() {
-    let visit = of_case("case_b_setup");
+    let visit = golden_case("case_b_setup");
     let table = "[[measurement.step_diagonal.linear]]";
     visit.put("job.toml", without(&visit.read("job.toml"), table));
     two_step(&visit, 1).says("Determined: 6 of 9 errors");
@@ -354,8 +347,8 @@ fn a_kit_without_scales_is_undecided_and_says_what_is_missing() {
 #[test]
 fn readings_in_both_directions_need_a_word_on_the_reversal() {
     let case = "case_d_bidirectional";
-    of_case(case).run("generate job.toml -o kit").ends(2).says("`backlash` is not stated");
-    let page = of_case(case).run("separate job.toml --format json").ends(0).json();
+    golden_case(case).run("generate job.toml -o kit").ends(2).says("`backlash` is not stated");
+    let page = golden_case(case).run("separate job.toml --format json").ends(0).json();
     let [mean, forward] = [("mean", "EXX"), ("forward-only", "EXX+")].map(|(policy, name)| {
         let visit = with_policy(case, policy);
         visit.yes("separate job.toml -o errors.csv");
@@ -388,7 +381,7 @@ fn a_reversal_that_no_curve_holds_is_said_beside_the_figures() {
 
 #[test]
 fn an_assumed_set_up_is_said_of_the_kit_made_from_the_table() {
-    let visit = of_case("case_a_ideal");
+    let visit = golden_case("case_a_ideal");
     two_step(&visit, 0);
     let angles = "angular errors without a measurement, counted as zero";
     let words = ["set-up assumed perfect", "reversal is mixed into the curves", angles];
@@ -398,18 +391,15 @@ fn an_assumed_set_up_is_said_of_the_kit_made_from_the_table() {
 
 #[test]
 fn where_nothing_is_asked_nothing_is_judged_and_worse_is_said() {
-    let visit = of_case("case_b_setup");
+    let visit = golden_case("case_b_setup");
     let job = visit.read("job.toml");
     visit.put("job.toml", job.split("[acceptance]").next().unwrap());
     visit.edit("job.toml", "siemens-840d-sl", "generic");
     // A count of 20 µm: the tables cannot follow the curves.
     let x = "[compensation.axes.x]\n";
     visit.edit("job.toml", x, &format!("{x}detection_unit_um = 20.0\n"));
-    visit
-        .run("generate job.toml -o kit")
-        .ends(0)
-        .says("no acceptance is stated in the job, so there is nothing to judge")
-        .omits("verdict: pass")
+    let ran = visit.run("generate job.toml -o kit").ends(0).omits("verdict: pass");
+    ran.says("no acceptance is stated in the job, so there is nothing to judge")
         .says("WARNING: diagonal PPP becomes larger with the tables: 18.544 →");
     let notes = visit.document("kit/manifest.json")["notes"].to_string();
     holds(&notes, &["diagonal PPP becomes larger"]);

@@ -5,11 +5,11 @@
 //! Of the system calls of every command a sample is taken; `NONIUS_FAULTS=all cargo test --test it faults`
 //! takes all. They need Linux with `strace`, full disks need root; where that is missing, the tests say so.
 
-use super::lists::DIAGONALS;
 use super::lost::PROGRAM;
-use crate::support::parallel::in_parallel;
-use crate::support::tree::{Entry, Tree, below, copies, difference, lay, skipped, told, tree};
-use crate::support::visit::{Ran, Visit};
+use crate::support::{
+    DIAGONALS, Entry, Ran, Tree, Visit, below, copies, difference, in_parallel, lay, skipped, told,
+    tree,
+};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -379,12 +379,9 @@ fn ended_at_any_system_call_nothing_unfinished_is_left() {
 fn in_the_background_the_signals_that_are_not_ignored_leave_nothing() {
     for (signal, status) in [("TERM", 2), ("INT", 0)] {
         let visit = Visit::of(ERRORS);
-        let own = env!("CARGO_BIN_EXE_nonius");
-        let inject =
-            format!("-f -qq -e trace=fsync -e inject=fsync:signal={signal}:when=2 -o /dev/null");
-        let line = format!("trap '' INT; exec strace {inject} '{own}' generate job.toml -o kit");
-        let shell = Command::new("sh").args(["-c", &line]).current_dir(visit.folder()).output();
-        let ran = Ran::of(&line, &shell.unwrap());
+        let inject = format!("-e trace=fsync -e inject=fsync:signal={signal}:when=2");
+        let traced = format!("strace -f -qq {inject} -o /dev/null $N generate job.toml -o kit");
+        let ran = visit.shell(&format!("trap '' INT; exec {traced}"));
         if ran.err.contains("strace") {
             return skipped("strace is not here, or may not trace");
         }

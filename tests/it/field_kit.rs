@@ -1,10 +1,10 @@
 //! The field kit: what a sign proof does, that a rollback is what was read out, what the checklist
 //! says, and what is refused.
-use crate::support;
-use crate::support::parallel::in_parallel;
-use crate::support::published::short_or;
-use crate::support::visit::{fixture, holds, replaced};
-use crate::support::{files_of, machine::machine, shown, um_at};
+use crate::support::machine::machine;
+use crate::support::{
+    self, checklist, files_of, fixture, holds, in_parallel, number, replaced, short_or, shown,
+    text_of, um_at,
+};
 use nonius::control::controller::{Dialect, Evidence, Profile, Role, builtin};
 use nonius::control::table::Tables;
 use nonius::inputs::job::{ActiveTables, Job};
@@ -41,23 +41,6 @@ fn kit_with(profile: &str, old: &str, new: &str) -> Kit {
     support::generate(&replaced(&job, old, new), &errors).1
 }
 
-fn kit_of(profile: &str) -> Kit {
-    kit_with(profile, "", "")
-}
-
-fn kit_from(inputs: &Inputs) -> Kit {
-    shown(kit::generate(inputs))
-}
-
-fn text_of<'a>(kit: &'a Kit, path: &str) -> &'a str {
-    let file = kit.files.iter().find(|file| file.path == path).unwrap();
-    str::from_utf8(&file.bytes).unwrap()
-}
-
-fn checklist(kit: &Kit) -> &str {
-    text_of(kit, "checklist.md")
-}
-
 /// The control after the kit's parameters and all sign proofs were loaded, as `profile` reads them.
 fn proving(profile: &Profile, kit: &Kit) -> Box<dyn Emulator> {
     let proof = read_apart(profile, &files_of(kit, Role::SignProof), Role::SignProof).unwrap();
@@ -73,20 +56,23 @@ fn proving(profile: &Profile, kit: &Kit) -> Box<dyn Emulator> {
     made.unwrap_or_else(|reason| panic!("{}", reason.0))
 }
 
-fn number(proof: &Value, key: &str) -> f64 {
-    proof[key].as_f64().unwrap()
-}
-
 fn term_of(proof: &Value) -> ErrorTerm {
-    ErrorTerm::from_name(proof["term"].as_str().unwrap()).unwrap()
+    support::term(proof["term"].as_str().unwrap())
 }
 
-fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
+/// `controls`: the one that the profile describes, and one that takes every sign the other way round.
+fn ensure_legal(
+    name: &str,
+    inputs: &Inputs,
+    kit: &Kit,
+    proof: &Value,
+    controls: &[Box<dyn Emulator>; 2],
+) {
     let term = term_of(proof);
-    let places = ["from_mm", "peak_mm", "to_mm"].map(|key| number(proof, key));
+    let places = ["from_mm", "peak_mm", "to_mm"].map(|key| number(&proof[key]));
     let axis = inputs.job.machine.axes[term.along].unwrap();
     let spacing = kit.plan.grids[term.along].unwrap().spacing().mm();
-    let shows = number(proof, "shows_um");
+    let shows = number(&proof["shows_um"]);
     assert!((5.0 - DUST_UM..=20.0 + DUST_UM).contains(&shows.abs()), "{name}: {shows} µm");
     assert!(shows < 0.0, "{name}: the control pulls back what it takes for too far");
     for place in places {
@@ -96,15 +82,13 @@ fn ensure_legal(name: &str, inputs: &Inputs, kit: &Kit, proof: &Value) {
         assert!(away > spacing * (1.0 - 1e-6), "{name}: {place} mm is at the reference");
     }
     let limit = inputs.job.limits.max_slope_um_per_mm * spacing + DUST_UM;
-    let turned = support::with_signs_turned(&inputs.profile);
-    for (profile, key) in [(&inputs.profile, "shows_um"), (&turned, "other_sign_um")] {
-        let control = proving(profile, kit);
+    for (control, key) in controls.iter().zip(["shows_um", "other_sign_um"]) {
         for (base, output) in axis_pairs(&kit.plan.names, term) {
             for direction in Direction::BOTH {
                 let response = support::response(control.as_ref(), base, output, direction);
                 let [from, peak, to] = places.map(|place| um_at(&response, place));
                 let height = peak - from;
-                assert!((height - number(proof, key)).abs() < DUST_UM, "{name}: {height}");
+                assert!((height - number(&proof[key])).abs() < DUST_UM, "{name}: {height}");
                 assert!((to - from).abs() < DUST_UM, "{name}");
                 let change = steepest(&response);
                 assert!(change <= limit, "{name}: {change} µm in one section");
@@ -120,12 +104,11 @@ fn steepest(response: &Response) -> f64 {
 }
 
 /// Nothing but the bumps: every other term is constant, and so is the term beside its bump.
-fn ensure_zero_elsewhere(name: &str, inputs: &Inputs, kit: &Kit, proofs: &[Value]) {
-    let control = proving(&inputs.profile, kit);
+fn ensure_zero_elsewhere(name: &str, kit: &Kit, proofs: &[Value], control: &dyn Emulator) {
     for planned in &kit.plan.tables {
         let (term, grid) = (planned.term, &planned.grid);
         let bump = proofs.iter().find(|proof| term_of(proof) == term);
-        let bump = bump.map(|proof| (number(proof, "from_mm"), number(proof, "to_mm")));
+        let bump = bump.map(|proof| (number(&proof["from_mm"]), number(&proof["to_mm"])));
         let direction = planned.direction.unwrap_or(Direction::Plus);
         for (base, output) in axis_pairs(&kit.plan.names, term) {
             let Ok(response) = control.response(base, output, direction) else { continue };
@@ -133,10 +116,8 @@ fn ensure_zero_elsewhere(name: &str, inputs: &Inputs, kit: &Kit, proofs: &[Value
             for place in (grid.first..=grid.last).map(|index| grid.position(index).mm()) {
                 let is_in = |(from, to)| from < place - 1e-6 && place + 1e-6 < to;
                 let um = um_at(&response, place) - zero;
-                assert!(
-                    bump.is_some_and(is_in) || um.abs() < DUST_UM,
-                    "{name}: {term} at {place} mm: {um}"
-                );
+                let is_meant = bump.is_some_and(is_in) || um.abs() < DUST_UM;
+                assert!(is_meant, "{name}: {term} at {place} mm: {um}");
             }
         }
     }
@@ -167,23 +148,27 @@ fn ensure_contract(id: &str) {
         assert!(proofs.len() + unproved > 0, "{id} {seed}: neither a proof nor a reason");
         let names = proofs.iter().flat_map(|p| p["files"].as_array().unwrap());
         assert_eq!(names.count(), files_of(&kit, Role::SignProof).len());
+        if proofs.is_empty() {
+            continue;
+        }
+        let turned = support::with_signs_turned(&inputs.profile);
+        let controls = [&inputs.profile, &turned].map(|profile| proving(profile, &kit));
         for proof in proofs {
             let name = format!("{id}, machine {seed}, {proof}");
-            ensure_legal(&name, &inputs, &kit, proof);
-            let words = format!(
-                "with the compensation on, less the same with it off: −{:.1} µm if the sign is {}; +{:.1} µm",
-                number(proof, "shows_um").abs(),
-                as_known(&profile, proof["sign"].as_str().unwrap()),
-                number(proof, "other_sign_um"),
-            );
-            holds(checklist(&kit), &[&words]);
+            ensure_legal(&name, &inputs, &kit, proof, &controls);
+            let known = as_known(&profile, proof["sign"].as_str().unwrap());
+            let (shows, other) =
+                (number(&proof["shows_um"]).abs(), number(&proof["other_sign_um"]));
+            let words = format!("−{shows:.1} µm if the sign is {known}; +{other:.1} µm");
+            let off = "with the compensation on, less the same with it off";
+            holds(checklist(&kit), &[&format!("{off}: {words}")]);
             let gauge = format!("µm towards −{}, or", term_of(proof).of);
             let restarts = !id.starts_with("siemens") && id != "isg-volcomp";
             assert_eq!(checklist(&kit).contains(&gauge), !restarts, "{name}");
             proved += 1;
         }
         if unproved == 0 {
-            ensure_zero_elsewhere(&format!("{id} {seed}"), &inputs, &kit, proofs);
+            ensure_zero_elsewhere(&format!("{id} {seed}"), &kit, proofs, controls[0].as_ref());
         }
     }
     assert!(proved > machines() / 4, "{id}: only {proved} proofs");
@@ -203,7 +188,7 @@ fn sign_proofs_are_legal_and_move_nothing_else() {
 #[test]
 fn without_a_read_out_the_first_step_is_to_read_out() {
     for id in builtin::ids() {
-        let kit = kit_of(id);
+        let kit = kit_with(id, "", "");
         assert!(files_of(&kit, Role::Rollback).is_empty(), "{id}");
         let page = checklist(&kit);
         let first = page.lines().find(|line| line.starts_with("1. ")).unwrap();
@@ -235,7 +220,7 @@ fn with_read_out(id: &str) -> (Inputs, Tables) {
 fn rollback_is_what_was_read_out() {
     for id in ["siemens-840d-sl", "siemens-828d", "fanuc-30i", "fanuc-0i-f", "fanuc-16i"] {
         let (inputs, tables) = with_read_out(id);
-        let kit = kit_from(&inputs);
+        let kit = shown(kit::generate(&inputs));
         let files = files_of(&kit, Role::Rollback);
         let read = read_apart(&inputs.profile, &files, Role::Rollback).unwrap();
         assert_eq!(read.tables, tables, "{id}");
@@ -256,7 +241,7 @@ fn an_incomplete_read_out_gives_no_rollback() {
     let Origin::ReadOut(held) = &mut active.origin else { unreachable!("it was read out") };
     let Tables::Siemens(tables) = &mut held.tables else { unreachable!("a Siemens control") };
     tables.cec[3].values[2] = None;
-    let kit = kit_from(&inputs);
+    let kit = shown(kit::generate(&inputs));
     assert!(files_of(&kit, Role::Rollback).is_empty());
     let lacking = "do not hold all that this kit overwrites; missing: CEC table 3\n";
     holds(checklist(&kit), &[lacking]);
@@ -317,29 +302,19 @@ fn no_legal_place_is_said_with_how_to_switch_off_by_hand_and_nothing_is_written(
 fn a_checklist_says_what_moves_and_what_the_display_shows() {
     // X−: 3 µm at 0 mm (CEC table, 3627) and 11 µm at 400 mm; EXY 2 µm, EXZ 4 µm at most
     let moves = "): at most 3.000 µm at the reference point, up to 17.0 µm elsewhere";
+    let not_measured =
+        "\n- not measured: X from 400 to 500 mm; the table holds the end value there\n";
+    let of_y =
+        "ENC_COMP[0,AX2]: -0.006 mm with AX2 at 200 mm; 0 mm with AX2 at its reference point\n";
+    let of_x = "CEC table 1 on AX1: 0.011 mm with AX1 at 400 mm, having come there in -; 0.003 mm with AX1 at its reference point, having come there in -\n";
     for (id, old, new, words) in [
         ("siemens-840d-sl", "", "", moves),
         ("fanuc-30i", "", "", moves),
         // A backlash parameter is not switched with the tables.
         ("fanuc-30i", "two-tables", PARAMETER, "X (1): at most 0.000 µm at the reference"),
-        (
-            "siemens-840d-sl",
-            "[0.0, 400.0]",
-            "[0.0, 500.0]",
-            "\n- not measured: X from 400 to 500 mm; the table holds the end value there\n",
-        ),
-        (
-            "siemens-840d-sl",
-            "",
-            "",
-            "ENC_COMP[0,AX2]: -0.006 mm with AX2 at 200 mm; 0 mm with AX2 at its reference point\n",
-        ),
-        (
-            "siemens-840d-sl",
-            "",
-            "",
-            "CEC table 1 on AX1: 0.011 mm with AX1 at 400 mm, having come there in -; 0.003 mm with AX1 at its reference point, having come there in -\n",
-        ),
+        ("siemens-840d-sl", "[0.0, 400.0]", "[0.0, 500.0]", not_measured),
+        ("siemens-840d-sl", "", "", of_y),
+        ("siemens-840d-sl", "", "", of_x),
     ] {
         let kit = kit_with(id, old, new);
         holds(checklist(&kit), &[words]);
@@ -360,7 +335,7 @@ fn the_limit_of_the_sum_lets_the_bump_through() {
 fn cross_proof(kit: &Kit) -> &Value {
     let mut proofs = kit.manifest.sign_proofs.iter();
     let proof = proofs.find(|proof| term_of(proof).is_cross()).unwrap();
-    assert!((number(proof, "shows_um") + 20.0).abs() < DUST_UM, "{proof}");
+    assert!((number(&proof["shows_um"]) + 20.0).abs() < DUST_UM, "{proof}");
     proof
 }
 
@@ -385,7 +360,7 @@ fn a_bump_of_four_points_rises_like_one_of_pitch_points() {
 fn headers_say_only_what_their_file_holds() {
     let (mut inputs, _) = with_read_out("siemens-840d-sl");
     inputs.job.measurement.active = ActiveTables::Path("read-out".to_string());
-    let kit = kit_from(&inputs);
+    let kit = shown(kit::generate(&inputs));
     let contained = "compensation active while measuring: yes, the tables of this kit contain it";
     let mut seen = 0;
     for file in kit.files.iter().filter(|file| file.role != Role::Checklist) {

@@ -1,8 +1,7 @@
 //! Other makers' files become error tables: whole texts, and what must not matter.
 //!
 //! What is refused stands in `fixtures/cases/refuses/import*.txt`.
-use crate::support::visit::{fixture, replaced};
-use crate::support::{error_table, words};
+use crate::support::{error_table, fixture, replaced, words};
 use encoding_rs::{Encoding, GBK, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
 use nonius::control::controller::TableSign;
 use nonius::inputs::error_table::write;
@@ -29,7 +28,7 @@ fn rtl(from: &str, to: &str) -> String {
     replaced(&file(RTL), from, to)
 }
 
-fn run(
+pub(super) fn run(
     name: &str,
     file: impl AsRef<[u8]>,
     stated: &Stated,
@@ -108,15 +107,12 @@ const STATUS_PRO: &str = "Example\n\"AXn [mm]\";\"Delta [mm]\";\"Note\"\n\
 fn every_format_becomes_the_table_that_was_checked() {
     let plus = of_rtl();
     let minus = rtl_laser(0.0, Direction::Minus);
+    let towards_smaller = "renishaw_static_data_measured_towards_smaller_coordinates";
     let signed_by_file = Stated { sign: None, ..laser(-100.0, Direction::Plus) };
     let (error, correction) = (signed(TableSign::AsError), signed(TableSign::AsCorrection));
     for (snapshot, name, stated) in [
         ("renishaw_static_data", RTL, &plus),
-        (
-            "renishaw_static_data_measured_towards_smaller_coordinates",
-            "sample_synthetic.rtl",
-            &minus,
-        ),
+        (towards_smaller, "sample_synthetic.rtl", &minus),
         ("renishaw_compensation_table", "ren_table_selfmade.ren", &signed_by_file),
         ("api_position_export", POS, &plus),
         ("etalon_exchange", "etalon_exchange_selfmade.txt", &error),

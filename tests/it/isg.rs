@@ -1,6 +1,6 @@
 //! The volumetric compensation of the ISG kernel from a job to its files and back: angles and what they do away
 //! from the lines of measurement, what is refused.
-use crate::support::visit::{Visit, number, replaced};
+use crate::support::{Visit, holds, number, replaced};
 
 /// X rolls, pitches and yaws; Y yaws. Positions of X from its rest, 100 mm.
 const ERRORS: &str = "axis,position_mm,ex_um,ey_um,ez_um,ea_urad,eb_urad,ec_urad\n\
@@ -162,8 +162,7 @@ fn old_tables_are_part_of_the_new_ones_unless_they_hold_angles() {
     first.put("errors.csv", ERRORS.lines().map(cut).collect::<String>());
     first.yes("generate job.toml -o kit");
     first.edit("job.toml", "\"none\"", "\"kit\"").yes("generate job.toml -o new");
-    let file = first.read("new/volcomp.csv");
-    assert!(file.contains("\n200.000000 0.012000 -0.004000 0.002000\r"), "{file}");
+    holds(&first.read("new/volcomp.csv"), &["\n200.000000 0.012000 -0.004000 0.002000\r"]);
     let angles = kit("", "");
     let again = angles.edit("job.toml", "\"none\"", "\"kit\"").run("generate job.toml -o new");
     again.ends(2).says("the active tables hold angles (EAX)");

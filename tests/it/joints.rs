@@ -1,6 +1,6 @@
 //! LinuxCNC from a job to the machine's ini file and back: what is served, what BACKLASH does to a kit, what is
 //! judged of files read out, and that the interpreter of LinuxCNC takes the programs (where it is installed).
-use crate::support::visit::{Visit, number};
+use crate::support::{Visit, holds, number};
 use std::process::Command;
 
 /// Two axes; X lags by 4 µm moving down, and bends Y.
@@ -52,8 +52,7 @@ fn a_table_is_minus_the_deviation_and_cross_terms_are_told() {
 fn what_backlash_does_is_taken_over() {
     let visit = kit(NONE, "backlash = { x = \"curve-and-parameter\" }");
     assert_eq!(visit.read("kit/joint-0.comp"), ROWS);
-    let checklist = visit.read("kit/checklist.md");
-    assert!(checklist.contains("BACKLASH of [JOINT_0]"), "{checklist}");
+    holds(&visit.read("kit/checklist.md"), &["BACKLASH of [JOINT_0]"]);
     let acted = NONE.replace("x = 0.0", "x = 10.0");
     let rows = "0.000000 0.000000 -0.014000\n50.000000 -0.006000 -0.020000\n100.000000 -0.016000 -0.030000\n";
     assert_eq!(kit(&acted, TWO).read("kit/joint-0.comp"), rows);
@@ -182,11 +181,8 @@ fn a_profile_may_write_the_other_type() {
 #[test]
 fn the_interpreter_of_linuxcnc_takes_the_programs() {
     let visit = visit(NONE, TWO);
-    visit.edit(
-        "job.toml",
-        "axes = { ",
-        "axes = { z = { travel_mm = [-100, 0], reference_mm = 0 }, ",
-    );
+    let axes = "axes = { z = { travel_mm = [-100, 0], reference_mm = 0 }, ";
+    visit.edit("job.toml", "axes = { ", axes);
     let z = "[program]\nwhat = \"step-diagonal\"\nstart_mm = { x = 10, y = 10, z = -90 }\n\
              size_mm = { x = 80, y = 80, z = 80 }\nsteps = 4\norder = \"XYZ\"\n[acceptance]";
     visit.edit("job.toml", "[acceptance]", z);

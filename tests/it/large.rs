@@ -3,10 +3,7 @@
 //! would be refused when it is read.
 
 use crate::COUNTED;
-use crate::support::parallel::in_parallel;
-use crate::support::published::short_or;
-use crate::support::tree::Entry;
-use crate::support::visit::{Ran, Visit, fixture, page, program, replaced};
+use crate::support::{Entry, Ran, Visit, fixture, in_parallel, page, program, replaced, short_or};
 use nonius::text::document::{LARGEST_PAGE, MOST_LINES, MOST_POINTS, MOST_ROWS};
 use nonius::text::problem::LONGEST_LINE_BYTES;
 use std::env;
@@ -105,6 +102,7 @@ fn the_work_of_refusing_an_input_grows_with_it_not_with_its_square() {
     let unknown = lines(LARGEST_PAGE / 20, |n| format!("k{n} = {n}"));
     let columns = format!("{}\n1;2\n", ";p".repeat(LARGEST_PAGE / 8));
     let layout = "{% for row in rows %}{{ row }}{% endfor %}\n".repeat(LARGEST_PAGE / 40);
+    let report = "report job.toml -o page.html --template page.tera";
     let returns = "k = 1\r".repeat(40_000);
     let names = lines(MOST_LINES / 2 - 10, |n| format!("[Q{n}]\nVALUE = 1"));
     let sections = lines(MOST_LINES - 10, |n| format!("S{n}::"));
@@ -115,12 +113,7 @@ fn the_work_of_refusing_an_input_grows_with_it_not_with_its_square() {
         ("job.toml", unknown, GENERATE, "unknown key `k0`"),
         ("runs.csv", columns, "standards runs.csv", "columns, at most 1000 are read"),
         ("job.toml", returns, GENERATE, "too many for a line"),
-        (
-            "page.tera",
-            layout,
-            "report job.toml -o page.html --template page.tera",
-            "KiB, too much for",
-        ),
+        ("page.tera", layout, report, "KiB, too much for"),
         ("a.txt", names, ETALON, "unknown parameter `Q0`"),
         ("a.rtl", sections, RTL, "there is no section `RUNS::`"),
         ("out/table.csv", format!("{ROWS}{axes}"), READ_OUT, "is another axis"),
@@ -172,11 +165,9 @@ fn memory_stays_in_proportion_to_input_and_output() {
     };
     let pattern = |n: usize| format!("'(?:[a-z]{{0,100}}[0-9]{{0,100}}){{0,45}}q{n}',\n");
     let patterns = (0..1000).map(pattern).collect::<String>();
-    let patterns = replaced(
-        &page("controllers/weihong.toml"),
-        "[facts.lines]\nvalue = [\n",
-        &format!("[facts.lines]\nvalue = [\n{patterns}"),
-    );
+    let facts = "[facts.lines]\nvalue = [\n";
+    let weihong = page("controllers/weihong.toml");
+    let patterns = replaced(&weihong, facts, &format!("{facts}{patterns}"));
     let said = |key: &str| {
         let said = lines(MOST_LINES - 200, |n| format!("# {key}: text of number {n}"));
         said + &fixture("nine_errors_900/errors.csv")
@@ -189,11 +180,9 @@ fn memory_stays_in_proportion_to_input_and_output() {
     let of_axis = |axis: &str, sign: &str| {
         lines(16_600, |n| format!("{axis},{sign}{}.{:02},0.1,0.1,0.1", n / 25, n % 25 * 4))
     };
-    let z = lines(16_600, |n| {
-        format!("z,-{}.{:02},0.1,0.1,0.1", (16_599 - n) / 25, (16_599 - n) % 25 * 4)
-    });
-    let after =
-        format!("axis,position_mm,ex_um,ey_um,ez_um\n{}{}{z}", of_axis("x", ""), of_axis("y", ""));
+    let z = of_axis("z", "-").lines().rev().map(|row| format!("{row}\n")).collect::<String>();
+    let rows = of_axis("x", "") + &of_axis("y", "") + &z;
+    let after = format!("axis,position_mm,ex_um,ey_um,ez_um\n{rows}");
     let archive = |data: String| format!("%_N_AX_EEC_INI\n{data}M17\n");
     let (manifest, json, csv) = ("kit/manifest.json", "out/table.json", "out/table.csv");
     let (generic, backlash) = ("generic", "$MA_BACKLASH[0,AX1]=1\n");
@@ -247,8 +236,8 @@ fn memory_stays_in_proportion_to_input_and_output() {
         assert!(matches!(ran.status, Some(0..=2)), "{name}\n{told}");
         let bytes = size().max(before) + told.len();
         let (kb, of_kb, most) = (peak >> 10, bytes >> 10, bytes / 128 + (32 << 10));
-        let words =
-            format!("{kb} kB of at most {most} for {of_kb} kB read and written: {command}, {name}");
+        let of = format!("{of_kb} kB read and written: {command}, {name}");
+        let words = format!("{kb} kB of at most {most} for {of}");
         println!("{words}");
         (kb > most).then_some(words)
     });
@@ -264,10 +253,8 @@ fn what_is_asked_for_grows_with_the_input_not_with_its_square() {
     let said =
         |n: usize| lines(n, |n| format!("# doubt: {n}")) + &fixture("nine_errors_900/errors.csv");
     let form = |n: usize| {
-        format!(
-            "target_mm,run,direction,deviation_um\n{}",
-            lines(n, |k| format!("{},{},+,", k % (n / 2), 1 + 2 * k / n))
-        )
+        let rows = lines(n, |k| format!("{},{},+,", k % (n / 2), 1 + 2 * k / n));
+        format!("target_mm,run,direction,deviation_um\n{rows}")
     };
     let header = |n: usize| format!("{}\n", ",".repeat(n));
     for (name, text, most, command) in [

@@ -1,7 +1,7 @@
 //! What `assess` and `path` say of a machine with tables, against the forecast of `generate`,
 //! which finds it in another way; and where errors and levers count from.
 
-use crate::support::visit::{LAST_DIGIT, Visit, near, number, replaced};
+use crate::support::{LAST_DIGIT, Visit, near, number, replaced};
 use serde_json::Value;
 
 /// A machine of three axes of 0 … 900 mm with an error table; `measurement` = further lines of its job.

@@ -1,6 +1,5 @@
 //! Lists of captures into a form: all of them, one too few, one too many, of diagonals and of one axis.
-use crate::support::source;
-use crate::support::visit::{Visit, fixture, shared};
+use crate::support::{DIAGONALS, Visit, fixture, shared, source};
 use nonius::inputs::import::stated::{Counting, Stated};
 use nonius::inputs::import::{List, Measurement, fill};
 use nonius::quantity::diagonal::Diagonal;
@@ -20,8 +19,6 @@ fn case_d(diagonal: &str) -> (Vec<String>, Vec<f64>) {
     let parsed = |(cells, value): (&str, &str)| (cells.to_string(), value.parse::<f64>().unwrap());
     rows.into_iter().map(parsed).unzip()
 }
-
-pub(super) const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
 
 fn list(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value}\n")).collect()

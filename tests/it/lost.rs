@@ -2,8 +2,7 @@
 //! this program made and nobody touched, and no input is cut or exchanged without a word.
 
 use super::large::patiently;
-use crate::support::tree::copies;
-use crate::support::visit::{Ran, Visit, replaced};
+use crate::support::{Ran, Visit, copies, replaced};
 use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -1,7 +1,5 @@
 //! A visit from an empty folder: `nonius new`, its empty cells filled in, and every command that it names.
-use crate::support::published::short_or;
-use crate::support::visit::{Ran, Visit};
-use crate::support::{error_table, positioning_ids};
+use crate::support::{Ran, Visit, error_table, positioning_ids, short_or};
 use nonius::control::controller::{Dialect, builtin};
 use nonius::quantity::axis::Axis;
 use std::mem::discriminant;
@@ -210,19 +208,16 @@ fn before(at: &Visit, id: &str) {
     fill_in(at, "visit/job.toml", SLOPES, &MEASURED);
     at.run("plan visit/job.toml").answers();
     if builtin::profile(id).unwrap().program.is_some() {
-        at.run("program visit/job.toml -o visit/programs")
-            .ends(0)
-            .says("readings.csv, which the job names")
-            .omits("an end of the travel");
+        let ran = at.run("program visit/job.toml -o visit/programs").ends(0);
+        ran.says("readings.csv, which the job names").omits("an end of the travel");
         assert!(!at.has("visit/programs/readings.csv"));
     }
-    at.run("separate visit/job.toml")
-        .ends(2)
-        .says("keys are empty, expected a value of each")
-        .says("slope_um_per_m")
-        .says("active_while_measuring")
-        .omits("detection_unit_um")
-        .says("`displacement_mm` is empty, expected a number");
+    at.run("separate visit/job.toml").ends(2).omits("detection_unit_um").tells(&[
+        "keys are empty, expected a value of each",
+        "slope_um_per_m",
+        "active_while_measuring",
+        "`displacement_mm` is empty, expected a number",
+    ]);
 }
 
 /// Every control with these options: the first of its family until the first of these ends, another one until
@@ -263,12 +258,9 @@ fn the_slopes_of_the_first_job_copied_to_the_second_are_blamed_on_nobody_else() 
     at.yes(&format!("{simulate} --without-tables -o visit/readings.csv"));
     at.run("generate visit/job.toml -o visit/kit").answers();
     at.yes(&format!("{simulate} --tables visit/kit -o visit/after.csv"));
-    let verified = at
-        .run("verify visit/job.toml --tables visit/kit --after visit/after.toml")
-        .ends(1)
-        .says("`slope_um_per_m` of XYZ afterwards is that of the first job")
-        .says("verdict: undecided")
-        .omits("TEMPERATURE");
+    let verified = at.run("verify visit/job.toml --tables visit/kit --after visit/after.toml");
+    let blamed = "`slope_um_per_m` of XYZ afterwards is that of the first job";
+    let verified = verified.ends(1).says(blamed).says("verdict: undecided").omits("TEMPERATURE");
     assert!(verified.out.starts_with("REHEARSAL"), "{}", verified.out);
 }
 
@@ -311,16 +303,14 @@ fn a_second_visit_begins_where_the_first_one_ended() {
     {
         let at = &Visit::of(start).with_any_kit();
         at.run("new --from job.toml -o next").ends(0).says("`first_table` decides");
-        at.yes(&format!(
-            "simulate job.toml --tables kit {form} --noise-um 0.1 -o next/{table} --force"
-        ));
+        let simulate = "simulate job.toml --tables kit --noise-um 0.1 --force";
+        at.yes(&format!("{simulate} {form} -o next/{table}"));
         fill_in(at, "next/job.toml", [0.1, -0.1, 0.1], &[]);
         let page = at.read("next/job.toml");
         assert!(page.contains("\nactive_while_measuring = \"../kit\"\n") && !page.contains("none"));
         at.run("generate next/job.toml -o next/kit").answers().omits("assumed: first_table");
-        let off = |kit: &str| {
-            at.read(&format!("{kit}/NONIUS_DISABLE.MPF")).matches("TABLE_ENABLE[").count()
-        };
+        let disable = |kit: &str| at.read(&format!("{kit}/NONIUS_DISABLE.MPF"));
+        let off = |kit: &str| disable(kit).matches("TABLE_ENABLE[").count();
         at.edit("next/job.toml", "first_table = 0 ", "first_table = 6 ");
         at.run("generate next/job.toml -o next/beside").answers();
         assert_eq!([off("kit"), off("next/kit"), off("next/beside")], [6, 6, 12]);

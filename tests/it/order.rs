@@ -1,7 +1,6 @@
 //! The order of the rooms is the order of `src/lib.rs`: an import points backwards only, and inside a room
 //! no files stand in a ring. What reads a control's files knows nothing of what writes them, and files are touched by the command line alone.
-use crate::support::tree::{Entry, tree};
-use crate::support::visit::{fixtures, page};
+use crate::support::{Entry, fixtures, page, tree};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// The texts of a folder of the repository whose names end in this way.
@@ -134,9 +133,7 @@ fn module(file: &str, lines: &[String]) -> (Route, Module) {
         }
     }
     for (path, name, is_private) in imports {
-        let Some(full) = from_root(&here, &found.names, &path) else {
-            continue;
-        };
+        let Some(full) = from_root(&here, &found.names, &path) else { continue };
         let is_word = |c: char| c.is_alphanumeric() || c == '_';
         let again = || {
             code.split_inclusive(|c| !is_word(c)).any(|word| {

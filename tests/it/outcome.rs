@@ -2,8 +2,7 @@
 //! that failed, was ended or was killed.
 
 #![cfg(unix)]
-use crate::support::tree::below;
-use crate::support::visit::{Ran, Visit, program, replaced};
+use crate::support::{Visit, below, program, replaced};
 use std::fs::{self, File};
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
@@ -16,17 +15,6 @@ fn start() -> Visit {
     visit.copy("diagonals/case_b_setup/job.toml", "diagonals.toml");
     visit.copy("diagonals/case_b_setup/readings.csv", "readings.csv");
     visit
-}
-
-/// The program by way of a shell: `$N` is the program.
-fn by_shell(visit: &Visit, line: &str) -> Command {
-    let mut command = Command::new("sh");
-    command.args(["-c", line]).env("N", env!("CARGO_BIN_EXE_nonius")).current_dir(visit.folder());
-    command
-}
-
-fn shell(visit: &Visit, line: &str) -> Ran {
-    Ran::of(line, &by_shell(visit, line).output().expect("a shell"))
 }
 
 /// Commands that write something, with what they write; each succeeds.
@@ -47,15 +35,13 @@ fn where_standard_output_fails_nothing_is_written() {
     let visit = start();
     let before = visit.files();
     for (command, _) in WRITING {
-        shell(&visit, &format!("$N {command} > /dev/full"))
-            .ends(2)
-            .says("standard output cannot be written")
-            .omits("wrote");
+        let ran = visit.shell(&format!("$N {command} > /dev/full")).ends(2);
+        ran.says("standard output cannot be written").omits("wrote");
         assert!(visit.files() == before, "{command}");
     }
-    shell(&visit, "$N generate job.toml -o kit");
+    visit.shell("$N generate job.toml -o kit");
     let kept = visit.files();
-    shell(&visit, "$N generate job.toml -o kit --force > /dev/full").ends(2);
+    visit.shell("$N generate job.toml -o kit --force > /dev/full").ends(2);
     assert!(visit.files() == kept);
 }
 
@@ -63,7 +49,7 @@ fn where_standard_output_fails_nothing_is_written() {
 fn a_reader_that_goes_away_is_no_failure() {
     for (command, made) in WRITING {
         let visit = start();
-        let ran = shell(&visit, &format!("{{ $N {command}; echo $? > status; }} | true"));
+        let ran = visit.shell(&format!("{{ $N {command}; echo $? > status; }} | true"));
         // 1 = made, but the answer is no.
         let status = visit.read("status");
         assert!(["0", "1"].contains(&status.trim()), "{command}: {status}");
@@ -84,7 +70,7 @@ fn a_run_that_fails_leaves_no_directory_behind() {
     let job = replaced(&visit.read("job.toml"), "siemens-840d-sl", &at(&from, "own.toml"));
     from.put("job.toml", replaced(&job, "errors.csv", &at(&visit, "errors.csv")));
     let line = format!("$N generate {} -o a/b/kit", at(&from, "job.toml"));
-    shell(&visit, &line).ends(2).says("cannot write");
+    visit.shell(&line).ends(2).says("cannot write");
     assert!(visit.files() == before);
 }
 
@@ -95,7 +81,7 @@ fn what_is_written_has_the_permissions_that_the_users_mask_leaves() {
         let kit = format!("kit-{mask:o}");
         let write =
             format!("$N generate job.toml -o {kit} && $N simulate job.toml --errors -o {kit}.csv");
-        shell(&visit, &format!("umask {mask:o}; {write}")).ends(0);
+        visit.shell(&format!("umask {mask:o}; {write}")).ends(0);
         for (name, mode) in [("", 0o777), ("/manifest.json", 0o666), (".csv", 0o666)] {
             let path = visit.at(&format!("{kit}{name}"));
             let found = fs::metadata(path).expect("it was written").permissions().mode();
@@ -112,25 +98,20 @@ fn long_program(visit: &Visit, repeats: usize) {
     visit.put("path.toml", format!("{}\n{zero}", visit.read("job.toml")));
 }
 
-/// Names of files that are being written, or were.
+/// Names of files that are being written, or were; their content may change meanwhile.
 fn partials(visit: &Visit) -> Vec<String> {
-    let entries = fs::read_dir(visit.folder()).expect("a folder");
-    let names = entries.map(|entry| entry.expect("an entry").file_name());
-    let mut names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
+    let mut names = visit.names();
     names.retain(|name| name.contains(".partial-"));
-    names.sort();
     names
 }
 
 /// Starts a run that writes for long, after a word to the shell, and waits until it writes.
 fn started(visit: &Visit, first: &str) -> Child {
     let before = partials(visit);
-    let mut child =
-        by_shell(visit, &format!("{first} exec $N path path.toml long.nc -o points.csv"))
-            .stdout(Stdio::null())
-            .stderr(File::create(visit.at("talk")).expect("a file"))
-            .spawn()
-            .expect("a shell");
+    let mut shell =
+        visit.by_shell(&format!("{first} exec $N path path.toml long.nc -o points.csv"));
+    shell.stdout(Stdio::null()).stderr(File::create(visit.at("talk")).expect("a file"));
+    let mut child = shell.spawn().expect("a shell");
     while partials(visit).iter().all(|name| before.contains(name)) {
         let ended = child.try_wait().expect("it can be asked");
         assert!(ended.is_none(), "the run ended too early: {ended:?}");

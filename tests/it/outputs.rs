@@ -1,17 +1,11 @@
 //! Where a run writes, and with whom at the same time: killed runs, twenty at once, a closed standard
 //! output, places that are read-only, links, or inputs.
 
-use crate::support::tree::{Entry, below, copies, difference, skipped};
-use crate::support::visit::{Ran, Visit, program, replaced};
+use crate::support::{Entry, Ran, Visit, below, copies, difference, program, replaced, skipped};
 use std::ffi::OsStr;
 use std::fs::{self, Permissions};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-
-fn spawned(visit: &Visit, words: &str) -> Child {
-    let mut command = program(visit.folder(), words);
-    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
-}
 
 /// Every whole kit of a visit passes `verify`, which checks the manifest; nothing else is there.
 fn only_whole_kits(visit: &Visit) {
@@ -24,7 +18,11 @@ fn only_whole_kits(visit: &Visit) {
 
 /// Twenty runs, started together: how many of them wrote. The others were refused, and each says what it did.
 fn twenty(visit: &Visit, words: &str) -> usize {
-    let children: Vec<Child> = (0..20).map(|_| spawned(visit, words)).collect();
+    let spawned = |_| {
+        let mut command = program(visit.folder(), words);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
+    };
+    let children: Vec<Child> = (0..20).map(spawned).collect();
     let mut wrote = 0;
     for child in children {
         let ran = Ran::of(words, &child.wait_with_output().expect("the program ends"));
@@ -90,10 +88,7 @@ fn with_a_closed_standard_output_the_same_is_written() {
     ] {
         let (undisturbed, visit) = (Visit::of("start/errors"), Visit::of("start/errors"));
         let expected = undisturbed.run(words);
-        let line = format!("exec '{}' {words} >&-", env!("CARGO_BIN_EXE_nonius"));
-        let mut shell = Command::new("sh");
-        let closed = shell.args(["-c", &line]).current_dir(visit.folder()).output();
-        let closed = Ran::of(words, &closed.expect("a shell"));
+        let closed = visit.shell(&format!("exec $N {words} >&-"));
         assert_eq!(closed.status, expected.status, "{words}: {}", closed.err);
         assert_eq!(closed.err, expected.err);
         assert!(visit.files() == undisturbed.files(), "{words}");
@@ -123,10 +118,8 @@ fn names_and_directories_that_cannot_be_read_are_told_in_the_right_words() {
     }
     allow(&visit.at("closed"), 0o777);
     fs::write(visit.at("kit").join(OsStr::from_bytes(b"x\xff")), "").unwrap();
-    visit
-        .run("verify job.toml --tables kit")
-        .ends(2)
-        .says(r#"the name "x\xFF" of a file in it is not UTF-8"#);
+    let ran = visit.run("verify job.toml --tables kit").ends(2);
+    ran.says(r#"the name "x\xFF" of a file in it is not UTF-8"#);
 }
 
 #[cfg(unix)]

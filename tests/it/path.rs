@@ -1,12 +1,9 @@
 //! `nonius path` through the program, and its scanner against one by others.
 
-use crate::support::refusals;
-use crate::support::visit::{Ran, Visit, fixtures, number, program};
+use crate::support::{Ran, Visit, fixtures, number, refusals};
 use nonius::inputs::nc::scan;
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use std::io::Write as _;
-use std::process::Stdio;
 
 /// 100 mm an axis; the error at a place in mm is (x/10, y/5, z/2) µm.
 const ERRORS: &str = "axis,position_mm,ex_um,ey_um,ez_um
@@ -69,10 +66,9 @@ fn the_page_says_what_was_calculated_by_hand() {
         let cells: Vec<&str> = lines.next().unwrap().split_whitespace().collect();
         assert_eq!(cells.join(" "), row);
     }
-    ran.says("path 45.70")
-        .says("3 straight moves, 1 arc, 2 holes, 5 rapid moves left out; places in machine coordinates")
-        .says("largest error 22.716 µm")
-        .says("holes, the worst first");
+    let moves =
+        "3 straight moves, 1 arc, 2 holes, 5 rapid moves left out; places in machine coordinates";
+    ran.tells(&["path 45.70", moves, "largest error 22.716 µm", "holes, the worst first"]);
 }
 
 #[test]
@@ -101,11 +97,7 @@ fn pipes_carry_program_and_samples() {
     let visit = visit("", PART);
     visit.yes("path job.toml part.nc -o points.csv");
     let piped = "path job.toml - -o -";
-    let mut command = program(visit.folder(), piped);
-    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    let mut child = command.spawn().unwrap();
-    child.stdin.take().unwrap().write_all(PART.as_bytes()).unwrap();
-    let output = child.wait_with_output().unwrap();
+    let output = visit.with_input(piped, PART.as_bytes());
     assert_eq!(output.stdout, visit.read("points.csv").as_bytes());
     let ran = Ran::of(piped, &output).ends(0);
     assert!(ran.err.contains("largest error 22.716 µm"), "{}", ran.err);
@@ -129,9 +121,9 @@ fn tables_take_the_error_off() {
         assert!(number(&found["after"]["extremes"]["e"]["max"]["um"]) < 1e-3, "{found}");
         assert!(number(&found["worst_holes"][0]["after_e_um"]) < 1e-3);
     }
-    assert!(visit.read("p.csv").lines().next().unwrap().ends_with(
-        ",hole,after_ex_um,after_ey_um,after_ez_um,after_e_um,after_tangent_um,after_normal_um"
-    ));
+    let after =
+        ",hole,after_ex_um,after_ey_um,after_ez_um,after_e_um,after_tangent_um,after_normal_um";
+    assert!(visit.read("p.csv").lines().next().unwrap().ends_with(after));
     // Another machine: the files are no longer those of the job.
     visit.edit("errors.csv", "x,100,10", "x,100,-10");
     let page = visit.yes("path job.toml part.nc --tables kit");
@@ -185,8 +177,8 @@ fn a_cycle_follows_zero_and_length() {
 #[test]
 fn safety_lines_and_look_ahead_are_words() {
     assert_eq!(ends("G0 G17 G40 G49 G80 G90 G54\nX5.\nG80 G1 Y5.\n"), ["5 0 0", "5 5 0"]);
-    let notes =
-        summary("", "G54 G5.1 Q1\nG05 P10000\nG8 P1\nG1 X5.\nG5.1 Q0\n")["notes"].to_string();
+    let look_ahead = "G54 G5.1 Q1\nG05 P10000\nG8 P1\nG1 X5.\nG5.1 Q0\n";
+    let notes = summary("", look_ahead)["notes"].to_string();
     assert!(notes.contains("look-ahead (G5, G5.1, G8) is switched on 3 times"), "{notes}");
     // Words of the line of O are executed, each time.
     let called = ends("G54 G0 X1.\nM98 P2 L2\nM30\nO2 G91 X10.\nG90 Y5.\nM99\n");
@@ -246,18 +238,13 @@ fn places_of_the_job_outside_the_travel_are_refused() {
 #[test]
 fn a_datum_stands_in_the_headline_and_two_ways_to_the_tool_are_told() {
     let datum = "[[path.datum]]\nx_mm = 100.0\ny_mm = 0.0\nz_mm = 0.0";
-    visit(datum, "G54 G1 X50.\n")
-        .run("path job.toml part.nc -v")
-        .ends(0)
-        .says("largest error 10.000 µm")
-        .says("all of them less the mean error at 1 probed place");
+    let ran = visit(datum, "G54 G1 X50.\n").run("path job.toml part.nc -v").ends(0);
+    ran.says("largest error 10.000 µm").says("all of them less the mean error at 1 probed place");
     let visit = visit("", "G54 G43 H1 G1 X50. Z20.\n");
     let offset = "tool_offset_mm = { x = 0.0, y = 0.0, z = -50.0 }\nactive_while";
     visit.edit("job.toml", "active_while", offset);
-    visit
-        .run("path job.toml part.nc -v")
-        .ends(0)
-        .says("CHECK: `tool_offset_mm` of [measurement] and the tool length of G43");
+    let check = "CHECK: `tool_offset_mm` of [measurement] and the tool length of G43";
+    visit.run("path job.toml part.nc -v").ends(0).says(check);
 }
 
 /// Letters and numbers of a line, as this crate reads them; `None` where it refuses the line.
@@ -273,6 +260,7 @@ fn theirs(line: &str) -> Option<Vec<(char, f64)>> {
         Value::Literal(number) => f64::from(*number),
         _ => f64::NAN,
     };
+    let word = |a: &gcode::Argument| (a.letter.to_ascii_uppercase(), value(&a.value));
     let mut words = Vec::new();
     for block in gcode::parse(line).ok()?.blocks {
         words.extend(block.line_number.map(|number| ('N', f64::from(number))));
@@ -285,8 +273,7 @@ fn theirs(line: &str) -> Option<Vec<(char, f64)>> {
             };
             let tenth = number.minor().map_or(0, std::num::NonZeroU32::get);
             words.push((letter, f64::from(number.major()) + f64::from(tenth) / 10.0));
-            words
-                .extend(arguments.iter().map(|a| (a.letter.to_ascii_uppercase(), value(&a.value))));
+            words.extend(arguments.iter().map(word));
         }
         let bare = block.word_addresses.iter();
         words.extend(bare.map(|a| (a.letter.to_ascii_uppercase(), value(&a.value))));
@@ -322,24 +309,18 @@ fn line() -> impl Strategy<Value = String> {
     let code = prop::sample::select(vec![
         "G0", "G01", "g2", "G54", "G54.1", "G91.1", "M3", "m8", "M98", "T12",
     ]);
-    let words = proptest::collection::vec(
-        (prop::sample::select("XYZIJKRFSPQHDLxyz".chars().collect::<Vec<_>>()), value()),
-        0..7,
-    );
+    let letters = prop::sample::select("XYZIJKRFSPQHDLxyz".chars().collect::<Vec<_>>());
+    let words = proptest::collection::vec((letters, value()), 0..7);
     let comment = prop::sample::select(vec!["", " (a comment)", " ; the rest"]);
-    (
-        proptest::option::of(1_u32..99_999),
-        proptest::collection::vec(code, 0..3),
-        words,
-        any::<bool>(),
-        comment,
-    )
-        .prop_map(|(n, codes, words, spaced, comment)| {
-            let mut parts: Vec<String> = n.iter().map(|n| format!("N{n}")).collect();
-            parts.extend(codes.iter().map(|code| (*code).to_string()));
-            parts.extend(words.iter().map(|(letter, number)| format!("{letter}{number}")));
-            parts.join(if spaced { " " } else { "" }) + comment
-        })
+    let number = proptest::option::of(1_u32..99_999);
+    let codes = proptest::collection::vec(code, 0..3);
+    let parts = (number, codes, words, any::<bool>(), comment);
+    parts.prop_map(|(n, codes, words, spaced, comment)| {
+        let mut parts: Vec<String> = n.iter().map(|n| format!("N{n}")).collect();
+        parts.extend(codes.iter().map(|code| (*code).to_string()));
+        parts.extend(words.iter().map(|(letter, number)| format!("{letter}{number}")));
+        parts.join(if spaced { " " } else { "" }) + comment
+    })
 }
 
 proptest! {

@@ -1,6 +1,7 @@
 //! Every built-in profile: its facts have a source, what is assumed has a consequence, its files
 //! can be made.
-use crate::support::{self, source, visit::fixtures};
+use crate::shortage::job;
+use crate::support::{self, fixtures, source};
 use nonius::control::controller::{
     Dialect, EmittedFile, Evidence, Mechanism, Profile, ProfileSource, Role, Statement,
     StraightnessForm, builtin, load,
@@ -63,7 +64,8 @@ fn every_template_renders() {
     for profile in all() {
         let mut rendered = BTreeSet::new();
         for policy in ["mean", "two-tables"] {
-            let (_, kit) = support::generate(&job(&profile.id, policy), errors);
+            let policy = format!("backlash = \"{policy}\"");
+            let (_, kit) = support::generate(&job(&profile.id, &policy, 0.0, 25.0), errors);
             for file in &kit.files {
                 let name = format!("{}: {}", profile.id, file.path);
                 let text = std::str::from_utf8(&file.bytes).unwrap();
@@ -150,20 +152,11 @@ fn a_page_is_laid_over_the_one_it_builds_on() {
 
 /// Whether a control of this profile takes the file: one form of straightness has points.
 fn is_of_its_form(profile: &Profile, file: &EmittedFile) -> bool {
-    match (&profile.dialect, file.mechanism) {
-        (Dialect::Fanuc(facts), Some(Mechanism::FourPoint)) => {
-            facts.straightness_form.value == StraightnessForm::FourPoint
-        }
-        (Dialect::Fanuc(facts), Some(Mechanism::PerPoint)) => {
-            facts.straightness_form.value == StraightnessForm::PerPoint
-        }
+    let Dialect::Fanuc(facts) = &profile.dialect else { return true };
+    let form = facts.straightness_form.value;
+    match file.mechanism {
+        Some(Mechanism::FourPoint) => form == StraightnessForm::FourPoint,
+        Some(Mechanism::PerPoint) => form == StraightnessForm::PerPoint,
         _ => true,
     }
-}
-
-fn job(controller: &str, policy: &str) -> String {
-    let keys = "spacing_mm = 25.0\ndetection_unit_um = 1.0".to_string();
-    let axes = ["x", "y", "z"].map(|axis| (axis, [0.0, 100.0], 0.0, keys.clone()));
-    let compensation = format!("controller = \"{controller}\"\nbacklash = \"{policy}\"");
-    support::job_of(support::UNCORRECTED, &compensation, axes)
 }

@@ -1,7 +1,6 @@
 //! Part programs of measuring runs: what the operator gets, and that every program is walked by
 //! code that knows nothing of how it was written.
-use crate::support::visit::replaced;
-use crate::support::{read_job, readings, source};
+use crate::support::{holds, read_job, readings, replaced, source};
 use nonius::control::controller::builtin;
 use nonius::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
 use nonius::inputs::target_runs::{Runs, Stated};
@@ -194,6 +193,11 @@ fn offset_targets_sample_every_phase_of_a_screw() {
 #[test]
 fn the_walk_finds_what_is_wrong_with_a_program() {
     let too_low = "before X and Y are there, or with them";
+    let (x_y, z) = ("SUPA G90 G0 X97.000 Y-77.000", "SUPA G90 G0 Z-57.000");
+    let [x_y_then_z, z_then_x_y] = [[x_y, z], [z, x_y]].map(|moves| moves.join("\n"));
+    let overrun =
+        "SUPA G91 G1 X-2.000 Y2.000 Z2.000 F1000.0\nSUPA G91 G1 X2.000 Y-2.000 Z-2.000 F1000.0\n";
+    let two_moves = ["SUPA G91 G1 Z27.500 F1000.0"; 2].join("\n");
     let [long, wide] = ["\n", " G40"].map(|part| format!("M30{}", part.repeat(50_001)));
     let of_siemens = [
         ("N3 G4 F3.0\n", "", "of 14 readings are taken"),
@@ -206,19 +210,11 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("SUPA G90 G0", "G90 G0", "this is neither"),
         ("SUPA G91 G1", "G91 G1", "this is neither"),
         ("Y-77.000\nSUPA G90 G0 Z-57.000", "Y-77.000 Z-57.000", too_low),
-        (
-            "SUPA G90 G0 X97.000 Y-77.000\nSUPA G90 G0 Z-57.000",
-            "SUPA G90 G0 Z-57.000\nSUPA G90 G0 X97.000 Y-77.000",
-            too_low,
-        ),
+        (&*x_y_then_z, &*z_then_x_y, too_low),
         ("SUPA G90 G0 Z-57.000\n", "", "before all three axes are at machine coordinates"),
         ("SUPA G91 G1 Z55.000", "SUPA G91 G1 Z54.000", "is read at Z"),
         ("SUPA G91 G1 X2.000 Y-2.000 Z-2.000", "SUPA G91 G1 X2.000 Y-2.000", "is read at Z"),
-        (
-            "SUPA G91 G1 X-2.000 Y2.000 Z2.000 F1000.0\nSUPA G91 G1 X2.000 Y-2.000 Z-2.000 F1000.0\n",
-            "",
-            "has not arrived at node 6 moving",
-        ),
+        (overrun, "", "has not arrived at node 6 moving"),
         (" G94", "", "without a feed per minute"),
         ("F1000.0", "F12000.0", "is too high for X"),
         ("M30", "", "the program has no end"),
@@ -230,12 +226,7 @@ fn the_walk_finds_what_is_wrong_with_a_program() {
         ("MSG()", "M3 S100", "`M3` is not a word"),
         ("X-45.000", "X-45.000 X-45.000", "is given twice"),
         ("ZERO THE LASER", "NULL \u{c4} LASER", "not ASCII"),
-        // Two moves for one step.
-        (
-            "SUPA G91 G1 Z55.000 F1000.0",
-            "SUPA G91 G1 Z27.500 F1000.0\nSUPA G91 G1 Z27.500 F1000.0",
-            "not reached by one move of its own",
-        ),
+        ("SUPA G91 G1 Z55.000 F1000.0", &two_moves, "not reached by one move of its own"),
     ];
     let of_fanuc = [
         ("G91 G01", "G90 G01", "this is neither"),
@@ -271,8 +262,7 @@ fn positions_of_another_job_are_found() {
         let text = String::from_utf8(file.bytes.clone()).unwrap();
         file.bytes = text.replacen(from, to, 1).into_bytes();
         assert_ne!(file.bytes, text.as_bytes(), "{from}");
-        let said = case.judged(&files).unwrap_err().render();
-        assert!(said.contains(words), "{said}");
+        holds(&case.judged(&files).unwrap_err().render(), &[words]);
     }
 }
 
@@ -295,14 +285,12 @@ fn a_reading_that_is_not_filled_in_is_refused_as_missing() {
     let form = text(&case.kit(), "readings.csv");
     let head = "diagonal,run,direction,node,moved,displacement_mm\nPPP,1,forward,0,,\nPPP,1,forward,1,z,\n";
     assert!(form.starts_with(head), "{form}");
-    let said = readings(&form, &measurement).unwrap_err();
-    assert!(said.contains("a missing reading is never filled in"), "{said}");
+    holds(&readings(&form, &measurement).unwrap_err(), &["a missing reading is never filled in"]);
     let case = Case::small("fanuc-30i", "what = \"single-axis\"\nruns = 1");
     let form = text(&case.kit(), "readings-y.csv");
     let head = "target_mm,run,direction,deviation_um\n-75,1,+,\n-40,1,+,\n-5,1,+,\n-5,1,-,\n";
     assert!(form.starts_with(head), "{form}");
-    let said = as_runs(&form).unwrap_err();
-    assert!(said.contains("`deviation_um` is empty, expected a number"), "{said}");
+    holds(&as_runs(&form).unwrap_err(), &["`deviation_um` is empty, expected a number"]);
 }
 
 /// A wrong reversal would follow from the readings: the section and the run turn differently.
@@ -317,8 +305,7 @@ fn the_job_must_not_describe_another_turn_than_the_run() {
         ("false", "", "`overrun` is false, but this run goes 2 mm past the end point"),
         ("true", "overrun_mm = 0", "`overrun` is true, but this run turns at the last node"),
     ] {
-        let said = turn(overrun, keys).unwrap_err().render();
-        assert!(said.contains(words), "{said}");
+        holds(&turn(overrun, keys).unwrap_err().render(), &[words]);
     }
     assert_eq!(turn("true", "").unwrap().manifest["overrun"], true);
     assert_eq!(turn("false", "overrun_mm = 0").unwrap().manifest["overrun"], false);
@@ -371,11 +358,8 @@ fn cases() -> impl Strategy<Value = Case> {
         of(&["", "return = \"diagonal\"", "bidirectional = false", "alignment_pass = false"]);
     let orders = of(&["XYZ", "XZY", "YXZ", "YZX", "ZXY", "ZYX"]);
     let edge = (-2_000_000_i32..2_000_000, 500_i32..100_000, 0_i32..5_000);
-    (
-        (controls, any::<bool>(), kinds, ways, orders),
-        (1_usize..7, 1_u32..4, 10_i32..3_000),
-        prop::array::uniform3(edge),
-    )
+    let run = (controls, any::<bool>(), kinds, ways, orders);
+    (run, (1_usize..7, 1_u32..4, 10_i32..3_000), prop::array::uniform3(edge))
         .prop_map(|((control, inch, kind, way, order), (steps, runs, margin), edges)| {
             // Digits of the control: 0.001 mm, or 0.0001 inch = 0.00254 mm.
             let digit = |count: i32| {

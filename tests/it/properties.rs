@@ -1,7 +1,5 @@
 //! Laws that hold for every machine: what may and what may not change the tables.
-use crate::support;
-use crate::support::published::short_or;
-use crate::support::{DUST_UM, um_at};
+use crate::support::{self, DUST_UM, short_or, um_at};
 use nonius::control::table::Tables;
 use nonius::control::table::generic::GenericRow;
 use nonius::kit;
@@ -35,18 +33,12 @@ impl Rail {
     }
 }
 
-/// How positions and deviations are written.
-#[derive(Clone, Copy, PartialEq)]
-enum Unit {
-    Metric,
-    Inch,
-}
+/// How positions and deviations are written: columns, mm and µm of their units.
+type Unit = (&'static str, f64, f64);
+const METRIC: Unit = ("position_mm,ex_um,ey_um,ez_um", 1.0, 1.0);
+const INCH: Unit = ("position_in,ex_in,ey_in,ez_in", 25.4, 25_400.0);
 
-fn csv(rails: &[Rail; 3], unit: Unit) -> String {
-    let (names, mm, um) = match unit {
-        Unit::Metric => ("position_mm,ex_um,ey_um,ez_um", 1.0, 1.0),
-        Unit::Inch => ("position_in,ex_in,ey_in,ez_in", 25.4, 25_400.0),
-    };
+fn csv(rails: &[Rail; 3], (names, mm, um): Unit) -> String {
     let mut text = format!("axis,{names}\n");
     for (axis, rail) in Axis::ALL.iter().zip(rails) {
         for (row, x) in rail.mm.iter().enumerate() {
@@ -82,7 +74,7 @@ fn spacing(rail: &Rail) -> String {
 
 /// The generic table of a machine, from the bytes.
 fn rows(rails: &[Rail; 3], keys: &str, squareness: &str) -> Vec<GenericRow> {
-    rows_of(&job(rails, "generic", keys, spacing, squareness), &csv(rails, Unit::Metric))
+    rows_of(&job(rails, "generic", keys, spacing, squareness), &csv(rails, METRIC))
 }
 
 fn rows_of(job: &str, errors: &str) -> Vec<GenericRow> {
@@ -131,11 +123,6 @@ fn ways(curves: &[&'static str], fits: &[&'static str]) -> impl Strategy<Value =
     (curves, fits).prop_map(|(curve, fit)| format!("curve = \"{curve}\"\nfit = \"{fit}\""))
 }
 
-/// Curves and fits that are linear in the measured values.
-fn linear_ways() -> impl Strategy<Value = String> {
-    ways(&["linear", "natural-spline"], &["sample", "least-squares"])
-}
-
 fn all_ways() -> impl Strategy<Value = String> {
     ways(&["linear", "pchip", "natural-spline"], &["sample", "least-squares", "minimax"])
 }
@@ -163,7 +150,8 @@ proptest! {
     fn the_corrections_of_a_sum_are_the_sum_of_the_corrections(
         rails in rails(),
         others in proptest::collection::vec(-20.0..20.0_f64, 9),
-        ways in linear_ways(),
+        // What is linear in the measured values.
+        ways in ways(&["linear", "natural-spline"], &["sample", "least-squares"]),
     ) {
         let other = |of: usize, row: usize| others[(3 * row + of) % 9];
         let second = rails.clone().map(|rail| rail.with_errors(|of, row, _| other(of, row)));
@@ -249,7 +237,7 @@ proptest! {
     #[test]
     fn minimax_leaves_no_more_than_sampling(rails in rails(), curve in 0..3_usize) {
         let curve = ["linear", "pchip", "natural-spline"][curve];
-        let errors = csv(&rails, Unit::Metric);
+        let errors = csv(&rails, METRIC);
         let [sampled, minimax] = ["sample", "minimax"].map(|fit| {
             let keys = format!("curve = \"{curve}\"\nfit = \"{fit}\"");
             support::generate(&job(&rails, "generic", &keys, spacing, ""), &errors).1.plan.tables
@@ -269,16 +257,11 @@ proptest! {
         let keys = if inch { "control_unit = \"inch\"" } else { "" };
         let grid = |_: &Rail| format!("spacing_mm = {step:?}");
         let text = job(&rails, "siemens-840d-sl", keys, grid, "");
-        let (inputs, kit) = support::generate(&text, &csv(&rails, Unit::Metric));
-        let Tables::Siemens(tables) = support::loaded(&inputs.profile, &kit) else {
-            panic!("tables of another control");
-        };
+        let (inputs, kit) = support::generate(&text, &csv(&rails, METRIC));
+        let Tables::Siemens(tables) = support::loaded(&inputs.profile, &kit) else { panic!("tables of another control") };
         let points: Vec<usize> = tables.lec.iter().map(|t| t.values.len())
             .chain(tables.cec.iter().map(|t| t.values.len())).collect();
-        let texts: String = ["NONIUS_EEC.MPF", "NONIUS_CEC.MPF"].iter().map(|path| {
-            let file = kit.files.iter().find(|f| f.path == *path).unwrap();
-            String::from_utf8(file.bytes.clone()).unwrap()
-        }).collect();
+        let texts = ["NONIUS_EEC.MPF", "NONIUS_CEC.MPF"].map(|path| support::text_of(&kit, path)).concat();
         let of = |key: &str| -> Vec<i64> {
             texts.lines().filter(|l| l.contains(&format!("_{key}["))).map(millionths).collect()
         };
@@ -292,7 +275,7 @@ proptest! {
 
     #[test]
     fn an_error_table_in_inches_is_the_same_table(rails in rails(), ways in all_ways()) {
-        let tables = [Unit::Metric, Unit::Inch].map(|unit| support::error_table(&csv(&rails, unit)));
+        let tables = [METRIC, INCH].map(|unit| support::error_table(&csv(&rails, unit)));
         for axis in Axis::ALL {
             let [metric, inch] = [0, 1].map(|table: usize| &tables[table].series(axis)[0]);
             for (a, b) in metric.positions.iter().zip(&inch.positions) {
@@ -306,8 +289,8 @@ proptest! {
             }
         }
         let text = job(&rails, "generic", &ways, spacing, "");
-        let metric = rows_of(&text, &csv(&rails, Unit::Metric));
-        let inch = rows_of(&text, &csv(&rails, Unit::Inch));
+        let metric = rows_of(&text, &csv(&rails, METRIC));
+        let inch = rows_of(&text, &csv(&rails, INCH));
         prop_assert_eq!(metric.len(), inch.len());
         for (a, b) in metric.iter().zip(&inch) {
             prop_assert!((a.position_mm - b.position_mm).abs() <= DUST_UM);
@@ -331,7 +314,7 @@ proptest! {
         let rails = rails.map(|rail| rail.with_errors(|_, _, _| offset));
         for id in support::any_grid_ids() {
             let (inputs, kit) =
-                support::generate(&job(&rails, id, &ways, spacing, ""), &csv(&rails, Unit::Metric));
+                support::generate(&job(&rails, id, &ways, spacing, ""), &csv(&rails, METRIC));
             let control = support::control(&inputs.profile, &kit);
             prop_assert!(kit.forecast.max_residual_um() <= DUST_UM);
             for (base, output) in control.connected_axes() {
@@ -351,7 +334,7 @@ proptest! {
         let ids: Vec<&str> = support::any_grid_ids().collect();
         for (place, id) in ids.iter().enumerate() {
             let text = job(&rails, id, "", |_| format!("points = {points}"), "");
-            let inputs = support::inputs(&text, &csv(&rails, Unit::Metric));
+            let inputs = support::inputs(&text, &csv(&rails, METRIC));
             // A whole kit takes much longer than its plan.
             let plan = if short_or(place == points as usize % ids.len(), true) {
                 kit::generate(&inputs).map(|kit| kit.plan)

@@ -2,11 +2,10 @@
 //! around them, and much of no concern. What contradicts the job is named, what no file holds is
 //! taken as the job asks and said, and what acts unseen leaves the verdict undecided.
 
-use crate::support::visit::{Ran, Visit, replaced};
+use crate::support::{Ran, UNCORRECTED, Visit, replaced};
+use crate::update::{FANUC_AXES, SIEMENS_AXES, small};
 use std::fs;
 
-const SIEMENS: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"AX1\"\n[compensation.axes.y]\nspacing_mm = 50\nid = \"AX2\"\n";
-const FANUC: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"1\"\ndetection_unit_um = 1.0\n[compensation.axes.y]\nspacing_mm = 50\nid = \"2\"\ndetection_unit_um = 1.0\n";
 /// Lost motion of X, µm: what `"curve-and-parameter"` asks of the backlash parameter.
 const LOST_UM: f64 = 4.0;
 /// Rows of X: between its directions lies the lost motion.
@@ -17,19 +16,19 @@ const AGREE: &str = "job and tables agree";
 struct Control(Visit);
 
 fn siemens(policy: &str) -> Control {
-    Control::new("siemens-840d-sl", policy, SIEMENS)
+    Control::new("siemens-840d-sl", policy, SIEMENS_AXES)
 }
 
 fn fanuc(policy: &str) -> Control {
-    Control::new("fanuc-30i", policy, FANUC)
+    Control::new("fanuc-30i", policy, FANUC_AXES)
 }
 
 impl Control {
     fn new(control: &str, policy: &str, axes: &str) -> Control {
         let acted = if policy == "mean" { "" } else { "active_backlash_um = { x = 0.0 }" };
-        let job = format!(
-            "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n{acted}\n[compensation]\ncontroller = \"{control}\"\nbacklash = \"{policy}\"\n[machine.axes.x]\ntravel_mm = [0, 100]\nreference_mm = 0\n[machine.axes.y]\ntravel_mm = [0, 100]\nreference_mm = 0\n{axes}[acceptance]\nmax_deviation_um = 100\n"
-        );
+        let policy = format!("backlash = \"{policy}\"");
+        let job = small(control, &format!("{UNCORRECTED}\n{acted}"), &policy, axes);
+        let job = job + "[acceptance]\nmax_deviation_um = 100\n";
         Control(Visit::with(job, ERRORS).with_kit())
     }
 
@@ -40,9 +39,9 @@ impl Control {
             let blocks = (kit("CNC-PARA.TXT") + &kit("PITCH.TXT")).replace(['%', '\r'], "");
             return format!("%\n{more}\n{blocks}\n%\n");
         }
-        let own = ["NONIUS_EEC.MPF", "NONIUS_CEC.MPF"].into_iter();
-        let tables: String =
-            own.filter(|name| self.0.has(&format!("kit/{name}"))).map(kit).collect();
+        let mut own = vec!["NONIUS_EEC.MPF", "NONIUS_CEC.MPF"];
+        own.retain(|name| self.0.has(&format!("kit/{name}")));
+        let tables: String = own.into_iter().map(kit).collect();
         let lines: Vec<&str> = tables.lines().filter(|line| line.starts_with('$')).collect();
         format!("{more}\n{}\nM30\n", lines.join("\n"))
     }
@@ -53,9 +52,10 @@ impl Control {
         let ran = self.0.run(&format!("verify job.toml --tables {tables}"));
         match verdict {
             "refused" => ran.ends(2).omits(" (asked"),
-            _ => ran
-                .ends(if verdict == "pass" { 0 } else { 1 })
-                .says(&format!("verdict: {verdict} (asked")),
+            _ => {
+                let ran = ran.ends(i32::from(verdict != "pass"));
+                ran.says(&format!("verdict: {verdict} (asked"))
+            }
         }
     }
 
@@ -227,7 +227,7 @@ fn what_stands_around_fanuc_points_is_judged() {
     let [own, points] = ["CNC-PARA", "PITCH"].map(|name| cnc.0.read(&format!("kit/{name}.TXT")));
     let of_paths = replaced(&own, "N05711Q1L1P1", "N05711Q1P1L2P0L3P0");
     cnc.judge("pass", &[("CNC-PARA.TXT", &of_paths), ("PITCH.TXT", &points)]);
-    let four_digits = Control::new("fanuc-16i", "mean", FANUC);
+    let four_digits = Control::new("fanuc-16i", "mean", FANUC_AXES);
     four_digits.is("N1240A1P12000A2P0", "fail", "1240 of axis 1 is 12 mm");
 }
 
@@ -270,7 +270,7 @@ fn functions_that_are_not_used_do_nothing() {
 
 #[test]
 fn each_axis_of_a_gantry_is_judged_by_its_own_parameter() {
-    let gantry = replaced(SIEMENS, "id = \"AX1\"", "ids = [\"AX1\", \"AX4\"]");
+    let gantry = replaced(SIEMENS_AXES, "id = \"AX1\"", "ids = [\"AX1\", \"AX4\"]");
     let cnc = Control::new("siemens-840d-sl", "curve-and-parameter", &gantry);
     let one = "$MA_BACKLASH[0,AX1]=0.004\n";
     cnc.is(one, "pass", "MD32450) of axis AX4: taken as the job asks, 4 µm");

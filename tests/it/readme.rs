@@ -1,6 +1,5 @@
 //! The README shows what the program prints, and its table of evidence is that of the profiles.
-use crate::support::needs_unit;
-use crate::support::visit::{Ran, Visit, fixture, fixtures, page, program, replaced};
+use crate::support::{Ran, Visit, fixture, fixtures, needs_unit, page, program, replaced};
 use nonius::control::controller::{Evidence, builtin};
 
 /// The fenced block behind a line that holds `marker`.
@@ -20,10 +19,8 @@ fn the_readme_shows_what_the_main_job_prints() {
     let output = program(&fixtures(".."), &command).output().unwrap();
     let printed = Ran::of(&command, &output).ends(0).out;
     let shown = block_behind(&page("README.md"), "checked by tests/it/readme.rs");
-    assert!(
-        !shown.is_empty() && printed.contains(&shown),
-        "README shows\n{shown}\n\nthe program prints\n{printed}"
-    );
+    let is_shown = !shown.is_empty() && printed.contains(&shown);
+    assert!(is_shown, "README shows\n{shown}\n\nthe program prints\n{printed}");
     let drawn = visit.read("before-after.svg");
     let kept = fixtures("../docs/before-after.svg");
     if std::env::var_os("NONIUS_UPDATE").is_some() {
@@ -41,12 +38,7 @@ fn the_rehearsal_runs_as_it_is_written() {
     let script = script.trim_start_matches("sh\n");
     let visit = Visit::new();
     std::os::unix::fs::symlink(fixtures(""), visit.at("fixtures")).unwrap();
-    let program = std::path::Path::new(env!("CARGO_BIN_EXE_nonius")).parent().unwrap();
-    let path = std::env::var("PATH").unwrap_or_default();
-    let mut shell = std::process::Command::new("sh");
-    shell.args(["-e", "-c", script]).env("PATH", format!("{}:{path}", program.display()));
-    let output = shell.current_dir(visit.folder()).output().expect("a shell");
-    let ran = Ran::of(script, &output).ends(0);
+    let ran = visit.shell(&format!("set -e; PATH=\"$(dirname $N):$PATH\"\n{script}")).ends(0);
     assert_eq!(ran.out.matches("verdict: pass").count(), 3, "{}", ran.out);
     ran.says("REHEARSAL: both measurements were simulated");
     assert!(visit.has("out/visit/report.html"));

@@ -1,11 +1,10 @@
 //! Files that other people's instruments and CAM systems wrote, read where they lie beside the
 //! repository: what is understood of each, and which are refused for which reason.
-use crate::support::visit::{Visit, shared};
 use crate::support::words as said_of;
+use crate::support::{Visit, shared};
 use nonius::control::controller::TableSign;
 use nonius::inputs::import::stated::{MaterialCorrected, Stated};
-use nonius::inputs::import::{Component, Imported, Measurement, import};
-use nonius::kit::sha256;
+use nonius::inputs::import::{Component, Imported};
 use nonius::quantity::axis::{Axis, Direction};
 use nonius::text::finding::{Severity, of_severity};
 use nonius::text::problem::Problems;
@@ -43,10 +42,7 @@ fn stated(name: &str) -> Stated {
 }
 
 fn imported(path: &Path, stated: &Stated) -> Result<Imported, Problems> {
-    let bytes = fs::read(path).unwrap();
-    let file =
-        Measurement { path: "file.pos", name: "file.pos", sha256: &sha256(&bytes), bytes: &bytes };
-    import(file, None, None, stated)
+    crate::import::run("file.pos", fs::read(path).unwrap(), stated, None)
 }
 
 /// What was understood, without what the file holds: counts, range, unit, way, surroundings.

@@ -1,7 +1,6 @@
 //! Measured machines: three real stages (ISO 230-2 runs, read where they lie, not part of this
 //! repository), and the shipped nine errors against an independent simulation.
-use crate::support::visit::{fixture, shared};
-use crate::support::{self, Lines};
+use crate::support::{self, Lines, fixture, shared};
 use nonius::control::controller::{Dialect, builtin};
 use nonius::control::table::Tables;
 use nonius::control::table::fanuc::ParameterValue;
@@ -183,7 +182,7 @@ fn check_stages(stages: &[(Axis, Stage)], id: &str, policy: &str) {
             (Dialect::Fanuc(_), Tables::Fanuc(memory)) => {
                 let Some(ParameterValue::Integer(times)) = memory.parameter(3623, Some(number))
                 else {
-                    panic!("no 3623 of axis {number}");
+                    panic!("no 3623 of axis {number}")
                 };
                 let count = UNIT_UM * times as f64;
                 let fine = stage.halved();

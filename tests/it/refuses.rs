@@ -4,9 +4,8 @@
 //! with status 2, say exactly what the case expects, and leave the directory as it was.
 //! `NONIUS_UPDATE=1 cargo test --test it refuses` rewrites the expectations (fixtures/cases/README.md).
 
-use crate::support::parallel::in_parallel;
 use crate::support::refusals::{self, Case};
-use crate::support::visit::{Visit, fixtures, program};
+use crate::support::{Visit, fixtures, in_parallel, program};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
@@ -46,13 +45,9 @@ fn every_refusal_says_what_is_wrong_and_writes_nothing() {
         (expected != said).then(|| format!("{name}:\n--- expected\n{expected}--- got\n{said}"))
     };
     let failures: Vec<String> = cases.iter().zip(&told).filter_map(differs).collect();
-    assert!(
-        failures.is_empty(),
-        "{} of {} cases differ; if the new words are meant, run with NONIUS_UPDATE=1\n\n{}",
-        failures.len(),
-        cases.len(),
-        failures.join("\n\n")
-    );
+    let (count, all, failures) = (failures.len(), cases.len(), failures.join("\n\n"));
+    let update = "if the new words are meant, run with NONIUS_UPDATE=1";
+    assert!(count == 0, "{count} of {all} cases differ; {update}\n\n{failures}");
 }
 
 /// Exit status, standard error, then standard output of a case, which writes nothing.

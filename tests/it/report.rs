@@ -1,14 +1,11 @@
 //! The page that is handed over: its figures are those of the commands, its bytes are the same twice, text of
 //! others is harmless, and a browser shows it without anything cut off.
-use crate::support::visit::{Visit, holds, number, page as repository_page, replaced};
+use crate::support::visit::page as repository_page;
+use crate::support::{Visit, holds, number, replaced};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
 const SIEMENS: &str = "nine_errors_900/siemens-840d-sl.toml";
-
-fn with_kit(job: &str) -> Visit {
-    Visit::with_job(job).with_any_kit()
-}
 
 #[track_caller]
 fn page(visit: &Visit, arguments: &str) -> String {
@@ -202,7 +199,7 @@ fn a_finding_stands_once() {
 
 #[test]
 fn every_figure_is_that_of_its_command() {
-    let visit = with_kit(SIEMENS);
+    let visit = Visit::with_job(SIEMENS).with_any_kit();
     let found = page(&visit, "job.toml --tables kit");
     check_figures(&visit, &found, "");
     // No curve is drawn as forecast that is that of the machine as found.
@@ -233,7 +230,7 @@ fn every_figure_is_that_of_its_command() {
 #[test]
 fn it_works_for_every_control() {
     let judge = |id: &str| {
-        let visit = with_kit(&format!("nine_errors_900/{id}.toml"));
+        let visit = Visit::with_job(&format!("nine_errors_900/{id}.toml")).with_any_kit();
         let left = page(&visit, "job.toml --tables kit --after errors.csv");
         check_figures(&visit, &left, "--after errors.csv");
         // The same input gives the same bytes.
@@ -249,7 +246,7 @@ fn it_works_for_every_control() {
 
 #[test]
 fn files_are_named_by_purpose_and_nothing_is_called_complete_that_is_not_known() {
-    let visit = with_kit(SIEMENS);
+    let visit = Visit::with_job(SIEMENS).with_any_kit();
     let complete = "All nine errors were measured";
     holds(&page(&visit, "job.toml --tables kit"), &[complete]);
     // What each file of a kit is for, in the reader's language.
@@ -304,7 +301,7 @@ fn drawn(page: &str) -> Vec<String> {
 
 /// What pictures of every kind that stands on a page are made from.
 fn with_pictures() -> [Visit; 3] {
-    let visit = with_kit(SIEMENS);
+    let visit = Visit::with_job(SIEMENS).with_any_kit();
     visit.yes("simulate job.toml --tables kit --errors -o after.csv");
     visit.copy("standards/x_axis.csv", "x_axis.csv");
     [visit, Visit::of("start/readings"), Visit::with_job("machine_h/job.toml")]

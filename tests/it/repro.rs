@@ -1,7 +1,7 @@
 //! Cases in which the program once said too much or too little, with the verdicts that each must give
 //! (`../shared/data/repro/EXPECTED.md`); statements that are true in their simulation are added.
 
-use crate::support::visit::{Visit, number, shared};
+use crate::support::{Visit, number, shared};
 
 /// The case; what its jobs state besides; the verdict at `generate` and at `--after` (`-`: none).
 const CASES: [(&str, &str, &str, &str); 16] = [
@@ -49,9 +49,7 @@ fn visit_of(case: &str, stated: &str) -> Option<Visit> {
 fn each_case_gives_what_is_expected() {
     let mut of_measured_angles = Vec::new();
     for (case, stated, generate, after) in CASES {
-        let Some(visit) = visit_of(case, stated) else {
-            return;
-        };
+        let Some(visit) = visit_of(case, stated) else { return };
         let made = visit.run("generate job.toml -o kit").answers();
         let seen = "errors between targets were not seen; target spacing is a multiple of pitch 5, 10, 25 mm (X); ";
         assert!(case != "periodic_pitch_error" || made.out.contains(seen), "{}", made.out);
@@ -74,10 +72,8 @@ fn each_case_gives_what_is_expected() {
     }
     let [low, middle] = of_measured_angles.as_slice() else { panic!("two cases") };
     assert!(low.len() == middle.len() && low.len() > 300);
-    assert!(
-        low.iter().zip(middle).all(|(a, b)| (a - b).abs() <= 0.05),
-        "their constant has no effect"
-    );
+    let same = low.iter().zip(middle).all(|(a, b)| (a - b).abs() <= 0.05);
+    assert!(same, "their constant has no effect");
 }
 
 /// A case, a key of its job otherwise, beginnings of what `plan` says.
@@ -98,15 +94,11 @@ const PLANS: [(&str, &str, &[&str]); 2] = [
 #[test]
 fn a_plan_names_the_visit_that_will_do_and_what_decides() {
     for (case, stated, lines) in PLANS {
-        let Some(visit) = visit_of(case, &format!("angle_urad = 0\nsetup_ppm = 0\n{stated}"))
-        else {
-            return;
-        };
-        let text = visit.run("plan job.toml").answers().out.clone();
-        let text: Vec<String> = text
-            .lines()
-            .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "))
-            .collect();
+        let stated = format!("angle_urad = 0\nsetup_ppm = 0\n{stated}");
+        let Some(visit) = visit_of(case, &stated) else { return };
+        let ran = visit.run("plan job.toml").answers();
+        let words = |line: &str| line.split_whitespace().collect::<Vec<_>>().join(" ");
+        let text: Vec<String> = ran.out.lines().map(words).collect();
         for start in lines {
             assert!(text.iter().any(|line| line.starts_with(start)), "{start}: {text:#?}");
         }
@@ -124,23 +116,21 @@ fn a_plan_names_the_visit_that_will_do_and_what_decides() {
 /// A limit that the readings do not decide: what decides, and a measurement that does.
 #[test]
 fn what_is_undecided_says_what_decides_it() {
-    let Some(visit) = visit_of("noise_stated_punished", "setup_ppm = 1\nangle_urad = 0") else {
-        return;
-    };
+    let stated = "setup_ppm = 1\nangle_urad = 0";
+    let Some(visit) = visit_of("noise_stated_punished", stated) else { return };
     for job in ["job.toml", "after.toml"] {
         visit.edit(job, "max_deviation_um = 10.0", "max_deviation_um = 4.0");
     }
-    let made = visit.run("generate job.toml -o kit").ends(1);
-    let made = made.says("what decides: EYZ, 0.000 µm left; beside it noise of the readings ");
-    made.says("\n  2 runs (190 min): at most 3.")
-        .says(": pass\n  the smallest limit that these data prove is 4.354 µm");
-    let left =
-        visit.run("verify job.toml --tables kit --after after.toml --format json").ends(1).json();
-    let acts = left["what_decides"]["acts"].as_array().unwrap();
-    assert!(
-        acts.iter().any(|act| act["what"] == "new tables from this measurement, measured again"),
-        "{left}"
-    );
+    visit.run("generate job.toml -o kit").ends(1).tells(&[
+        "what decides: EYZ, 0.000 µm left; beside it noise of the readings ",
+        "\n  2 runs (190 min): at most 3.",
+        ": pass\n  the smallest limit that these data prove is 4.354 µm",
+    ]);
+    let verify = "verify job.toml --tables kit --after after.toml --format json";
+    let left = visit.run(verify).ends(1).json();
+    let mut acts = left["what_decides"]["acts"].as_array().unwrap().iter();
+    let again = "new tables from this measurement, measured again";
+    assert!(acts.any(|act| act["what"] == again), "{left}");
     assert!(left["what_decides"]["parts"][0]["what"] == "noise of the readings", "{left}");
     let page = "report job.toml --tables kit --after after.toml -o - --language";
     for (language, words) in [
@@ -154,11 +144,8 @@ fn what_is_undecided_says_what_decides_it() {
     }
     // Of a limit for the diagonals alone, and of an error table the noise of which is stated.
     visit.edit("job.toml", "max_deviation_um = 4.0", "max_diagonal_um = 3.5");
-    visit
-        .run("generate job.toml -o diagonals")
-        .ends(1)
-        .says("what decides: PNP, ")
-        .says("6 runs (");
+    let made = visit.run("generate job.toml -o diagonals").ends(1);
+    made.says("what decides: PNP, ").says("6 runs (");
     let errors = Visit::of("start/errors");
     errors.edit("job.toml", "[measurement]\n", "[measurement]\nuncertainty = { noise_um = 1 }\n");
     errors.edit("job.toml", "max_deviation_um = 5.0", "max_deviation_um = 3");

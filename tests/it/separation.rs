@@ -1,8 +1,7 @@
 //! The separation against the golden cases of the project's reference (fixtures/diagonals): an
 //! independent numerical simulation made the readings and the expected figures.
 use crate::support::diagonals::{campaign, close, curve};
-use crate::support::visit::{fixture, number};
-use crate::support::{read_job, readings};
+use crate::support::{fixture, number, read_job, readings};
 use nonius::inputs::job::{Linear, LinearSlope, MeasuredData};
 use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
@@ -18,12 +17,12 @@ fn separated(case: &str) -> (Separation, Value) {
     let text = |name: &str| fixture(&format!("diagonals/{case}/{name}"));
     let job = read_job(&text("job.toml"));
     let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
-        panic!("the job of {case} has readings");
+        panic!("the job of {case} has readings")
     };
     let readings = readings(&text("readings.csv"), measurement).unwrap();
     let line = |linear: &Linear| {
         let LinearSlope::Stated(slope_um_per_m) = linear.slope else {
-            panic!("the golden cases state their slopes");
+            panic!("the golden cases state their slopes")
         };
         let direction = PerAxis::from_fn(|axis| f64::from(axis == linear.axis));
         MeasuredLine { direction, slope_um_per_m, u_um_per_m: linear.u_um_per_m, ends: None }

@@ -3,8 +3,7 @@
 //! Errors of a few tenths of a nanometre, most of them negative, go through every command: rounded
 //! to the digits that are printed they are nothing.
 
-use crate::support::tree::Entry;
-use crate::support::visit::{Visit, fixture, fixtures};
+use crate::support::{Entry, Visit, fixture, fixtures};
 use std::fmt::Write as _;
 
 /// `-0`, `-0.0`, `−0.000` … that are no part of a word, a date or a longer number.

@@ -1,9 +1,8 @@
 //! Klipper's skew correction against its formula: whatever leans, and wherever the machine homes, the bytes take off
 //! the lean, and nothing else.
-use crate::support::visit::{Visit, holds, number};
-use crate::support::{self, Random, um_at};
+use crate::support::{self, Random, Visit, holds, number, um_at};
 use nonius::control::controller::{Dialect, TableSign, builtin};
-use nonius::quantity::axis::{Direction, ErrorTerm};
+use nonius::quantity::axis::Direction;
 
 /// A printer that leans by so many µm in 100 mm: X by Y, X by Z, Y by Z; Z bends by `bent` µm in the middle of Y.
 fn texts(lean: [f64; 3], bent: f64, reference: [f64; 3]) -> (String, String) {
@@ -41,8 +40,7 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
         let reference = [0; 3].map(|_| random.of(&[0.0, 100.0, 200.0]));
         let (job, errors) = texts(lean, 8.0, reference);
         let (_, kit) = support::generate(&job, &errors);
-        let file = kit.files.iter().find(|file| file.path == "nonius-skew.cfg").unwrap();
-        let text = std::str::from_utf8(&file.bytes).unwrap();
+        let text = support::text_of(&kit, "nonius-skew.cfg");
         let factor = |name: &str| -> f64 {
             let line = text.lines().find(|line| line.starts_with(name)).unwrap();
             line.split(" = ").nth(1).unwrap().parse().unwrap()
@@ -69,8 +67,8 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
         }
         // What it cannot hold is as it was; what it holds leaves the product of two leans.
         let left = |name: &str| {
-            let term = ErrorTerm::from_name(name).unwrap();
-            let own = kit.forecast.terms.iter().find(|own| own.term == term).unwrap();
+            let own = kit.forecast.terms.iter().find(|own| own.term == support::term(name));
+            let own = own.unwrap();
             (own.change.before_um, own.change.after_um)
         };
         let far = (200.0 - reference[2]).max(reference[2]);
@@ -84,31 +82,26 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
     }
 }
 
-fn visit((job, errors): (String, String)) -> Visit {
-    Visit::with(job, errors)
-}
-
 /// Home at 200 mm of Z: Klipper adds -(2e-5 * 200 mm) = -4 um to X there, and says so as a shift.
 #[test]
 fn a_correction_that_is_not_zero_at_the_reference_is_named() {
-    let visit = visit(texts([0.0, 2.0, 0.0], 0.0, [0.0, 0.0, 200.0]));
+    let (job, errors) = texts([0.0, 2.0, 0.0], 0.0, [0.0, 0.0, 200.0]);
+    let visit = Visit::with(job, errors);
     visit.edit("job.toml", "[compensation]\n", "[compensation]\nterms = [\"EXZ\"]\n");
     let kit = visit.run("generate job.toml -o kit --format json").json();
-    let notes = kit["notes"].to_string();
-    assert!(notes.contains("adds -4.0 µm to X"), "{notes}");
+    holds(&kit["notes"].to_string(), &["adds -4.0 µm to X"]);
     let proof = &kit["sign_proofs"][0];
     // From 200 to 0 mm, where the file pretends +20 um.
     assert_eq!((&proof["from_mm"], &proof["peak_mm"]), (&200.0.into(), &0.0.into()));
     assert!((number(&proof["shows_um"]) + 20.0).abs() < 0.001);
-    let sign = visit.read("kit/nonius-sign-skew.cfg");
-    assert!(sign.contains("xz_skew = -0.000100000"), "{sign}");
+    holds(&visit.read("kit/nonius-sign-skew.cfg"), &["xz_skew = -0.000100000"]);
 }
 
 /// Somebody's changes are found; factors that acted are part of the new ones.
 #[test]
 fn files_are_judged_and_old_factors_are_added() {
-    let visit = visit(texts([10.0, -20.0, 5.0], 8.0, [0.0; 3]));
-    visit.yes("generate job.toml -o kit");
+    let (job, errors) = texts([10.0, -20.0, 5.0], 8.0, [0.0; 3]);
+    let visit = Visit::with(job, errors).with_kit();
     visit.yes("verify job.toml --tables kit");
     let own = visit.read("kit/nonius-skew.cfg");
     let saved: String = own.lines().map(|line| format!("#*# {line}\n")).collect();

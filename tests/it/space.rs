@@ -1,9 +1,8 @@
 //! Largest differences of error vectors: golden figures of machine H, and random machines
 //! against the comparison of all pairs.
 use crate::support::machine_h::{self, machine_h};
-use crate::support::published::short_or;
 use crate::support::random_map::{self, Family, random_map};
-use crate::support::visit::fixture;
+use crate::support::{fixture, short_or};
 use nalgebra::Vector3;
 use nonius::quantity::axis::Axis;
 use nonius::volume::space::boxes::Boxes;

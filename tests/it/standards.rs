@@ -1,7 +1,6 @@
 //! Figures by standard: against an independent computation on measured stages, by hand, and their laws; and what is
 //! wrong with files of runs of one axis.
-use crate::support::source;
-use crate::support::visit::{Ran, Visit, fixtures, page, program, shared};
+use crate::support::{DIAGONALS, Ran, Visit, fixtures, holds, page, program, shared, source};
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
@@ -55,8 +54,6 @@ fn measured_stages_give_the_figures_of_an_independent_computation() {
         assert!((um / 1000.0 - mm).abs() <= half_a_digit(cells[2]), "{line}: got {um} µm");
     }
 }
-
-const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
 
 /// Two runs over two targets.
 fn two_targets(up: Option<[[f64; 2]; 2]>, down: Option<[[f64; 2]; 2]>) -> Runs {
@@ -193,8 +190,7 @@ fn conditions_are_judged_by_length() {
     // Five runs are not the one run of an axis above 2 m, and its R and A are not the standard's.
     assert_eq!(missed(&even(10, 250.0), 1), 0);
     let runs = flat(&even(10, 250.0), 5);
-    let label = iso_230_2::label(&conditions(&runs));
-    assert!(label.contains("5 runs up, 5 down"), "{label}");
+    holds(&iso_230_2::label(&conditions(&runs)), &["5 runs up, 5 down"]);
     let remarks = iso_230_2::remarks(&runs, span(&runs));
     assert_eq!(remarks[0], StandardFinding::LongAxis.into());
 }
@@ -390,6 +386,9 @@ const DEVIATIONS: Stated = Stated { unit: None, values: Some(Values::Deviations)
 #[test]
 fn layouts_units_and_values_agree() {
     let open = Stated::default();
+    let by_sign =
+        "run,direction,target_mm,deviation_um\n7,+,25.4,2\n7,+,50.8,4\n8,-,50.8,0\n8,-,25.4,1\n";
+    let by_word = "run,direction,target_in,position_mm\n1,up,1,25.402\n1,up,2,50.804\n1,dn,2,50.8\n1,down,1,25.401\n";
     let unit = |unit| Stated { unit: Some(unit), values: None };
     let files = [
         ("target_mm,up1_mm,dn1_mm\n25.4,25.402,25.401\n50.8,50.804,50.8\n", open),
@@ -400,14 +399,8 @@ fn layouts_units_and_values_agree() {
         ("target_mm,\"up1_mm\",dn1_mm\n25.4,\"25.402\",25.401\n\"50.8\",50.804,50.8\n", open),
         ("target_mm;up1_mm;dn1_mm\r\n25,4;25,402;25,401\r\n50,8;50,804;50,8\r\n", open),
         ("target_mm,up1_mm,dn1_um\n25.4,0.002,1\n50.8,0.004,0\n", DEVIATIONS),
-        (
-            "run,direction,target_mm,deviation_um\n7,+,25.4,2\n7,+,50.8,4\n8,-,50.8,0\n8,-,25.4,1\n",
-            open,
-        ),
-        (
-            "run,direction,target_in,position_mm\n1,up,1,25.402\n1,up,2,50.804\n1,dn,2,50.8\n1,down,1,25.401\n",
-            open,
-        ),
+        (by_sign, open),
+        (by_word, open),
     ];
     for (text, stated) in files {
         let runs = read(text, stated).unwrap_or_else(|words| panic!("{words}"));

@@ -1,29 +1,15 @@
 //! What a user may rely on around a kit: exit status, files, `--force`, formats of the input.
 //! Tampered kits are in `tampered.rs`, refusals in `refuses.rs`.
 
-use crate::support::tree::{Entry, Tree, below};
-use crate::support::visit::{Ran, Visit, program, replaced};
+use crate::support::{Entry, Ran, Tree, Visit, below, replaced};
 use serde_json::Value;
 use std::fs;
-use std::io::Write;
-use std::process::Stdio;
 
-const JOB: &str = r#"schema = 1
-[machine]
-name = "VMC 100"
-[machine.axes.x]
-travel_mm = [0.0, 101.6]
-reference_mm = 0.0
-[measurement]
-errors = "errors.csv"
-active_while_measuring = "none"
-[compensation]
-controller = "siemens-840d-sl"
-[compensation.axes.x]
-spacing_mm = 50.8
-[acceptance]
-max_deviation_um = 5.0
-"#;
+const JOB: &str = "schema = 1\n[machine]\nname = \"VMC 100\"\n\
+    axes.x = { travel_mm = [0.0, 101.6], reference_mm = 0.0 }\n\
+    [measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n\
+    [compensation]\ncontroller = \"siemens-840d-sl\"\n[compensation.axes.x]\nspacing_mm = 50.8\n\
+    [acceptance]\nmax_deviation_um = 5.0\n";
 const TABLE: &str = "axis,position_mm,ex_um\nx,0,0\nx,50.8,2.54\nx,101.6,-1.27\n";
 
 const GENERATE: &str = "generate job.toml -o kit";
@@ -89,12 +75,7 @@ fn force_keeps_every_old_kit() {
     force();
     assert_eq!(files("kit.previous"), first, "the older kit, too");
     assert_eq!(files("kit.previous-2"), second);
-    assert_eq!(names(&visit), ["errors.csv", "job.toml", "kit", "kit.previous", "kit.previous-2"]);
-}
-
-/// What lies in the folder itself.
-fn names(visit: &Visit) -> Vec<String> {
-    visit.files().into_keys().filter(|name| !name.contains('/')).collect()
+    assert_eq!(visit.names(), ["errors.csv", "job.toml", "kit", "kit.previous", "kit.previous-2"]);
 }
 
 #[test]
@@ -102,7 +83,7 @@ fn a_place_that_cannot_be_written_leaves_nothing() {
     let visit = Visit::with(JOB, TABLE);
     visit.put("blocked", "a file in the way\n");
     let ran = visit.run("generate job.toml -o blocked/kit").ends(2);
-    assert_eq!(names(&visit), ["blocked", "errors.csv", "job.toml"]);
+    assert_eq!(visit.names(), ["blocked", "errors.csv", "job.toml"]);
     assert!(ran.err.starts_with("problem: "), "{}", ran.err);
 }
 
@@ -110,11 +91,7 @@ fn a_place_that_cannot_be_written_leaves_nothing() {
 fn a_job_on_standard_input() {
     let visit = Visit::with(JOB, TABLE);
     fs::remove_file(visit.at("job.toml")).unwrap();
-    let mut program = program(visit.folder(), "generate - -o kit");
-    program.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::null());
-    let mut child = program.spawn().unwrap();
-    child.stdin.take().unwrap().write_all(JOB.as_bytes()).unwrap();
-    assert!(child.wait().unwrap().success());
+    assert!(visit.with_input("generate - -o kit", JOB.as_bytes()).status.success());
     assert_eq!(kit_in(&visit), kit_of(JOB, TABLE));
 }
 

@@ -1,7 +1,7 @@
 //! `verify` on a stick as it comes back: files of operating systems, files that the kit does not
 //! list, a kit of another control, a job that was changed since.
 
-use crate::support::visit::Visit;
+use crate::support::Visit;
 use std::fs;
 
 const VERIFY: &str = "verify job.toml --tables kit";

@@ -6,7 +6,7 @@
 
 mod as_a_control_reads;
 
-use crate::support::visit::{Ran, Visit, replaced};
+use crate::support::{Ran, Visit, replaced};
 use std::fs;
 
 const EEC: &str = "NONIUS_EEC.MPF";
@@ -47,8 +47,8 @@ impl Kit {
     }
 
     #[track_caller]
-    fn agrees(&self) {
-        self.verify().ends(0).says("job and tables agree");
+    fn agrees(&self) -> Ran {
+        self.verify().ends(0).says("job and tables agree")
     }
 
     /// What `verify` says with one file changed, which is put back.
@@ -243,10 +243,10 @@ fn a_whole_file_missing() {
 
 #[test]
 fn the_verdict_stands_first_and_a_missing_manifest_is_told() {
-    let ran =
-        Kit::without_manifest("generic").verify().says("note: there is no manifest.json").says(
-            "judged as a kit that is to be loaded, because `compensation.csv` is called as in one",
-        );
+    let judged =
+        "judged as a kit that is to be loaded, because `compensation.csv` is called as in one";
+    let ran = Kit::without_manifest("generic").verify();
+    let ran = ran.says("note: there is no manifest.json").says(judged);
     assert!(ran.out.starts_with("verdict: pass (asked: "), "{}", ran.out);
 }
 
@@ -265,12 +265,11 @@ fn tables_without_files_that_switch_are_judged_with_a_note() {
     for name in [ON, OFF, MEMORY] {
         kit.remove(name);
     }
-    kit.verify()
-        .ends(0)
-        .says("job and tables agree")
-        .says("note: no file switches the tables on; see to MD32700 $MA_ENC_COMP_ENABLE = 1, SD41300")
-        .says("note: no file switches the tables off")
-        .says("note: no file reserves their memory; see to MD38000 $MA_MM_ENC_COMP_MAX_POINTS, MD18342");
+    kit.agrees().tells(&[
+        "note: no file switches the tables on; see to MD32700 $MA_ENC_COMP_ENABLE = 1, SD41300",
+        "note: no file switches the tables off",
+        "note: no file reserves their memory; see to MD38000 $MA_MM_ENC_COMP_MAX_POINTS, MD18342",
+    ]);
     kit.no(EEC, of_system_2).says(SYSTEM_2);
 }
 
@@ -306,9 +305,7 @@ fn each_kind_of_line_is_missed(kit: &Kit, file: &str) {
         let seen = |kind: &&str| {
             kinds.iter().any(|(known, is_one)| known == kind || (is_point && *is_one))
         };
-        let Some(kind) = kind.filter(|kind| !seen(kind)) else {
-            continue;
-        };
+        let Some(kind) = kind.filter(|kind| !seen(kind)) else { continue };
         kinds.push((kind, is_point));
         let ran = kit.changed(file, |_| [&lines[..index], &lines[index + 1..]].concat().concat());
         assert!(matches!(ran.status, Some(1 | 2)), "without `{code}` of {file}\n{}", ran.all());

@@ -1,5 +1,5 @@
 //! Tables that a person types in: the printed sheet, the list beside it, and what was read back from the screen.
-use crate::support::visit::{Ran, Visit};
+use crate::support::{Ran, Visit};
 
 /// Five points an axis with 1 µm as the smallest step, typed as `value` in `unit`, with the kit.
 fn typed(value: &str, unit: &str, spacing: &str) -> Visit {
@@ -92,16 +92,12 @@ fn a_mistyped_value_is_named_with_its_place() {
         // the sum of what was seen is that of the sheet: the list contradicts itself
         let mistyped = seen.replace(row, &other);
         let line = 1 + mistyped.lines().position(|line| line == other).unwrap();
-        judged(&visit, &mistyped)
-            .ends(2)
-            .says("`seen` adds up to")
-            .says(&format!("`seen` differs from the value in line {line}\n"));
+        let differs = format!("`seen` differs from the value in line {line}\n");
+        judged(&visit, &mistyped).ends(2).says("`seen` adds up to").says(&differs);
         // without a sum the value is taken as the control's, and differs from the job
         let (unsummed, _) = sum.rsplit_once(',').unwrap();
-        judged(&visit, &mistyped.replace(sum, &format!("{unsummed},")))
-            .ends(1)
-            .says("EYY (y while y moves)")
-            .says(" 100.0000 mm");
+        let ran = judged(&visit, &mistyped.replace(sum, &format!("{unsummed},"))).ends(1);
+        ran.says("EYY (y while y moves)").says(" 100.0000 mm");
     }
 }
 

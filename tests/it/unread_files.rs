@@ -1,7 +1,7 @@
 //! What a control loads is protected whatever its role: files that no reader takes (role `report`)
 //! get no *pass*, and changed, deleted or unlisted they fail.
 
-use crate::support::visit::{Ran, Visit};
+use crate::support::{Ran, Visit};
 use std::fs;
 
 /// A control that loads `loaded.csv`, in a layout that no reader takes, with more of its keys.

@@ -9,11 +9,9 @@ mod old_plus_residual;
 mod read_outs;
 mod siemens_control;
 
-use crate::support;
-use crate::support::parallel::in_parallel;
-use crate::support::visit::holds;
 use crate::support::{
-    Random, control, files_of, generate, inputs, response, shown, term, um_at, words,
+    self, Random, UNCORRECTED, checklist, control, files_of, generate, holds, in_parallel, inputs,
+    response, shown, term, um_at, words,
 };
 use nonius::control::control_state::ControlState;
 use nonius::control::controller::{Profile, Role, builtin};
@@ -39,7 +37,7 @@ fn is_near(um: f64, wanted: f64) {
 }
 
 /// A job of two axes with what is added to `[measurement]` and `[compensation]`.
-fn small(controller: &str, measurement: &str, compensation: &str, axes: &str) -> String {
+pub(super) fn small(controller: &str, measurement: &str, compensation: &str, axes: &str) -> String {
     format!(
         "schema = 1\n[machine]\nname = \"M\"\n[measurement]\nerrors = \"errors.csv\"\n{measurement}\n[compensation]\ncontroller = \"{controller}\"\n{compensation}\n[machine.axes.x]\ntravel_mm = [0, 100]\nreference_mm = 0\n[machine.axes.y]\ntravel_mm = [0, 100]\nreference_mm = 0\n{axes}"
     )
@@ -55,10 +53,9 @@ fn fanuc(measurement: &str) -> String {
 }
 
 const ACTIVE: &str = "active_while_measuring = \"old\"";
-const NONE: &str = "active_while_measuring = \"none\"";
 const KEEP: &str = "active_while_measuring = \"old\"\nactive_terms_not_measured = \"keep\"";
-const SIEMENS_AXES: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"AX1\"\n[compensation.axes.y]\nspacing_mm = 50\nid = \"AX2\"\n";
-const FANUC_AXES: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"1\"\ndetection_unit_um = 1.0\n[compensation.axes.y]\nspacing_mm = 50\nid = \"2\"\ndetection_unit_um = 1.0\n";
+pub(super) const SIEMENS_AXES: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"AX1\"\n[compensation.axes.y]\nspacing_mm = 50\nid = \"AX2\"\n";
+pub(super) const FANUC_AXES: &str = "[compensation.axes.x]\nspacing_mm = 50\nid = \"1\"\ndetection_unit_um = 1.0\n[compensation.axes.y]\nspacing_mm = 50\nid = \"2\"\ndetection_unit_um = 1.0\n";
 const FULL: &str =
     "axis,position_mm,ex_um,ey_um\nx,0,0,0\nx,50,4,2\nx,100,8,-3\ny,0,0,0\ny,50,1,6\ny,100,5,3\n";
 const EXX_ONLY: &str = "axis,position_mm,ex_um\nx,0,0\nx,50,1\nx,100,-1\n";
@@ -99,13 +96,9 @@ fn of_kit(found: &Inputs, old: &Kit) -> Result<ActiveControl, Problems> {
     from_kit(&found.job, &found.profile, "old", &old.manifest_bytes().unwrap(), files)
 }
 
-fn checklist(kit: &Kit) -> String {
-    String::from_utf8_lossy(files_of(kit, Role::Checklist)[0].bytes).into_owned()
-}
-
 #[test]
 fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
-    let (before, old) = generate(&siemens(NONE), FULL);
+    let (before, old) = generate(&siemens(UNCORRECTED), FULL);
     let with = |more: &str| {
         let found = inputs(&siemens(&format!("{ACTIVE}\n{more}")), EXX_ONLY);
         let active = shown(of_kit(&found, &old));
@@ -128,15 +121,14 @@ fn a_term_that_was_not_measured_is_kept_or_dropped_as_the_job_says() {
     let dropped = shown(kit::generate(&shown(with("active_terms_not_measured = \"drop\""))));
     let what = dropped.compiled.preconditions.iter().map(|p| format!("\n{}\n", p.what));
     let what: String = what.collect();
-    holds(&what, &["\nSD41300 $SN_CEC_TABLE_ENABLE[0]\n"]);
-    holds(&what, &["\nSD41300 $SN_CEC_TABLE_ENABLE[1]\n"]);
-    holds(&what, &["\nMD32700 $MA_ENC_COMP_ENABLE[0,AX2]\n"]);
+    let of_cec = [0, 1].map(|number| format!("\nSD41300 $SN_CEC_TABLE_ENABLE[{number}]\n"));
+    holds(&what, &[&of_cec[0], &of_cec[1], "\nMD32700 $MA_ENC_COMP_ENABLE[0,AX2]\n"]);
 }
 
 #[test]
 fn steps_are_taken_off_where_the_laser_stood_and_lines_between() {
     let errors = "axis,position_mm,ex_um\nx,0,0\nx,50,4\nx,100,8\n";
-    let (_, old) = generate(&fanuc(NONE), errors);
+    let (_, old) = generate(&fanuc(UNCORRECTED), errors);
     // The machine errs by 0.08 µm/mm; at 20 mm the step of the first section has not come, at 40 mm it has.
     let residual = "axis,position_mm,ex_um\nx,0,0\nx,20,1.6\nx,40,-0.8\nx,50,0\nx,100,0\n";
     let found = inputs(&fanuc(ACTIVE), residual);
@@ -165,7 +157,7 @@ fn old_and_new(controller: &str, axes: &str, (old, new): (&str, &str)) -> (Kit, 
     let job = |active: &str, policy: &str| {
         small(controller, active, &format!("backlash = \"{policy}\""), axes)
     };
-    let (_, before) = generate(&job(NONE, old), BOTH_WAYS);
+    let (_, before) = generate(&job(UNCORRECTED, old), BOTH_WAYS);
     let left = BOTH_WAYS.replace(",8,-3", ",3,1").replace(",13,-2", ",5,2");
     (before, job(ACTIVE, new), left)
 }
@@ -210,7 +202,8 @@ fn a_kit_of_another_machine_is_refused() {
 fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
     let with = |policy: &str, more: &str| {
         let policy = format!("backlash = \"{policy}\"");
-        let job = small("siemens-840d-sl", &format!("{NONE}\n{more}"), &policy, SIEMENS_AXES);
+        let job =
+            small("siemens-840d-sl", &format!("{UNCORRECTED}\n{more}"), &policy, SIEMENS_AXES);
         let found = inputs(&job, EXX_BOTH_WAYS);
         let found = match shown(without_tables(&found.job, &found.profile)) {
             Some(active) => shown(found.with_active(active)),
@@ -241,8 +234,6 @@ fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
             manifest.preconditions.iter().any(|p| p.why.contains("as 0 while measuring")),
         ]
     };
-    assert_eq!(says(&zero), [true; 3]);
-    assert_eq!(says(&beside), [true; 3]);
-    assert_eq!(says(&four), [false; 3]);
+    assert_eq!([&zero, &beside, &four].map(says), [[true; 3], [true; 3], [false; 3]]);
     assert_eq!(says(&with("mean", "")), [false; 3], "the parameter stays as it was");
 }

@@ -1,7 +1,6 @@
 //! No verdict is surer than what it rests on: one U for the same data everywhere, limits on the
 //! largest of many, few degrees of freedom, a part of the travel, what nobody measured.
-use crate::support::visit::{Visit, number, replaced};
-use crate::support::{UNCORRECTED, job_of};
+use crate::support::{UNCORRECTED, Visit, job_of, number, replaced};
 use serde_json::Value;
 use std::fs;
 
@@ -46,11 +45,6 @@ fn wave(to: u32, size: f64) -> String {
 
 const NOISE: &str = "[measurement.uncertainty]\nnoise_um = 0.5\n";
 
-/// With the kit made.
-fn made(job: &str, errors: &str) -> Visit {
-    Visit::with(job, errors).with_any_kit()
-}
-
 /// 0.5 µm at every position and at the reference: 0.5·√2 wherever it is asked for.
 #[test]
 fn the_noise_at_the_reference_is_in_every_u() {
@@ -71,7 +65,7 @@ fn the_noise_at_the_reference_is_in_every_u() {
 fn a_limit_on_the_largest_of_many_is_judged_for_all_of_them() {
     for (limit, expected) in [("2.3", "pass"), ("2.0", "undecided")] {
         let job = one_axis(NOISE, &format!("max_deviation_um = {limit}"));
-        let page = made(&job, &wave(900, 8.0)).json(VERIFY);
+        let page = Visit::with(&job, wave(900, 8.0)).with_any_kit().json(VERIFY);
         assert_eq!(page["verdict"], expected, "{limit}: {page}");
     }
 }
@@ -79,7 +73,8 @@ fn a_limit_on_the_largest_of_many_is_judged_for_all_of_them() {
 /// As left each value needs its own proof only, and a fail that of the worst of many.
 #[test]
 fn as_left_passes_on_each_value_and_fails_on_joint_evidence() {
-    let visit = made(&one_axis(NOISE, "max_deviation_um = 5"), &wave(900, 12.0));
+    let visit =
+        Visit::with(one_axis(NOISE, "max_deviation_um = 5"), wave(900, 12.0)).with_any_kit();
     // u = 0.707: passes up to 5 − 1.645 u = 3.84, fails from 5 + 3.14 u = 7.22
     for (size, expected) in [(3.8, "pass"), (4.2, "undecided"), (6.9, "undecided"), (7.5, "fail")] {
         let page = visit.put("after.csv", wave(900, size)).json(AFTER);
@@ -92,8 +87,9 @@ fn few_degrees_of_freedom_widen_u() {
     let known =
         "axis,position_mm,ex_um,u_ex_um\nx,0,0e-3,0.5\nx,450,450e-3,0.5\nx,900,900e-3,0.5\n";
     let job = one_axis("", "max_deviation_um = 3").replace("spacing_mm = 30", "spacing_mm = 450");
-    let [with, without] = [&format!("# degrees of freedom: 3\n{known}"), known]
-        .map(|errors| number(&made(&job, errors).json(VERIFY)["terms"]["EXX"]["expanded_um"]));
+    let few = format!("# degrees of freedom: 3\n{known}");
+    let pages = [&few, known].map(|errors| Visit::with(&job, errors).with_any_kit().json(VERIFY));
+    let [with, without] = pages.map(|page| number(&page["terms"]["EXX"]["expanded_um"]));
     assert!(with > 1.7 * without, "{with} µm, {without} µm");
 }
 
@@ -112,7 +108,7 @@ fn a_part_of_the_travel_decides_nothing_unless_it_is_what_is_asked_for() {
     // What lies outside the stated range is not judged.
     let job = one_axis("", "max_deviation_um = 5");
     let job = replaced(&job, "= 30\n", "= 30\nend_mm = 870\noutside = \"hold\"\n");
-    let visit = made(&job, &(wave(870, 2.0) + "x,900,50\n"));
+    let visit = Visit::with(&job, wave(870, 2.0) + "x,900,50\n").with_any_kit();
     assert_eq!(visit.json(VERIFY)["verdict"], "fail");
     visit.put("job.toml", job + "range_mm = { x = [0, 870] }\n");
     assert_eq!(visit.json(VERIFY)["verdict"], "pass");
@@ -121,7 +117,7 @@ fn a_part_of_the_travel_decides_nothing_unless_it_is_what_is_asked_for() {
 #[test]
 fn what_nobody_measured_afterwards_is_no_second_measurement() {
     let job = one_axis("", "max_deviation_um = 20");
-    let visit = made(&job, &wave(900, 8.0));
+    let visit = Visit::with(&job, wave(900, 8.0)).with_any_kit();
     for (size, words) in [(0.0, "an empty column"), (8.0, "those of the first measurement")] {
         visit.put("after.csv", wave(900, size));
         verdict(&visit, AFTER, "undecided", &[words]);
@@ -134,10 +130,8 @@ fn what_nobody_measured_afterwards_is_no_second_measurement() {
     visit.put("second.toml", replaced(&job, "errors.csv", "errors2.csv"));
     visit.run("generate second.toml -o kit2");
     visit.run(&format!("simulate second.toml {simulate} 3 -o after2.csv"));
-    visit
-        .run("verify second.toml --tables kit2 --after after2.csv")
-        .says("REHEARSAL")
-        .says("verdict: pass");
+    let ran = visit.run("verify second.toml --tables kit2 --after after2.csv");
+    ran.says("REHEARSAL").says("verdict: pass");
 }
 
 /// The nine terms of a cube of 1 m about its reference, wavy, without any stated u.
@@ -162,16 +156,15 @@ const TENTHS: [f64; 11] = [0., 100., 200., 300., 400., 500., 600., 700., 800., 9
 /// One scale for all positions and axes: 5 µm/m over the 1.732 m of a diagonal, wherever the reference is.
 #[test]
 fn the_scale_of_the_laser_counts_once_along_a_diagonal() {
-    let visit = made(&cube_job("laser_ppm = 5", "max_diagonal_um = 16"), &cube(&TENTHS, 1.0));
+    let visit = Visit::with(cube_job("laser_ppm = 5", "max_diagonal_um = 16"), cube(&TENTHS, 1.0))
+        .with_any_kit();
     let page = visit.json(VERIFY);
     for diagonal in ["PPP", "NPP", "PNP", "PPN"] {
         let u = number(&page["diagonals"][diagonal]["u_um"]);
         assert!((u - 5.0 * 3.0_f64.sqrt()).abs() < 1e-3, "{diagonal}: {u}");
         let expanded = number(&page["diagonals"][diagonal]["expanded_um"]);
-        assert!(
-            (1.9..4.0).contains(&(expanded / u)),
-            "{diagonal}: {expanded}, not that of twice {u}"
-        );
+        let is_twice = (1.9..4.0).contains(&(expanded / u));
+        assert!(is_twice, "{diagonal}: {expanded}, not that of twice {u}");
     }
     assert_eq!(page["verdict"], "undecided");
     verdict(&visit, VERIFY, "", &["U of EYX, EZX, EXY, EZY, EXZ, EYZ is not stated"]);
@@ -187,7 +180,7 @@ fn what_was_not_measured_decides_nothing() {
     }
     // One column that stands still beside good ones: no laser read it.
     let job = cube_job("noise_um = 0.1", "max_deviation_um = 5");
-    let visit = made(&job, &cube(&TENTHS, 1.0));
+    let visit = Visit::with(&job, cube(&TENTHS, 1.0)).with_any_kit();
     let after = cube(&TENTHS, 0.2);
     let (head, rows) = after.split_once('\n').unwrap();
     let still = |row: &str| format!("\n{},0", row.rsplit_once(',').unwrap().0);
@@ -377,7 +370,7 @@ fn a_second_visit_within_the_limit_leaves_the_control_as_it_is() {
     assert!(!verdict(&visit, "generate second.toml -o third", "", &[]).contains(advice));
     // Where the diagonals alone are limited, it is they that are said to keep it.
     let job = cube_job("", "max_diagonal_um = 9");
-    let visit = made(&job, &cube(&TENTHS, 5.0));
+    let visit = Visit::with(&job, cube(&TENTHS, 5.0)).with_any_kit();
     visit.put("second.toml", replaced(&job, "\"none\"", "\"kit\""));
     visit.put("errors.csv", cube(&TENTHS, 1.0));
     let words = &format!("µm on the diagonals): {advice}");

@@ -1,6 +1,6 @@
 //! The day at the machine from end to end, through the program itself: as found, separated, made,
 //! loaded into the emulated control, measured again, judged. And the two machines of paper 004.
-use crate::support::visit::{Visit, fixture, number, page, replaced};
+use crate::support::{Visit, fixture, number, page, replaced};
 use serde_json::Value;
 
 /// The box of the golden machine, as [program] and [measurement.step_diagonal] state it.

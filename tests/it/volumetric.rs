@@ -1,7 +1,6 @@
 //! The model of 21 errors: against matrices, against paper 002, and against itself.
 
-use crate::support::visit::fixture;
-use crate::support::{error_table, read_job};
+use crate::support::{error_table, fixture, read_job};
 use nalgebra::{Matrix4, Rotation3, Vector3, Vector4};
 use nonius::machine::model::ErrorModel;
 use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};

@@ -11,11 +11,8 @@ mod fanuc_numbers;
 mod forecast;
 mod one_way;
 
-use crate::support;
 use crate::support::machine::{Machine, machine};
-use crate::support::parallel::in_parallel;
-use crate::support::published::short_or;
-use crate::support::{control, loaded, um_at, with_signs_turned};
+use crate::support::{self, control, in_parallel, loaded, short_or, um_at, with_signs_turned};
 use case::Case;
 use fanuc_numbers::numbers_are_legal;
 use forecast::{diagonals_hold, forecast_holds};

@@ -1,11 +1,10 @@
 //! One machine on every control: the table of docs/controllers.md is what `generate` and `verify` say.
-use crate::support::visit::{Visit, number, page};
+use crate::support::{Visit, number, stands_between};
 use nonius::control::controller::builtin;
 use serde_json::Value;
 use std::fs;
 
 const BEGIN: &str = "<!-- tests/oracle/every_control.rs writes the table: NONIUS_UPDATE=1 -->\n";
-const END: &str = "<!-- end -->";
 
 /// The golden machine of 900 mm with another control, a detection unit of 1 µm where one is asked
 /// for; and its kit, which has to be read back as what the job asks for.
@@ -65,15 +64,7 @@ fn the_table_of_one_machine_is_what_every_control_gives() {
          | --- | --- | ---: | ---: | ---: | ---: | ---: | --- |\n",
     );
     table.extend(builtin::ids().into_iter().map(|id| row(id) + "\n"));
-    let text = page("docs/controllers.md");
-    let (before, rest) = text.split_once(BEGIN).unwrap();
-    let (written, after) = rest.split_once(END).unwrap();
-    if std::env::var_os("NONIUS_UPDATE").is_some() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/controllers.md");
-        fs::write(path, format!("{before}{BEGIN}{table}{END}{after}")).unwrap();
-        return;
-    }
-    assert_eq!(written, table, "docs/controllers.md: NONIUS_UPDATE=1");
+    stands_between("docs/controllers.md", BEGIN, "<!-- end -->", &table);
 }
 
 /// The order of work comes first: few words above it, and what only has to be compared stands in the annex.

@@ -1,6 +1,5 @@
 //! LinuxCNC with a HAL file: what the reader makes of such a file, and tables longer than a curve.
-use crate::support;
-use crate::support::um_at;
+use crate::support::{self, um_at};
 use nonius::control::controller::{Role, builtin};
 use nonius::control::table::Tables;
 use nonius::control::table::linuxcnc::{CrossTable, Point};
@@ -9,44 +8,7 @@ use nonius::quantity::axis::Direction;
 use nonius::read::{KitFile, read};
 
 /// Two curves of X, one of 3 and one of 2 points, correct Y (joint 1). Written by hand.
-const FILE: &str = "# by hand
-loadrt lincurve count=2 personality=3,2
-loadrt sum2 count=3
-addf lincurve.0 servo-thread
-addf lincurve.1 servo-thread
-addf sum2.0 servo-thread
-addf sum2.1 servo-thread
-addf sum2.2 servo-thread
-net nonius-0-position joint.0.pos-cmd
-net nonius-0-position lincurve.0.in
-net nonius-0-position lincurve.1.in
-net nonius-1-command joint.1.motor-pos-cmd
-net nonius-1-command sum2.1.in0
-net nonius-1-correction sum2.0.out
-net nonius-1-correction sum2.1.in1
-net nonius-1-correction sum2.2.in1
-net nonius-1-curve-1 lincurve.1.out
-net nonius-1-curve-1 sum2.0.in1
-net nonius-1-drive sum2.1.out
-net nonius-1-encoder sum2.2.in0
-net nonius-1-feedback sum2.2.out
-net nonius-1-feedback joint.1.motor-pos-fb
-net nonius-1-sum-0 lincurve.0.out
-net nonius-1-sum-0 sum2.0.in0
-setp sum2.0.gain1 1
-setp sum2.1.gain1 1
-setp sum2.2.gain1 -1
-setp lincurve.0.x-val-00 -100
-setp lincurve.0.y-val-00 0.001
-setp lincurve.0.x-val-01 0
-setp lincurve.0.y-val-01 0
-setp lincurve.0.x-val-02 100
-setp lincurve.0.y-val-02 -0.002
-setp lincurve.1.x-val-00 100
-setp lincurve.1.y-val-00 0
-setp lincurve.1.x-val-01 150
-setp lincurve.1.y-val-01 0.004
-";
+const FILE: &str = include_str!("by_hand.hal");
 
 fn tables(text: &str) -> Result<Vec<CrossTable>, String> {
     let profile = builtin::profile("linuxcnc-hal").unwrap();
@@ -57,11 +19,6 @@ fn tables(text: &str) -> Result<Vec<CrossTable>, String> {
     }
 }
 
-fn numbers(table: &CrossTable) -> Vec<Vec<(f64, f64)>> {
-    let pair = |p: &Point| (p.position, p.value);
-    table.pieces.iter().map(|piece| piece.iter().map(pair).collect()).collect()
-}
-
 #[test]
 fn a_file_written_by_hand_is_read() {
     let found = tables(FILE).unwrap();
@@ -69,7 +26,8 @@ fn a_file_written_by_hand_is_read() {
     assert_eq!((found[0].base, found[0].output), (0, 1));
     let curves =
         [vec![(-100.0, 0.001), (0.0, 0.0), (100.0, -0.002)], vec![(100.0, 0.0), (150.0, 0.004)]];
-    assert_eq!(numbers(&found[0]), curves);
+    let pairs = |piece: &Vec<Point>| piece.iter().map(|p| (p.position, p.value)).collect();
+    assert_eq!(found[0].pieces.iter().map(pairs).collect::<Vec<Vec<_>>>(), curves);
 }
 
 /// Words of [`FILE`] (¶ = the end of a line), what stands there instead, and what is said of it.
@@ -136,8 +94,7 @@ fn long(spacing: f64) -> (String, String) {
 fn pieces_add_up_to_a_long_table() {
     let (job, errors) = long(5.0);
     let (_, kit) = support::generate(&job, &errors);
-    let file = kit.files.iter().find(|file| file.path == "compensation.hal").unwrap();
-    let text = std::str::from_utf8(&file.bytes).unwrap();
+    let text = support::text_of(&kit, "compensation.hal");
     let sixteens = vec!["16"; 64].join(",");
     assert!(text.contains(&format!("loadrt lincurve count=84 personality={sixteens}\n")), "{text}");
     let profile = builtin::profile("linuxcnc-hal").unwrap();

@@ -7,7 +7,7 @@ mod machine;
 mod proof;
 mod visit;
 
-use crate::support::published::is_whole;
+use crate::support::is_whole;
 use loops::Case;
 use machine::Machine;
 
@@ -70,10 +70,9 @@ const fn case(
 /// Whether all is asked for, which takes minutes: the facts, the other machines, the HAL files and a whole visit.
 fn all_is_asked_for() -> bool {
     let all = is_whole();
+    let rest = "the facts, the other machines, the HAL files and a whole visit";
     if !all {
-        eprintln!(
-            "only the short part: NONIUS_SIMULATIONS=all runs the facts, the other machines, the HAL files and a whole visit"
-        );
+        eprintln!("only the short part: NONIUS_SIMULATIONS=all runs {rest}");
     }
     all
 }
@@ -102,9 +101,7 @@ fn the_real_control_does_with_curves_what_the_profile_says() {
 /// Known errors → kit → control → every servo cycle and the machine.
 #[test]
 fn the_real_control_does_what_the_emulator_says() {
-    let Some(version) = control::installed() else {
-        return;
-    };
+    let Some(version) = control::installed() else { return };
     let count = if all_is_asked_for() { CASES.len() } else { 1 };
     for case in &CASES[..count] {
         let seen = case.close();

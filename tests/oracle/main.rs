@@ -10,7 +10,7 @@
 )]
 
 #[path = "../support/mod.rs"]
-#[allow(dead_code, reason = "each test program uses a part of it")]
+#[allow(dead_code, unused_imports, reason = "each test program uses a part of it")]
 mod support;
 
 mod contract;

@@ -7,8 +7,7 @@ mod canonical;
 mod own;
 mod real;
 
-use crate::support::tree::is_installed;
-use crate::support::visit::{Visit, number, shared};
+use crate::support::{Visit, is_installed, number, shared};
 use canonical::{Walked, walked};
 use std::fs;
 use std::process::Command;
@@ -79,9 +78,8 @@ impl Bench {
 fn job(keys: &str) -> String {
     let mut text = String::from("schema = 1\n[machine]\nname = \"M\"\n");
     for axis in ["x", "y", "z"] {
-        text += &format!(
-            "[machine.axes.{axis}]\ntravel_mm = [-{TRAVEL_MM:?}, {TRAVEL_MM:?}]\nreference_mm = 0.0\n"
-        );
+        let travel = format!("travel_mm = [-{TRAVEL_MM:?}, {TRAVEL_MM:?}]\nreference_mm = 0.0\n");
+        text += &format!("[machine.axes.{axis}]\n{travel}");
     }
     text += "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n[path]\n";
     text += "sample_mm = 1000.0\nsecond_reference_mm = { x = 0.0, y = 0.0, z = 0.0 }\n";
@@ -217,14 +215,17 @@ fn own_programs_go_where_linuxcnc_goes() {
         return;
     }
     let bench = Bench::new();
-    let iso = own::PROGRAMS.iter().map(|(name, program)| (name, program, program, Unit::Mm));
-    let siemens = own::SIEMENS.iter();
-    let siemens = siemens.map(|(name, program, theirs)| (name, program, theirs, Unit::Siemens));
-    let mut different = Vec::new();
-    for (name, program, theirs, unit) in iso.chain(siemens) {
-        if let Err(words) = outcome(&bench, (program.as_bytes(), theirs), unit, "") {
-            different.push(format!("{name}: {words}"));
+    let iso = own::PROGRAMS.lines().map(|row| (row, Unit::Mm));
+    let siemens = own::SIEMENS.lines().map(|row| (row, Unit::Siemens));
+    let (mut different, mut count) = (Vec::new(), 0);
+    for (row, unit) in iso.chain(siemens) {
+        let cells: Vec<String> = row.split(" | ").map(|cell| cell.replace('¶', "\n")).collect();
+        let (program, theirs) = (cells[1].as_bytes(), &cells[cells.len() - 1]);
+        if let Err(words) = outcome(&bench, (program, theirs), unit, "") {
+            different.push(format!("{}: {words}", cells[0]));
         }
+        count += 1;
     }
+    assert_eq!(count, 17);
     assert!(different.is_empty(), "{}", different.join("\n"));
 }

@@ -1,6 +1,6 @@
 //! Laws of the rehearsal: what `simulate` predicts is what the test's own arithmetic reads on the
 //! same machine, and what `separate` takes apart again.
-use crate::support::diagonals::{Machine, measurement, mm, volume};
+use crate::support::diagonals::{Machine, measurement, mm, seeded, volume};
 use crate::support::{self, error_table, inputs, shown};
 use nonius::inputs::findings::Remark;
 use nonius::inputs::job::{Frame, SetUp};
@@ -13,8 +13,6 @@ use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
 use nonius::quantity::units::Millimetres;
 use proptest::prelude::*;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 
 /// Readings are written with nine decimals.
 const FILE_DIGITS_UM: f64 = 1e-9;
@@ -25,21 +23,14 @@ const GENERIC_UM: f64 = 1e-6;
 
 /// The job of a machine, with the program of its run.
 fn job(volume: &Volume, directed: bool, both_directions: bool, overrun: bool) -> String {
-    let mut text = "schema = 1\n[machine]\nname = \"law\"\n".to_string();
-    for axis in Axis::ALL {
-        let (key, low) = (axis.key(), volume.start[axis].mm());
+    let axes = Axis::ALL.map(|axis| {
+        let low = volume.start[axis].mm();
         let travel = [low, low + volume.size[axis].mm()];
-        text += &format!("[machine.axes.{key}]\ntravel_mm = {travel:?}\nreference_mm = {low:?}\n");
-    }
-    text += "[measurement]\nerrors = \"errors.csv\"\nactive_while_measuring = \"none\"\n";
-    text += "[compensation]\ncontroller = \"generic\"\n";
-    if directed {
-        text += "backlash = \"two-tables\"\n";
-    }
-    for axis in Axis::ALL {
-        let points = volume.steps + 1;
-        text += &format!("[compensation.axes.{}]\npoints = {points}\n", axis.key());
-    }
+        (axis.key(), travel, low, format!("points = {}", volume.steps + 1))
+    });
+    let policy = if directed { "backlash = \"two-tables\"" } else { "" };
+    let compensation = format!("controller = \"generic\"\n{policy}");
+    let mut text = support::job_of(support::UNCORRECTED, &compensation, axes);
     let [start, size] = [volume.start, volume.size].map(|places| {
         let place = |axis: Axis| format!("{} = {:?}", axis.key(), places[axis].mm());
         Axis::ALL.map(place).join(", ")
@@ -91,7 +82,7 @@ fn any_machine() -> impl Strategy<Value = Machine> {
         let start = f64::from(start);
         volume.start = mm(start, start / 4.0, -start);
         volume.order = order.map(|index: usize| Axis::ALL[index]);
-        Machine::random(&volume, &mut ChaCha8Rng::seed_from_u64(seed))
+        Machine::random(&volume, &mut seeded(seed))
     })
 }
 
@@ -143,7 +134,7 @@ proptest! {
 
 fn one_machine() -> Machine {
     let volume = volume([900.0, 720.0, 720.0], 30);
-    Machine::random(&volume, &mut ChaCha8Rng::seed_from_u64(7))
+    Machine::random(&volume, &mut seeded(7))
 }
 
 fn plain_inputs(machine: &Machine) -> Inputs {

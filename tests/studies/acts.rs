@@ -3,10 +3,9 @@
 //! stands first and asks for the verdict again. `NONIUS_SIMULATIONS=all` makes all visits (docs/accuracy.md §8).
 use super::causes::{gauss, job_text};
 use super::right_kits::{AXES, BOX, machine, read_table, table};
-use crate::support::Random;
-use crate::support::parallel::in_parallel;
-use crate::support::published::{is_whole, may_be, published, share, short_or};
-use crate::support::visit::{Visit, number};
+use crate::support::{
+    Random, Visit, in_parallel, is_whole, may_be, number, published, share, short_or,
+};
 use serde_json::Value;
 use std::iter::once;
 
@@ -89,8 +88,8 @@ impl Trial {
             "{kind} = \"{file}.csv\"\n{angles}active_while_measuring = \"{active}\"\n[measurement.uncertainty]\nnoise_um = {noise}\n{rest}"
         );
         let limit = format!("max_deviation_um = {}", self.limit);
-        let text =
-            job_text(AXES, (&text, "controller = \"generic\"", &limit), f64::from(self.steps), "");
+        let parts = (text.as_str(), "controller = \"generic\"", limit.as_str());
+        let text = job_text(AXES, parts, f64::from(self.steps), "");
         let text = text.replace("\"rig\"", "\"rig\"\nchain = \"wXYZt\"");
         self.visit.put(&format!("{name}.toml"), text);
     }

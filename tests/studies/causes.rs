@@ -6,11 +6,9 @@
 //! a second measurement without fault names none. Plain `cargo test` injects a sixth of the
 //! faults into each machine, every fault into one at least; `NONIUS_SIMULATIONS=twentieth` or `all`
 //! injects all and compares the table of docs/accuracy.md, with `NONIUS_UPDATE=1` it writes it.
-use crate::support::diagonals::index;
-use crate::support::parallel::in_parallel;
-use crate::support::published::{published, short_or};
-use crate::support::visit::Visit;
-use crate::support::{Lines, Random, generate, loaded, response};
+use crate::support::{
+    Lines, Random, Visit, generate, in_parallel, loaded, published, response, short_or,
+};
 use nonius::kit::{self, Inputs, Kit};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, PathKind, Volume};
@@ -172,9 +170,8 @@ pub(super) fn job_text(
 ) -> String {
     let mut text = "schema = 1\n[machine]\nname = \"rig\"\n".to_string();
     for (axis, low, high) in travels {
-        text += &format!(
-            "[machine.axes.{axis}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = 0.0\n"
-        );
+        let travel = format!("travel_mm = [{low:?}, {high:?}]\nreference_mm = 0.0\n");
+        text += &format!("[machine.axes.{axis}]\n{travel}");
     }
     text += &format!("[measurement]\n{measurement}\n[compensation]\n{compensation}\n");
     for (axis, low, high) in travels {
@@ -204,7 +201,7 @@ fn rig(plan: &'static Plan) -> Rig {
     let mut random = Random::new(plan.seed);
     let mut truth = Truth::new();
     for term in plan.terms.iter().map(|name| ErrorTerm::from_name(name).unwrap()) {
-        let (_, low, high) = TRAVELS[index(term.along)];
+        let (_, low, high) = TRAVELS[term.along as usize];
         let own = random.below(1_000_000) as u64;
         let size = if term.is_positioning() { 1.0 } else { 0.5 };
         for way in plan.ways() {
@@ -301,7 +298,7 @@ fn acts(
     match fault {
         Injected::Times(which, factor) if which.holds(term) => factor * tables + constant,
         Injected::Shifted(mm) => {
-            parts(rig, control, term, way, x - mm[index(term.along)]).0 + constant
+            parts(rig, control, term, way, x - mm[term.along as usize]).0 + constant
         }
         Injected::AxesExchanged(map) => {
             let made_for = |axis: Axis| Axis::ALL[map.iter().position(|to| *to == axis).unwrap()];
@@ -320,7 +317,7 @@ fn acts(
             tables + constant + 7.0 * (x / 130.0).sin()
         }
         Injected::Warmer(kelvin) if term.is_positioning() => {
-            tables + constant + kelvin[index(term.along)] * STEEL_PER_K * 1e3 * x
+            tables + constant + kelvin[term.along as usize] * STEEL_PER_K * 1e3 * x
         }
         _ => tables + constant,
     }
@@ -355,7 +352,7 @@ start_mm = { x = 0.0, y = 0.0, z = -480.0 }\nsize_mm = { x = 900.0, y = 600.0, z
 
 fn readings(rig: &Rig, left: impl Fn(ErrorTerm, f64) -> f64, random: &mut Random) -> String {
     assert_eq!(rig.truth.len(), 9);
-    let at = |mm: [f64; 3]| PerAxis::from_fn(|axis| Millimetres::new(mm[index(axis)]));
+    let at = |mm: [f64; 3]| PerAxis::from_fn(|axis| Millimetres::new(mm[axis as usize]));
     let (start, size) = (at([0.0, 0.0, -480.0]), at([900.0, 600.0, 480.0]));
     let volume = Volume { start, size, steps: 30, order: Axis::ALL };
     let mut csv = String::from("diagonal,node,deviation_um\n");

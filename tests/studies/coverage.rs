@@ -2,10 +2,10 @@
 //! test` simulates 16 of them; `NONIUS_SIMULATIONS=twentieth` or `all` 1600.
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, Readings, Share, curve, float, noisy_lines, noisy_runs, normal, runs,
+    Machine, Readings, Share, curve, float, noisy_lines, noisy_runs, normal, runs, seeded,
     squareness_error, volume, with_noise,
 };
-use crate::support::published::{is_held, may_be, short_or};
+use crate::support::{is_held, may_be, short_or};
 use nonius::inputs::job::{
     AxisMaterial, DiagonalMeasurement, Frame, Material, SetUp, StatedUncertainty,
 };
@@ -19,7 +19,6 @@ use nonius::machine::separation::{MeasuredLine, SeparatedError, Separation, sepa
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Pass, PathKind, PerDiagonal, Volume};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use std::collections::BTreeMap;
 
 const SIGMA_UM: f64 = 0.3;
@@ -77,11 +76,11 @@ struct Way<'a> {
     back: Option<bool>,
 }
 
-const LOST_UM: PerAxis<f64> = PerAxis { x: 8.0, y: 5.0, z: -3.0 };
+pub(super) const LOST_UM: PerAxis<f64> = PerAxis { x: 8.0, y: 5.0, z: -3.0 };
 
 /// One machine, measured with noise: the truth (X primary) and what the separation makes of it.
 fn measured(seed: u64, way: Way<'_>) -> (Machine, Separation, Vec<MeasuredLine>) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = seeded(seed);
     let box_ = volume([900.0, 720.0, 720.0], way.steps);
     let mut truth = Machine::random(&box_, &mut random).x_primary();
     if way.back.is_some() {
@@ -284,7 +283,7 @@ fn a_turn_without_overrun_is_covered() {
                 truth.apart_um[term] = both().map(|(p, m)| p - m).collect();
             }
             truth.lost_um = PerAxis::default();
-            let mut random = ChaCha8Rng::seed_from_u64(1_000_000 + seed);
+            let mut random = seeded(1_000_000 + seed);
             let (second, _) = again(&truth, way, way.back, &mut random);
             count(&mut left, &truth, &second);
         }
@@ -340,7 +339,7 @@ fn strained(box_: &Volume, readings: &Readings, strain: &PerDiagonal<f64>) -> Re
 }
 
 fn with_stated_causes(seed: u64, setup: SetUp, frame: Frame) -> (Machine, Separation) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = seeded(seed);
     let box_ = volume([900.0, 720.0, 500.0], 20);
     let truth = Machine::random(&box_, &mut random).x_primary();
     let mut leant = truth.clone();
@@ -407,7 +406,7 @@ fn the_noise_of_the_rotation_is_covered_as_measured() {
     let measurement = simulated::measurement(&box_, SetUp::Solve, Frame::AsMeasured);
     let mut tally = Tally::default();
     for seed in seeds() {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = seeded(seed);
         let truth = Machine::random(&box_, &mut random);
         let noisy = with_noise(&truth.readings(None), SIGMA_UM, &mut random);
         let lines = truth.lines(TWO_AXES, Some(1e-3));

@@ -5,12 +5,13 @@
 //! The truth is that of the lines through the middle of the box. A hundredth of the runs by default;
 //! `NONIUS_SIMULATIONS=all cargo test --release --test studies coverage_bounds` makes all of them and
 //! compares the table of docs/accuracy.md §8, with `NONIUS_UPDATE=1` it writes it.
-use super::coverage::{Tally, count};
+use super::coverage::{LOST_UM, Tally, count};
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, Share, dot, float, noisy_lines, noisy_runs, normal, runs, squareness_error, volume,
+    Machine, Share, dot, float, noisy_lines, noisy_runs, normal, runs, seeded, squareness_error,
+    volume,
 };
-use crate::support::published::{is_held, is_whole, published, share};
+use crate::support::{is_held, is_whole, published, share};
 use nonius::inputs::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::metric::Plane;
@@ -19,7 +20,7 @@ use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotat
 use nonius::quantity::chain::Chain;
 use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use rand_chacha::rand_core::Rng;
 use std::fmt::Write;
 
 const SEED: u64 = 16;
@@ -237,8 +238,6 @@ const SILENT: &[Row] = &[
     silent(beam("beam 1 mrad", 1.0, 1)),
 ];
 
-const LOST_UM: PerAxis<f64> = PerAxis { x: 8.0, y: 5.0, z: -3.0 };
-
 fn machine(row: &Row, random: &mut ChaCha8Rng) -> Rigid {
     let box_ = volume([900.0, 720.0, 720.0], STEPS);
     let mut nine = Machine::random(&box_, random);
@@ -270,7 +269,7 @@ fn campaign<'a>(
 
 /// One machine of a row: the truth and what the separation makes of it.
 fn separated(row: &Row, seed: u64) -> (Machine, Separation) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = seeded(seed);
     let rigid = machine(row, &mut random);
     let mut passes = vec![(Pass::Forward, rigid.readings(None))];
     passes.extend(row.back.map(|_| (Pass::Reverse, rigid.readings(row.back))));
@@ -293,23 +292,12 @@ const FIGURES: [&str; 3] = ["points ", "end ", "stated squareness "];
 /// Share of the points of all curves together.
 fn pooled(tally: &Tally) -> f64 {
     let points = tally.begun(FIGURES[0]);
-    let sum = points
-        .iter()
-        .fold((0.0, 0), |sum, of| (sum.0 + of.value() * float(of.all), sum.1 + of.all));
-    sum.0 / float(sum.1)
+    let inside: f64 = points.iter().map(|of| of.value() * float(of.all)).sum();
+    inside / float(points.iter().map(|of| of.all).sum())
 }
 
 fn shares(tally: &Tally) -> [Vec<f64>; 3] {
     FIGURES.map(|begin| tally.begun(begin).into_iter().map(Share::value).collect())
-}
-
-fn tally(row: &Row, index: u64, many: u64) -> Tally {
-    let mut tally = Tally::default();
-    for run in 0..many {
-        let (truth, found) = separated(row, SEED + 1_000_000 * index + run);
-        count(&mut tally, &truth, &found);
-    }
-    tally
 }
 
 fn percent(shares: &[f64]) -> String {
@@ -364,7 +352,11 @@ fn table(rows: &[Row], first: u64, many: u64) -> (String, Vec<Tally>) {
     let mut table = "| what | curves, all points together | by term | far ends | squareness |\n| --- | ---: | ---: | ---: | ---: |".to_string();
     let mut all = Vec::new();
     for (index, row) in (first..).zip(rows) {
-        let tally = tally(row, index, many);
+        let mut tally = Tally::default();
+        for run in 0..many {
+            let (truth, found) = separated(row, SEED + 1_000_000 * index + run);
+            count(&mut tally, &truth, &found);
+        }
         let pooled = format!("{:.1} %", 100.0 * pooled(&tally));
         let shares = shares(&tally).map(|shares| percent(&shares)).join(" | ");
         write!(table, "\n| {} | {pooled} | {shares} |", row.name).unwrap();
@@ -395,17 +387,10 @@ fn of_clean(rigid: &Rigid, missing: Option<Rotation>, stated: StatedUncertainty)
     separate(&campaign, &runs(1, Pass::Forward, &rigid.readings(None)))
 }
 
-const SMALL_NOISE: StatedUncertainty = StatedUncertainty {
-    noise_um: Some(1e-6),
-    laser_ppm: Some(0.0),
-    temperature_k: None,
-    alpha_per_k: None,
-    setup_ppm: None,
-    periodic_um: None,
-    angle_urad: None,
-    beam_mrad: Some(0.0),
-    tilt_arcsec: None,
-};
+/// Beside an exact laser and beam.
+fn small_noise() -> StatedUncertainty {
+    StatedUncertainty { noise_um: Some(1e-6), ..simulated::exact() }
+}
 
 fn u_of(found: &Separation, term: ErrorTerm) -> Vec<f64> {
     found.errors.mean[term].as_ref().unwrap().u_um.clone().unwrap()
@@ -416,7 +401,7 @@ fn a_bow_of_the_yaw_shifts_the_squareness_and_u_holds_it() {
     let yaw = Rotation { about: Axis::Z, along: Axis::X };
     let bow: Angle = Box::new(|share| 5.0 * (2.0 * share - 1.0).powi(2));
     let rigid = quiet(vec![(yaw, bow)], 14);
-    let stated = StatedUncertainty { angle_urad: Some(10.0), noise_um: Some(0.1), ..SMALL_NOISE };
+    let stated = StatedUncertainty { angle_urad: Some(10.0), noise_um: Some(0.1), ..small_noise() };
     let found = of_clean(&rigid, None, stated);
     let error = squareness_error(&rigid.truth(), &found, Plane::Xy);
     assert!((error.abs() - 5.0).abs() < 0.01, "{error}");
@@ -442,7 +427,7 @@ fn a_bound_counts_as_its_straight_part_and_its_bow() {
         for shape in shapes {
             let angle: Angle = Box::new(move |share| shape(2.0 * share - 1.0));
             let rigid = quiet(vec![(rotation, angle)], steps);
-            let (truth, found) = (rigid.truth(), of_clean(&rigid, None, SMALL_NOISE));
+            let (truth, found) = (rigid.truth(), of_clean(&rigid, None, small_noise()));
             for term in ErrorTerm::ALL {
                 let curve = &found.errors.mean[term].as_ref().unwrap().deviation_um;
                 let errors = curve.iter().zip(&truth.curves[term]);
@@ -454,10 +439,10 @@ fn a_bound_counts_as_its_straight_part_and_its_bow() {
                 *sum += squareness_error(&truth, &found, plane).powi(2);
             }
         }
-        let stated = StatedUncertainty { angle_urad: Some(1.0), ..SMALL_NOISE };
+        let stated = StatedUncertainty { angle_urad: Some(1.0), ..small_noise() };
         let perfect = quiet(Vec::new(), steps);
         let with = of_clean(&perfect, Some(rotation), stated);
-        let without = of_clean(&perfect, None, SMALL_NOISE);
+        let without = of_clean(&perfect, None, small_noise());
         // The stated lines and what (7) neglects have their part in both.
         let compare = |what: &str, with: f64, without: f64, square: f64| {
             let angle = (with * with - without * without).max(0.0).sqrt();
@@ -483,14 +468,14 @@ fn a_bound_counts_as_its_straight_part_and_its_bow() {
 #[test]
 fn a_beam_beside_the_normal_shortens_every_diagonal() {
     let scale = |lean: f64, mrad: f64| {
-        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        let mut random = seeded(SEED);
         let mut rigid = quiet(Vec::new(), 6);
         rigid.nine.lean_randomly(lean, &mut random);
         rigid.beam = PerDiagonal::from_fn(|d| {
             let normal = unit(rigid.volume().laser(d).plus(rigid.nine.lean[d]));
             across(normal, 1e-3 * mrad, &mut random)
         });
-        let found = of_clean(&rigid, None, SMALL_NOISE);
+        let found = of_clean(&rigid, None, small_noise());
         let squareness = Plane::ALL.map(|p| found.squareness_um_per_m.of(p).unwrap().abs());
         let worst = squareness.into_iter().fold(0.0, f64::max);
         (found.metric.scale.z.unwrap(), worst)

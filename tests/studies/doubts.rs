@@ -1,10 +1,8 @@
 //! How often sound readings are doubted, and that what the closure sums up scatters as it says.
-use crate::support::diagonals::{Machine, box_30, naive, runs, with_noise};
-use crate::support::published::share;
+use crate::support::diagonals::{Machine, box_30, naive, runs, seeded, with_noise};
+use crate::support::share;
 use nonius::quantity::axis::Axis;
 use nonius::quantity::diagonal::Pass;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 
 const SIGMA_UM: f64 = 0.3;
 
@@ -13,7 +11,7 @@ fn sound_readings_are_rarely_doubted() {
     let trials = share(4000, 20);
     for count in [1, 3] {
         let is_doubted = |seed: &u64| {
-            let mut random = ChaCha8Rng::seed_from_u64(5000 + seed);
+            let mut random = seeded(5000 + seed);
             let readings = Machine::random(&box_30(), &mut random).readings(None);
             let mut noisy =
                 |run| runs(run, Pass::Forward, &with_noise(&readings, SIGMA_UM, &mut random));
@@ -30,7 +28,7 @@ fn sound_readings_are_rarely_doubted() {
 fn means_and_single_w_scatter_as_expected() {
     let volume = box_30();
     let perfect = Machine::perfect(&volume).readings(None);
-    let mut random = ChaCha8Rng::seed_from_u64(12);
+    let mut random = seeded(12);
     let (mut single, mut mean, mut ramp, mut count) = (0.0, 0.0, 0.0, 0.0);
     let mut last = None;
     for _ in 0..share(4000, 50) {

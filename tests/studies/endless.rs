@@ -1,7 +1,6 @@
 //! Part programs without end are refused after 20 million blocks, the largest ones run to their end. Each takes
 //! seconds unoptimised: plain `cargo test` runs one.
-use crate::support::published::short_or;
-use crate::support::visit::{Ran, Visit};
+use crate::support::{Ran, Visit, short_or};
 
 /// What `nonius path` says of a program.
 fn path(program: &str) -> Ran {

@@ -4,17 +4,15 @@
 //! A hundredth of the simulations runs by default, all of them with `NONIUS_SIMULATIONS=all cargo test
 //! --test studies exchanged`; with `NONIUS_UPDATE=1` as well it writes the table of docs/accuracy.md.
 use crate::support::diagonals::{
-    Machine, Readings, float, noisy_lines, noisy_runs, normal, solved, squareness_error, volume,
+    Machine, Readings, float, noisy_lines, noisy_runs, normal, seeded, solved, squareness_error,
+    volume,
 };
-use crate::support::parallel::in_parallel;
-use crate::support::published::{is_held, is_whole, published, share};
-use crate::support::words;
+use crate::support::{in_parallel, is_held, is_whole, published, share, words};
 use nonius::machine::separation::Separation;
 use nonius::machine::separation::metric::Plane;
 use nonius::quantity::axis::{Axis, ErrorTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 use std::fmt::Write;
 
 const SIGMA_UM: f64 = 0.3;
@@ -106,12 +104,12 @@ fn measured(
     wavy: Wavy,
     slip: Option<Slip>,
 ) -> (Machine, Separation) {
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut random = seeded(seed);
     let box_ = volume([900.0, 720.0, 720.0], way.steps);
     let truth = machine(&box_, wavy, &mut random);
     let mut leant = truth.clone();
     leant.lean_randomly(1e-4, &mut random);
-    let mut random = ChaCha8Rng::seed_from_u64(1_000_000 * (noise + 1) + seed);
+    let mut random = seeded(1_000_000 * (noise + 1) + seed);
     if let Some(Slip::Order(order)) = slip {
         leant.volume.order = order;
     }
@@ -228,9 +226,7 @@ fn outcome(way: Way, machines: u64) -> Outcome {
 
 /// The rows of the table, by way, kind and power.
 fn table(outcomes: &[(Way, Outcome)]) -> String {
-    let mut text = String::from(
-        "| measured | slip | power | slips | named | other finding | silent | … with the sentence |\n| --- | --- | --- | ---: | ---: | ---: | ---: | ---: |\n",
-    );
+    let mut text = "| measured | slip | power | slips | named | other finding | silent | … with the sentence |\n| --- | --- | --- | ---: | ---: | ---: | ---: | ---: |\n".to_string();
     for (way, outcome) in outcomes {
         for (kind, by_power) in KINDS.iter().zip(&outcome.by_kind) {
             for (power, count) in ["≥ 95 %", "< 95 %"].iter().zip(by_power) {
@@ -247,9 +243,7 @@ fn table(outcomes: &[(Way, Outcome)]) -> String {
 
 /// What is said of readings that are right.
 fn right_table(outcomes: &[(Way, Outcome)], even: &[(Wavy, usize, u64)]) -> String {
-    let mut text = String::from(
-        "\n| right readings | machines | accused of a slip | carry the sentence |\n| --- | ---: | ---: | ---: |\n",
-    );
+    let mut text = "\n| right readings | machines | accused of a slip | carry the sentence |\n| --- | ---: | ---: | ---: |\n".to_string();
     for (way, outcome) in outcomes {
         let Outcome { right, accused, carrying, .. } = outcome;
         writeln!(text, "| {} | {right} | {accused} | {carrying} |", way.name).unwrap();

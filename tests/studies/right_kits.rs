@@ -4,10 +4,9 @@
 //! `NONIUS_SIMULATIONS=all NONIUS_UPDATE=1 cargo test --release --test studies right_kits` writes them;
 //! without it four of each kind are run.
 use super::causes::{Travels, gauss, job_text};
-use crate::support::Random;
-use crate::support::parallel::in_parallel;
-use crate::support::published::{is_held, is_whole, may_be, published, share, short_or};
-use crate::support::visit::Visit;
+use crate::support::{
+    Random, Visit, in_parallel, is_held, is_whole, may_be, published, share, short_or,
+};
 use serde_json::Value;
 use std::fmt::Write;
 

@@ -1,11 +1,10 @@
 //! Laws of the separation, on machines that the test simulates with arithmetic of its own.
 use crate::support::diagonals as simulated;
 use crate::support::diagonals::{
-    Machine, close, curve, index, measurement, mm, naive, normal, runs, solved, squareness_error,
+    Machine, close, curve, measurement, mm, naive, normal, runs, seeded, solved, squareness_error,
     volume, with_noise,
 };
-use crate::support::published::short_or;
-use crate::support::{error_table, words};
+use crate::support::{error_table, short_or, words};
 use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
 use nonius::machine::separation::corrections::AngleModel;
 use nonius::machine::separation::curves::Curve;
@@ -15,8 +14,6 @@ use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotat
 use nonius::quantity::chain::Chain;
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use proptest::prelude::*;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::SeedableRng;
 
 /// Sums of a few hundred readings of up to a millimetre.
 const DUST_UM: f64 = 1e-8;
@@ -50,14 +47,14 @@ fn any_volume() -> impl Strategy<Value = Volume> {
 
 fn any_machine() -> impl Strategy<Value = (Machine, u64)> {
     (any_volume(), any::<u64>()).prop_map(|(volume, seed)| {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = seeded(seed);
         (Machine::random(&volume, &mut random), seed)
     })
 }
 
 /// X becomes Y, Y becomes Z, Z becomes X.
 fn next(axis: Axis) -> Axis {
-    Axis::ALL[(index(axis) + 1) % 3]
+    Axis::ALL[((axis as usize) + 1) % 3]
 }
 
 fn before(axis: Axis) -> Axis {
@@ -65,12 +62,8 @@ fn before(axis: Axis) -> Axis {
 }
 
 fn diagonal_before(diagonal: Diagonal) -> Diagonal {
-    match diagonal {
-        Diagonal::Ppp => Diagonal::Ppp,
-        Diagonal::Npp => Diagonal::Ppn,
-        Diagonal::Pnp => Diagonal::Npp,
-        Diagonal::Ppn => Diagonal::Pnp,
-    }
+    let [ppp, npp, pnp, ppn] = Diagonal::ALL;
+    [ppp, ppn, npp, pnp][diagonal as usize]
 }
 
 proptest! {
@@ -90,7 +83,7 @@ proptest! {
     #[test]
     fn the_result_is_linear_in_the_readings((machine, seed) in any_machine(), a in -3.0..3.0f64, b in -3.0..3.0f64) {
         let volume = &machine.volume;
-        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 1);
+        let mut random = seeded(seed ^ 1);
         let first = with_noise(&machine.readings(None), 2.0, &mut random);
         let second = with_noise(&machine.readings(None), 2.0, &mut random);
         let sum = PerDiagonal::from_fn(|d| {
@@ -111,7 +104,7 @@ proptest! {
     #[test]
     fn renamed_axes_rename_the_results((machine, seed) in any_machine()) {
         let volume = &machine.volume;
-        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 2);
+        let mut random = seeded(seed ^ 2);
         let readings = with_noise(&machine.readings(None), 1.0, &mut random);
         let renamed_volume = Volume {
             start: PerAxis::from_fn(|axis| volume.start[before(axis)]),
@@ -154,7 +147,7 @@ proptest! {
 
     #[test]
     fn a_tilted_mirror_changes_nothing_of_first_order((machine, seed) in any_machine(), size in 1e-5..5e-4f64) {
-        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 3);
+        let mut random = seeded(seed ^ 3);
         let straight = machine.x_primary();
         let mut leant = straight.clone();
         leant.lean_randomly(size, &mut random);
@@ -176,7 +169,7 @@ proptest! {
     fn the_turn_gives_the_lost_motion_from_each_diagonal((mut machine, seed) in any_machine(), own_zero: bool) {
         machine.lost_um = PerAxis { x: 8.0, y: 5.0, z: -3.0 };
         let mut all = forward(&machine);
-        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 9);
+        let mut random = seeded(seed ^ 9);
         let mut shifted = machine.readings(Some(false));
         for d in Diagonal::ALL {
             let offset = if own_zero { 20.0 * normal(&mut random) } else { 0.0 };
@@ -213,7 +206,7 @@ proptest! {
 
     #[test]
     fn both_directions_are_told_apart_after_an_overrun((machine, seed) in any_machine()) {
-        let mut random = ChaCha8Rng::seed_from_u64(seed ^ 4);
+        let mut random = seeded(seed ^ 4);
         let minus = Machine::random(&machine.volume, &mut random);
         // A pass moves some axes in + and others in -: both machines' curves, each where it moves.
         let mixed = |pass: Pass| mixture(&machine, &minus, pass);
@@ -250,7 +243,7 @@ fn mixture(plus: &Machine, minus: &Machine, pass: Pass) -> PerDiagonal<Vec<f64>>
 
 #[test]
 fn rank_and_words_follow_the_linear_axes() {
-    let mut random = ChaCha8Rng::seed_from_u64(5);
+    let mut random = seeded(5);
     let machine = Machine::random(&volume([900.0, 720.0, 720.0], 12), &mut random).x_primary();
     let runs = forward(&machine);
     let cases: [(&[Axis], usize, &str); 3] = [
@@ -291,7 +284,7 @@ fn rank_and_words_follow_the_linear_axes() {
 fn a_disturbed_reading_is_named_with_its_twins() {
     let volume = volume([900.0, 720.0, 720.0], 30);
     for seed in 0..24 {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = seeded(seed);
         let machine = Machine::random(&volume, &mut random);
         let mut readings = with_noise(&machine.readings(None), 0.3, &mut random);
         let d = Diagonal::ALL[usize::try_from(seed).unwrap() % 4];
@@ -319,7 +312,7 @@ fn false_bows(
     mirror: Reflector,
 ) -> PerTerm<Curve> {
     let size = volume.size[rotation.along].mm();
-    let (axis, angle) = (rotation.along.key(), ["ea", "eb", "ec"][index(rotation.about)]);
+    let (axis, angle) = (rotation.along.key(), ["ea", "eb", "ec"][rotation.about as usize]);
     let text = format!("axis,position_mm,{angle}_urad\n{axis},0,-0.5\n{axis},{size},0.5\n");
     let table = error_table(&text);
     let (levers, middle) =

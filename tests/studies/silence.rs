@@ -1,7 +1,6 @@
 //! Whoever leaves a true statement out gets no better verdict, and without `noise_um` not more passes.
 
-use crate::support::published::share;
-use crate::support::visit::Visit;
+use crate::support::{Visit, share};
 
 const TRUE: [&str; 5] = [
     "angle_urad = 10.0",

@@ -7,6 +7,7 @@ use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use nonius::quantity::units::{Deviation, Millimetres};
 use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// Readings of a pass along each diagonal, µm.
@@ -37,6 +38,11 @@ pub(crate) fn volume(size: [f64; 3], steps: usize) -> Volume {
 
 pub(crate) fn box_30() -> Volume {
     volume([900.0, 720.0, 720.0], 30)
+}
+
+/// The numbers of a seed.
+pub(crate) fn seeded(seed: u64) -> ChaCha8Rng {
+    ChaCha8Rng::seed_from_u64(seed)
 }
 
 pub(crate) fn normal(random: &mut ChaCha8Rng) -> f64 {
@@ -138,7 +144,7 @@ impl Machine {
     fn laser(&self, diagonal: Diagonal) -> PerAxis<f64> {
         let size = PerAxis::from_fn(|axis| self.volume.size[axis].mm());
         let length = dot(&size, &size).sqrt();
-        PerAxis::from_fn(|axis| signs(diagonal)[index(axis)] * size[axis] / length)
+        PerAxis::from_fn(|axis| signs(diagonal)[axis as usize] * size[axis] / length)
     }
 
     /// Commanded travel of every axis from the start corner (mm), and its error there (µm).
@@ -153,7 +159,7 @@ impl Machine {
             let turn = self.volume.order.iter().position(|a| *a == axis).unwrap();
             node / 3 + usize::from(node % 3 > turn)
         });
-        let sign = |axis: Axis| signs(diagonal)[index(axis)];
+        let sign = |axis: Axis| signs(diagonal)[axis as usize];
         let mut error = PerAxis::default();
         for along in Axis::ALL {
             let from_low = if sign(along) > 0.0 { made[along] } else { n - made[along] };
@@ -210,10 +216,6 @@ fn signs(diagonal: Diagonal) -> [f64; 3] {
         Diagonal::Pnp => [1.0, -1.0, 1.0],
         Diagonal::Ppn => [1.0, 1.0, -1.0],
     }
-}
-
-pub(crate) fn index(axis: Axis) -> usize {
-    Axis::ALL.iter().position(|known| *known == axis).unwrap()
 }
 
 pub(crate) fn dot(a: &PerAxis<f64>, b: &PerAxis<f64>) -> f64 {

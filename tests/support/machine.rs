@@ -12,7 +12,7 @@ use nonius::quantity::units::{Deviation, Millimetres};
 /// Deviation of one term in one direction as measured, µm over mm, plus a squareness.
 #[derive(Clone, Debug)]
 pub(crate) struct Errors {
-    points: Lines,
+    pub(crate) points: Lines,
     /// What goes through the points where that is no straight line.
     cubic: Option<ErrorCurve>,
     pub(crate) slope_um_per_m: f64,
@@ -28,12 +28,8 @@ impl Errors {
         Errors { points: Lines { mm, um }, cubic, slope_um_per_m: 0.0 }
     }
 
-    pub(crate) fn points(&self) -> &Lines {
-        &self.points
-    }
-
     pub(crate) fn range(&self) -> (f64, f64) {
-        let mm = &self.points().mm;
+        let mm = &self.points.mm;
         (mm[0], mm[mm.len() - 1])
     }
 
@@ -97,7 +93,7 @@ impl Term {
     pub(crate) fn reversal(&self) -> f64 {
         let (plus, minus, (low, high)) = self.both();
         let mut places: Vec<f64> =
-            [&plus.points().mm[..], &minus.points().mm[..], &[low, high]].concat();
+            [&plus.points.mm[..], &minus.points.mm[..], &[low, high]].concat();
         places.retain(|x| *x >= low && *x <= high);
         places.sort_by(f64::total_cmp);
         places.dedup();
@@ -147,7 +143,7 @@ impl Term {
     /// Every place where a measured curve bends.
     pub(crate) fn knots(&self) -> Vec<f64> {
         let both = [&self.plus, &self.minus];
-        both.into_iter().flatten().flat_map(|errors| errors.points().mm.clone()).collect()
+        both.into_iter().flatten().flat_map(|errors| errors.points.mm.clone()).collect()
     }
 }
 

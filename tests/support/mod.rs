@@ -10,6 +10,11 @@ pub(crate) mod refusals;
 pub(crate) mod tree;
 pub(crate) mod visit;
 
+pub(crate) use parallel::*;
+pub(crate) use published::*;
+pub(crate) use tree::*;
+pub(crate) use visit::*;
+
 use nonius::control::controller::{
     BesideTable, CrossTerms, DeclaredFacts, Dialect, Profile, Role, TableSign, TypedValue, builtin,
 };
@@ -26,10 +31,11 @@ use nonius::text::document::Source;
 use nonius::text::finding::Finding;
 use nonius::text::problem::Problems;
 use std::fmt::Display;
-use visit::fixture;
 
 /// Rounding of sums and products of numbers up to a few hundred micrometres.
 pub(crate) const DUST_UM: f64 = 1e-9;
+
+pub(crate) const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
 
 pub(crate) fn term(name: &str) -> ErrorTerm {
     ErrorTerm::from_name(name).unwrap()
@@ -85,7 +91,7 @@ pub(crate) fn readings(text: &str, of: &DiagonalMeasurement) -> Result<Readings,
 pub(crate) fn golden_readings(case: &str) -> (DiagonalMeasurement, Readings) {
     let text = |name: &str| fixture(&format!("diagonals/{case}/{name}"));
     let MeasuredData::Diagonals(measurement) = read_job(&text("job.toml")).measurement.data else {
-        panic!("{case} has no readings");
+        panic!("{case} has no readings")
     };
     let read = readings(&text(&measurement.readings), &measurement);
     (measurement, read.unwrap_or_else(|said| panic!("{said}")))
@@ -95,6 +101,18 @@ pub(crate) fn golden_readings(case: &str) -> (DiagonalMeasurement, Readings) {
 pub(crate) fn files_of(kit: &Kit, role: Role) -> Vec<KitFile<'_>> {
     let files = kit.files.iter().filter(|file| file.role == role);
     files.map(|file| KitFile { path: &file.path, role, bytes: &file.bytes }).collect()
+}
+
+/// The text of a file of a kit.
+#[track_caller]
+pub(crate) fn text_of<'a>(kit: &'a Kit, path: &str) -> &'a str {
+    let file = kit.files.iter().find(|file| file.path == path);
+    let bytes = &file.unwrap_or_else(|| panic!("there is no {path}")).bytes;
+    std::str::from_utf8(bytes).unwrap()
+}
+
+pub(crate) fn checklist(kit: &Kit) -> &str {
+    text_of(kit, "checklist.md")
 }
 
 /// The inputs of a kit from their texts.

@@ -2,7 +2,6 @@
 //! docs/accuracy.md that simulations write.
 use statrs::distribution::{Binomial, DiscreteCDF};
 use std::ops::RangeInclusive;
-use std::path::Path;
 
 /// What `NONIUS_SIMULATIONS` asks for; without it a hundredth.
 #[derive(Clone, Copy, PartialEq)]
@@ -66,17 +65,18 @@ pub(crate) fn may_be(share: f64, trials: usize, stated: RangeInclusive<f64>) -> 
 pub(crate) fn published(name: &str, file: &str, table: &str) {
     let begin = format!("<!-- {name}: written by tests/studies/{file}.rs -->\n");
     let end = format!("\n<!-- {name}: end -->");
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/accuracy.md");
-    let page = std::fs::read_to_string(&path).unwrap().replace('\r', "");
-    let (head, rest) = page.split_once(&begin).expect("the page holds the marker");
-    let (old, tail) = rest.split_once(&end).expect("the page holds the end marker");
-    let table = table.trim_end();
+    stands_between("docs/accuracy.md", &begin, &end, table.trim_end());
+}
+
+/// Compares a table with that between two markers of a page, likewise.
+pub(crate) fn stands_between(name: &str, begin: &str, end: &str, table: &str) {
+    let page = super::page(name);
+    let (head, rest) = page.split_once(begin).expect("the page holds the marker");
+    let (old, tail) = rest.split_once(end).expect("the page holds the end marker");
     if std::env::var_os("NONIUS_UPDATE").is_some() {
-        std::fs::write(&path, format!("{head}{begin}{table}{end}{tail}")).unwrap();
-        return;
+        let page = format!("{head}{begin}{table}{end}{tail}");
+        return std::fs::write(super::fixtures(&format!("../{name}")), page).unwrap();
     }
-    assert!(
-        old == table,
-        "docs/accuracy.md differs; if the new table is meant, run with NONIUS_UPDATE=1\n{table}"
-    );
+    let update = "if the new table is meant, run with NONIUS_UPDATE=1";
+    assert!(old == table, "{name} differs; {update}\n{table}");
 }

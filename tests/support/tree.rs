@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use tempfile::TempDir;
 
 /// What lies at a name below a directory.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,14 +80,6 @@ pub(crate) fn difference(before: &Tree, after: &Tree) -> String {
     names.sort_unstable();
     names.dedup();
     names.join(", ")
-}
-
-/// A fresh directory with the files of a fixture.
-pub(crate) fn copy_of(fixture: &str) -> TempDir {
-    let directory = tempfile::tempdir().expect("a temporary directory can be made");
-    let from = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures").join(fixture);
-    lay(&tree(&from), directory.path());
-    directory
 }
 
 /// Says why a test did nothing.

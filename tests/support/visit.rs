@@ -1,8 +1,9 @@
 //! A visit in a folder of its own: its inputs, the program run there, what was printed and written.
 
-use super::tree::{Tree, tree};
+use super::tree::{Tree, lay, tree};
 use serde_json::Value;
 use std::fs;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
@@ -95,6 +96,12 @@ impl Ran {
         self
     }
 
+    /// Printed each of these words.
+    #[track_caller]
+    pub(crate) fn tells(self, words: &[&str]) -> Ran {
+        words.iter().fold(self, |ran, words| ran.says(words))
+    }
+
     /// Did not print these words.
     #[track_caller]
     pub(crate) fn omits(self, words: &str) -> Ran {
@@ -122,7 +129,9 @@ impl Visit {
 
     /// A copy of a folder of the fixtures.
     pub(crate) fn of(fixture: &str) -> Visit {
-        Visit(super::tree::copy_of(fixture))
+        let visit = Visit::new();
+        lay(&tree(&fixtures(fixture)), visit.folder());
+        visit
     }
 
     /// A job of the fixtures as `job.toml`, e.g. `nine_errors_900/generic.toml`, with the error table beside it.
@@ -196,6 +205,16 @@ impl Visit {
         serde_json::from_str(&self.read(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
     }
 
+    /// Names of what lies in the folder itself, in their order.
+    pub(crate) fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder()).expect("a folder");
+        let names = entries.map(|entry| entry.expect("an entry").file_name());
+        let mut names: Vec<String> =
+            names.map(|name| name.to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
     /// Everything that lies in the folder.
     pub(crate) fn files(&self) -> Tree {
         tree(self.folder())
@@ -205,6 +224,27 @@ impl Visit {
     pub(crate) fn run(&self, command: &str) -> Ran {
         let output = program(self.folder(), command).output().expect("the program starts");
         Ran::of(command, &output)
+    }
+
+    /// Runs a command with something on standard input.
+    pub(crate) fn with_input(&self, command: &str, input: &[u8]) -> Output {
+        let mut program = program(self.folder(), command);
+        program.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = program.spawn().expect("the program starts");
+        child.stdin.take().expect("its input").write_all(input).expect("it is read");
+        child.wait_with_output().expect("it ends")
+    }
+
+    /// Runs a line of a shell in the folder; `$N` is the program.
+    pub(crate) fn shell(&self, line: &str) -> Ran {
+        Ran::of(line, &self.by_shell(line).output().expect("a shell"))
+    }
+
+    pub(crate) fn by_shell(&self, line: &str) -> Command {
+        let mut shell = Command::new("sh");
+        let program = env!("CARGO_BIN_EXE_nonius");
+        shell.args(["-c", line]).env("N", program).current_dir(self.folder());
+        shell
     }
 
     /// Runs a command that has to end with 0; standard output.
@@ -218,6 +258,11 @@ impl Visit {
     pub(crate) fn json(&self, command: &str) -> Value {
         self.run(&format!("{command} --format json")).answers().json()
     }
+}
+
+/// A copy of a golden case of diagonals.
+pub(crate) fn golden_case(name: &str) -> Visit {
+    Visit::of(&format!("diagonals/{name}"))
 }
 
 /// A number of a document.

@@ -101,7 +101,7 @@ fn mistakes_in_runs_of_steps_are_refused_with_place_and_next_step() {
     let measurement = measurement(PathKind::Step);
     for row in OF_STEPS.lines() {
         let [mistake, problem, help] = row.split(" | ").collect::<Vec<_>>()[..] else {
-            panic!("{row}");
+            panic!("{row}")
         };
         refused(&file_with(mistake), &measurement, &problem.replace('¶', "\n"), help);
     }

@@ -112,9 +112,7 @@ fn a_whole_parameter_file_is_judged_by_what_concerns_the_tables() {
     let blocks = format!("{}N01240Q1A1P0.0A2P0.0A3P0.0A4P5.0\n", others(200));
     let whole = behind_first_percent(&blocks)(&kit.0.read("kit/CNC-PARA.TXT"));
     kit.0.put("kit/CNC-PARA.TXT", whole);
-    kit.verify()
-        .ends(0)
-        .says(AGREE)
+    kit.agrees()
         .says("`CNC-PARA.TXT` holds far more than a kit: taken as read out of the control")
         .says("`CNC-PARA.TXT`: 200 other parameters were ignored");
     assert_eq!(figures_of(&kit), of_the_kit, "the same tables, the same figures");

@@ -1,7 +1,7 @@
 //! Kits that follow each other, as the program reads and writes them.
 
 use super::*;
-use crate::support::visit::{Ran, Visit};
+use crate::support::{Ran, Visit};
 
 /// A job measured under the tables of `active`.
 fn job(active: &str) -> String {

@@ -119,7 +119,7 @@ fn under(case: &Case, old: &Kit, errors: &str) -> Inputs {
 
 /// Old kit, measurement under it, new kit.
 fn visit(case: &Case, before: &[Wave; 4], residual: &[Wave; 4]) -> (Inputs, Kit, Kit) {
-    let old_job = case.job(case.old_spacing, NONE);
+    let old_job = case.job(case.old_spacing, UNCORRECTED);
     let (_, old) = generate(&old_job, &table(case, before, 6.0, case.old_spacing));
     let found = under(case, &old, &table(case, residual, 2.0, 25.0));
     let new = shown(kit::generate(&found));
@@ -188,9 +188,7 @@ fn points_hold_the_sum(case: &Case, found: &Inputs, old: &Kit, new: &Kit) -> usi
             // The straight lines through the nodes of a response; nodes are exact.
             let of = |c: &dyn Emulator| response(c, &base, &output, direction).straightened();
             let (old, new) = (of(before.as_ref()), of(after.as_ref()));
-            let [table] = new.tables() else {
-                continue;
-            };
+            let [table] = new.tables() else { continue };
             let residual = measured.measured.curve(direction).unwrap();
             for (at, _) in table.nodes() {
                 let x = at.mm();
@@ -220,7 +218,7 @@ fn nothing_left_gives_the_same_tables_again() {
     for case in all_cases().into_iter().filter(is_plain) {
         let waves = Wave::four(&mut Random::new(3), 10.0);
         let zero: [Wave; 4] = std::array::from_fn(|_| Wave([0.0; 4]));
-        let (_, old) = generate(&case.job(25.0, NONE), &table(&case, &waves, 0.0, 25.0));
+        let (_, old) = generate(&case.job(25.0, UNCORRECTED), &table(&case, &waves, 0.0, 25.0));
         let new = shown(kit::generate(&under(&case, &old, &table(&case, &zero, 0.0, 50.0))));
         assert_eq!(old.compiled.tables, new.compiled.tables);
         // Nothing becomes larger but by steps between the points, which were there before, too.
@@ -242,9 +240,7 @@ fn a_read_out_says_the_same_as_the_kit() {
     let mut random = Random::new(5);
     let (before, residual) = (Wave::four(&mut random, 12.0), Wave::four(&mut random, 4.0));
     let (found, old, new) = visit(&case, &before, &residual);
-    let mut archive = String::from(
-        "%_N_COMPLETE_TEA_INI\nCHANDATA(1)\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\nN32000 $MA_MAX_AX_VELO[AX1]=30000\n",
-    );
+    let mut archive = "%_N_COMPLETE_TEA_INI\nCHANDATA(1)\nN10240 $MN_SCALING_SYSTEM_IS_METRIC=1\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\nN32000 $MA_MAX_AX_VELO[AX1]=30000\n".to_string();
     for axis in ["AX1", "AX2"] {
         let mm = old.compiled.state.axis(axis).unwrap().backlash_um / 1000.0;
         archive += &format!(

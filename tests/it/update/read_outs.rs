@@ -8,19 +8,20 @@ fn at_end(found: &Inputs, name: &str) -> Option<f64> {
     Some(own.measured.curve(Direction::Plus).unwrap().at(Millimetres::new(100.0)).um())
 }
 
+/// A CEC table with 0 at 0 mm and a value at 100 mm.
+fn cec(number: u32, base: &str, output: &str, mm: f64) -> String {
+    format!(
+        "$AN_CEC[{number},0]=0\n$AN_CEC[{number},1]={mm:.6}\n$AN_CEC_INPUT_AXIS[{number}]=({base})\n$AN_CEC_OUTPUT_AXIS[{number}]=({output})\n$AN_CEC_STEP[{number}]=100\n$AN_CEC_MIN[{number}]=0\n$AN_CEC_MAX[{number}]=100\n"
+    )
+}
+
 #[test]
 fn what_acted_is_found_in_a_siemens_archive() {
     let job = siemens(KEEP);
-    let table = |number: u32, base: &str, output: &str, um: f64| {
-        format!(
-            "$AN_CEC[{number},0]=0\n$AN_CEC[{number},1]={:.6}\n$AN_CEC_INPUT_AXIS[{number}]=({base})\n$AN_CEC_OUTPUT_AXIS[{number}]=({output})\n$AN_CEC_STEP[{number}]=100\n$AN_CEC_MIN[{number}]=0\n$AN_CEC_MAX[{number}]=100\n",
-            um / 1000.0
-        )
-    };
     let archive = |first: &str, switches: &str| {
         format!(
             "%_N_NC_TEA_INI\nN1 $MN_OTHER[0]=\"x\"\n{switches}M17\n%_N_NC_CEC_INI\nCHANDATA(1)\n{first}{}$AN_CEC_STEP[7]=0\n$AN_CEC_INPUT_AXIS[7]=()\n{}M17\n",
-            table(3, "AX1", "AX2", 5.0),
+            cec(3, "AX1", "AX2", 0.005),
             lec("0.010")
         )
     };
@@ -33,7 +34,7 @@ fn what_acted_is_found_in_a_siemens_archive() {
     let lec_off = taken(&job, EXX_ONLY, &archive("", "$MA_ENC_COMP_ENABLE[0,AX1]=0\n"));
     is_near(at_end(&lec_off, "EXX").unwrap(), -1.0);
     // A table of an axis that the job does not have lies where the new one would go.
-    let other = taken(&job, EXX_ONLY, &archive(&table(0, "AX4", "AX5", 9.0), ""));
+    let other = taken(&job, EXX_ONLY, &archive(&cec(0, "AX4", "AX5", 0.009), ""));
     let said = kit::generate(&other).unwrap_err().render();
     holds(&said, &["CEC table 0 is in use in the read-out"]);
     let inch = archive("", "$MN_SCALING_SYSTEM_IS_METRIC=0\n");
@@ -66,10 +67,8 @@ fn a_backlash_parameter_that_is_replaced_has_to_be_known() {
 #[test]
 fn what_acted_is_found_in_a_fanuc_parameter_file() {
     let job = fanuc(KEEP);
-    let (_, old) = generate(&fanuc(NONE), FULL);
-    let mut file = String::from(
-        "%\nN00010Q1L1P00000001\nN03701Q1S1P00000010\nN01240Q1A1P0.000A2P0.000A4P12.5\nN01851Q1A1P3A2P0A4P9\nN01852Q1A1P3A2P0A4P9\nN03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN10900Q1P0\n",
-    );
+    let (_, old) = generate(&fanuc(UNCORRECTED), FULL);
+    let mut file = "%\nN00010Q1L1P00000001\nN03701Q1S1P00000010\nN01240Q1A1P0.000A2P0.000A4P12.5\nN01851Q1A1P3A2P0A4P9\nN01852Q1A1P3A2P0A4P9\nN03620Q1A4P500\nN03621Q1A4P500\nN03622Q1A4P510\nN03623Q1A4P1\nN03624Q1A4P10.0\nN10900Q1P0\n".to_string();
     let is_loaded = |role: Role| matches!(role, Role::Table | Role::Parameters);
     for kit_file in old.files.iter().filter(|file| is_loaded(file.role)) {
         let text = String::from_utf8_lossy(&kit_file.bytes).replace(['%', '\r'], "");
@@ -114,7 +113,7 @@ fn tables_in_part_programs_alone_are_no_old_tables() {
 #[test]
 fn old_tables_that_the_control_cut_or_converted_are_refused() {
     let job = siemens(ACTIVE);
-    let cec = "$AN_CEC[0,0]=0\n$AN_CEC[0,1]=0.010\n$AN_CEC_INPUT_AXIS[0]=(AX1)\n$AN_CEC_OUTPUT_AXIS[0]=(AX2)\n$AN_CEC_STEP[0]=100\n$AN_CEC_MIN[0]=0\n$AN_CEC_MAX[0]=100\n$AN_CEC_DIRECTION[0]=0\n";
+    let cec = cec(0, "AX1", "AX2", 0.010) + "$AN_CEC_DIRECTION[0]=0\n";
     let cut = format!("{cec}$MA_CEC_MAX_SUM[AX2]=0.001\nM17\n");
     refused(&job, FULL, &cut, "MD32720 of AX2 is 0.001");
     let scaling = "$MN_CONVERT_SCALING_SYSTEM=1\n$MA_CEC_SCALING_SYSTEM_METRIC[AX2]=0\n";

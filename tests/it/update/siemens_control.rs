@@ -164,8 +164,8 @@ fn the_way_back_on_siemens_brings_back_what_acted() {
             control.load(of(role));
         }
         do_by_hand(&mut control, &new);
-        let acts =
-            |control: &Control| control.acts(&profile, &found.active.as_ref().unwrap().state);
+        let state = &found.active.as_ref().unwrap().state;
+        let acts = |control: &Control| control.acts(&profile, state);
         assert_ne!(acts(&control), acts(&before));
         control.load(of(Role::Disable));
         let files = files_of(&new, Role::Rollback);
@@ -180,11 +180,11 @@ fn what_no_file_holds_is_left_to_a_person_and_named() {
     let way = ("mean", "curve-and-parameter");
     let (old, job, left) = old_and_new("siemens-840d-sl", SIEMENS_AXES, way);
     let mut before = before(&old, "mean");
-    let job =
-        job.replace(ACTIVE, &format!("{ACTIVE}\nactive_backlash_um = {{ x = 3.0, y = 3.0 }}"));
+    let acted = format!("{ACTIVE}\nactive_backlash_um = {{ x = 3.0, y = 3.0 }}");
+    let job = job.replace(ACTIVE, &acted);
     let page = |control: &Control, more: &str| {
         let new = shown(kit::generate(&taken(&job, &left, &control.archive(more))));
-        checklist(&new) + &words(&new.manifest.notes).join("\n")
+        checklist(&new).to_string() + &words(&new.manifest.notes).join("\n")
     };
     for gone in ["MA_ENC_COMP_ENABLE[0,AX1]", "SN_CEC_TABLE_ENABLE[1]", "MA_BACKLASH[0,AX2]"] {
         before.data.remove(gone);
@@ -219,7 +219,7 @@ fn a_way_back_that_moves_an_axis_at_its_reference_says_so() {
     let job = job.replace(ACTIVE, &format!("{ACTIVE}\nactive_reference = \"rezero\""));
     let new = shown(kit::generate(&taken(&job, &left, &before.archive(""))));
     let moves = "X (AX1) moves by 5.000 µm towards −X when the old tables act again";
-    holds(&checklist(&new), &[&format!("at the reference point {moves}")]);
+    holds(checklist(&new), &[&format!("at the reference point {moves}")]);
     for file in files_of(&new, Role::Rollback) {
         let text = String::from_utf8_lossy(file.bytes);
         assert!(!text.contains("contained in these"), "{text}");

@@ -140,9 +140,7 @@ impl Case<'_> {
 
     /// Largest distance of what a control puts out from the straight line between its nodes.
     pub(crate) fn jump_um(&self, term: &Term, held: &Held, x: f64) -> f64 {
-        let Dialect::Fanuc(facts) = &self.profile.dialect else {
-            return 0.0;
-        };
+        let Dialect::Fanuc(facts) = &self.profile.dialect else { return 0.0 };
         let half_step = held.increment_at(x) / 2.0;
         let pulses = self.machine.axis(term.term.along).interpolated
             && (term.term.is_positioning()

@@ -7,7 +7,7 @@ use nonius::control::table::fanuc::FanucMemory;
 /// (h) Numbers of points: in order, apart, none reserved, none left over; increments legal.
 pub(crate) fn numbers_are_legal(case: &Case<'_>, memory: &FanucMemory) {
     let Dialect::Fanuc(facts) = &case.profile.dialect else {
-        panic!("a memory of another control");
+        panic!("a memory of another control")
     };
     let mut runs: Vec<(String, NumberRange)> = Vec::new();
     let mut add = |name: String, run: NumberRange, blocks: &[NumberRange]| {

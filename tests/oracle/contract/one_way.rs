@@ -47,6 +47,7 @@ struct OneWay<'a> {
     held: Held,
     /// What the control adds everywhere, beside the table, µm.
     constant_um: f64,
+    two_tables: bool,
 }
 
 impl<'a> OneWay<'a> {
@@ -71,6 +72,7 @@ impl<'a> OneWay<'a> {
             planned: planned.find(|t| is_it(t.term, t.direction)).unwrap(),
             placement: placed.find(|p| is_it(p.term, p.direction)).unwrap(),
             constant_um: um_at(&response, held.mm[0]) - held.um[0],
+            two_tables: case.two_tables(term),
             response,
             held,
         }
@@ -82,8 +84,7 @@ impl<'a> OneWay<'a> {
 
     /// The deviation that the table has to cancel.
     fn target(&self, x: f64) -> f64 {
-        let two = self.case.two_tables(self.term);
-        self.term.target(self.case.machine, two, self.direction, x)
+        self.term.target(self.case.machine, self.two_tables, self.direction, x)
     }
 
     /// First and last point of the planned grid.
@@ -182,11 +183,8 @@ impl<'a> OneWay<'a> {
         let nodes = self.held.mm.iter().zip(&self.held.um).zip(self.wanted());
         for ((x, um), wanted) in nodes.filter(|((x, _), _)| self.is_on_grid(**x)) {
             let left = wanted + um + constant;
-            assert!(
-                left.abs() <= bound,
-                "{}: at {x}: wanted {wanted}, held {um}, left {left}, bound {bound}",
-                self.name()
-            );
+            let what = format!("at {x}: wanted {wanted}, held {um}, left {left}, bound {bound}");
+            assert!(left.abs() <= bound, "{}: {what}", self.name());
         }
     }
 
@@ -221,9 +219,8 @@ impl<'a> OneWay<'a> {
             Interpolation::Linear => room,
             _ => 0.02 * printed + 0.01,
         };
-        let name = self.name();
-        assert!(printed >= seen - room, "{name}: grid residual {printed}, seen {seen}");
-        assert!(printed <= seen + near, "{name}: grid residual {printed}, seen {seen}");
+        let is_near = (seen - room..=seen + near).contains(&printed);
+        assert!(is_near, "{}: grid residual {printed}, seen {seen}", self.name());
     }
 
     /// Zero at the reference; the other direction carries the reversal.

@@ -24,7 +24,7 @@ const LIMIT: Duration = Duration::from_secs(300);
 const NOBODY: &str = "65534";
 
 /// What the control is started with.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct Setup<'a> {
     /// `mm` or `inch`.
     pub(crate) unit: &'a str,

@@ -3,7 +3,7 @@
 
 use super::control::{CYCLE_S, Cycle, Joint, LETTERS, Setup, run};
 use super::machine::{Machine, stands};
-use crate::support::{control, generate, response, um_at};
+use crate::support::{control, generate, response, text_of, um_at};
 use nonius::control::controller::Role;
 use nonius::kit::Kit;
 use nonius::quantity::axis::Direction;
@@ -104,18 +104,15 @@ impl Case {
     /// Every servo cycle of the control with exactly the files of the kit, in mm.
     fn driven(&self, kit: &Kit) -> Vec<Cycle> {
         let unit_mm = self.unit_mm();
-        let lines = kit.files.iter().find(|file| file.path == "joints.ini");
-        let lines = std::str::from_utf8(&lines.unwrap().bytes).unwrap();
         let tables = kit.files.iter().filter(|file| file.role == Role::Table);
         let seen = run(&Setup {
             unit: self.unit,
             travel: self.machine.travel.map(|ends| ends.map(|end| end / unit_mm)),
             acceleration_mm: ACCELERATION_MM,
-            joints: sections(lines),
+            joints: sections(text_of(kit, "joints.ini")),
             files: tables.map(|file| (file.path.clone(), file.bytes.clone())).collect(),
-            hal: String::new(),
-            jog: None,
             programs: vec![path(&self.machine, self.stops, unit_mm)],
+            ..Setup::default()
         });
         // Which it says of every curve above the 64th (docs/linuxcnc.md §6).
         let in_order = |line: &str| line.contains("assigned personality=16");

@@ -3,7 +3,7 @@
 use super::control::{LETTERS, Run, Setup, run};
 use super::loops::{ACCELERATION_MM, Case, joints, sections};
 use super::machine::{Machine, stands};
-use crate::support::visit::{Visit, number};
+use crate::support::{Visit, number};
 use serde_json::Value;
 
 /// What a control is started with: tables of a directory, none, or those of the sign proof.
@@ -61,16 +61,8 @@ pub(crate) fn drive(
     programs: Vec<String>,
 ) -> Run {
     let (joints, files) = tables.files(visit);
-    run(&Setup {
-        unit: "mm",
-        travel: machine.travel,
-        acceleration_mm: ACCELERATION_MM,
-        joints,
-        files,
-        hal: String::new(),
-        jog: None,
-        programs,
-    })
+    let (unit, travel, acceleration_mm) = ("mm", machine.travel, ACCELERATION_MM);
+    run(&Setup { unit, travel, acceleration_mm, joints, files, programs, ..Setup::default() })
 }
 
 /// A sign proof of a manifest.

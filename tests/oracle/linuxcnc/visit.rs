@@ -5,11 +5,8 @@ use super::control::Run;
 use super::loops::path;
 use super::machine::{Machine, Stand, stands};
 use super::proof::{Tables, drive, signs_are_proved};
-use crate::support::visit::Visit;
+use crate::support::{DIAGONALS, Visit};
 use std::fmt::Write;
-
-/// The diagonals in the order of the programs.
-const DIAGONALS: [&str; 4] = ["PPP", "NPP", "PNP", "PPN"];
 
 /// What the laser shows: rows of `positions.csv` with the displacement of the mirror along the diagonal, mm.
 pub(crate) struct Laser<'a> {
