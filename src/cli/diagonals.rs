@@ -6,9 +6,7 @@ use crate::cli::show::um;
 use crate::inputs::target_runs::Runs;
 use crate::machine::separation::readings::{CorrectedRun, diagonal_runs};
 use crate::machine::standards::iso_230_2::{AxisFigures, figures};
-use crate::machine::standards::{
-    DiagonalFigures, DiagonalMotion, Diagonals, diagonal, diagonal_of_unknown_length,
-};
+use crate::machine::standards::{DiagonalFigures, DiagonalMotion, Diagonals, diagonal};
 use crate::page::{Locale, Picture, targets};
 use crate::quantity::axis::Direction;
 use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
@@ -31,7 +29,7 @@ impl StandardFigures {
         kind: PathKind,
         runs: &[CorrectedRun],
     ) -> Result<StandardFigures, Problem> {
-        StandardFigures::by(diagonal, volume, kind, runs)
+        StandardFigures::by(volume, kind, runs, true)
     }
 
     /// The same where nobody knows the size of the box.
@@ -40,14 +38,14 @@ impl StandardFigures {
         kind: PathKind,
         runs: &[CorrectedRun],
     ) -> Result<StandardFigures, Problem> {
-        StandardFigures::by(diagonal_of_unknown_length, volume, kind, runs)
+        StandardFigures::by(volume, kind, runs, false)
     }
 
     fn by(
-        judge: impl Fn(&[(&str, &Runs)], DiagonalMotion) -> Diagonals,
         volume: &Volume,
         kind: PathKind,
         runs: &[CorrectedRun],
+        length_is_known: bool,
     ) -> Result<StandardFigures, Problem> {
         let motion = match kind {
             PathKind::Step => DiagonalMotion::StepDiagonalCellEnds,
@@ -57,7 +55,7 @@ impl StandardFigures {
         let each = each.map(|d| Ok((d.name(), diagonal_runs(volume, kind, d, runs)?)));
         let runs = each.collect::<Result<Vec<_>, Problem>>()?;
         let named: Vec<(&str, &Runs)> = runs.iter().map(|(name, runs)| (*name, runs)).collect();
-        let all = judge(&named, motion);
+        let all = diagonal(&named, motion, length_is_known);
         Ok(StandardFigures { runs, all })
     }
 

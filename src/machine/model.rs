@@ -21,7 +21,7 @@
 //! are zero and holds noise and scale of the laser already.
 
 pub use self::measured::Measured;
-use self::measured::{FEWEST_POSITIONS, UNLIKELY_SMALL_UM, check_axis, measured_range};
+use self::measured::{FEWEST_POSITIONS, UNLIKELY_SMALL_UM, measured_range};
 use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series, Sizes};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
@@ -136,10 +136,7 @@ impl ErrorModel {
     fn of(job: &Job, table: &ErrorTable, deviations: bool) -> Result<ErrorModel, Problems> {
         let mut problems = Problems::none();
         let ranges = PerAxis::from_fn(|axis| measured_range(table.series(axis)));
-        for axis in Axis::ALL {
-            check_axis(job, table, axis, &mut problems);
-        }
-        measured::check_zeros(job, table, &mut problems);
+        measured::check_places(job, table, &mut problems);
         let mut terms = PerTerm::from_fn(|term| measured_term(job, table, term));
         let size = |(term, of): (ErrorTerm, &Option<MeasuredTerm>)| {
             let of = of.as_ref()?;

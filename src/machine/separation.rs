@@ -48,6 +48,7 @@ pub mod readings;
 pub mod reversal;
 mod separate;
 pub mod solved;
+mod start;
 mod steps;
 pub mod straight;
 pub mod table;

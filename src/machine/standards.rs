@@ -13,7 +13,6 @@ mod diagonals;
 pub mod iso_230_2;
 pub mod vdi_3441;
 
-pub(crate) use self::diagonals::diagonal_of_unknown_length;
 pub use self::diagonals::{DiagonalFigures, DiagonalMotion, Diagonals, diagonal};
 
 /// How surely a formula or a condition is known: the same in all sources, and recomputed on measured data.

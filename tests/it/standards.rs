@@ -252,7 +252,7 @@ fn conditions_are_stated_by_edition() {
 fn conditions_of_the_diagonals_are_tested() {
     let runs = flat(&UNEVEN, 3);
     let four = DIAGONALS.map(|name| (name, &runs));
-    let straight = |of: &[(&str, &Runs)]| diagonal(of, DiagonalMotion::StraightRuns).label;
+    let straight = |of: &[(&str, &Runs)]| diagonal(of, DiagonalMotion::StraightRuns, true).label;
     assert_eq!(straight(&four), "after ISO 230-6 (likely)");
     assert_eq!(straight(&four[..3]), "NOT after ISO 230-6: PPP, NPP, PNP");
     let few = flat(&[0.0, 100.0], 3);
@@ -260,14 +260,14 @@ fn conditions_of_the_diagonals_are_tested() {
     assert_eq!(with(&few), "NOT after ISO 230-6: NPP: 2 targets on 100 mm");
     let one_way = Runs::new(UNEVEN.to_vec(), Some(vec![vec![0.0; 3]; 5]), None).unwrap();
     assert!(with(&one_way).ends_with("moving down was not measured"));
-    let found = diagonal(&four, DiagonalMotion::StepDiagonalCellEnds);
+    let found = diagonal(&four, DiagonalMotion::StepDiagonalCellEnds, true);
     assert_eq!(found.conditions[0].met, Met::No, "single-axis steps");
     // Figures of the machine need all four.
     let runs = by_hand();
     let four = DIAGONALS.map(|name| (name, &runs));
-    let found = diagonal(&four[..3], DiagonalMotion::StraightRuns);
+    let found = diagonal(&four[..3], DiagonalMotion::StraightRuns, true);
     assert_eq!((found.e_d_um, found.largest_range_um), (None, None));
-    let found = diagonal(&four, DiagonalMotion::StraightRuns);
+    let found = diagonal(&four, DiagonalMotion::StraightRuns, true);
     near(found.e_d_um, 4.0);
     near(found.b_d_um, 3.0);
     near(found.range_over_all_um, 4.0);

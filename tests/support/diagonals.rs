@@ -330,7 +330,7 @@ pub(crate) fn campaign(
         stated: exact(),
         lines,
         reversals: Default::default(),
-        angles: None,
+        angles: AngleEffects::unmeasured(None),
         reverse_zero_known: true,
     }
 }

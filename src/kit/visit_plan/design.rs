@@ -173,10 +173,9 @@ impl<'a> Design<'a> {
             let runs = variant.run.along(axis).runs;
             campaign.reversals[axis] = Some(self.instrument.reversal(&measurement.volume, runs));
         }
-        if let Some(angles) = &mut campaign.angles {
-            angles.evidence = self.evidence.clone().unwrap_or(angles.evidence.clone());
-            angles.evidence.missing.retain(|angle| !variant.angles.contains(angle));
-        }
+        let evidence = &mut campaign.angles.evidence;
+        evidence.clone_from(&self.evidence.clone().unwrap_or(evidence.clone()));
+        evidence.missing.retain(|angle| !variant.angles.contains(angle));
         let back = usize::from(variant.run.bidirectional);
         let noise_um = self.instrument.noise_um;
         let passes = &Pass::BOTH[..=back];

@@ -85,7 +85,14 @@ pub(super) fn measured_range(series: &[Series]) -> Option<(Millimetres, Millimet
     })
 }
 
-pub(super) fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &mut Problems) {
+/// Problems: places outside the travel, directions that do not overlap, angles that were not measured where they are
+/// to be zero.
+pub(super) fn check_places(job: &Job, table: &ErrorTable, problems: &mut Problems) {
+    Axis::ALL.into_iter().for_each(|axis| check_axis(job, table, axis, problems));
+    check_zeros(job, table, problems);
+}
+
+fn check_axis(job: &Job, table: &ErrorTable, axis: Axis, problems: &mut Problems) {
     let series = table.series(axis);
     if series.is_empty() {
         return;
@@ -186,29 +193,24 @@ fn at_row(problem: Problem, table: &ErrorTable, row: Option<(&Series, usize)>) -
 /// The measured rotations of a table, µrad in place of µm.
 pub(super) fn rotations(job: &Job, table: &ErrorTable) -> PerTerm<Option<Measured>> {
     // Rotations stand in the places of the terms.
-    PerTerm::from_fn(|ErrorTerm { of, along }| {
-        of_rotation(job, table.series(along), Rotation { about: of, along })
+    PerTerm::from_fn(|ErrorTerm { of: about, along }| {
+        let curves = table.series(along).iter().filter_map(|series| {
+            let angles = series.angles_urad[about].as_ref()?;
+            let angles: Vec<Deviation> = angles.iter().copied().map(Deviation::from_um).collect();
+            let curve = ErrorCurve::through(&series.positions, &angles, job.compensation.curve);
+            let zero_at = job.measurement.levers.angles_zero[along];
+            let curve = zero_at.map_or(curve.clone(), |place| curve.rezeroed_at(place));
+            Some((series.direction, curve))
+        });
+        Measured::of(curves)
     })
-}
-
-fn of_rotation(job: &Job, series: &[Series], rotation: Rotation) -> Option<Measured> {
-    let zero_at = job.measurement.levers.angles_zero[rotation.along];
-    let curves = series.iter().filter_map(|series| {
-        let angles = series.angles_urad[rotation.about].as_ref()?;
-        let angles: Vec<Deviation> = angles.iter().copied().map(Deviation::from_um).collect();
-        let curve = ErrorCurve::through(&series.positions, &angles, job.compensation.curve);
-        let curve = zero_at.map_or(curve.clone(), |place| curve.rezeroed_at(place));
-        Some((series.direction, curve))
-    });
-    Measured::of(curves)
 }
 
 /// Places where angles are to be zero and were not measured: nothing is known of them there.
 pub(in crate::machine) fn check_zeros(job: &Job, table: &ErrorTable, problems: &mut Problems) {
     for (axis, place) in job.measurement.levers.angles_zero.iter() {
         let Some(place) = *place else { continue };
-        let has_angles = |s: &&Series| s.angles_urad.iter().any(|(_, angles)| angles.is_some());
-        let series = table.series(axis).iter().filter(has_angles);
+        let series = table.series(axis).iter().filter(|s| has_angles(s));
         let ends = series.filter_map(|s| s.positions.first().zip(s.positions.last()));
         let outside = ends.into_iter().find(|(low, high)| place < **low || place > **high);
         if let Some((low, high)) = outside {
@@ -234,27 +236,16 @@ pub(super) fn added(
     known: &PerTerm<Option<Measured>>,
 ) -> Result<PerTerm<Option<Measured>>, Problems> {
     let mut problems = Problems::none();
-    for axis in Axis::ALL {
-        check_axis(job, table, axis, &mut problems);
-    }
-    check_zeros(job, table, &mut problems);
-    let refuse = |message: String, help: &str| {
-        let problem = Problem::new(message).at(table.header.clone());
-        problem.help(help)
-    };
+    check_places(job, table, &mut problems);
+    no_angles(table).into_iter().for_each(|problem| problems.push(problem));
     let mut all = rotations(job, table);
-    if Rotation::all().all(|rotation| all[rotation].is_none()) {
-        problems.push(refuse(
-            format!("`{}` holds no angles, expected columns such as `ea_urad`", table.source.name),
-            "name a table with ea, eb or ec, or remove `angles`",
-        ));
-    }
     for rotation in Rotation::all() {
         match (&known[rotation], &all[rotation]) {
-            (Some(_), Some(_)) => problems.push(refuse(
-                format!("{rotation} stands in the error table and in `angles`"),
-                "give each angular error in one table",
-            )),
+            (Some(_), Some(_)) => {
+                let words = format!("{rotation} stands in the error table and in `angles`");
+                let problem = Problem::new(words).at(table.header.clone());
+                problems.push(problem.help("give each angular error in one table"));
+            }
             (Some(_), None) => all[rotation].clone_from(&known[rotation]),
             _ => {}
         }
@@ -262,9 +253,21 @@ pub(super) fn added(
     problems.or_ok(all)
 }
 
+/// Whether rows hold an angle.
+pub(in crate::machine) fn has_angles(series: &Series) -> bool {
+    series.angles_urad.iter().any(|(_, angles)| angles.is_some())
+}
+
+/// The problem of a table without any.
+pub(in crate::machine) fn no_angles(table: &ErrorTable) -> Option<Problem> {
+    let name = &table.source.name;
+    let words = format!("`{name}` holds no angles, expected columns such as `ea_urad`");
+    let help = "name a table with ea, eb or ec, or remove `angles`";
+    (!holds(table, has_angles)).then(|| Problem::new(words).at(table.header.clone()).help(help))
+}
+
 /// What a kit has to say of measured angles.
 pub(super) fn not_compensated(table: &ErrorTable) -> Option<Finding> {
-    let has_angles = |s: &Series| s.angles_urad.iter().any(|(_, angles)| angles.is_some());
     holds(table, has_angles).then(|| ModelFinding::AnglesNotCompensated.into())
 }
 

@@ -9,9 +9,8 @@
 //! of the equations is wrong it cannot tell. A line whose uncertainty is not known counts as exact.
 
 use super::findings::SeparationFinding;
-use super::metric::{Equation, Equations, Metric};
+use super::metric::{Equation, Equations, Estimated};
 use super::noise::{NORMAL_ONE_SIDED, chance_of};
-use super::plane::Unknown;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::Figure;
 
@@ -101,12 +100,12 @@ impl Agreement {
 
 impl Equations {
     /// Tests the redundancy; `None` where there is none.
-    pub(super) fn agreement(&self, metric: &Metric) -> Option<Agreement> {
+    pub(super) fn agreement(&self, found: &[Estimated; 6]) -> Option<Agreement> {
         let freedom = self.redundancy();
         if freedom == 0 {
             return None;
         }
-        let slopes = (0..6).filter_map(|index| metric.value(Unknown(index)));
+        let slopes = found.iter().filter_map(|one| one.um_per_m);
         let largest = slopes.fold(0.0, |largest: f64, slope| largest.max(slope.abs()));
         let variances = self.test_variances(largest);
         let chi_squared = self.solved_with(|one| one.direction, &variances)?.chi_squared;

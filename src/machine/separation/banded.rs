@@ -3,6 +3,7 @@
 use nalgebra::DVector;
 
 /// The Cholesky factor of such a matrix.
+#[derive(Clone)]
 pub(super) struct Banded {
     /// How far below the diagonal entries lie.
     reach: usize,

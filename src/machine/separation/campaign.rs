@@ -1,9 +1,7 @@
 //! What goes into a separation: how it was measured, the corrected readings, lines beside them; from a job
 //! and the tables it names.
 
-use super::corrections::{
-    AngleEffects, AngleEvidence, AngleModel, END_TOLERANCE_MM, angle_effects, without_expansion,
-};
+use super::corrections::{AngleEffects, AngleModel, expansion_um, falls_short};
 use super::curves::{at, mean};
 use super::linear_reversal::{LinearReversal, LinearReversals, Way};
 use super::readings::CorrectedRun;
@@ -11,10 +9,10 @@ use crate::inputs::error_table::{Cause, ErrorTable, Silence};
 use crate::inputs::job::{
     Beam, DiagonalMeasurement, Job, Linear, LinearSlope, SetUp, StatedUncertainty,
 };
-use crate::machine::model::measured::check_zeros;
+use crate::machine::model::measured::{check_zeros, no_angles};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Run, Volume};
-use crate::quantity::units::Millimetres;
+use crate::quantity::units::{Deviation, Millimetres};
 use crate::text::problem::{Problem, Problems};
 
 /// What goes into a separation beside the readings.
@@ -29,7 +27,7 @@ pub struct Campaign<'a> {
     /// Reversal of single axes from linear measurements in both directions.
     pub reversals: LinearReversals,
     /// Effects of angular errors on the readings.
-    pub angles: Option<AngleEffects>,
+    pub angles: AngleEffects,
     /// Whether reverse readings count from the forward start; else only their increments hold.
     pub reverse_zero_known: bool,
 }
@@ -42,7 +40,7 @@ impl Campaign<'_> {
         let is_perfect = self.measurement.setup == SetUp::AssumePerfect;
         let has_u = self.lines.iter().all(|line| line.u_um_per_m.is_some());
         let all = [
-            (Cause::Angles, open(!self.angle_evidence().missing.is_empty(), stated.angle_urad)),
+            (Cause::Angles, open(!self.angles.evidence.missing.is_empty(), stated.angle_urad)),
             (Cause::SetUps, stated.setup_ppm),
             (Cause::Slopes, open(!has_u, None)),
             (Cause::Tilt, open(is_perfect, stated.tilt_arcsec)),
@@ -55,12 +53,6 @@ impl Campaign<'_> {
             not_stated: of(&|bound| bound.is_none()),
             neglected: of(&|bound| bound.is_some_and(|bound| bound <= 0.0)),
         }
-    }
-
-    /// What is known of the angular errors.
-    pub(crate) fn angle_evidence(&self) -> AngleEvidence {
-        let angles = self.angles.as_ref();
-        angles.map_or_else(|| AngleEvidence::nothing(None), |a| a.evidence.clone())
     }
 }
 
@@ -84,15 +76,13 @@ pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<CorrectedRun> {
     let material = measurement.material.as_ref();
     let material = material.filter(|material| !material.material_corrected);
     let correct = |run: &Run| {
-        let mut readings_um = match material {
-            Some(of) => without_expansion(&measurement.volume, measurement.kind, of, run),
-            None => run.deviations.iter().map(|of| of.um()).collect(),
+        let (volume, kind) = (&measurement.volume, measurement.kind);
+        let effect = campaign.angles.of(run.diagonal, run.pass);
+        let reading = |(node, deviation): (usize, &Deviation)| {
+            let expansion = material.map_or(0.0, |of| expansion_um(volume, kind, of, run, node));
+            deviation.um() - expansion - effect.map_or(0.0, |effect| effect[node])
         };
-        let effects = campaign.angles.as_ref();
-        let effect = effects.and_then(|effects| effects.of(run.diagonal, run.pass));
-        for (reading, effect) in readings_um.iter_mut().zip(effect.unwrap_or_default()) {
-            *reading -= effect;
-        }
+        let readings_um = run.deviations.iter().enumerate().map(reading).collect();
         CorrectedRun { diagonal: run.diagonal, number: run.number, pass: run.pass, readings_um }
     };
     runs.iter().map(correct).collect()
@@ -128,16 +118,14 @@ pub fn campaign<'a>(
         reversals[linear.axis] = reversals[linear.axis].take().or_else(found);
     }
     lines.extend(measurement.beams.iter().map(beam_line));
-    let angles = match &tables.angles {
-        None => Some(AngleEffects::unmeasured(job.machine.chain)),
-        Some(table) => problems.take(angles(job, measurement, table)),
-    };
+    let angles = tables.angles.as_ref().map(|table| angles(job, measurement, table));
+    let angles = angles.and_then(|angles| problems.take(angles));
     problems.or_ok(Campaign {
         measurement,
         stated: job.measurement.uncertainty,
         lines,
         reversals,
-        angles,
+        angles: angles.unwrap_or_else(|| AngleEffects::unmeasured(job.machine.chain)),
         reverse_zero_known,
     })
 }
@@ -166,8 +154,8 @@ fn linear_line(
     let per_m = |um: &[f64], of: fn(f64, f64) -> f64| {
         1000.0 * of(um[volume.steps], um[0]) / volume.size[linear.axis].mm()
     };
-    let slopes = ways.iter().map(|way| per_m(&way.um, |high, low| high - low));
-    let u = ways.iter().map(|way| Some(per_m(way.u_um.as_ref()?, f64::hypot)));
+    let slopes = ways.iter().map(|(_, um, _)| per_m(um, |high, low| high - low));
+    let u = ways.iter().map(|(.., u_um)| Some(per_m(u_um.as_ref()?, f64::hypot)));
     let u = u.collect::<Option<Vec<f64>>>().filter(|u| !u.is_empty());
     let line = MeasuredLine {
         direction: PerAxis::from_fn(|axis| f64::from(axis == linear.axis)),
@@ -181,42 +169,26 @@ fn linear_line(
 /// A linear measurement at the interval ends of the box.
 fn over_box(volume: &Volume, axis: Axis, table: &ErrorTable) -> Result<Vec<Way>, Problems> {
     let nodes = volume.positions(axis);
-    let low = volume.start[axis].mm();
-    let high = low + volume.size[axis].mm();
-    let refuse = |message: String, help: &str| {
-        Err(Problems::from(Problem::new(message).at(table.header.clone()).help(help)))
-    };
+    let words = (format!("E{axis}{axis} is"), "the axis");
     let mut ways = Vec::new();
     for series in table.series(axis) {
         let Some(values) = &series.deviations[axis] else { continue };
-        if let (Some(first), Some(last)) = (series.positions.first(), series.positions.last())
-            && (first.mm() > low + END_TOLERANCE_MM || last.mm() < high - END_TOLERANCE_MM)
-        {
-            return refuse(
-                format!(
-                    "E{axis}{axis} is measured from {} to {} mm, but the diagonals go from {low} to {high} mm",
-                    first.mm(),
-                    last.mm()
-                ),
-                "measure the axis over the whole box; nothing is extrapolated",
-            );
+        if let Some(problem) = falls_short(table, series, (volume, axis), &words) {
+            return Err(problem.into());
         }
         let over = |um: &[f64]| -> Vec<f64> {
             nodes.iter().map(|node| at(&series.positions, um, node.mm())).collect()
         };
-        ways.push(Way {
-            direction: series.direction,
-            um: over(&values.iter().map(|value| value.um()).collect::<Vec<f64>>()),
-            u_um: series.uncertainties_um[axis].as_deref().map(over),
-        });
+        let um: Vec<f64> = values.iter().map(|value| value.um()).collect();
+        let u_um = series.uncertainties_um[axis].as_deref().map(over);
+        ways.push((series.direction, over(&um), u_um));
     }
     if ways.is_empty() {
-        return refuse(
-            format!(
-                "the table holds no positioning error of {axis} (E{axis}{axis}), expected its linear measurement"
-            ),
-            "name a table with rows of that axis and its own direction",
+        let words = format!(
+            "the table holds no positioning error of {axis} (E{axis}{axis}), expected its linear measurement"
         );
+        let help = "name a table with rows of that axis and its own direction";
+        return Err(Problem::new(words).at(table.header.clone()).help(help).into());
     }
     Ok(ways)
 }
@@ -244,18 +216,15 @@ pub fn angles(
             .help("state it, e.g. `chain = \"wXYZt\"`")
             .into());
     };
-    let levers = &job.measurement.levers;
-    let origin = levers.origin(&job.machine.axes);
-    let model = AngleModel::new(table, chain, (levers, origin), measurement.target);
-    if model.is_empty() {
-        let name = &table.source.name;
-        let message = format!("`{name}` holds no angles, expected columns such as `ea_urad`");
-        let help = "name a table with ea, eb or ec, or remove `angles`";
-        return Err(Problem::new(message).at(table.header.clone()).help(help).into());
+    let levers = job.measurement.levers;
+    let (order, origin) = (chain.order(), levers.origin(&job.machine.axes));
+    if let Some(problem) = no_angles(table) {
+        return Err(problem.into());
     }
+    let model = AngleModel { table, order, levers, origin, measurement };
     let mut problems = Problems::none();
-    problems.take(model.check(&measurement.volume));
+    problems.take(model.check());
     check_zeros(job, table, &mut problems);
     problems.or_ok(())?;
-    Ok(angle_effects(&model, &measurement.volume, measurement.kind))
+    Ok(model.effects())
 }

@@ -17,20 +17,19 @@
 //! readings are named with the ramps left free, so that a ramp accuses no reading; then the ramps
 //! are judged with those readings left out, so that no reading makes a ramp.
 
-use super::campaign::{Campaign, corrected};
-use super::corrections::recorded;
 use super::curves::{mean, noise_gain};
 use super::findings::SeparationFinding as Found;
+use super::linear::Model;
 use super::noise::{
-    ENOUGH, FALSE_DOUBT, Noise, NoiseSource, Outlier, UNRESOLVED_UM, chance_of, float, repeats,
-    student, tails,
+    FALSE_DOUBT, Noise, NoiseSource, Outlier, UNRESOLVED_UM, chance_of, float, student, tails,
 };
-use super::patterns::{Known, Patterns, Ramps};
-use super::readings::{CorrectedRun, Means, RunCounts, pass_of, run_counts};
+use super::patterns::{Patterns, Ramps};
+use super::readings::{RunCounts, pass_of};
+use super::start::Start;
 use super::steps::Steps;
-use crate::inputs::job::{Material, SetUp};
-use crate::quantity::axis::{Axis, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
+use crate::inputs::job::SetUp;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Volume};
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
 
@@ -163,36 +162,35 @@ pub(super) fn large_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Optio
     (chance_of(square, freedom, None)? < FALSE_DOUBT).then(|| doubt.into())
 }
 
-/// The closure of mean readings.
+/// The closure of mean readings, with or without the first and last intervals, which a missing overrun spoils; `causes`:
+/// what stated angles do to the readings.
 pub(super) fn closure(
     steps: &Steps<'_>,
-    means: &Means,
-    runs: &RunCounts,
-    known: Known<'_>,
+    start: &Start,
+    skip_ends: bool,
+    causes: Option<&Model>,
 ) -> Closure {
-    let z = steps.layout.measured(means, &[]);
+    let z = steps.layout.measured(&start.means, &[]);
     let w = |axis, at| steps.mean(|group| steps.closure(group, axis, at)).dot(&z);
     let by_interval: PerAxis<Vec<f64>> =
         PerAxis::from_fn(|axis| (0..steps.volume.steps).map(|at| w(axis, at)).collect());
-    let outliers = known.outliers.to_vec();
     let mut closure = Closure {
         mean: PerAxis::from_fn(|axis| mean(by_interval[axis].iter().copied())),
         by_interval,
-        scatter: PerAxis::from_fn(|axis| scatter(steps, runs, axis)),
+        scatter: PerAxis::from_fn(|axis| scatter(steps, &start.counts, axis)),
         ramps: None,
         weighted_square: 0.0,
         freedom: 0,
-        outliers,
+        outliers: start.outliers.clone(),
     };
-    let Some(mut patterns) = Patterns::new(steps, means, runs, known) else { return closure };
+    let Some(mut patterns) = Patterns::new(steps, start, skip_ends) else { return closure };
     // Disturbed readings with the ramps left free; then the ramps without those readings.
-    let before = patterns.out.clone();
-    patterns.leave_out_ramps();
-    let found = patterns.name_outliers(known.noise.map(|noise| noise.sigma_um));
-    patterns.out = before;
+    let mut beside_ramps = patterns.clone();
+    beside_ramps.leave_out_ramps();
+    let found = beside_ramps.name_outliers(start.noise.map(|noise| noise.sigma_um));
     patterns.leave_out_readings(found.iter().filter_map(|outlier| outlier.readings.first()));
     closure.outliers.extend(found);
-    closure.ramps = patterns.ramps(known);
+    closure.ramps = patterns.ramps(start.noise, causes);
     if closure.ramps.as_ref().is_some_and(Ramps::is_no_noise) {
         patterns.leave_out_ramps();
     }
@@ -207,59 +205,4 @@ fn scatter(steps: &Steps<'_>, runs: &RunCounts, axis: Axis) -> f64 {
         groups.iter().flat_map(|group| Diagonal::ALL.map(|d| (d, pass_of(*group, d, axis))));
     let variances = walks.map(|(d, pass)| 2.0 / runs[d][pass as usize]);
     variances.sum::<f64>().sqrt() / float(groups.len())
-}
-
-/// The runs of a measurement and what they say by themselves.
-pub(super) struct Start {
-    /// Expansion of the scales at the mean of the recorded temperatures.
-    pub(super) material: Option<Material>,
-    /// The corrected runs.
-    pub(super) runs: Vec<CorrectedRun>,
-    /// The runs whose zero is that of the forward run: all, or the forward passes only.
-    pub(super) zeroed_runs: Vec<CorrectedRun>,
-    pub(super) counts: RunCounts,
-    /// Disturbed readings of single runs.
-    pub(super) outliers: Vec<Outlier>,
-    /// σ of a reading where repeats or the job give it.
-    pub(super) noise: Option<Noise>,
-    /// By how much reversals are known to change along their axes from elsewhere, µm.
-    pub(super) change_um: PerTerm<f64>,
-}
-
-impl Start {
-    pub(super) fn new(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Start {
-        let material = campaign.measurement.material;
-        let runs = corrected(campaign, raw_runs);
-        let (noise, outliers) = repeats(&runs);
-        let zeroed = |run: &&CorrectedRun| campaign.reverse_zero_known || run.pass == Pass::Forward;
-        Start {
-            change_um: PerTerm::from_fn(|_| 0.0),
-            material: material.map(|material| recorded(&material, raw_runs)),
-            zeroed_runs: runs.iter().filter(zeroed).cloned().collect(),
-            counts: run_counts(&runs),
-            outliers,
-            noise: known_noise(campaign, noise),
-            runs,
-        }
-    }
-
-    /// Whether every diagonal was walked back, too.
-    pub(super) fn walked_back(&self) -> bool {
-        self.counts.iter().all(|(_, runs)| runs[1] > 0.0)
-    }
-}
-
-/// σ of a reading before the closure is judged: repeats say most; else the closure itself, unless it leaves few
-/// degrees of freedom and the job states one.
-fn known_noise(campaign: &Campaign<'_>, repeats: Option<Noise>) -> Option<Noise> {
-    let stated_um = campaign.stated.noise_um;
-    let measurement = campaign.measurement;
-    let of_closure =
-        3 * measurement.volume.steps >= ENOUGH + 3 && measurement.kind == PathKind::Step;
-    let stated = stated_um.filter(|_| !of_closure).map(|sigma_um| Noise {
-        sigma_um,
-        freedom: None,
-        source: NoiseSource::Stated,
-    });
-    repeats.map(|found| found.with_stated(stated_um)).or(stated)
 }

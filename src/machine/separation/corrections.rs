@@ -4,15 +4,15 @@
 use super::curves::{at, mean};
 use super::findings::SeparationFinding;
 use crate::inputs::error_table::{ErrorTable, Series};
-use crate::inputs::job::{AxisMaterial, Levers, Material, Reflector};
+use crate::inputs::job::{AxisMaterial, DiagonalMeasurement, Levers, Material, Reflector};
+use crate::machine::model::measured::has_angles;
 use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
 use crate::quantity::chain::{Chain, displaced};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
-use crate::quantity::units::Deviation;
 use crate::text::problem::{Problem, Problems};
 
 /// How far a table may fall short of the measured box, mm.
-pub(super) const END_TOLERANCE_MM: f64 = 0.01;
+const END_TOLERANCE_MM: f64 = 0.01;
 /// Reference temperature of ISO 1, °C.
 pub const REFERENCE_C: f64 = 20.0;
 
@@ -56,19 +56,6 @@ pub fn recorded(material: &Material, runs: &[Run]) -> Material {
     }
 }
 
-/// The run with the expansion of the scales taken off.
-pub(crate) fn without_expansion(
-    volume: &Volume,
-    kind: PathKind,
-    material: &Material,
-    run: &Run,
-) -> Vec<f64> {
-    let correct = |(node, deviation): (usize, &Deviation)| {
-        deviation.um() - expansion_um(volume, kind, material, run, node)
-    };
-    run.deviations.iter().enumerate().map(correct).collect()
-}
-
 /// What rotations of the axes do to the readings along a diagonal, µm, by node; `at`: [`displaced`] at a place, mm.
 ///
 /// formula  u · e; flat mirror: + (Σ r − Σ r at the start) × u · lateral distance from the diagonal
@@ -94,42 +81,17 @@ pub(super) fn of_rotations(
     (0..=volume.last_node(kind)).map(effect).collect()
 }
 
-/// Measured angular errors and the levers on which they act.
-#[derive(Clone, Debug)]
-pub struct AngleModel<'a> {
-    table: &'a ErrorTable,
-    chain: [Axis; 3],
-    levers: Levers,
-    /// Where the levers count from, mm.
-    origin: PerAxis<f64>,
-    reflector: Reflector,
+/// Measured angular errors and the levers on which they act in a measurement.
+pub(super) struct AngleModel<'a> {
+    pub(super) table: &'a ErrorTable,
+    pub(super) order: [Axis; 3],
+    pub(super) levers: Levers,
+    /// Where the levers count from, mm ([`Levers::origin`]).
+    pub(super) origin: PerAxis<f64>,
+    pub(super) measurement: &'a DiagonalMeasurement,
 }
 
-impl<'a> AngleModel<'a> {
-    /// The model of a job's angles. `chain` is that of contract §1, e.g. `wXYZt`; `origin` =
-    /// [`Levers::origin`].
-    pub fn new(
-        table: &'a ErrorTable,
-        chain: Chain,
-        (levers, origin): (&Levers, PerAxis<f64>),
-        reflector: Reflector,
-    ) -> AngleModel<'a> {
-        AngleModel { table, chain: chain.order(), levers: *levers, origin, reflector }
-    }
-
-    /// Whether no angle is known.
-    pub(crate) fn is_empty(&self) -> bool {
-        let all = Axis::ALL.into_iter().flat_map(|axis| self.table.series(axis));
-        all.flat_map(|s| s.angles_urad.iter()).all(|(_, angles)| angles.is_none())
-    }
-
-    /// Whether a rotation is known, in every direction that the table has.
-    fn knows(&self, wanted: Rotation) -> bool {
-        let all = self.table.series(wanted.along);
-        let known = |s: &Series| s.angles_urad[wanted.about].is_some();
-        !all.is_empty() && all.iter().all(known)
-    }
-
+impl AngleModel<'_> {
     /// Rotation of an axis at a machine position less that where its angles are zero (mean of the directions), µrad.
     /// What was not measured counts as zero; [`AngleEvidence`] names it.
     fn rotation(&self, axis: Axis, position: f64, direction: Direction) -> PerAxis<f64> {
@@ -146,8 +108,14 @@ impl<'a> AngleModel<'a> {
     }
 
     /// What is known of the angles and their levers.
-    fn evidence(&self, volume: &Volume) -> AngleEvidence {
-        let missing = Rotation::all().filter(|rotation| !self.knows(*rotation));
+    fn evidence(&self) -> AngleEvidence {
+        let volume = &self.measurement.volume;
+        // Known in every direction that the table has.
+        let is_missing = |of: &Rotation| {
+            let all = self.table.series(of.along);
+            all.is_empty() || all.iter().any(|s| s.angles_urad[of.about].is_none())
+        };
+        let missing = Rotation::all().filter(is_missing);
         let mut largest_urad = 0.0f64;
         for axis in Axis::ALL {
             let low = volume.start[axis].mm();
@@ -164,53 +132,61 @@ impl<'a> AngleModel<'a> {
         AngleEvidence {
             uncertain: uncertain.collect(),
             missing: missing.collect(),
-            order: Some(self.chain),
+            order: Some(self.order),
             levers: self.levers,
             origin: self.origin,
             largest_urad,
         }
     }
 
-    /// What the angular errors add to the readings of a pass along a diagonal, µm, by node.
-    pub fn effect_um(
-        &self,
-        volume: &Volume,
-        kind: PathKind,
-        diagonal: Diagonal,
-        pass: Pass,
-    ) -> Vec<f64> {
+    /// What the angular errors add to the readings, and what is known of them.
+    pub(super) fn effects(&self) -> AngleEffects {
         let tool = PerAxis::from_fn(|axis| self.levers.tool.map_or(0.0, |tool| tool[axis].mm()));
-        of_rotations((volume, kind, self.reflector), diagonal, |place| {
-            let turned = |axis| self.rotation(axis, place[axis], diagonal.travelled(axis, pass));
-            displaced(self.chain, turned, place.minus(self.origin), tool)
-        })
+        let measurement = self.measurement;
+        let ray = (&measurement.volume, measurement.kind, measurement.target);
+        let of = |diagonal: Diagonal, pass: Pass| {
+            of_rotations(ray, diagonal, |place| {
+                let way = |axis| diagonal.travelled(axis, pass);
+                let turned = |axis| self.rotation(axis, place[axis], way(axis));
+                displaced(self.order, turned, place.minus(self.origin), tool)
+            })
+        };
+        let both = |diagonal| Pass::BOTH.map(|pass| of(diagonal, pass));
+        AngleEffects { by_pass: Some(PerDiagonal::from_fn(both)), evidence: self.evidence() }
     }
 
     /// Problems: angles that do not cover the measured box.
-    pub fn check(&self, volume: &Volume) -> Result<(), Problems> {
+    pub(super) fn check(&self) -> Result<(), Problems> {
         let mut problems = Problems::none();
         for axis in Axis::ALL {
-            let low = volume.start[axis].mm();
-            let high = (volume.start[axis] + volume.size[axis]).mm();
-            let measured = |s: &&Series| s.angles_urad.iter().any(|(_, angles)| angles.is_some());
-            let series = self.table.series(axis).iter().filter(measured);
-            let ends = series.filter_map(|s| s.positions.first().zip(s.positions.last()));
-            let short = ends.filter(|(first, last)| {
-                first.mm() > low + END_TOLERANCE_MM || last.mm() < high - END_TOLERANCE_MM
-            });
-            short.for_each(|(first, last)| {
-                let problem = Problem::new(format!(
-                    "the angles of {axis} are measured from {} to {} mm, but the diagonals go from {low} to {high} mm",
-                    first.mm(),
-                    last.mm()
-                ))
-                .at(self.table.header.clone())
-                .help("measure the angles over the whole box; nothing is extrapolated");
-                problems.push(problem);
-            });
+            let words = (format!("the angles of {axis} are"), "the angles");
+            let series = self.table.series(axis).iter().filter(|s| has_angles(s));
+            let volume = &self.measurement.volume;
+            let short = series.filter_map(|s| falls_short(self.table, s, (volume, axis), &words));
+            short.for_each(|problem| problems.push(problem));
         }
         problems.or_ok(())
     }
+}
+
+/// The problem of positions that do not cover the measured box; what is measured there and what to measure, in words.
+pub(super) fn falls_short(
+    table: &ErrorTable,
+    series: &Series,
+    (volume, axis): (&Volume, Axis),
+    (is_measured, what): &(String, &str),
+) -> Option<Problem> {
+    let (first, last) = series.positions.first().zip(series.positions.last())?;
+    let (low, high) = (volume.start[axis].mm(), (volume.start[axis] + volume.size[axis]).mm());
+    let is_short = first.mm() > low + END_TOLERANCE_MM || last.mm() < high - END_TOLERANCE_MM;
+    let (first, last) = (first.mm(), last.mm());
+    let words = || {
+        format!(
+            "{is_measured} measured from {first} to {last} mm, but the diagonals go from {low} to {high} mm"
+        )
+    };
+    let help = format!("measure {what} over the whole box; nothing is extrapolated");
+    is_short.then(|| Problem::new(words()).at(table.header.clone()).help(help))
 }
 
 /// Effects of the measured angles on both passes along every diagonal, and what is known of the
@@ -226,8 +202,15 @@ pub struct AngleEffects {
 impl AngleEffects {
     /// No angle was measured.
     pub fn unmeasured(chain: Option<Chain>) -> AngleEffects {
-        let order = chain.map(Chain::order);
-        AngleEffects { by_pass: None, evidence: AngleEvidence::nothing(order) }
+        let evidence = AngleEvidence {
+            missing: Rotation::all().collect(),
+            uncertain: Vec::new(),
+            order: chain.map(Chain::order),
+            levers: Levers::default(),
+            origin: PerAxis::default(),
+            largest_urad: 0.0,
+        };
+        AngleEffects { by_pass: None, evidence }
     }
 
     /// Effects on a pass, µm by node; `None` where no angle was measured.
@@ -235,12 +218,6 @@ impl AngleEffects {
         let both = &self.by_pass.as_ref()?[diagonal];
         Some(&both[usize::from(pass == Pass::Reverse)])
     }
-}
-
-/// The effects of a model on all passes.
-pub fn angle_effects(model: &AngleModel<'_>, volume: &Volume, kind: PathKind) -> AngleEffects {
-    let of = |diagonal| Pass::BOTH.map(|pass| model.effect_um(volume, kind, diagonal, pass));
-    AngleEffects { by_pass: Some(PerDiagonal::from_fn(of)), evidence: model.evidence(volume) }
 }
 
 /// What is known of the nine angular errors and of their levers.
@@ -261,16 +238,14 @@ pub struct AngleEvidence {
 }
 
 impl AngleEvidence {
-    /// No angle was measured.
-    pub fn nothing(order: Option<[Axis; 3]>) -> AngleEvidence {
-        AngleEvidence {
-            missing: Rotation::all().collect(),
-            uncertain: Vec::new(),
-            order,
-            levers: Levers::default(),
-            origin: PerAxis::default(),
-            largest_urad: 0.0,
-        }
+    /// Whether anything was measured.
+    pub(super) fn has_angles(&self) -> bool {
+        self.missing.len() < Rotation::all().count()
+    }
+
+    /// The orders that the axes may have.
+    pub(super) fn orders(&self) -> &[[Axis; 3]] {
+        self.order.as_ref().map_or(&Axis::ORDERS, std::slice::from_ref)
     }
 
     /// What was not measured, what counts of it, and what the levers were taken for.
@@ -284,7 +259,7 @@ impl AngleEvidence {
                 chain_is_stated: self.order.is_some(),
             });
         }
-        if self.missing.len() == 9 {
+        if !self.has_angles() {
             return labels;
         }
         let far_um = 0.1 * self.largest_urad;

@@ -24,14 +24,14 @@
 //! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
 //! (docs/accuracy.md §8, tests/studies/exchanged.rs).
 
-use super::campaign::{Campaign, corrected};
-use super::closure::{Closure, Start, closure};
+use super::closure::{Closure, closure};
 use super::findings::SeparationFinding;
 use super::linear::Model;
-use super::noise::{DIGIT_UM, Noise, Outlier, UNRESOLVED_UM, float};
-use super::patterns::{Known, Patterns};
-use super::readings::{Means, RunCounts, means, run_counts};
-use super::steps::Steps;
+use super::noise::{DIGIT_UM, Outlier, UNRESOLVED_UM, float};
+use super::patterns::Patterns;
+use super::readings::RunCounts;
+use super::start::Start;
+use super::uncertainty::Budget;
 use crate::inputs::job::SetUp;
 use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Run};
@@ -52,23 +52,17 @@ const SURE: f64 = 0.95;
 /// A scatter of the best assignment above this quantile belies the noise that is known otherwise.
 const BELIEVED: f64 = 0.999;
 
-/// The readings and what they say under the names of the file.
-pub(super) struct AsRead<'a, 'c> {
-    pub(super) campaign: &'a Campaign<'c>,
-    pub(super) runs: &'a [Run],
-    pub(super) start: &'a Start,
-    pub(super) closure: &'a Closure,
-    pub(super) noise: Option<Noise>,
-    pub(super) overrun: Option<bool>,
-    /// What stated angles do.
-    pub(super) causes: &'a Model,
-}
-
 /// Compares the recorded names with every other way to share them out: a doubt where another assignment is clearly
-/// likelier, else a note of slips that these readings would hardly show.
-pub(super) fn names(read: AsRead<'_, '_>) -> Option<Finding> {
-    let trial = Trial::new(read)?;
-    trial.likelier().or_else(|| trial.hardly_shown()).map(Finding::from)
+/// likelier, else a note of slips that these readings would hardly show. `closure`: under the recorded names; `causes`:
+/// what stated angles do.
+pub(super) fn names(
+    budget: &Budget<'_>,
+    raw_runs: &[Run],
+    closure: &Closure,
+    causes: &Model,
+) -> Option<Finding> {
+    let trial = Trial::new(budget, raw_runs, causes)?;
+    trial.likelier(closure).or_else(|| trial.hardly_shown()).map(Finding::from)
 }
 
 /// Under which diagonal's name the readings of a file belong: by the name in the file.
@@ -125,8 +119,9 @@ fn in_words(order: [Axis; 3]) -> String {
 type Tried = (Naming, f64);
 
 /// All ways, and what they are compared by.
-struct Trial<'a, 'c> {
-    read: AsRead<'a, 'c>,
+struct Trial<'a> {
+    budget: &'a Budget<'a>,
+    raw_runs: &'a [Run],
     /// Q of the recorded names.
     recorded: f64,
     others: Vec<Tried>,
@@ -138,57 +133,43 @@ struct Trial<'a, 'c> {
     sigma_um: Option<f64>,
 }
 
-impl<'c> AsRead<'_, 'c> {
-    /// The readings under some names: their means and counts, the disturbed ones of single runs.
-    fn renamed(&self, naming: &Naming) -> (Means, RunCounts, Vec<Outlier>) {
-        let mut runs = self.runs.to_vec();
-        runs.iter_mut().for_each(|run| run.diagonal = naming.0[run.diagonal]);
-        let runs = corrected(self.campaign, &runs);
-        let mut outliers = self.start.outliers.clone();
-        for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
-            place.diagonal = naming.0[place.diagonal];
-        }
-        (means(&runs), run_counts(&runs), outliers)
+/// The readings under some names, and which of them are disturbed.
+fn renamed(budget: &Budget<'_>, raw_runs: &[Run], naming: &Naming) -> Start {
+    let mut runs = raw_runs.to_vec();
+    runs.iter_mut().for_each(|run| run.diagonal = naming.0[run.diagonal]);
+    let mut outliers = budget.start.outliers.clone();
+    for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
+        place.diagonal = naming.0[place.diagonal];
     }
-
-    fn steps(&self, means: &Means) -> Steps<'c> {
-        let turned = self.overrun == Some(false);
-        Steps::of_readings(&self.campaign.measurement.volume, means, turned)
-    }
-
-    fn known<'o>(&self, outliers: &'o [Outlier]) -> Known<'o> {
-        let skip_ends = self.start.walked_back() && self.overrun != Some(true);
-        Known { noise: self.start.noise, outliers, skip_ends, causes: None }
-    }
+    Start { outliers, noise: budget.start.noise, ..Start::new(budget.campaign, &runs) }
 }
 
-impl<'a, 'c> Trial<'a, 'c> {
+impl<'a> Trial<'a> {
     /// `None` where the closure has no degrees of freedom.
-    fn new(read: AsRead<'a, 'c>) -> Option<Trial<'a, 'c>> {
+    fn new(budget: &'a Budget<'a>, raw_runs: &'a [Run], causes: &Model) -> Option<Trial<'a>> {
         // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
-        let stated_um = read.campaign.stated.noise_um;
+        let stated_um = budget.campaign.stated.noise_um;
         let stated_um =
-            stated_um.filter(|um| read.noise.is_some_and(|found| !found.contradicts(*um)));
-        let known_um = read.start.noise.map(|noise| noise.sigma_um).or(stated_um);
+            stated_um.filter(|um| budget.noise.is_some_and(|found| !found.contradicts(*um)));
+        let known_um = budget.start.noise.map(|noise| noise.sigma_um).or(stated_um);
         // Ways that share counts and disturbed readings share the least-squares problem.
         let mut shared: Option<(RunCounts, Vec<Outlier>, Patterns)> = None;
         let (mut others, mut freedom) = (Vec::new(), 0.0);
         for naming in Naming::all() {
-            let (means, counts, outliers) = read.renamed(&naming);
-            if !shared.as_ref().is_some_and(|(c, o, _)| *c == counts && *o == outliers) {
-                let steps = read.steps(&means);
-                let mut left = Patterns::new(&steps, &means, &counts, read.known(&outliers))?;
+            let start = &renamed(budget, raw_runs, &naming);
+            let Start { means, counts, outliers, .. } = start;
+            if !shared.as_ref().is_some_and(|(c, o, _)| c == counts && o == outliers) {
+                let mut left = Patterns::new(&budget.steps(), start, budget.skips_ends())?;
                 // What stated angles do belongs to no other name.
-                left.leave_out_angles(read.causes);
+                left.leave_out_angles(causes);
                 freedom = if shared.is_none() { float(left.scatter().1) } else { freedom };
-                shared = Some((counts, outliers, left));
+                shared = Some((counts.clone(), outliers.clone(), left));
             }
-            others.push((naming, shared.as_ref()?.2.square_of(&means)));
+            others.push((naming, shared.as_ref()?.2.square_of(means)));
         }
-        let (recorded, intervals) =
-            (others.remove(0).1, read.campaign.measurement.volume.steps_f64() - 1.0);
+        let (recorded, intervals) = (others.remove(0).1, budget.volume().steps_f64() - 1.0);
         let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
-        let trial = Trial { read, recorded, others, freedom, intervals, sigma_um };
+        let trial = Trial { budget, raw_runs, recorded, others, freedom, intervals, sigma_um };
         (freedom > 0.0).then_some(trial)
     }
 
@@ -219,9 +200,8 @@ impl<'a, 'c> Trial<'a, 'c> {
 
     /// The names that are clearly likelier than the recorded ones and leave nothing to doubt. What
     /// disturbed readings and roll explain of the recorded names is left out of these before.
-    fn likelier(&self) -> Option<SeparationFinding> {
+    fn likelier(&self, before: &Closure) -> Option<SeparationFinding> {
         let (naming, best) = self.others.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let before = self.read.closure;
         let seen = before.sigma_um().unwrap_or(0.0) > UNRESOLVED_UM;
         // That just the readings are off that the closure of the recorded names calls disturbed has a chance of its own.
         let singly = |o: &&Outlier| o.readings.iter().all(|place| place.run.is_none());
@@ -231,7 +211,7 @@ impl<'a, 'c> Trial<'a, 'c> {
             return None;
         }
         let after = self.judged(naming)?;
-        let order = self.read.campaign.measurement.volume.order;
+        let order = self.budget.volume().order;
         Some(SeparationFinding::OtherNames {
             walked: naming.words(order),
             after_um: after.sigma_um()?,
@@ -243,11 +223,11 @@ impl<'a, 'c> Trial<'a, 'c> {
 
     /// The closure under other names; `None` where it leaves a doubt.
     fn judged(&self, naming: &Naming) -> Option<Closure> {
-        let read = &self.read;
-        let (means, counts, outliers) = read.renamed(naming);
-        let closure = closure(&read.steps(&means), &means, &counts, read.known(&outliers));
-        let noise = read.start.noise.or_else(|| closure.noise());
-        let doubts = closure.doubts(noise, &self.read.campaign.measurement.volume, SetUp::Solve);
+        let budget = self.budget;
+        let start = renamed(budget, self.raw_runs, naming);
+        let closure = closure(&budget.steps(), &start, budget.skips_ends(), None);
+        let noise = start.noise.or_else(|| closure.noise());
+        let doubts = closure.doubts(noise, budget.volume(), SetUp::Solve);
         doubts.is_empty().then_some(closure)
     }
 
@@ -271,7 +251,7 @@ impl<'a, 'c> Trial<'a, 'c> {
     /// The exchanges of two names and the orders that would be found in less than 95 %; no order is
     /// shown surely by a single run, whose closure is its own yardstick.
     fn hardly_shown(&self) -> Option<SeparationFinding> {
-        let recorded = self.read.campaign.measurement.volume.order;
+        let recorded = self.budget.volume().order;
         let is_weak = |slip: &&Tried| self.power(slip) < SURE;
         let exchanges = self.others.iter().filter(|(naming, _)| naming.moved().len() == 2);
         let weak: Vec<&Tried> = exchanges.clone().filter(is_weak).collect();

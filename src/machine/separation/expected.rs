@@ -5,16 +5,16 @@
 //!   passes, runs ─→ corrected readings of 0 ─→ separation, σ = what is expected ─→ U, rank, what stays open
 //! ```
 
-use super::campaign::{Campaign, corrected};
-use super::closure::Start;
+use super::campaign::Campaign;
 use super::linear_reversal::LinearReversal;
 use super::noise::Noise;
+use super::readings::CorrectedRun;
 use super::separate::{Separation, of_start};
+use super::start::Start;
 use super::uncertainty::of_length_ppm;
 use crate::inputs::job::{DiagonalMeasurement, StatedUncertainty};
-use crate::quantity::axis::{Axis, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
-use crate::quantity::units::Deviation;
+use crate::quantity::axis::{Axis, PerTerm};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
 
 /// What is expected of a measurement before its readings exist: deviations of 0, with the uncertainties
 /// that this many runs of these passes will have. `noise_um`: σ of a single reading. Whether the axes
@@ -27,32 +27,20 @@ pub(crate) fn expected(
     noise_um: f64,
     change_um: &PerTerm<f64>,
 ) -> Separation {
-    let of_noise = |noise: Noise| Noise { sigma_um: noise_um, ..noise };
-    let mut start = Start::new(campaign, &exact(campaign, passes, runs));
-    start.noise = start.noise.map(of_noise);
-    start.change_um.clone_from(change_um);
-    of_start(campaign, &start, of_noise)
-}
-
-/// Raw readings that are 0 when they are corrected.
-fn exact(campaign: &Campaign<'_>, passes: &[Pass], runs: u32) -> Vec<Run> {
-    let last = campaign.measurement.volume.last_node(PathKind::Step);
+    let nodes = campaign.measurement.volume.last_node(PathKind::Step) + 1;
     let walks = (1..=runs).flat_map(|number| passes.iter().map(move |pass| (number, *pass)));
-    let run = |number, pass, diagonal| Run {
+    let run = |(number, pass), diagonal| CorrectedRun {
         diagonal,
         number,
         pass,
-        deviations: vec![Deviation::from_um(0.0); last + 1],
-        temperatures_c: PerAxis::default(),
+        readings_um: vec![0.0; nodes],
     };
-    let all = walks.flat_map(|(number, pass)| Diagonal::ALL.map(|d| run(number, pass, d)));
-    let mut all: Vec<Run> = all.collect();
-    let corrected = corrected(campaign, &all);
-    for (run, corrected) in all.iter_mut().zip(corrected) {
-        let taken_off = corrected.readings_um.into_iter();
-        run.deviations = taken_off.map(|um| Deviation::from_um(-um)).collect();
-    }
-    all
+    let all = walks.flat_map(|walk| Diagonal::ALL.map(|diagonal| run(walk, diagonal)));
+    let mut start = Start::of(campaign, all.collect(), campaign.measurement.material);
+    start.noise = start.noise.map(|noise| Noise { sigma_um: noise_um, ..noise });
+    start.expected_um = Some(noise_um);
+    start.change_um.clone_from(change_um);
+    of_start(campaign, &start)
 }
 
 /// What a laser does wherever it measures.

@@ -19,8 +19,8 @@ use super::curves::{Curve, range};
 use super::linear::CurveRows;
 use super::noise::{Noise, student};
 use super::separate::Separation;
-use crate::inputs::error_table::{LargestErrors, Sizes};
-use crate::inputs::job::{BacklashPolicy, Job, MachineAxis};
+use crate::inputs::error_table::{LargestErrors, Remarks, Sizes};
+use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::quantity::units::{Squared, larger};
@@ -63,24 +63,13 @@ pub(super) struct Table<'a> {
     walks: Vec<TableWalk>,
 }
 
-/// How far the errors of a table may lie off, with 95 %.
-#[derive(Default)]
-pub(super) struct Largest {
-    /// What is left where a table takes them off.
-    pub(super) forecast: Option<LargestErrors>,
-    /// As they were measured, beyond the largest value.
-    pub(super) measured: Option<LargestErrors>,
-    /// Their largest u by what another measurement does not repeat, µm; `None` = it repeats nothing.
-    pub(super) anew: Option<Sizes>,
-    /// The same of one with the same laser; `None` = which it is is not stated.
-    pub(super) same_laser: Option<Sizes>,
-}
-
 impl Table<'_> {
-    /// The largest errors; nothing where an uncertainty is not known.
-    pub(super) fn largest(&self, job: &Job) -> Largest {
+    /// Says of a table how far its errors may lie off, with 95 %, and what may falsify them; nothing of the former where
+    /// an uncertainty is not known.
+    pub(super) fn remarks(&self, job: &Job, said: Remarks) -> Remarks {
+        let said = Remarks { doubtful: self.doubtful(), ..said };
         if !self.is_known() {
-            return Largest::default();
+            return said;
         }
         let angles = &self.of.model.angles;
         let orders = if angles.is_empty() { &vec![Vec::new()] } else { angles };
@@ -127,11 +116,13 @@ impl Table<'_> {
         let values = quantiles(zero(job), &[self.sizes(&self.um)]);
         let sizes_of =
             |u: &[f64]| Sizes { terms: self.terms(&self.nothing(), 1.0, u), ..Sizes::default() };
-        Largest {
-            forecast,
+        let instrument = job.measurement.instrument.clone().filter(|_| self.laser.is_some());
+        Remarks {
+            largest: forecast,
             measured: found.map(|at_most| at_most.joined(&values, |a, b| a - b)),
             anew: (!angles.is_empty()).then(|| sizes_of(&with_laser)),
-            same_laser: self.laser.map(|_| sizes_of(&u)),
+            same_laser: instrument.map(|instrument| (instrument, sizes_of(&u))),
+            ..said
         }
     }
 
@@ -163,7 +154,7 @@ impl Table<'_> {
 
     /// How far what speaks against the result by its size may move the errors: each anomaly by its worst cause,
     /// all anomalies added; `None` where nothing speaks against it.
-    pub(super) fn doubtful(&self) -> Option<Sizes> {
+    fn doubtful(&self) -> Option<Sizes> {
         let mut all = Sizes::default();
         for causes in &self.of.anomalies {
             let mut worst = Sizes::default();
@@ -182,11 +173,8 @@ fn moved_by(curves: &[TableCurve], z: &[f64]) -> Vec<f64> {
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn new(
-        of: &'a Separation,
-        job: &Job,
-        directions: &PerAxis<Vec<Option<Direction>>>,
-    ) -> Table<'a> {
+    pub(super) fn new(of: &'a Separation, job: &Job) -> Table<'a> {
+        let directions = directions(of, job);
         let mut curves: Vec<TableCurve> = Vec::new();
         let mut um = Vec::new();
         for term in ErrorTerm::ALL {
@@ -194,7 +182,10 @@ impl<'a> Table<'a> {
             let homing = machine.map(|axis| axis.homing());
             let ways = &directions[term.along];
             let zero = ways.iter().position(|way| *way == homing).unwrap_or(0) + curves.len();
-            let at = of.place_of_reference(term, machine);
+            // Where the reference lies, in steps; the end that is nearest to one beyond.
+            let (start, step) = (of.volume.start[term.along].mm(), of.volume.step_mm(term.along));
+            let at = machine.map_or(0.0, |axis| (axis.reference.mm() - start) / step);
+            let at = at.clamp(0.0, of.volume.steps_f64());
             for way in ways {
                 let Some(found) = of.of_table(term, *way) else { continue };
                 um.extend(&found.deviation_um);
@@ -220,7 +211,7 @@ impl<'a> Table<'a> {
         };
         let passes = Pass::BOTH.into_iter().take(of.model.layout.passes);
         let walks = passes.flat_map(|pass| Diagonal::ALL.map(|d| walk(d, pass))).collect();
-        let by_cause = of.model.columns.iter().map(|column| moved_by(&curves, column)).collect();
+        let by_cause = of.model.causes.iter().map(|of| moved_by(&curves, &of.column)).collect();
         let laser = of.model.laser.filter(|_| job.measurement.instrument.is_some());
         Table { of, um, by_cause, laser, curves, walks }
     }
@@ -414,15 +405,6 @@ pub(super) fn directions(separation: &Separation, job: &Job) -> PerAxis<Vec<Opti
             vec![None]
         }
     })
-}
-
-impl Separation {
-    /// Where the reference of an axis lies on its curves, in steps; the end that is nearest to one beyond.
-    fn place_of_reference(&self, term: ErrorTerm, machine: Option<MachineAxis>) -> f64 {
-        let (start, step) = (self.volume.start[term.along].mm(), self.volume.step_mm(term.along));
-        let place = machine.map_or(0.0, |axis| (axis.reference.mm() - start) / step);
-        place.clamp(0.0, self.volume.steps_f64())
-    }
 }
 
 /// A curve between its points.

@@ -8,24 +8,20 @@ use super::metric::Plane;
 use super::noise::coverage_factor;
 use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
-use super::uncertainty::{Budget, u_squareness};
+use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
 use crate::quantity::axis::Axis;
-use crate::quantity::units::{Figure, larger, rounded};
+use crate::quantity::units::{Figure, Squared, larger, rounded};
 use crate::text::finding::Finding;
 
 /// Of step runs.
-pub(super) fn of_steps(
-    budget: &Budget<'_>,
-    overrun: Option<bool>,
-    turn: Option<&Turn>,
-) -> Vec<Finding> {
+pub(super) fn of_steps(budget: &Budget<'_>, turn: Option<&Turn>) -> Vec<Finding> {
     let campaign = budget.campaign;
     let measurement = campaign.measurement;
     let (backs, tilt_arcsec) = (budget.both_ways(), campaign.stated.tilt_arcsec);
     let is_perfect = measurement.setup == SetUp::AssumePerfect;
     let from = if measurement.overrun.is_some() { "as stated" } else { "judged from the readings" };
-    let way = match overrun.filter(|_| backs) {
+    let way = match budget.overrun.filter(|_| backs) {
         _ if !backs => Found::ForwardOnly,
         Some(true) => Found::Overran { from },
         Some(false) => Found::Turned { from },
@@ -72,7 +68,7 @@ fn common(budget: &Budget<'_>) -> impl Iterator<Item = Found> {
         k: coverage_factor(noise.freedom_f64()),
     });
     let labels = [(!has_air).then_some(Found::NoAir), Some(noise)].into_iter().flatten();
-    let angles = campaign.angle_evidence().labels(campaign.stated.angle_urad);
+    let angles = campaign.angles.evidence.labels(campaign.stated.angle_urad);
     labels.chain(stated(budget)).chain(angles).chain(lines(campaign))
 }
 
@@ -93,7 +89,11 @@ fn stated(budget: &Budget<'_>) -> [Found; 6] {
         })
     };
     let is_warm = |axis| material(axis).is_some_and(|m| m.temperature_c.is_some());
-    let each = u_squareness(budget.volume(), budget.volume().diagonal_mm() / 1000.0);
+    // u(φ) = R/(2 V_j V_k)·u(e_end)
+    let each = |plane: Plane| {
+        let (volume, (a, b)) = (budget.volume(), plane.axes());
+        volume.diagonal_mm().squared() / (2.0 * volume.size[a].mm() * volume.size[b].mm())
+    };
     let warm = "alpha_per_k and temperature_c, or a column of temperatures";
     let is_known = |axis| material(axis).is_some();
     [
@@ -102,7 +102,7 @@ fn stated(budget: &Budget<'_>) -> [Found; 6] {
         by_axis("alpha_per_k", stated.alpha_per_k, &is_warm, warm),
         Found::SetUpCounts {
             ppm: stated.setup_ppm,
-            each: by_plane(|plane| format!("{} {:.2}", plane.key(), each.of(plane))),
+            each: by_plane(|plane| format!("{} {:.2}", plane.key(), each(plane))),
         },
         Found::BeamCounts { stated },
         Found::SimulatedHold,
@@ -153,9 +153,9 @@ impl Solved<'_> {
         };
         let leak = |plane: Plane| 10.0 * self.metric.leak.of(plane);
         let totals = self.squareness();
-        let as_measured = self.frame == Frame::AsMeasured;
+        let as_measured = self.measurement.frame == Frame::AsMeasured;
         let is_complete = self.metric.is_complete();
-        let labels = match self.setup {
+        let labels = match self.measurement.setup {
             // Their squareness is another one than that of the totals.
             SetUp::AssumePerfect => [
                 as_measured.then(|| Found::SeparatedSlopesKept {
@@ -178,7 +178,7 @@ impl Solved<'_> {
 
     /// What the readings do not determine.
     pub(super) fn undetermined(&self, from_turn: bool, known: &LinearReversals) -> Vec<Finding> {
-        let mut open = match self.setup {
+        let mut open = match self.measurement.setup {
             SetUp::Solve => self.metric.undetermined(),
             SetUp::AssumePerfect => Vec::new(),
         };

@@ -4,7 +4,7 @@
 //!   z      = (mean readings of each pass, linear axes and beams, what (7) neglects of each equation,
 //!             what tells the reversal beside the readings)
 //!   figure = row · z
-//!   cov(z) = diag(σ²/runs, u² of the lines, neglected²) + Σ c cᵀ     c: column, what one u of a cause does to z
+//!   cov(z) = diag(σ²/runs, u² of the lines, neglected²) + Σ u² c cᵀ     c: column, what a unit of a cause does to z
 //!   u²     = row · cov(z) · rowᵀ
 //! ```
 //! Rows are of first order: of the tilt of the mirror times noise nothing is kept.
@@ -19,7 +19,6 @@ use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
 use std::borrow::Borrow;
-use std::ops::Range;
 
 /// Parts of a variance below this share of it are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -139,6 +138,29 @@ impl Row {
     }
 }
 
+/// What acts on many entries of z at once.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Cause {
+    pub(super) part: Part,
+    /// What one unit of it does to z.
+    pub(super) column: Vec<f64>,
+    /// Of its size, in these units.
+    pub(super) variance: f64,
+    /// The part of the beam beside it, in the scale of a set-up.
+    pub(super) of_beam: f64,
+}
+
+impl Cause {
+    /// Whether it acts alike in all set-ups.
+    fn is_common(&self) -> bool {
+        matches!(self.part, Part::Laser | Part::Beam)
+    }
+
+    fn size(&self) -> f64 {
+        self.variance + self.of_beam
+    }
+}
+
 /// What is uncertain of z.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Model {
@@ -147,22 +169,14 @@ pub(super) struct Model {
     pub(super) noise: Vec<f64>,
     /// Variance of lines and of what is neglected.
     pub(super) other: Vec<f64>,
-    /// What causes do to z: one standard uncertainty of each, of set-ups 1 ppm.
-    pub(super) columns: Vec<Vec<f64>>,
-    /// Which of them are false scales common to all set-ups, and the tilts of a mirror.
-    pub(super) strains: Range<usize>,
-    /// The scale of the laser among them.
+    /// The part of a set-up in that of each line.
+    pub(super) of_setup: f64,
+    /// Unmeasured angles come last.
+    pub(super) causes: Vec<Cause>,
+    /// Which of the causes is the scale of the laser.
     pub(super) laser: Option<usize>,
-    pub(super) tilts: Range<usize>,
-    /// Which are the scales of the four set-ups for themselves; how uncertain each is, and the part of the
-    /// beam in it, which counts once more as common, 10⁻⁶.
-    pub(super) setups: Range<usize>,
-    pub(super) setup_ppm: f64,
-    pub(super) beam_ppm: f64,
     /// Which are unmeasured angles with a stated bound, for each order of the axes that may be; the worst counts.
     pub(super) angles: Vec<Vec<usize>>,
-    /// Which angle each of the columns is of; `None` = another cause.
-    pub(super) rotations: Vec<Option<Rotation>>,
     /// What is known of angles.
     pub(super) evidence: AngleEvidence,
 }
@@ -198,31 +212,11 @@ pub(super) struct Variance {
 }
 
 impl Model {
-    /// Nothing uncertain yet.
-    pub(super) fn new(layout: Layout) -> Model {
-        let zero = vec![0.0; layout.len()];
-        Model {
-            layout,
-            noise: zero.clone(),
-            other: zero,
-            columns: Vec::new(),
-            strains: 0..0,
-            laser: None,
-            tilts: 0..0,
-            setups: 0..0,
-            setup_ppm: 0.0,
-            beam_ppm: 0.0,
-            angles: Vec::new(),
-            rotations: Vec::new(),
-            evidence: AngleEvidence::nothing(None),
-        }
-    }
-
     /// One more entry of z, with this standard uncertainty: its place.
     pub(super) fn add(&mut self, u: f64) -> usize {
         self.noise.push(0.0);
         self.other.push(u.squared());
-        self.columns.iter_mut().for_each(|column| column.push(0.0));
+        self.causes.iter_mut().for_each(|cause| cause.column.push(0.0));
         self.layout.apart += 1;
         self.noise.len() - 1
     }
@@ -240,19 +234,20 @@ impl Model {
         let each = self.noise.iter().zip(&self.other);
         let spread = each.map(|(own, other)| (own * noise * noise + other).sqrt());
         let z: Vec<f64> = spread.map(|u| if u > 0.0 { u * normal() } else { 0.0 }).collect();
-        let common = self.beam_ppm * normal();
-        let own = self.setup_ppm.hypot(self.beam_ppm);
-        let mut shares = vec![0.0; self.columns.len()];
-        self.strains.clone().chain(self.tilts.clone()).for_each(|at| shares[at] = normal());
-        self.setups.clone().for_each(|at| shares[at] = common + own * normal());
+        let shares = self.everywhere().map(|cause| cause.size().sqrt() * normal()).collect();
         (z, shares)
+    }
+
+    /// The causes that act whatever the order of the axes is.
+    fn everywhere(&self) -> impl Iterator<Item = &Cause> {
+        self.causes.iter().take_while(|cause| !matches!(cause.part, Part::Angle(_)))
     }
 
     /// Standard uncertainty of the difference of two readings, without angles.
     pub(super) fn u_of_difference(&self, one: usize, other: usize) -> f64 {
-        let effects: Vec<f64> = self.columns.iter().map(|of| of[one] - of[other]).collect();
-        let causes: f64 = self.shared(&effects, &effects).iter().sum();
-        (self.noise[one] + self.noise[other] + causes).sqrt()
+        let effects: Vec<f64> =
+            self.causes.iter().map(|of| of.column[one] - of.column[other]).collect();
+        (self.noise[one] + self.noise[other] + self.by_causes(&effects, &effects, |_| true)).sqrt()
     }
 
     /// A row with each entry once.
@@ -262,34 +257,33 @@ impl Model {
         dense
     }
 
-    fn by_column(&self, dense: &[f64]) -> Vec<f64> {
+    /// What a unit of each cause makes of a figure.
+    fn effects(&self, dense: &[f64]) -> Vec<f64> {
         let entries = dense.iter().copied().enumerate().filter(|(_, weight)| *weight != 0.0);
         let row = Row(entries.collect());
-        self.columns.iter().map(|column| row.dot(column)).collect()
+        self.causes.iter().map(|cause| row.dot(&cause.column)).collect()
     }
 
-    /// What causes make of two figures: those common to all set-ups, the others.
-    fn shared(&self, one: &[f64], other: &[f64]) -> [f64; 2] {
-        let of = |range: &Range<usize>| dot(&one[range.clone()], &other[range.clone()]);
-        let sum = |effects: &[f64]| effects[self.setups.clone()].iter().sum::<f64>();
-        let own = self.setup_ppm.squared() + self.beam_ppm.squared();
-        let common = of(&self.strains) + self.beam_ppm.squared() * sum(one) * sum(other);
-        [common, of(&self.tilts) + own * of(&self.setups)]
+    /// cov of two figures by some of the causes, without angles.
+    fn by_causes(&self, one: &[f64], other: &[f64], of: impl Fn(&Cause) -> bool) -> f64 {
+        let each = self.everywhere().zip(one.iter().zip(other)).filter(|(cause, _)| of(cause));
+        each.map(|(cause, (one, other))| cause.size() * one * other).sum()
     }
 
     /// cov of two figures without unmeasured angles, and the part of the causes common to all set-ups in it.
     pub(super) fn covariance(&self, one: &Row, other: &Row) -> (f64, f64) {
         let (one, other) = (self.dense(one), self.dense(other));
         let own: f64 = self.by_entries(&one, &other).iter().sum();
-        let [common, rest] = self.shared(&self.by_column(&one), &self.by_column(&other));
-        (own + common + rest, common)
+        let (one, other) = (self.effects(&one), self.effects(&other));
+        let common = self.by_causes(&one, &other, Cause::is_common);
+        (own + common + self.by_causes(&one, &other, |cause| !cause.is_common()), common)
     }
 
     /// u² of a figure.
     pub(super) fn variance(&self, row: &Row) -> Variance {
         let row = self.dense(row);
         let by_entries = self.by_entries(&row, &row);
-        self.combined(by_entries, &self.by_column(&row))
+        self.combined(by_entries, &self.effects(&row))
     }
 
     /// cov of two figures by noise, and by lines and what is neglected.
@@ -301,8 +295,8 @@ impl Model {
     /// What the variance of a figure is made of: by how much it is less without each cause.
     pub(super) fn parts(&self, row: &Row) -> Vec<(Part, f64)> {
         let causes = [Part::Noise, Part::Laser, Part::Mirror, Part::SetUps, Part::Beam];
-        let angles = Rotation::all().filter(|of| self.rotations.contains(&Some(*of)));
-        let angles = angles.map(Part::Angle);
+        let angles = Rotation::all().map(Part::Angle);
+        let angles = angles.filter(|angle| self.causes.iter().any(|cause| cause.part == *angle));
         let lines = (0..self.layout.lines).map(Part::Line);
         let all = self.variance(row).all;
         let of = |cause: Part| (cause, all - self.without(cause).variance(row).all);
@@ -310,39 +304,29 @@ impl Model {
     }
 
     /// The same with one cause less.
-    fn without(&self, cause: Part) -> Model {
+    fn without(&self, part: Part) -> Model {
         let mut model = self.clone();
+        for cause in &mut model.causes {
+            cause.variance = if cause.part == part { 0.0 } else { cause.variance };
+            cause.of_beam = if part == Part::Beam { 0.0 } else { cause.of_beam };
+        }
         let lines = self.layout.line(0)..self.layout.neglected(0);
-        match cause {
+        match part {
             Part::Noise => model.noise.fill(0.0),
-            Part::Laser => model.strains = 0..0,
-            Part::Mirror => model.tilts = 0..0,
-            Part::SetUps => {
-                model.other[lines].iter_mut().for_each(|v| *v -= self.setup_ppm.squared());
-                model.setup_ppm = 0.0;
-            }
-            Part::Beam => model.beam_ppm = 0.0,
-            Part::Stated => {}
-            Part::Line(index) => model.other[self.layout.line(index)] = self.setup_ppm.squared(),
-            Part::Angle(angle) => {
-                let stays = |at: &usize| self.rotations[*at] != Some(angle);
-                model.angles.iter_mut().for_each(|order| order.retain(stays));
-            }
+            Part::SetUps => model.other[lines].iter_mut().for_each(|v| *v -= self.of_setup),
+            Part::Line(index) => model.other[lines.start + index] = self.of_setup,
+            _ => {}
         }
         model
     }
 
     fn combined(&self, [noise, other]: [f64; 2], effects: &[f64]) -> Variance {
-        let of_order =
-            |acting: &Vec<usize>| acting.iter().map(|part| effects[*part].squared()).sum();
+        let of_angle = |at: &usize| self.causes[*at].variance * effects[*at].squared();
+        let of_order = |acting: &Vec<usize>| acting.iter().map(of_angle).sum();
         let by_angles = self.angles.iter().map(of_order).fold(0.0, f64::max);
-        let causes: f64 = self.shared(effects, effects).iter().sum();
+        let causes = self.by_causes(effects, effects, |_| true);
         Variance { noise, all: noise + other + causes + by_angles }
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// A curve: at interval end i of n its value is start + steps 1 … i + (i/n) line.
@@ -396,13 +380,13 @@ impl CurveRows {
     /// u² of each value.
     pub(super) fn variances(&self, model: &Model) -> Vec<Variance> {
         let line = model.dense(&self.line);
-        let line_by_column = model.by_column(&line);
+        let line_effects = model.effects(&line);
         let of_line = model.by_entries(&line, &line);
         // By entries: of the sum of the steps, and of it with the line.
         let mut sum = model.dense(&self.start);
         let mut of_sum = model.by_entries(&sum, &sum);
         let mut with_line = model.by_entries(&sum, &line);
-        let mut by_column = model.by_column(&sum);
+        let mut sum_effects = model.effects(&sum);
         let last = self.steps.len().max(1) as f64;
         (0..=self.steps.len())
             .map(|index| {
@@ -413,8 +397,8 @@ impl CurveRows {
                         with_line[i] += v * weight * line[*place];
                     }
                     sum[*place] += weight;
-                    let columns = by_column.iter_mut().zip(&model.columns);
-                    columns.for_each(|(sum, column)| *sum += weight * column[*place]);
+                    let causes = sum_effects.iter_mut().zip(&model.causes);
+                    causes.for_each(|(sum, cause)| *sum += weight * cause.column[*place]);
                 }
                 let share = index as f64 / last;
                 let by_entries = [0, 1].map(|i| {
@@ -423,7 +407,7 @@ impl CurveRows {
                     // What is left of parts that cancel is rounding.
                     if all > ROUNDING * (of_sum[i] + line) { all } else { 0.0 }
                 });
-                let both = by_column.iter().zip(&line_by_column);
+                let both = sum_effects.iter().zip(&line_effects);
                 let effects: Vec<f64> = both.map(|(sum, line)| sum + share * line).collect();
                 model.combined(by_entries, &effects)
             })

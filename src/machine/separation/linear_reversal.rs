@@ -17,13 +17,9 @@ use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
 use crate::quantity::units::{Millimetres, Squared};
 
-/// A linear measurement of an axis at the interval ends of the box, lowest first, µm.
-pub(super) struct Way {
-    pub(super) direction: Option<Direction>,
-    pub(super) um: Vec<f64>,
-    /// Standard uncertainties (k = 1); `None` = the table gives none.
-    pub(super) u_um: Option<Vec<f64>>,
-}
+/// A linear measurement of an axis in a direction at the interval ends of the box, lowest first: values, µm, and standard
+/// uncertainties (k = 1); `None` = the table gives none.
+pub(super) type Way = (Option<Direction>, Vec<f64>, Option<Vec<f64>>);
 
 /// B of a positioning error at the interval ends of the box, from a linear measurement.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,16 +34,18 @@ pub struct LinearReversal {
 pub type LinearReversals = PerAxis<Option<LinearReversal>>;
 
 impl LinearReversal {
-    /// Of the directions of an axis; `None` without both.
+    /// Of a linear measurement, each direction with its values and their uncertainties at the interval ends; `None`
+    /// without both.
     pub(super) fn of(ways: &[Way]) -> Option<Self> {
-        let way = |direction| ways.iter().find(|way| way.direction == Some(direction));
-        let (plus, minus) = (way(Direction::Plus)?, way(Direction::Minus)?);
+        let way = |direction| ways.iter().find(|(way, ..)| *way == Some(direction));
+        let ((_, plus, u_plus), (_, minus, u_minus)) =
+            (way(Direction::Plus)?, way(Direction::Minus)?);
         let pairs = |a: &[f64], b: &[f64], of: fn(f64, f64) -> f64| {
             a.iter().zip(b).map(|(a, b)| of(*a, *b)).collect()
         };
-        let u_um = plus.u_um.as_ref().zip(minus.u_um.as_ref());
+        let u_um = u_plus.as_ref().zip(u_minus.as_ref());
         Some(LinearReversal {
-            um: pairs(&plus.um, &minus.um, |plus, minus| plus - minus),
+            um: pairs(plus, minus, |plus, minus| plus - minus),
             u_um: u_um.map(|(a, b)| pairs(a, b, f64::hypot)),
         })
     }

@@ -25,7 +25,7 @@
 
 use super::campaign::MeasuredLine;
 use super::findings::SeparationFinding;
-use super::linear::{Model, Row};
+use super::linear::{Model, Row, Variance};
 use super::plane::Unknown;
 pub use super::plane::{PerPlane, Plane};
 use crate::quantity::axis::{Axis, PerAxis};
@@ -59,23 +59,30 @@ pub struct Metric {
     /// How much φ moves with what is not determined of the scales, because the mirrors are tilted,
     /// µm/m for each µm/m; 0 where all is determined.
     pub leak: PerPlane<f64>,
-    /// Whether the uncertainties of all that an unknown depends on are known.
-    known: [bool; 6],
+}
+
+/// One of the six unknowns as the equations give it.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Estimated {
+    /// How it hangs on what was measured, µm/m; nothing without a solution.
+    pub(super) row: Row,
+    /// Its value, µm/m; `None` = not determined.
+    pub(super) um_per_m: Option<f64>,
+    /// Whether the uncertainties of all that it depends on are known.
+    pub(super) is_known: bool,
+}
+
+impl Estimated {
+    /// u² of it; `None` where it is not known.
+    pub(super) fn variance(&self, model: &Model) -> Option<Variance> {
+        self.is_known.then(|| model.variance(&self.row))
+    }
 }
 
 impl Metric {
     /// Whether everything is determined.
     pub(super) const fn is_complete(&self) -> bool {
         self.rank == 6
-    }
-
-    pub(super) fn is_known(&self, Unknown(index): Unknown) -> bool {
-        self.known[index]
-    }
-
-    pub(super) fn value(&self, Unknown(index): Unknown) -> Option<f64> {
-        let scales = self.scale.iter().map(|(_, scale)| *scale);
-        scales.chain(Plane::ALL.map(|plane| self.squareness.of(plane))).nth(index)?
     }
 
     /// What the data do not determine; empty where all is.
@@ -263,9 +270,8 @@ impl Equations {
         })
     }
 
-    /// Solves (7) for the unit vectors that were measured along; also the unknowns by what was measured, µm/m, nothing
-    /// without a solution.
-    pub(super) fn metric(&self) -> (Metric, [Row; 6]) {
+    /// Solves (7) for the unit vectors that were measured along; also the unknowns one by one.
+    pub(super) fn metric(&self) -> (Metric, [Estimated; 6]) {
         let solution = self.solved(|one| one.direction);
         // Which unknowns rest on nothing but equations of known uncertainty; judged at the nominal directions, like the
         // rank.
@@ -277,27 +283,31 @@ impl Equations {
                 share.is_some_and(|share| share <= SHARE_TOLERANCE)
             })
         };
-        let value = |Unknown(index)| {
+        let value = |index| {
             let length = self.determined.row(index).norm_squared();
             let is_determined = (1.0 - length).abs() < SHARE_TOLERANCE;
             Some(solution.as_ref().filter(|_| is_determined)?.unknowns[index])
         };
-        // Length of the row of dθ̂/d(open).
-        let leaks = solution.as_ref().map(|found| &found.gain * &found.design * &self.open);
-        let leak = |Unknown(index)| leaks.as_ref().map_or(0.0, |moved| moved.row(index).norm());
         let row = |index| {
             let of = |found: &Solution, at| (found.gain[(index, at)], &self.all[at].row);
             let every = 0..self.all.len();
             Row::sum(solution.iter().flat_map(|found| every.clone().map(move |at| of(found, at))))
         };
+        let all: [Estimated; 6] = std::array::from_fn(|index| Estimated {
+            row: row(index),
+            um_per_m: value(index),
+            is_known: is_known(index),
+        });
+        // Length of the row of dθ̂/d(open).
+        let leaks = solution.as_ref().map(|found| &found.gain * &found.design * &self.open);
+        let leak = |Unknown(index)| leaks.as_ref().map_or(0.0, |moved| moved.row(index).norm());
         let metric = Metric {
-            scale: PerAxis::from_fn(|axis| value(Unknown::scale(axis))),
-            squareness: PerPlane::from_fn(|plane| value(Unknown::squareness(plane))),
+            scale: PerAxis::from_fn(|axis| all[Unknown::scale(axis).0].um_per_m),
+            squareness: PerPlane::from_fn(|plane| all[Unknown::squareness(plane).0].um_per_m),
             rank: self.determined.ncols(),
             leak: PerPlane::from_fn(|plane| leak(Unknown::squareness(plane))),
-            known: std::array::from_fn(is_known),
         };
-        (metric, std::array::from_fn(row))
+        (metric, all)
     }
 }
 

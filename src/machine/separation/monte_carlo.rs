@@ -115,7 +115,7 @@ pub fn simulate(
                 }
             }
         });
-        let row = |plane| &separation.figures[Unknown::squareness(plane).0];
+        let row = |plane| &separation.figures[Unknown::squareness(plane).0].row;
         let of_planes = planes.iter().map(|(plane, um_per_m)| um_per_m + row(*plane).dot(noise));
         of_curves.chain(of_planes).collect()
     };

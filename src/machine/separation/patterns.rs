@@ -5,31 +5,20 @@
 //! that P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step.
 
 use super::banded::Banded;
-use super::linear::{Layout, Model, Row};
+use super::linear::{Cause, Layout, Model, Row};
 use super::noise::{
     DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, NORMAL_ONE_SIDED, Noise, Outlier, ReadingPlace,
     UNRESOLVED_UM, chance_of, float, stands_out,
 };
-use super::readings::{Means, RunCounts};
+use super::readings::Means;
+use super::start::Start;
 use super::steps::Steps;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::Squared;
 use nalgebra::{DVector, Matrix3, Vector3};
 
-/// What is known of the readings before the closure is judged.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Known<'a> {
-    /// Standard deviation of a single reading, where repeats or the job give it.
-    pub(super) noise: Option<Noise>,
-    /// Disturbed readings of single runs: their share in the means is left out of the test.
-    pub(super) outliers: &'a [Outlier],
-    /// The first and last interval are left out (missing overrun).
-    pub(super) skip_ends: bool,
-    /// What the stated angles do to the readings.
-    pub(super) causes: Option<&'a Model>,
-}
-
 /// The least-squares problem of all w.
+#[derive(Clone)]
 pub(super) struct Patterns {
     layout: Layout,
     /// K.
@@ -40,12 +29,7 @@ pub(super) struct Patterns {
     ramps: [DVector<f64>; 3],
     /// For each reading, the w that it takes part in and how.
     effects: Vec<Vec<(usize, f64)>>,
-    pub(super) out: LeftOut,
-}
-
-/// What is left out so far.
-#[derive(Clone, Default)]
-pub(super) struct LeftOut {
+    /// What is left out so far.
     basis: Vec<DVector<f64>>,
     /// P w.
     left: DVector<f64>,
@@ -85,18 +69,13 @@ const NOTHING: f64 = 1e-9;
 impl Patterns {
     /// With nothing left out but the constants of the axes and the disturbed readings of single runs; `None` where C
     /// is singular.
-    pub(super) fn new(
-        steps: &Steps<'_>,
-        means: &Means,
-        runs: &RunCounts,
-        known: Known<'_>,
-    ) -> Option<Patterns> {
+    pub(super) fn new(steps: &Steps<'_>, start: &Start, skip_ends: bool) -> Option<Patterns> {
         let (layout, last) = (steps.layout, steps.volume.steps - 1);
         // Those that share readings stand close to each other: diagonals that travel an axis in − cross its intervals
         // from the other end.
         let is_end = |at: &usize| *at == 0 || *at == last;
         let mut intervals: Vec<usize> =
-            (0..=last).filter(|at| !(known.skip_ends && is_end(at))).collect();
+            (0..=last).filter(|at| !(skip_ends && is_end(at))).collect();
         intervals.sort_by_key(|at| (*at.min(&(last - at)), *at));
         let of_group = |at: usize| steps.groups().iter().map(move |group| (at, *group));
         let places = intervals.into_iter().flat_map(of_group);
@@ -110,7 +89,7 @@ impl Patterns {
         }
         let ends = effects.iter().filter_map(|effect| effect.first().zip(effect.last()));
         let reach = ends.map(|((first, _), (last, _))| last - first).max().unwrap_or(0);
-        let variances = layout.column(|pass, d, _| 1.0 / runs[d][pass as usize]);
+        let variances = layout.column(|pass, d, _| 1.0 / start.counts[d][pass as usize]);
         let weighed = effects.iter().zip(&variances);
         let products = weighed.flat_map(|(effect, variance)| {
             let row = effect.iter().flat_map(|one| effect.iter().map(move |other| (*one, *other)));
@@ -127,18 +106,18 @@ impl Patterns {
         let middle = float(last) / 2.0;
         let ramps = over(&|at| (at - middle) / (2.0 * middle).max(1.0));
         let constants = over(&|_| 1.0);
-        let w = of_column(&rows, &layout.measured(means, &[]));
-        let out = LeftOut { basis: Vec::new(), left: factor.solve(&w) };
-        let mut patterns = Patterns { layout, rows, w, factor, ramps, effects, out };
+        let w = of_column(&rows, &layout.measured(&start.means, &[]));
+        let (basis, left) = (Vec::new(), factor.solve(&w));
+        let mut patterns = Patterns { layout, rows, w, factor, ramps, effects, basis, left };
         patterns.leave_out(&constants);
-        patterns.leave_out_readings(known.outliers.iter().flat_map(|outlier| &outlier.readings));
+        patterns.leave_out_readings(start.outliers.iter().flat_map(|outlier| &outlier.readings));
         Some(patterns)
     }
 
     /// P x.
     fn projected(&self, x: &DVector<f64>) -> DVector<f64> {
         let mut left = self.factor.solve(x);
-        self.out.basis.iter().for_each(|base| left.axpy(-base.dot(x), base, 1.0));
+        self.basis.iter().for_each(|base| left.axpy(-base.dot(x), base, 1.0));
         left
     }
 
@@ -148,8 +127,8 @@ impl Patterns {
             let weight = pattern.dot(&base);
             if weight > NOTHING * pattern.norm_squared() {
                 base /= weight.sqrt();
-                self.out.left.axpy(-base.dot(&self.w), &base, 1.0);
-                self.out.basis.push(base);
+                self.left.axpy(-base.dot(&self.w), &base, 1.0);
+                self.basis.push(base);
             }
         }
     }
@@ -165,7 +144,7 @@ impl Patterns {
     /// Leaves out what stated angles do.
     pub(super) fn leave_out_angles(&mut self, causes: &Model) {
         for cause in causes.angles.iter().flatten() {
-            let pattern = of_column(&self.rows, &causes.columns[*cause]);
+            let pattern = of_column(&self.rows, &causes.causes[*cause].column);
             self.leave_out([&pattern]);
         }
     }
@@ -177,8 +156,8 @@ impl Patterns {
 
     /// Q and ν.
     pub(super) fn scatter(&self) -> (f64, usize) {
-        let freedom = self.w.len().saturating_sub(self.out.basis.len());
-        (self.w.dot(&self.out.left).max(0.0), freedom)
+        let freedom = self.w.len().saturating_sub(self.basis.len());
+        (self.w.dot(&self.left).max(0.0), freedom)
     }
 
     /// Q of other readings.
@@ -189,7 +168,7 @@ impl Patterns {
 
     /// The ramps beside what is left out, and how likely noise and the stated angles make them: by the order of
     /// the axes that explains them best. `None` where too little is left to tell them or to judge them by.
-    pub(super) fn ramps(&self, known: Known<'_>) -> Option<Ramps> {
+    pub(super) fn ramps(&self, noise: Option<Noise>, causes: Option<&Model>) -> Option<Ramps> {
         let weighed = self.ramps.each_ref().map(|ramp| self.projected(ramp));
         let normal = Matrix3::from_fn(|i, j| self.ramps[i].dot(&weighed[j]));
         let inverse = normal.cholesky()?.inverse();
@@ -198,12 +177,12 @@ impl Patterns {
         let (square, freedom) = self.scatter();
         let rest = freedom.checked_sub(3).filter(|rest| *rest > 0)?;
         let drop = (normal * shares).dot(&shares);
-        let (variance, freedom) = match known.noise {
+        let (variance, freedom) = match noise {
             Some(noise) => (noise.sigma_um.max(DIGIT_UM).squared(), noise.freedom),
             None => ((square - drop).max(0.0) / float(rest), Some(rest)),
         };
-        let chance = |angles: &[usize], columns: &[Vec<f64>]| {
-            let of_angle = |cause: &usize| of(&of_column(&self.rows, &columns[*cause]));
+        let chance = |angles: &[usize], causes: &[Cause]| {
+            let of_angle = |at: &usize| of(&of_column(&self.rows, &causes[*at].column));
             let spread = angles.iter().map(of_angle).map(|c| c * c.transpose());
             let spread = spread.fold(inverse * variance, |sum, one| sum + one);
             let ratio =
@@ -211,8 +190,8 @@ impl Patterns {
             Some((chance_of(ratio, 3, freedom)?, spread))
         };
         let by_noise = chance(&[], &[])?;
-        let orders = known.causes.iter().flat_map(|causes| {
-            causes.angles.iter().filter_map(|angles| chance(angles, &causes.columns))
+        let orders = causes.iter().flat_map(|causes| {
+            causes.angles.iter().filter_map(|angles| chance(angles, &causes.causes))
         });
         let (probability, spread) =
             orders.fold(by_noise, |best, one| if one.0 > best.0 { one } else { best });
@@ -240,7 +219,7 @@ impl Patterns {
 
     fn largest(&self, known_sigma_um: Option<f64>) -> Option<Outlier> {
         let share = |effect: &[(usize, f64)]| -> f64 {
-            effect.iter().map(|(row, part)| part * self.out.left[*row]).sum()
+            effect.iter().map(|(row, part)| part * self.left[*row]).sum()
         };
         let shares = self.effects.iter().map(|effect| share(effect).abs()).enumerate();
         // Of equal ones the first.
@@ -250,7 +229,7 @@ impl Patterns {
         if weight <= NOTHING * pattern.norm_squared() {
             return None;
         }
-        let size_um = pattern.dot(&self.out.left) / weight;
+        let size_um = pattern.dot(&self.left) / weight;
         let many = self.effects.iter().filter(|effect| !effect.is_empty()).count();
         let size = (size_um, size_um * size_um * weight);
         let ratio = stands_out(size, self.scatter(), known_sigma_um, many)?;

@@ -31,11 +31,6 @@ pub type RunCounts = PerDiagonal<[f64; 2]>;
 /// so and reverse passes of the others; or the forward pass of all, with axes that a diagonal walks in − mixed in.
 pub type Group = Option<Direction>;
 
-/// The groups of readings of one pass, or of both.
-pub(super) fn groups(both_ways: bool) -> &'static [Group] {
-    if both_ways { &[Some(Direction::Plus), Some(Direction::Minus)] } else { &[None] }
-}
-
 /// The pass along a diagonal on which a group finds the steps of an axis.
 pub(super) fn pass_of(group: Group, diagonal: Diagonal, axis: Axis) -> Pass {
     let is_forward = group.is_none_or(|direction| direction == diagonal.forward(axis));

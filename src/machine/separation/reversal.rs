@@ -216,10 +216,11 @@ impl Solved<'_> {
 
     /// B less that at the low end, by the increments of both directions.
     fn between_passes(&self, term: ErrorTerm) -> CurveRows {
-        let [plus, minus] = Direction::BOTH.map(|way| self.steps.of(term, Some(way)));
-        let steps =
-            plus.iter().zip(&minus).map(|(plus, minus)| Row::sum([(1.0, plus), (-1.0, minus)]));
-        CurveRows { steps: steps.collect(), ..CurveRows::default() }
+        let of = |way, at| self.steps.of(term, Some(way), at);
+        let step =
+            |at| Row::sum([(1.0, of(Direction::Plus, at)), (-1.0, of(Direction::Minus, at))]);
+        let steps = (0..self.steps.volume.steps).map(step).collect();
+        CurveRows { steps, ..CurveRows::default() }
     }
 
     /// B of a linear measurement: each place is measured by itself.

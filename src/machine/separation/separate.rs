@@ -2,23 +2,23 @@
 
 use super::agreement::Agreement;
 use super::campaign::Campaign;
-use super::closure::{Closure, Start, closure, large_noise};
+use super::closure::{Closure, closure, large_noise};
 use super::curves::Curve;
-use super::exchange::{AsRead, names};
+use super::exchange::names;
 use super::findings::SeparationFinding;
 use super::labels;
-use super::linear::{Layout, Model, Row};
+use super::linear::{Layout, Model};
 use super::linear_reversal::{LinearReversals, hidden_reversal_um};
-use super::metric::{Metric, PerPlane, Plane};
+use super::metric::{Estimated, Metric, PerPlane, Plane};
 use super::noise::{Noise, NoiseSource, ReadingPlace};
-use super::patterns::Known;
-use super::readings::{CorrectedRun, Means, means};
+use super::plane::Unknown;
+use super::readings::{CorrectedRun, Means};
 use super::reversal::{Turn, contradictions, ran_over};
 use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness, scale_sum_um_mm};
-use super::steps::Steps;
+use super::start::Start;
 use super::uncertainty::{Budget, SlopeUncertainty, rolls};
 use crate::inputs::error_table::Silence;
-use crate::inputs::job::SetUp;
+use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::{PerDiagonal, Run, Volume};
 use crate::text::finding::{Finding, Severity};
@@ -30,12 +30,14 @@ pub struct Separation {
     pub volume: Volume,
     /// What was assumed of the set-up.
     pub setup: SetUp,
+    /// How the slopes of the cross terms are stated.
+    pub frame: Frame,
     /// The nine errors.
     pub errors: NineErrors,
     /// What is uncertain of the readings and lines behind them.
     pub(super) model: Model,
     /// Scales and squareness by what was measured, µm/m.
-    pub(super) figures: [Row; 6],
+    pub(super) figures: [Estimated; 6],
     /// What speaks against the result by its size: of each, what its possible causes do to what was measured.
     pub(super) anomalies: Vec<Vec<Vec<f64>>>,
     /// Their shapes beside the line through the ends, µm: determined whatever the set-up.
@@ -148,17 +150,10 @@ impl Separation {
 /// Separates a complete measurement of step diagonals.
 pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let start = Start::new(campaign, raw_runs);
-    let mut found = of_start(campaign, &start, |noise| noise);
+    let mut found = of_start(campaign, &start);
     // What remains to be said: the names of the diagonals, noise, lines and reversals.
-    let names = names(AsRead {
-        campaign,
-        runs: raw_runs,
-        start: &start,
-        closure: &found.closure,
-        noise: found.noise,
-        overrun: found.overrun,
-        causes: &found.model,
-    });
+    let budget = Budget { campaign, start: &start, noise: found.noise, overrun: found.overrun };
+    let names = names(&budget, raw_runs, &found.closure, &found.model);
     let turn = found.turn.iter();
     let turn = turn.flat_map(|turn| contradictions(turn, &campaign.reversals));
     found.doubts.extend(large_noise(found.noise, campaign.stated.noise_um).into_iter().chain(turn));
@@ -166,32 +161,16 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
         Some(names) if names.severity() > Severity::Note => found.doubts.insert(0, names),
         blind => found.labels.extend(blind),
     }
-    Separation { runs: start.runs, zeroed_runs: start.zeroed_runs, ..found }
+    found
 }
 
-/// What the runs say together; `of_closure`: the noise that counts where only the closure tells it.
-pub(super) fn of_start(
-    campaign: &Campaign<'_>,
-    start: &Start,
-    of_closure: impl Fn(Noise) -> Noise,
-) -> Separation {
-    let volume = &campaign.measurement.volume;
-    let measured = means(&start.runs);
-    let overrun = overrun(campaign, start, &measured);
-    let turned = overrun == Some(false);
-    let budget = Budget { campaign, start, noise: None, turned };
-    let causes = budget.model();
-    let known = Known {
-        noise: start.noise,
-        outliers: &start.outliers,
-        causes: Some(&causes),
-        skip_ends: start.walked_back() && overrun != Some(true),
-    };
-    let steps = Steps::of_readings(volume, &measured, turned);
-    let closure = closure(&steps, &measured, &start.counts, known);
-    let noise = noise_of(campaign, start, &closure, of_closure);
-    let budget = Budget { noise, ..budget };
-    let mut separation = evaluated(&budget, &measured, closure, overrun);
+/// What the runs say together.
+pub(super) fn of_start(campaign: &Campaign<'_>, start: &Start) -> Separation {
+    let budget = Budget { campaign, start, noise: None, overrun: overrun(campaign, start) };
+    let (skip_ends, causes) = (budget.skips_ends(), budget.model());
+    let closure = closure(&budget.steps(), start, skip_ends, Some(&causes));
+    let noise = noise_of(campaign, start, &closure);
+    let mut separation = evaluated(&Budget { noise, ..budget }, closure);
     let notes = of_noise(start.noise, noise, campaign.stated.noise_um);
     separation.labels.extend(notes.map(Finding::from));
     separation
@@ -221,13 +200,10 @@ fn of_noise(
 
 /// σ that counts. Where repeated runs agree better with each other than the closure lets the readings be, they
 /// differ from one walk to the next by more than repeats show, and the closure's counts.
-fn noise_of(
-    campaign: &Campaign<'_>,
-    start: &Start,
-    closure: &Closure,
-    of_closure: impl Fn(Noise) -> Noise,
-) -> Option<Noise> {
-    let of_scatter = closure.noise().map(of_closure);
+fn noise_of(campaign: &Campaign<'_>, start: &Start, closure: &Closure) -> Option<Noise> {
+    let of_scatter = closure
+        .noise()
+        .map(|found| Noise { sigma_um: start.expected_um.unwrap_or(found.sigma_um), ..found });
     let found = start.noise.filter(|noise| noise.source != NoiseSource::Stated);
     let is_larger =
         found.and_then(|found| closure.test(&found)).is_some_and(|test| test.is_larger());
@@ -265,25 +241,20 @@ fn anomalies(
 }
 
 /// What readings say.
-fn evaluated(
-    budget: &Budget<'_>,
-    measured: &Means,
-    closure: Closure,
-    overrun: Option<bool>,
-) -> Separation {
-    let Budget { campaign, noise, turned, .. } = *budget;
-    let volume = budget.volume();
-    let mut solved = Solved::new(budget, measured);
+fn evaluated(budget: &Budget<'_>, closure: Closure) -> Separation {
+    let Budget { campaign, start, noise, overrun } = *budget;
+    let (volume, turned) = (budget.volume(), budget.turned());
+    let mut solved = Solved::new(budget);
     let agreement = solved.judged();
     let turn = turned.then(|| solved.turn()).flatten();
     let reversals = if turned { LinearReversals::default() } else { campaign.reversals.clone() };
     let apart = solved.apart(turn.as_ref(), &reversals);
     let errors = solved.errors(&apart);
     let anomalies = anomalies(campaign, solved.model.layout, &closure, agreement.as_ref());
-    let mut labels = labels::of_steps(budget, overrun, turn.as_ref());
+    let mut labels = labels::of_steps(budget, turn.as_ref());
     labels.extend(labels::of_reversals(&reversals, !budget.both_ways()));
     labels.extend(solved.labels(agreement.is_some()));
-    let of_closure = closure.doubts(noise, volume, solved.setup).into_iter();
+    let of_closure = closure.doubts(noise, volume, campaign.measurement.setup).into_iter();
     let contradiction = agreement.as_ref().and_then(Agreement::contradiction);
     // What no known cause makes has no size.
     let has_size = !anomalies.iter().any(Vec::is_empty);
@@ -292,14 +263,18 @@ fn evaluated(
         .partition(|found| has_size && found.severity() == Severity::Note);
     labels.extend(of_size);
     let hides = overrun == Some(true) && campaign.reverse_zero_known;
-    let hidden = hides.then(|| hidden_reversal_um(measured, noise, volume, &reversals));
+    let hidden = hides.then(|| hidden_reversal_um(&start.means, noise, volume, &reversals));
     Separation {
         volume: volume.clone(),
-        setup: solved.setup,
+        setup: campaign.measurement.setup,
+        frame: campaign.measurement.frame,
         shapes: solved.shapes(),
         squareness_um_per_m: solved.squareness(),
         silence: campaign.silence(),
-        u_squareness: solved.plane_variances().map(|found| Some(found?.as_slope(noise?))),
+        u_squareness: PerPlane::from_fn(|plane| {
+            let variance = solved.figure_variance(Unknown::squareness(plane))?;
+            Some(variance.as_slope(noise?))
+        }),
         squareness_least_squares_um_per_m: errors.least_squares_squareness(volume),
         tilts: solved.tilts(),
         undetermined: solved.undetermined(turn.is_some(), &reversals),
@@ -319,23 +294,20 @@ fn evaluated(
         turn,
         hidden_reversal_um: hidden.flatten(),
         linear_reversals: reversals,
-        means: measured.clone(),
+        means: start.means.clone(),
         metric: solved.metric,
-        runs: Vec::new(),
-        zeroed_runs: Vec::new(),
+        runs: start.runs.clone(),
+        zeroed_runs: start.zeroed_runs.clone(),
     }
 }
 
 /// Whether the axes ran past the end point: as stated, else as the readings tell.
-fn overrun(campaign: &Campaign<'_>, start: &Start, measured: &Means) -> Option<bool> {
-    measured.reverse.as_ref()?;
-    let volume = &campaign.measurement.volume;
+fn overrun(campaign: &Campaign<'_>, start: &Start) -> Option<bool> {
+    start.means.reverse.as_ref()?;
     let judged = || {
-        let rough = Known { skip_ends: true, ..Known::default() };
-        let steps = Steps::of_readings(volume, measured, false);
-        let guess = || closure(&steps, measured, &start.counts, rough).noise();
-        let noise = start.noise.or_else(guess);
-        ran_over(&steps, &steps.layout.measured(measured, &[]), &start.counts, noise?)
+        let steps = Budget { campaign, start, noise: None, overrun: None }.steps();
+        let noise = start.noise.or_else(|| closure(&steps, start, true, None).noise());
+        ran_over(&steps, &steps.layout.measured(&start.means, &[]), &start.counts, noise?)
     };
     let stated = campaign.measurement.overrun;
     stated.or_else(|| campaign.reverse_zero_known.then(judged)?)

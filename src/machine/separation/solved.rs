@@ -9,13 +9,12 @@ use super::agreement::Agreement;
 use super::campaign::MeasuredLine;
 use super::curves::{Curve, ReferenceLine};
 use super::linear::{CurveRows, Model, Row, Variance};
-use super::metric::{Equations, Metric, PerPlane, Plane, UM_PER_M};
+use super::metric::{Equations, Estimated, Metric, PerPlane, Plane, UM_PER_M};
 use super::noise::{Noise, coverage_factor, effective_freedom};
 use super::plane::Unknown;
-use super::readings::Means;
 use super::steps::Steps;
 use super::uncertainty::Budget;
-use crate::inputs::job::{Frame, SetUp};
+use crate::inputs::job::{DiagonalMeasurement, Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
 
@@ -25,8 +24,7 @@ const ARCSEC_PER_RADIAN: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 /// Curves as rows over what was measured, and what their slopes come from.
 pub(super) struct Solved<'a> {
     pub(super) budget: &'a Budget<'a>,
-    pub(super) setup: SetUp,
-    pub(super) frame: Frame,
+    pub(super) measurement: &'a DiagonalMeasurement,
     pub(super) model: Model,
     /// What was measured.
     pub(super) z: Vec<f64>,
@@ -40,9 +38,7 @@ pub(super) struct Solved<'a> {
     equations: Equations,
     pub(super) metric: Metric,
     /// Scales and squareness by what was measured, µm/m.
-    pub(super) figures: [Row; 6],
-    /// The same, µm/m; `None` = not determined.
-    found: [Option<f64>; 6],
+    pub(super) figures: [Estimated; 6],
     pub(super) ends_um: PerDiagonal<f64>,
 }
 
@@ -60,14 +56,12 @@ pub(super) fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f6
 }
 
 impl<'a> Solved<'a> {
-    /// `means`: as measured; what a turn adds to them is left out.
-    pub(super) fn new(budget: &'a Budget<'a>, means: &Means) -> Solved<'a> {
+    pub(super) fn new(budget: &'a Budget<'a>) -> Solved<'a> {
         let (campaign, volume) = (budget.campaign, budget.volume());
-        let (setup, frame) = (campaign.measurement.setup, campaign.measurement.frame);
         let mut model = budget.model();
         let slopes: Vec<f64> = campaign.lines.iter().map(|l| l.slope_um_per_m).collect();
-        let z = model.layout.measured(means, &slopes);
-        let steps = Steps::new(volume, model.layout, budget.turned);
+        let z = model.layout.measured(&budget.start.means, &slopes);
+        let steps = Steps::new(volume, model.layout, budget.turned());
         let mean_steps = PerTerm::from_fn(|term| steps.mean_of(term));
         let sums = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| steps.sum(d, axis)));
         let ratio = |d: Diagonal, axis: Axis| {
@@ -94,12 +88,11 @@ impl<'a> Solved<'a> {
         let known = (&mut model, budget.noise.is_some());
         let equations = Equations::new(volume, &stepped, &lines, rows, known);
         let (metric, mut figures) = equations.metric();
-        let mut found = std::array::from_fn(|index| metric.value(Unknown(index)));
-        if setup == SetUp::AssumePerfect {
+        if campaign.measurement.setup == SetUp::AssumePerfect {
             for plane in Plane::ALL {
                 let Unknown(index) = Unknown::squareness(plane);
-                figures[index] = of_totals(volume, &ends, plane);
-                found[index] = Some(figures[index].dot(&z));
+                let row = of_totals(volume, &ends, plane);
+                figures[index] = Estimated { um_per_m: Some(row.dot(&z)), is_known: true, row };
             }
         }
         let length = |axis: Axis| volume.size[axis].mm() / 1000.0;
@@ -108,13 +101,11 @@ impl<'a> Solved<'a> {
         let naive = PerTerm::from_fn(|term| rise(term) / length(term.along));
         Solved {
             budget,
-            setup,
-            frame,
+            measurement: campaign.measurement,
             naive,
             ratios,
             metric,
             figures,
-            found,
             equations,
             ends_um,
             model,
@@ -130,7 +121,7 @@ impl<'a> Solved<'a> {
 
     /// What the slope of a term is made of: shares of its figure, of its separated slope, of that of its twin.
     fn rule(&self, term: ErrorTerm) -> [f64; 3] {
-        match (self.setup, self.frame) {
+        match (self.measurement.setup, self.measurement.frame) {
             (SetUp::AssumePerfect, frame)
                 if term.is_positioning() || frame == Frame::AsMeasured =>
             {
@@ -145,14 +136,12 @@ impl<'a> Solved<'a> {
     }
 
     pub(super) fn squareness(&self) -> PerPlane<Option<f64>> {
-        PerPlane::from_fn(|plane| self.found[Unknown::squareness(plane).0])
+        PerPlane::from_fn(|plane| self.figures[Unknown::squareness(plane).0].um_per_m)
     }
 
     /// u² of a scale or a squareness; `None` where it is not known.
-    fn figure_variance(&self, unknown: Unknown) -> Option<Variance> {
-        let of_totals = self.setup == SetUp::AssumePerfect;
-        self.budget.noise.filter(|_| of_totals || self.metric.is_known(unknown))?;
-        Some(self.model.variance(&self.figures[unknown.0]))
+    pub(super) fn figure_variance(&self, unknown: Unknown) -> Option<Variance> {
+        self.budget.noise.and_then(|_| self.figures[unknown.0].variance(&self.model))
     }
 
     /// The mean curve of a term, its slope put right, and what turns it at its high end, µm; `None` = its slope is not
@@ -161,7 +150,7 @@ impl<'a> Solved<'a> {
         let [share, own, of_twin] = self.rule(term);
         let (twin, metres, Unknown(index)) = (term.twin(), self.metres(term), Unknown::of(term));
         let steps = self.mean_steps[term].clone();
-        let figure = if share > 0.0 { share * self.found[index]? } else { 0.0 };
+        let figure = if share > 0.0 { share * self.figures[index].um_per_m? } else { 0.0 };
         let slope = figure + own * self.naive[term] + of_twin * self.naive[twin];
         let mut line = Row::default();
         // A separated slope stays as it is.
@@ -169,15 +158,10 @@ impl<'a> Solved<'a> {
             let rise = |term: ErrorTerm| Row::sum(self.mean_steps[term].iter().map(|s| (1.0, s)));
             line.add(own - 1.0, &rise(term));
             line.add(of_twin * metres / self.metres(twin), &rise(twin));
-            line.add(share * metres, &self.figures[index]);
+            line.add(share * metres, &self.figures[index].row);
         }
         let line_um = (slope - self.naive[term]) * metres;
         Some((CurveRows { start: Row::default(), steps, line }, line_um))
-    }
-
-    /// u² of the squareness; `None` = not known.
-    pub(super) fn plane_variances(&self) -> PerPlane<Option<Variance>> {
-        PerPlane::from_fn(|plane| self.figure_variance(Unknown::squareness(plane)))
     }
 
     /// The curves beside the lines through their ends: determined whatever the set-up.
@@ -190,8 +174,8 @@ impl<'a> Solved<'a> {
 
     /// The redundancy of (7); `None` where there is none or where the set-up is assumed.
     pub(super) fn judged(&self) -> Option<Agreement> {
-        let asked = self.setup == SetUp::Solve && self.equations.has_lines();
-        asked.then(|| self.equations.agreement(&self.metric))?
+        let asked = self.measurement.setup == SetUp::Solve && self.equations.has_lines();
+        asked.then(|| self.equations.agreement(&self.figures))?
     }
 
     /// The nine errors with their uncertainties; `apart`: B of each term, and whether its uncertainty is known.
@@ -246,12 +230,12 @@ impl<'a> Solved<'a> {
     /// η_d = q_d − Aᵀ u_d with the slopes of the X-primary frame; `None` where scales or squareness
     /// are not determined, because then the tilts are not either.
     pub(super) fn tilts(&self) -> Option<PerDiagonal<Tilt>> {
-        if self.setup == SetUp::AssumePerfect || !self.metric.is_complete() {
+        if self.measurement.setup == SetUp::AssumePerfect || !self.metric.is_complete() {
             return None;
         }
         // X primary: EXY, EXZ and EYZ carry the squareness (p_xy = φxy …).
         let slope = |of: Axis, along: Axis| {
-            let found = self.found[Unknown::of(ErrorTerm { of, along }).0];
+            let found = self.figures[Unknown::of(ErrorTerm { of, along }).0].um_per_m;
             found.filter(|_| of <= along).unwrap_or(0.0)
         };
         Some(PerDiagonal::from_fn(|diagonal| {

@@ -3,8 +3,8 @@
 
 use super::curves::{closure_sign, noise_gain};
 use super::linear::{Layout, Row};
-use super::readings::{Group, Means, groups, pass_of};
-use crate::quantity::axis::{Axis, ErrorTerm};
+use super::readings::{Group, pass_of};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, Volume};
 
 /// Formulas (1) and (2) as rows over what was measured. The slopes hold the tilt of the mirror.
@@ -21,15 +21,12 @@ impl<'a> Steps<'a> {
         Steps { volume, layout, turned }
     }
 
-    /// Of readings without lines beside them.
-    pub(super) fn of_readings(volume: &'a Volume, means: &Means, turned: bool) -> Steps<'a> {
-        let nodes = means.forward[Diagonal::Ppp].len();
-        let passes = 1 + usize::from(means.reverse.is_some());
-        Steps::new(volume, Layout { nodes, passes, lines: 0, apart: 0 }, turned)
-    }
-
+    /// The groups of readings of one pass, or of both.
     pub(super) fn groups(&self) -> &'static [Group] {
-        groups(self.layout.passes == 2)
+        match self.layout.passes {
+            2 => &[Some(Direction::Plus), Some(Direction::Minus)],
+            _ => &[None],
+        }
     }
 
     /// m: the reading at the end of a step less that at its beginning.
@@ -59,15 +56,14 @@ impl<'a> Steps<'a> {
         Row::sum(Diagonal::ALL.map(of))
     }
 
-    /// δ of each interval of a term for one group of readings.
-    pub(super) fn of(&self, term: ErrorTerm, group: Group) -> Vec<Row> {
+    /// δ of an interval of a term for one group of readings.
+    pub(super) fn of(&self, term: ErrorTerm, group: Group, interval: usize) -> Row {
         let gain = noise_gain(self.volume, term.of) / 2.0;
-        let of = |d: Diagonal, interval: usize| {
+        let of = |d: Diagonal| {
             let sign = gain * d.sign(term.along) * d.sign(term.of);
             (sign, self.increment(group, d, term.along, interval))
         };
-        let interval = |interval| Row::sum(Diagonal::ALL.map(|d| of(d, interval)));
-        (0..self.volume.steps).map(interval).collect()
+        Row::sum(Diagonal::ALL.map(of))
     }
 
     /// The mean of the groups.
@@ -78,10 +74,8 @@ impl<'a> Steps<'a> {
 
     /// δ of each interval of a term, mean of the groups.
     pub(super) fn mean_of(&self, term: ErrorTerm) -> Vec<Row> {
-        let all = self.groups().iter().map(|group| self.of(term, *group)).collect::<Vec<_>>();
-        let share = 1.0 / all.len() as f64;
-        let at = |interval: usize| Row::sum(all.iter().map(|steps| (share, &steps[interval])));
-        (0..self.volume.steps).map(at).collect()
+        let interval = |at| self.mean(|group| self.of(term, group, at));
+        (0..self.volume.steps).map(interval).collect()
     }
 
     /// Sum of the increments of a (diagonal, axis) pair, mean of the groups.

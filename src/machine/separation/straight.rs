@@ -18,7 +18,7 @@
 
 use super::agreement::Agreement;
 use super::campaign::Campaign;
-use super::closure::{Start, large_noise};
+use super::closure::large_noise;
 use super::curves::at;
 use super::findings::SeparationFinding;
 use super::labels;
@@ -26,8 +26,9 @@ use super::linear::{Layout, Row};
 use super::metric::{Equations, Metric, PerPlane};
 use super::noise::{Noise, Outlier, float};
 use super::plane::Unknown;
-use super::readings::{CorrectedRun, figures, means, run_counts};
+use super::readings::{self, CorrectedRun};
 use super::solved::scale_sum_um_mm;
+use super::start::Start;
 use super::uncertainty::{Budget, SlopeUncertainty};
 use crate::inputs::error_table::{ErrorTable, Silence};
 use crate::quantity::axis::{ErrorTerm, PerAxis};
@@ -88,8 +89,8 @@ pub fn straight(
     let volume = &campaign.measurement.volume;
     let start = Start::new(campaign, runs);
     let noise = start.noise;
-    let budget = Budget { campaign, start: &start, noise, turned: false };
-    let (all, _) = figures(&start.runs, PathKind::Straight);
+    let budget = Budget { campaign, start: &start, noise, overrun: None };
+    let (all, _) = readings::figures(&start.runs, PathKind::Straight);
     let end_um = PerDiagonal::from_fn(|d| all[d].end_um);
     // (7) of first order: u_dᵀ h u_d = e_d(end)/R.
     let length_m = volume.diagonal_mm() / 1000.0;
@@ -98,12 +99,9 @@ pub fn straight(
     let rows = rows(volume, model.layout);
     let known = (&mut model, noise.is_some());
     let equations = Equations::new(volume, &diagonals, &campaign.lines, rows, known);
-    let (metric, rows) = equations.metric();
-    let agreement = equations.agreement(&metric);
-    let found = |unknown: Unknown| {
-        let variance = metric.is_known(unknown).then(|| model.variance(&rows[unknown.0]))?;
-        Some(variance.as_slope(noise?))
-    };
+    let (metric, figures) = equations.metric();
+    let agreement = equations.agreement(&figures);
+    let found = |Unknown(index): Unknown| Some(figures[index].variance(&model)?.as_slope(noise?));
     Ok(StraightResult {
         volume: volume.clone(),
         scale_sum_um_mm: scale_sum_um_mm(volume, &end_um),
@@ -116,9 +114,7 @@ pub fn straight(
         doubts: doubts(campaign, &start, agreement.as_ref()),
         agreement,
         noise,
-        closure: errors
-            .map(|table| closure_tests(volume, table, &start.runs, noise))
-            .transpose()?,
+        closure: errors.map(|table| closure_tests(volume, table, &start)).transpose()?,
         labels: labels::of_straight(&budget),
         metric,
         runs: start.runs,
@@ -191,22 +187,20 @@ impl ClosureTests {
 /// A predicted reading, µm, and the square of what the table states of its uncertainty.
 type Predicted = (f64, Option<f64>);
 
-/// Compares straight runs with what nine errors predict. `noise`: of a single reading.
+/// Compares straight runs with what nine errors predict.
 fn closure_tests(
     volume: &Volume,
     table: &ErrorTable,
-    runs: &[CorrectedRun],
-    noise: Option<Noise>,
+    start: &Start,
 ) -> Result<ClosureTests, Problems> {
-    let (means, counts) = (means(runs), run_counts(runs));
     let mut found = ClosureTests { tests: Vec::new(), k: 0.0, table_states_u: true };
     for (diagonal, pass) in Diagonal::ALL.into_iter().flat_map(|d| Pass::BOTH.map(|p| (d, p))) {
-        let count = counts[diagonal][pass as usize];
+        let count = start.counts[diagonal][pass as usize];
         if count > 0.0 {
             let predicted = predicted(volume, table, diagonal, pass)?;
             found.table_states_u &= predicted.iter().all(|(_, square)| square.is_some());
-            let readings = noise.map(|noise| 2.0 * noise.sigma_um.squared() / count);
-            let measured = &means.of(pass)[diagonal];
+            let readings = start.noise.map(|noise| 2.0 * noise.sigma_um.squared() / count);
+            let measured = &start.means.of(pass)[diagonal];
             found.tests.push(compared(diagonal, pass, measured, &predicted, readings));
         }
     }

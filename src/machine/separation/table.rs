@@ -62,12 +62,7 @@ impl ErrorSource {
 /// a job that asks for the curves moving + gets these alone, any other one the mean of both.
 pub fn draft(separation: &Separation, job: &Job, mut comments: Vec<String>) -> Draft {
     let directions = directions(separation, job);
-    let table = Table::new(separation, job, &directions);
-    let (all, doubtful) = (table.largest(job), table.doubtful());
-    let (largest, measured, anew) = (all.forecast, all.measured, all.anew);
-    let same_laser = job.measurement.instrument.clone().zip(all.same_laser);
-    let said = Remarks { largest, measured, anew, same_laser, doubtful, ..remarks(separation) };
-    comments.extend(said.lines());
+    comments.extend(Table::new(separation, job).remarks(job, remarks(separation)).lines());
     let of_axis = |axis| directions[axis].iter().map(move |way| (axis, *way));
     let series = Axis::ALL.into_iter().flat_map(of_axis);
     let series = series.map(|(axis, way)| one_series(separation, axis, way));
@@ -87,14 +82,8 @@ pub fn remarks(separation: &Separation) -> Remarks {
     let why = why.collect::<Vec<_>>().join("; ");
     let open = |finding: &&Finding| SeparationFinding::StillOpen { what: (*finding).clone() };
     let other = other.iter().map(open).map(Finding::from);
-    let frame = separation.labels.iter().find_map(|label| match label.kind() {
-        Some(SeparationFinding::FrameOf { frame }) => Some(*frame),
-        _ => None,
-    });
-    let lines = separation.labels.iter().find_map(|label| match label.kind() {
-        Some(SeparationFinding::OnLines { lines, .. }) => Some(*lines),
-        _ => None,
-    });
+    let evidence = &separation.model.evidence;
+    let lines = evidence.has_angles().then_some(evidence.origin);
     let mut labels = separation.labels.clone();
     labels.sort_by_key(|label| Reverse(label.severity())); // what the readings say of themselves first
     let notes = other.chain(labels).collect();
@@ -104,14 +93,10 @@ pub fn remarks(separation: &Separation) -> Remarks {
         hidden_reversal_um: separation.hidden_reversal_um,
         degrees_of_freedom: separation.noise.and_then(Noise::freedom_f64),
         silence: separation.silence.clone(),
-        largest: None,
-        measured: None,
-        anew: None,
-        same_laser: None,
-        doubtful: None,
-        frame,
+        frame: Some(separation.frame),
         lines: lines.map(|lines| PerAxis::from_fn(|axis| Millimetres::new(lines[axis]))),
         notes,
+        ..Remarks::default()
     }
 }
 

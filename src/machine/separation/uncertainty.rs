@@ -11,17 +11,15 @@
 //! The beam counts here and there: it may lean alike in all set-ups, or in some of them only.
 
 use super::campaign::{Campaign, MeasuredLine};
-use super::closure::Start;
 use super::corrections::{REFERENCE_C, of_rotations};
-use super::linear::{Layout, Model, Variance};
-use super::metric::PerPlane;
+use super::linear::{Cause, Layout, Model, Part, Variance};
 use super::noise::{Noise, coverage_factor, effective_freedom};
-use super::readings::PassMeans;
+use super::start::Start;
 use super::steps::Steps;
 use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::chain::{displaced, unit};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 
 /// Radians of one second of arc, times 10⁶.
@@ -62,8 +60,8 @@ pub(super) struct Budget<'a> {
     pub(super) start: &'a Start,
     /// Of a single reading; `None` = not known.
     pub(super) noise: Option<Noise>,
-    /// Whether the axes turned without overrun, so that jumps are taken off the reverse passes.
-    pub(super) turned: bool,
+    /// Whether the axes ran past the end point; `None` = not known.
+    pub(super) overrun: Option<bool>,
 }
 
 impl<'a> Budget<'a> {
@@ -74,77 +72,87 @@ impl<'a> Budget<'a> {
 
     /// Whether every diagonal was walked in both directions.
     pub(super) fn both_ways(&self) -> bool {
-        self.start.walked_back()
+        self.start.means.reverse.is_some()
+    }
+
+    /// Whether the axes turned without overrun, so that jumps are taken off the reverse passes.
+    pub(super) fn turned(&self) -> bool {
+        self.overrun == Some(false)
+    }
+
+    /// Whether what the first and last intervals close to is spoilt by a missing overrun.
+    pub(super) fn skips_ends(&self) -> bool {
+        self.both_ways() && self.overrun != Some(true)
+    }
+
+    /// Formulas (1) to (3) for the readings alone.
+    pub(super) fn steps(&self) -> Steps<'a> {
+        Steps::new(self.volume(), self.layout(), self.turned())
+    }
+
+    /// What is measured.
+    fn layout(&self) -> Layout {
+        let nodes = self.volume().last_node(self.campaign.measurement.kind) + 1;
+        let (passes, lines) = (1 + usize::from(self.both_ways()), self.campaign.lines.len());
+        Layout { nodes, passes, lines, apart: 0 }
     }
 
     /// The linear model of the readings of a campaign.
     pub(super) fn model(&self) -> Model {
         let (campaign, stated) = (self.campaign, self.campaign.stated);
-        let (volume, kind, lines) = (self.volume(), campaign.measurement.kind, &campaign.lines);
-        let passes = &Pass::BOTH[..1 + usize::from(self.both_ways())];
-        let nodes = volume.last_node(kind) + 1;
-        let mut model =
-            Model::new(Layout { nodes, passes: passes.len(), lines: lines.len(), apart: 0 });
-        let variance = self.noise.map_or(0.0, |noise| noise.sigma_um.squared());
-        for (index, line) in lines.iter().enumerate() {
-            let of_setup = stated.setup_ppm.unwrap_or(0.0);
-            let u_um_per_m = line.u_um_per_m.unwrap_or(0.0).hypot(of_setup);
-            model.other[model.layout.line(index)] = u_um_per_m.squared();
+        let (volume, kind) = (self.volume(), campaign.measurement.kind);
+        let layout = self.layout();
+        let setup_ppm = stated.setup_ppm.unwrap_or(0.0);
+        let mut other = vec![0.0; layout.len()];
+        for (index, line) in campaign.lines.iter().enumerate() {
+            let u_um_per_m = line.u_um_per_m.unwrap_or(0.0).hypot(setup_ppm);
+            other[layout.line(index)] = u_um_per_m.squared();
         }
-        for pass in passes {
-            for d in Diagonal::ALL {
-                let first = model.layout.reading(*pass, d, 0);
-                let runs = self.start.counts[d][usize::from(*pass == Pass::Reverse)];
-                model.noise[first..first + nodes].fill(variance / runs);
-            }
-        }
-        let scaled = |um_per_m: &dyn Fn(Diagonal) -> PerAxis<f64>| {
-            model.layout.column(|_, d, node| {
+        let noise = self.noise.map_or(0.0, |noise| noise.sigma_um.squared());
+        let noise = layout.column(|pass, d, _| noise / self.start.counts[d][pass as usize]);
+        let scaled = |part: Part, um_per_m: &dyn Fn(Diagonal) -> PerAxis<f64>| {
+            let column = layout.column(|_, d, node| {
                 let start = volume.inside_mm(d, kind, 0);
                 um_per_m(d).dot(volume.inside_mm(d, kind, node).minus(start)) / 1000.0
-            })
+            });
+            Cause { part, column, variance: 1.0, of_beam: 0.0 }
         };
-        let common = common_um_per_m(stated, self.start.material).into_iter();
-        let strains = common.map(|strain| {
-            scaled(&|d| {
+        let strain = |part: Part, strain: PerAxis<f64>| {
+            scaled(part, &|d| {
                 let laser = volume.laser(d);
                 PerAxis::from_fn(|axis| laser[axis] * strain[axis])
             })
-        });
-        let only = |one: Diagonal, of: PerAxis<f64>| {
-            scaled(&|d| if d == one { of } else { PerAxis::default() })
         };
+        let only = |part: Part, one: Diagonal, of: PerAxis<f64>| {
+            scaled(part, &|d| if d == one { of } else { PerAxis::default() })
+        };
+        let mut causes = vec![strain(Part::Beam, PerAxis::from_fn(|_| stated.beam_ppm()))];
+        let laser = (stated.of_laser_ppm() > 0.0).then_some(causes.len());
+        let common = common_um_per_m(stated, self.start.material);
+        causes.extend(common.into_iter().map(|um_per_m| strain(Part::Laser, um_per_m)));
         let tilt =
             stated.tilt_arcsec.filter(|_| campaign.measurement.setup == SetUp::AssumePerfect);
-        let tilts = Diagonal::ALL.into_iter().filter_map(|d| Some((d, tilt?)));
-        let tilts = tilts.flat_map(|(d, arcsec)| {
-            across(volume.laser(d)).map(|way| only(d, way.times(arcsec * URAD_PER_ARCSEC)))
-        });
-        let setups = Diagonal::ALL.map(|d| only(d, volume.laser(d)));
-        let mut columns: Vec<Vec<f64>> = strains.collect();
-        model.strains = 0..columns.len();
-        model.laser = (stated.of_laser_ppm() > 0.0).then_some(0);
-        columns.extend(tilts);
-        model.tilts = model.strains.end..columns.len();
-        columns.extend(setups);
-        model.setups = model.tilts.end..columns.len();
-        let unmeasured = Unmeasured::stated(campaign);
-        let first = columns.len();
-        model.evidence = campaign.angle_evidence();
-        model.rotations = vec![None; first];
-        model.rotations.extend(unmeasured.parts.iter().map(|of| Some(of.rotation)));
-        columns.extend(unmeasured.parts.into_iter().map(|of| {
-            let mut column = model.layout.column(|_, d, node| of.readings[d][node]);
-            let line = model.layout.line(0);
-            column[line..line + of.lines.len()].copy_from_slice(&of.lines);
-            column
+        for (d, arcsec) in Diagonal::ALL.into_iter().filter_map(|d| Some((d, tilt?))) {
+            let ways = across(volume.laser(d)).map(|way| way.times(arcsec * URAD_PER_ARCSEC));
+            causes.extend(ways.map(|way| only(Part::Mirror, d, way)));
+        }
+        causes.extend(Diagonal::ALL.map(|d| Cause {
+            variance: setup_ppm.squared(),
+            of_beam: stated.beam_ppm().squared(),
+            ..only(Part::SetUps, d, volume.laser(d))
         }));
-        let of_order = |acting: Vec<usize>| acting.into_iter().map(|part| first + part).collect();
-        model.angles = unmeasured.orders.into_iter().map(of_order).collect();
-        model.columns = columns;
-        model.setup_ppm = stated.setup_ppm.unwrap_or(0.0);
-        model.beam_ppm = stated.beam_ppm();
-        model
+        let angles = unmeasured(campaign, layout, &mut causes);
+        let evidence = campaign.angles.evidence.clone();
+        Model {
+            layout,
+            noise,
+            other,
+            of_setup: setup_ppm.squared(),
+            causes,
+            laser,
+            angles,
+            evidence,
+        }
     }
 }
 
@@ -180,62 +188,42 @@ pub(super) fn of_length_ppm(
     common.fold(own, |all, strain| all.hypot(strain[axis]))
 }
 
-/// What an angle does to the readings by node, µm, the same on the way back, and to linear axes and beams, µm/m.
-pub(super) struct OfAngle {
-    rotation: Rotation,
-    pub(super) readings: PassMeans,
-    lines: Vec<f64>,
-}
-
-/// What unmeasured angles with a stated bound do: one standard uncertainty of each part.
-#[derive(Default)]
-pub(super) struct Unmeasured {
-    pub(super) parts: Vec<OfAngle>,
-    /// Which of the parts act, for each order of the axes that may be.
-    pub(super) orders: Vec<Vec<usize>>,
-}
-
-impl Unmeasured {
-    /// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2;
-    ///          of a measured angle with a stated u, the same of its error with u²(a) = u²(b) = u²/2
-    /// limits   the figures are those of the lines through the middle of the box, where α is 0: a constant angle
-    ///          is squareness. Levers count from there, the tool has none; linear axes are taken as measured there,
-    ///          beams without ends as going through. A straight part or a bow above half of the bound is not held,
-    ///          nor an angle that differs between the directions.
-    pub(super) fn stated(campaign: &Campaign<'_>) -> Unmeasured {
-        let evidence = campaign.angle_evidence();
-        let bound_urad = campaign.stated.angle_urad.filter(|bound| *bound > 0.0);
-        let missing = bound_urad.map(|bound| 0.5 * bound / 3_f64.sqrt()).into_iter();
-        let missing = missing.flat_map(|u| evidence.missing.iter().map(move |of| (*of, u)));
-        let measured = evidence.uncertain.iter().map(|(of, u)| (*of, u / 2_f64.sqrt()));
-        let rotations: Vec<(Rotation, f64)> = missing.chain(measured).collect();
-        if rotations.is_empty() {
-            return Unmeasured::default();
-        }
-        let mut known: Vec<(Rotation, [bool; 3])> = Vec::new();
-        let mut parts = Vec::new();
-        let mut of_order = |order: &[Axis; 3]| -> Vec<usize> {
-            let mut acting = Vec::new();
-            for (rotation, u_urad) in &rotations {
-                // What a rotation does hangs on the axes that it swings, not on what moves it.
-                let swung = order.iter().skip_while(|axis| **axis != rotation.along).skip(1);
-                let swung: Vec<Axis> =
-                    swung.filter(|axis| **axis != rotation.about).copied().collect();
-                let key = (*rotation, Axis::ALL.map(|axis| swung.contains(&axis)));
-                let at = known.iter().position(|known| *known == key).unwrap_or_else(|| {
-                    known.push(key);
-                    parts.extend(of_rotation(campaign, *u_urad, *order, *rotation));
-                    known.len() - 1
-                });
-                acting.extend([2 * at, 2 * at + 1]);
+/// Adds what unmeasured angles with a stated bound do: one standard uncertainty of each part. Which of the causes act,
+/// for each order of the axes that may be.
+///
+/// formula  α(t) − α(0) = a t − b t²   t = −1 … 1 over the box; a, b independent, uniform within ± bound/2;
+///          of a measured angle with a stated u, the same of its error with u²(a) = u²(b) = u²/2
+/// limits   the figures are those of the lines through the middle of the box, where α is 0: a constant angle
+///          is squareness. Levers count from there, the tool has none; linear axes are taken as measured there,
+///          beams without ends as going through. A straight part or a bow above half of the bound is not held,
+///          nor an angle that differs between the directions.
+fn unmeasured(campaign: &Campaign<'_>, layout: Layout, causes: &mut Vec<Cause>) -> Vec<Vec<usize>> {
+    let evidence = &campaign.angles.evidence;
+    let bound_urad = campaign.stated.angle_urad.filter(|bound| *bound > 0.0);
+    let missing = bound_urad.map(|bound| 0.5 * bound / 3_f64.sqrt()).into_iter();
+    let missing = missing.flat_map(|u| evidence.missing.iter().map(move |of| (*of, u)));
+    let measured = evidence.uncertain.iter().map(|(of, u)| (*of, u / 2_f64.sqrt()));
+    let rotations: Vec<(Rotation, f64)> = missing.chain(measured).collect();
+    let mut known: Vec<(Rotation, [bool; 3], usize)> = Vec::new();
+    let mut of_order = |order: &[Axis; 3]| -> Vec<usize> {
+        let mut acting = Vec::new();
+        for (rotation, u_urad) in &rotations {
+            // What a rotation does hangs on the axes that it swings, not on what moves it.
+            let swung = order.iter().skip_while(|axis| **axis != rotation.along).skip(1);
+            let swung: Vec<Axis> = swung.filter(|axis| **axis != rotation.about).copied().collect();
+            let swung = Axis::ALL.map(|axis| swung.contains(&axis));
+            let same = known.iter().find(|(of, axes, _)| (of, axes) == (rotation, &swung));
+            let first = same.map_or(causes.len(), |(_, _, first)| *first);
+            if first == causes.len() {
+                known.push((*rotation, swung, first));
+                causes.extend(of_rotation(campaign, layout, *u_urad, *order, *rotation));
             }
-            acting
-        };
-        let orders = evidence.order.as_ref();
-        let orders = orders.map_or(&Axis::ORDERS[..], std::slice::from_ref);
-        let orders = orders.iter().map(&mut of_order).collect();
-        Unmeasured { parts, orders }
-    }
+            acting.extend([first, first + 1]);
+        }
+        acting
+    };
+    let orders = evidence.orders().iter().filter(|_| !rotations.is_empty());
+    orders.map(&mut of_order).collect()
 }
 
 /// What rolls do to the readings that make ramps of the closure of this size, µm from its first interval to its
@@ -246,32 +234,34 @@ pub(super) fn rolls(
     ramps_um: &PerAxis<f64>,
 ) -> Vec<Vec<Vec<f64>>> {
     let volume = &campaign.measurement.volume;
-    let evidence = campaign.angle_evidence();
-    let orders = evidence.order.as_ref().map_or(&Axis::ORDERS[..], std::slice::from_ref);
+    let evidence = &campaign.angles.evidence;
     let steps = Steps::new(volume, layout, false);
     let of_axis = |axis: Axis| {
         let rotation = Rotation { about: axis, along: axis };
         let of_order = |order: &[Axis; 3]| {
-            let [straight, _] = of_rotation(campaign, 1.0, *order, rotation);
-            let column = layout.column(|_, d, node| straight.readings[d][node]);
+            let [Cause { mut column, .. }, _] =
+                of_rotation(campaign, layout, 1.0, *order, rotation);
+            column[layout.line(0)..].fill(0.0); // the readings alone
             let w = |at| steps.mean(|group| steps.closure(group, axis, at)).dot(&column);
             let ramp = w(volume.steps - 1) - w(0);
             let share = ramps_um[axis] / ramp;
             let largest = column.iter().fold(0.0, |most: f64, um| most.max(um.abs()));
             (ramp.abs() > ROUNDING * largest).then(|| column.iter().map(|um| share * um).collect())
         };
-        orders.iter().filter_map(of_order).collect()
+        evidence.orders().iter().filter_map(of_order).collect()
     };
     Axis::ALL.into_iter().filter(|axis| ramps_um[*axis] > 0.0).map(of_axis).collect()
 }
 
-/// The straight part and the bow of an angle, each of this size at the ends of the box, µrad.
+/// What the straight part and the bow of an angle, each of this size at the ends of the box, µrad, do to the readings,
+/// the same on the way back, and to linear axes and beams.
 fn of_rotation(
     campaign: &Campaign<'_>,
+    layout: Layout,
     u_urad: f64,
     order: [Axis; 3],
     rotation: Rotation,
-) -> [OfAngle; 2] {
+) -> [Cause; 2] {
     let measurement = campaign.measurement;
     let volume = &measurement.volume;
     let half = volume.size[rotation.along].mm() / 2.0;
@@ -293,11 +283,11 @@ fn of_rotation(
             let rise = line.direction.dot(at(to)[0].minus(at(from)[0]));
             1000.0 * rise / to.minus(from).length()
         };
-        OfAngle {
-            rotation,
-            readings: PerDiagonal::from_fn(|d| of_rotations(ray, d, at)),
-            lines: campaign.lines.iter().map(line).collect(),
-        }
+        let readings = PerDiagonal::from_fn(|d| of_rotations(ray, d, at));
+        let mut column = layout.column(|_, d, node| readings[d][node]);
+        let lines = column[layout.line(0)..].iter_mut().zip(&campaign.lines);
+        lines.for_each(|(um_per_m, of)| *um_per_m = line(of));
+        Cause { part: Part::Angle(rotation), column, variance: 1.0, of_beam: 0.0 }
     })
 }
 
@@ -307,13 +297,4 @@ fn across(u: PerAxis<f64>) -> [PerAxis<f64>; 2] {
     let one = u.cross(z);
     let one = one.times(1.0 / one.length());
     [one, u.cross(one)]
-}
-
-/// u(φ) = R/(2 V_j V_k)·u(e_end), µm/m.
-pub(super) fn u_squareness(volume: &Volume, u_end_um: f64) -> PerPlane<f64> {
-    PerPlane::from_fn(|plane| {
-        let (a, b) = plane.axes();
-        let area = volume.size[a].mm() * volume.size[b].mm();
-        1000.0 * volume.diagonal_mm() / (2.0 * area) * u_end_um
-    })
 }

@@ -73,27 +73,12 @@ pub struct Diagonals {
 /// limits ISO 230-6 asks for straight motion; cell ends of a step-diagonal run lie on the same
 ///        line but were reached by another motion, see [`DiagonalMotion::label`]. The range over
 ///        all depends on the zero of each diagonal: here its first target, as the readings have it
-pub fn diagonal(diagonals: &[(&str, &Runs)], motion: DiagonalMotion) -> Diagonals {
-    let targets = diagonals.iter().map(|(name, runs)| {
-        let travel = Travel::of(runs, None).ok()?;
-        Some((*name, iso_230_2::number_of_targets(runs, travel)))
-    });
-    figures_of(diagonals, motion, targets.collect())
-}
-
-/// The same where nothing is known of the box: no figure depends on the targets' places along the
-/// diagonal, but whether they are enough cannot be determined.
-pub(crate) fn diagonal_of_unknown_length(
+///        Where nobody knows the size of the box (`length_is_known`), no figure depends on the targets'
+///        places along the diagonal, but whether they are enough cannot be determined
+pub fn diagonal(
     diagonals: &[(&str, &Runs)],
     motion: DiagonalMotion,
-) -> Diagonals {
-    figures_of(diagonals, motion, None)
-}
-
-fn figures_of(
-    diagonals: &[(&str, &Runs)],
-    motion: DiagonalMotion,
-    targets: Option<Vec<(&str, Condition)>>,
+    length_is_known: bool,
 ) -> Diagonals {
     let mut means = Vec::new();
     let figures = diagonals.iter().map(|(name, runs)| {
@@ -110,7 +95,7 @@ fn figures_of(
         let all: Option<Vec<f64>> = figures.iter().map(figure).collect();
         largest(all.filter(|_| complete)?)
     };
-    let conditions = conditions(diagonals, motion, targets);
+    let conditions = conditions(diagonals, motion, length_is_known);
     let missed = Condition::missed(&conditions);
     let label = match motion {
         DiagonalMotion::StraightRuns if !missed.is_empty() => {
@@ -133,8 +118,13 @@ fn figures_of(
 fn conditions(
     diagonals: &[(&str, &Runs)],
     motion: DiagonalMotion,
-    targets: Option<Vec<(&str, Condition)>>,
+    length_is_known: bool,
 ) -> Vec<Condition> {
+    let targets = diagonals.iter().map(|(name, runs)| {
+        let travel = Travel::of(runs, None).ok().filter(|_| length_is_known)?;
+        Some((*name, iso_230_2::number_of_targets(runs, travel)))
+    });
+    let targets: Option<Vec<(&str, Condition)>> = targets.collect();
     let likely = |asked: &str, found: &str, met| Condition::likely(&EDITION, asked, found, met);
     // A condition that every diagonal has to meet; what is said is that of the first that does not.
     let of_all = |asked: &str, each: Vec<(&str, Condition)>| {

@@ -10,15 +10,15 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, TableCurve, directions, largest, random, sum};
+use super::{CONFIDENCE, Table, TableCurve, largest, random, sum};
 use crate::inputs::job::Job;
 use crate::machine::separation::corrections::AngleEvidence;
-use crate::machine::separation::linear::{Part, Row, Variance};
+use crate::machine::separation::linear::{Cause, Part, Row, Variance};
 use crate::machine::separation::noise::{float, student};
 use crate::machine::separation::separate::Separation;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::quantity::units::{Millimetres, Squared, larger};
+use crate::quantity::units::{Millimetres, larger};
 use rand_distr::{ChiSquared, Distribution};
 
 /// Visits that are drawn: a share of them is known to 5 %.
@@ -47,8 +47,8 @@ impl Separation {
         found: Option<Found<'_>>,
         limit_um: f64,
     ) -> Option<Outlook> {
-        let [table, former] = [self, found.map_or(self, |found| found.1)]
-            .map(|of| Table::new(of, job, &directions(of, job)));
+        let [table, former] =
+            [self, found.map_or(self, |found| found.1)].map(|of| Table::new(of, job));
         let is_known = table.is_known() && former.is_known();
         is_known.then(|| table.outlook(found, &former, limit_um))
     }
@@ -61,7 +61,7 @@ impl Separation {
     /// Standard uncertainty of the slope of a line by itself, µm/m.
     pub(crate) fn u_of_line(&self, index: usize) -> f64 {
         let all = self.model.other[self.model.layout.line(index)];
-        (all - self.model.setup_ppm.squared()).sqrt()
+        (all - self.model.of_setup).sqrt()
     }
 
     /// What the variance of the error of a term is made of that is least certain; of values, that is at most most.
@@ -71,7 +71,7 @@ impl Separation {
         term: ErrorTerm,
         errors: Option<Measured<'_>>,
     ) -> Vec<(Part, f64)> {
-        let table = Table::new(self, job, &directions(self, job));
+        let table = Table::new(self, job);
         let points = table.points();
         let row = |place: usize| table.row(place / points, place % points);
         let values = table.values(errors).into_iter().enumerate();
@@ -112,7 +112,7 @@ impl Table<'_> {
     fn variances(&self, of: impl Fn(Variance) -> f64) -> Vec<f64> {
         let mut model = self.of.model.clone();
         model.angles.clear();
-        model.strains.start += usize::from(self.laser.is_some()); // it is the first
+        self.laser.into_iter().for_each(|at| model.causes[at].variance = 0.0);
         let own = self.curves.iter().flat_map(|curve| curve.rows.variances(&model));
         self.beside_reference(&own.map(of).collect::<Vec<f64>>(), 1.0)
     }
@@ -176,9 +176,10 @@ impl Table<'_> {
         };
         let shares: Vec<(f64, f64)> = (0..self.curves.len()).map(share).collect();
         // Of angles that are measured now; in any order that the axes may have.
-        let rotations = &former.of.model.rotations;
-        let order = former.of.model.angles.first().into_iter().flatten().copied();
-        let is_measured = |at: &usize| !self.of.model.rotations.contains(&rotations[*at]);
+        let (now, before) = (&self.of.model.causes, &former.of.model);
+        let order = before.angles.first().into_iter().flatten().copied();
+        let is_same = |at: usize| move |cause: &Cause| cause.part == before.causes[at].part;
+        let is_measured = |at: &usize| !now.iter().any(is_same(*at));
         let measured: Vec<usize> = order.filter(is_measured).collect();
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
         let at_most = |visit: usize| {
