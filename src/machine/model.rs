@@ -246,20 +246,18 @@ impl ErrorModel {
 
 fn measured_term(job: &Job, table: &ErrorTable, term: ErrorTerm) -> Option<MeasuredTerm> {
     let (between, machine) = (job.compensation.curve, job.machine.axes[term.along]?);
-    let series = table.series(term.along);
+    let series = table.series(term.along).iter();
+    let measured: Vec<&Series> = series.filter(|s| s.deviations[term.of].is_some()).collect();
+    let homing = measured.iter().find(|s| s.direction == Some(machine.homing()));
+    let zeroed = *homing.or(measured.first())?;
     let curve = |s: &Series| {
         let deviations = s.deviations[term.of].as_ref()?;
-        let curve = ErrorCurve::through(&s.positions, deviations, between);
-        Some((s.direction, curve))
+        Some(ErrorCurve::through(&s.positions, deviations, between))
     };
-    let curves: Vec<(Option<Direction>, ErrorCurve)> = series.iter().filter_map(curve).collect();
-    let homing = Some(machine.homing());
-    let (_, zeroed) =
-        curves.iter().find(|(direction, _)| *direction == homing).or(curves.first())?;
-    let zero = zeroed.at(machine.reference);
-    let zeroed = curves.into_iter().map(|(direction, curve)| (direction, curve.less(zero)));
-    let measured = Measured::of(zeroed)?;
-    Some(MeasuredTerm { measured, uncertainty: points(job, series, term, machine) })
+    let zero = curve(zeroed)?.at(machine.reference);
+    let curves = measured.iter().filter_map(|s| Some((s.direction, curve(s)?.less(zero))));
+    let uncertainty = points(job, (&measured, zeroed), term, machine);
+    Some(MeasuredTerm { measured: Measured::of(curves)?, uncertainty })
 }
 
 fn add_squareness(
@@ -307,10 +305,11 @@ pub struct PointUncertainty {
     pub u_um: f64,
 }
 
-/// The uncertainty of a term at each of its positions; empty = not stated.
-pub(super) fn points(
+/// The uncertainty of a term at each of its measured positions, of which the second are those that are zero at the
+/// reference; empty = not stated.
+fn points(
     job: &Job,
-    series: &[Series],
+    (measured, zeroed): (&[&Series], &Series),
     term: ErrorTerm,
     axis: MachineAxis,
 ) -> Vec<PointUncertainty> {
@@ -320,25 +319,21 @@ pub(super) fn points(
     };
     let noise_um = noise_um.filter(|noise| *noise > 0.0); // 0 states nothing
     let laser_um_per_m = laser_um_per_m(job).filter(|_| term.is_positioning());
-    let measured = || series.iter().filter(|s| s.deviations[term.of].is_some());
-    let column = measured().any(|s| s.uncertainties_um[term.of].is_some());
+    let column = measured.iter().any(|s| s.uncertainties_um[term.of].is_some());
     if !column && noise_um.is_none() && laser_um_per_m.is_none() {
         return Vec::new();
     }
     let (noise_um, laser) = (noise_um.unwrap_or(0.0), laser_um_per_m.unwrap_or(0.0));
-    let homing = measured().find(|s| s.direction == Some(axis.homing()));
-    let zeroed = homing.or(measured().next());
-    let at_zero = zeroed.and_then(|s| nearest_um(s, term, axis.reference));
-    let at_zero = at_zero.unwrap_or(0.0).hypot(noise_um);
+    let at_zero = nearest_um(zeroed, term, axis.reference).unwrap_or(0.0).hypot(noise_um);
     let mut points = Vec::new();
-    for s in measured() {
+    for s in measured {
         let column = s.uncertainties_um[term.of].as_ref();
         for (row, at) in s.positions.iter().enumerate() {
             let from_zero = (*at - axis.reference).mm().abs();
             let own = column.and_then(|c| c.get(row)).copied().unwrap_or(0.0);
             let value_um = own.hypot(noise_um);
             let reach_um = laser * from_zero / 1000.0;
-            let is_zero = from_zero <= AT_PLACE_MM && zeroed.is_some_and(|z| std::ptr::eq(z, s));
+            let is_zero = from_zero <= AT_PLACE_MM && std::ptr::eq(zeroed, *s);
             let u_um = if is_zero { 0.0 } else { value_um.hypot(at_zero).hypot(reach_um) };
             points.push(PointUncertainty { direction: s.direction, at: *at, value_um, u_um });
         }
@@ -354,7 +349,7 @@ fn with_periods(job: &Job, doubtful: Option<&Sizes>) -> Option<Sizes> {
 }
 
 /// Scale of the laser that the job states beside its table, µm/m; separated readings hold it already.
-pub(super) fn laser_um_per_m(job: &Job) -> Option<f64> {
+fn laser_um_per_m(job: &Job) -> Option<f64> {
     let stated = job.measurement.uncertainty.laser_ppm;
     let beside = matches!(job.measurement.data, MeasuredData::Errors(_));
     stated.filter(|ppm| beside && *ppm > 0.0)

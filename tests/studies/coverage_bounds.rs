@@ -262,7 +262,7 @@ fn campaign<'a>(
 ) -> Campaign<'a> {
     let mut campaign = simulated::campaign(measurement, lines);
     let chain = Chain::parse("wXYZt").unwrap();
-    campaign.angles = Some(AngleEffects::unmeasured(Some(chain)));
+    campaign.angles = AngleEffects::unmeasured(Some(chain));
     campaign.stated = stated;
     campaign
 }
@@ -381,8 +381,8 @@ fn of_clean(rigid: &Rigid, missing: Option<Rotation>, stated: StatedUncertainty)
     let lines = truth.lines(&[Axis::X, Axis::Y], Some(U_LINE_UM_PER_M));
     let measurement = simulated::measurement(rigid.volume(), SetUp::Solve, Frame::XPrimary);
     let mut campaign = campaign(&measurement, lines, stated);
-    if let (Some(rotation), Some(angles)) = (missing, &mut campaign.angles) {
-        angles.evidence.missing = vec![rotation];
+    if let Some(rotation) = missing {
+        campaign.angles.evidence.missing = vec![rotation];
     }
     separate(&campaign, &runs(1, Pass::Forward, &rigid.readings(None)))
 }

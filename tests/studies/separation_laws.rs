@@ -12,7 +12,7 @@ use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use nonius::quantity::chain::Chain;
-use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
 use proptest::prelude::*;
 
 /// Sums of a few hundred readings of up to a millimetre.
@@ -315,10 +315,17 @@ fn false_bows(
     let (axis, angle) = (rotation.along.key(), ["ea", "eb", "ec"][rotation.about as usize]);
     let text = format!("axis,position_mm,{angle}_urad\n{axis},0,-0.5\n{axis},{size},0.5\n");
     let table = error_table(&text);
-    let (levers, middle) =
-        (Levers::default(), PerAxis::from_fn(|axis| volume.size[axis].mm() / 2.0));
-    let model = AngleModel::new(&table, chain, (&levers, middle), mirror);
-    let of = |d| model.effect_um(volume, PathKind::Step, d, Pass::Forward);
+    let mut measurement = measurement(volume, SetUp::AssumePerfect, Frame::AsMeasured);
+    measurement.target = mirror;
+    let effects = AngleModel {
+        table: &table,
+        order: chain.order(),
+        levers: Levers::default(),
+        origin: PerAxis::from_fn(|axis| volume.size[axis].mm() / 2.0),
+        measurement: &measurement,
+    }
+    .effects();
+    let of = |d| effects.of(d, Pass::Forward).unwrap().to_vec();
     naive(volume, &runs(1, Pass::Forward, &PerDiagonal::from_fn(of))).shapes
 }
 

@@ -1,6 +1,7 @@
 //! Readings of step diagonals, simulated with arithmetic of the tests' own: a machine of nine
 //! curves, a mirror with a normal of its own in each set-up, lost motion, noise.
 use nonius::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp, StatedUncertainty};
+use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};

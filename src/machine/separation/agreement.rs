@@ -9,7 +9,7 @@
 //! of the equations is wrong it cannot tell. A line whose uncertainty is not known counts as exact.
 
 use super::findings::SeparationFinding;
-use super::metric::{Equation, Equations, Estimated};
+use super::metric::{Equation, Equations, Figures};
 use super::noise::{NORMAL_ONE_SIDED, chance_of};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::Figure;
@@ -100,13 +100,12 @@ impl Agreement {
 
 impl Equations {
     /// Tests the redundancy; `None` where there is none.
-    pub(super) fn agreement(&self, found: &[Estimated; 6]) -> Option<Agreement> {
+    pub(super) fn agreement(&self, found: &Figures) -> Option<Agreement> {
         let freedom = self.redundancy();
         if freedom == 0 {
             return None;
         }
-        let slopes = found.iter().filter_map(|one| one.um_per_m);
-        let largest = slopes.fold(0.0, |largest: f64, slope| largest.max(slope.abs()));
+        let largest = found.largest_um_per_m();
         let variances = self.test_variances(largest);
         let chi_squared = self.solved_with(|one| one.direction, &variances)?.chi_squared;
         let check = |(index, one): (usize, &Equation)| {

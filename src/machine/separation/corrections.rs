@@ -82,13 +82,17 @@ pub(super) fn of_rotations(
 }
 
 /// Measured angular errors and the levers on which they act in a measurement.
-pub(super) struct AngleModel<'a> {
-    pub(super) table: &'a ErrorTable,
-    pub(super) order: [Axis; 3],
-    pub(super) levers: Levers,
+pub struct AngleModel<'a> {
+    /// The angles by position.
+    pub table: &'a ErrorTable,
+    /// The axes from workpiece to tool.
+    pub order: [Axis; 3],
+    /// The levers that are stated.
+    pub levers: Levers,
     /// Where the levers count from, mm ([`Levers::origin`]).
-    pub(super) origin: PerAxis<f64>,
-    pub(super) measurement: &'a DiagonalMeasurement,
+    pub origin: PerAxis<f64>,
+    /// What is measured, and with which reflector.
+    pub measurement: &'a DiagonalMeasurement,
 }
 
 impl AngleModel<'_> {
@@ -116,14 +120,13 @@ impl AngleModel<'_> {
             all.is_empty() || all.iter().any(|s| s.angles_urad[of.about].is_none())
         };
         let missing = Rotation::all().filter(is_missing);
-        let mut largest_urad = 0.0f64;
-        for axis in Axis::ALL {
+        let change = |axis: Axis| {
             let low = volume.start[axis].mm();
             let at = |place: f64| self.rotation(axis, place, Direction::Plus);
             let change = at(low + volume.size[axis].mm()).minus(at(low));
-            let size = change.iter().map(|(_, urad)| urad.abs());
-            largest_urad = size.fold(largest_urad, f64::max);
-        }
+            change.iter().map(|(_, urad)| urad.abs()).fold(0.0, f64::max)
+        };
+        let largest_urad = Axis::ALL.map(change).into_iter().fold(0.0, f64::max);
         let uncertain = Rotation::all().filter_map(|rotation| {
             let all = self.table.series(rotation.along).iter();
             let known = all.filter_map(|s| s.angle_uncertainties_urad[rotation.about].as_ref());
@@ -140,7 +143,7 @@ impl AngleModel<'_> {
     }
 
     /// What the angular errors add to the readings, and what is known of them.
-    pub(super) fn effects(&self) -> AngleEffects {
+    pub fn effects(&self) -> AngleEffects {
         let tool = PerAxis::from_fn(|axis| self.levers.tool.map_or(0.0, |tool| tool[axis].mm()));
         let measurement = self.measurement;
         let ray = (&measurement.volume, measurement.kind, measurement.target);

@@ -163,7 +163,7 @@ impl<'a> Trial<'a> {
                 // What stated angles do belongs to no other name.
                 left.leave_out_angles(causes);
                 freedom = if shared.is_none() { float(left.scatter().1) } else { freedom };
-                shared = Some((counts.clone(), outliers.clone(), left));
+                shared = Some((*counts, outliers.clone(), left));
             }
             others.push((naming, shared.as_ref()?.2.square_of(means)));
         }

@@ -76,11 +76,8 @@ impl Layout {
 
     /// z of these readings and lines; what is neglected is 0.
     pub(super) fn measured(self, means: &Means, slopes_um_per_m: &[f64]) -> Vec<f64> {
-        let passes = Pass::BOTH.into_iter().take(self.passes);
-        let readings = passes.flat_map(|pass| Diagonal::ALL.map(|d| &means.of(pass)[d]));
-        let mut z: Vec<f64> = readings.flatten().copied().collect();
-        z.extend(slopes_um_per_m);
-        z.resize(self.len(), 0.0);
+        let mut z = self.column(|pass, d, node| means.of(pass)[d][node]);
+        z[self.line(0)..].iter_mut().zip(slopes_um_per_m).for_each(|(z, slope)| *z = *slope);
         z
     }
 

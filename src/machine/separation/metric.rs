@@ -26,9 +26,8 @@
 use super::campaign::MeasuredLine;
 use super::findings::SeparationFinding;
 use super::linear::{Model, Row, Variance};
-use super::plane::Unknown;
 pub use super::plane::{PerPlane, Plane};
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
@@ -94,6 +93,39 @@ impl Metric {
         let planes = Plane::ALL.into_iter().filter(open).map(Plane::axes);
         let planes = planes.map(|(of, along)| SeparationFinding::OpenSquareness { of, along });
         scales.into_iter().chain(planes).map(Finding::from).collect()
+    }
+}
+
+/// The six unknowns of (7): the scales of X, Y, Z, then the squareness of the planes.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Figures([Estimated; 6]);
+
+impl Figures {
+    /// The scale of an axis.
+    pub(super) fn scale(&self, axis: Axis) -> &Estimated {
+        &self.0[axis as usize]
+    }
+
+    /// φ of a plane.
+    pub(super) fn squareness(&self, plane: Plane) -> &Estimated {
+        &self.0[3 + plane as usize]
+    }
+
+    /// The same with another φ, which is known.
+    pub(super) fn set_squareness(&mut self, plane: Plane, row: Row, um_per_m: f64) {
+        self.0[3 + plane as usize] = Estimated { row, um_per_m: Some(um_per_m), is_known: true };
+    }
+
+    /// The one that the slope of a term is a part of.
+    pub(super) fn of(&self, term: ErrorTerm) -> &Estimated {
+        let plane = Plane::ALL.into_iter().find(|plane| plane.terms().contains(&term));
+        plane.map_or(self.scale(term.along), |plane| self.squareness(plane))
+    }
+
+    /// The largest of them, µm/m.
+    pub(super) fn largest_um_per_m(&self) -> f64 {
+        let all = self.0.iter().filter_map(|one| one.um_per_m);
+        all.fold(0.0, |largest: f64, slope| largest.max(slope.abs()))
     }
 }
 
@@ -215,11 +247,6 @@ impl Equations {
         Equations::of(rest, self.shared.clone().remove_row(index).remove_column(index))
     }
 
-    /// Whether there is anything beside the diagonals.
-    pub(super) fn has_lines(&self) -> bool {
-        self.all.len() > 4
-    }
-
     /// Number of redundant equations.
     pub(super) fn redundancy(&self) -> usize {
         self.all.len().saturating_sub(self.determined.ncols())
@@ -271,7 +298,7 @@ impl Equations {
     }
 
     /// Solves (7) for the unit vectors that were measured along; also the unknowns one by one.
-    pub(super) fn metric(&self) -> (Metric, [Estimated; 6]) {
+    pub(super) fn metric(&self) -> (Metric, Figures) {
         let solution = self.solved(|one| one.direction);
         // Which unknowns rest on nothing but equations of known uncertainty; judged at the nominal directions, like the
         // rank.
@@ -293,21 +320,21 @@ impl Equations {
             let every = 0..self.all.len();
             Row::sum(solution.iter().flat_map(|found| every.clone().map(move |at| of(found, at))))
         };
-        let all: [Estimated; 6] = std::array::from_fn(|index| Estimated {
+        let figures = Figures(std::array::from_fn(|index| Estimated {
             row: row(index),
             um_per_m: value(index),
             is_known: is_known(index),
-        });
+        }));
         // Length of the row of dθ̂/d(open).
         let leaks = solution.as_ref().map(|found| &found.gain * &found.design * &self.open);
-        let leak = |Unknown(index)| leaks.as_ref().map_or(0.0, |moved| moved.row(index).norm());
+        let leak = |index| leaks.as_ref().map_or(0.0, |moved| moved.row(index).norm());
         let metric = Metric {
-            scale: PerAxis::from_fn(|axis| all[Unknown::scale(axis).0].um_per_m),
-            squareness: PerPlane::from_fn(|plane| all[Unknown::squareness(plane).0].um_per_m),
+            scale: PerAxis::from_fn(|axis| figures.scale(axis).um_per_m),
+            squareness: PerPlane::from_fn(|plane| figures.squareness(plane).um_per_m),
             rank: self.determined.ncols(),
-            leak: PerPlane::from_fn(|plane| leak(Unknown::squareness(plane))),
+            leak: PerPlane::from_fn(|plane| leak(3 + plane as usize)),
         };
-        (metric, all)
+        (metric, figures)
     }
 }
 

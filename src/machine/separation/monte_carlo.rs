@@ -13,7 +13,6 @@ use super::curves::{ReferenceLine, mean, range};
 use super::joint::at;
 use super::metric::Plane;
 use super::noise::float;
-use super::plane::Unknown;
 use super::separate::Separation;
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::Squared;
@@ -115,7 +114,7 @@ pub fn simulate(
                 }
             }
         });
-        let row = |plane| &separation.figures[Unknown::squareness(plane).0].row;
+        let row = |plane| &separation.figures.squareness(plane).row;
         let of_planes = planes.iter().map(|(plane, um_per_m)| um_per_m + row(*plane).dot(noise));
         of_curves.chain(of_planes).collect()
     };

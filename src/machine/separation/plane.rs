@@ -1,4 +1,4 @@
-//! Planes of two axes, for squareness, and the six unknowns of formula (7).
+//! Planes of two axes, for squareness.
 
 use crate::quantity::axis::{Axis, ErrorTerm};
 use serde::{Serialize, Serializer};
@@ -63,27 +63,5 @@ impl Serialize for PerPlane<Option<f64>> {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let known = Plane::ALL.into_iter();
         to.collect_map(known.filter_map(|plane| Some((plane.key(), self.of(plane)?))))
-    }
-}
-
-/// One of the six unknowns of (7), by its place: the scales of X, Y, Z, then the squareness of the planes.
-#[derive(Clone, Copy)]
-pub(super) struct Unknown(pub(super) usize);
-
-impl Unknown {
-    /// The scale of an axis.
-    pub(super) fn scale(axis: Axis) -> Unknown {
-        Unknown(axis as usize)
-    }
-
-    /// φ of a plane.
-    pub(super) fn squareness(plane: Plane) -> Unknown {
-        Unknown(3 + plane as usize)
-    }
-
-    /// The one that the slope of a term is a part of.
-    pub(super) fn of(term: ErrorTerm) -> Unknown {
-        let plane = Plane::ALL.into_iter().find(|plane| plane.terms().contains(&term));
-        plane.map_or(Unknown::scale(term.along), Unknown::squareness)
     }
 }

@@ -82,12 +82,22 @@ pub(super) fn of(
     runs.iter().filter(move |run| run.diagonal == diagonal && run.pass == pass)
 }
 
+/// The readings of all runs of a pass along a diagonal at some of its nodes; `None` where it was not walked.
+fn by_node(
+    runs: &[CorrectedRun],
+    (diagonal, pass): (Diagonal, Pass),
+    spacing: usize,
+) -> Option<Vec<Vec<f64>>> {
+    let walks = of(runs, diagonal, pass);
+    let nodes = (0..walks.clone().next()?.readings_um.len()).step_by(spacing);
+    let at = |node: usize| walks.clone().map(|run| run.readings_um[node]).collect();
+    Some(nodes.map(at).collect())
+}
+
 fn pass_means(runs: &[CorrectedRun], pass: Pass) -> PassMeans {
     PerDiagonal::from_fn(|diagonal| {
-        let runs: Vec<&CorrectedRun> = of(runs, diagonal, pass).collect();
-        let nodes = runs.first().map_or(0, |run| run.readings_um.len());
-        let at = |node: usize| mean(runs.iter().map(|run| run.readings_um[node]));
-        (0..nodes).map(at).collect()
+        let nodes = by_node(runs, (diagonal, pass), 1).unwrap_or_default();
+        nodes.into_iter().map(|readings| mean(readings.into_iter())).collect()
     })
 }
 
@@ -98,11 +108,9 @@ pub(crate) fn repeatability_um(
     diagonal: Diagonal,
     pass: Pass,
 ) -> Option<f64> {
-    let runs = of(runs, diagonal, pass);
-    let nodes = runs.clone().next()?.readings_um.len();
-    let at = |node: usize| runs.clone().map(|run| run.readings_um[node]).collect();
-    let places = (0..nodes).map(|node| node as f64);
-    let runs = Runs::new(places.collect(), Some((0..nodes).map(at).collect()), None);
+    let nodes = by_node(runs, (diagonal, pass), 1)?;
+    let places = (0..nodes.len()).map(|node| node as f64);
+    let runs = Runs::new(places.collect(), Some(nodes), None);
     iso_230_2::figures(&runs.ok()?).axis.r.up_um
 }
 
@@ -120,14 +128,9 @@ pub(crate) fn diagonal_runs(
     diagonal: Diagonal,
     runs: &[CorrectedRun],
 ) -> Result<Runs, Problem> {
-    let nodes = || (0..=volume.last_node(kind)).step_by(spacing(kind));
-    let targets = nodes().map(|node| volume.nominal_mm(diagonal, kind, node));
-    let [up, down] = Pass::BOTH.map(|pass| {
-        let walks = of(runs, diagonal, pass);
-        let at = |node: usize| walks.clone().map(|run| run.readings_um[node]).collect();
-        let walked = walks.clone().next().is_some();
-        walked.then(|| nodes().map(at).collect())
-    });
+    let nodes = (0..=volume.last_node(kind)).step_by(spacing(kind));
+    let targets = nodes.map(|node| volume.nominal_mm(diagonal, kind, node));
+    let [up, down] = Pass::BOTH.map(|pass| by_node(runs, (diagonal, pass), spacing(kind)));
     Runs::new(targets.collect(), up, down)
 }
 

@@ -9,9 +9,8 @@ use super::findings::SeparationFinding;
 use super::labels;
 use super::linear::{Layout, Model};
 use super::linear_reversal::{LinearReversals, hidden_reversal_um};
-use super::metric::{Estimated, Metric, PerPlane, Plane};
+use super::metric::{Figures, Metric, PerPlane, Plane};
 use super::noise::{Noise, NoiseSource, ReadingPlace};
-use super::plane::Unknown;
 use super::readings::{CorrectedRun, Means};
 use super::reversal::{Turn, contradictions, ran_over};
 use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness, scale_sum_um_mm};
@@ -37,7 +36,7 @@ pub struct Separation {
     /// What is uncertain of the readings and lines behind them.
     pub(super) model: Model,
     /// Scales and squareness by what was measured, µm/m.
-    pub(super) figures: [Estimated; 6],
+    pub(super) figures: Figures,
     /// What speaks against the result by its size: of each, what its possible causes do to what was measured.
     pub(super) anomalies: Vec<Vec<Vec<f64>>>,
     /// Their shapes beside the line through the ends, µm: determined whatever the set-up.
@@ -272,7 +271,7 @@ fn evaluated(budget: &Budget<'_>, closure: Closure) -> Separation {
         squareness_um_per_m: solved.squareness(),
         silence: campaign.silence(),
         u_squareness: PerPlane::from_fn(|plane| {
-            let variance = solved.figure_variance(Unknown::squareness(plane))?;
+            let variance = solved.figures.squareness(plane).variance(&solved.model)?;
             Some(variance.as_slope(noise?))
         }),
         squareness_least_squares_um_per_m: errors.least_squares_squareness(volume),

@@ -9,9 +9,8 @@ use super::agreement::Agreement;
 use super::campaign::MeasuredLine;
 use super::curves::{Curve, ReferenceLine};
 use super::linear::{CurveRows, Model, Row, Variance};
-use super::metric::{Equations, Estimated, Metric, PerPlane, Plane, UM_PER_M};
+use super::metric::{Equations, Figures, Metric, PerPlane, Plane, UM_PER_M};
 use super::noise::{Noise, coverage_factor, effective_freedom};
-use super::plane::Unknown;
 use super::steps::Steps;
 use super::uncertainty::Budget;
 use crate::inputs::job::{DiagonalMeasurement, Frame, SetUp};
@@ -38,7 +37,7 @@ pub(super) struct Solved<'a> {
     equations: Equations,
     pub(super) metric: Metric,
     /// Scales and squareness by what was measured, µm/m.
-    pub(super) figures: [Estimated; 6],
+    pub(super) figures: Figures,
     pub(super) ends_um: PerDiagonal<f64>,
 }
 
@@ -90,9 +89,9 @@ impl<'a> Solved<'a> {
         let (metric, mut figures) = equations.metric();
         if campaign.measurement.setup == SetUp::AssumePerfect {
             for plane in Plane::ALL {
-                let Unknown(index) = Unknown::squareness(plane);
                 let row = of_totals(volume, &ends, plane);
-                figures[index] = Estimated { um_per_m: Some(row.dot(&z)), is_known: true, row };
+                let um_per_m = row.dot(&z);
+                figures.set_squareness(plane, row, um_per_m);
             }
         }
         let length = |axis: Axis| volume.size[axis].mm() / 1000.0;
@@ -136,21 +135,16 @@ impl<'a> Solved<'a> {
     }
 
     pub(super) fn squareness(&self) -> PerPlane<Option<f64>> {
-        PerPlane::from_fn(|plane| self.figures[Unknown::squareness(plane).0].um_per_m)
-    }
-
-    /// u² of a scale or a squareness; `None` where it is not known.
-    pub(super) fn figure_variance(&self, unknown: Unknown) -> Option<Variance> {
-        self.budget.noise.and_then(|_| self.figures[unknown.0].variance(&self.model))
+        PerPlane::from_fn(|plane| self.figures.squareness(plane).um_per_m)
     }
 
     /// The mean curve of a term, its slope put right, and what turns it at its high end, µm; `None` = its slope is not
     /// determined.
     fn mean_rows(&self, term: ErrorTerm) -> Option<(CurveRows, f64)> {
         let [share, own, of_twin] = self.rule(term);
-        let (twin, metres, Unknown(index)) = (term.twin(), self.metres(term), Unknown::of(term));
+        let (twin, metres, found) = (term.twin(), self.metres(term), self.figures.of(term));
         let steps = self.mean_steps[term].clone();
-        let figure = if share > 0.0 { share * self.figures[index].um_per_m? } else { 0.0 };
+        let figure = if share > 0.0 { share * found.um_per_m? } else { 0.0 };
         let slope = figure + own * self.naive[term] + of_twin * self.naive[twin];
         let mut line = Row::default();
         // A separated slope stays as it is.
@@ -158,7 +152,7 @@ impl<'a> Solved<'a> {
             let rise = |term: ErrorTerm| Row::sum(self.mean_steps[term].iter().map(|s| (1.0, s)));
             line.add(own - 1.0, &rise(term));
             line.add(of_twin * metres / self.metres(twin), &rise(twin));
-            line.add(share * metres, &self.figures[index].row);
+            line.add(share * metres, &found.row);
         }
         let line_um = (slope - self.naive[term]) * metres;
         Some((CurveRows { start: Row::default(), steps, line }, line_um))
@@ -174,8 +168,7 @@ impl<'a> Solved<'a> {
 
     /// The redundancy of (7); `None` where there is none or where the set-up is assumed.
     pub(super) fn judged(&self) -> Option<Agreement> {
-        let asked = self.measurement.setup == SetUp::Solve && self.equations.has_lines();
-        asked.then(|| self.equations.agreement(&self.figures))?
+        (self.measurement.setup == SetUp::Solve).then(|| self.equations.agreement(&self.figures))?
     }
 
     /// The nine errors with their uncertainties; `apart`: B of each term, and whether its uncertainty is known.
@@ -216,7 +209,7 @@ impl<'a> Solved<'a> {
         let [share, own, _] = self.rule(term);
         // A separated slope holds the tilt of the mirror.
         let slope_is_known = match share > 0.0 {
-            true => self.figure_variance(Unknown::of(term)).is_some(),
+            true => self.figures.of(term).is_known,
             false => own < 1.0 || self.budget.campaign.stated.tilt_arcsec.is_some(),
         };
         let is_known = is_known && slope_is_known && self.budget.noise.is_some();
@@ -235,7 +228,7 @@ impl<'a> Solved<'a> {
         }
         // X primary: EXY, EXZ and EYZ carry the squareness (p_xy = φxy …).
         let slope = |of: Axis, along: Axis| {
-            let found = self.figures[Unknown::of(ErrorTerm { of, along }).0].um_per_m;
+            let found = self.figures.of(ErrorTerm { of, along }).um_per_m;
             found.filter(|_| of <= along).unwrap_or(0.0)
         };
         Some(PerDiagonal::from_fn(|diagonal| {

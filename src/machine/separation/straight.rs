@@ -23,9 +23,8 @@ use super::curves::at;
 use super::findings::SeparationFinding;
 use super::labels;
 use super::linear::{Layout, Row};
-use super::metric::{Equations, Metric, PerPlane};
+use super::metric::{Equations, Estimated, Metric, PerPlane};
 use super::noise::{Noise, Outlier, float};
-use super::plane::Unknown;
 use super::readings::{self, CorrectedRun};
 use super::solved::scale_sum_um_mm;
 use super::start::Start;
@@ -101,16 +100,14 @@ pub fn straight(
     let equations = Equations::new(volume, &diagonals, &campaign.lines, rows, known);
     let (metric, figures) = equations.metric();
     let agreement = equations.agreement(&figures);
-    let found = |Unknown(index): Unknown| Some(figures[index].variance(&model)?.as_slope(noise?));
+    let u = |of: &Estimated| Some(of.variance(&model)?.as_slope(noise?));
     Ok(StraightResult {
         volume: volume.clone(),
         scale_sum_um_mm: scale_sum_um_mm(volume, &end_um),
         end_um,
-        u_squareness: PerPlane::from_fn(|plane| found(Unknown::squareness(plane))),
+        u_squareness: PerPlane::from_fn(|plane| u(figures.squareness(plane))),
         silence: campaign.silence(),
-        u_scale: PerAxis::from_fn(|axis| {
-            metric.scale[axis].and_then(|_| found(Unknown::scale(axis)))
-        }),
+        u_scale: PerAxis::from_fn(|axis| metric.scale[axis].and_then(|_| u(figures.scale(axis)))),
         doubts: doubts(campaign, &start, agreement.as_ref()),
         agreement,
         noise,
