@@ -212,7 +212,7 @@ impl<'a> Reader<'a> {
             );
             return Err(Wrong::new(place, message, "set it in a line before"));
         }
-        self.variables.get(&name).ok_or_else(|| {
+        self.variables.get(&name).copied().ok_or_else(|| {
             let message = format!("`{name}` has no value: the program did not set it");
             Wrong::new(place, message, "set it at the beginning of the program")
         })

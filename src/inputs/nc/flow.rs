@@ -3,9 +3,9 @@
 //! ```text
 //!   #1 = [#2 + 3]        IF [#1 GT 5] GOTO 20     IF [#1 GT 5] THEN #1 = 0     GOTO 20
 //!   WHILE [#1 LT 5] DO1 … END1                    (Fanuc)
-//!   O1 while [#1 LT 5] … O1 endwhile              (LinuxCNC, with if, elseif, else, endif, break, continue)
-//!   O<name> sub … O<name> endsub, O<name> call [1] [2], O<name> return
 //! ```
+//!
+//! limits  words behind `O…` (loops, conditions and subprograms of LinuxCNC) are refused
 
 use crate::inputs::nc::expression::{Reader, whole};
 use crate::inputs::nc::grammar::{Grammar, ISO};
@@ -21,41 +21,7 @@ pub(super) enum Label {
     Do(u32),
     /// `END1`.
     End(u32),
-    /// `O1 while`, by number or name.
-    Word(String, Keyword),
 }
-
-/// What stands behind the `O…` of LinuxCNC.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Keyword {
-    Sub,
-    EndSub,
-    Call,
-    Return,
-    If,
-    ElseIf,
-    Else,
-    EndIf,
-    While,
-    EndWhile,
-    Break,
-    Continue,
-}
-
-const KEYWORDS: [(&str, Keyword); 12] = [
-    ("SUB", Keyword::Sub),
-    ("ENDSUB", Keyword::EndSub),
-    ("CALL", Keyword::Call),
-    ("RETURN", Keyword::Return),
-    ("IF", Keyword::If),
-    ("ELSEIF", Keyword::ElseIf),
-    ("ELSE", Keyword::Else),
-    ("ENDIF", Keyword::EndIf),
-    ("WHILE", Keyword::While),
-    ("ENDWHILE", Keyword::EndWhile),
-    ("BREAK", Keyword::Break),
-    ("CONTINUE", Keyword::Continue),
-];
 
 /// What a line asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,9 +32,6 @@ pub(super) enum Statement {
     /// `WHILE … DO1`, and whether its condition holds.
     Do(u32, bool),
     End(u32),
-    /// The word of an `O…`, and whether its condition holds (true without one).
-    Word(String, Keyword, bool),
-    Call(String, Vec<f64>),
 }
 
 /// Where the words of a line begin, behind `/` and N.
@@ -88,23 +51,13 @@ pub(super) fn behind_number(line: &[u8]) -> usize {
     at
 }
 
-/// The number or name of an `O…` with a keyword behind it, and where that stands.
-fn word_of(line: &[u8], at: usize) -> Option<(String, usize)> {
-    if !matches!(line.get(at)?, b'O' | b'o') {
-        return None;
-    }
+/// Whether a word stands behind the number or name of an `O…`, as in `O1 while` and `O<name> call`.
+fn is_word_of_linuxcnc(line: &[u8], at: usize) -> bool {
     let rest = &line[at + 1..];
-    let length = match rest.first()? {
-        b'<' => rest.iter().position(|byte| *byte == b'>')? + 1,
-        _ => rest.iter().take_while(|byte| byte.is_ascii_digit()).count(),
-    };
-    let name = String::from_utf8_lossy(&rest[..length]);
-    let name = name.replace([' ', '\t'], "").to_ascii_lowercase();
-    let behind = at + 1 + length;
-    let blanks = line[behind..].iter().take_while(|byte| matches!(byte, b' ' | b'\t'));
-    let keyword = behind + blanks.count();
-    let is_keyword = |at| line.get(at).is_some_and(u8::is_ascii_alphabetic);
-    (length > 0 && is_keyword(keyword) && is_keyword(keyword + 1)).then_some((name, keyword))
+    let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let word = rest[digits..].trim_ascii_start();
+    let letters = word.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+    rest.starts_with(b"<") || digits > 0 && letters > 1
 }
 
 /// Where the statement of a line begins; `None` for one of words.
@@ -116,7 +69,7 @@ pub(super) fn begin(line: &[u8]) -> Option<usize> {
     };
     let begins = match line.get(at)?.to_ascii_uppercase() {
         b'#' => true,
-        b'O' => word_of(line, at).is_some(),
+        b'O' => is_word_of_linuxcnc(line, at),
         b'I' => has("IF"),
         b'W' => has("WHILE"),
         b'G' => has("GOTO"),
@@ -131,10 +84,6 @@ pub(super) fn begin(line: &[u8]) -> Option<usize> {
 pub(super) fn label(line: &[u8]) -> Option<Label> {
     let none = Variables::default();
     let mut reader = Reader::new(line, begin(line)?, &ISO, &none);
-    if let Some((name, keyword)) = word_of(line, reader.at) {
-        reader.at = keyword;
-        return keyword_of(&reader.letters()).map(|keyword| Label::Word(name, keyword));
-    }
     if reader.takes_word("END") {
         return reader.primary().ok().and_then(|n| whole(n, (0, 1)).ok()).map(Label::End);
     }
@@ -147,22 +96,17 @@ pub(super) fn label(line: &[u8]) -> Option<Label> {
     whole(number, (0, 1)).ok().map(Label::Do)
 }
 
-fn keyword_of(word: &str) -> Option<Keyword> {
-    let found = KEYWORDS.iter().find(|(name, _)| *name == word);
-    found.map(|(_, keyword)| *keyword)
-}
-
-/// Executes the statement that begins at a place of a line, as far as variables go. `seeking` = no
-/// branch of an `if` was taken yet: else the conditions behind it are not asked, their variables may
-/// have no value.
+/// Executes the statement that begins at a place of a line, as far as variables go.
 pub(super) fn statement(
     line: &[u8],
     at: usize,
-    seeking: bool,
     variables: &mut Variables,
 ) -> Result<Statement, Wrong> {
-    if let Some((name, keyword)) = word_of(line, at) {
-        return word(line, (at, keyword), name, seeking, variables);
+    if line[at].eq_ignore_ascii_case(&b'O') {
+        let message = "words behind `O…`, the loops and subprograms of LinuxCNC, are not executed";
+        let help =
+            "write out what they do, e.g. by the CAM system; docs/path.md lists what is executed";
+        return Err(Wrong::new((at, line.len()), message, help));
     }
     if line[at] == b'#' {
         return set(line, at, &ISO, variables);
@@ -277,46 +221,7 @@ pub(super) fn set(
     }
     ended(&mut reader)?;
     for (name, value) in values {
-        variables.set(name, value);
+        variables.insert(name, value);
     }
     Ok(Statement::Done)
-}
-
-/// A line of LinuxCNC's `O…`.
-fn word(
-    line: &[u8],
-    (start, at): (usize, usize),
-    name: String,
-    seeking: bool,
-    variables: &mut Variables,
-) -> Result<Statement, Wrong> {
-    let mut reader = Reader::new(line, at, &ISO, variables);
-    let letters = reader.letters();
-    let Some(keyword) = keyword_of(&letters) else {
-        let message = format!("`{letters}` behind O is not executed");
-        return Err(Wrong::new((start, at + letters.len()), message, FLOW));
-    };
-    if keyword == Keyword::ElseIf && !seeking {
-        return Ok(Statement::Word(name, keyword, false));
-    }
-    reader.at += letters.len();
-    let mut holds = true;
-    let mut values = Vec::new();
-    match keyword {
-        Keyword::If | Keyword::ElseIf | Keyword::While => holds = condition(&mut reader)?,
-        Keyword::Call | Keyword::Return | Keyword::EndSub => {
-            while reader.peek() == Some(b'[') {
-                values.push(reader.brackets()?);
-            }
-        }
-        _ => {}
-    }
-    ended(&mut reader)?;
-    if keyword == Keyword::Call {
-        return Ok(Statement::Call(name, values));
-    }
-    if matches!(keyword, Keyword::Return | Keyword::EndSub) {
-        variables.answer(values.first().copied());
-    }
-    Ok(Statement::Word(name, keyword, holds))
 }

@@ -1,7 +1,7 @@
 //! Where lines lead to: subprograms, loops and labels, found by an index of the text that is made when the first one is
 //! asked for.
 
-use crate::inputs::nc::flow::{Keyword, Label, label};
+use crate::inputs::nc::flow::{Label, label};
 use crate::inputs::nc::lines::{Mark, Text, without_mark};
 use crate::inputs::nc::scan::words;
 use crate::text::problem::Problem;
@@ -49,7 +49,6 @@ impl Index {
     fn add(&mut self, label: Label, spot: Spot, line: usize) -> Result<(), Problem> {
         let name = match &label {
             Label::Program(number) => Some(format!("program O{number}")),
-            Label::Word(name, Keyword::Sub) => Some(format!("subprogram O{name}")),
             _ => None,
         };
         let spots = self.labels.entry(label.clone()).or_default();
@@ -76,15 +75,10 @@ impl Index {
         self.labels.get(label)?.first().copied()
     }
 
-    /// The first of them behind a place.
-    pub(super) fn after(&self, labels: &[Label], here: Mark) -> Option<(Spot, Label)> {
-        let of = |label: &Label| {
-            let spots = self.labels.get(label)?;
-            let spot = spots.get(spots.partition_point(|spot| spot.begin.bytes < here.bytes))?;
-            Some((*spot, label.clone()))
-        };
-        let found = labels.iter().filter_map(of);
-        found.min_by_key(|(spot, _)| spot.begin.bytes)
+    /// The first one behind a place.
+    pub(super) fn after(&self, label: &Label, here: Mark) -> Option<Spot> {
+        let spots = self.labels.get(label)?;
+        spots.get(spots.partition_point(|spot| spot.begin.bytes < here.bytes)).copied()
     }
 
     /// The last one before a place.

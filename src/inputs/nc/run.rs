@@ -2,13 +2,12 @@
 //!
 //! The main program begins with the text and ends with M2, M30, M99, a second `%` or the text; a
 //! subprogram that `%` or the end of the text breaks off is a problem.
-//! Subprograms follow it, each from `O…` to M99; those of LinuxCNC (`O… sub`) stand anywhere. Jumps go to lines by
-//! the index of [`jumps`](super::jumps).
+//! Subprograms follow it, each from `O…` to M99. Jumps go to lines by the index of [`jumps`](super::jumps).
 
 mod calls;
 
 use crate::inputs::nc::block::{Block, CALL, Span};
-use crate::inputs::nc::flow::{self, Label, Statement};
+use crate::inputs::nc::flow::{self, Statement};
 use crate::inputs::nc::interpreter::{Flow, Interpreter};
 use crate::inputs::nc::jumps::Index;
 use crate::inputs::nc::lines::{Line, Mark, Text, without_mark};
@@ -65,7 +64,6 @@ pub fn run(
         index: None,
         variables: Variables::default(),
         jumped: false,
-        seeking: false,
         blocks: 0,
         repeated: 0.0,
         deletable: 0,
@@ -79,9 +77,7 @@ pub fn run(
 
 /// A call that is being executed.
 struct Call {
-    program: String,
-    /// An `O… sub` with variables of its own.
-    is_sub: bool,
+    program: u32,
     /// The block that calls.
     line: usize,
     begin: Mark,
@@ -102,8 +98,6 @@ struct Control<'s> {
     variables: Variables,
     /// A line was gone to that may stand before: lines count as repeated.
     jumped: bool,
-    /// The condition before did not hold: the next `elseif` counts.
-    seeking: bool,
     blocks: u64,
     /// Of [`MOST_REPEATED`].
     repeated: f64,
@@ -143,7 +137,7 @@ impl Control<'_> {
                 Next::Return => self.go_back(text)?,
                 Next::Call(_, 0, _) => {}
                 Next::Call(program, times, place) => {
-                    self.call(text, &Label::Program(program), times, place)?;
+                    self.call(text, program, times, place)?;
                 }
                 Next::Statement(statement, place) => self.go(text, statement, place)?,
             }
@@ -235,7 +229,7 @@ impl Control<'_> {
             self.count(0, 0.0, line.number)?;
         }
         let executed = match self.setup.language {
-            Language::Iso => flow::statement(line.bytes, at, self.seeking, &mut self.variables),
+            Language::Iso => flow::statement(line.bytes, at, &mut self.variables),
             Language::Siemens => siemens::statement(line.bytes, at, &mut self.variables),
         };
         match executed {
@@ -301,9 +295,8 @@ impl Control<'_> {
         let Some(call) = self.calls.last() else {
             return Ok(());
         };
-        let end = if call.is_sub { "endsub" } else { "M99" };
-        let message = format!("subprogram O{} ends without {end}", call.program);
-        let help = format!("end it with {end}, before the text or `%` ends it");
+        let message = format!("subprogram O{} ends without M99", call.program);
+        let help = "end it with M99, before the text or `%` ends it";
         Err(self.all(Problem::new(message).help(help)))
     }
 

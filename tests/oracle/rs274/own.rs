@@ -11,8 +11,6 @@ reference points | G54 G0 X10 Y10 Z10¶G1 X20 F100¶G91 G28 Z5¶G90 G1 X30 Y0 Z0
 subprograms of Fanuc | G54 G0 X0 Y0 Z0¶M98 P200 L3¶G90 G1 X0 F100¶M98 P300¶M30¶O200¶G91 G1 X1 Y2 F100¶M98 P300¶M99¶O300¶G91 G3 X2 Y2 I2 F100¶M99¶
 variables and arithmetic | #1=2.5¶#2=[#1*4-3]¶#<depth>=[-#2/2]¶#4=2¶#[1+2]=##4¶G54 G0 X0 Y0 Z0¶G1 X[#1+#2] Y-#2 Z#<depth> F100¶
 operators and functions | #1=[1+2*3**2-8/4]¶#2=[SIN[30]+COS[60]*TAN[45]]¶#3=[SQRT[16]+ABS[-2.5]+ROUND[2.4]+FIX[2.9]+FUP[2.1]]¶#4=[ASIN[0.5]+ACOS[0.5]+ATAN[1]/[1]+LN[EXP[1]]]¶#5=[17 MOD 5]¶#6=[#1 GT 5]¶#7=[2*[3+4]*5-6 MOD 4]¶G54 G1 X#1 Y#2 Z#3 F100¶X#4 Y#5 Z#6¶X-#7 Y+#1 Z-[#1-#2]¶
-loops and conditions of LinuxCNC | G54 G0 X0 Y0 Z0¶#1=0¶o1 while [#1 LT 10]¶#1=[#1+1]¶o2 if [#1 EQ 3]¶o1 continue¶o2 elseif [#1 EQ 5]¶G1 X5 F100¶o2 elseif [#1 EQ 6]¶G1 Y6 F100¶o2 else¶G1 Z#1 F100¶o2 endif¶o3 if [#1 GT 8]¶o1 break¶o3 endif¶G1 X[#1*2] F100¶o1 endwhile¶G1 X0 Y0¶
-subprograms of LinuxCNC | o100 sub¶#5=[#1*2]¶G1 X#5 Y#2 F100¶o101 if [#1 GT 3]¶o100 return [7]¶o101 endif¶G1 Z#1¶o100 endsub¶o<ring> sub¶#<r>=#1¶G91 G2 I-#<r> F100¶G90¶o<ring> endsub¶G54 G0 X0 Y0 Z0¶#1=9¶#2=8¶o100 call [2] [4]¶o100 call [4] [5]¶G1 X#1 Y#2 Z#<_value>¶o<ring> call [3]¶
 ";
 
 /// Programs of Siemens, and the same moves in the words of LinuxCNC.

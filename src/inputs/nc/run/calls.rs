@@ -1,7 +1,7 @@
 //! Which line comes next: calls, returns, conditions and loops.
 
 use super::{Call, Control, DEEPEST_CALLS, JUMP, PASSED};
-use crate::inputs::nc::flow::{Keyword, Label, Statement};
+use crate::inputs::nc::flow::{Label, Statement};
 use crate::inputs::nc::jumps::Index;
 use crate::inputs::nc::lines::{Mark, Text};
 use crate::text::problem::{Place, Problem, Problems};
@@ -19,7 +19,7 @@ impl Control<'_> {
     pub(super) fn call(
         &mut self,
         text: &mut dyn Text,
-        label: &Label,
+        program: u32,
         times: u32,
         place: Place,
     ) -> Result<(), Problems> {
@@ -28,29 +28,21 @@ impl Control<'_> {
             let help = "a subprogram must not call itself without end";
             return Err(self.all(Problem::new(message).at(place).help(help)));
         }
-        let (program, is_sub) = match label {
-            Label::Word(name, _) => (name.clone(), true),
-            Label::Program(number) => (number.to_string(), false),
-            Label::Do(_) | Label::End(_) => return Ok(()),
-        };
         let back = text.mark();
-        let Some(spot) = self.index(text)?.first(label) else {
+        let Some(spot) = self.index(text)?.first(&Label::Program(program)) else {
             text.go_to(back)?;
             if self.found.insert((place.line, place.column)) {
                 let message = format!("there is no subprogram O{program} in the file");
-                let help = match is_sub {
-                    true => "put it into the file, from `O… sub` to `O… endsub`",
-                    false => "put the subprograms behind the main program, each from `O…` to M99",
-                };
+                let help = "put the subprograms behind the main program, each from `O…` to M99";
                 self.problems.push(Problem::new(message).at(place).help(help));
             }
             return Ok(());
         };
-        let begin = if is_sub { spot.end } else { spot.begin };
+        let begin = spot.begin;
         text.go_to(begin)?;
-        self.entered = !is_sub;
+        self.entered = true;
         self.repeated += JUMP;
-        self.calls.push(Call { program, is_sub, line: place.line, begin, back, left: times - 1 });
+        self.calls.push(Call { program, line: place.line, begin, back, left: times - 1 });
         Ok(())
     }
 
@@ -64,11 +56,8 @@ impl Control<'_> {
             self.entered = true;
             return text.go_to(call.begin);
         }
-        let (back, is_sub) = (call.back, call.is_sub);
+        let back = call.back;
         self.calls.pop();
-        if is_sub {
-            self.variables.leave();
-        }
         text.go_to(back)
     }
 
@@ -82,17 +71,6 @@ impl Control<'_> {
         let here = text.mark();
         let to = match statement {
             Statement::Done | Statement::Do(_, true) => return Ok(()),
-            Statement::Word(name, keyword, holds) => {
-                return self.word(text, name, (keyword, holds), place);
-            }
-            Statement::Call(name, arguments) => {
-                let calls = self.calls.len();
-                self.call(text, &Label::Word(name, Keyword::Sub), 1, place)?;
-                if self.calls.len() > calls {
-                    self.variables.enter(&arguments);
-                }
-                return Ok(());
-            }
             Statement::GoTo(number) => {
                 let found = self.index(text)?.block(text, number, here);
                 let (to, passed) = found.map_err(|problem| self.all(problem))?;
@@ -100,8 +78,8 @@ impl Control<'_> {
                 to.ok_or(format!("N{number}"))
             }
             Statement::Do(number, false) => {
-                let end = self.index(text)?.after(&[Label::End(number)], here);
-                let end = end.map(|(spot, _)| spot.end);
+                let end = self.index(text)?.after(&Label::End(number), here);
+                let end = end.map(|spot| spot.end);
                 end.ok_or(format!("END{number}"))
             }
             Statement::End(number) => {
@@ -111,48 +89,6 @@ impl Control<'_> {
             }
         };
         self.jump(text, to, place)
-    }
-
-    /// A line of LinuxCNC's `O…`.
-    fn word(
-        &mut self,
-        text: &mut dyn Text,
-        name: String,
-        (keyword, holds): (Keyword, bool),
-        place: Place,
-    ) -> Result<(), Problems> {
-        let here = text.mark();
-        let label = |keyword| Label::Word(name.clone(), keyword);
-        let seeking = std::mem::take(&mut self.seeking);
-        let behind: &[Keyword] = match keyword {
-            Keyword::If if holds => return Ok(()),
-            Keyword::ElseIf if seeking && holds => return Ok(()),
-            Keyword::While if holds => return Ok(()),
-            Keyword::EndIf | Keyword::Call => return Ok(()),
-            Keyword::EndSub | Keyword::Return => {
-                if self.calls.last().is_some_and(|call| call.is_sub) {
-                    return Ok(self.go_back(text)?);
-                }
-                return self.jump(text, Err(format!("a call of O{name}")), place);
-            }
-            Keyword::EndWhile | Keyword::Continue => {
-                let begin = self.index(text)?.before(&label(Keyword::While), here);
-                let begin = begin.map(|spot| spot.begin);
-                return self.jump(text, begin.ok_or(format!("O{name} while")), place);
-            }
-            Keyword::Sub => &[Keyword::EndSub],
-            Keyword::If => &[Keyword::ElseIf, Keyword::Else, Keyword::EndIf],
-            Keyword::ElseIf if seeking => &[Keyword::ElseIf, Keyword::Else, Keyword::EndIf],
-            Keyword::ElseIf | Keyword::Else => &[Keyword::EndIf],
-            Keyword::While | Keyword::Break => &[Keyword::EndWhile],
-        };
-        let labels: Vec<Label> = behind.iter().map(|keyword| label(*keyword)).collect();
-        let found = self.index(text)?.after(&labels, here);
-        let to = found.map(|(spot, found)| {
-            self.seeking = found == label(Keyword::ElseIf);
-            if self.seeking { spot.begin } else { spot.end }
-        });
-        self.jump(text, to.ok_or(format!("the end of O{name}")), place)
     }
 
     fn jump(
