@@ -226,6 +226,6 @@ fn own_programs_go_where_linuxcnc_goes() {
         }
         count += 1;
     }
-    assert_eq!(count, 17);
+    assert_eq!(count, 15);
     assert!(different.is_empty(), "{}", different.join("\n"));
 }
