@@ -23,25 +23,8 @@ pub(super) struct StandardFigures {
 
 impl StandardFigures {
     /// `runs`: only those that count from the start of the forward run, or the two directions
-    /// cannot be compared.
+    /// cannot be compared; `length_is_known`: whether somebody knows the size of the box.
     pub(super) fn of(
-        volume: &Volume,
-        kind: PathKind,
-        runs: &[CorrectedRun],
-    ) -> Result<StandardFigures, Problem> {
-        StandardFigures::by(volume, kind, runs, true)
-    }
-
-    /// The same where nobody knows the size of the box.
-    pub(super) fn of_unknown_length(
-        volume: &Volume,
-        kind: PathKind,
-        runs: &[CorrectedRun],
-    ) -> Result<StandardFigures, Problem> {
-        StandardFigures::by(volume, kind, runs, false)
-    }
-
-    fn by(
         volume: &Volume,
         kind: PathKind,
         runs: &[CorrectedRun],

@@ -14,7 +14,7 @@ use crate::kit::{Inputs, cannot_emulate, generate, hashed, load, verify};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Report, Shown, Texts, Visit, linear_document, terms};
-use crate::text::document::{Source, refuse_large_page};
+use crate::text::document::{Source, template_text};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, Kind, file_name};
@@ -333,8 +333,7 @@ fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {
 
 fn own_template(files: &dyn Files, path: &Path) -> Result<(String, String), Problems> {
     let (name, bytes) = files.argument(path)?;
-    refuse_large_page(&name, bytes.len())?;
-    let text = Source::from_bytes(&name, &bytes)?.text;
+    let text = template_text(&name, &bytes)?;
     Ok((name, text))
 }
 

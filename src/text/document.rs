@@ -128,6 +128,12 @@ pub(crate) fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem>
     .help("check that the file is what it should be"))
 }
 
+/// The text of a template: a page, too.
+pub(crate) fn template_text(name: &str, bytes: &[u8]) -> Result<String, Problems> {
+    refuse_large_page(name, bytes.len())?;
+    Ok(Source::from_bytes(name, bytes)?.text)
+}
+
 /// A page of JSON from its bytes, or what is wrong with them, in words that follow "is damaged:".
 ///
 /// limits [`LARGEST_PAGE`] bytes, which whoever writes such a page keeps too ([`refuse_large_page`])

@@ -7,7 +7,7 @@ use crate::inputs::job::{Job, UseOf, ahead};
 use crate::inputs::readings::Readings;
 use crate::kit::hashed;
 use crate::kit::manifest::HashedFile;
-use crate::text::document::{Source, refuse_large_page};
+use crate::text::document::{Source, template_text};
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, beside_job, file_name};
 use std::cell::RefCell;
@@ -181,8 +181,6 @@ fn own_template(
         return Ok(None);
     }
     let bytes = files.bytes(&path)?;
-    let shown = path.display().to_string();
-    refuse_large_page(&shown, bytes.len())?;
-    let text = Source::from_bytes(&shown, &bytes)?.text;
+    let text = template_text(&path.display().to_string(), &bytes)?;
     Ok(Some((text, hashed(name, &bytes))))
 }

@@ -198,7 +198,8 @@ pub(super) fn open_advice(separation: &Separation) -> Vec<String> {
 }
 
 fn diagonals(separation: &Separation) -> Result<Value, Problems> {
-    let figures = StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs)?;
+    let figures =
+        StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs, true)?;
     let repeatability = |diagonal: Diagonal| {
         let of = |pass| repeatability_um(&separation.runs, diagonal, pass);
         json!({"forward": of(Pass::Forward), "reverse": of(Pass::Reverse)})

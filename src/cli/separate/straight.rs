@@ -18,7 +18,8 @@ use crate::text::problem::Problems;
 use serde_json::{Value, json};
 
 pub(super) fn screen(result: &StraightResult) -> Result<Screen, Problems> {
-    let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
+    let figures =
+        StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs, true)?;
     let diagonals = figures.as_read(|diagonal| result.end_um[diagonal]);
     let closure = result.closure.as_ref();
     let (open, advice) = (result.metric.undetermined(), advice(&result.metric));
@@ -150,7 +151,8 @@ pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
 }
 
 fn diagonals(result: &StraightResult) -> Result<Value, Problems> {
-    let figures = StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs)?;
+    let figures =
+        StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs, true)?;
     let mut all = diagonal_totals(&figures.all, result.scale_sum_um_mm);
     for (diagonal, end_um) in result.end_um.iter() {
         let entry = &mut all[diagonal.name()];

@@ -10,6 +10,7 @@ use crate::inputs::job::SetUp;
 use crate::machine::separation::curves::{ReferenceLine, range};
 use crate::machine::separation::metric::Plane;
 use crate::machine::separation::monte_carlo::{Figure as Simulation, Simulated};
+use crate::machine::separation::solved::naive_squareness;
 use crate::machine::separation::{SeparatedError, Separation};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::diagonal::PathKind;
@@ -20,7 +21,8 @@ pub(super) fn screen(
     separation: &Separation,
     simulated: Option<&Simulated>,
 ) -> Result<Screen, Problems> {
-    let figures = StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs)?;
+    let figures =
+        StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs, true)?;
     let outliers = &separation.closure.outliers;
     let more = vec![
         More::part("directions", directions(separation)),
@@ -155,7 +157,10 @@ fn squareness(separation: &Separation) -> String {
             um(separation.squareness_least_squares_um_per_m.of(plane)),
         );
         match naive {
-            true => format!("{row}\t{:.3}", Figure(separation.naive_squareness_um_per_m(plane))),
+            true => format!(
+                "{row}\t{:.3}",
+                Figure(naive_squareness(&separation.naive_slopes_um_per_m, plane))
+            ),
             false => row,
         }
     });

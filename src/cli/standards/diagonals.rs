@@ -46,7 +46,7 @@ pub(super) fn of_job(
             (runs, all)
         }
     };
-    let figures = StandardFigures::of(&measurement.volume, measurement.kind, &runs)?;
+    let figures = StandardFigures::of(&measurement.volume, measurement.kind, &runs, true)?;
     let page = Page {
         name: &measurement.readings,
         across: ALONG,
@@ -67,7 +67,7 @@ pub(in crate::cli) fn of_separation(
         name: readings,
         across: ALONG,
         notes: notes(separation.runs.len() > runs.len()),
-        figures: StandardFigures::of(&separation.volume, PathKind::Step, runs)?,
+        figures: StandardFigures::of(&separation.volume, PathKind::Step, runs, true)?,
     };
     let heading = locale.words("readings_corrected");
     Ok((page.document(), page.picture(locale, &heading)))
@@ -94,7 +94,7 @@ pub(super) fn of_readings(
     notes.extend(readings.zeroed());
     notes.push(StandardFinding::NoJob.into());
     let (volume, kind) = (&measurement.volume, measurement.kind);
-    let figures = StandardFigures::of_unknown_length(volume, kind, &known)?;
+    let figures = StandardFigures::of(volume, kind, &known, false)?;
     let name = &name;
     let page = Page { name, across: ALONG_STEPS, notes, figures };
     page.outcome(print, plot)

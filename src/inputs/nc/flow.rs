@@ -29,8 +29,8 @@ pub(super) enum Statement {
     /// Nothing more: its variables are set, or its condition does not hold.
     Done,
     GoTo(u32),
-    /// `WHILE … DO1`, and whether its condition holds.
-    Do(u32, bool),
+    /// `WHILE … DO1` whose condition does not hold.
+    Leave(u32),
     End(u32),
 }
 
@@ -85,15 +85,14 @@ pub(super) fn label(line: &[u8]) -> Option<Label> {
     let none = Variables::default();
     let mut reader = Reader::new(line, begin(line)?, &ISO, &none);
     if reader.takes_word("END") {
-        return reader.primary().ok().and_then(|n| whole(n, (0, 1)).ok()).map(Label::End);
+        return number(&mut reader).ok().map(Label::End);
     }
     // The condition of a loop may name variables; its number stands behind the last `DO`.
     let text = line.to_ascii_uppercase();
     let at = text.windows(2).rposition(|pair| pair == b"DO")?;
     let begins = matches!(text[reader.at], b'W' | b'D');
     reader.at = at + 2;
-    let number = reader.primary().ok().filter(|_| begins)?;
-    whole(number, (0, 1)).ok().map(Label::Do)
+    number(&mut reader).ok().filter(|_| begins).map(Label::Do)
 }
 
 /// Executes the statement that begins at a place of a line, as far as variables go.
@@ -116,35 +115,31 @@ pub(super) fn statement(
         let holds = condition(&mut reader)?;
         if reader.takes_word("THEN") {
             let at = reader.at;
-            let behind = Reader::new(line, at, &ISO, variables).peek();
-            return match behind {
-                Some(b'#') if holds => set(line, start(line, at), &ISO, variables),
+            return match reader.peek() {
+                Some(b'#') if holds => set(line, at, &ISO, variables),
                 Some(b'#') => Ok(Statement::Done),
                 _ => Err(Wrong::new((at - 4, at), "only a variable is set behind `THEN`", FLOW)),
             };
         }
-        let to = go_to(&mut reader)?;
+        let to = numbered(&mut reader, "GOTO")?;
         if holds { Statement::GoTo(to) } else { Statement::Done }
     } else if reader.takes_word("WHILE") {
         let holds = condition(&mut reader)?;
-        Statement::Do(numbered(&mut reader, "DO")?, holds)
+        let number = numbered(&mut reader, "DO")?;
+        if holds { Statement::Done } else { Statement::Leave(number) }
     } else if reader.takes_word("END") {
         Statement::End(number(&mut reader)?)
     } else if reader.letters() == "DO" {
-        Statement::Do(numbered(&mut reader, "DO")?, true)
+        numbered(&mut reader, "DO")?;
+        Statement::Done
     } else {
-        Statement::GoTo(go_to(&mut reader)?)
+        Statement::GoTo(numbered(&mut reader, "GOTO")?)
     };
     ended(&mut reader)?;
     Ok(statement)
 }
 
 const FLOW: &str = "docs/path.md lists the conditions and loops that are executed";
-
-fn start(line: &[u8], at: usize) -> usize {
-    let blanks = line[at..].iter().take_while(|byte| matches!(byte, b' ' | b'\t'));
-    at + blanks.count()
-}
 
 fn condition(reader: &mut Reader<'_>) -> Result<bool, Wrong> {
     reader.peek();
@@ -173,10 +168,6 @@ fn numbered(reader: &mut Reader<'_>, word: &str) -> Result<u32, Wrong> {
         return number(reader);
     }
     Err(reader.wrong(format!("expected `{word}` with a number here"), FLOW))
-}
-
-fn go_to(reader: &mut Reader<'_>) -> Result<u32, Wrong> {
-    numbered(reader, "GOTO")
 }
 
 /// Nothing but a comment stands behind.

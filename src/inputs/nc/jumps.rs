@@ -1,7 +1,7 @@
 //! Where lines lead to: subprograms, loops and labels, found by an index of the text that is made when the first one is
 //! asked for.
 
-use crate::inputs::nc::flow::{Label, label};
+use crate::inputs::nc::flow::{Label, begin as begin_of, label};
 use crate::inputs::nc::lines::{Mark, Text, without_mark};
 use crate::inputs::nc::scan::words;
 use crate::text::problem::Problem;
@@ -10,17 +10,11 @@ use std::collections::BTreeMap;
 /// Labels in a file.
 const MOST_LABELS: usize = 10_000;
 
-/// A line with a label: where it begins and ends.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
-    pub(super) begin: Mark,
-    pub(super) end: Mark,
-}
-
 /// The labels of a text.
 #[derive(Debug, Default)]
 pub(super) struct Index {
-    labels: BTreeMap<Label, Vec<Spot>>,
+    /// Where the lines with a label begin; of `END` where the next one does.
+    labels: BTreeMap<Label, Vec<Mark>>,
     /// Where the programs begin, ascending.
     programs: Vec<Mark>,
     /// Blocks that were gone to, by the beginning of their program and their N.
@@ -39,29 +33,26 @@ impl Index {
             };
             let number = line.number;
             let bytes = without_mark(line).bytes;
-            let label = label(bytes).or_else(|| program_number(bytes).map(Label::Program));
+            let program = || program_number(bytes).filter(|_| begin_of(bytes).is_none());
+            let label = label(bytes).or_else(|| program().map(Label::Program));
             let Some(label) = label else { continue };
-            let end = text.mark();
-            index.add(label, Spot { begin, end }, number)?;
+            let place = if matches!(label, Label::End(_)) { text.mark() } else { begin };
+            index.add(label, place, number)?;
         }
     }
 
-    fn add(&mut self, label: Label, spot: Spot, line: usize) -> Result<(), Problem> {
-        let name = match &label {
-            Label::Program(number) => Some(format!("program O{number}")),
-            _ => None,
-        };
-        let spots = self.labels.entry(label.clone()).or_default();
-        if let Some(name) = name.filter(|_| !spots.is_empty()) {
-            return Err(Problem::new(format!(
-                "{name} is given twice in the file, again in line {line}"
-            ))
-            .help("give one of them another number"));
+    fn add(&mut self, label: Label, place: Mark, line: usize) -> Result<(), Problem> {
+        let places = self.labels.entry(label.clone()).or_default();
+        if let Label::Program(number) = label {
+            if !places.is_empty() {
+                return Err(Problem::new(format!(
+                    "program O{number} is given twice in the file, again in line {line}"
+                ))
+                .help("give one of them another number"));
+            }
+            self.programs.push(place);
         }
-        spots.push(spot);
-        if matches!(label, Label::Program(_)) {
-            self.programs.push(spot.begin);
-        }
+        places.push(place);
         if self.labels.values().map(Vec::len).sum::<usize>() > MOST_LABELS {
             return Err(Problem::new(format!(
                 "the file holds more than {MOST_LABELS} subprograms and loops"
@@ -71,21 +62,21 @@ impl Index {
     }
 
     /// The only one, or the first, of its kind.
-    pub(super) fn first(&self, label: &Label) -> Option<Spot> {
+    pub(super) fn first(&self, label: &Label) -> Option<Mark> {
         self.labels.get(label)?.first().copied()
     }
 
-    /// The first one behind a place.
-    pub(super) fn after(&self, label: &Label, here: Mark) -> Option<Spot> {
-        let spots = self.labels.get(label)?;
-        spots.get(spots.partition_point(|spot| spot.begin.bytes < here.bytes)).copied()
+    /// The first one behind a place; `END` by its end.
+    pub(super) fn after(&self, label: &Label, here: Mark) -> Option<Mark> {
+        let places = self.labels.get(label)?;
+        places.get(places.partition_point(|place| place.bytes <= here.bytes)).copied()
     }
 
     /// The last one before a place.
-    pub(super) fn before(&self, label: &Label, here: Mark) -> Option<Spot> {
-        let spots = self.labels.get(label)?;
-        let count = spots.partition_point(|spot| spot.begin.bytes < here.bytes);
-        spots[..count].last().copied()
+    pub(super) fn before(&self, label: &Label, here: Mark) -> Option<Mark> {
+        let places = self.labels.get(label)?;
+        let count = places.partition_point(|place| place.bytes < here.bytes);
+        places[..count].last().copied()
     }
 
     /// The block N… of the program that holds a place, and how many lines were read for it.
@@ -125,23 +116,20 @@ impl Index {
 
 /// The number of a line that begins with `O` or `:`.
 fn program_number(line: &[u8]) -> Option<u32> {
-    let first = line.iter().find(|byte| !byte.is_ascii_whitespace())?;
-    if !matches!(first, b'O' | b'o' | b'N' | b'n' | b':') {
-        return None;
-    }
-    let mut words = words(line).filter_map(Result::ok);
-    let word = words.find(|word| word.letter != b'N')?;
-    number_of(word.letter == b'O', word.value)
+    numbered(line, b"OoNn:", b'N', b'O')
 }
 
 fn sequence_number(line: &[u8]) -> Option<u32> {
-    let first = line.iter().find(|byte| !byte.is_ascii_whitespace())?;
-    if !matches!(first, b'N' | b'n' | b'/') {
-        return None;
-    }
-    let mut words = words(line).filter_map(Result::ok);
-    let word = words.find(|word| word.letter != b'/')?;
-    number_of(word.letter == b'N', word.value)
+    numbered(line, b"Nn/", b'/', b'N')
+}
+
+/// The number of the first word behind those of a letter, where it has the wanted one; a line with another first
+/// letter is passed over at once.
+fn numbered(line: &[u8], first: &[u8], behind: u8, wanted: u8) -> Option<u32> {
+    let letter = line.iter().find(|byte| !byte.is_ascii_whitespace())?;
+    let mut words = first.contains(letter).then(|| words(line).filter_map(Result::ok))?;
+    let word = words.find(|word| word.letter != behind)?;
+    number_of(word.letter == wanted, word.value)
 }
 
 #[allow(

@@ -367,12 +367,3 @@ fn coordinates_without_a_point_are_told() {
             .starts_with("coordinates without a decimal point: 1, the first in line 1; ")
     );
 }
-
-proptest! {
-    #[test]
-    fn no_text_brings_the_interpreter_down(
-        text in texts_of("GMXYZIJKRPLFOHN0123456789. \n()%/;-".chars(), 120),
-    ) {
-        let _ = run_with(&control(), &text);
-    }
-}

@@ -174,7 +174,9 @@ impl<'a> Design<'a> {
             campaign.reversals[axis] = Some(self.instrument.reversal(&measurement.volume, runs));
         }
         let evidence = &mut campaign.angles.evidence;
-        evidence.clone_from(&self.evidence.clone().unwrap_or(evidence.clone()));
+        if let Some(known) = &self.evidence {
+            evidence.clone_from(known);
+        }
         evidence.missing.retain(|angle| !variant.angles.contains(angle));
         let back = usize::from(variant.run.bidirectional);
         let noise_um = self.instrument.noise_um;

@@ -12,6 +12,7 @@ use super::findings::SeparationFinding;
 use super::metric::{Equation, Equations, Figures};
 use super::noise::{NORMAL_ONE_SIDED, chance_of};
 use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::Figure;
 
 /// Below this probability the equations contradict each other.
@@ -99,10 +100,11 @@ impl Agreement {
 }
 
 impl Equations {
-    /// Tests the redundancy; `None` where there is none.
+    /// Tests the redundancy; `None` where there is none, or no line beside the four diagonals (of a thin box they
+    /// determine less).
     pub(super) fn agreement(&self, found: &Figures) -> Option<Agreement> {
         let freedom = self.redundancy();
-        if freedom == 0 {
+        if freedom == 0 || self.all.len() <= Diagonal::ALL.len() {
             return None;
         }
         let largest = found.largest_um_per_m();

@@ -13,7 +13,7 @@ use super::metric::{Figures, Metric, PerPlane, Plane};
 use super::noise::{Noise, NoiseSource, ReadingPlace};
 use super::readings::{CorrectedRun, Means};
 use super::reversal::{Turn, contradictions, ran_over};
-use super::solved::{NineErrors, SeparatedError, Solved, Tilt, naive_squareness, scale_sum_um_mm};
+use super::solved::{NineErrors, SeparatedError, Solved, Tilt, scale_sum_um_mm};
 use super::start::Start;
 use super::uncertainty::{Budget, SlopeUncertainty, rolls};
 use crate::inputs::error_table::Silence;
@@ -124,11 +124,6 @@ impl Separation {
     /// `separate`.
     pub fn stands(&self) -> bool {
         self.doubts.is_empty() && self.anomalies.is_empty() && self.missing().is_empty()
-    }
-
-    /// φ as the sum of two separated slopes, µm/m: it holds the tilt of the mirror.
-    pub(crate) fn naive_squareness_um_per_m(&self, plane: Plane) -> f64 {
-        naive_squareness(&self.naive_slopes_um_per_m, plane)
     }
 
     /// U of φ, µm/m: its uncertainty with the coverage factor of its degrees of freedom.

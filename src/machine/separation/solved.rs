@@ -257,8 +257,8 @@ pub struct Tilt {
     pub direction: PerAxis<f64>,
 }
 
-/// φ as the sum of two separated slopes, µm/m.
-pub(super) fn naive_squareness(slopes_um_per_m: &PerTerm<f64>, plane: Plane) -> f64 {
+/// φ as the sum of two separated slopes, µm/m: it holds the tilt of the mirror.
+pub(crate) fn naive_squareness(slopes_um_per_m: &PerTerm<f64>, plane: Plane) -> f64 {
     let [one, other] = plane.terms();
     slopes_um_per_m[one] + slopes_um_per_m[other]
 }

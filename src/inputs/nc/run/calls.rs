@@ -29,7 +29,7 @@ impl Control<'_> {
             return Err(self.all(Problem::new(message).at(place).help(help)));
         }
         let back = text.mark();
-        let Some(spot) = self.index(text)?.first(&Label::Program(program)) else {
+        let Some(begin) = self.index(text)?.first(&Label::Program(program)) else {
             text.go_to(back)?;
             if self.found.insert((place.line, place.column)) {
                 let message = format!("there is no subprogram O{program} in the file");
@@ -38,7 +38,6 @@ impl Control<'_> {
             }
             return Ok(());
         };
-        let begin = spot.begin;
         text.go_to(begin)?;
         self.entered = true;
         self.repeated += JUMP;
@@ -70,21 +69,19 @@ impl Control<'_> {
     ) -> Result<(), Problems> {
         let here = text.mark();
         let to = match statement {
-            Statement::Done | Statement::Do(_, true) => return Ok(()),
+            Statement::Done => return Ok(()),
             Statement::GoTo(number) => {
                 let found = self.index(text)?.block(text, number, here);
                 let (to, passed) = found.map_err(|problem| self.all(problem))?;
                 self.repeated += passed as f64 * PASSED;
                 to.ok_or(format!("N{number}"))
             }
-            Statement::Do(number, false) => {
+            Statement::Leave(number) => {
                 let end = self.index(text)?.after(&Label::End(number), here);
-                let end = end.map(|spot| spot.end);
                 end.ok_or(format!("END{number}"))
             }
             Statement::End(number) => {
                 let begin = self.index(text)?.before(&Label::Do(number), here);
-                let begin = begin.map(|spot| spot.begin);
                 begin.ok_or(format!("DO{number}"))
             }
         };

@@ -116,6 +116,8 @@ fn loops_and_jumps_of_fanuc() {
     // N counts in its own program only.
     let scope = "G91 G1\nM98 P7\nGOTO 10\nX100\nN10 Y1\nM30\nO7\nGOTO 10\nX100\nN10 X1\nM99";
     assert_eq!(ends(scope), ["1 0 0", "1 1 0"]);
+    // What is not gone to is not executed; words of LinuxCNC begin no program.
+    assert_eq!(last("G91 G1\nGOTO 10\no5 call\nN10 X1\nM30\no5 sub\no5 endsub"), "1 0 0");
     let twice = why(&control(), "GOTO 10\nN10 G1 X1\nN10 X2").0;
     assert!(twice.contains("N10, which is given twice"), "{twice}");
 }
@@ -206,7 +208,7 @@ fn what_is_not_executed_of_siemens_is_refused_by_name() {
 proptest! {
     #[test]
     fn no_text_brings_the_languages_down(
-        text in texts_of("GXYZRDONWHILESUBMCATFP0123456789#<>=+*/.,([]) \n-".chars(), 100),
+        text in texts_of("GXYZRDONWHILESUBMCATFPJKQV0123456789#<>=+*/.,;%:([]) \n-".chars(), 120),
     ) {
         let _ = run_with(&control(), &text);
         let _ = run_with(&siemens(), &text);
