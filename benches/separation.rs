@@ -8,6 +8,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use nonius::inputs::readings::Readings;
+use nonius::machine::separation::corrections::AngleEffects;
 use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::{Campaign, MeasuredLine, separate};
 use nonius::quantity::axis::PerAxis;
@@ -67,7 +68,7 @@ fn separation(criterion: &mut Criterion) {
         stated: nonius::inputs::job::StatedUncertainty::default(),
         lines: lines(&measurement),
         reversals: Default::default(),
-        angles: None,
+        angles: AngleEffects::unmeasured(None),
         reverse_zero_known: true,
     };
     let whole = separate(&campaign, &runs);
