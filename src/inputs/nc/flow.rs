@@ -51,7 +51,7 @@ pub(super) fn behind_number(line: &[u8]) -> usize {
     at
 }
 
-/// Whether a word stands behind the number or name of an `O…`, as in `O1 while` and `O<name> call`.
+/// Whether a word stands behind an `O…`, as in `O1 while`, or its name in brackets, as in `O<hole> call`.
 fn is_word_of_linuxcnc(line: &[u8], at: usize) -> bool {
     let rest = &line[at + 1..];
     let digits = rest.iter().take_while(|byte| byte.is_ascii_digit()).count();
@@ -102,9 +102,8 @@ pub(super) fn statement(
     variables: &mut Variables,
 ) -> Result<Statement, Wrong> {
     if line[at].eq_ignore_ascii_case(&b'O') {
-        let message = "words behind `O…`, the loops and subprograms of LinuxCNC, are not executed";
-        let help =
-            "write out what they do, e.g. by the CAM system; docs/path.md lists what is executed";
+        let message = "a word behind `O…` is not executed";
+        let help = "the name of a program belongs into `( … )`; loops and subprograms of LinuxCNC are written out, e.g. by the CAM system";
         return Err(Wrong::new((at, line.len()), message, help));
     }
     if line[at] == b'#' {

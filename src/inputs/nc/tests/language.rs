@@ -91,8 +91,8 @@ fn what_has_no_value_is_refused_with_its_place() {
         ("IF [3] GOTO 1", "the condition has the value 3", (1, 4)),
         ("GOTO 7", "N7 is not in the program", (1, 1)),
         ("END1", "DO1 is not in the program", (1, 1)),
-        ("O1 while [1 EQ 1]", "words behind `O…`, the loops and subprograms of LinuxCNC", (1, 1)),
-        ("N1 o<hole> call [1]", "words behind `O…`, the loops and subprograms", (1, 4)),
+        ("O1 while [1 EQ 1]", "a word behind `O…` is not executed", (1, 1)),
+        ("N1 o<hole> call [1]", "a word behind `O…`", (1, 4)),
         ("IF [1 EQ 1] THEN G1 X1", "only a variable is set behind `THEN`", (1, 13)),
     ] {
         let (said, at) = why(&control(), program);
