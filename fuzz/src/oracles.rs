@@ -18,10 +18,12 @@ pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
     if let Some(found) = text.bytes().any(may_be).then(control).flatten() {
         return Err(format!("control character in the output: {:?}", around(text, found)));
     }
-    // A control character is left out of a message, and the letters beside it come together.
+    // A control character or joiner is left out of a message, and the letters beside it come together.
     let own = || {
         let own = String::from_utf8_lossy(input).to_ascii_lowercase();
-        own.chars().filter(|c| !c.is_control() || "\n\r\t".contains(*c)).collect::<String>()
+        let stays =
+            |c: &char| "\n\r\t".contains(*c) || !c.is_control() && !"\u{200c}\u{200d}".contains(*c);
+        own.chars().filter(stays).collect::<String>()
     };
     for word in ["NaN", "inf", "Infinity"] {
         let is_number = |(at, _): (usize, &str)| {

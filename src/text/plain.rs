@@ -38,7 +38,8 @@ pub(crate) fn comment(text: &str) -> String {
     let mut comment = "#".to_string();
     for cell in format!(" {}", line(text).trim_end()).split_inclusive([',', ';']) {
         let begins = cell.trim_start_matches([' ', '"']);
-        let is_number = begins.trim_end_matches([' ', '"', ',', ';']).parse::<f64>().is_ok();
+        let number = begins.trim_end_matches([' ', '"', ',', ';']).parse::<f64>();
+        let is_number = number.is_ok_and(f64::is_finite); // `-inf` is a word
         let is_formula = begins.starts_with(['=', '+', '-', '@', '＝', '＋', '－', '＠']);
         comment += &cell[..cell.len() - begins.len()];
         comment += if is_formula && !is_number { "'" } else { "" };
@@ -108,7 +109,7 @@ pub(crate) mod tests {
         for (text, written) in [
             ("Machine: a,=cmd|'/C calc'!A0;=1+1", "# Machine: a,'=cmd|'/C calc'!A0;'=1+1"),
             ("a, \"@SUM(A1)\",\t+a;-b", "# a, \"'@SUM(A1)\", '+a;'-b"),
-            ("=1", "# '=1"),
+            ("=1,-inf", "# '=1,'-inf"),
             (
                 "on the lines X, Y, Z, mm: 450, -360, +36.5",
                 "# on the lines X, Y, Z, mm: 450, -360, +36.5",

@@ -88,7 +88,8 @@ pub(crate) fn installed() -> Option<String> {
     version.map(|output| String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// On a busy computer a start can time out inside LinuxCNC, so that nothing is recorded: it is started so often.
+/// On a busy computer a start can time out inside LinuxCNC, so that nothing is recorded, and what one of its programs
+/// refuses can get lost on the way to the next: it is started so often.
 const STARTS: usize = 3;
 
 /// Starts the control, runs the part programs and ends the control. One at a time on one computer.
@@ -120,10 +121,10 @@ pub(crate) fn run(setup: &Setup<'_>) -> Run {
 
 /// What a control that does not start prints; it must not run a part program.
 pub(crate) fn refusal(setup: &Setup<'_>) -> String {
-    let (folder, log) = started(setup);
-    let ran = folder.path().join("cycles-0.txt").exists();
-    assert!(!ran, "it started\n{log}");
-    log
+    let did_not_run =
+        |(folder, _): &(TempDir, String)| !folder.path().join("cycles-0.txt").exists();
+    let refused = (0..STARTS).map(|_| started(setup)).find(did_not_run);
+    refused.expect("it runs the part program").1
 }
 
 /// The folder in which the control ran, and what it printed.

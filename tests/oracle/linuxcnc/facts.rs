@@ -36,7 +36,7 @@ fn added(joints: [impl Into<String>; 3], tables: [&str; 3]) -> ([[f64; 5]; 3], S
         ..bare(THERE_AND_BACK)
     });
     let cycles: &[Cycle] = &seen.cycles[0];
-    let places = stands(cycles, 150);
+    let places = stands(cycles);
     let of = |joint: usize| {
         let at =
             |place: usize| (places[place].drive[joint] - places[place].command[joint]) * 1000.0;

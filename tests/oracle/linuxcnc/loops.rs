@@ -187,7 +187,7 @@ pub(crate) fn path(machine: &Machine, places: usize, unit_mm: f64) -> String {
     program += &format!("G0{}\n", at([0.02; 3]));
     program += &format!("G0{}\n", at([0.0; 3]));
     for part in up.chain(down) {
-        program += &format!("G1{}\nG4 P0.1\n", at([part; 3]));
+        program += &format!("G1{}\nG4 P0.2\n", at([part; 3]));
     }
     for [x, y, z] in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
         let (from, to) = (at([x, y, z]), at([1.0 - x, 1.0 - y, 1.0 - z]));
@@ -243,7 +243,7 @@ fn left_of_own_term(machine: &Machine, cycles: &[Cycle], joint: usize) -> [f64; 
         let error = machine.error_um(joint, joint, drive, upwards);
         [error, error + added * 1000.0]
     };
-    let stands = stands(cycles, 80);
+    let stands = stands(cycles);
     let standing =
         stands.iter().map(|at| error(at.drive[joint], at.upwards[joint], at.added[joint]));
     let own = cycles.iter().map(|cycle| cycle[joint]);

@@ -86,8 +86,12 @@ pub(crate) struct Stand {
     pub(crate) upwards: [bool; 3],
 }
 
-/// The places where all joints rest for at least `cycles` servo cycles after the first move, as they are at the end of it.
-pub(crate) fn stands(run: &[Cycle], cycles: usize) -> Vec<Stand> {
+/// Servo cycles without any change that make a standstill. A dwell lasts its seconds, and on a busy computer the control makes
+/// fewer cycles in them than it should.
+const STILL: usize = 20;
+
+/// The places where all joints rest after the first move, every ramp over, as they are at the end of it.
+pub(crate) fn stands(run: &[Cycle]) -> Vec<Stand> {
     let (mut found, mut upwards, mut still, mut moved) = (Vec::new(), [true; 3], 0, false);
     for (number, cycle) in run.iter().enumerate() {
         for (joint, up) in cycle.iter().zip(&mut upwards) {
@@ -95,10 +99,9 @@ pub(crate) fn stands(run: &[Cycle], cycles: usize) -> Vec<Stand> {
                 *up = joint.speed > 0.0;
             }
         }
-        let rests = |cycle: &Cycle| cycle.iter().all(|joint| joint.speed == 0.0);
-        still = if rests(cycle) { still + 1 } else { 0 };
-        moved |= still == 0;
-        if moved && still >= cycles && !run.get(number + 1).is_some_and(rests) {
+        let goes_on = run.get(number + 1).is_some_and(|next| is_unchanged(cycle, next));
+        moved |= cycle.iter().any(|joint| joint.speed != 0.0);
+        if moved && still >= STILL && !goes_on {
             found.push(Stand {
                 command: cycle.map(|joint| joint.command),
                 drive: cycle.map(|joint| joint.drive),
@@ -106,6 +109,11 @@ pub(crate) fn stands(run: &[Cycle], cycles: usize) -> Vec<Stand> {
                 upwards,
             });
         }
+        still = if goes_on { still + 1 } else { 0 };
     }
     found
+}
+
+fn is_unchanged(now: &Cycle, next: &Cycle) -> bool {
+    now.iter().zip(next).all(|(now, next)| next.speed == 0.0 && next.drive == now.drive)
 }

@@ -94,7 +94,7 @@ impl Proof<'_> {
 
     /// Reading at the second place less that at the first, µm.
     fn reading(&self, machine: &Machine, seen: &Run, program: usize) -> f64 {
-        let places = stands(&seen.cycles[program], 150);
+        let places = stands(&seen.cycles[program]);
         let at = |mm: f64| {
             let is_there = |command: f64| (command - mm).abs() < 1e-6;
             let stand = places.iter().find(|stand| is_there(stand.command[self.base])).unwrap();

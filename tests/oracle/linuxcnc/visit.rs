@@ -31,7 +31,7 @@ impl Laser<'_> {
                 .filter(|row| row[0] == *diagonal)
                 .map(|row| [6, 7, 8].map(|column| row[column].parse().unwrap()))
                 .collect();
-            let places = at(&own, &stands(cycles, 60));
+            let places = at(&own, &stands(cycles));
             let reached: Vec<[f64; 3]> = places.iter().map(|place| self.reached(place)).collect();
             values.extend(displacements(&own, &reached));
         }
@@ -79,7 +79,7 @@ fn job(machine: &Machine, readings: &str, active: &str) -> String {
          uncertainty = {{ angle_urad = 0, setup_ppm = 0, tilt_arcsec = 0, laser_ppm = 0, beam_mrad = 0 }}\n\
          [measurement.step_diagonal]\nstart_mm = {{ x = 10.0, y = 10.0, z = -190.0 }}\n\
          size_mm = {{ x = 380.0, y = 280.0, z = 180.0 }}\nsteps = 5\norder = \"XYZ\"\nsetup = \"assume-perfect\"\noverrun = false\n\
-         [program]\nwhat = \"step-diagonal\"\ndwell_s = 0.1\nfeed_mm_per_min = 30000\nalignment_pass = false\noverrun_mm = 0\n\
+         [program]\nwhat = \"step-diagonal\"\ndwell_s = 0.2\nfeed_mm_per_min = 30000\nalignment_pass = false\noverrun_mm = 0\n\
          [compensation]\ncontroller = \"linuxcnc\"\ncontrol_unit = \"mm\"\nbacklash = \"two-tables\"\n\
          terms = [\"EXX\", \"EYY\", \"EZZ\"]\n[acceptance]\nmax_deviation_um = 2.0\n",
         machine.name
@@ -122,7 +122,7 @@ fn updated_and_rolled_back(visit: &Visit, machine: &Machine) {
             };
             [0, 1, 2].map(axis).into_iter().fold(0.0, f64::max)
         };
-        stands(&seen.cycles[0], 80).iter().map(of).fold(0.0, f64::max)
+        stands(&seen.cycles[0]).iter().map(of).fold(0.0, f64::max)
     };
     let [none, kit, update, back] =
         [Tables::None, Tables::Kit("kit"), Tables::Kit("update"), Tables::Kit("kit")].map(left);
