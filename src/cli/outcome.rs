@@ -340,8 +340,14 @@ impl Data {
             Data::Long(mut long) => std::io::copy(&mut long, out).map(|_| ()),
         };
         match printed.and_then(|()| out.flush()) {
-            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
+            Err(error) if !is_closed_pipe(&error) => Err(error),
             _ => Ok(()),
         }
     }
+}
+
+/// Windows has three words for it: ERROR_BROKEN_PIPE, ERROR_NO_DATA (232) and ERROR_PIPE_NOT_CONNECTED (233).
+fn is_closed_pipe(error: &std::io::Error) -> bool {
+    let windows = cfg!(windows) && matches!(error.raw_os_error(), Some(232 | 233));
+    windows || error.kind() == ErrorKind::BrokenPipe
 }

@@ -1,6 +1,8 @@
 //! `nonius assess`: machine H to the digits, the tables of paper 000, before and after.
 
-use crate::support::{LAST_DIGIT, Visit, error_table, fixture, holds, near, number, read_job};
+use crate::support::{
+    DIAGONALS, LAST_DIGIT, Visit, error_table, fixture, holds, near, number, read_job,
+};
 use nonius::machine::model::ErrorModel;
 use nonius::quantity::axis::{Axis, ErrorTerm, PerTerm};
 use nonius::volume::definitions::ByComponent;
@@ -185,7 +187,7 @@ fn the_diagonals_agree_with_the_forecast() {
     let visit = Visit::of("start/errors");
     let manifest = document(&visit, "generate job.toml -o kit");
     let found = document(&visit, "assess job.toml --tables kit");
-    for name in ["PPP", "NPP", "PNP", "PPN"] {
+    for name in DIAGONALS {
         let forecast = &manifest["forecast"]["diagonals"][name];
         for (found, key) in [(&found, "before_um"), (&found["after"], "after_um")] {
             let um = &found["definitions"]["diagonals_um"][name];

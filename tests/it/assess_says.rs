@@ -2,7 +2,7 @@
 //! measured.
 
 use super::assess::document;
-use crate::support::{Ran, Visit, number, page, replaced, short_or};
+use crate::support::{DIAGONALS, Ran, Visit, number, page, replaced, short_or};
 use serde_json::{Value, json};
 
 /// A command that ends with 0, with its explanations.
@@ -100,7 +100,7 @@ fn a_turned_datum_leaves_what_the_page_says_to_stay() {
     assert!(change("elv_um") < 2e-6, "{:?}", both("elv_um"));
     // To second order: 50 µrad of 10 µm, and 50² µrad² of half a metre.
     assert!(change("length_um") < 2e-3, "{:?}", both("length_um"));
-    for name in ["PPP", "NPP", "PNP", "PPN"] {
+    for name in DIAGONALS {
         let range = |of: &Value| number(&of["definitions"]["diagonals_um"][name]);
         assert!((range(&one) - range(&other)).abs() < 2e-6, "{name}");
     }

@@ -1,5 +1,5 @@
 //! Readings of the body diagonals: what is read from them, and what is refused in which words.
-use crate::support::{golden_readings, readings};
+use crate::support::{DIAGONALS, golden_readings, readings};
 use nonius::inputs::job::{AxisMaterial, DiagonalMeasurement, Material};
 use nonius::inputs::readings::Readings;
 use nonius::quantity::axis::{Axis, Direction, PerAxis};
@@ -66,8 +66,7 @@ fn walk(name: &str, direction: &str, moved: [&str; 7]) -> Vec<String> {
 
 /// The walks of all diagonals.
 fn walks(direction: &str, moved: [&str; 7]) -> Vec<String> {
-    let names = ["PPP", "NPP", "PNP", "PPN"];
-    names.iter().flat_map(|name| walk(name, direction, moved)).collect()
+    DIAGONALS.iter().flat_map(|name| walk(name, direction, moved)).collect()
 }
 
 /// All forward runs of single-axis steps.

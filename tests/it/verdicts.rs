@@ -1,6 +1,6 @@
 //! No verdict is surer than what it rests on: one U for the same data everywhere, limits on the
 //! largest of many, few degrees of freedom, a part of the travel, what nobody measured.
-use crate::support::{UNCORRECTED, Visit, job_of, number, replaced};
+use crate::support::{DIAGONALS, UNCORRECTED, Visit, job_of, number, replaced};
 use serde_json::Value;
 use std::fs;
 
@@ -159,7 +159,7 @@ fn the_scale_of_the_laser_counts_once_along_a_diagonal() {
     let visit = Visit::with(cube_job("laser_ppm = 5", "max_diagonal_um = 16"), cube(&TENTHS, 1.0))
         .with_any_kit();
     let page = visit.json(VERIFY);
-    for diagonal in ["PPP", "NPP", "PNP", "PPN"] {
+    for diagonal in DIAGONALS {
         let u = number(&page["diagonals"][diagonal]["u_um"]);
         assert!((u - 5.0 * 3.0_f64.sqrt()).abs() < 1e-3, "{diagonal}: {u}");
         let expanded = number(&page["diagonals"][diagonal]["expanded_um"]);

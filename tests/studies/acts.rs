@@ -4,7 +4,7 @@
 use super::causes::{gauss, job_text};
 use super::right_kits::{AXES, BOX, machine, read_table, table};
 use crate::support::{
-    Random, Visit, in_parallel, is_whole, may_be, number, published, share, short_or,
+    DIAGONALS, Random, Visit, in_parallel, is_whole, may_be, number, published, share, short_or,
 };
 use serde_json::Value;
 use std::iter::once;
@@ -127,7 +127,7 @@ impl Trial {
         let length = edges.iter().map(|edge| edge * edge).sum::<f64>().sqrt();
         let step = edges.map(|edge| edge * edge / length / f64::from(self.steps));
         let scaled = |row: &str| {
-            let d = ["PPP", "NPP", "PNP", "PPN"].iter().position(|d| row.starts_with(d));
+            let d = DIAGONALS.iter().position(|d| row.starts_with(d));
             let Some(d) = d else { return format!("{row}\n") };
             let (head, um) = row.rsplit_once(',').unwrap();
             let node = head.rsplit(',').nth(1).unwrap().parse().unwrap();

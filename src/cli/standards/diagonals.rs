@@ -83,13 +83,7 @@ pub(super) fn of_readings(
     let (readings, measurement) = Readings::without_job(source)?;
     let known = readings.runs.iter();
     let known = known.filter(|run| readings.offset_known(run));
-    let known = known.map(|run| CorrectedRun {
-        diagonal: run.diagonal,
-        number: run.number,
-        pass: run.pass,
-        readings_um: run.deviations.iter().map(|of| of.um()).collect(),
-    });
-    let known: Vec<CorrectedRun> = known.collect();
+    let known: Vec<CorrectedRun> = known.map(CorrectedRun::from).collect();
     let mut notes = notes(known.len() < readings.runs.len());
     notes.extend(readings.zeroed());
     notes.push(StandardFinding::NoJob.into());

@@ -67,23 +67,15 @@ pub fn readings(
         exact.extend(as_runs(rehearsal, diagonal, 1, &passes));
         runs.extend(noisy_runs(rehearsal, diagonal, index, &passes));
     }
-    let of = |runs: &[Run]| figures(&without_expansion(runs), rehearsal.kind);
+    let of = |runs: &[Run]| {
+        figures(&runs.iter().map(CorrectedRun::from).collect::<Vec<_>>(), rehearsal.kind)
+    };
     let (predicted, predicted_over_all_um) = of(&exact);
     let (read, read_over_all_um) = of(&runs);
     for run in &mut runs {
         add_expansion(rehearsal, run);
     }
     Ok(Simulation { runs, predicted, predicted_over_all_um, read, read_over_all_um })
-}
-
-fn without_expansion(runs: &[Run]) -> Vec<CorrectedRun> {
-    let plain = |run: &Run| CorrectedRun {
-        diagonal: run.diagonal,
-        number: run.number,
-        pass: run.pass,
-        readings_um: run.deviations.iter().map(|d| d.um()).collect(),
-    };
-    runs.iter().map(plain).collect()
 }
 
 fn passes(

@@ -5,7 +5,7 @@ use super::curves::{mean, range};
 use crate::inputs::target_runs::Runs;
 use crate::machine::standards::iso_230_2;
 use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::text::problem::Problem;
 
 /// One corrected run, µm, by node.
@@ -19,6 +19,14 @@ pub struct CorrectedRun {
     pub pass: Pass,
     /// Reading errors, µm.
     pub readings_um: Vec<f64>,
+}
+
+impl From<&Run> for CorrectedRun {
+    /// The readings as they stand.
+    fn from(run: &Run) -> CorrectedRun {
+        let readings_um = run.deviations.iter().map(|of| of.um()).collect();
+        CorrectedRun { diagonal: run.diagonal, number: run.number, pass: run.pass, readings_um }
+    }
 }
 
 /// Mean reading errors of one pass along each diagonal, µm, by node of the forward path.

@@ -1,7 +1,7 @@
 //! Machines with errors that are formulas of the test: what they reach when their drives are told something, and what
 //! a laser along a diagonal shows. Nothing of the program is used here.
 
-use super::control::Cycle;
+use super::control::{Cycle, Joint};
 use std::f64::consts::TAU;
 
 /// A machine with planted errors; lengths in mm, errors in µm.
@@ -115,5 +115,6 @@ pub(crate) fn stands(run: &[Cycle]) -> Vec<Stand> {
 }
 
 fn is_unchanged(now: &Cycle, next: &Cycle) -> bool {
-    now.iter().zip(next).all(|(now, next)| next.speed == 0.0 && next.drive == now.drive)
+    let is_same = |(now, next): (&Joint, &Joint)| (next.drive - now.drive).abs() < 1e-9;
+    next.iter().all(|joint| joint.speed == 0.0) && now.iter().zip(next).all(is_same)
 }
