@@ -187,6 +187,15 @@ mod tests {
     }
 
     #[test]
+    fn fields_come_in_their_order() {
+        let mut context = tera::Context::new();
+        let table = json!({ "g": "1", "a": "2", "f": "3", "b": "4", "e": "5", "c": "6", "d": "7" });
+        context.insert("table", &table);
+        let layout = "{% for value in table %}{{ value }}{% endfor %}";
+        assert_eq!(said(layout, &context), Ok("1234567".to_string()));
+    }
+
+    #[test]
     fn what_could_grow_without_bound_is_refused_with_its_place() {
         for (template, found) in [
             ("{% set s = \"x\" %}{% set s = s ~ s %}{{ s }}", "`set`"),
