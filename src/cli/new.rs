@@ -237,7 +237,6 @@ impl fmt::Display for Stage {
 fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
     let place = |name: &str| shell_word(&directory.join(name));
     let [job, kit] = [JOB, KIT].map(place);
-    let checklist = directory.join(KIT).join("checklist.html");
     let table = begun.measured;
     let tables = format!("{job} --tables {kit}");
     let after = format!("{tables} --after {}", place(begun.after()));
@@ -259,7 +258,10 @@ fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
             separate.into_iter().chain([generate]).collect(),
         ),
         stage(
-            format!("before loading, which {} leads through", shell_word(&checklist)),
+            format!(
+                "before loading, which {} leads through",
+                shell_word(&directory.join(KIT).join("checklist.html"))
+            ),
             vec![format!("nonius verify {tables}")],
         ),
         stage(

@@ -340,14 +340,10 @@ impl Data {
             Data::Long(mut long) => std::io::copy(&mut long, out).map(|_| ()),
         };
         match printed.and_then(|()| out.flush()) {
-            Err(error) if !is_closed_pipe(&error) => Err(error),
+            // Windows: ERROR_PIPE_NOT_CONNECTED is a closed pipe, too.
+            Err(error) if cfg!(windows) && error.raw_os_error() == Some(233) => Ok(()),
+            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
             _ => Ok(()),
         }
     }
-}
-
-/// Windows has three words for it: ERROR_BROKEN_PIPE, ERROR_NO_DATA (232) and ERROR_PIPE_NOT_CONNECTED (233).
-fn is_closed_pipe(error: &std::io::Error) -> bool {
-    let windows = cfg!(windows) && matches!(error.raw_os_error(), Some(232 | 233));
-    windows || error.kind() == ErrorKind::BrokenPipe
 }

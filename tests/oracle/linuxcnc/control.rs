@@ -119,12 +119,16 @@ pub(crate) fn run(setup: &Setup<'_>) -> Run {
     }
 }
 
-/// What a control that does not start prints; it must not run a part program.
-pub(crate) fn refusal(setup: &Setup<'_>) -> String {
-    let did_not_run =
-        |(folder, _): &(TempDir, String)| !folder.path().join("cycles-0.txt").exists();
-    let refused = (0..STARTS).map(|_| started(setup)).find(did_not_run);
-    refused.expect("it runs the part program").1
+/// A control that says this and does not start: it must not run a part program.
+pub(crate) fn is_refused(setup: &Setup<'_>, told: &str) {
+    let mut logs = Vec::new();
+    let mut start = || {
+        let (folder, log) = started(setup);
+        let is_refused = log.contains(told) && !folder.path().join("cycles-0.txt").exists();
+        logs.push(log);
+        is_refused
+    };
+    assert!((0..STARTS).any(|_| start()), "expected `{told}` and no part program in\n{logs:?}");
 }
 
 /// The folder in which the control ran, and what it printed.

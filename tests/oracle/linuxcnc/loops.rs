@@ -68,6 +68,7 @@ impl Case {
             (0..3).map(|joint| off_emulator(&cycles, joint, control.as_ref())).fold(0.0, f64::max);
         let moving = cycles.iter().flatten().filter(|joint| joint.speed != 0.0);
         let mut seen = Seen { cycles: moving.count(), emulator_um, ..Seen::default() };
+        assert!(stands(&cycles).len() >= 2 * self.stops - 1, "{}", self.machine.name);
         self.against_forecast(&kit, &cycles, &mut seen);
         let limit = |um: f64, figures: f64| um + figures * self.printed_um();
         let name = self.machine.name;

@@ -110,11 +110,14 @@ pub(crate) fn visit(machine: &Machine) -> String {
     said
 }
 
+/// Places of a diagonal where the machine stands, up and down.
+const STOPS: usize = 6;
+
 /// New tables from the second measurement leave less than the first ones; after the rollback the machine is as it was.
 fn updated_and_rolled_back(visit: &Visit, machine: &Machine) {
     visit.yes("generate after.toml -o update");
     let left = |tables| {
-        let seen = drive(visit, machine, tables, vec![path(machine, 6, 1.0)]);
+        let seen = drive(visit, machine, tables, vec![path(machine, STOPS, 1.0)]);
         let of = |stand: &Stand| {
             let errors = machine.errors_um(stand.drive, stand.upwards);
             let axis = |axis: usize| {
@@ -122,7 +125,9 @@ fn updated_and_rolled_back(visit: &Visit, machine: &Machine) {
             };
             [0, 1, 2].map(axis).into_iter().fold(0.0, f64::max)
         };
-        stands(&seen.cycles[0]).iter().map(of).fold(0.0, f64::max)
+        let stands = stands(&seen.cycles[0]);
+        assert!(stands.len() >= 2 * STOPS - 1, "{stands:?}");
+        stands.iter().map(of).fold(0.0, f64::max)
     };
     let [none, kit, update, back] =
         [Tables::None, Tables::Kit("kit"), Tables::Kit("update"), Tables::Kit("kit")].map(left);
