@@ -4,9 +4,7 @@
 //! `NONIUS_SIMULATIONS=all NONIUS_UPDATE=1 cargo test --release --test studies right_kits` writes them;
 //! without it four of each kind are run.
 use super::causes::{Travels, gauss, job_text};
-use crate::support::{
-    Random, Visit, in_parallel, is_held, is_whole, may_be, published, share, short_or,
-};
+use crate::support::{Random, Visit, in_parallel, is_held, is_whole, may_be, published, share};
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -111,7 +109,9 @@ pub(super) const BOX: &str = "start_mm = { x = 0.0, y = 0.0, z = -720.0 }\nsize_
 
 fn diagonals(readings: &str, linear: &str, active: &str, u: &str) -> String {
     let mut text = format!(
-        "readings = \"{readings}\"\nactive_while_measuring = \"{active}\"\n[measurement.step_diagonal]\n{BOX}"
+        "readings = \"{readings}\"\nactive_while_measuring = \"{active}\"\n\
+         uncertainty = {{ angle_urad = 0, setup_ppm = 0, tilt_arcsec = 0, laser_ppm = 0, beam_mrad = 0 }}\n\
+         [measurement.step_diagonal]\n{BOX}"
     );
     for (axis, ..) in AXES {
         text += &format!("[[measurement.step_diagonal.linear]]\naxis = \"{axis}\"\n");
@@ -178,7 +178,8 @@ fn outcome(visit: &Visit, left: &[Row]) -> Outcome {
     }
 }
 
-/// Step diagonals both times, σ = 0.3 µm, n = 30, three linear axes with or without U, L = 5 µm.
+/// Step diagonals both times, σ = 0.3 µm, n = 30, three linear axes with or without U, L = 5 µm. What the simulation leaves
+/// out is stated as 0.
 fn by_diagonals(seed: u64, runs: u32, u_of_lines: bool) -> Outcome {
     let lines = if u_of_lines { "u_um_per_m = 0.5" } else { "" };
     let mut random = Random::new(seed);
@@ -309,26 +310,25 @@ fn right_kits_hold_their_forecast_and_are_not_accused() {
     }
     println!("{text}");
     let (least, most) = if is_whole() { (0.93, 0.01) } else { (0.80, 0.10) };
-    let (mut every_held, mut every_accused, mut stating) = (0.0, 0.0, 0);
+    let (mut every_held, mut stating, mut every_accused, mut every) = (0.0, 0, 0.0, 0);
     for (name, known, all) in &kinds {
         let accused = share_of(all, |o| o.not_as_forecast || o.named_off);
-        every_accused += accused / kinds.len() as f64;
+        (every_accused, every) = (every_accused + accused * all.len() as f64, every + all.len());
         assert!(is_held(accused, all.len(), 0.0..=0.01, 0.0..=most), "{name}: {accused}\n{text}");
         if *known {
             let held = share_of(all, |o| o.largest_held);
-            (every_held, stating) = (every_held + held, stating + 1);
+            (every_held, stating) = (every_held + held * all.len() as f64, stating + all.len());
             assert!(is_held(held, all.len(), 0.93..=1.0, least..=1.0), "{name}: {held}\n{text}");
         }
     }
-    // Four of a kind decide little, all kinds together more.
-    let (held, stated) = (every_held / f64::from(stating), 4 * stating as usize);
-    assert!(short_or(may_be(held, stated, 0.93..=1.0), true), "{held}\n{text}");
-    let together = short_or(may_be(every_accused, 4 * kinds.len(), 0.0..=0.01), true);
-    assert!(together, "{every_accused}\n{text}");
+    // A few of a kind decide little, all kinds together more.
+    let (held, accused) = (every_held / stating as f64, every_accused / every as f64);
+    assert!(may_be(held, stating, 0.93..=1.0), "{held}\n{text}");
+    assert!(may_be(accused, every, 0.0..=0.01), "{accused}\n{text}");
     let passed = share_of(&kinds[2].2, |o| o.after == "pass");
-    let asked = if is_whole() { 0.9 } else { 0.0 };
-    assert!(is_held(passed, kinds[2].2.len(), 0.9..=1.0, asked..=1.0), "{passed}");
+    assert!(may_be(passed, kinds[2].2.len(), 0.9..=1.0), "{passed}");
     if is_whole() {
+        assert!(passed >= 0.9, "{passed}");
         published("right kits", "right_kits", &text);
     }
 }
