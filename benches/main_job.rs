@@ -1,11 +1,5 @@
 //! Benchmarks of the main job; docs/performance.md has the figures and how to rerun them.
 
-#![allow(
-    missing_docs,
-    clippy::expect_used,
-    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong"
-)]
-
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::control::controller::builtin;
 use nonius::inputs::error_table::ErrorTable;

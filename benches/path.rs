@@ -1,11 +1,5 @@
 //! Benchmarks of `nonius path`: the error at points of a path, and a program from end to end.
 
-#![allow(
-    missing_docs,
-    clippy::expect_used,
-    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong"
-)]
-
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::inputs::nc::{Line, Mark, Move, Plane, Setup, Shape, Text, run};
 use nonius::text::problem::Problem;

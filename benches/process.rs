@@ -5,12 +5,6 @@
 //! changes its speed changes it for both. What the empty programs of a figure took is printed under
 //! it, as it tells how fast the machine was just then. Kits are written to a disk, and to memory
 //! where the system has a folder for that: the difference is that of the disk and its file system.
-#![allow(
-    missing_docs,
-    clippy::expect_used,
-    clippy::print_stdout,
-    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong; what it prints is its result"
-)]
 
 use criterion::{Criterion, SamplingMode, criterion_group, criterion_main};
 use std::cell::OnceCell;

@@ -1,10 +1,5 @@
 //! The page of a whole visit, n = 40: files of readings → nine errors, tables read back, volume, pictures, HTML; in
 //! process, and as a process, so what it prints goes nowhere. docs/performance.md has the figures.
-#![allow(
-    missing_docs,
-    clippy::expect_used,
-    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong"
-)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use nonius::cli::run;

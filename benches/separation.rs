@@ -1,9 +1,4 @@
 //! Separation of step diagonals, n = 30; docs/performance.md has the figures and how to rerun them.
-#![allow(
-    missing_docs,
-    clippy::expect_used,
-    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong"
-)]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData};
@@ -93,7 +88,6 @@ fn separation(criterion: &mut Criterion) {
     group.finish();
 }
 
-#[allow(clippy::print_stderr, reason = "beside criterion's own lines")]
 fn tell(line: &str) {
     eprintln!("{line}");
 }

@@ -1,9 +1,4 @@
 //! Volumetric accuracy of machine H; docs/performance.md has the figures and how to rerun them.
-#![allow(
-    missing_docs,
-    clippy::expect_used,
-    reason = "criterion's macro makes public functions; a benchmark may stop where its input is wrong"
-)]
 
 #[path = "../tests/support/machine_h.rs"]
 mod machine_h;

@@ -82,9 +82,9 @@ fn outputs<'a>(words: &[&'a str]) -> Vec<&'a str> {
     let options = ["-o", "--output", "--plot"];
     let named = words.windows(2).filter(|pair| options.contains(&pair[0])).map(|pair| pair[1]);
     let joined = words.iter().filter_map(|word| word.split_once('='));
-    named
-        .chain(joined.filter(|(option, _)| options.contains(option)).map(|(_, name)| name))
-        .collect()
+    let joined = joined.filter(|(option, _)| options.contains(option)).map(|(_, name)| name);
+    let in_one = words.iter().filter_map(|word| word.strip_prefix("-o"));
+    named.chain(joined).chain(in_one.filter(|name| !name.is_empty())).collect()
 }
 
 /// A word that names nothing outside the directory of the case.
@@ -201,7 +201,7 @@ fn judge(run: &Run, outputs: &[&str], input: &[u8]) -> Result<(), String> {
         status => return Err(format!("status {status:?}: {}", told())),
     }
     judge_files(run, outputs)?;
-    let made = run.after.iter().filter(|(name, bytes)| run.before.get(*name) != Some(bytes));
+    let made = run.after.iter().filter(|(_, bytes)| !run.before.values().any(|old| old == *bytes));
     let mut size = input.len() + run.told.len();
     oracles::judge(&run.told, input)?;
     for (name, bytes) in made {

@@ -303,12 +303,12 @@ fn csv(text: &str) -> Wrong {
         else {
             return false;
         };
-        let numbers = [position, deviation, correction].iter().all(|cell| is_number(cell));
+        let numbers = [position, deviation, correction].iter().all(|cell| is_figure(cell));
         let words = is_name(term)
             && is_name(base)
             && is_name(output)
             && ["", "+", "-"].contains(&direction);
-        numbers && words && is_whole(index) && (increment.is_empty() || is_number(increment))
+        numbers && words && is_whole(index) && (increment.is_empty() || is_figure(increment))
     };
     lines.find(|line| !is_row(line)).map_or(Ok(()), |line| Err(line.to_string()))
 }
@@ -357,7 +357,7 @@ fn json(text: &str) -> Wrong {
         let word =
             quoted(value).is_some_and(|word| is_name(&word) || ["+", "-"].contains(&word.as_str()));
         quoted(key).is_some_and(|key| is_name(&key))
-            && (word || value == "null" || is_number(value))
+            && (word || value == "null" || is_figure(value))
     };
     let is_row = |row: &&str| {
         let inside =
@@ -374,6 +374,12 @@ fn is_whole(text: &str) -> bool {
 fn is_name(text: &str) -> bool {
     let letter = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
     text.starts_with(|c: char| c.is_ascii_alphabetic()) && text.bytes().all(letter)
+}
+
+/// A number, also with an exponent, as only the generic tables have it.
+fn is_figure(text: &str) -> bool {
+    let (digits, exponent) = text.split_once('e').unwrap_or((text, "0"));
+    is_number(digits) && is_whole(exponent.strip_prefix('-').unwrap_or(exponent))
 }
 
 /// Digits with at most one point between them; zero has no sign.

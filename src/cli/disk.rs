@@ -46,6 +46,7 @@ impl Disk {
     /// Refuses an output that this run read, that contains something that it read, or that would lie in a directory that
     /// it read (it need not exist): asked when everything was read and nothing is written.
     fn refuse_input(&self, output: &Path) -> Result<(), Problem> {
+        named(output)?;
         let place = resolved(output);
         let own = output.metadata().ok().and_then(|m| identity(&m));
         let read = self.read.borrow();
@@ -60,12 +61,7 @@ impl Disk {
 
     /// Opens a regular file or a pipe, without waiting for somebody who writes into it.
     fn open(&self, path: &Path) -> Result<(File, Metadata), Problem> {
-        let name = path.display().to_string();
-        if name.chars().any(char::is_control) {
-            let plain = name.escape_debug();
-            return Err(Problem::new(format!("`{plain}` is no path of a file"))
-                .help("between double quotes a backslash begins a control character: write `/`, or single quotes around the path"));
-        }
+        let name = named(path)?;
         let refuse = |error: Error| {
             Problem::new(format!("`{name}` cannot be read: {}", plain_words(&error)))
         };
@@ -217,6 +213,17 @@ impl Files for Disk {
     fn is_watched(&self) -> bool {
         std::io::stderr().is_terminal()
     }
+}
+
+/// A path in words, which has no control characters.
+fn named(path: &Path) -> Result<String, Problem> {
+    let name = path.display().to_string();
+    if !name.chars().any(char::is_control) {
+        return Ok(name);
+    }
+    let plain = name.escape_debug();
+    Err(Problem::new(format!("`{plain}` is no path of a file"))
+        .help("between double quotes a backslash begins a control character: write `/`, or single quotes around the path"))
 }
 
 /// A path without links, also of something that does not exist yet.

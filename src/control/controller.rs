@@ -58,10 +58,6 @@ facts! {
 }
 
 /// The family of formats that a control reads.
-#[allow(
-    clippy::large_enum_variant,
-    reason = "one profile is loaded in a run; a box would only be in the way"
-)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dialect {
     /// `$AA_ENC_COMP` and `$AN_CEC` assignments.

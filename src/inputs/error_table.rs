@@ -220,8 +220,6 @@ fn shared(old: &Series, new: &Series, axis: Axis) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
-
     use super::*;
     use crate::quantity::units::Millimetres;
 

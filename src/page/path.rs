@@ -42,7 +42,6 @@ impl Trace {
         }
         #[allow(
             clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
             reason = "the loop above keeps it below MOST; a path begins at 0"
         )]
         let index = (s_mm / self.stretch_mm) as usize;

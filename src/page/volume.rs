@@ -160,7 +160,6 @@ fn distribution(locale: Locale<'_>, sides: &[Side<'_>]) -> Option<Panel> {
         let Some(histogram) = &side.assessment.histogram else {
             continue;
         };
-        #[allow(clippy::cast_precision_loss, reason = "a share, to be drawn")]
         let pairs = histogram.pairs as f64;
         let mut from = 0.0;
         let mut bars = Vec::new();

@@ -138,8 +138,6 @@ fn lever_effect(about: Axis, arm: Axis) -> LeverEffect {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
-
     use super::*;
 
     #[test]

@@ -80,8 +80,6 @@ pub fn json(document: &str) -> Cow<'_, str> {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    #![allow(clippy::expect_used, reason = "a test may stop")]
-
     use super::{comment, json, line, page};
     use proptest::collection::vec;
     use proptest::prelude::*;

@@ -281,7 +281,6 @@ fn tera_context(context: &impl Serialize) -> Result<tera::Context, Problem> {
     tera::Context::from_serialize(context).map_err(no_context)
 }
 
-#[allow(clippy::needless_pass_by_value, reason = "as `map_err` gives it")]
 fn no_context(error: tera::Error) -> Problem {
     Problem::new(format!("the context of the templates cannot be made: {error}"))
 }

@@ -5,7 +5,7 @@
 //! `NONIUS_UPDATE=1 cargo test --test it refuses` rewrites the expectations (fixtures/cases/README.md).
 
 use crate::support::refusals::{self, Case};
-use crate::support::{Visit, fixtures, in_parallel, program};
+use crate::support::{Entry, Visit, fixtures, in_parallel, lay, program};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
@@ -53,7 +53,7 @@ fn every_refusal_says_what_is_wrong_and_writes_nothing() {
 /// Exit status, standard error, then standard output of a case, which writes nothing.
 fn said(case: &Case) -> String {
     let visit = Visit::new();
-    case.lay_out(visit.folder());
+    lay(&case.files, visit.folder());
     let before = visit.files();
     let output = program(visit.folder(), &case.command).output().unwrap();
     assert_eq!(before, visit.files(), "{}: written", case.name);
@@ -87,7 +87,7 @@ fn expectations_are_written_as_they_stand() {
 fn lines_are_replaced_where_they_stand_once() {
     let page = "\n== a\n@ b.csv CR LF\n+ 1\n+ 2\n+ 1\n@ b.csv\n  2\n- 1\n+ \\u{202e}\n> c\n>\n";
     let case = refusals::cases(&fixtures(""), page).remove(0);
-    assert_eq!(case.files["b.csv"], "1\r\n2\r\n\u{202e}\r\n".as_bytes());
+    assert_eq!(case.files["b.csv"], Entry::File("1\r\n2\r\n\u{202e}\r\n".into()));
     assert_eq!(case.expected, "c\n\n");
     assert_eq!(case.command, "generate job.toml -o kit");
 }

@@ -3,32 +3,37 @@
 //! Both run the same commands, each in a folder of its own: every job of the fixtures from `plan` to the
 //! report of a second measurement, every refusal, every control, the files of other makers. Exit statuses,
 //! what is printed and all files written are compared; differences are counted by kind, with their first line.
-//! `--list` names each. Exit status: 0 equal, 1 different, 2 not compared.
+//! `--list` names each; a third word compares only what has it in its name. Exit status: 0 equal, 1 different,
+//! anything else: not compared. All has been compared only where every command came to its end once.
 
-#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program of the tests")]
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    clippy::expect_used,
+    reason = "a program of the tests, which stops at what it did not expect"
+)]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode, Stdio};
+use std::path::Path;
+use std::process::{Command, ExitCode, ExitStatus, Stdio};
 
 #[path = "../support/parallel.rs"]
-#[allow(clippy::expect_used, reason = "shared with the tests")]
 mod parallel;
 #[path = "../support/refusals.rs"]
-#[allow(dead_code, clippy::expect_used, clippy::panic, reason = "shared with the tests")]
+#[allow(dead_code, reason = "shared with the tests")]
 mod refusals;
 #[path = "../support/tree.rs"]
-#[allow(dead_code, clippy::expect_used, clippy::panic, reason = "shared with the tests")]
+#[allow(dead_code, reason = "shared with the tests")]
 mod tree;
 
 use tree::{Entry, Tree};
 
 /// What is asked of each job of the fixtures, one after the other; `{}` = its name without ending.
-const OF_A_JOB: [&str; 24] = [
+const OF_A_JOB: [&str; 29] = [
     "plan {}.toml",
     "plan {}.toml --format json",
-    "program {}.toml -o {}-programs",
+    "program {}-run.toml -o {}-programs",
     "separate {}.toml -o {}-separated.csv --trials 100",
     "separate {}.toml --trials 100 --format json",
     "separate {}.toml --trials 100 --explain",
@@ -41,6 +46,8 @@ const OF_A_JOB: [&str; 24] = [
     "assess {}.toml --grid 7,7,7 --format json",
     "assess {}.toml --grid 7,7,7 --tables {}-kit --format json",
     "context {}.toml",
+    "path {}.toml part.nc --with-tables -o {}-path.csv --plot {}-path.svg",
+    "path {}.toml part.nc --tables {}-kit --format json",
     "report {}.toml --tables {}-kit -o {}-report.html",
     "history {}-kit",
     "simulate {}.toml --errors --tables {}-kit --noise-um 0.2 --seed 7 -o {}-errors.csv",
@@ -48,51 +55,100 @@ const OF_A_JOB: [&str; 24] = [
     "simulate {}.toml --tables {}-kit --format json -o {}-simulated.csv",
     "verify {}.toml --tables {}-kit --after {}-errors.csv",
     "verify {}.toml --tables {}-kit --after {}-errors.csv --format json",
-    "verify {}.toml --tables {}-kit --after {}-errors.csv --explain",
+    "verify {}.toml --tables {}-kit --after {}-errors.csv --explain --plot {}-after.svg",
+    "generate {}.toml -o {}-kit --force --plot {}-kit.svg",
+    "generate {}.toml --compare",
+    "history {}-kit --format json",
     "report {}.toml --tables {}-kit --after {}-errors.csv --language de -o {}-after.html",
 ];
 
+/// What stands behind a job where it leads a run, and a part program in machine coordinates.
+const RUN: &str = "\n[program]\nwhat = \"step-diagonal\"\nsteps = 4\n\
+    start_mm = { x = 10.0, y = 10.0, z = -190.0 }\nsize_mm = { x = 300.0, y = 200.0, z = 150.0 }\n";
+const PART: &str = "G90 G94 G53 G0 X10. Y10. Z-10.\nG53 G1 X50. F500\nG53 G1 Y40. Z-60.\nM30\n";
+
 /// What is asked of each control.
-const OF_A_CONTROL: [&str; 5] = [
+const OF_A_CONTROL: [&str; 4] = [
     "controllers show {}",
     "controllers show {} --format json",
     "new --controller {} --travel 800,500,-400:0 -o errors",
     "new --controller {} --travel 800,500,-400:0 --readings --both-directions -o readings",
-    "plan readings/job.toml",
 ];
+
+/// What needs no file.
+const OF_NO_FILE: [&str; 5] =
+    ["controllers list", "man", "completions bash", "--help", "generate --help"];
+
+/// The form of whatever has to be refused.
+const REFUSAL: &str = "a refusal";
 
 /// Where the programs agree in all but a digit so far behind the first.
 const LAST_DIGITS: f64 = 1e-8;
 
-/// Commands for a folder of inputs.
+/// What is asked of files of other makers.
+const OF_OTHER_FILES: [&str; 8] = [
+    "import rtl_linear_bidirectional_selfmade.rtl --term EXX --first-target-at-mm -200 --targets-run + --sign as-error --material-corrected yes -o rtl.csv",
+    "import ren_table_selfmade.ren --term EYX --first-target-at-mm 400 --targets-run - -o ren.csv",
+    "import pos_linear_selfmade.pos --term EXX --first-target-at-mm 0 --targets-run + --sign as-error --material-corrected no -o pos.csv",
+    "import etalon_exchange_selfmade.txt --sign as-error -o etalon.csv",
+    "import isg_component_errors_selfmade.csv --sign as-correction -o isg.csv",
+    "import columns.csv --columns AXn=position_mm,Delta=ex_mm --axis x --direction both --sign as-error -o mapped.csv",
+    "standards x_axis.csv",
+    "standards x_axis.csv --format json",
+];
+
+/// Commands for a folder of inputs, each with the form that it was made from.
 struct Scene {
     name: String,
     inputs: Tree,
-    commands: Vec<String>,
+    commands: Vec<(&'static str, String)>,
 }
 
-/// What a scene gave: by kind and name.
-type Given = BTreeMap<(String, String), Vec<u8>>;
+/// What a scene gave, by kind and name, and the forms of the commands that came to their end.
+#[derive(Default)]
+struct Given {
+    outputs: BTreeMap<(String, String), Vec<u8>>,
+    ended: BTreeSet<&'static str>,
+}
+
+impl Given {
+    fn add(&mut self, kind: String, name: &str, bytes: Vec<u8>) {
+        self.outputs.insert((kind, name.to_string()), bytes);
+    }
+}
 
 fn main() -> ExitCode {
     let mut arguments: Vec<String> = std::env::args().skip(1).collect();
     let is_list = arguments.iter().any(|a| a == "--list");
     arguments.retain(|a| a != "--list");
-    let [old, new] = &arguments[..] else {
-        eprintln!("usage: cargo run --example same_output -- OLD NEW [--list]");
-        return ExitCode::from(2);
+    let (old, new, only) = match &arguments[..] {
+        [old, new] => (old, new, ""),
+        [old, new, only] => (old, new, only.as_str()),
+        _ => {
+            eprintln!(
+                "usage: cargo run --example same_output -- OLD NEW [PART OF A NAME] [--list]"
+            );
+            return ExitCode::from(2);
+        }
     };
-    let (Ok(old), Ok(new)) = (Path::new(old).canonicalize(), Path::new(new).canonicalize()) else {
-        eprintln!("expected two programs");
-        return ExitCode::from(2);
-    };
-    let scenes = scenes(&new);
+    let program = |path: &String| Path::new(path).canonicalize().expect("two programs");
+    let (old, new) = (program(old), program(new));
+    let mut scenes = scenes(&new);
+    scenes.retain(|scene| scene.name.contains(only));
     let found = parallel::in_parallel(&scenes, |scene| compare(scene, &old, &new));
-    let outputs: usize = found.iter().map(|(count, _)| count).sum();
-    let differing: Vec<Difference> = found.into_iter().flat_map(|(_, found)| found).collect();
+    let outputs: usize = found.iter().map(|(count, ..)| count).sum();
+    let ended: BTreeSet<&str> = found.iter().flat_map(|(_, ended, _)| ended).copied().collect();
+    let forms: BTreeSet<&str> =
+        scenes.iter().flat_map(|scene| &scene.commands).map(|(form, _)| *form).collect();
+    let differing: Vec<Difference> = found.into_iter().flat_map(|(.., found)| found).collect();
     print!("{}", page(&differing, is_list));
     let (count, differ) = (scenes.len(), differing.len());
     println!("{outputs} outputs of {count} jobs, refusals and controls compared: {differ} differ");
+    let never: Vec<_> = forms.difference(&ended).collect();
+    if count == 0 || (only.is_empty() && !never.is_empty()) {
+        eprintln!("not compared: never came to its end in {}: {never:?}", new.display());
+        return ExitCode::from(2);
+    }
     ExitCode::from(u8::from(differ > 0))
 }
 
@@ -100,53 +156,38 @@ fn scenes(program: &Path) -> Vec<Scene> {
     let fixtures = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
     let mut scenes = of_jobs(&fixtures);
     for case in refusals::all(&fixtures) {
-        let files = case.files.iter();
-        let inputs =
-            files.map(|(name, bytes)| (name.clone(), Entry::File(bytes.clone()))).collect();
-        scenes.push(Scene { name: case.name, inputs, commands: vec![case.command] });
+        let commands = vec![(REFUSAL, case.command)];
+        scenes.push(Scene { name: case.name, inputs: case.files, commands });
     }
     let ids = printed(program, Path::new("."), "controllers list --format json");
-    let ids = serde_json::from_slice::<serde_json::Value>(&ids.1).unwrap_or_default();
-    for id in ids["controllers"].as_array().into_iter().flatten() {
-        let id = id["id"].as_str().unwrap_or_default();
-        let commands = OF_A_CONTROL.map(|command| command.replace("{}", id)).to_vec();
+    let ids: serde_json::Value = serde_json::from_slice(&ids.1).expect("a list of controls");
+    for id in ids["controllers"].as_array().expect("a list of controls") {
+        let id = id["id"].as_str().expect("a name");
+        let commands = OF_A_CONTROL.map(|form| (form, form.replace("{}", id))).to_vec();
         scenes.push(Scene { name: format!("control {id}"), inputs: Tree::new(), commands });
     }
-    scenes.extend(of_other_files(&fixtures));
+    let folders = ["formats", "standards", "base"].map(|name| tree::tree(&fixtures.join(name)));
+    let inputs = folders.into_iter().flatten().collect();
+    let commands = OF_OTHER_FILES.iter().chain(&OF_NO_FILE);
+    let commands = commands.map(|form| (*form, form.to_string())).collect();
+    scenes.push(Scene { name: "files of other makers".into(), inputs, commands });
     scenes
 }
 
 /// One scene a job: its folder, and every command.
 fn of_jobs(fixtures: &Path) -> Vec<Scene> {
     let jobs = tree::tree(fixtures).into_keys().filter(|name| name.ends_with(".toml"));
-    let jobs = jobs.map(|name| fixtures.join(name));
-    let scene = |job: PathBuf| {
-        let name = job.strip_prefix(fixtures).ok()?.with_extension("");
-        let name = name.to_string_lossy().into_owned();
-        let stem = job.file_stem()?.to_string_lossy().into_owned();
-        let commands = OF_A_JOB.map(|command| command.replace("{}", &stem)).to_vec();
-        Some(Scene { name, inputs: tree::tree(job.parent()?), commands })
+    let scene = |name: String| {
+        let job = fixtures.join(&name);
+        let stem = job.file_stem().expect("a name").to_string_lossy().into_owned();
+        let commands = OF_A_JOB.map(|form| (form, form.replace("{}", &stem))).to_vec();
+        let mut inputs = tree::tree(job.parent().expect("a folder"));
+        let run = std::fs::read_to_string(&job).expect("a job") + RUN;
+        inputs.insert(format!("{stem}-run.toml"), Entry::File(run.into()));
+        inputs.insert("part.nc".into(), Entry::File(PART.into()));
+        Scene { name, inputs, commands }
     };
-    jobs.filter_map(scene).collect()
-}
-
-/// Measurements of other makers, runs of one axis, and what has no input.
-fn of_other_files(fixtures: &Path) -> Vec<Scene> {
-    let scene = |folder: &str, commands: &[&str]| {
-        let inputs =
-            if folder.is_empty() { Tree::new() } else { tree::tree(&fixtures.join(folder)) };
-        let asked = |command: &&str| match command.contains("{}") {
-            true => inputs.keys().map(|name| command.replace("{}", name)).collect(),
-            false => vec![command.to_string()],
-        };
-        let commands = commands.iter().flat_map(asked).collect();
-        Scene { name: format!("{folder}/"), inputs, commands }
-    };
-    vec![
-        scene("formats", &["import {} -o {}.csv", "import {} --sign as-error -o {}.signed.csv"]),
-        scene("standards", &["standards {}", "standards {} --format json"]),
-        scene("", &["controllers list", "man", "completions bash", "--help", "generate --help"]),
-    ]
+    jobs.map(scene).collect()
 }
 
 /// What differs of one output.
@@ -157,16 +198,19 @@ struct Difference {
     new: String,
 }
 
-/// The number of outputs of a scene, and those that differ.
-fn compare(scene: &Scene, old: &Path, new: &Path) -> (usize, Vec<Difference>) {
-    let (old, new) = (given(scene, old), given(scene, new));
-    let mut keys: Vec<_> = old.keys().chain(new.keys()).collect();
-    keys.sort();
-    keys.dedup();
+/// The number of outputs of a scene, the forms of the commands that came to their end, and what differs.
+fn compare(
+    scene: &Scene,
+    old: &Path,
+    new: &Path,
+) -> (usize, BTreeSet<&'static str>, Vec<Difference>) {
+    let (Given { outputs: old, .. }, Given { outputs: new, ended }) =
+        (given(scene, old), given(scene, new));
+    let keys: BTreeSet<_> = old.keys().chain(new.keys()).collect();
     let differing = keys.iter().filter(|key| old.get(**key) != new.get(**key));
-    let found = differing.map(|(kind, name)| {
-        let key = (kind.clone(), name.clone());
-        let (old, new) = (old.get(&key), new.get(&key));
+    let found = differing.map(|key| {
+        let (kind, name) = key;
+        let (old, new) = (old.get(*key), new.get(*key));
         let text = |side: Option<&Vec<u8>>| side.map(|b| String::from_utf8_lossy(b).into_owned());
         let (old, new) = (text(old), text(new));
         let digits = matches!((&old, &new), (Some(a), Some(b)) if only_digits_differ(a, b));
@@ -174,41 +218,35 @@ fn compare(scene: &Scene, old: &Path, new: &Path) -> (usize, Vec<Difference>) {
         let (old, new) = first_difference(old.as_deref(), new.as_deref());
         Difference { kind, name: format!("{}: {name}", scene.name), old, new }
     });
-    (keys.len(), found.collect())
+    (keys.len(), ended, found.collect())
 }
 
 /// Runs a scene in a fresh folder.
 fn given(scene: &Scene, program: &Path) -> Given {
-    let mut given = Given::new();
-    let Ok(place) = tempfile::tempdir() else { return given };
-    let mut before = scene.inputs.clone();
-    for (name, entry) in &scene.inputs {
-        if let Entry::File(bytes) = entry {
-            let path = place.path().join(name);
-            let made = path.parent().map(std::fs::create_dir_all);
-            let written = std::fs::write(&path, bytes);
-            if !matches!(made, Some(Ok(()))) || written.is_err() {
-                given.insert(("not laid out".into(), name.clone()), Vec::new());
-            }
-        }
-    }
-    for command in &scene.commands {
+    let place = tempfile::tempdir().expect("a folder");
+    tree::lay(&scene.inputs, place.path());
+    let (mut given, mut before) = (Given::default(), tree::tree(place.path()));
+    for (form, command) in &scene.commands {
         let (status, out, err) = printed(program, place.path(), command);
+        if matches!(status.code(), Some(0 | 1)) || *form == REFUSAL {
+            given.ended.insert(form);
+        }
         let verb = command.split_whitespace().next().unwrap_or_default();
         let screen = if command.contains("--format json") { "JSON" } else { "screen" };
-        for (channel, bytes) in [(screen, out), ("talk", err), ("status", status.into_bytes())] {
-            given.insert((format!("{verb} {channel}"), command.clone()), bytes);
+        let status = status.to_string().into_bytes();
+        for (channel, bytes) in [(screen, out), ("talk", err), ("status", status)] {
+            given.add(format!("{verb} {channel}"), command, bytes);
         }
         let after = tree::tree(place.path());
         for (name, entry) in &after {
             if let Entry::File(bytes) = entry
                 && before.get(name) != Some(entry)
             {
-                given.insert((format!("{verb} {}", kind_of(name)), name.clone()), bytes.clone());
+                given.add(format!("{verb} {}", kind_of(name)), name, bytes.clone());
             }
         }
         for name in before.keys().filter(|name| !after.contains_key(*name)) {
-            given.insert((format!("{verb} removed"), name.clone()), Vec::new());
+            given.add(format!("{verb} removed"), name, Vec::new());
         }
         before = after;
     }
@@ -216,13 +254,12 @@ fn given(scene: &Scene, program: &Path) -> Given {
 }
 
 /// Exit status, standard output, standard error.
-fn printed(program: &Path, folder: &Path, command: &str) -> (String, Vec<u8>, Vec<u8>) {
+fn printed(program: &Path, folder: &Path, command: &str) -> (ExitStatus, Vec<u8>, Vec<u8>) {
     let words = command.split_whitespace();
     let mut program = Command::new(program);
-    match program.args(words).current_dir(folder).stdin(Stdio::null()).output() {
-        Ok(output) => (output.status.to_string(), output.stdout, output.stderr),
-        Err(why) => (why.to_string(), Vec::new(), Vec::new()),
-    }
+    let ran = program.args(words).current_dir(folder).stdin(Stdio::null()).output();
+    let ran = ran.expect("the program starts");
+    (ran.status, ran.stdout, ran.stderr)
 }
 
 /// What a written file is.

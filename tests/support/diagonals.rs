@@ -50,7 +50,6 @@ pub(crate) fn normal(random: &mut ChaCha8Rng) -> f64 {
     StandardNormal.sample(random)
 }
 
-#[allow(clippy::cast_precision_loss, reason = "small counts")]
 pub(crate) fn float(count: usize) -> f64 {
     count as f64
 }

@@ -1,6 +1,6 @@
 //! The cases of fixtures/cases/refuses, in the form that fixtures/cases/README.md says.
 
-use std::collections::BTreeMap;
+use super::tree::{Entry, Tree, tree};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -9,27 +9,13 @@ const DEFAULT_COMMAND: &str = "generate job.toml -o kit";
 /// What stands before the name of a case.
 const HEAD: &str = "\n== ";
 
-/// The inputs of a case by name, with `/` for folders.
-pub(crate) type Files = BTreeMap<String, Vec<u8>>;
-
 /// One refusal: what is asked of which files, and what is said then.
 pub(crate) struct Case {
     pub(crate) name: String,
     pub(crate) command: String,
-    pub(crate) files: Files,
+    pub(crate) files: Tree,
     /// Exit status, then everything that is printed.
     pub(crate) expected: String,
-}
-
-impl Case {
-    /// Writes the inputs into an empty directory.
-    pub(crate) fn lay_out(&self, directory: &Path) {
-        for (name, bytes) in &self.files {
-            let path = directory.join(name);
-            fs::create_dir_all(path.parent().expect("a folder")).expect("a folder can be made");
-            fs::write(path, bytes).expect("an input can be written");
-        }
-    }
 }
 
 /// The files that hold cases, in order of their names.
@@ -73,7 +59,7 @@ fn case(fixtures: &Path, part: &str) -> Case {
     let mut case = Case {
         name: lines.next().unwrap_or_default().to_string(),
         command: DEFAULT_COMMAND.to_string(),
-        files: Files::new(),
+        files: Tree::new(),
         expected: String::new(),
     };
     let mut lines = lines.peekable();
@@ -81,7 +67,7 @@ fn case(fixtures: &Path, part: &str) -> Case {
         let told = line.get(2..).unwrap_or_default();
         match line.get(..1) {
             Some("$") => case.command = unescaped(told),
-            Some("<") => add_folder(&fixtures.join(told), "", &mut case.files),
+            Some("<") => case.files.extend(tree(&fixtures.join(told))),
             Some("!") => assert!(case.files.remove(told).is_some(), "{}: {line}", case.name),
             Some("@") => {
                 let is_own = |line: &&str| line.is_empty() || line.starts_with([' ', '-', '+']);
@@ -102,12 +88,16 @@ fn put(fixtures: &Path, head: &str, own: &[&str], case: &mut Case) {
     let name = name.or(crlf).unwrap_or(head).to_string();
     let source = source.map(|path| fs::read(fixtures.join(path)).expect("the source is there"));
     let whole = source.is_none() && own.iter().all(|line| line.starts_with('+'));
-    let bytes = match source.or_else(|| case.files.remove(&name)) {
+    let before = match case.files.remove(&name) {
+        Some(Entry::File(bytes)) => Some(bytes),
+        _ => None,
+    };
+    let bytes = match source.or(before) {
         Some(bytes) if !whole => edited(bytes, own, &case.name),
         _ if crlf.is_some() => lines_of(own, "+").replace('\n', "\r\n").into_bytes(),
         _ => lines_of(own, "+").into_bytes(),
     };
-    case.files.insert(name, bytes);
+    case.files.insert(name, Entry::File(bytes));
 }
 
 /// Each group of lines replaced, which stands in the file once; the line ends stay.
@@ -145,16 +135,4 @@ fn unescaped(text: &str) -> String {
     let code = u32::from_str_radix(code, 16).expect("an escape is hexadecimal");
     let code = char::from_u32(code).expect("an escape is a character");
     format!("{before}{code}{}", unescaped(rest))
-}
-
-fn add_folder(folder: &Path, prefix: &str, files: &mut Files) {
-    for entry in fs::read_dir(folder).expect("the base is a folder below fixtures") {
-        let path = entry.expect("the folder can be read").path();
-        let name = path.file_name().expect("a name").to_string_lossy();
-        let name = format!("{prefix}{name}");
-        match path.is_dir() {
-            true => add_folder(&path, &format!("{name}/"), files),
-            false => drop(files.insert(name, fs::read(&path).expect("a file"))),
-        }
-    }
 }

@@ -54,12 +54,14 @@ pub(crate) fn below(tree: &Tree, directory: &str) -> Option<Tree> {
     Some(tree.iter().filter_map(inner).collect())
 }
 
-/// Writes a tree into an empty directory.
+/// Writes a tree into an empty directory, and the directories that its names ask for.
 pub(crate) fn lay(tree: &Tree, directory: &Path) {
     for (name, entry) in tree {
         let path = directory.join(name);
+        let above = path.parent().expect("a directory");
+        fs::create_dir_all(above).expect("a directory can be made");
         match entry {
-            Entry::Directory => fs::create_dir(path).expect("a directory can be made"),
+            Entry::Directory => fs::create_dir_all(path).expect("a directory can be made"),
             Entry::File(bytes) => fs::write(path, bytes).expect("a file can be written"),
             Entry::Other(what) => panic!("{name}: {what} is not laid"),
         }

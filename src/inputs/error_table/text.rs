@@ -131,8 +131,6 @@ fn measured_columns(draft: &Draft) -> Vec<Column> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
-
     use super::*;
     use crate::inputs::error_table::ErrorTable;
     use crate::text::document::Source;

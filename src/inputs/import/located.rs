@@ -171,8 +171,6 @@ fn weighed(misfits: &[Misfit]) -> Option<Located> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
-
     use super::Expected;
     use std::cell::Cell;
 

@@ -343,8 +343,6 @@ fn refuse_unreachable(
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has to stop")]
-
     use super::*;
     use crate::inputs::job::{Job, LinearSlope, MeasuredData, Measurement};
     use crate::text::document::Source;

@@ -347,8 +347,6 @@ fn squareness(measurement: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
-
     use crate::inputs::job::Job;
     use crate::text::document::Source;
 

@@ -246,8 +246,6 @@ fn too_long(span: (usize, usize), digits: usize) -> Wrong {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
-
     use super::*;
     use proptest::prelude::*;
 

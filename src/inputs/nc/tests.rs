@@ -1,6 +1,4 @@
 //! Programs with hand-made expected moves.
-#![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
-
 mod language;
 
 use super::*;

@@ -418,8 +418,6 @@ impl Sorted<'_, '_> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used, reason = "a test that cannot go on has to stop")]
-
     use super::*;
     use crate::read::siemens::read;
 

@@ -409,7 +409,7 @@ pub(super) fn directions(separation: &Separation, job: &Job) -> PerAxis<Vec<Opti
 
 /// A curve between its points.
 pub(super) fn at(curve: &[f64], place: f64) -> f64 {
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in a list")]
+    #[allow(clippy::cast_possible_truncation, reason = "a place in a list")]
     let below = place.floor() as usize;
     let low = curve.get(below).copied().unwrap_or(0.0);
     let high = curve.get(below + 1).copied().unwrap_or(low);

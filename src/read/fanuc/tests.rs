@@ -1,7 +1,5 @@
 //! Files of the kinds that controls write, and each way in which a file can be wrong.
 
-#![allow(clippy::expect_used, reason = "a test that expects a value fails without it")]
-
 use super::*;
 use crate::control::controller::{Evidence, Fact, IntervalForm, StraightnessForm, TableSign};
 use crate::text::plain::tests::texts_of;

@@ -1,10 +1,4 @@
 //! What LinuxCNC does with these texts, as it was seen doing it (docs/linuxcnc.md §2).
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    reason = "a test may stop at what it did not expect"
-)]
-
 use super::{Contents, read};
 use crate::control::controller::{ControlUnit, Dialect, LinuxcncFacts, builtin};
 use crate::control::table::linuxcnc::{Columns, Row};

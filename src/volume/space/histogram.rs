@@ -151,7 +151,6 @@ impl Tally {
 pub(super) fn bin(p: &Vector, q: &Vector, bin_um: f64) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
         reason = "a quotient of lengths; the caller has bounded it"
     )]
     let bin = (square(p, q).sqrt() / bin_um) as usize;

@@ -101,7 +101,6 @@ struct Sums {
 
 impl Sums {
     /// Adds a stratum of `size` pairs of which `drawn` were drawn.
-    #[expect(clippy::cast_precision_loss, reason = "counts of an estimate")]
     fn close(&mut self, size: u64, drawn: u64) {
         let (size, n) = (size as f64, drawn as f64);
         let sums = self.counts.iter_mut().zip(&mut self.variances);

@@ -278,8 +278,6 @@ fn edges([a, b, c]: [usize; 3]) -> [(usize, usize); 3] {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
-
     use super::*;
     use crate::volume::space::cloud::longest;
     use proptest::prelude::*;

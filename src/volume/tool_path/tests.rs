@@ -1,6 +1,4 @@
 //! The extremes of a path against what is found by dense sampling.
-#![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
-
 use super::*;
 use crate::inputs::nc::{Arc, Move, Place, Plane, Shape};
 use proptest::prelude::*;

@@ -140,8 +140,6 @@ fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem 
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::expect_used, reason = "a test that cannot go on has to stop")]
-
     use super::Templates;
     use crate::text::plain::tests::texts_of;
     use crate::text::problem::Problems;

@@ -96,7 +96,7 @@ impl Table<'_> {
     /// What an error hangs on, less that at the reference.
     fn row(&self, curve: usize, index: usize) -> Row {
         let (zero, place) = self.curves[curve].zero;
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
+        #[allow(clippy::cast_possible_truncation, reason = "a place")]
         let ends = [(1.0, curve, index), (-1.0, zero, place.round() as usize)];
         let mut row = Row::default();
         for (sign, curve, index) in ends {

@@ -1,7 +1,5 @@
 //! Files in, corrections out: the examples of the manuals and the semantics one by one.
 
-#![allow(clippy::expect_used, reason = "a test that expects a value fails without it")]
-
 mod refusals;
 
 use super::*;

@@ -1,10 +1,4 @@
 //! The figures that a running LinuxCNC 2.9.0~pre1 showed (pins of a joint, six decimals of a millimetre).
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    reason = "a test may stop at what it did not expect"
-)]
-
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, Dialect, builtin};
 use crate::control::table::linuxcnc::LinuxcncTables;
