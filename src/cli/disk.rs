@@ -222,8 +222,8 @@ fn named(path: &Path) -> Result<String, Problem> {
         return Ok(name);
     }
     let plain = name.escape_debug();
-    Err(Problem::new(format!("`{plain}` is no path of a file"))
-        .help("between double quotes a backslash begins a control character: write `/`, or single quotes around the path"))
+    Err(Problem::new(format!("`{plain}` holds a control character, expected a path"))
+        .help("in a job a backslash between double quotes begins one: write `/`, or single quotes around the path"))
 }
 
 /// A path without links, also of something that does not exist yet.

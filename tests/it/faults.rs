@@ -2,13 +2,13 @@
 //! full at any size: what lies at the output is the old thing, the new one or nothing, each whole; no
 //! input is changed and nothing of a user's is lost.
 //!
-//! Of the system calls of every command a sample is taken; `NONIUS_FAULTS=all cargo test --test it faults`
+//! Of the system calls of every command a sample is taken; `NONIUS_SIMULATIONS=all cargo test --test it faults`
 //! takes all. They need Linux with `strace`, full disks need root; where that is missing, the tests say so.
 
 use super::lost::PROGRAM;
 use crate::support::{
-    DIAGONALS, Entry, Ran, Tree, Visit, below, copies, difference, in_parallel, lay, skipped, told,
-    tree,
+    DIAGONALS, Entry, Ran, Tree, Visit, below, copies, difference, in_parallel, is_whole, lay,
+    skipped, told, tree,
 };
 use std::collections::BTreeMap;
 use std::fs;
@@ -225,10 +225,6 @@ const NO_FILE: &str = "arch_prctl brk clock_gettime clone clone3 exit exit_group
     getpid madvise mmap mprotect mremap munmap prctl prlimit64 restart_syscall rseq rt_sigaction \
     rt_sigprocmask rt_sigreturn sched_getaffinity sched_yield set_robust_list set_tid_address \
     sigaltstack tgkill";
-
-fn is_whole() -> bool {
-    std::env::var("NONIUS_FAULTS").is_ok_and(|asked| asked == "all")
-}
 
 /// The system calls of a scene, from the first that names its output on.
 fn calls(text: &str, output: &str) -> Vec<Call> {

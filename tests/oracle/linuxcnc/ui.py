@@ -36,6 +36,11 @@ def wait(what, seconds):
     return False
 
 
+def begun():
+    """The part program is being read, or moves already."""
+    return status.interp_state != linuxcnc.INTERP_IDLE
+
+
 def ended():
     """The part program is over; a halt in it (M0) is answered with cycle start at once."""
     if status.interp_state == linuxcnc.INTERP_PAUSED:
@@ -64,8 +69,7 @@ def run(number):
 
     def through():
         command.auto(linuxcnc.AUTO_RUN, 0)
-        time.sleep(0.2)
-        return wait(ended, 250)
+        return wait(begun, 10) and wait(ended, 250)
 
     return recorded(number, through)
 
