@@ -8,6 +8,7 @@
 //! …
 //! ```
 
+use crate::tree::{Entry, Tree, tree};
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -58,19 +59,20 @@ impl Bundle {
         self.0.iter().find(|(own, _)| own == name).map(|(_, bytes)| bytes.as_slice())
     }
 
-    /// Adds what lies in a directory, also in its folders, in order of the names.
-    pub fn add_directory(&mut self, directory: &Path, prefix: &str) {
-        let entries = std::fs::read_dir(directory).into_iter().flatten().flatten();
-        let mut paths: Vec<_> = entries.map(|entry| entry.path()).collect();
-        paths.sort();
-        for path in paths {
-            let name =
-                format!("{prefix}{}", path.file_name().unwrap_or_default().to_string_lossy());
-            match std::fs::read(&path) {
-                Ok(bytes) => self.0.push((name, bytes)),
-                Err(_) => self.add_directory(&path, &format!("{name}/")),
-            }
+    /// Adds what lies in a directory, also in its folders, in order of the names; a directory that is not there is empty.
+    pub fn add_directory(&mut self, directory: &Path) {
+        if directory.is_dir() {
+            self.add(tree(directory));
         }
+    }
+
+    /// Adds the files of a directory that was read.
+    pub fn add(&mut self, tree: Tree) {
+        let file = |(name, entry)| match entry {
+            Entry::File(bytes) => Some((name, bytes)),
+            _ => None,
+        };
+        self.0.extend(tree.into_iter().filter_map(file));
     }
 }
 

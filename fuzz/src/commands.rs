@@ -6,6 +6,7 @@
 use crate::bundle::Bundle;
 use crate::case::{Ran, memory_limit};
 use crate::coverage::{self, Edge};
+use crate::tree::{Entry, tree};
 use crate::{memory, oracles, watch};
 use std::collections::BTreeMap;
 use std::fs;
@@ -110,7 +111,7 @@ fn lay_out(bundle: &Bundle, directory: &Path) {
 fn start(place: &Path, directory: &Path, words: &[&str]) -> Run {
     let report = place.join("report");
     let _ = fs::remove_file(&report);
-    let before = files(directory, "");
+    let before = files(directory);
     let own = std::env::current_exe().unwrap_or_else(|_| PathBuf::from("engine"));
     let mut command = Command::new(own);
     command.arg("program").arg(&report).args(words).current_dir(directory).stdin(Stdio::null());
@@ -126,25 +127,21 @@ fn start(place: &Path, directory: &Path, words: &[&str]) -> Run {
         status,
         told: String::from_utf8(told).unwrap_or_else(|_| "\u{0} (no UTF-8)".to_string()),
         before,
-        after: files(directory, ""),
+        after: files(directory),
         counters: counters.to_vec(),
         steps: number(steps),
         peak: number(peak) as usize,
     }
 }
 
-fn files(directory: &Path, prefix: &str) -> Files {
-    let mut all = Files::new();
-    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
-        let name = format!("{prefix}{}", entry.file_name().to_string_lossy());
-        if entry.path().is_dir() {
-            all.extend(files(&entry.path(), &format!("{name}/")));
-            all.insert(name + "/", Vec::new());
-        } else {
-            all.insert(name, fs::read(entry.path()).unwrap_or_default());
-        }
-    }
-    all
+/// What lies in a directory; the name of a folder ends in `/`.
+fn files(directory: &Path) -> Files {
+    let named = |(name, entry)| match entry {
+        Entry::Directory => (name + "/", Vec::new()),
+        Entry::File(bytes) => (name, bytes),
+        Entry::Other(what) => (name, what.into_bytes()),
+    };
+    tree(directory).into_iter().map(named).collect()
 }
 
 /// What a run that answers may leave: what was there, and its outputs. Of an output that was there before, a file is
@@ -175,7 +172,7 @@ fn judge_files(run: &Run, outputs: &[&str]) -> Result<(), String> {
             let output = output.trim_start_matches("./").trim_end_matches('/');
             name.starts_with(output) || output.starts_with(name.as_str())
         };
-        run.before.contains_key(*name) || outputs.iter().any(|output| of(output))
+        run.before.contains_key(*name) || outputs.iter().any(of)
     };
     match run.after.keys().find(|name| !is_output(name)) {
         Some(name) => Err(format!("something else was written: {name}")),
@@ -185,14 +182,8 @@ fn judge_files(run: &Run, outputs: &[&str]) -> Result<(), String> {
 
 fn judge(run: &Run, outputs: &[&str], input: &[u8]) -> Result<(), String> {
     let told = || {
-        run.told
-            .chars()
-            .rev()
-            .take(300)
-            .collect::<Vec<char>>()
-            .into_iter()
-            .rev()
-            .collect::<String>()
+        let from = run.told.char_indices().rev().nth(299).map_or(0, |(at, _)| at);
+        &run.told[from..]
     };
     match run.status {
         Some(0 | 1) => {}

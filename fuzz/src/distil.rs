@@ -20,11 +20,11 @@ pub fn distil(run: &Path, only: Option<&str>) {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
         let folder = folder.join("corpus").join(target.name);
         let mut found = Bundle::default();
-        found.add_directory(&folder, "");
+        found.add_directory(&folder);
         let own: BTreeSet<Vec<u8>> = found.0.iter().map(|(_, bytes)| bytes.clone()).collect();
         for worker in 0..64 {
             let queue = run.join(worker.to_string()).join("queue");
-            found.add_directory(&queue.join(target.name), "");
+            found.add_directory(&queue.join(target.name));
         }
         let mut known = BTreeSet::new();
         for seed in target.seeds.iter().filter(|seed| !own.contains(*seed)) {

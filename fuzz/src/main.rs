@@ -28,6 +28,9 @@ mod readers;
 mod refusals;
 mod supervisor;
 mod targets;
+#[path = "../../tests/support/tree.rs"]
+#[allow(dead_code, reason = "the tests use the rest")]
+mod tree;
 mod watch;
 mod worker;
 

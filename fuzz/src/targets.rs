@@ -54,7 +54,7 @@ pub fn all() -> Vec<Target> {
     let fixtures = Fixtures::read(&root.join("../fixtures"));
     let target = |name: &'static str, kind: Kind, share: u32, seeds: Vec<Vec<u8>>| {
         let mut corpus = Bundle::default();
-        corpus.add_directory(&root.join("corpus").join(name), "");
+        corpus.add_directory(&root.join("corpus").join(name));
         let seeds: Vec<Vec<u8>> =
             corpus.0.into_iter().map(|(_, bytes)| bytes).chain(seeds).collect();
         let words = Dictionary::of(seeds.iter().map(Vec::as_slice));
@@ -417,14 +417,15 @@ fn add_cases(folder: &Path, cases: &mut Vec<Bundle>, commands: &[&str]) {
 
 /// A refusal: its command, then its inputs.
 fn refusal(case: Case) -> Bundle {
-    let command = ("command".to_string(), case.command.into_bytes());
-    Bundle(std::iter::once(command).chain(case.files).collect())
+    let mut bundle = Bundle(vec![("command".to_string(), case.command.into_bytes())]);
+    bundle.add(case.files);
+    bundle
 }
 
 /// A directory, once for every command; a directory with jobs of other names once for each of them.
 fn add_case(directory: &Path, cases: &mut Vec<Bundle>, commands: &[&str]) {
     let mut files = Bundle::default();
-    files.add_directory(directory, "");
+    files.add_directory(directory);
     files.0.retain(|(name, _)| {
         !["expected.txt", "expected.json", "README.md"].contains(&name.as_str())
     });

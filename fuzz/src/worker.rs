@@ -100,7 +100,7 @@ impl Fuzzed {
             pending.swap(end, random.below(end + 1));
         }
         let mut found = crate::bundle::Bundle::default();
-        found.add_directory(&plan.place.join("queue").join(target.name), "");
+        found.add_directory(&plan.place.join("queue").join(target.name));
         pending.extend(found.0.into_iter().map(|(_, bytes)| bytes));
         let count = counts(&plan.place).into_iter().find(|(name, _)| name == target.name);
         Fuzzed {
