@@ -95,7 +95,7 @@ const NASTY: &[&str] = &[
 
 /// The classes of letters, each by its first and its last: controls of one and of two bytes, of one to four bytes, longer
 /// in lower case, joined, turned, invisible, private, none, and what begins a formula.
-const LETTERS: [(char, char); 20] = [
+const LETTERS: [(char, char); 25] = [
     ('\u{1}', '\u{1f}'),
     ('\u{7f}', '\u{9f}'),
     ('é', 'é'),
@@ -116,6 +116,11 @@ const LETTERS: [(char, char); 20] = [
     ('\u{10fffe}', '\u{10ffff}'),
     ('\u{e0041}', '\u{e005a}'),
     ('=', '='),
+    ('@', '@'),
+    ('+', '+'),
+    ('＝', '＝'),
+    ('\u{2000}', '\u{200a}'),
+    ('\u{2800}', '\u{2800}'),
 ];
 
 /// Words that stand in the inputs of a target.
@@ -306,13 +311,20 @@ fn name(random: &mut Random, text: &mut Vec<u8>) {
     *text = bundle.bytes();
 }
 
-/// The same input twice with one to three of its lines or words as many times each, so that the second is about `size`
-/// long and the first half of that; of several, what belongs together grows together.
+/// Bytes of a part that is neither word nor line.
+const LONGEST_PART: usize = 16;
+
+/// The same input twice with one to three of its lines, words or other parts as many times each, so that the second is about
+/// `size` long and the first half of that; of several, what belongs together grows together.
 pub fn grown(random: &mut Random, input: &[u8], size: usize) -> Option<[Vec<u8>; 2]> {
     let mut parts = Vec::new();
     for _ in 0..1 + random.below(3) {
-        parts.push(match random.below(3) {
+        parts.push(match random.below(4) {
             0 => one(random, input, is_word)?,
+            1 => {
+                let from = random.below(input.len());
+                (from, input.len().min(from + 1 + random.below(LONGEST_PART)))
+            }
             _ => {
                 one(random, input, is_of_line).map(|(from, to)| (from, input.len().min(to + 1)))?
             }

@@ -12,8 +12,10 @@ pub fn text(bytes: &[u8]) -> String {
 /// What is wrong with a text; `input` = what it was made from, whose own words may stand in it.
 pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
     // Nearly every text is long and has none of the bytes with which such a character begins.
-    let may_be =
-        |byte: u8| byte < 0x20 && !b"\n\r\t".contains(&byte) || matches!(byte, 0x7f | 0xc2 | 0xe2);
+    let may_be = |byte: u8| {
+        byte < 0x20 && !b"\n\r\t".contains(&byte)
+            || matches!(byte, 0x7f | 0xc2 | 0xd8 | 0xe2 | 0xef | 0xf3)
+    };
     let control = || text.chars().find(|c| is_control(*c));
     if let Some(found) = text.bytes().any(may_be).then(control).flatten() {
         return Err(format!("control character in the output: {:?}", around(text, found)));
@@ -46,8 +48,8 @@ pub fn judge_cells(text: &str) -> Result<(), String> {
         let cell = cell.trim_start_matches(['"', ' ']);
         let mut letters = cell.chars();
         let is_formula = match letters.next() {
-            Some('=' | '@') => true,
-            Some('+' | '-') => {
+            Some('=' | '@' | '＝' | '＠') => true,
+            Some('+' | '-' | '＋' | '－') => {
                 letters.next().is_some_and(|c| c.is_alphabetic() || "(@=".contains(c))
             }
             _ => false,
@@ -62,11 +64,15 @@ pub fn judge_cells(text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Characters that change what a terminal shows, or that a reader of lines counts as a line end.
+/// Characters that change what a terminal shows, that nobody sees, or that a reader of lines counts as a line end.
 fn is_control(c: char) -> bool {
     let turns =
         matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
-    (c.is_control() && !"\n\r\t".contains(c)) || turns || matches!(c, '\u{2028}' | '\u{2029}')
+    let is_unseen =
+        matches!(c, '\u{ad}' | '\u{61c}' | '\u{200b}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
+            || matches!(c, '\u{fe00}'..='\u{fe0f}' | '\u{e0000}'..='\u{e0fff}');
+    let ends_a_line = matches!(c, '\u{2028}' | '\u{2029}');
+    c.is_control() && !"\n\r\t".contains(c) || turns || is_unseen || ends_a_line
 }
 
 /// A character, with what stands before it.

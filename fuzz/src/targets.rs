@@ -338,7 +338,10 @@ const COMMANDS: &[&str] = &[
 ];
 
 /// What may be asked of a job with its kit.
-const ON_KITS: [&str; 6] = [
+const ON_KITS: [&str; 9] = [
+    "report job.toml --tables kit -o page.html",
+    "report job.toml --tables kit --after errors.csv -o page.html --explain",
+    "generate job.toml -o kit --force --compare",
     "verify job.toml --tables kit",
     "verify job.toml --tables kit --format json",
     "verify job.toml --tables kit --after errors.csv",
@@ -363,6 +366,7 @@ const REPORT: &[&str] = &[
     "report job.toml -o page.html --template own.tera --language zh",
     "report job.toml -o page.html --linear x_axis.csv --format json",
     "report job.toml -o page.html --after after.csv",
+    "report job.toml -o page.html --after job.toml",
 ];
 
 /// What comes before a kit, and behind it.
@@ -375,6 +379,10 @@ const PLAN: &[&str] = &[
     "separate job.toml --plot separated.svg --trials 20",
     "assess job.toml --plot assessed.svg --grid 3,4,5 --histogram 1 --grouping 0.5",
     "program job.toml -o run --force",
+    "assess job.toml --grid 5,5,5 --window 100,100,100",
+    "path job.toml part.nc --with-tables --plot path.svg -o path.csv",
+    "standards x_axis.csv --plot axis.svg",
+    "generate job.toml --compare",
 ];
 
 /// What fills a form.
@@ -386,7 +394,8 @@ const FORM: [&str; 4] = [
 ];
 
 /// What reads and writes by the patterns of a profile.
-const OF_OWN_PROFILE: [&str; 3] = [
+const OF_OWN_PROFILE: [&str; 4] = [
+    "controllers check ./own.toml",
     "verify job.toml --tables kit",
     "generate job.toml -o made --compare",
     "controllers show ./own.toml",

@@ -53,12 +53,12 @@ struct Fuzzed {
 
 /// One input in so many is made large, and then run at half its size and whole: a tenth of the cases.
 const LARGE_ONE_IN: usize = 20;
-/// Bytes of such a case.
-const LARGE: usize = 1 << 20;
+/// Bytes of such a case, as powers of two, each as often: most readers refuse a page beyond some size.
+const LARGE: std::ops::Range<usize> = 12..21;
 /// Steps below which growth is not judged; a larger input may leave or enter a path.
-const MANY_STEPS: u64 = 20_000_000;
-/// Twice the input may take so many times the steps: an exponent of 1.5.
-const STEPS_OF_TWICE: u64 = 3;
+const MANY_STEPS: u64 = 4_000_000;
+/// Twice the input may take so many times the steps: an exponent of 1.3.
+const STEPS_OF_TWICE: f64 = 2.5;
 
 /// How often all targets have their turn, at least.
 const ROUNDS: f64 = 2.0;
@@ -150,7 +150,10 @@ impl Fuzzed {
     /// An input of the queue with something in it many times: memory as for every case, and steps against its half.
     fn step_large(&mut self, plan: &Plan) {
         let input = self.queue.next(&mut self.random).to_vec();
-        let Some([half, whole]) = mutate::grown(&mut self.random, &input, LARGE) else { return };
+        let power = LARGE.start + self.random.below(LARGE.len());
+        let Some([half, whole]) = mutate::grown(&mut self.random, &input, 1 << power) else {
+            return;
+        };
         let [half, whole] = [half, whole].map(|input| (watched(&self.target, plan, &input), input));
         self.count.cases += 2;
         for (ran, input) in [&half, &whole] {
@@ -158,10 +161,8 @@ impl Fuzzed {
                 return self.report(plan, input, wrong.clone());
             }
         }
-        if whole.0.steps > MANY_STEPS.max(STEPS_OF_TWICE * half.0.steps)
-            && half.0.steps > MANY_STEPS / 10
-        {
-            let (few, many) = (half.0.steps, whole.0.steps);
+        let (few, many) = (half.0.steps, whole.0.steps);
+        if many > MANY_STEPS && few > MANY_STEPS / 10 && many as f64 > STEPS_OF_TWICE * few as f64 {
             self.report(
                 plan,
                 &whole.1,

@@ -4,7 +4,7 @@ use crate::cli::write::{self, Output, written};
 use crate::text::document::LARGEST_FILE_MIB;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{
-    Begun, Files, Form, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, not_put_out, not_written,
+    Begun, Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, not_put_out, not_written,
     plain_words, written_over,
 };
 use std::cell::RefCell;
@@ -28,6 +28,16 @@ type Identity = (u64, u64);
 #[derive(Default)]
 pub(super) struct Disk {
     read: RefCell<Vec<Input>>,
+    form: RefCell<Option<Form>>,
+}
+
+/// A form that this run fills in where it lies.
+struct Form {
+    place: PathBuf,
+    /// As it was read.
+    bytes: Vec<u8>,
+    /// Locked, so that no other run fills it in; on Windows nothing is.
+    _lock: Option<File>,
 }
 
 /// What is taken of a long text that comes through a pipe (it is kept on disk, because subprograms are gone back to).
@@ -82,7 +92,9 @@ impl Disk {
     fn new_file(&self, file: &Path, force: bool) -> Result<(Output, File), Problems> {
         write::ensure_new(file, force)?;
         self.refuse_input(file)?;
-        Output::file(file, force)
+        let form = self.form.borrow();
+        let form = form.as_ref().filter(|form| form.place == resolved(file));
+        Output::file(file, force, form.map(|form| form.bytes.clone()))
     }
 
     /// Standard input, which may be a file into which something else is to be written.
@@ -118,18 +130,16 @@ impl Files for Disk {
         bounded(STANDARD_INPUT, 0, self.piped())
     }
 
-    /// On Windows nothing is locked.
-    fn form(&self, path: &Path, output: Option<&Path>) -> Result<Form, Problems> {
-        let is_replaced =
-            path.is_file() && output.is_some_and(|own| resolved(own) == resolved(path));
-        let held = (cfg!(unix) && is_replaced).then(|| File::open(path).ok()).flatten();
-        if let Some(Err(TryLockError::WouldBlock)) = held.as_ref().map(File::try_lock) {
-            let message = format!("another run is filling in `{}`", path.display());
-            return Err(Problem::new(message).help("look at what it wrote").into());
+    fn form(&self, path: &Path, output: Option<&Path>) -> Result<(String, Vec<u8>), Problems> {
+        let place = resolved(path);
+        if !path.is_file() || output.is_none_or(|own| resolved(own) != place) {
+            return self.argument(path);
         }
-        let (name, bytes) = self.argument(path)?; // by its name: what was put there meanwhile is read
+        let lock = locked(path)?;
+        let (name, bytes) = self.argument(path)?;
         self.read.borrow_mut().pop();
-        Ok((name, bytes, held.map(|file| Box::new(file) as _)))
+        *self.form.borrow_mut() = Some(Form { place, bytes: bytes.clone(), _lock: lock });
+        Ok((name, bytes))
     }
 
     fn long(&self, path: &Path) -> Result<(String, Box<dyn Long>), Problem> {
@@ -213,6 +223,24 @@ impl Files for Disk {
     fn is_watched(&self) -> bool {
         std::io::stderr().is_terminal()
     }
+}
+
+/// A file that is locked by this run alone; `None` where the system locks nothing.
+fn locked(path: &Path) -> Result<Option<File>, Problem> {
+    while cfg!(unix) {
+        let Ok(file) = File::open(path) else { break };
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            let message = format!("another run is filling in `{}`", path.display());
+            return Err(Problem::new(message).help("look at what it wrote"));
+        }
+        let is_there = path.metadata().is_ok_and(|own| {
+            file.metadata().is_ok_and(|locked| identity(&own) == identity(&locked))
+        });
+        if is_there {
+            return Ok(Some(file)); // else another run put its own there meanwhile
+        }
+    }
+    Ok(None)
 }
 
 /// A path in words, which has no control characters.

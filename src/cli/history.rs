@@ -113,6 +113,9 @@ fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
     let bytes = files.bytes(&directory.join(MANIFEST)).map_err(|problem| {
         match files.names(directory).map_err(|error| error.kind()) {
             Err(ErrorKind::PermissionDenied) => problem,
+            Err(ErrorKind::NotFound) => {
+                Problem::new(format!("`{name}` cannot be read: it does not exist"))
+            }
             _ => Problem::new(format!("`{name}` holds no {MANIFEST}, so it is no kit")),
         }
     })?;

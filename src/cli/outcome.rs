@@ -10,7 +10,6 @@ use crate::visit::files::{Begun, Files, Long, NamedBytes, Ready, not_written};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::any::Any;
 use std::io::{ErrorKind, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -213,8 +212,6 @@ pub(super) struct Outcome {
     yes: bool,
     data: Data,
     writes: Vec<ToWrite>,
-    /// What stays locked until everything is out.
-    held: Option<Box<dyn Any>>,
     talk: String,
 }
 
@@ -227,7 +224,7 @@ enum Data {
 
 impl Outcome {
     fn of(data: Data) -> Outcome {
-        Outcome { yes: true, data, writes: Vec::new(), held: None, talk: String::new() }
+        Outcome { yes: true, data, writes: Vec::new(), talk: String::new() }
     }
 
     /// A page for people.
@@ -258,12 +255,6 @@ impl Outcome {
         self
     }
 
-    /// The same, and this file stays locked until everything is out.
-    pub(super) fn holding(mut self, held: Option<Box<dyn Any>>) -> Outcome {
-        self.held = held;
-        self
-    }
-
     /// The same, and this is said at the end, unless nobody wants to hear it.
     pub(super) fn saying(mut self, detail: Detail, text: impl Into<String>) -> Outcome {
         if detail.talks() {
@@ -285,7 +276,6 @@ impl Outcome {
             .print(out)
             .map_err(|error| Problem::new(format!("standard output cannot be written: {error}")))?;
         ready.into_iter().try_for_each(|ready| ready.put())?;
-        drop(self.held);
         Ok((self.yes, self.talk))
     }
 }

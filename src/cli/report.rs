@@ -340,20 +340,51 @@ fn own_template(files: &dyn Files, path: &Path) -> Result<(String, String), Prob
 /// A picture as text of the page.
 fn logo(files: &dyn Files, path: &Path) -> Result<String, Problems> {
     let (name, bytes) = files.argument(path)?;
-    let kinds: [(&[u8], &str); 2] =
-        [(b"\x89PNG\r\n\x1a\n", "image/png"), (b"\xff\xd8\xff", "image/jpeg")];
-    let kind = kinds.into_iter().find(|(start, _)| bytes.starts_with(start));
-    let kind = kind.map(|(_, kind)| kind).or(is_svg(&bytes).then_some("image/svg+xml"));
-    let Some(kind) = kind else {
+    let kinds = [
+        (is_png(&bytes), "image/png"),
+        (is_jpeg(&bytes), "image/jpeg"),
+        (is_svg(&bytes), "image/svg+xml"),
+    ];
+    let Some((_, kind)) = kinds.into_iter().find(|(is_such, _)| *is_such) else {
         let words = format!("`{name}` is no picture that a page can hold");
         return Err(Problem::new(words).help("give a PNG, a JPEG or an SVG").into());
     };
     Ok(format!("data:{kind};base64,{}", base64(&bytes)))
 }
 
-/// Whether the first element of a text is a drawing; what begins with `<?` or `<!` is none.
+/// Whether the first chunk tells a size (PNG, ISO/IEC 15948 §11.2.2).
+fn is_png(bytes: &[u8]) -> bool {
+    let head = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR");
+    head.and_then(|size| size.first_chunk::<8>()).is_some_and(|size| {
+        let (width, height) = size.split_at(4);
+        width != [0; 4] && height != [0; 4]
+    })
+}
+
+/// Whether segments lead to the head of a frame (JPEG, ISO/IEC 10918-1 table B.1).
+fn is_jpeg(bytes: &[u8]) -> bool {
+    let mut rest = bytes.strip_prefix(b"\xff\xd8").unwrap_or_default();
+    while let [0xff, marker, high, low, ..] = *rest {
+        match marker {
+            0xc4 | 0xc8 | 0xcc => {}
+            0xc0..=0xcf => return true,
+            _ => {}
+        }
+        let length = usize::from(u16::from_be_bytes([high, low]));
+        rest = rest.get(2 + length..).unwrap_or_default();
+    }
+    false
+}
+
+/// Whether the first element of a text is a drawing; comments and what begins with `<?` or `<!` are none.
 fn is_svg(bytes: &[u8]) -> bool {
-    let mut tags = std::str::from_utf8(bytes).unwrap_or_default().split('<').skip(1);
+    let text = std::str::from_utf8(bytes).unwrap_or_default();
+    let shown = text.split("<!--").enumerate().map(|(number, part)| match number {
+        0 => part,
+        _ => part.split_once("-->").map_or("", |(_, rest)| rest),
+    });
+    let shown: String = shown.collect();
+    let mut tags = shown.split('<').skip(1);
     let first = tags.find(|tag| tag.starts_with(|c: char| c.is_ascii_alphabetic()));
     first.and_then(|tag| tag.split([' ', '\n', '\r', '\t', '>', '/']).next()) == Some("svg")
 }

@@ -38,7 +38,7 @@ pub(super) struct Options {
     plot: Plot,
 }
 
-const MOST_TRIALS: usize = 10_000_000;
+const MOST_TRIALS: usize = 200_000;
 /// A simulation that is not done by then shows how far it is.
 const PATIENCE: Duration = Duration::from_secs(1);
 

@@ -21,7 +21,7 @@ use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{NamedBytes, Ready, not_written, plain_words, previous};
 use partial::{Partial, parent_of};
 use std::fs::{self, File};
-use std::io::{ErrorKind, Read, Seek, Write};
+use std::io::{Error, ErrorKind, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// Refuses a directory that holds something, before any work is done.
@@ -65,16 +65,22 @@ pub(super) struct Output {
     file: Option<File>,
     place: PathBuf,
     force: bool,
+    /// What lies at the place has to be this: a form as it was read.
+    over: Option<Vec<u8>>,
 }
 
 impl Output {
-    /// A new file beside a place where a file may be put, and a handle to write with.
-    pub(super) fn file(place: &Path, force: bool) -> Result<(Output, File), Problems> {
+    /// A new file beside a place where a file may be put, and a handle to write with; `over` = what it replaces.
+    pub(super) fn file(
+        place: &Path,
+        force: bool,
+        over: Option<Vec<u8>>,
+    ) -> Result<(Output, File), Problems> {
         let refuse = |error| not_written("cannot write", place, &error);
         let (partial, file) = Partial::file(place).map_err(refuse)?;
         let handle = file.try_clone().map_err(refuse)?;
         let (file, place) = (Some(file), place.to_path_buf());
-        Ok((Output { partial, _parents: Vec::new(), file, place, force }, handle))
+        Ok((Output { partial, _parents: Vec::new(), file, place, force, over }, handle))
     }
 
     /// All files, in their order, beside the place of the directory.
@@ -97,14 +103,15 @@ impl Output {
             made.map_err(|e| not_written("cannot write", &path, &e))?;
         }
         sync_directory(partial.path());
-        Ok(Output { partial, _parents: parents, file: None, place, force })
+        Ok(Output { partial, _parents: parents, file: None, place, force, over: None })
     }
 
     fn put_file(&self) -> Result<(), Problems> {
         ensure_new(&self.place, self.force)?;
-        let put = self.partial.placed(&self.place, |new| match self.force {
-            true => fs::rename(new, &self.place),
-            false => {
+        let put = self.partial.placed(&self.place, |new| match (&self.over, self.force) {
+            (Some(over), _) => put_over(new, &self.place, over),
+            (None, true) => fs::rename(new, &self.place),
+            (None, false) => {
                 let new = tempfile::TempPath::try_from_path(new)?;
                 new.persist_noclobber(&self.place).map_err(|e| e.error)
             }
@@ -197,7 +204,7 @@ pub(super) fn written(file: &mut File, bytes: &[u8]) -> std::io::Result<()> {
         return Ok(());
     }
     let other = "the bytes in the file are not those that were written";
-    Err(std::io::Error::other(other))
+    Err(Error::other(other))
 }
 
 /// Makes a rename durable where the system can; elsewhere the system does it in its own time.
@@ -209,7 +216,7 @@ fn sync_directory(directory: &Path) {
 
 /// Puts a complete directory at `place`, and says what became of an old one.
 fn take_place(partial: &Partial, place: &Path, force: bool) -> Result<(), Problems> {
-    let failed = |error: std::io::Error| not_written("cannot put into place", place, &error);
+    let failed = |error: Error| not_written("cannot put into place", place, &error);
     if is_free(place) {
         return partial.placed(place, |new| fs::rename(new, place)).map_err(failed);
     }
@@ -245,6 +252,21 @@ fn exchange(new: &Path, place: &Path, kept: &Path) -> std::io::Result<()> {
     fs::rename(kept, new)?;
     fs::rename(place, kept)?;
     fs::rename(new, place).or_else(|error| fs::rename(kept, place).and(Err(error)))
+}
+
+/// `new` to `place`, where a file with these bytes lies: what somebody saved there meanwhile stays.
+fn put_over(new: &Path, place: &Path, over: &[u8]) -> std::io::Result<()> {
+    let is_as_read = |path: &Path| fs::read(path).is_ok_and(|found| found == over);
+    let changed = || Error::other("somebody changed it while this run was at work");
+    if swap(new, place).is_err() {
+        return if is_as_read(place) { fs::rename(new, place) } else { Err(changed()) };
+    }
+    if is_as_read(new) {
+        let _ = fs::remove_file(new); // else the next run takes it for left over
+        return Ok(());
+    }
+    swap(new, place).or_else(|_| fs::rename(new, place))?;
+    Err(changed())
 }
 
 /// Two names change what they name, at once.

@@ -1,7 +1,6 @@
 //! Where the files of a run come from and go to: a disk, or the memory of a program that uses this one.
 
 use crate::text::problem::{Problem, Problems};
-use std::any::Any;
 use std::io::{Cursor, Error, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
@@ -49,8 +48,8 @@ pub trait Files {
     /// The bytes that come in by standard input.
     fn standard_input(&self) -> Result<Vec<u8>, Problem>;
 
-    /// A form with its bytes, which `output` may replace; as long as the last part is held, no other run fills it in.
-    fn form(&self, path: &Path, output: Option<&Path>) -> Result<Form, Problems>;
+    /// A form with its name, which `output` may replace: only as it was read, and no other run fills it in meanwhile.
+    fn form(&self, path: &Path, output: Option<&Path>) -> Result<(String, Vec<u8>), Problems>;
 
     /// A text that may be too long for the memory, with its name.
     fn long(&self, path: &Path) -> Result<(String, Box<dyn Long>), Problem>;
@@ -106,9 +105,6 @@ pub trait Files {
         self.kind(path).is_ok_and(|found| found == kind)
     }
 }
-
-/// Name, bytes, and what keeps other runs away.
-pub type Form = (String, Vec<u8>, Option<Box<dyn Any>>);
 
 /// What a long file is written into, and what puts it into its place.
 pub type Begun = (Box<dyn Long>, Option<Box<dyn Ready>>);

@@ -1,8 +1,6 @@
 //! Files in the memory of a program that uses this one, by their names.
 
-use super::files::{
-    Files, Form, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, previous, written_over,
-};
+use super::files::{Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, previous, written_over};
 use crate::text::document::LARGEST_FILE_MIB;
 use crate::text::problem::{Problem, Problems};
 use std::cell::RefCell;
@@ -124,10 +122,10 @@ impl Files for Memory {
         Err(Problem::new(format!("there is no {STANDARD_INPUT}")).help("name a file"))
     }
 
-    fn form(&self, path: &Path, _: Option<&Path>) -> Result<Form, Problems> {
-        let (name, bytes) = self.argument(path)?;
+    fn form(&self, path: &Path, _: Option<&Path>) -> Result<(String, Vec<u8>), Problems> {
+        let form = self.argument(path)?;
         self.read.borrow_mut().pop();
-        Ok((name, bytes, None))
+        Ok(form)
     }
 
     fn long(&self, path: &Path) -> Result<(String, Box<dyn Long>), Problem> {

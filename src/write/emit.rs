@@ -329,11 +329,16 @@ pub(crate) fn render_those(
     problems.or_ok(files.into_iter().map(|(_, file)| file).collect())
 }
 
+/// What a person takes for a blank or for nothing, and a control does not: blanks but the usual one, joiners, empty signs.
+fn is_blank(c: char) -> bool {
+    c != ' ' && c.is_whitespace() || matches!(c, '\u{200c}' | '\u{200d}' | '\u{2800}' | '\u{1d159}')
+}
+
 /// The bytes of a control's file, with its line ends. Wherever its text is from (a template of one's own, a profile):
 /// characters that a person does not see go to no control.
 pub(crate) fn bytes_of(path: &str, text: &str, profile: &Profile) -> Result<Vec<u8>, Problem> {
     let mut lines = text.split('\n').map(|line| line.strip_suffix('\r').unwrap_or(line));
-    let unseen = |c: char| is_unseen(c) && c != '\t';
+    let unseen = |c: char| c != '\t' && (is_unseen(c) || is_blank(c));
     if let Some((line, number)) = lines.clone().zip(1..).find(|(line, _)| line.contains(unseen)) {
         let message = format!(
             "line {number} of `{}` would hold a character that is not seen: `{}`",

@@ -111,7 +111,7 @@ fn of_a_template_reaches_no_control() {
     let template = page("templates/klipper.cfg.tera");
     visit.put("shop.toml", page("controllers/klipper-skew.toml"));
     visit.edit("job.toml", "\"klipper-skew\"", "\"./shop.toml\"");
-    for unseen in ["\u{202e}", "\u{200b}", "\u{1b}", "\r"] {
+    for unseen in ["\u{202e}", "\u{200b}", "\u{200d}", "\u{a0}", "\u{2800}", "\u{1b}", "\r"] {
         visit.put("klipper.cfg.tera", template.replacen("printer", &format!("printer{unseen}"), 1));
         let ran = told(&visit, "generate job.toml -o kit").ends(2);
         ran.says("would hold a character that is not seen");

@@ -164,10 +164,11 @@ fn memory_stays_in_proportion_to_input_and_output() {
         replaced(&job, "spacing_mm = ", &format!("spacing_mm = {spacing_mm} # "))
     };
     let pattern = |n: usize| format!("'(?:[a-z]{{0,100}}[0-9]{{0,100}}){{0,45}}q{n}',\n");
-    let patterns = (0..1000).map(pattern).collect::<String>();
     let facts = "[facts.lines]\nvalue = [\n";
     let weihong = page("controllers/weihong.toml");
-    let patterns = replaced(&weihong, facts, &format!("{facts}{patterns}"));
+    let profile = |patterns: String| replaced(&weihong, facts, &format!("{facts}{patterns}"));
+    let patterns = profile((0..1000).map(pattern).collect());
+    let long_pattern = profile(format!("'{}q',\n", r"\w".repeat(30_000)));
     let said = |key: &str| {
         let said = lines(MOST_LINES - 200, |n| format!("# {key}: text of number {n}"));
         said + &fixture("nine_errors_900/errors.csv")
@@ -212,6 +213,7 @@ fn memory_stays_in_proportion_to_input_and_output() {
         ("siemens-840d-sl", "job.toml", dense("siemens-840d-sl", 0.75), GENERATE),
         ("klipper-skew", "job.toml", dense("klipper-skew", 1e-4), "generate job.toml --compare"),
         (generic, "p.toml", patterns, "controllers check p.toml"),
+        (generic, "p.toml", long_pattern, "controllers check p.toml"),
         (generic, "p.toml", "k = [1, 2, 3, 4, 5]\n".repeat(MOST_LINES), "controllers check p.toml"),
         (generic, "errors.csv", said("doubt"), "report errors.csv -o r.html"),
         (generic, "errors.csv", said("doubt"), "report job.toml -o r.html"),

@@ -1,11 +1,14 @@
 //! Where a run writes, and with whom at the same time: killed runs, twenty at once, a closed standard
 //! output, places that are read-only, links, or inputs.
 
-use crate::support::{Entry, Ran, Visit, below, copies, difference, program, replaced, skipped};
+use crate::support::{
+    Entry, Ran, Visit, below, copies, difference, is_installed, program, replaced, skipped,
+};
 use std::ffi::OsStr;
 use std::fs::{self, Permissions};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::time::Duration;
 
 /// Every whole kit of a visit passes `verify`, which checks the manifest; nothing else is there.
 fn only_whole_kits(visit: &Visit) {
@@ -76,6 +79,35 @@ fn of_twenty_that_fill_in_one_form_one_does() {
         "import list.txt --form form.csv --columns #1=displacement_mm --captures cumulative";
     assert_eq!(twenty(&visit, &format!("{import} -o form.csv --force")), 1);
     assert!(visit.read("form.csv").contains("1,1,+,500\n"));
+}
+
+/// A form that somebody saves while a run is about to put its own there: what they wrote stays.
+#[test]
+fn a_form_that_was_saved_meanwhile_is_not_replaced() {
+    if !cfg!(target_os = "linux") || !is_installed("strace") {
+        return;
+    }
+    let visit = Visit::new();
+    let form = "target_mm,run,direction,deviation_um\n0,1,+,\n1,1,+,\n";
+    visit.put("form.csv", form).put("list.txt", "0\n1.5\n");
+    let mut traced = Command::new("strace");
+    traced.args(["-f", "-q", "-o", "/dev/null"]);
+    traced.args(["-e", "inject=rename,renameat,renameat2:delay_enter=1000000"]);
+    traced.arg(env!("CARGO_BIN_EXE_nonius")).args(["import", "list.txt", "--form", "form.csv"]);
+    traced.args(["--columns", "#1=displacement_mm", "--captures", "cumulative"]);
+    traced.args(["-o", "form.csv", "--force"]).current_dir(visit.folder());
+    let run = traced.stdin(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let begun = || visit.files().keys().any(|name| name.contains(".partial-"));
+    while !begun() {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(200));
+    let own = form.replace("+,\n", "+,7\n");
+    visit.put("form.csv", own.as_str());
+    let ran = Ran::of("import", &run.wait_with_output().unwrap()).ends(2);
+    ran.says("somebody changed it while this run was at work");
+    assert_eq!(visit.read("form.csv"), own);
+    assert_eq!(visit.files().len(), 2);
 }
 
 #[cfg(unix)]

@@ -151,7 +151,15 @@ fn a_logo_is_a_picture_and_a_table_alone_names_no_machine() {
     visit.put("logo", svg);
     let found = page(&visit, "errors.csv --logo logo");
     holds(&found, &["<title>Geometric errors as found</title>", "data:image/svg+xml;base64,"]);
-    for other in ["<html><svg/></html>", "<svgs/>", "\u{89}PNG"] {
+    let others: [&[u8]; 6] = [
+        b"<html><svg/></html>",
+        b"<!-- <svg> --><html/>",
+        b"<svgs/>",
+        b"\x89PNG",
+        b"\x89PNG\r\n\x1a\n\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0",
+        b"\xff\xd8\xff and nothing else",
+    ];
+    for other in others {
         let ran = visit.put("logo", other).run("report errors.csv --logo logo -o -");
         ran.ends(2).says("is no picture that a page can hold");
     }

@@ -59,7 +59,7 @@ pub(super) fn run(
     output: &Output,
 ) -> Result<Outcome, Problems> {
     output.ensure_new(files, "the readings")?;
-    let (name, bytes, held) = files.form(form, output.place())?;
+    let (name, bytes) = files.form(form, output.place())?;
     let form = Source::from_bytes(&name, &bytes)?;
     let Lists { ppp, npp, pnp, ppn, .. } = lists;
     let of_diagonals = Diagonal::ALL.map(Some).into_iter().zip([ppp, npp, pnp, ppn]);
@@ -82,6 +82,5 @@ pub(super) fn run(
         "stated": given.collect::<Map<_, _>>(),
     });
     let bytes = Some(Content::Bytes(text.into_bytes()));
-    let outcome = output.deliver(bytes, || screen, || document, "")?;
-    Ok(outcome.holding(held))
+    output.deliver(bytes, || screen, || document, "")
 }

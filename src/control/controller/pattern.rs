@@ -54,14 +54,20 @@ impl PartialEq for Pattern {
     }
 }
 
-/// Memory of all patterns of a fact together, with what a search takes; those of real lines need a hundredth.
-const MOST_BYTES: usize = 8 << 20;
+/// Memory of all patterns of a fact together, with what a search takes; those of real lines need a fiftieth.
+const MOST_BYTES: usize = 4 << 20;
+
+/// Bytes of a pattern; each may become 7 kB before its memory can be counted.
+const LONGEST: usize = 1024;
 
 impl Pattern {
     /// A pattern, or what is wrong with it; its memory is taken from what is left for all of them.
     fn new(text: &str, left: &mut usize) -> Result<Pattern, String> {
         if text.contains(['\n', '\r']) || text.contains(r"\n") || text.contains(r"\r") {
             return Err("holds a line end, so it can take no line".to_string());
+        }
+        if text.len() > LONGEST {
+            return Err(format!("has {} bytes, expected at most {LONGEST}", text.len()));
         }
         let mut builder = Regex::builder();
         let builder = builder.configure(Config::new().nfa_size_limit(Some(*left)));
@@ -168,6 +174,8 @@ mod tests {
         assert_eq!(letter.take("äX.mp"), Some(vec![(Field::Axis, 0..2)]));
         assert_eq!(letter.take("加工中心"), Some(vec![(Field::Axis, 0..3)]));
         assert!(pattern(r"(?-u:(?<axis>\xC3)).*").is_err());
+        let long = r"\w".repeat(600);
+        assert_eq!(pattern(&long).err(), Some("has 1200 bytes, expected at most 1024".into()));
     }
 
     #[test]
@@ -181,7 +189,7 @@ mod tests {
             let kept = (0..1000).take_while(|_| Pattern::new(large, &mut left).is_ok());
             assert!(kept.count() < 1000, "{large}");
             let wrong = Pattern::new(large, &mut left).expect_err(large);
-            assert!(wrong.contains("more than 8 MiB"), "{wrong}");
+            assert!(wrong.contains("more than 4 MiB"), "{wrong}");
         }
     }
 

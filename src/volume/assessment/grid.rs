@@ -10,6 +10,9 @@ use crate::volume::volume_model::{AxisState, Nodes, VolumeModel};
 /// Most nodes of a grid.
 pub const MOST_POINTS: usize = 100_000_000;
 
+/// Most sub-volumes of a size: each is kept with its figure.
+const MOST_WINDOWS: usize = 200_000;
+
 /// Which nodes to look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GridChoice {
@@ -137,21 +140,27 @@ pub(super) fn windows(
 ) -> Result<Windows, Problem> {
     let fits = |nodes| Ok((nodes, nodes_of(nodes, size_mm)?));
     let (nodes, counts) = fits(grid.nodes()).or_else(|_: Problem| fits(grid.measured()))?;
-    let map = model.map(nodes).ok_or_else(no_map)?;
-    let size = map.vectors().along_chain([counts.x, counts.y, counts.z]);
-    let all = WindowMap::of(map.vectors(), size).ok_or_else(no_map)?;
-    let figure = |(number, figure): (usize, Diameter)| (figure.um, map.place(all.low(number)));
     let places_mm = PerAxis::from_fn(|axis| {
         let last = nodes[axis].len() + 1 - counts[axis];
         nodes[axis][..last].to_vec()
     });
     let corners = places_mm.counts();
+    let count = corners.x.saturating_mul(corners.y).saturating_mul(corners.z);
+    if count > MOST_WINDOWS {
+        let message =
+            format!("there are {count} sub-volumes of this size, more than {MOST_WINDOWS}");
+        return Err(Problem::new(message).help("choose fewer nodes with `--grid`, e.g. 41,41,41"));
+    }
+    let map = model.map(nodes).ok_or_else(no_map)?;
+    let size = map.vectors().along_chain([counts.x, counts.y, counts.z]);
+    let all = WindowMap::of(map.vectors(), size).ok_or_else(no_map)?;
+    let figure = |(number, figure): (usize, Diameter)| (figure.um, map.place(all.low(number)));
     let places = (0..corners.x)
         .flat_map(|x| (0..corners.y).flat_map(move |y| (0..corners.z).map(move |z| [x, y, z])));
     let at = |xyz| all.at(map.vectors().along_chain(xyz)).um;
     Ok(Windows {
         size_mm,
-        count: all.figures.len(),
+        count,
         grid: map.counts(),
         best: figure(all.best()),
         worst: figure(all.worst()),
