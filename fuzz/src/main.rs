@@ -16,6 +16,7 @@ mod coverage;
 mod distil;
 mod finding;
 mod grammar;
+mod growth;
 mod kits;
 mod memory;
 mod mutate;
@@ -44,6 +45,7 @@ cargo run --release --manifest-path fuzz/Cargo.toml -- [--seconds N | --hours N]
                                                        [--only TARGET] [--keep DIR]
                                                     -- replay FILE      run one case again
                                                     -- distil DIR [TARGET]   make corpus/ anew from what --keep kept
+                                                    -- growth    whether work grows with the input
                                                     -- planted   whether the bugs of planted/ are found";
 
 fn main() -> ExitCode {
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
             as_worker(place, [seed, time, cases], only.first().copied())
         }
         ["replay", path] => replay(Path::new(path)),
+        ["growth"] => growth(),
         ["distil", run, ref only @ ..] => {
             distil::distil(Path::new(run), only.first().copied());
             ExitCode::SUCCESS
@@ -98,6 +101,13 @@ fn plan(words: &[&str]) -> Option<(Plan, usize, bool)> {
         false => plan.time,
     };
     Some((plan, jobs, kept))
+}
+
+fn growth() -> ExitCode {
+    let place = supervisor::place();
+    let is_good = std::fs::create_dir_all(&place).is_ok() && growth::judge(&place);
+    let _ = std::fs::remove_dir_all(&place);
+    if is_good { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 fn fuzz(plan: &Plan, jobs: usize, kept: bool) -> ExitCode {

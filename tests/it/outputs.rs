@@ -81,6 +81,33 @@ fn of_twenty_that_fill_in_one_form_one_does() {
     assert!(visit.read("form.csv").contains("1,1,+,500\n"));
 }
 
+/// Standard input is an input like any other.
+#[cfg(unix)]
+#[test]
+fn a_form_that_comes_in_by_standard_input_is_not_replaced() {
+    let visit = Visit::new();
+    let form = "target_mm,run,direction,deviation_um\n0,1,+,\n";
+    visit.put("form.csv", form).put("list.txt", "0\n");
+    let words = "import list.txt --form - --columns #1=displacement_mm --captures cumulative -o form.csv --force";
+    let mut command = program(visit.folder(), words);
+    let output = command.stdin(fs::File::open(visit.at("form.csv")).unwrap()).output().unwrap();
+    Ran::of(words, &output).ends(2).says("would replace");
+    assert_eq!(visit.read("form.csv"), form);
+}
+
+/// A limit of the size of files is an error of writing, not the end of the run.
+#[cfg(unix)]
+#[test]
+fn files_beyond_what_the_user_may_write_leave_nothing() {
+    let visit = Visit::of("start/errors");
+    let before = visit.files();
+    let line =
+        format!("ulimit -f 8; exec {} generate job.toml -o kit", env!("CARGO_BIN_EXE_nonius"));
+    let output = Command::new("sh").args(["-c", &line]).current_dir(visit.folder()).output();
+    Ran::of(&line, &output.unwrap()).ends(2).says("cannot write");
+    assert_eq!(before, visit.files());
+}
+
 /// A form that somebody saves while a run is about to put its own there: what they wrote stays.
 #[test]
 fn a_form_that_was_saved_meanwhile_is_not_replaced() {

@@ -251,7 +251,9 @@ fn keep_ignored() {
     let is_ignored = |signal: &Signal| ignored.unwrap_or(0) >> (*signal as i32 - 1) & 1 == 1;
     let all = [Signal::SIGHUP, Signal::SIGINT, Signal::SIGTERM];
     // This thread and those that it begins; where it fails, they end the run, too.
-    let _ = SigSet::from_iter(all.into_iter().filter(is_ignored)).thread_block();
+    let ignored = all.into_iter().filter(is_ignored);
+    // A file beyond what the user may write fails like one on a full disk.
+    let _ = SigSet::from_iter(ignored.chain([Signal::SIGXFSZ])).thread_block();
 }
 
 #[cfg(not(unix))]
