@@ -317,6 +317,9 @@ const LONGEST_PART: usize = 16;
 /// The same input twice with one to three of its lines, words or other parts as many times each, so that the second is about
 /// `size` long and the first half of that; of several, what belongs together grows together.
 pub fn grown(random: &mut Random, input: &[u8], size: usize) -> Option<[Vec<u8>; 2]> {
+    if input.is_empty() {
+        return None;
+    }
     let mut parts = Vec::new();
     for _ in 0..1 + random.below(3) {
         parts.push(match random.below(4) {
