@@ -56,9 +56,9 @@ impl Disk {
     /// Refuses an output that this run read, that contains something that it read, or that would lie in a directory that
     /// it read (it need not exist): asked when everything was read and nothing is written.
     fn refuse_input(&self, output: &Path) -> Result<(), Problem> {
-        named(output)?;
+        plain_name(output)?;
         let place = resolved(output);
-        let own = output.metadata().ok().and_then(|m| identity(&m));
+        let own = identity_of(output.metadata());
         let read = self.read.borrow();
         let concerns = |input: &&Input| {
             (own.is_some() && own == input.identity)
@@ -71,7 +71,7 @@ impl Disk {
 
     /// Opens a regular file or a pipe, without waiting for somebody who writes into it.
     fn open(&self, path: &Path) -> Result<(File, Metadata), Problem> {
-        let name = named(path)?;
+        let name = plain_name(path)?;
         let refuse = |error: Error| {
             Problem::new(format!("`{name}` cannot be read: {}", plain_words(&error)))
         };
@@ -92,9 +92,11 @@ impl Disk {
     fn new_file(&self, file: &Path, force: bool) -> Result<(Output, File), Problems> {
         write::ensure_new(file, force)?;
         self.refuse_input(file)?;
+        let (mut output, handle) = Output::file(file, force)?;
         let form = self.form.borrow();
         let form = form.as_ref().filter(|form| form.place == resolved(file));
-        Output::file(file, force, form.map(|form| form.bytes.clone()))
+        output.over = form.map(|form| form.bytes.clone());
+        Ok((output, handle))
     }
 
     /// Standard input, which may be a file into which something else is to be written.
@@ -233,10 +235,7 @@ fn locked(path: &Path) -> Result<Option<File>, Problem> {
             let message = format!("another run is filling in `{}`", path.display());
             return Err(Problem::new(message).help("look at what it wrote"));
         }
-        let is_there = path.metadata().is_ok_and(|own| {
-            file.metadata().is_ok_and(|locked| identity(&own) == identity(&locked))
-        });
-        if is_there {
+        if identity_of(path.metadata()) == identity_of(file.metadata()) {
             return Ok(Some(file)); // else another run put its own there meanwhile
         }
     }
@@ -244,7 +243,7 @@ fn locked(path: &Path) -> Result<Option<File>, Problem> {
 }
 
 /// A path in words, which has no control characters.
-fn named(path: &Path) -> Result<String, Problem> {
+fn plain_name(path: &Path) -> Result<String, Problem> {
     let name = path.display().to_string();
     if !name.chars().any(char::is_control) {
         return Ok(name);
@@ -264,6 +263,10 @@ fn resolved(path: &Path) -> PathBuf {
         (Err(_), _, Some(name)) => resolved(Path::new(".")).join(name),
         (Err(_), _, None) => path.to_path_buf(),
     }
+}
+
+fn identity_of(metadata: std::io::Result<Metadata>) -> Option<Identity> {
+    metadata.ok().and_then(|found| identity(&found))
 }
 
 #[cfg(unix)]

@@ -337,11 +337,14 @@ fn own_template(files: &dyn Files, path: &Path) -> Result<(String, String), Prob
     Ok((name, text))
 }
 
+/// How a picture begins: its signature and the head of its first chunk (PNG, ISO/IEC 15948 §5.2, §11.2.2).
+const PNG: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR";
+
 /// A picture as text of the page.
 fn logo(files: &dyn Files, path: &Path) -> Result<String, Problems> {
     let (name, bytes) = files.argument(path)?;
     let kinds = [
-        (is_png(&bytes), "image/png"),
+        (bytes.starts_with(PNG), "image/png"),
         (is_jpeg(&bytes), "image/jpeg"),
         (is_svg(&bytes), "image/svg+xml"),
     ];
@@ -352,23 +355,12 @@ fn logo(files: &dyn Files, path: &Path) -> Result<String, Problems> {
     Ok(format!("data:{kind};base64,{}", base64(&bytes)))
 }
 
-/// Whether the first chunk tells a size (PNG, ISO/IEC 15948 §11.2.2).
-fn is_png(bytes: &[u8]) -> bool {
-    let head = bytes.strip_prefix(b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR");
-    head.and_then(|size| size.first_chunk::<8>()).is_some_and(|size| {
-        let (width, height) = size.split_at(4);
-        width != [0; 4] && height != [0; 4]
-    })
-}
-
 /// Whether segments lead to the head of a frame (JPEG, ISO/IEC 10918-1 table B.1).
 fn is_jpeg(bytes: &[u8]) -> bool {
     let mut rest = bytes.strip_prefix(b"\xff\xd8").unwrap_or_default();
     while let [0xff, marker, high, low, ..] = *rest {
-        match marker {
-            0xc4 | 0xc8 | 0xcc => {}
-            0xc0..=0xcf => return true,
-            _ => {}
+        if matches!(marker, 0xc0..=0xcf) && !matches!(marker, 0xc4 | 0xc8 | 0xcc) {
+            return true;
         }
         let length = usize::from(u16::from_be_bytes([high, low]));
         rest = rest.get(2 + length..).unwrap_or_default();

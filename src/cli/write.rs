@@ -66,21 +66,17 @@ pub(super) struct Output {
     place: PathBuf,
     force: bool,
     /// What lies at the place has to be this: a form as it was read.
-    over: Option<Vec<u8>>,
+    pub(super) over: Option<Vec<u8>>,
 }
 
 impl Output {
-    /// A new file beside a place where a file may be put, and a handle to write with; `over` = what it replaces.
-    pub(super) fn file(
-        place: &Path,
-        force: bool,
-        over: Option<Vec<u8>>,
-    ) -> Result<(Output, File), Problems> {
+    /// A new file beside a place where a file may be put, and a handle to write with.
+    pub(super) fn file(place: &Path, force: bool) -> Result<(Output, File), Problems> {
         let refuse = |error| not_written("cannot write", place, &error);
         let (partial, file) = Partial::file(place).map_err(refuse)?;
         let handle = file.try_clone().map_err(refuse)?;
         let (file, place) = (Some(file), place.to_path_buf());
-        Ok((Output { partial, _parents: Vec::new(), file, place, force, over }, handle))
+        Ok((Output { partial, _parents: Vec::new(), file, place, force, over: None }, handle))
     }
 
     /// All files, in their order, beside the place of the directory.

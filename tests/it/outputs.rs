@@ -119,7 +119,7 @@ fn a_form_that_was_saved_meanwhile_is_not_replaced() {
     visit.put("form.csv", form).put("list.txt", "0\n1.5\n");
     let mut traced = Command::new("strace");
     traced.args(["-f", "-q", "-o", "/dev/null"]);
-    traced.args(["-e", "inject=rename,renameat,renameat2:delay_enter=1000000"]);
+    traced.args(["-e", "inject=rename,renameat,renameat2:delay_enter=2000000"]);
     traced.arg(env!("CARGO_BIN_EXE_nonius")).args(["import", "list.txt", "--form", "form.csv"]);
     traced.args(["--columns", "#1=displacement_mm", "--captures", "cumulative"]);
     traced.args(["-o", "form.csv", "--force"]).current_dir(visit.folder());
