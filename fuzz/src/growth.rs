@@ -70,7 +70,7 @@ pub fn judge(place: &Path) -> bool {
             }
             (count as f64, ran.steps as f64)
         });
-        for [less, more] in taken.array_windows() {
+        for (less, more) in taken.iter().zip(&taken[1..]) {
             let power = (more.1 / less.1).ln() / (more.0 / less.0).ln();
             println!("{power:5.2}  {:>11} steps for {} lines: {command}", more.1, more.0);
             is_good &= power <= STEEPEST;

@@ -177,7 +177,12 @@ fn one(random: &mut Random, text: &[u8], is: fn(u8) -> bool) -> Option<(usize, u
 pub fn mutated(random: &mut Random, input: &[u8], other: &[u8], words: &Dictionary) -> Vec<u8> {
     let mut text = input.to_vec();
     if input.starts_with(COMMAND) && random.one_in(16) {
-        name(random, &mut text);
+        match random.one_in(2) {
+            true => change_command(random, &mut text, write_over_input),
+            false => change_command(random, &mut text, |r, command, files| {
+                one_more_option(r, command, files, words)
+            }),
+        }
         return text;
     }
     let changes = 1 << random.below(4);
@@ -290,25 +295,57 @@ fn letter(random: &mut Random, text: &mut Vec<u8>) {
 /// How a bundle with a command begins.
 const COMMAND: &[u8] = b"=== command\n";
 
-/// A command writes over one of its files.
-fn name(random: &mut Random, text: &mut Vec<u8>) {
+/// Another command with the same files.
+fn change_command(
+    random: &mut Random,
+    text: &mut Vec<u8>,
+    changed: impl FnOnce(&mut Random, Vec<String>, &[String]) -> Vec<String>,
+) {
     let mut bundle = Bundle::read(text);
-    let Some(((_, command), files)) =
-        bundle.0.split_first_mut().filter(|(_, files)| !files.is_empty())
-    else {
-        return;
-    };
-    let mut words: Vec<&[u8]> = command.split(|byte| *byte == b' ').collect();
-    if let Some(option) = words.iter().position(|word| *word == b"-o")
+    let files: Vec<String> = bundle.0.iter().skip(1).map(|(name, _)| name.clone()).collect();
+    if let Some((_, command)) = bundle.0.first_mut().filter(|_| !files.is_empty()) {
+        let words = String::from_utf8_lossy(command).split(' ').map(String::from).collect();
+        *command = changed(random, words, &files).join(" ").into_bytes();
+        *text = bundle.bytes();
+    }
+}
+
+/// A command writes over one of its files.
+fn write_over_input(random: &mut Random, mut words: Vec<String>, files: &[String]) -> Vec<String> {
+    if let Some(option) = words.iter().position(|word| word == "-o")
         && let Some(output) = words.get_mut(option + 1)
     {
-        *output = random.pick(files).0.as_bytes();
+        output.clone_from(random.pick(files));
     }
-    if !words.contains(&&b"--force"[..]) {
-        words.push(b"--force");
+    if !words.iter().any(|word| word == "--force") {
+        words.push("--force".into());
     }
-    *command = words.join(&b' ');
-    *text = bundle.bytes();
+    words
+}
+
+/// A command gets one more of the options that its help names, with a file, a word or something nasty behind it.
+fn one_more_option(
+    random: &mut Random,
+    mut words: Vec<String>,
+    files: &[String],
+    known: &Dictionary,
+) -> Vec<String> {
+    let help = nonius::cli::answer(&nonius::visit::memory::Memory::default(), [&*words[0], "-h"]);
+    let help = String::from_utf8_lossy(&help.out).into_owned();
+    let options: Vec<&str> = help.lines().map(str::trim).filter(|l| l.starts_with('-')).collect();
+    if options.is_empty() {
+        return words;
+    }
+    let mut option = random.pick(&options).split(' ').skip_while(|word| !word.starts_with("--"));
+    words.extend(option.next().map(String::from));
+    if option.next().is_some_and(|value| value.starts_with('<')) {
+        words.push(match random.below(3) {
+            0 => random.pick(files).clone(),
+            1 => random.pick(NASTY).to_string(),
+            _ => String::from_utf8_lossy(random.pick::<Vec<u8>>(&known.0)).into_owned(),
+        });
+    }
+    words
 }
 
 /// Bytes of a part that is neither word nor line.

@@ -55,8 +55,9 @@ struct Fuzzed {
 const LARGE_ONE_IN: usize = 20;
 /// Bytes of such a case, as powers of two, each as often: most readers refuse a page beyond some size.
 const LARGE: std::ops::Range<usize> = 12..21;
-/// Steps below which growth is not judged; a larger input may leave or enter a path.
-const MANY_STEPS: u64 = 4_000_000;
+/// Steps below which growth is no finding: a third of a second. A line has at most 64 kB and 2,000 problems, each of which may
+/// look along the whole of it.
+const MANY_STEPS: u64 = 100_000_000;
 /// Twice the input may take so many times the steps: an exponent of 1.3.
 const STEPS_OF_TWICE: f64 = 2.5;
 
@@ -147,27 +148,31 @@ impl Fuzzed {
         self.count.edges = self.queue.edges();
     }
 
-    /// An input of the queue with something in it many times: memory as for every case, and steps against its half.
+    /// An input of the queue with something in it many times: memory as for every case, and steps against its half. Where
+    /// they grow too fast, twice as often again, until they do not, or are too many.
     fn step_large(&mut self, plan: &Plan) {
         let input = self.queue.next(&mut self.random).to_vec();
-        let power = LARGE.start + self.random.below(LARGE.len());
-        let Some([half, whole]) = mutate::grown(&mut self.random, &input, 1 << power) else {
-            return;
-        };
-        let [half, whole] = [half, whole].map(|input| (watched(&self.target, plan, &input), input));
-        self.count.cases += 2;
-        for (ran, input) in [&half, &whole] {
-            if let Some(wrong) = &ran.wrong {
-                return self.report(plan, input, wrong.clone());
+        let first = LARGE.start + self.random.below(LARGE.len());
+        let part = Random::new(self.random.bits());
+        for power in first..LARGE.end {
+            let Some(pair) = mutate::grown(&mut part.clone(), &input, 1 << power) else {
+                return;
+            };
+            let pair = pair.map(|input| (watched(&self.target, plan, &input), input));
+            self.count.cases += 2;
+            for (ran, input) in &pair {
+                if let Some(wrong) = &ran.wrong {
+                    return self.report(plan, input, wrong.clone());
+                }
             }
-        }
-        let (few, many) = (half.0.steps, whole.0.steps);
-        if many > MANY_STEPS && few > MANY_STEPS / 10 && many as f64 > STEPS_OF_TWICE * few as f64 {
-            self.report(
-                plan,
-                &whole.1,
-                format!("steps: {few} for half of the input, {many} for all"),
-            );
+            let [few, many] = [0, 1].map(|index| pair[index].0.steps);
+            if many as f64 <= STEPS_OF_TWICE * few as f64 {
+                return;
+            }
+            if many > MANY_STEPS && few > MANY_STEPS / 10 {
+                let wrong = format!("steps: {few} for half of the input, {many} for all");
+                return self.report(plan, &pair[1].1, wrong);
+            }
         }
     }
 

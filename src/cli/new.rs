@@ -127,7 +127,7 @@ fn first(options: &Options, files: &dyn Files, directory: &Path) -> Result<Begin
     };
     let (begun, better) = (visit.begun()?, visit.better_steps().into_iter());
     let better = better.map(|n| {
-        format!("at these targets errors that repeat with a usual pitch may stay unseen; `--steps {n}` shows more of them")
+        format!("round steps hide errors that repeat with a usual pitch; `--steps {n}` shows more of them, where the control takes such a spacing")
     });
     let words = std::iter::once(travel_words(&visit)).chain(better).collect();
     Ok((profile, begun, words))

@@ -224,11 +224,12 @@ pub(super) fn preconditions(preconditions: &[Precondition]) -> More {
     if !preconditions.is_empty() {
         lines.push("preconditions on the control, to be checked manually:".to_string());
     }
-    for (what, p) in shared(preconditions) {
+    let shared = shared(preconditions);
+    for (what, p) in &shared {
         lines.push(format!("  {what} must be {}:", p.value));
         lines.push(format!("      {} [{}]", p.why, p.source));
     }
-    More::new(preconditions.len(), ["precondition", "preconditions"], lines.join("\n"))
+    More::new(shared.len(), ["precondition", "preconditions"], lines.join("\n"))
 }
 
 /// The signs that are only assumed, in one line, with what proves them.

@@ -54,26 +54,31 @@ fn cut(text: &str, longest: usize) -> String {
     }
 }
 
-/// The part of a line that is shown, and how many characters stand before it.
-fn window(line: &str, column: usize) -> (String, usize) {
+/// The part of a line that is shown of a column, which begins at a byte of it, and how many characters stand before it.
+fn window(line: &str, at: usize, column: usize) -> (String, usize) {
     if line.chars().nth(LONGEST_LINE).is_none() {
         return (line.to_string(), 0);
     }
-    let skipped = if column <= LONGEST_LINE / 2 { 0 } else { column - LONGEST_LINE / 4 };
-    let start = byte_of_column(line, skipped + 1);
-    let part = cut(&line[start..], LONGEST_LINE);
-    if skipped == 0 { (part, 0) } else { (format!("…{part}"), skipped - 1) }
+    if column <= LONGEST_LINE / 2 {
+        return (cut(line, LONGEST_LINE), 0);
+    }
+    let shown = LONGEST_LINE / 4; // characters before the column, one of them the sign of what is left out
+    let before = line.get(..at).unwrap_or(line);
+    let start = before.char_indices().nth_back(shown - 2).map_or(0, |(byte, _)| byte);
+    (format!("…{}", cut(&line[start..], LONGEST_LINE)), column - shown - 1)
 }
 
-/// Where the lines of one text begin, for places in it: how many end in each block of bytes before
-/// the place, counted once for the whole text when the first place is asked for.
+/// Lines and columns of the places of one text: how many line ends and characters stand before each block of
+/// bytes, counted once for the whole text when the first place is asked for.
 #[derive(Clone, Debug, Default)]
 pub struct LineIndex {
-    /// Line ends before the n-th block.
-    before: OnceLock<Vec<usize>>,
+    before: OnceLock<Vec<Count>>,
 }
 
-/// Bytes of a text in which line ends are counted again for each place.
+/// Line ends and characters.
+type Count = [usize; 2];
+
+/// Bytes of a text in which they are counted again for each place.
 const INDEX_BLOCK: usize = 1 << 10;
 
 impl LineIndex {
@@ -90,36 +95,35 @@ impl LineIndex {
             source,
             end.clamp(start, line_start + text.len().max(start - line_start)),
         );
-        let column = source[line_start..start].chars().count() + 1;
-        let (text, skipped) = window(text, column);
-        Place {
-            file: file.to_string(),
-            line: self.ends_before(source.as_bytes(), start) + 1,
-            column,
-            width: source[start..end].chars().count().max(1),
-            text,
-            skipped,
-        }
+        let [before, [ends, at], [_, behind]] =
+            [line_start, start, end].map(|at| self.before(source.as_bytes(), at));
+        let column = at - before[1] + 1;
+        let (text, skipped) = window(text, start - line_start, column);
+        let (file, line) = (file.to_string(), ends + 1);
+        Place { file, line, column, width: (behind - at).max(1), text, skipped }
     }
 
-    fn ends_before(&self, text: &[u8], at: usize) -> usize {
+    /// What stands before a byte of the text.
+    fn before(&self, text: &[u8], at: usize) -> Count {
         let blocks = self.before.get_or_init(|| counted(text));
         let block = at / INDEX_BLOCK;
-        blocks[block] + line_ends(&text[block * INDEX_BLOCK..at])
+        sum(blocks[block], &text[block * INDEX_BLOCK..at])
     }
 }
 
-fn counted(text: &[u8]) -> Vec<usize> {
-    let blocks = text.chunks(INDEX_BLOCK).map(line_ends);
-    let sums = blocks.scan(0, |sum, own| {
-        *sum += own;
-        Some(*sum)
+fn counted(text: &[u8]) -> Vec<Count> {
+    let blocks = text.chunks(INDEX_BLOCK).scan([0, 0], |before, block| {
+        *before = sum(*before, block);
+        Some(*before)
     });
-    std::iter::once(0).chain(sums).collect()
+    std::iter::once([0, 0]).chain(blocks).collect()
 }
 
-fn line_ends(text: &[u8]) -> usize {
-    text.iter().filter(|byte| **byte == b'\n').count()
+/// With those of a text behind it.
+fn sum([ends, characters]: Count, text: &[u8]) -> Count {
+    let begin = text.iter().filter(|byte| **byte & 0b1100_0000 != 0b1000_0000);
+    let new = text.iter().filter(|byte| **byte == b'\n');
+    [ends + new.count(), characters + begin.count()]
 }
 
 /// It follows from the text, so two texts that are equal have equal ones.

@@ -44,6 +44,7 @@ fn fill_in(at: &Visit, job: &str, slopes: [f64; 3], later: &[&str]) {
             "slope_um_per_m" => &slope,
             "u_um_per_m" | "setup_ppm" => "0.5",
             "angle_urad" => "0",
+            "noise_um" => "0.3",
             "control_unit" => "\"mm\"",
             "first_table" => "0",
             "first_set" | "measuring_system" => "1",

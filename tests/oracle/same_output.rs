@@ -135,6 +135,10 @@ fn main() -> ExitCode {
     let (old, new) = (program(old), program(new));
     let mut scenes = scenes(&new);
     scenes.retain(|scene| scene.name.contains(only));
+    if scenes.is_empty() {
+        eprintln!("not compared: no job, refusal or control has `{only}` in its name");
+        return ExitCode::from(2);
+    }
     let found = parallel::in_parallel(&scenes, |scene| compare(scene, &old, &new));
     let outputs: usize = found.iter().map(|(count, ..)| count).sum();
     let ended: BTreeSet<&str> = found.iter().flat_map(|(_, ended, _)| ended).copied().collect();
@@ -145,7 +149,7 @@ fn main() -> ExitCode {
     let (count, differ) = (scenes.len(), differing.len());
     println!("{outputs} outputs of {count} jobs, refusals and controls compared: {differ} differ");
     let never: Vec<_> = forms.difference(&ended).collect();
-    if count == 0 || (only.is_empty() && !never.is_empty()) {
+    if only.is_empty() && !never.is_empty() {
         eprintln!("not compared: never came to its end in {}: {never:?}", new.display());
         return ExitCode::from(2);
     }

@@ -104,7 +104,7 @@ fn by_display(question: &Question<'_>, standing: &[(&Fault, Fit)], display: &str
             read_back()
         ),
         None => format!(
-            "what {display} shows differs by no more than {:.3} µm where was measured: {}",
+            "where was measured, what {display} shows is the same for all within {:.3} µm: {}",
             told_apart_um(question),
             read_back()
         ),

@@ -68,7 +68,7 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
         let steps = Assumption::of_job(
             "interpolated",
             "false",
-            "between the points the forecast is off by up to one step; a real control has 3605#1 = 1 on every axis: state `interpolated`",
+            "between the points the forecast is off by up to one step: read 3605#1 of each axis and leave it as it is; where it is 1 (as on a real control), state `interpolated = true` and generate again",
         );
         assumptions.push(steps.undecided());
     }
@@ -157,17 +157,14 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
             "A-77810E/02",
         ).boxed());
         let stated = settings.and_then(|s| s.interpolated);
-        list.push(Precondition::new(
-            format!("3605#1 of axis {id}"),
-            if stated == Some(true) { "1" } else { "0" },
-            match stated {
-                Some(_) => "interpolated pitch error compensation, as the job states or the files of the control hold it",
-                None => {
-                    "the job does not state `interpolated`; the forecast is for output in steps"
-                }
-            },
-            MEMORY,
-        ));
+        list.extend(stated.map(|on| {
+            Precondition::new(
+                format!("3605#1 of axis {id}"),
+                if on { "1" } else { "0" },
+                "interpolated pitch error compensation, as the job states or the files of the control hold it",
+                MEMORY,
+            )
+        }));
     }
     let bit = if machine.homing() == Direction::Plus { "0" } else { "1" };
     list.push(Precondition::new(
