@@ -2,7 +2,7 @@
 
 use crate::bundle::Bundle;
 use crate::case::{Ran, note_panics};
-use crate::random::hash;
+use crate::finding::hash;
 use crate::targets::{Target, all};
 use std::collections::BTreeSet;
 use std::fs;

@@ -1,6 +1,5 @@
 //! Cases that went wrong, in `fuzz/found/`: the input as `TARGET-HASH.case`, what went wrong beside it as `.txt`.
 
-use crate::random::hash;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -87,4 +86,11 @@ impl Finding<'_> {
             );
         }
     }
+}
+
+/// A number for a text, the same on every machine (FNV-1a).
+pub fn hash(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |sum, byte| {
+        (sum ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+    })
 }

@@ -1,29 +1,12 @@
 //! What a line of a control's file may look like, written from the formats' descriptions (docs/siemens.md §2,
 //! docs/fanuc.md §2, docs/interface.md §4.1, docs/linuxcnc.md §1, docs/isg.md §1). It knows nothing of templates, of `src/write/emit` or of `src/read`.
 
-/// A family of files.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Family {
-    /// `$` variables, `;` comments.
-    Siemens,
-    /// Numbered parameters between two `%`.
-    Fanuc,
-    /// Rows of a CSV or JSON file.
-    Generic,
-    /// Three numbers in a row, lines of an ini file, statements of a HAL file.
-    Linuxcnc,
-    /// Keys of a list, headers and rows of parameters.
-    Isg,
-    /// Sections of a configuration.
-    Klipper,
-    /// Lines as a profile declares them.
-    Declared,
-}
+use nonius::control::controller::Dialect;
 
 /// What is wrong with a file that a control loads.
-pub fn judge(family: Family, name: &str, bytes: &[u8]) -> Result<(), String> {
+pub(crate) fn judge(family: &Dialect, name: &str, bytes: &[u8]) -> Result<(), String> {
     let mut bytes = bytes.to_vec();
-    if family == Family::Declared {
+    if matches!(family, Dialect::Declared(_)) {
         bytes.retain(|byte| *byte != 0); // the high bytes of UTF-16
     }
     let text = std::str::from_utf8(&bytes).map_err(|_| format!("{name} is not text"))?;
@@ -31,18 +14,18 @@ pub fn judge(family: Family, name: &str, bytes: &[u8]) -> Result<(), String> {
         return Err(format!("{name} holds a letter that is not ASCII"));
     }
     let wrong = match family {
-        Family::Siemens => siemens(text),
-        Family::Fanuc => fanuc(text),
-        Family::Generic if name.ends_with(".json") => json(text),
-        Family::Generic if name == "typed.csv" => typed(text),
-        Family::Generic => csv(text),
-        Family::Linuxcnc if name.ends_with(".ini") => ini(text),
-        Family::Linuxcnc if name.ends_with(".hal") => hal(text),
-        Family::Linuxcnc => comp(text),
-        Family::Isg if name.ends_with(".lis") => list(text),
-        Family::Isg => parameters(text),
-        Family::Klipper => skew(text),
-        Family::Declared => declared(text),
+        Dialect::Siemens(_) => siemens(text),
+        Dialect::Fanuc(_) => fanuc(text),
+        Dialect::Generic(_) if name.ends_with(".json") => json(text),
+        Dialect::Generic(_) if name == "typed.csv" => typed(text),
+        Dialect::Generic(_) => csv(text),
+        Dialect::Linuxcnc(_) if name.ends_with(".ini") => ini(text),
+        Dialect::Linuxcnc(_) if name.ends_with(".hal") => hal(text),
+        Dialect::Linuxcnc(_) => comp(text),
+        Dialect::Isg(_) if name.ends_with(".lis") => list(text),
+        Dialect::Isg(_) => parameters(text),
+        Dialect::Klipper(_) => skew(text),
+        Dialect::Declared(_) => declared(text),
     };
     wrong.map_err(|line| format!("{name}: foreign line {line:?}"))
 }
@@ -393,42 +376,40 @@ fn is_number(text: &str) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::{Family, judge};
+    use super::judge;
+    use nonius::control::controller::builtin;
 
     #[test]
     fn a_foreign_line_is_found_in_every_family() {
         let files = [
             (
-                Family::Siemens,
+                "siemens-840d-sl",
                 "a.MPF",
                 "; A\n$AN_CEC[0,1]=0.002000 ; 100.000000\n$AN_CEC_INPUT_AXIS[0]=(AX1)\nM30\n",
             ),
-            (Family::Fanuc, "a.TXT", "%\nN03620Q1A1P0A2P12\nN10001Q0P-2\n%\n"),
+            ("fanuc-30i", "a.TXT", "%\nN03620Q1A1P0A2P12\nN10001Q0P-2\n%\n"),
             (
-                Family::Generic,
+                "generic",
                 "a.json",
                 "{\"schema\":1,\"rows\":[\n{\"term\":\"EXX\",\"base_axis\":\"x\",\"output_axis\":\"x\",\"direction\":null,\"index\":0,\"position_mm\":0,\"deviation_um\":0,\"correction_um\":0,\"increment_um\":null}\n]}\n",
             ),
             (
-                Family::Generic,
+                "generic",
                 "typed.csv",
                 "term,base_axis,output_axis,direction,zero_mm,page,point,position_mm,correction_um,seen\nEYY,y,y,,0,4,0,-200,-4,\nEYY,y,y,+,,4,sum,,-4,\n",
             ),
+            ("linuxcnc", "a.comp", "0.000000 0.000000 0.000000\n100.000000 -0.002000 0.001000\n"),
+            ("linuxcnc", "a.ini", "# A\n[JOINT_0]\nCOMP_FILE = a.comp\nCOMP_FILE_TYPE = 1\n"),
+            ("isg-volcomp", "a.lis", "# A\nX 1\nchain XYZ\nfile[0] volcomp.csv\n"),
+            ("isg-volcomp", "a.csv", "// A\nX EXX EAX\n0.000000 0.000000 0.000000000\n#\n"),
             (
-                Family::Linuxcnc,
-                "a.comp",
-                "0.000000 0.000000 0.000000\n100.000000 -0.002000 0.001000\n",
-            ),
-            (Family::Linuxcnc, "a.ini", "# A\n[JOINT_0]\nCOMP_FILE = a.comp\nCOMP_FILE_TYPE = 1\n"),
-            (Family::Isg, "a.lis", "# A\nX 1\nchain XYZ\nfile[0] volcomp.csv\n"),
-            (Family::Isg, "a.csv", "// A\nX EXX EAX\n0.000000 0.000000 0.000000000\n#\n"),
-            (
-                Family::Linuxcnc,
+                "linuxcnc",
                 "a.hal",
                 "# A\nloadrt sum2 count=1\nnet nonius-0-drive sum2.0.out\nsetp sum2.0.gain1 -1\n",
             ),
         ];
-        for (family, name, text) in files {
+        for (id, name, text) in files {
+            let family = &builtin::profile(id).unwrap().dialect;
             assert_eq!(judge(family, name, text.as_bytes()), Ok(()));
             for foreign in
                 ["G0 X0\n", "$AN_CEC[0,1]=1\n", "N10001Q0P3\n", "M30\n", "ä\n", "$AN_CEC[0,2]=-0\n"]

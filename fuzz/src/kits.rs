@@ -1,10 +1,10 @@
 //! Kits from end to end in this process: what `generate`, `verify`, `separate` and `program` do, without files.
 
 use crate::bundle::Bundle;
-use crate::grammar::{self, Family};
+use crate::grammar;
 use crate::oracles;
 use crate::readers::{Answer, built_in, profile_of};
-use nonius::control::controller::{Dialect, Profile, Role};
+use nonius::control::controller::{Profile, Role};
 use nonius::inputs::error_table::{self, Draft, ErrorTable};
 use nonius::inputs::job::{ActiveTables, DiagonalMeasurement, Job, LinearSlope, MeasuredData};
 use nonius::inputs::readings::Readings;
@@ -131,23 +131,11 @@ pub fn generate(input: &[u8]) -> Answer {
     for file in &kit.files {
         text += &oracles::text(&file.bytes);
         if is_builtin && !matches!(file.role, Role::Checklist | Role::Report) {
-            grammar::judge(family(&inputs.profile), &file.path, &file.bytes)
+            grammar::judge(&inputs.profile.dialect, &file.path, &file.bytes)
                 .unwrap_or_else(|wrong| panic!("grammar: {wrong}"));
         }
     }
     Ok(text)
-}
-
-fn family(profile: &Profile) -> Family {
-    match profile.dialect {
-        Dialect::Siemens(_) => Family::Siemens,
-        Dialect::Fanuc(_) => Family::Fanuc,
-        Dialect::Generic(_) => Family::Generic,
-        Dialect::Declared(_) => Family::Declared,
-        Dialect::Linuxcnc(_) => Family::Linuxcnc,
-        Dialect::Isg(_) => Family::Isg,
-        Dialect::Klipper(_) => Family::Klipper,
-    }
 }
 
 /// Files of a control, judged against a job: whatever is not a file of the job is one of the control.

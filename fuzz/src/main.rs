@@ -22,6 +22,7 @@ mod memory;
 mod mutate;
 mod oracles;
 mod queue;
+#[path = "../../tests/support/random.rs"]
 mod random;
 mod readers;
 #[path = "../../tests/support/refusals.rs"]

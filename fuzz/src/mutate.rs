@@ -348,6 +348,16 @@ fn one_more_option(
     words
 }
 
+impl Random {
+    /// A place in a text and one behind it, mostly near.
+    pub fn span(&mut self, length: usize) -> (usize, usize) {
+        let start = self.below(length + 1);
+        let most = if self.one_in(4) { length } else { 32 };
+        let end = start + self.below(most.min(length - start) + 1);
+        (start, end)
+    }
+}
+
 /// Bytes of a part that is neither word nor line.
 const LONGEST_PART: usize = 16;
 

@@ -4,9 +4,9 @@
 //! and input of the case that runs), `counts`, `findings`, `queue/TARGET/` (inputs that found something new).
 
 use crate::case::{Ran, note_panics};
-use crate::finding::Finding;
+use crate::finding::{Finding, hash};
 use crate::queue::Queue;
-use crate::random::{Random, hash};
+use crate::random::Random;
 use crate::targets::{Target, all};
 use crate::{mutate, watch};
 use std::fs;
@@ -57,7 +57,7 @@ const LARGE_ONE_IN: usize = 20;
 const LARGE: std::ops::Range<usize> = 12..21;
 /// Steps below which growth is no finding: a third of a second. A line has at most 64 kB and 2,000 problems, each of which may
 /// look along the whole of it.
-const MANY_STEPS: u64 = 100_000_000;
+const MANY_STEPS: u64 = 300_000_000;
 /// Twice the input may take so many times the steps: an exponent of 1.3.
 const STEPS_OF_TWICE: f64 = 2.5;
 

@@ -370,22 +370,6 @@ fn ended_at_any_system_call_nothing_unfinished_is_left() {
     try_faults(Fault::End, &["signal=SIGTERM", "signal=SIGINT", "background signal=SIGTERM"], 311);
 }
 
-/// A shell starts with `&` what does not hear Ctrl-C; `kill` ends it as ever.
-#[test]
-fn in_the_background_the_signals_that_are_not_ignored_leave_nothing() {
-    for (signal, status) in [("TERM", 2), ("INT", 0)] {
-        let visit = Visit::of(ERRORS);
-        let inject = format!("-e trace=fsync -e inject=fsync:signal={signal}:when=2");
-        let traced = format!("strace -f -qq {inject} -o /dev/null $N generate job.toml -o kit");
-        let ran = visit.shell(&format!("trap '' INT; exec {traced}"));
-        if ran.err.contains("strace") {
-            return skipped("strace is not here, or may not trace");
-        }
-        assert_eq!((ran.status, visit.has("kit")), (Some(status), status == 0), "{}", ran.all());
-        assert_eq!(partials(&visit.files()), [""; 0]);
-    }
-}
-
 #[test]
 fn refused_at_any_system_call_everything_is_written_or_nothing() {
     let errors = ["ENOSPC", "EIO", "EACCES", "EINTR", "EINVAL"].map(|e| format!("error={e}"));

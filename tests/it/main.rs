@@ -13,6 +13,10 @@
 #[allow(dead_code, unused_imports, reason = "each test program uses a part of it")]
 mod support;
 
+/// What the fuzzer holds files of a control against; its test runs here.
+#[path = "../../fuzz/src/grammar.rs"]
+mod grammar;
+
 /// Counts what a run holds (large.rs).
 #[global_allocator]
 static COUNTED: cap::Cap<std::alloc::System> = cap::Cap::new(std::alloc::System, usize::MAX);

@@ -276,7 +276,6 @@ fn no_output_lies_in_or_around_what_a_job_reads() {
         "generate job.toml -o job.toml --force",
         "generate job.toml -o . --force",
         "generate job.toml -o .. --force",
-        "simulate job.toml --tables old --errors -o old/put.csv",
         "simulate job.toml --errors -o errors.csv/put.csv",
     ] {
         refused(&visit, words);

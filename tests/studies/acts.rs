@@ -45,7 +45,7 @@ struct Trial {
 impl Trial {
     fn new(seed: u64) -> Trial {
         let mut random = Random::new(1000 * SEED + seed);
-        let (is_table, steps) = (random.once_in(5), random.of(&[9, 12]));
+        let (is_table, steps) = (random.one_in(5), random.of(&[9, 12]));
         let (noise_um, setup_ppm) = (random.of(&[0.3, 0.6, 1.0]), random.of(&[0.0, 0.2, 1.0]));
         let urad = random.of(&[0.0, 5.0, 10.0]);
         let bows = ANGLES.map(|_| [(); 2].map(|()| urad * random.between(-0.5, 0.5)));
@@ -189,7 +189,7 @@ impl Trial {
 fn visited(seed: u64) -> Option<(usize, bool, bool)> {
     let mut trial = Trial::new(seed);
     let random = &mut trial.random;
-    let (is_after, limits) = (random.once_in(2), random.below(2));
+    let (is_after, limits) = (random.one_in(2), random.below(2));
     let runs = if trial.is_table { 1 } else { random.of(&[1, 1, 2]) };
     let axes = random.of(&[&[0, 1, 2][..], &[0, 1, 2], &[0, 1], &[1, 2]]);
     let axes = axes.iter().map(|axis| (*axis, U_OF.0)).collect();

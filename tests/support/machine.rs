@@ -226,7 +226,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     let fit = ["sample", "sample", "least-squares", "minimax"][(seed / 3) % 4];
     let inch = seed % 5 == 3;
     let steep = seed % 6 == 1;
-    let nine = !random.once_in(3);
+    let nine = !random.one_in(3);
     features.extend([policy.unwrap_or(["undirected", "one way"][directions / 6]), fit, curve]);
     features.extend(inch.then_some("inch"));
     features.extend(steep.then_some("steep"));
@@ -234,14 +234,14 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
 
     let unit_um = random.of(&[1.0, 0.1, 2.5]);
     let is_plain = !siemens && !linuxcnc && !isg && !declared;
-    let stated_unit = (profile.detection_unit_required.value || (is_plain && random.once_in(3)))
+    let stated_unit = (profile.detection_unit_required.value || (is_plain && random.one_in(3)))
         .then_some(unit_um);
     // A file that takes X, Y and Z alone has no name for the second axis.
     let numbered = profile.axis_names.value[0].parse::<u32>().is_ok();
-    let gantry = random.once_in(4) && !isg && (!declared || numbered);
+    let gantry = random.one_in(4) && !isg && (!declared || numbered);
     features.extend(gantry.then_some("gantry"));
     let mut measured = ErrorTerm::ALL.to_vec();
-    measured.retain(|term| nine || !random.once_in(2) || (own_only && *term == ErrorTerm::ALL[0]));
+    measured.retain(|term| nine || !random.one_in(2) || (own_only && *term == ErrorTerm::ALL[0]));
     if measured.is_empty() {
         measured.push(ErrorTerm::ALL[random.below(9)]);
     }
@@ -259,7 +259,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         });
         let low = random.of(&[0.0, -length, -length / 4.0, 17.5]);
         let high = low + length;
-        let (from, to) = match random.once_in(3) {
+        let (from, to) = match random.one_in(3) {
             true => (low + 0.11 * length, high - 0.08 * length),
             false => (low, high),
         };
@@ -279,8 +279,8 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
             _ if reference <= low || reference >= high => "reference at an end",
             _ => "reference inside",
         });
-        let homing = if random.once_in(2) { Direction::Minus } else { Direction::Plus };
-        let homing_stated = homing == Direction::Minus || random.once_in(2);
+        let homing = if random.one_in(2) { Direction::Minus } else { Direction::Plus };
+        let homing_stated = homing == Direction::Minus || random.one_in(2);
         let (key, travel) = (axis.key(), [low, high]);
         machine_text += &format!(
             "[machine.axes.{key}]\ntravel_mm = {travel:?}\nreference_mm = {reference:?}\n"
@@ -303,7 +303,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
             [] => 1.0,
             _ => measured.add_terms(&mut random, &along, &mut terms, &mut csv),
         };
-        let interpolated = fanuc && random.once_in(3);
+        let interpolated = fanuc && random.one_in(3);
         features.extend(interpolated.then_some("interpolated"));
         let (feature, grid) = grid_text(&mut random, length, ends_on_grid, step_limit, fit);
         features.extend(feature);
@@ -317,26 +317,26 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         if interpolated {
             axes_text += "interpolated = true\n";
         }
-        if fanuc && random.once_in(4) {
+        if fanuc && random.one_in(4) {
             features.push("first_point");
             axes_text += &format!("first_point = {}\n", 150 + 150 * index);
         }
-        if fanuc && random.once_in(4) {
+        if fanuc && random.one_in(4) {
             features.push("parameter_3605");
             axes_text += "parameter_3605 = \"10000000\"\n";
         }
-        if siemens && random.once_in(4) {
+        if siemens && random.one_in(4) {
             axes_text += "measuring_system = 2\n";
         }
         axes.push(MachineAxis { low, high, reference, names, unit_um: stated_unit, interpolated });
     }
 
     // Squareness of slopes that the measurement does not contain.
-    if random.once_in(4) {
+    if random.one_in(4) {
         for (key, name) in [("xy", "EXY"), ("xz", "EXZ"), ("yz", "EYZ")] {
             let term = ErrorTerm::from_name(name).unwrap();
             let own = terms.iter_mut().find(|t: &&mut Term| t.term == term);
-            if let Some(own) = own.filter(|_| !random.once_in(3)) {
+            if let Some(own) = own.filter(|_| !random.one_in(3)) {
                 let slope = random.between(-30.0, 30.0);
                 for errors in [&mut own.plus, &mut own.minus].into_iter().flatten() {
                     errors.slope_um_per_m = slope;
@@ -365,11 +365,11 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
     if let Some(policy) = policy.filter(|_| terms.iter().any(Term::both_ways)) {
         control += &format!("backlash = \"{policy}\"\n");
     }
-    if siemens && random.once_in(3) {
+    if siemens && random.one_in(3) {
         features.push("first_table");
         control += &format!("first_table = {}\n", 1 + random.below(3));
     }
-    if fanuc && random.once_in(3) {
+    if fanuc && random.one_in(3) {
         features.push("first_set");
         control += &format!("first_set = {}\n", 1 + random.below(2));
     }
@@ -377,7 +377,7 @@ pub(crate) fn machine(profile: &Profile, seed: usize) -> Machine {
         features.push("reserved_points");
         control += &format!("reserved_points = {reserved:?}\n");
     }
-    if random.once_in(4) && terms.len() > 1 {
+    if random.one_in(4) && terms.len() > 1 {
         features.push("listed terms");
         let two_ways = matches!(policy, Some("two-tables" | "curve-and-parameter"));
         let is_listed = |(index, term): &(usize, &Term)| {
@@ -465,7 +465,7 @@ impl Measured {
         let count = 4 + random.below(12);
         let targets = |random: &mut Random, from: f64, to: f64| -> Vec<f64> {
             let step = (to - from) / (count - 1) as f64;
-            let even = random.once_in(2);
+            let even = random.one_in(2);
             let place = |i: usize| match i {
                 0 => from,
                 _ if i == count - 1 => to,
@@ -482,7 +482,7 @@ impl Measured {
             _ => {
                 let plus = targets(random, from, to);
                 let shorter = ((to - 0.04 * length) * 1000.0).round() / 1000.0;
-                let minus = match random.once_in(3) {
+                let minus = match random.one_in(3) {
                     true => targets(random, from, shorter),
                     false => plus.clone(),
                 };
@@ -494,7 +494,7 @@ impl Measured {
         for term in along {
             let size = random.of(&[0.0, 2.0, 12.0, 12.0, 45.0]);
             let offset = random.between(-3.0, 3.0);
-            let tilt = match steep && random.once_in(2) {
+            let tilt = match steep && random.one_in(2) {
                 true if unit_um < 0.5 => 0.08,
                 true => 0.25,
                 false => 0.0,

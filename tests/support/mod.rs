@@ -5,6 +5,7 @@ pub(crate) mod machine;
 pub(crate) mod machine_h;
 pub(crate) mod parallel;
 pub(crate) mod published;
+pub(crate) mod random;
 pub(crate) mod random_map;
 pub(crate) mod refusals;
 pub(crate) mod tree;
@@ -12,6 +13,7 @@ pub(crate) mod visit;
 
 pub(crate) use parallel::*;
 pub(crate) use published::*;
+pub(crate) use random::*;
 pub(crate) use tree::*;
 pub(crate) use visit::*;
 
@@ -246,40 +248,15 @@ pub(crate) fn um_at(response: &Response, mm: f64) -> f64 {
     response.correction(Millimetres::new(mm)).um()
 }
 
-/// A generator of numbers that are the same on every machine (SplitMix64).
-pub(crate) struct Random(u64);
-
 impl Random {
-    pub(crate) fn new(seed: u64) -> Random {
-        Random(seed)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// A number of 0 … count − 1.
-    pub(crate) fn below(&mut self, count: usize) -> usize {
-        usize::try_from(self.next() % count as u64).unwrap()
-    }
-
     /// One of a list.
     pub(crate) fn of<T: Clone>(&mut self, list: &[T]) -> T {
-        list[self.below(list.len())].clone()
-    }
-
-    /// True once in `times`.
-    pub(crate) fn once_in(&mut self, times: usize) -> bool {
-        self.below(times) == 0
+        self.pick(list).clone()
     }
 
     /// A number between two others, with three decimals.
     pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
-        let part = (self.next() >> 11) as f64 / (1_u64 << 53) as f64;
+        let part = (self.bits() >> 11) as f64 / (1_u64 << 53) as f64;
         ((low + part * (high - low)) * 1000.0).round() / 1000.0
     }
 }

@@ -2,6 +2,7 @@
 //! no value is refused with its place.
 
 use crate::inputs::nc::grammar::{Function, Grammar, Operator, ROUNDING, applied, evaluated};
+use crate::inputs::nc::scan::{MOST_DIGITS, too_long};
 use crate::inputs::nc::variables::{Name, Variables};
 use crate::inputs::nc::wrong::Wrong;
 
@@ -167,6 +168,9 @@ impl<'a> Reader<'a> {
         let rest = self.line[start..].iter();
         let length = rest.take_while(|byte| byte.is_ascii_digit() || **byte == b'.').count();
         self.at += length;
+        if length > MOST_DIGITS {
+            return Err(too_long((start, self.at), length));
+        }
         let written = String::from_utf8_lossy(&self.line[start..self.at]);
         written.parse().map_err(|_| {
             let message = format!("`{written}` is no number");

@@ -38,7 +38,7 @@ pub enum Counts {
 }
 
 /// Digits of one number; nobody writes more, and `f64` holds 17.
-const MOST_DIGITS: usize = 40;
+pub(super) const MOST_DIGITS: usize = 40;
 
 /// The words of a line, one after the other.
 #[derive(Clone, Debug)]
@@ -236,7 +236,7 @@ impl Words<'_> {
 const NUMBERS: &str =
     "variables and expressions are not executed: let the CAM system write numbers";
 
-fn too_long(span: (usize, usize), digits: usize) -> Wrong {
+pub(super) fn too_long(span: (usize, usize), digits: usize) -> Wrong {
     Wrong::new(
         span,
         format!("a number has {digits} digits, expected at most {MOST_DIGITS}"),

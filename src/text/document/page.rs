@@ -97,14 +97,16 @@ fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
 
 fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
     let mut problems = Problems::none();
-    let mut commas = Vec::new();
+    let (mut commas, mut last) = (Vec::new(), None);
     for error in errors {
         if problems.is_full() {
             break; // nobody reads further
         }
         let message = error.message().lines().next().unwrap_or("not TOML");
         let span = error.span();
-        if let Some(comma) = span.as_ref().and_then(|s| decimal_comma(&source.text, s.start)) {
+        if let Some(comma) =
+            span.as_ref().and_then(|s| decimal_comma(&source.text, s.start, &mut last))
+        {
             // One comma leads to several complaints.
             if !commas.contains(&comma) {
                 commas.push(comma);
@@ -166,8 +168,13 @@ fn in_escape(text: &str, at: usize) -> bool {
 }
 
 /// Where a decimal comma stands that a complaint at `at` follows from: there, or in braces on its
-/// line, where nothing but digits stand between a comma and the next comma or brace.
-fn decimal_comma(text: &str, at: usize) -> Option<usize> {
+/// line, where nothing but digits stand between a comma and the next comma or brace. `last`: the start of the line
+/// that was looked through last, and what was found.
+fn decimal_comma(
+    text: &str,
+    at: usize,
+    last: &mut Option<(usize, Option<usize>)>,
+) -> Option<usize> {
     let bytes = text.as_bytes();
     let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
     let between_digits = |at: &usize| {
@@ -177,11 +184,16 @@ fn decimal_comma(text: &str, at: usize) -> Option<usize> {
         return Some(at);
     }
     let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
+    if let Some((_, found)) = last.filter(|(line, _)| *line == start) {
+        return found;
+    }
     let line = text[start..].split('\n').next()?;
-    let open = start + line.find('{')?;
     let ends_a_value = |comma: &usize| {
         let rest = text[comma + 1..].trim_start_matches(|c: char| c.is_ascii_digit());
         rest.trim_start_matches(' ').starts_with([',', '}'])
     };
-    (open..start + line.len()).filter(between_digits).find(ends_a_value)
+    let in_braces = line.find('{').map_or(0..0, |open| start + open..start + line.len());
+    let found = in_braces.filter(between_digits).find(ends_a_value);
+    *last = Some((start, found));
+    found
 }

@@ -12,8 +12,7 @@
 //! corner.
 
 use super::cloud;
-pub use super::grid_map::Window;
-use super::grid_map::{self, GridMap, Node, Vector};
+use super::grid_map::{self, GridMap, Node, Vector, Window};
 use super::pair::{DirectionCell, Ends, Frame, Longest, Point, minus, room, search, unit};
 use super::sight::{AHEAD, BEHIND, Sight};
 
@@ -169,8 +168,6 @@ impl Search<'_> {
 /// The largest difference of every window of a size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowMap {
-    /// Nodes of a window, along the chain.
-    pub size: Node,
     /// Positions of the window, along the chain.
     pub positions: Node,
     /// Figures in the order of [`GridMap::number`] over `positions`.
@@ -191,7 +188,7 @@ impl WindowMap {
             let guess = figures.last().map(|figure| moved(figure.nodes, window));
             figures.push(within(map, window, guess));
         }
-        Some(WindowMap { size, positions, figures })
+        Some(WindowMap { positions, figures })
     }
 
     /// The lowest node of the window of figure `number`.

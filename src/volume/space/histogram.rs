@@ -224,28 +224,3 @@ fn count_unclear(
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::volume::space::histogram::prepared;
-
-    #[test]
-    fn rough_distances_are_counted_as_exact_ones() {
-        let wave = |n: usize, turn: f64| (n as f64 * turn).sin() * 40.0;
-        let exact: Vec<Vector> =
-            (0..700).map(|n| [wave(n, 0.7), wave(n, 1.3) * 0.5, wave(n, 2.9) * 0.1]).collect();
-        let cloud = prepared(&exact, 0.25).expect("few bins");
-        let mut expected = vec![0; BINS - 1];
-        for (n, p) in exact.iter().enumerate() {
-            for q in &exact[n + 1..] {
-                expected[bin(p, q, 0.25)] += 1;
-            }
-        }
-        let mut tally = Tally::new();
-        count(&cloud, 0..300, &mut tally);
-        count(&cloud, 300..700, &mut tally);
-        let counts: Vec<u64> = (0..BINS - 1).map(|bin| tally.of(bin)).collect();
-        assert_eq!(counts, expected);
-    }
-}

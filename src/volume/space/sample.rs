@@ -23,9 +23,7 @@ const BINS: usize = 1 << 20;
 /// Counts of bins that were not counted but estimated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
-    /// Width of a bin, µm; bin n as in [`super::histogram::exact`].
-    pub bin_um: f64,
-    /// Estimated number of pairs of each bin. `None` where no drawn pair fell into it: up to about
+    /// Estimated number of pairs of each bin, as in [`super::histogram::exact`]. `None` where no drawn pair fell into it: up to about
     /// 3/`drawn` of all pairs may be there (95 %). The last bin holds the largest difference, so
     /// never less than 1.
     pub counts: Vec<Option<f64>>,
@@ -34,8 +32,6 @@ pub struct Estimate {
     pub standard_errors: Vec<Option<f64>>,
     /// Pairs drawn.
     pub drawn: u64,
-    /// Seed of the generator.
-    pub seed: u64,
 }
 
 /// A box of nodes.
@@ -82,13 +78,8 @@ pub fn estimate(map: &GridMap, bin_um: f64, draws: u64, seed: u64) -> Option<Est
     let mut counts: Vec<Option<f64>> = sums.counts.into_iter().map(above_zero).collect();
     counts[last] = Some(counts[last].unwrap_or(1.0).max(1.0));
     let errors = sums.variances.into_iter().map(f64::sqrt);
-    Some(Estimate {
-        bin_um,
-        counts,
-        standard_errors: errors.map(above_zero).collect(),
-        drawn: sums.drawn,
-        seed,
-    })
+    let standard_errors = errors.map(above_zero).collect();
+    Some(Estimate { counts, standard_errors, drawn: sums.drawn })
 }
 
 /// What the strata have given so far.
