@@ -13,7 +13,7 @@ const STEEPEST: f64 = 1.15;
 /// A command, and its files for a number of lines.
 type Case = (&'static str, fn(usize) -> Vec<(&'static str, String)>);
 
-const CASES: [Case; 6] = [
+const CASES: [Case; 7] = [
     (
         "import list.txt --form form.csv --columns #1=displacement_mm --captures cumulative -o out.csv",
         |count| vec![("form.csv", form(count)), ("list.txt", lines(count, |n| n.to_string()))],
@@ -33,6 +33,14 @@ const CASES: [Case; 6] = [
     }),
     ("generate job.toml -o kit", |count| {
         vec![("job.toml", lines(count, |n| format!("k{n} = {n}")))]
+    }),
+    // One line of up to 60 kB with a complaint every dozen bytes.
+    ("generate job.toml -o commas", |count| {
+        let commas = lines(count / 12, |_| ", y = 300.0,".to_string()).replace('\n', "");
+        vec![(
+            "job.toml",
+            format!("[measurement.step_diagonal]\nsize_mm = {{ x = 1.0{commas} }}\n"),
+        )]
     }),
 ];
 

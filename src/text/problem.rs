@@ -470,6 +470,16 @@ mod tests {
     }
 
     #[test]
+    fn a_long_line_is_shown_around_its_column() {
+        let text = format!("a\r\n{}\r\n", "äb".repeat(150));
+        let start = text.find('\n').unwrap_or_default() + 1 + 150 / 2 * 3;
+        let place = Place::in_text("r.csv", &text, start, start + 3);
+        assert_eq!([place.line, place.column, place.width, place.skipped], [2, 151, 2, 100]);
+        let shown: Vec<char> = place.text.chars().collect();
+        assert_eq!((shown[0], shown[50], shown[51], shown.len()), ('…', 'ä', 'b', 200));
+    }
+
+    #[test]
     fn one_cause_in_many_lines_is_one_message_that_counts() {
         let text = "empty\n".repeat(801);
         let mut problems = Problems::none();

@@ -168,8 +168,9 @@ impl<'a> Reader<'a> {
         let rest = self.line[start..].iter();
         let length = rest.take_while(|byte| byte.is_ascii_digit() || **byte == b'.').count();
         self.at += length;
-        if length > MOST_DIGITS {
-            return Err(too_long((start, self.at), length));
+        let digits = self.line[start..self.at].iter().filter(|byte| byte.is_ascii_digit()).count();
+        if digits > MOST_DIGITS {
+            return Err(too_long((start, self.at), digits));
         }
         let written = String::from_utf8_lossy(&self.line[start..self.at]);
         written.parse().map_err(|_| {

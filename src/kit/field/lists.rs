@@ -125,7 +125,8 @@ pub(super) fn assumptions(compiled: &Compiled) -> Listed {
     let list = compiled.assumptions.iter();
     let list = list.filter(|a| a.without_effect.is_none());
     let (open, known): (Vec<&Assumption>, Vec<&Assumption>) = list.partition(|a| a.to_decide);
-    let decide = |a: &&Assumption| format!("{BOX} **DECIDE,** assumed: {}", a.words());
+    let decide =
+        |a: &&Assumption| format!("{BOX} **DECIDE,** assumed: {}; found: {BLANK}", a.words());
     Listed {
         items: open.iter().map(decide).collect(),
         notes: known.iter().map(|a| a.words()).collect(),

@@ -60,17 +60,17 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
             assumptions.push(unused.undecided());
         }
     }
-    let is_asked = |run: &Run| {
+    let is_asked = |run: &&Run| {
         let settings = task.job.compensation.axes[run.axis].as_ref();
         settings.is_none_or(|s| s.interpolated.is_none() && s.parameter_3605.is_none())
     };
-    if runs.iter().any(is_asked) {
-        let steps = Assumption::of_job(
-            "interpolated",
-            "false",
-            "between the points the forecast is off by up to one step: read 3605#1 of each axis and leave it as it is; where it is 1 (as on a real control), state `interpolated = true` and generate again",
+    let asked: Vec<String> = runs.iter().filter(is_asked).map(|run| run.id.to_string()).collect();
+    if !asked.is_empty() {
+        let words = format!(
+            "between the points the forecast is off by up to one step: read 3605#1 of axis {} and leave it as it is; where it is 1 (as on the one control seen), state `interpolated = true` for that axis, else `false`, and generate again",
+            asked.join(", ")
         );
-        assumptions.push(steps.undecided());
+        assumptions.push(Assumption::of_job("interpolated", "false", words).undecided());
     }
     if plan.has_cross() && task.job.compensation.first_set.is_none() {
         let first = Assumption::of_job(
@@ -153,7 +153,7 @@ fn axis_preconditions(task: Task<'_>, plan: &Plan, run: &Run) -> Vec<Preconditio
         list.push(Precondition::new(
             format!("3605#0 of axis {id}"),
             if directed { "1" } else { "0" },
-            "bidirectional pitch error compensation; the parameter holds other bits too, so it is not written",
+            "bidirectional pitch error compensation; the parameter is not written: it holds other bits, which stay as they are",
             "A-77810E/02",
         ).boxed());
         let stated = settings.and_then(|s| s.interpolated);
