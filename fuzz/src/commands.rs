@@ -59,14 +59,14 @@ pub fn run(place: &Path, input: &[u8]) -> Ran {
     lay_out(&bundle, &directory);
     let first = start(place, &directory, &words);
     let mut trace = coverage::trace(&first.counters);
-    let mut wrong = judge(&first, &outputs(&words), input).err();
+    let mut wrong = judge(&first, &words, input).err();
     let is_asked = words.iter().any(|word| ["-h", "--help"].contains(word));
     if wrong.is_none()
         && words.first() == Some(&"generate")
         && matches!(first.status, Some(0 | 1))
         && !is_asked
     {
-        wrong = follow_up(place, &directory, &words, &first, &mut trace).err();
+        wrong = follow_up(place, &directory, &words, (&first, input), &mut trace).err();
     }
     if wrong.is_none() && matches!(first.status, Some(0 | 1)) {
         wrong = made_again(place, &directory, &words, &first).err();
@@ -144,9 +144,11 @@ fn files(directory: &Path) -> Files {
     tree(directory).into_iter().map(named).collect()
 }
 
-/// What a run that answers may leave: what was there, and its outputs. Of an output that was there before, a file is
-/// exchanged; a folder lies at its name with `.previous`, with everything that was in it.
-fn judge_files(run: &Run, outputs: &[&str]) -> Result<(), String> {
+/// What a run that answers may leave: what was there, and its outputs. Of an output that was there before, with
+/// `--force` a file is exchanged, and a folder lies at its name with `.previous`, with everything that was in it.
+fn judge_files(run: &Run, words: &[&str]) -> Result<(), String> {
+    let outputs = outputs(words);
+    let has_force = words.contains(&"--force");
     if let Some(name) = run.after.keys().find(|name| name.contains(".partial-")) {
         return Err(format!("left behind: {name}"));
     }
@@ -161,7 +163,7 @@ fn judge_files(run: &Run, outputs: &[&str]) -> Result<(), String> {
             };
             Some(run.after.iter().any(kept))
         };
-        outputs.contains(&name) || outputs.iter().find_map(moved).unwrap_or(false)
+        has_force && (outputs.contains(&name) || outputs.iter().find_map(moved).unwrap_or(false))
     };
     let mut changed = run.before.iter().filter(|(name, bytes)| run.after.get(*name) != Some(bytes));
     if let Some((name, _)) = changed.find(|(name, bytes)| !is_kept(name, bytes)) {
@@ -180,7 +182,7 @@ fn judge_files(run: &Run, outputs: &[&str]) -> Result<(), String> {
     }
 }
 
-fn judge(run: &Run, outputs: &[&str], input: &[u8]) -> Result<(), String> {
+fn judge(run: &Run, words: &[&str], input: &[u8]) -> Result<(), String> {
     let told = || {
         let from = run.told.char_indices().rev().nth(299).map_or(0, |(at, _)| at);
         &run.told[from..]
@@ -191,9 +193,12 @@ fn judge(run: &Run, outputs: &[&str], input: &[u8]) -> Result<(), String> {
         Some(2) => return Err("status 2, and the directory is another".to_string()),
         status => return Err(format!("status {status:?}: {}", told())),
     }
-    judge_files(run, outputs)?;
+    if run.counters.is_empty() && coverage::edges() > 0 {
+        return Err("the run left no report of its memory and steps".to_string());
+    }
+    judge_files(run, words)?;
     let made = run.after.iter().filter(|(_, bytes)| !run.before.values().any(|old| old == *bytes));
-    let mut size = input.len() + run.told.len();
+    let mut size = run.before.values().map(Vec::len).sum::<usize>() + run.told.len();
     oracles::judge(&run.told, input)?;
     for (name, bytes) in made {
         size += bytes.len();
@@ -219,7 +224,7 @@ fn follow_up(
     place: &Path,
     directory: &Path,
     words: &[&str],
-    made: &Run,
+    (made, input): (&Run, &[u8]),
     trace: &mut Vec<Edge>,
 ) -> Result<(), String> {
     let kit = words.windows(2).find(|pair| pair[0] == "-o").map(|pair| pair[1]);
@@ -240,7 +245,7 @@ fn follow_up(
     {
         return Err(format!("history ends with {:?}: {}", history.status, history.told));
     }
-    Ok(())
+    judge(&verified, &[], input).and_then(|()| judge(&history, &[], input))
 }
 
 /// What took the place of something is made in the same way once more: so it did not replace what it is made of. Only a

@@ -95,7 +95,7 @@ const NASTY: &[&str] = &[
 
 /// The classes of letters, each by its first and its last: controls of one and of two bytes, of one to four bytes, longer
 /// in lower case, joined, turned, invisible, private, none, and what begins a formula.
-const LETTERS: [(char, char); 25] = [
+const LETTERS: [(char, char); 29] = [
     ('\u{1}', '\u{1f}'),
     ('\u{7f}', '\u{9f}'),
     ('é', 'é'),
@@ -111,6 +111,10 @@ const LETTERS: [(char, char); 25] = [
     ('\u{200b}', '\u{200d}'),
     ('\u{feff}', '\u{feff}'),
     ('\u{ad}', '\u{ad}'),
+    ('\u{34f}', '\u{34f}'),
+    ('\u{115f}', '\u{1160}'),
+    ('\u{180b}', '\u{180f}'),
+    ('\u{1d173}', '\u{1d17a}'),
     ('😀', '😄'),
     ('\u{e000}', '\u{f8ff}'),
     ('\u{10fffe}', '\u{10ffff}'),
@@ -317,7 +321,7 @@ fn write_over_input(random: &mut Random, mut words: Vec<String>, files: &[String
     {
         output.clone_from(random.pick(files));
     }
-    if !words.iter().any(|word| word == "--force") {
+    if random.one_in(2) && !words.iter().any(|word| word == "--force") {
         words.push("--force".into());
     }
     words

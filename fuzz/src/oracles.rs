@@ -14,7 +14,7 @@ pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
     // Nearly every text is long and has none of the bytes with which such a character begins.
     let may_be = |byte: u8| {
         byte < 0x20 && !b"\n\r\t".contains(&byte)
-            || matches!(byte, 0x7f | 0xc2 | 0xd8 | 0xe2 | 0xef | 0xf3)
+            || matches!(byte, 0x7f | 0xc2 | 0xcd | 0xd8 | 0xe1..=0xe3 | 0xef | 0xf0 | 0xf3)
     };
     let control = || text.chars().find(|c| is_control(*c));
     if let Some(found) = text.bytes().any(may_be).then(control).flatten() {
@@ -42,18 +42,14 @@ pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// No cell of a file for spreadsheets is taken for a formula: `=` or `@` at its beginning, or a sign before a word.
+/// No cell of a file for spreadsheets is taken for a formula: `=` or `@` at its beginning, or a sign before anything
+/// but a number.
 pub fn judge_cells(text: &str) -> Result<(), String> {
     for cell in text.split(['\n', '\r', ',', ';', '\t']) {
-        let cell = cell.trim_start_matches(['"', ' ']);
-        let mut letters = cell.chars();
-        let is_formula = match letters.next() {
-            Some('=' | '@' | '＝' | '＠') => true,
-            Some('+' | '-' | '＋' | '－') => {
-                letters.next().is_some_and(|c| c.is_alphabetic() || "(@=".contains(c))
-            }
-            _ => false,
-        };
+        let cell = cell.trim_matches(['"', ' ']);
+        let is_signed = cell.starts_with(['+', '-', '＋', '－']) && cell.chars().count() > 1;
+        let is_number = || cell.parse().is_ok_and(f64::is_finite);
+        let is_formula = cell.starts_with(['=', '@', '＝', '＠']) || is_signed && !is_number();
         if is_formula {
             return Err(format!(
                 "a spreadsheet calculates the cell {:?}",
@@ -70,7 +66,9 @@ fn is_control(c: char) -> bool {
         matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let is_unseen =
         matches!(c, '\u{ad}' | '\u{61c}' | '\u{200b}' | '\u{2060}'..='\u{206f}' | '\u{feff}')
-            || matches!(c, '\u{fe00}'..='\u{fe0f}' | '\u{e0000}'..='\u{e0fff}');
+            || matches!(c, '\u{fe00}'..='\u{fe0f}' | '\u{e0000}'..='\u{e0fff}')
+            || matches!(c, '\u{34f}' | '\u{115f}' | '\u{1160}' | '\u{3164}' | '\u{ffa0}')
+            || matches!(c, '\u{180b}'..='\u{180f}' | '\u{1d173}'..='\u{1d17a}');
     let ends_a_line = matches!(c, '\u{2028}' | '\u{2029}');
     c.is_control() && !"\n\r\t".contains(c) || turns || is_unseen || ends_a_line
 }

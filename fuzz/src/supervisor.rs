@@ -21,6 +21,12 @@ struct Worker {
 /// Runs `jobs` workers; how many cases ran, and how many findings there are.
 pub fn supervise(plan: &Plan, jobs: usize) -> (u64, usize) {
     let started = Instant::now();
+    // What another run found would hide what this one finds again.
+    let older = crate::finding::folder().with_extension("previous");
+    if fs::exists(crate::finding::folder()).unwrap_or(false) {
+        let _ = fs::remove_dir_all(&older);
+        let _ = fs::rename(crate::finding::folder(), older);
+    }
     let part = |index: usize| Plan {
         place: plan.place.join(index.to_string()),
         seed: plan.seed + index as u64,

@@ -187,10 +187,10 @@ fn broken(line: &str) -> String {
 
 /// A path as one word of a command: quoted where the shell of this computer needs it.
 pub(super) fn shell_word(path: &Path) -> String {
-    let word = path.display().to_string();
-    match cfg!(windows) {
-        true => cmd_word(&word),
-        false => posix_word(&word),
+    match path.to_str() {
+        None => format!("$'{}'", path.as_os_str().as_encoded_bytes().escape_ascii()),
+        Some(word) if cfg!(windows) => cmd_word(word),
+        Some(word) => posix_word(word),
     }
 }
 

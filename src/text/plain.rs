@@ -107,7 +107,7 @@ pub(crate) mod tests {
         for (text, written) in [
             ("Machine: a,=cmd|'/C calc'!A0;=1+1", "# Machine: a,'=cmd|'/C calc'!A0;'=1+1"),
             ("a, \"@SUM(A1)\",\t+a;-b", "# a, \"'@SUM(A1)\", '+a;'-b"),
-            ("=1,-inf", "# '=1,'-inf"),
+            ("=1,-inf;-2+3+cmd|x", "# '=1,'-inf;'-2+3+cmd|x"),
             (
                 "on the lines X, Y, Z, mm: 450, -360, +36.5",
                 "# on the lines X, Y, Z, mm: 450, -360, +36.5",

@@ -204,7 +204,8 @@ fn largest(d: &Definitions) -> [(&'static str, String, &'static str); 2] {
 fn bracket<const N: usize>(found: &Largest<N>) -> String {
     match found.is_exact() {
         true => um(found.um),
-        false => format!("{} … {}", um(found.um), um(found.bound_um)),
+        // Rounded up: what is printed is a bound, too.
+        false => format!("{} … {}", um(found.um), um((1000.0 * found.bound_um).ceil() / 1000.0)),
     }
 }
 
@@ -242,6 +243,6 @@ mod tests {
     #[test]
     fn a_figure_that_was_not_searched_to_the_end_is_a_bracket() {
         let found = |bound_um| bracket(&Largest { um: 1.5, bound_um, at: [0; 3] });
-        assert_eq!([found(1.5), found(2.0)], ["1.500", "1.500 … 2.000"]);
+        assert_eq!([found(1.5), found(2.0001)], ["1.500", "1.500 … 2.001"]);
     }
 }

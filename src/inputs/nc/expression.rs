@@ -2,9 +2,8 @@
 //! no value is refused with its place.
 
 use crate::inputs::nc::grammar::{Function, Grammar, Operator, ROUNDING, applied, evaluated};
-use crate::inputs::nc::scan::{MOST_DIGITS, too_long};
 use crate::inputs::nc::variables::{Name, Variables};
-use crate::inputs::nc::wrong::Wrong;
+use crate::inputs::nc::wrong::{Wrong, refuse_long_number};
 
 /// Brackets inside each other.
 const DEEPEST: usize = 32;
@@ -168,11 +167,10 @@ impl<'a> Reader<'a> {
         let rest = self.line[start..].iter();
         let length = rest.take_while(|byte| byte.is_ascii_digit() || **byte == b'.').count();
         self.at += length;
-        let digits = self.line[start..self.at].iter().filter(|byte| byte.is_ascii_digit()).count();
-        if digits > MOST_DIGITS {
-            return Err(too_long((start, self.at), digits));
-        }
-        let written = String::from_utf8_lossy(&self.line[start..self.at]);
+        let bytes = &self.line[start..self.at];
+        let digits = bytes.iter().filter(|byte| byte.is_ascii_digit()).count();
+        refuse_long_number((start, self.at), digits)?;
+        let written = String::from_utf8_lossy(bytes);
         written.parse().map_err(|_| {
             let message = format!("`{written}` is no number");
             Wrong::new((start, self.at), message, "write it like `10.5`")

@@ -4,6 +4,7 @@
 //! `; …` are ignored. Numbers keep the full precision of what is written.
 
 pub use crate::inputs::nc::wrong::Wrong;
+use crate::inputs::nc::wrong::refuse_long_number;
 
 use crate::inputs::nc::expression::Reader;
 use crate::inputs::nc::grammar::ISO;
@@ -36,9 +37,6 @@ pub enum Counts {
     /// `IC( )`: from the present place.
     Incremental,
 }
-
-/// Digits of one number; nobody writes more, and `f64` holds 17.
-pub(super) const MOST_DIGITS: usize = 40;
 
 /// The words of a line, one after the other.
 #[derive(Clone, Debug)]
@@ -174,9 +172,7 @@ impl Words<'_> {
                 None => Err(self.no_number(start, end)),
             };
         }
-        if digits > MOST_DIGITS {
-            return Err(too_long((start, end), digits));
-        }
+        refuse_long_number((start, end), digits)?;
         self.at = end;
         let written = String::from_utf8_lossy(&self.line[first..end]);
         let number = match has_blank {
@@ -235,14 +231,6 @@ impl Words<'_> {
 
 const NUMBERS: &str =
     "variables and expressions are not executed: let the CAM system write numbers";
-
-pub(super) fn too_long(span: (usize, usize), digits: usize) -> Wrong {
-    Wrong::new(
-        span,
-        format!("a number has {digits} digits, expected at most {MOST_DIGITS}"),
-        "write the number with as many digits as the control reads",
-    )
-}
 
 #[cfg(test)]
 mod tests {

@@ -97,7 +97,7 @@ fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
 
 fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
     let mut problems = Problems::none();
-    let (mut commas, mut last) = (Vec::new(), None);
+    let (mut commas, mut last) = (Vec::new(), (usize::MAX, None));
     for error in errors {
         if problems.is_full() {
             break; // nobody reads further
@@ -170,11 +170,7 @@ fn in_escape(text: &str, at: usize) -> bool {
 /// Where a decimal comma stands that a complaint at `at` follows from: there, or in braces on its
 /// line, where nothing but digits stand between a comma and the next comma or brace. `last`: the start of the line
 /// that was looked through last, and what was found.
-fn decimal_comma(
-    text: &str,
-    at: usize,
-    last: &mut Option<(usize, Option<usize>)>,
-) -> Option<usize> {
+fn decimal_comma(text: &str, at: usize, last: &mut (usize, Option<usize>)) -> Option<usize> {
     let bytes = text.as_bytes();
     let is_digit = |at: usize| bytes.get(at).is_some_and(u8::is_ascii_digit);
     let between_digits = |at: &usize| {
@@ -184,8 +180,8 @@ fn decimal_comma(
         return Some(at);
     }
     let start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
-    if let Some((_, found)) = last.filter(|(line, _)| *line == start) {
-        return found;
+    if last.0 == start {
+        return last.1;
     }
     let line = text[start..].split('\n').next()?;
     let ends_a_value = |comma: &usize| {
@@ -194,6 +190,6 @@ fn decimal_comma(
     };
     let in_braces = line.find('{').map_or(0..0, |open| start + open..start + line.len());
     let found = in_braces.filter(between_digits).find(ends_a_value);
-    *last = Some((start, found));
+    *last = (start, found);
     found
 }

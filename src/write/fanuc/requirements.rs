@@ -66,9 +66,9 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, runs: &[Run]) -> Vec<Assu
     };
     let asked: Vec<String> = runs.iter().filter(is_asked).map(|run| run.id.to_string()).collect();
     if !asked.is_empty() {
+        let axes = asked.join(", ");
         let words = format!(
-            "between the points the forecast is off by up to one step: read 3605#1 of axis {} and leave it as it is; where it is 1 (as on the one control seen), state `interpolated = true` for that axis, else `false`, and generate again",
-            asked.join(", ")
+            "between the points the forecast is off by up to one step: read 3605#1 of axis {axes} and leave it as it is; where it is 1 (as on the one control seen), state `interpolated = true` for that axis, else `false`, and generate again"
         );
         assumptions.push(Assumption::of_job("interpolated", "false", words).undecided());
     }
