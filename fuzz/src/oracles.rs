@@ -43,13 +43,14 @@ pub fn judge(text: &str, input: &[u8]) -> Result<(), String> {
 }
 
 /// No cell of a file for spreadsheets is taken for a formula: `=` or `@` at its beginning, or a sign before anything
-/// but a number.
+/// but numbers.
 pub fn judge_cells(text: &str) -> Result<(), String> {
     for cell in text.split(['\n', '\r', ',', ';', '\t']) {
         let cell = cell.trim_matches(['"', ' ']);
         let is_signed = cell.starts_with(['+', '-', '＋', '－']) && cell.chars().count() > 1;
-        let is_number = || cell.parse().is_ok_and(f64::is_finite);
-        let is_formula = cell.starts_with(['=', '@', '＝', '＠']) || is_signed && !is_number();
+        let is_number = |word: &str| word.parse().is_ok_and(f64::is_finite);
+        let is_formula = cell.starts_with(['=', '@', '＝', '＠'])
+            || is_signed && !cell.split_whitespace().all(is_number);
         if is_formula {
             return Err(format!(
                 "a spreadsheet calculates the cell {:?}",

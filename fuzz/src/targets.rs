@@ -372,6 +372,7 @@ const PLAN: &[&str] = &[
     "new --controller siemens-840d-sl --travel 400,300,200 -o made",
     "new --controller fanuc-30i --travel 20in,-10in,250 --readings --both-directions --steps 9 -o made",
     "new --from job.toml -o made",
+    "simulate job.toml --errors -o after.csv",
     "verify job.toml --tables kit --after after.csv --plot after.svg",
     "separate job.toml --plot separated.svg --trials 20",
     "assess job.toml --plot assessed.svg --grid 3,4,5 --histogram 1 --grouping 0.5",

@@ -54,15 +54,10 @@ pub fn plan(task: RunTask<'_>) -> Result<MeasuringRun, Problems> {
     fit::refuse_other_turn(job, request, &mut problems);
     fit::refuse_number(task, &mut problems);
     let scale = problems.take(route::Scale::of(job, request, resolution));
-    let Some(scale) = scale else {
+    let Some(scale) = scale.filter(|_| problems.is_empty()) else {
         return Err(problems);
     };
     let programs = route::programs(request, &scale);
     let mirror = mirror::needed(request);
-    problems.or_ok(MeasuringRun {
-        resolution,
-        notes: fit::notes(task, programs.len()),
-        programs,
-        mirror,
-    })
+    Ok(MeasuringRun { resolution, notes: fit::notes(task, programs.len()), programs, mirror })
 }

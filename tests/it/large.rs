@@ -184,6 +184,10 @@ fn memory_stays_in_proportion_to_input_and_output() {
     let z = of_axis("z", "-").lines().rev().map(|row| format!("{row}\n")).collect::<String>();
     let rows = of_axis("x", "") + &of_axis("y", "") + &z;
     let after = format!("axis,position_mm,ex_um,ey_um,ez_um\n{rows}");
+    let siemens = fixture("nine_errors_900/siemens-840d-sl.toml");
+    let walked = siemens
+        + "\n[program]\nwhat = \"single-axis\"\nruns = 100\nsteps = 1000\n\
+        start_mm = { x = 10.0, y = 10.0, z = -710.0 }\nsize_mm = { x = 870.0, y = 690.0, z = 690.0 }\n";
     let archive = |data: String| format!("%_N_AX_EEC_INI\n{data}M17\n");
     let (manifest, json, csv) = ("kit/manifest.json", "out/table.json", "out/table.csv");
     let (generic, backlash) = ("generic", "$MA_BACKLASH[0,AX1]=1\n");
@@ -225,6 +229,7 @@ fn memory_stays_in_proportion_to_input_and_output() {
         ("siemens-840d-sl", "out/all.arc", archive("\n".repeat(3 * MB)), READ_OUT),
         ("siemens-840d-sl", "out/all.arc", archive(backlash.repeat(200_000)), READ_OUT),
         ("fanuc-30i", "out/PARA.TXT", format!("%\n{}%\n", "N1\n".repeat(MB)), READ_OUT),
+        ("siemens-840d-sl", "job.toml", walked, "program job.toml -o run"),
     ];
     // Every third, or all where `NONIUS_SIMULATIONS` is set.
     let cases: Vec<_> = cases.iter().step_by(short_or(3, 1)).collect();
