@@ -65,8 +65,10 @@ impl LengthUnit {
 /// a million of them.
 #[derive(Clone, Copy)]
 pub struct Line<'a> {
-    file: &'a str,
+    source: &'a Source,
     number: usize,
+    /// Where it begins in the text of its source.
+    start: usize,
     text: &'a str,
     delimiter: u8,
     decimal_comma: bool,
@@ -137,8 +139,7 @@ impl<'a> Line<'a> {
     }
 
     fn place(&self, span: Range<usize>) -> Place {
-        let inside = Place::in_text(self.file, self.text, span.start, span.end);
-        Place { line: self.number, ..inside }
+        self.source.place(&(self.start + span.start..self.start + span.end))
     }
 
     /// The place of the whole line.
@@ -270,14 +271,18 @@ fn wrong_length(row: &Line<'_>, found: usize, expected: usize) -> Problem {
 /// Every line of a text; what separates its columns is taken from the line itself: the first of
 /// semicolon, tab and comma that it holds.
 pub fn lines(source: &Source) -> impl Iterator<Item = Line<'_>> {
+    let mut next = 0;
     let numbered = source.text.split('\n').zip(1..);
-    numbered.map(|(text, number)| {
+    numbered.map(move |(text, number)| {
+        let start = next;
+        next += text.len() + 1;
         let separators = [b';', b'\t', b','];
         let found = separators.into_iter().find(|d| text.contains(char::from(*d)));
         let delimiter = found.unwrap_or(b',');
         Line {
-            file: &source.name,
+            source,
             number,
+            start,
             text: text.trim_end_matches('\r'),
             delimiter,
             decimal_comma: delimiter == b';',
