@@ -69,9 +69,12 @@ impl Inputs {
     fn of(
         job: Job,
         profile: Profile,
-        (errors, model): (ErrorSource, ErrorModel),
+        (errors, mut model): (ErrorSource, ErrorModel),
         hashes: Vec<HashedFile>,
     ) -> Inputs {
+        if matches!(errors, ErrorSource::Table(_)) {
+            model.ask_for_squareness(&job);
+        }
         Inputs {
             job,
             profile,

@@ -9,6 +9,7 @@ findings! {
         NotDetermined { terms: Vec<ErrorTerm> } => Doubt, "not determined by this measurement, so not judged: {}", joined(terms);
         HiddenReversal { um: f64 } => Doubt, "the readings show a reversal of about {um:.3} µm along the diagonals, which these curves do not hold: every figure here is without it";
         UnlikelySmall { largest_um: f64, least_um: f64 } => Doubt, "no error exceeds {} µm, and a machine tool below {least_um} µm throughout is unlikely: check the unit of the columns (mm under `_um`?), or state a `noise_um` below it", two_digits(*largest_um);
+        SquarenessTwice { terms: [ErrorTerm; 2], stated: f64, slopes: f64 } => Doubt, "squareness {}{} is stated as {stated:.3} µm/m, and the slopes of {} and {} hold {slopes:.3} µm/m: both count; leave the key out, or give both straightnesses without their slopes", terms[0].of.key(), terms[0].along.key(), terms[0], terms[1];
         OtherReference { zero: String } => Note, "the error table says what its largest errors are at most for a zero at {zero}; for other reference points the u of each value counts, as if the values were independent";
         AnglesNotCompensated => Note, "angular errors (`ea_…`, `eb_…`, `ec_…`) are not compensated by these tables; `nonius assess` counts what they do in the volume";
         DeviationsBeside { file: String } => Note, "`{file}` is named as `angles`; the deviations that stand beside them are not used";

@@ -26,13 +26,14 @@ use crate::inputs::error_table::{ErrorTable, Heading, Remarks, Series, Sizes};
 use crate::inputs::job::{Job, MachineAxis, MeasuredData};
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::joint::zero;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::axis::{Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres, larger};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 
 pub(in crate::machine) mod measured;
+mod squareness;
 
 /// One measured term.
 #[derive(Clone, Debug, PartialEq)]
@@ -106,6 +107,8 @@ impl MeasuredTerm {
 pub struct ErrorModel {
     /// The measured terms; `None` = not measured.
     pub terms: PerTerm<Option<MeasuredTerm>>,
+    /// The terms to which a squareness would be added that is not known.
+    pub without_squareness: Vec<ErrorTerm>,
     /// The measured rotations (`EAX` …), µrad in place of µm; as measured, or zero at
     /// `angles_zero_mm`. No table of a control holds them.
     pub rotations: PerTerm<Option<Measured>>,
@@ -137,7 +140,7 @@ impl ErrorModel {
         let mut problems = Problems::none();
         let ranges = PerAxis::from_fn(|axis| measured_range(table.series(axis)));
         measured::check_places(job, table, &mut problems);
-        let mut terms = PerTerm::from_fn(|term| measured_term(job, table, term));
+        let terms = PerTerm::from_fn(|term| measured_term(job, table, term));
         let size = |(term, of): (ErrorTerm, &Option<MeasuredTerm>)| {
             let of = of.as_ref()?;
             let positions = of.curves().map(|curve| curve.knots().len()).max()?;
@@ -145,9 +148,6 @@ impl ErrorModel {
         };
         let sizes: Vec<(ErrorTerm, f64)> = terms.iter().filter_map(size).collect();
         measured::refuse_unlikely(job, table, &sizes, &mut problems);
-        for (term, slope) in &job.measurement.squareness {
-            add_squareness(job, &mut terms, *term, *slope, &mut problems);
-        }
         let rotations = measured::rotations(job, table);
         let said = &table.remarks;
         let mut zeros =
@@ -161,8 +161,9 @@ impl ErrorModel {
         if nothing && problems.is_empty() {
             problems.push(table.holds_nothing());
         }
-        problems.or_ok(ErrorModel {
+        let mut model = ErrorModel {
             terms,
+            without_squareness: Vec::new(),
             rotations,
             ranges,
             laser_um_per_m: laser_um_per_m(job).unwrap_or(0.0),
@@ -179,7 +180,9 @@ impl ErrorModel {
                 same_laser: said.same_laser.clone().filter(|_| is_own),
                 ..said.clone()
             },
-        })
+        };
+        model.add_squareness(job, &mut problems);
+        problems.or_ok(model)
     }
 
     /// Largest standard uncertainty (k = 1) of a value of a term, without what the other measurement of this machine
@@ -232,16 +235,6 @@ impl ErrorModel {
         self.unused.extend(measured::deviations_beside(table));
         Ok(())
     }
-
-    /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured; end-point
-    /// slopes. Positive = the angle between the positive axis directions is less than 90°
-    /// (contract §1).
-    pub fn squareness_um_per_m(&self, first: Axis, second: Axis) -> Option<f64> {
-        let slope = |of, along| {
-            Some(self.terms[ErrorTerm { of, along }].as_ref()?.end_point_slope_um_per_m())
-        };
-        Some(slope(first, second)? + slope(second, first)?)
-    }
 }
 
 fn measured_term(job: &Job, table: &ErrorTable, term: ErrorTerm) -> Option<MeasuredTerm> {
@@ -258,38 +251,6 @@ fn measured_term(job: &Job, table: &ErrorTable, term: ErrorTerm) -> Option<Measu
     let curves = measured.iter().filter_map(|s| Some((s.direction, curve(s)?.less(zero))));
     let uncertainty = points(job, (&measured, zeroed), term, machine);
     Some(MeasuredTerm { measured: Measured::of(curves)?, uncertainty })
-}
-
-fn add_squareness(
-    job: &Job,
-    terms: &mut PerTerm<Option<MeasuredTerm>>,
-    term: ErrorTerm,
-    slope: f64,
-    problems: &mut Problems,
-) {
-    let machine = job.machine.axes[term.along];
-    let (Some(measured), Some(machine)) = (terms[term].as_mut(), machine) else {
-        let key = format!("measurement.squareness_um_per_m.{}{}", term.of.key(), term.along.key());
-        let words = format!("squareness is added to {term}, but {term} was not measured");
-        let help = "in the error table, or leave this squareness out";
-        let help = format!("give the straightness {term} {help}");
-        problems.push(job.problem_at(&key, words).help(help));
-        return;
-    };
-    // Outside the measured range the tilt is held with the curve, so off that range the line has
-    // its zero at the near end: the reference stays zero.
-    let homing = measured.measured.curve(machine.homing());
-    let Some(curve) = homing.or(measured.curves().next()) else { return };
-    let (low, high) = curve.measured_range();
-    let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
-    let tilt = |curve: &ErrorCurve| curve.plus_slope(slope, zero);
-    measured.measured = match &measured.measured {
-        Measured::Undirected(curve) => Measured::Undirected(tilt(curve)),
-        Measured::OneWay(direction, curve) => Measured::OneWay(*direction, tilt(curve)),
-        Measured::BothWays { plus, minus } => {
-            Measured::BothWays { plus: tilt(plus), minus: tilt(minus) }
-        }
-    };
 }
 
 /// Standard uncertainty (k = 1) at one measured position.

@@ -57,6 +57,8 @@ pub struct VolumeModel {
     swings: PerTerm<Option<ErrorCurve>>,
     /// Stated squareness.
     squareness: Vec<Squareness>,
+    /// The terms to which a squareness would be added that is not known.
+    without_squareness: Vec<ErrorTerm>,
     levers: Levers,
     /// Where levers count from: the stated offsets, else the reference.
     origin: PerAxis<f64>,
@@ -110,6 +112,7 @@ impl VolumeModel {
             swings: rotations.clone(),
             rotations,
             squareness: squareness(job, model),
+            without_squareness: model.without_squareness.clone(),
             levers,
             origin: levers.origin(&job.machine.axes),
             machine: job.machine.axes,

@@ -376,3 +376,33 @@ fn a_second_visit_within_the_limit_leaves_the_control_as_it_is() {
     let words = &format!("µm on the diagonals): {advice}");
     verdict(&visit, "generate second.toml -o again", "", &[words]);
 }
+
+/// Straightness about its own line holds no squareness; slopes that hold it count twice with a stated one.
+#[test]
+fn squareness_stands_in_the_slopes_or_is_stated() {
+    let not_stated = "squareness not stated: state `squareness_um_per_m`";
+    let table = |y: &str| {
+        let rows: String = (0..=900).step_by(90).map(|at| format!("x,{at},0,0\n")).collect();
+        format!("axis,position_mm,ex_um,ey_um\n{rows}{}", y.replace(';', "\n"))
+    };
+    let ends = table("y,0,0,0;y,450,7,0;y,900,0,0");
+    let least_squares = table("y,0,-1,0;y,450,2,0;y,900,-1,0");
+    let sloped = table("y,0,0,0;y,450,7,0;y,900,9,0");
+    for (errors, xy, expected, said) in [
+        (&ends, "", "undecided", not_stated),
+        (&least_squares, "", "undecided", not_stated),
+        (&ends, "0.0", "pass", ""),
+        (&ends, "9.0", "pass", ""),
+        (&sloped, "", "pass", ""),
+        (&sloped, "11.0", "undecided", "the slopes of EXY and EYX hold 10.000 µm/m: both count"),
+        (&sloped, "-40.0", "pass", ""),
+    ] {
+        let stated = format!("squareness_um_per_m = {{ xy = {xy} }}\n");
+        let stated = if xy.is_empty() { "" } else { &stated };
+        let job = job(&["x", "y"], [900, 0, 30], stated, "max_deviation_um = 5");
+        let visit = Visit::with(job, errors.as_str());
+        verdict(&visit, GENERATE, expected, &[said]);
+        let is_open = visit.json(VERIFY)["squareness"]["xy"]["before_um_per_m"].is_null();
+        assert_eq!(is_open, said == not_stated, "{xy}");
+    }
+}

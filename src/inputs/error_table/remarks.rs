@@ -67,11 +67,14 @@ pub enum Cause {
     Slopes,
     /// The tilt of a mirror whose set-up is assumed perfect.
     Tilt,
+    /// The squareness of axes whose straightness has no slope that could hold it.
+    Squareness,
 }
 
 impl Cause {
     /// All of them, the usual largest first.
-    pub const ALL: [Cause; 4] = [Cause::Angles, Cause::SetUps, Cause::Slopes, Cause::Tilt];
+    pub const ALL: [Cause; 5] =
+        [Cause::Angles, Cause::SetUps, Cause::Slopes, Cause::Tilt, Cause::Squareness];
 
     /// The key of the job that states it.
     pub const fn key(self) -> &'static str {
@@ -80,6 +83,7 @@ impl Cause {
             Cause::SetUps => "setup_ppm",
             Cause::Slopes => "u_um_per_m",
             Cause::Tilt => "tilt_arcsec",
+            Cause::Squareness => "squareness_um_per_m",
         }
     }
 

@@ -344,6 +344,7 @@ fn words(cause: Cause) -> &'static str {
         Cause::SetUps => "change of scale between set-ups",
         Cause::Slopes => "uncertainty of a linear axis",
         Cause::Tilt => "tilt of the mirror",
+        Cause::Squareness => "squareness",
     }
 }
 
@@ -354,5 +355,6 @@ fn advice(cause: Cause) -> &'static str {
         Cause::SetUps => "0.2 K × 11.5 µm/m per K = 2.3 unless the scales are compensated",
         Cause::Slopes => "the laser's certificate, air and material over that axis",
         Cause::Tilt => "or solve for the set-up with linear axes",
+        Cause::Squareness => "of each plane whose straightness has no slope that could hold it",
     }
 }

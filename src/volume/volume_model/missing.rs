@@ -80,7 +80,8 @@ impl VolumeModel {
         let terms = pairs.into_iter().map(|(of, along)| ErrorTerm { of, along });
         let is_open = |term: &ErrorTerm| {
             let in_slopes = [*term, term.twin()].iter().all(|t| self.deviations[*t].is_some());
-            !in_slopes && self.squareness.iter().all(|s| s.term != *term)
+            let is_stated = self.squareness.iter().any(|s| s.term == *term);
+            self.without_squareness.contains(term) || !in_slopes && !is_stated
         };
         let missing = |term: ErrorTerm| Missing {
             component: Component::Squareness(term),

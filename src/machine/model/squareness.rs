@@ -1,0 +1,123 @@
+//! The squareness of two axes in the curves of their cross terms.
+//!
+//! It is the sum of both slopes. A straightness that was evaluated about its own line has no slope and holds none: then
+//! the job states it, and it is added to one of the two.
+
+use super::measured::Measured;
+use super::{ErrorModel, MeasuredTerm};
+use crate::inputs::error_table::Cause;
+use crate::inputs::job::{ActiveTables, Job};
+use crate::machine::findings::ModelFinding;
+use crate::machine::separation::curves::ReferenceLine;
+use crate::quantity::axis::{Axis, ErrorTerm, PerTerm};
+use crate::quantity::curve::ErrorCurve;
+use crate::quantity::units::Millimetres;
+use crate::text::problem::Problems;
+
+/// The terms to which a stated squareness is added: EXY, EXZ, EYZ.
+const CARRIERS: [ErrorTerm; 3] = [
+    ErrorTerm { of: Axis::X, along: Axis::Y },
+    ErrorTerm { of: Axis::X, along: Axis::Z },
+    ErrorTerm { of: Axis::Y, along: Axis::Z },
+];
+/// A line that rises less from end to end is level, µm.
+const LEVEL_UM: f64 = 0.1;
+/// Slopes that differ less from a stated squareness are probably the same figure.
+const SAME_SHARE: f64 = 0.25;
+
+impl ErrorModel {
+    /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured and hold it; end-point
+    /// slopes. Positive = the angle between the positive axis directions is less than 90°
+    /// (contract §1).
+    pub fn squareness_um_per_m(&self, first: Axis, second: Axis) -> Option<f64> {
+        let pair = [(first, second), (second, first)].map(|(of, along)| ErrorTerm { of, along });
+        let is_known = pair.iter().all(|term| !self.without_squareness.contains(term));
+        slopes(&self.terms, pair[0]).filter(|_| is_known)
+    }
+
+    /// Notes where nothing holds the squareness of a machine as it was found without tables: a table that was not separated
+    /// from readings, level cross terms, and nothing stated. (As left they may well be level.)
+    pub(crate) fn ask_for_squareness(&mut self, job: &Job) {
+        let is_separated = self.remarks.frame.is_some();
+        let had_tables = matches!(job.measurement.active, ActiveTables::Path(_));
+        let is_stated =
+            |term: &ErrorTerm| job.measurement.squareness.iter().any(|(of, _)| *of == *term);
+        if is_separated || had_tables {
+            return;
+        }
+        let open = CARRIERS.into_iter().filter(|term| !is_stated(term));
+        self.without_squareness = open.filter(|term| are_level(&self.terms, *term)).collect();
+        if !self.without_squareness.is_empty() {
+            self.remarks.silence.not_stated.push(Cause::Squareness);
+        }
+    }
+
+    /// Adds what the job states. What the slopes seem to hold already is a doubt.
+    pub(super) fn add_squareness(&mut self, job: &Job, problems: &mut Problems) {
+        for (term, stated) in &job.measurement.squareness {
+            let slopes = slopes(&self.terms, *term);
+            let twice = slopes.filter(|own| (own - stated).abs() < SAME_SHARE * stated.abs());
+            let twice = twice.map(|slopes| ModelFinding::SquarenessTwice {
+                terms: [*term, term.twin()],
+                stated: *stated,
+                slopes,
+            });
+            self.remarks.doubts.extend(twice.map(Into::into));
+            add(job, &mut self.terms, *term, *stated, problems);
+        }
+    }
+}
+
+fn slopes(terms: &PerTerm<Option<MeasuredTerm>>, term: ErrorTerm) -> Option<f64> {
+    let slope = |term: ErrorTerm| Some(terms[term].as_ref()?.end_point_slope_um_per_m());
+    Some(slope(term)? + slope(term.twin())?)
+}
+
+/// Whether a term was measured and neither it nor its twin has a slope: through the ends, or by least squares.
+fn are_level(terms: &PerTerm<Option<MeasuredTerm>>, term: ErrorTerm) -> bool {
+    let is_level = |measured: &MeasuredTerm| {
+        let curve = measured.measured.mean();
+        let positions: Vec<f64> = curve.knots().iter().map(|knot| knot.mm()).collect();
+        let deviations: Vec<f64> = positions.iter().map(|at| curve.um_at(*at)).collect();
+        let (from, to) = curve.measured_range();
+        let rise = |line: ReferenceLine| {
+            line.slope_um_per_m(&positions, &deviations).abs() * (to - from).mm() / 1000.0
+        };
+        [ReferenceLine::EndPoints, ReferenceLine::LeastSquares]
+            .into_iter()
+            .any(|line| rise(line) <= LEVEL_UM)
+    };
+    terms[term].as_ref().is_some_and(is_level) && terms[term.twin()].as_ref().is_none_or(is_level)
+}
+
+fn add(
+    job: &Job,
+    terms: &mut PerTerm<Option<MeasuredTerm>>,
+    term: ErrorTerm,
+    slope: f64,
+    problems: &mut Problems,
+) {
+    let machine = job.machine.axes[term.along];
+    let (Some(measured), Some(machine)) = (terms[term].as_mut(), machine) else {
+        let key = format!("measurement.squareness_um_per_m.{}{}", term.of.key(), term.along.key());
+        let words = format!("squareness is added to {term}, but {term} was not measured");
+        let help = "in the error table, or leave this squareness out";
+        let help = format!("give the straightness {term} {help}");
+        problems.push(job.problem_at(&key, words).help(help));
+        return;
+    };
+    // Outside the measured range the tilt is held with the curve, so off that range the line has
+    // its zero at the near end: the reference stays zero.
+    let homing = measured.measured.curve(machine.homing());
+    let Some(curve) = homing.or(measured.curves().next()) else { return };
+    let (low, high) = curve.measured_range();
+    let zero = Millimetres::new(machine.reference.mm().clamp(low.mm(), high.mm()));
+    let tilt = |curve: &ErrorCurve| curve.plus_slope(slope, zero);
+    measured.measured = match &measured.measured {
+        Measured::Undirected(curve) => Measured::Undirected(tilt(curve)),
+        Measured::OneWay(direction, curve) => Measured::OneWay(*direction, tilt(curve)),
+        Measured::BothWays { plus, minus } => {
+            Measured::BothWays { plus: tilt(plus), minus: tilt(minus) }
+        }
+    };
+}
