@@ -170,7 +170,12 @@ fn error_table(
     origin: &SimulationSource,
 ) -> Simulated {
     let (noise, runs) = (wishes.noise, wishes.runs.unwrap_or(1));
-    let draft = single_axes(machine, runs, noise, origin.comments(inputs, noise));
+    let draft = single_axes(
+        machine,
+        runs,
+        (noise, inputs.job.measurement.uncertainty.noise_um),
+        origin.comments(inputs, noise),
+    );
     let rows: usize = draft.series.iter().map(|s| s.positions_mm.len()).sum();
     let what = format!(
         "error table of {} curves, {rows} positions, mean of {runs} run(s){}",

@@ -302,3 +302,26 @@ fn a_read_out_is_judged_by_what_it_does() {
     visit.edit("out/all.arc", "M30", "$AA_ENC_COMP[0,3,AX1]=0.5\nM30");
     visit.run("verify job.toml --tables out").ends(1);
 }
+
+/// Noise that the job states for every value is not stated again in the columns of a simulated table.
+#[test]
+fn simulated_noise_is_stated_once() {
+    let visit = Visit::of("start/errors");
+    let u = |noise_um: &str| {
+        let table = visit
+            .run(&format!("simulate job.toml --errors --noise-um {noise_um} -o -"))
+            .ends(0)
+            .out;
+        let rows = table.lines().filter(|line| line.starts_with("x,"));
+        let last = rows.map(|row| row.rsplit(',').next().unwrap().to_string());
+        table.contains("u_ez_um").then(|| last.max().unwrap())
+    };
+    assert_eq!(u("0.5").as_deref(), Some("0.5"));
+    visit.edit(
+        "job.toml",
+        "[compensation]\n",
+        "[measurement.uncertainty]\nnoise_um = 0.3\n\n[compensation]\n",
+    );
+    assert_eq!(u("0.5").as_deref(), Some("0.4"));
+    assert_eq!(u("0.3"), None);
+}

@@ -238,7 +238,7 @@ fn the_error_table_holds_what_is_left_at_every_measured_position() {
     let inputs = inputs(&text, &table(&machine, true));
     let plain = SimulatedMachine::new(&inputs, None, 0.0);
     let note = format!("note: {SIMULATED}: a test");
-    let left = single_axes(&plain, 1, Noise::default(), vec![note.clone()]);
+    let left = single_axes(&plain, 1, (Noise::default(), None), vec![note.clone()]);
     let csv = nonius::inputs::error_table::write(&left);
     let found = error_table(&csv);
     assert_eq!(found.remarks.lines(), [note]);

@@ -86,6 +86,9 @@ impl Page<'_> {
             let judged = Judged { job, errors, model, figures: forecast, expected: None };
             return judged.what_decides();
         };
+        if look.diagnosis.as_ref().is_some_and(|found| !found.as_forecast) {
+            return None;
+        }
         let judged = Judged {
             job: &Job { acceptance: job.acceptance, ..second.job.as_ref().unwrap_or(job).clone() },
             errors: second.errors.as_ref(),

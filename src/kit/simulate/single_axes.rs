@@ -4,24 +4,25 @@ use super::{Noise, SimulatedMachine, written};
 use crate::inputs::error_table::{Draft, DraftSeries};
 use crate::machine::model::Measured;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::units::{Millimetres, SAME_PLACE_MM};
+use crate::quantity::units::{Millimetres, SAME_PLACE_MM, Squared};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 /// The errors that single-axis measurements would show, mean of `runs`; relative to the
-/// reference. With noise the table states it as uncertainty (k = 1).
+/// reference. With noise the table states it as uncertainty (k = 1), less what its job states for every value
+/// (`noise_um`), in squares.
 pub fn single_axes(
     machine: &SimulatedMachine<'_>,
     runs: u32,
-    noise: Noise,
+    (noise, stated_um): (Noise, Option<f64>),
     comments: Vec<String>,
 ) -> Draft {
     let mut series = Vec::new();
     for axis in Axis::ALL {
         for direction in directions(machine, axis) {
             let stream = series.len() as u64;
-            let noise = OneSeries::new(runs, noise, stream);
+            let noise = OneSeries::new(runs, noise, stream, stated_um.unwrap_or(0.0));
             series.push(one_series(machine, axis, direction, noise));
         }
     }
@@ -51,13 +52,17 @@ struct OneSeries {
     random: ChaCha8Rng,
     /// Standard deviation of a mean over the runs, µm.
     u_um: f64,
+    /// What the columns state of it, beside `noise_um` of the job, µm.
+    column_um: f64,
 }
 
 impl OneSeries {
-    fn new(runs: u32, noise: Noise, stream: u64) -> OneSeries {
+    fn new(runs: u32, noise: Noise, stream: u64, stated_um: f64) -> OneSeries {
         let mut random = ChaCha8Rng::seed_from_u64(noise.seed);
         random.set_stream(stream);
-        OneSeries { random, u_um: noise.um / f64::from(runs).sqrt() }
+        let u_um = noise.um / f64::from(runs).sqrt();
+        let more = u_um.squared() - stated_um.squared();
+        OneSeries { random, u_um, column_um: more.max(0.0).sqrt() }
     }
 
     fn draw(&mut self) -> f64 {
@@ -82,8 +87,9 @@ fn one_series(
         let noisy = |um: f64| written(um + noise.draw());
         Some(left?.into_iter().map(noisy).collect())
     });
-    if noise.u_um > 0.0 {
-        let stated = |known: &Option<Vec<f64>>| known.as_ref().map(|k| vec![noise.u_um; k.len()]);
+    if noise.column_um > 0.0 {
+        let stated =
+            |known: &Option<Vec<f64>>| known.as_ref().map(|k| vec![noise.column_um; k.len()]);
         series.uncertainties_um = PerAxis::from_fn(|of| stated(&series.deviations_um[of]));
     }
     series

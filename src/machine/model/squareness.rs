@@ -8,7 +8,7 @@ use super::{ErrorModel, MeasuredTerm};
 use crate::inputs::error_table::Cause;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::machine::findings::ModelFinding;
-use crate::machine::separation::curves::ReferenceLine;
+use crate::machine::separation::curves::{ReferenceLine, range};
 use crate::quantity::axis::{Axis, ErrorTerm, PerTerm};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::Millimetres;
@@ -20,7 +20,7 @@ const CARRIERS: [ErrorTerm; 3] = [
     ErrorTerm { of: Axis::X, along: Axis::Z },
     ErrorTerm { of: Axis::Y, along: Axis::Z },
 ];
-/// A line that rises less from end to end is level, µm.
+/// A line that rises less from end to end is level, µm, if that is less than a tenth of what the curve spans.
 const LEVEL_UM: f64 = 0.1;
 /// Slopes that differ less from a stated squareness are probably the same figure.
 const SAME_SHARE: f64 = 0.25;
@@ -79,13 +79,14 @@ fn are_level(terms: &PerTerm<Option<MeasuredTerm>>, term: ErrorTerm) -> bool {
         let curve = measured.measured.mean();
         let positions: Vec<f64> = curve.knots().iter().map(|knot| knot.mm()).collect();
         let deviations: Vec<f64> = positions.iter().map(|at| curve.um_at(*at)).collect();
+        let level_um = LEVEL_UM.min(range(deviations.iter().copied()) / 10.0);
         let (from, to) = curve.measured_range();
         let rise = |line: ReferenceLine| {
             line.slope_um_per_m(&positions, &deviations).abs() * (to - from).mm() / 1000.0
         };
         [ReferenceLine::EndPoints, ReferenceLine::LeastSquares]
             .into_iter()
-            .any(|line| rise(line) <= LEVEL_UM)
+            .any(|line| rise(line) <= level_um)
     };
     terms[term].as_ref().is_some_and(is_level) && terms[term.twin()].as_ref().is_none_or(is_level)
 }
