@@ -87,9 +87,8 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
                 sha256: &sha256(&bytes),
                 bytes: &bytes,
             };
-            let measured = measured_runs(file, options.encoding, &options.stated())?;
-            let runs = Runs::new(measured.targets_mm, measured.up_um, measured.down_um)?;
-            options.axis(&name, &runs, measured.findings)
+            let (runs, findings) = measured_runs(file, options.encoding, &options.stated())?;
+            options.axis(&name, &runs, findings)
         }
     }
 }

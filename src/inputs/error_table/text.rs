@@ -9,8 +9,9 @@
 //! measured has a column. Numbers are the shortest text that reads back to the same number, lines
 //! end with LF: the same draft gives the same bytes everywhere.
 
+use crate::inputs::error_table::read::Series;
 use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::units::Figure;
+use crate::quantity::units::{Deviation, Figure};
 use crate::text::plain;
 
 /// An error table that is going to be written.
@@ -41,9 +42,25 @@ pub struct DraftSeries {
     pub uncertainties_um: PerAxis<Option<Vec<f64>>>,
     /// Rotations about X, Y, Z, µrad, right-handed.
     pub angles_urad: PerAxis<Option<Vec<f64>>>,
+    /// Standard uncertainties (k = 1) of the rotations, µrad.
+    pub angle_uncertainties_urad: PerAxis<Option<Vec<f64>>>,
 }
 
 impl DraftSeries {
+    /// What a table holds of an axis.
+    pub(crate) fn of(axis: Axis, series: &Series) -> DraftSeries {
+        let um = |um: &Vec<Deviation>| um.iter().map(|deviation| deviation.um()).collect();
+        DraftSeries {
+            axis,
+            direction: series.direction,
+            positions_mm: series.positions.iter().map(|position| position.mm()).collect(),
+            deviations_um: PerAxis::from_fn(|of| series.deviations[of].as_ref().map(um)),
+            uncertainties_um: series.uncertainties_um.clone(),
+            angles_urad: series.angles_urad.clone(),
+            angle_uncertainties_urad: series.angle_uncertainties_urad.clone(),
+        }
+    }
+
     /// A series at positions where nothing was measured yet.
     pub fn new(axis: Axis, direction: Option<Direction>, positions_mm: Vec<f64>) -> DraftSeries {
         DraftSeries {
@@ -53,6 +70,7 @@ impl DraftSeries {
             deviations_um: PerAxis::default(),
             uncertainties_um: PerAxis::default(),
             angles_urad: PerAxis::default(),
+            angle_uncertainties_urad: PerAxis::default(),
         }
     }
 }
@@ -99,6 +117,7 @@ enum Column {
     Deviation(Axis),
     Uncertainty(Axis),
     Angle(Axis),
+    AngleUncertainty(Axis),
 }
 
 impl Column {
@@ -109,6 +128,7 @@ impl Column {
             Column::Angle(Axis::X) => "ea_urad".to_string(),
             Column::Angle(Axis::Y) => "eb_urad".to_string(),
             Column::Angle(Axis::Z) => "ec_urad".to_string(),
+            Column::AngleUncertainty(about) => format!("u_{}", Column::Angle(about).name()),
         }
     }
 
@@ -117,13 +137,15 @@ impl Column {
             Column::Deviation(of) => series.deviations_um[of].as_ref(),
             Column::Uncertainty(of) => series.uncertainties_um[of].as_ref(),
             Column::Angle(about) => series.angles_urad[about].as_ref(),
+            Column::AngleUncertainty(about) => series.angle_uncertainties_urad[about].as_ref(),
         }
     }
 }
 
 /// Deviations, then angles, then uncertainties; only those that some series holds.
 fn measured_columns(draft: &Draft) -> Vec<Column> {
-    let kinds: [fn(Axis) -> Column; 3] = [Column::Deviation, Column::Angle, Column::Uncertainty];
+    let kinds: [fn(Axis) -> Column; 4] =
+        [Column::Deviation, Column::Angle, Column::Uncertainty, Column::AngleUncertainty];
     let mut columns: Vec<Column> = kinds.into_iter().flat_map(|kind| Axis::ALL.map(kind)).collect();
     columns.retain(|column| draft.series.iter().any(|s| column.of(s).is_some()));
     columns

@@ -3,13 +3,17 @@
 //! Separator `;`, tab or comma; quotation marks; a decimal comma where it does not separate and where it
 //! cannot stand between thousands: `1,000` may be one or a thousand.
 
+use crate::control::controller::TableSign;
 use crate::inputs::error_table::Quantity;
+use crate::inputs::import::component::{Component, Kind};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::groups::{Group, Row, is_ascending};
 use crate::inputs::import::mapping::{Content, Mapped, Mapping, Named, unit_of_name};
 use crate::inputs::import::reading::FileContents;
-use crate::inputs::import::stated::{COLUMNS, Decimal, PLUS_MOVES, Stated, Travel};
+use crate::inputs::import::stated::{COLUMNS, Decimal, Format, PLUS_MOVES, Stated, Travel};
+use crate::inputs::target_runs::Values;
 use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::units::UM_PER_MM;
 use crate::text::delimited::{Cell, Line, lines};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
@@ -17,19 +21,40 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
-    let Some(mapping) = &stated.columns else {
-        return Err(COLUMNS.missing().into());
-    };
+    let mapping = stated.columns.as_deref().ok_or_else(|| COLUMNS.missing())?;
+    read_as(source, mapping, false, stated)
+}
+
+/// Reads the columns that `mapping` names; of our own forms it is known that they hold measured − target.
+pub(super) fn read_as(
+    source: &Source,
+    mapping: &str,
+    is_ours: bool,
+    stated: &Stated,
+) -> Result<FileContents, Problems> {
     let mapping = Mapping::read(mapping)?;
     let mut problems = Problems::none();
     let table = problems.take(Table::read(source, &mapping));
-    mapping.refuse_twice(stated, &mut problems);
     mapping.require(stated, &mut problems);
-    let sign = stated.required_sign(&mut problems);
+    let is_error = is_ours || mapping.holds_positions();
+    let sign = match is_error {
+        true => Some(TableSign::AsError),
+        false => stated.required_sign(&mut problems),
+    };
+    let term = match mapping.has_readings() {
+        true => stated.required_term(Format::Columns, &mut problems),
+        false => None,
+    };
     let Some(table) = table else {
         return Err(problems);
     };
-    let rows = table.rows(stated, &mut problems);
+    if is_error && stated.sign == Some(TableSign::AsCorrection) {
+        let message =
+            "`--sign as-correction` contradicts the file, whose columns give measured − target";
+        let help = "leave `--sign` out";
+        problems.push(Problem::new(message).at(table.header.whole()).help(help));
+    }
+    let rows = table.rows(term, stated, &mut problems);
     let (Some(sign), true) = (sign, problems.is_empty()) else {
         return Err(problems);
     };
@@ -37,7 +62,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
     let mut reading = FileContents::saying([ImportFinding::ColumnsNamed { line }]);
     let has_targets = mapping.has(Content::Target);
     let ascending = !has_targets || is_ascending(&rows, &mut problems);
-    if mapping.has(Content::Table(Quantity::Direction)) {
+    if mapping.has_directions() {
         let all_agree = !has_targets || (ascending && stated.targets_run == Some(Direction::Plus));
         let fact = table.sense_of_plus(all_agree, stated, &mut problems);
         reading.find([fact]);
@@ -48,14 +73,8 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
         group.push(row);
     }
     for ((axis, direction), of_group) in groups {
-        let group = Group {
-            columns: &mapping.columns,
-            first_target: rows.first().map(|row| row.position).filter(|_| has_targets),
-            ascending,
-            axis,
-            direction,
-            rows: of_group,
-        };
+        let first_target = rows.first().map(|row| row.position).filter(|_| has_targets);
+        let group = Group { first_target, ascending, axis, direction, rows: of_group };
         let series = group.series(sign, stated, &mut reading, &mut problems);
         reading.series.extend(series);
     }
@@ -65,6 +84,8 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
 // What is expected in a column, and the next step where it is something else.
 const DIRECTION: (&str, &str) =
     ("`+` or `-`", "write the direction in which the axis moved, in machine coordinates");
+const NUMBER: &str =
+    "write a plain number; its unit stands in the mapping, and a missing value is never filled in";
 const RUN: (&str, &str) = ("a whole number from 1", "number the runs 1, 2, 3 …");
 
 /// A mapped column where it stands in the file.
@@ -82,20 +103,9 @@ struct Table<'a, 'm> {
 }
 
 impl<'a, 'm> Table<'a, 'm> {
-    /// The first line that holds every name of the mapping is the header.
     fn read(source: &'a Source, mapping: &'m Mapping) -> Result<Self, Problems> {
         let mut lines: Vec<Line<'a>> = lines(source).collect();
-        let is_header = |line: &&Line<'a>| {
-            let cells = line.cells();
-            cells.len() > 1
-                && mapping.columns.iter().all(|column| match &column.name {
-                    Named::Text(name) => cells.iter().any(|cell| cell == name),
-                    Named::Number(_) => true,
-                })
-        };
-        let Some(header) = lines.iter().find(is_header).copied() else {
-            return Err(no_header(&lines, mapping));
-        };
+        let header = header_of(&lines, mapping)?;
         lines.drain(..header.number());
         let columns = columns_of(&header, mapping)?;
         Ok(Table { header, lines, columns })
@@ -118,7 +128,12 @@ impl<'a, 'm> Table<'a, 'm> {
         }
     }
 
-    fn rows(&self, stated: &Stated, problems: &mut Problems) -> Vec<Row<'a>> {
+    fn rows(
+        &self,
+        term: Option<Component>,
+        stated: &Stated,
+        problems: &mut Problems,
+    ) -> Vec<Row<'a>> {
         let (delimiter, width) = (self.header.delimiter(), self.header.cells().len());
         let separated = self.lines.iter();
         let separated = separated.map(|line| line.separated_by(delimiter, false));
@@ -132,9 +147,9 @@ impl<'a, 'm> Table<'a, 'm> {
         };
         let rows = whole.into_iter().filter_map(|line| {
             let line = line.separated_by(delimiter, decimal == Decimal::Comma);
-            self.row(line, stated, problems)
+            self.rows_of(line, term, stated, problems)
         });
-        rows.collect()
+        rows.flatten().collect()
     }
 
     /// The sign before the decimals: as stated, else as all numbers of the file show it.
@@ -183,35 +198,39 @@ impl<'a, 'm> Table<'a, 'm> {
         Err(Problem::new(message).at(line.cell_place(index)).help(plain))
     }
 
-    /// A row whose mapped cells can be read.
-    fn row(&self, line: Line<'a>, stated: &Stated, problems: &mut Problems) -> Option<Row<'a>> {
+    /// What a line holds, if its mapped cells can be read: a row for each run of it.
+    fn rows_of(
+        &self,
+        line: Line<'a>,
+        term: Option<Component>,
+        stated: &Stated,
+        problems: &mut Problems,
+    ) -> Option<Vec<Row<'a>>> {
         let cells = line.cells();
-        let mut axis = stated.axis;
+        let mut axis = stated.axis.or(term.map(|term| term.along));
         let mut direction = match stated.travel {
             Some(Travel::Plus) => Some(Direction::Plus),
             Some(Travel::Minus) => Some(Direction::Minus),
             _ => None,
         };
+        // The way of the axis where the file says `+` or `-`, whose sense may have been stated.
+        let way = |symbol: Direction| match stated.plus_moves {
+            Some(Direction::Minus) => symbol.opposite(),
+            _ => symbol,
+        };
         let (mut run, mut position, mut complete) = (Some(1), None, true);
-        let mut numbers = Vec::with_capacity(self.columns.len());
-        for column in &self.columns {
-            let cell = Cell {
-                line: &line,
-                index: column.index,
-                text: &cells[column.index],
-                name: &column.name,
-            };
-            let mut number = None;
-            match column.mapped.content {
+        let mut values = Vec::with_capacity(self.columns.len());
+        for Column { index, name, mapped } in &self.columns {
+            let cell = Cell { line: &line, index: *index, text: &cells[*index], name };
+            match mapped.content {
                 Content::Table(Quantity::Axis) => axis = axis_of(&cell, stated, problems),
                 Content::Table(Quantity::Direction) => {
-                    let read = Direction::from_symbol;
-                    let found = cell.read(read, "the direction is", DIRECTION, problems);
-                    // The way of the axis, whose sense may have been stated.
-                    direction = match stated.plus_moves {
-                        Some(Direction::Minus) => found.map(Direction::opposite),
-                        _ => found,
+                    let read = |text: &str| match text {
+                        "up" => Some(Direction::Plus),
+                        "dn" | "down" => Some(Direction::Minus),
+                        symbol => Direction::from_symbol(symbol),
                     };
+                    direction = cell.read(read, "the direction is", DIRECTION, problems).map(way);
                     complete &= direction.is_some();
                 }
                 Content::Run => {
@@ -219,24 +238,42 @@ impl<'a, 'm> Table<'a, 'm> {
                     run = cell.read(count, format_args!("`{}` is", cell.name), RUN, problems);
                 }
                 content => {
-                    let expected = "write a plain number; its unit stands in the mapping, and a missing value is never filled in";
-                    number = match content {
-                        Content::Table(Quantity::Uncertainty(_)) => {
-                            cell.uncertainty(expected, problems)
-                        }
-                        _ => cell.number(expected, problems),
+                    let number = match content {
+                        own if own.is_uncertainty() => cell.uncertainty(NUMBER, problems),
+                        _ => cell.number(NUMBER, problems),
                     };
-                    number = number.map(|number| number * column.mapped.factor);
+                    let number = number.map(|number| number * mapped.factor);
                     complete &= number.is_some();
+                    match content {
+                        Content::Target | Content::Table(Quantity::Position) => position = number,
+                        _ => values.extend(number.map(|number| (content, number))),
+                    }
                 }
             }
-            if let Content::Target | Content::Table(Quantity::Position) = column.mapped.content {
-                position = number;
-            }
-            numbers.push(number);
         }
         let (axis, run, position) = (axis?, run?, position?);
-        complete.then_some(Row { line, axis, direction, run, position, numbers })
+        let mut rows: Vec<Row<'a>> = Vec::with_capacity(1);
+        for (content, number) in values {
+            let (direction, run, value) = match (content, term.map(|term| term.kind)) {
+                (Content::Table(quantity), _) => (direction, run, (quantity, number)),
+                (Content::Reading(own), Some(Kind::Deviation(of))) => {
+                    let zero = match own.values {
+                        Values::Positions => position * UM_PER_MM,
+                        Values::Deviations => 0.0,
+                    };
+                    let value = (Quantity::Deviation(of), number - zero);
+                    (own.direction.map(way).or(direction), own.run.unwrap_or(run), value)
+                }
+                _ => continue,
+            };
+            match rows.iter_mut().find(|row| (row.direction, row.run) == (direction, run)) {
+                Some(row) => row.values.push(value),
+                None => {
+                    rows.push(Row { line, axis, direction, run, position, values: vec![value] })
+                }
+            }
+        }
+        complete.then_some(rows)
     }
 }
 
@@ -291,10 +328,9 @@ fn columns_of<'m>(header: &Line<'_>, mapping: &'m Mapping) -> Result<Vec<Column<
             refuse(message, "a column holds one thing: map each once");
         }
         let name = cells[index].to_string();
-        let unit = mapped.unit.as_deref();
         // The file's own header says which unit its numbers have.
-        if let (Some(found), Some(unit)) =
-            (unit_of_name(&name).filter(|found| Some(*found) != unit), unit)
+        if let (Some(found), Some(unit)) = (unit_of_name(&name), mapped.unit.as_deref())
+            && found != unit
         {
             let name = shown(&name);
             let message =
@@ -328,27 +364,31 @@ fn no_column(line: &Line<'_>, name: &str) -> Problem {
         .help("copy the names for `--columns` from the file, letter by letter; the separator is `;`, a tab or a comma")
 }
 
-/// The line that comes nearest to the names of the mapping shows what is missing.
-fn no_header(lines: &[Line<'_>], mapping: &Mapping) -> Problems {
+/// The first line that holds every name of the mapping is the header; otherwise the line that comes nearest to
+/// them shows what is missing.
+fn header_of<'a>(lines: &[Line<'a>], mapping: &Mapping) -> Result<Line<'a>, Problems> {
     let names = mapping.columns.iter().filter_map(|column| match &column.name {
         Named::Text(name) => Some(name.as_str()),
         Named::Number(_) => None,
     });
     let names: Vec<&str> = names.collect();
-    let is_cell = |line: &Line<'_>, name: &str| line.cells().iter().any(|cell| cell == name);
-    let found_in = |line: &&Line<'_>| names.iter().filter(|name| is_cell(line, name)).count();
-    let filled = lines.iter().filter(|line| !line.text().trim().is_empty());
+    let lacks = |line: &Line<'_>| -> Vec<&str> {
+        let cells = line.cells();
+        names.iter().copied().filter(|name| !cells.iter().any(|cell| cell == name)).collect()
+    };
+    let is_header = |line: &&Line<'_>| line.cells().len() > 1 && lacks(line).is_empty();
+    if let Some(header) = lines.iter().find(is_header) {
+        return Ok(*header);
+    }
     let mut problems = Problems::none();
-    let nearest = filled.rev().max_by_key(found_in).or(lines.first());
-    if let Some(line) = nearest {
-        for name in names.iter().filter(|name| !is_cell(line, name)) {
-            problems.push(no_column(line, name));
-        }
+    let filled = lines.iter().filter(|line| !line.text().trim().is_empty());
+    if let Some(line) = filled.min_by_key(|line| lacks(line).len()).or(lines.first()) {
+        lacks(line).iter().for_each(|name| problems.push(no_column(line, name)));
         if problems.is_empty() {
             let message = "the line with the names of `--columns` has no further column";
             let help = "the separator is `;`, a tab or a comma";
             problems.push(Problem::new(message).at(line.whole()).help(help));
         }
     }
-    problems
+    Err(problems)
 }

@@ -60,10 +60,9 @@ pub(super) fn text_of(
     encoding: Option<&'static Encoding>,
     stated: &Stated,
 ) -> Result<(Source, String), Problems> {
-    let is_mapped = stated.columns.is_some();
     let ending = file.name.rsplit_once('.').map_or("", |(_, ending)| ending);
     #[cfg(feature = "excel")]
-    if is_mapped && SPREADSHEETS.contains(&&*ending.to_ascii_lowercase()) {
+    if SPREADSHEETS.contains(&&*ending.to_ascii_lowercase()) {
         let text = spreadsheet::text(file.path, file.bytes, stated.sheet.as_deref())?;
         let said = "a sheet of a workbook".to_string();
         return Ok((Source::from_bytes(file.path, text.as_bytes())?, said));
@@ -71,53 +70,50 @@ pub(super) fn text_of(
     if stated.sheet.is_some() {
         let words =
             format!("`--sheet` is stated, but `{}` is not read as a spreadsheet", file.path);
-        let help = "leave it out; spreadsheets are read with a mapping, by a program that was built with `--features excel`";
+        let help = "leave it out; spreadsheets are read by a program that was built with `--features excel`";
         return Err(Problem::new(words).help(help).into());
     }
-    let head = String::from_utf8_lossy(&file.bytes[..file.bytes.len().min(4096)]);
-    refuse_kind(file, stated_kind(&head).unwrap_or(ending), &REFUSED[..NOT_TEXT])?;
-    let (source, encoding) = decode(file, encoding)?;
-    let ending = if is_mapped { "" } else { ending };
-    refuse_kind(file, stated_kind(&source.text).unwrap_or(ending), &REFUSED)?;
-    Ok((source, encoding))
-}
-
-fn decode(
-    file: Measurement<'_>,
-    stated: Option<&'static Encoding>,
-) -> Result<(Source, String), Problems> {
-    let marked = Encoding::for_bom(file.bytes).map(|(encoding, _)| encoding);
-    if let (Some(marked), Some(stated)) = (marked, stated)
-        && marked != stated
-    {
-        let message = format!(
-            "`--encoding {}` contradicts `{}`, which begins with the mark of {}",
-            word(stated),
-            file.path,
-            marked.name()
-        );
-        return Err(Problem::new(message).help("leave `--encoding` out").into());
-    }
-    if let (None, None, Some(order)) = (marked, stated, unmarked_utf_16(file.bytes)) {
-        let message = format!(
-            "`{}` looks like UTF-16 without its mark: every second byte is zero",
-            file.path
-        );
-        let help = format!("state its encoding: `--encoding {}`", word(order));
-        return Err(Problem::new(message).help(help).into());
-    }
-    let encoding = marked.or(stated).unwrap_or(UTF_8);
-    let (text, broken) = encoding.decode_with_bom_removal(file.bytes);
-    if broken {
+    let (encoding, known_by) = encoding_of(file, encoding)?;
+    let (text, is_broken) = encoding.decode_with_bom_removal(file.bytes);
+    let tells = stated.columns.is_none() || is_broken;
+    refuse_kind(file, stated_kind(&text).unwrap_or(if tells { ending } else { "" }))?;
+    if is_broken {
         return Err(wrong_bytes(file.path, &text, encoding).into());
     }
-    let known_by = match (marked, stated) {
-        (Some(_), _) => " (byte order mark)",
-        (None, Some(_)) => ", as stated",
-        (None, None) => "",
-    };
-    let said = format!("{}{known_by}", encoding.name());
-    Ok((Source::from_bytes(file.path, text.as_bytes())?, said))
+    let source = Source::from_bytes(file.path, text.as_bytes())?;
+    Ok((source, format!("{}{known_by}", encoding.name())))
+}
+
+/// The encoding of a file, and in words how it is known.
+fn encoding_of(
+    file: Measurement<'_>,
+    stated: Option<&'static Encoding>,
+) -> Result<(&'static Encoding, &'static str), Problem> {
+    let marked = Encoding::for_bom(file.bytes).map(|(encoding, _)| encoding);
+    match (marked, stated) {
+        (Some(marked), Some(stated)) if marked != stated => {
+            let message = format!(
+                "`--encoding {}` contradicts `{}`, which begins with the mark of {}",
+                word(stated),
+                file.path,
+                marked.name()
+            );
+            Err(Problem::new(message).help("leave `--encoding` out"))
+        }
+        (Some(marked), _) => Ok((marked, " (byte order mark)")),
+        (None, Some(stated)) => Ok((stated, ", as stated")),
+        (None, None) => match unmarked_utf_16(file.bytes) {
+            Some(order) => {
+                let message = format!(
+                    "`{}` looks like UTF-16 without its mark: every second byte is zero",
+                    file.path
+                );
+                let help = format!("state its encoding: `--encoding {}`", word(order));
+                Err(Problem::new(message).help(help))
+            }
+            None => Ok((UTF_8, "")),
+        },
+    }
 }
 
 /// Latin letters and digits in UTF-16 have a zero byte each, behind or before the other one.
@@ -150,8 +146,7 @@ fn wrong_bytes(path: &str, text: &str, encoding: &'static Encoding) -> Problem {
 
 const SPREADSHEETS: &[&str] = &["xls", "xlsx", "ods"];
 
-/// Kinds of files by ending or stated type, what they are, and what to export instead; first those that are
-/// no text, or text with bytes between.
+/// Kinds of files by ending or stated type, what they are, and what to export instead.
 const REFUSED: [(&[&str], &str, &str); 4] = [
     (
         &["rtx"],
@@ -170,15 +165,10 @@ const REFUSED: [(&[&str], &str, &str); 4] = [
         "export a CSV with the evaluated deviations, and map its columns: `--columns \"Position=target_mm,Deviation=ey_um\"`",
     ),
 ];
-const NOT_TEXT: usize = 2;
 
-fn refuse_kind(
-    file: Measurement<'_>,
-    kind: &str,
-    refused: &[(&[&str], &str, &str)],
-) -> Result<(), Problem> {
+fn refuse_kind(file: Measurement<'_>, kind: &str) -> Result<(), Problem> {
     let kind = kind.to_ascii_lowercase();
-    match refused.iter().find(|(kinds, ..)| kinds.contains(&&*kind)) {
+    match REFUSED.iter().find(|(kinds, ..)| kinds.contains(&&*kind)) {
         None => Ok(()),
         Some((_, what, instead)) => {
             Err(Problem::new(format!("`{}` {what}", file.path)).help(*instead))

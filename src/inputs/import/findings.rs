@@ -14,13 +14,13 @@ findings! {
         NoType => Label, "the file does not state its type: taken as linear, as `rtl` is";
         UnitOfFormat { unit: &'static str } => Label, "unit: {unit}";
         Units { positions: &'static str, values: &'static str } => Label, "unit of the positions: {positions}; of the values: {values}";
+        Understood { columns: String } => Label, "columns: understood as \"{columns}\"";
         ColumnsNamed { line: usize } => Label, "table: its columns are named in line {line}";
         PlusRows { moves: Direction, stated: bool } => Label, "direction: rows with `+` = the axis moving {moves}{}", if *stated { ", as stated" } else { "" };
         ForwardIs { moves: Direction } => Label, "direction: `Forward` is taken as the way from the first position to the last = the axis moving {moves}";
         Positions { count: usize, first: String, last: String } => Label, "positions: {count} targets at machine coordinates {first} … {last} mm";
         OwnZero => Label, "targets: counted from the zero of the file, not of the machine";
         Turned { component: Component } => Label, "sense: the file counts its targets against the axis, so {component} is turned as well";
-        Measured { relation: String } => Label, "values: in every row LinearError = {relation} − Position, so they are measured − target as the file counts; the maker's averages are not read";
         Runs { counts: Vec<(usize, Direction)>, fewest: usize } => Label, "runs: {}; {}", joined(counts.iter().map(|(runs, moving)| format!("{runs} moving {moving}"))), if *fewest > 1 { "mean of each direction, u = s/√runs (k = 1)" } else { "one run tells nothing about the uncertainty" };
         RunsOf { runs: usize, axis: Axis, direction: &'static str, u: &'static str } => Label, "runs: {runs} of {axis}, direction {direction}; their mean, {u}";
         Freedom { degrees: usize } => Label, "degrees of freedom: {degrees}";

@@ -4,7 +4,6 @@ use crate::control::controller::TableSign;
 use crate::inputs::error_table::{DraftSeries, Quantity};
 use crate::inputs::import::component::{Component, Kind};
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::mapping::{Content, Mapped};
 use crate::inputs::import::reading::{FileContents, Placing, freedom, means, tidy};
 use crate::inputs::import::stated::Stated;
 use crate::quantity::axis::{Axis, Direction};
@@ -24,8 +23,8 @@ pub(super) struct Row<'a> {
     pub(super) run: usize,
     /// mm.
     pub(super) position: f64,
-    /// Of each mapped column, in mm, µm or µrad; `None` = it holds no number.
-    pub(super) numbers: Vec<Option<f64>>,
+    /// What was measured there, µm or µrad; the same quantities in every row.
+    pub(super) values: Vec<(Quantity, f64)>,
 }
 
 impl Row<'_> {
@@ -57,7 +56,6 @@ pub(super) fn is_ascending(rows: &[Row<'_>], problems: &mut Problems) -> bool {
 
 /// Rows of one axis and direction.
 pub(super) struct Group<'a, 'b> {
-    pub(super) columns: &'b [Mapped],
     /// The first target of the file, mm; `None` = positions are machine coordinates.
     pub(super) first_target: Option<f64>,
     /// Order of the positions from the first one of the file.
@@ -88,15 +86,23 @@ impl<'a, 'b> Group<'a, 'b> {
             }
         }
         let mut series = DraftSeries::new(self.axis, self.direction, placing.positions_mm());
-        for (index, column) in self.columns.iter().enumerate() {
-            let of_run =
-                |run: &Vec<&Row<'_>>| run.iter().filter_map(|row| row.numbers[index]).collect();
+        for (index, (quantity, _)) in self.rows.first()?.values.iter().enumerate() {
+            let of_run = |run: &Vec<&Row<'_>>| run.iter().map(|row| row.values[index].1).collect();
             let values: Vec<Vec<f64>> = runs.iter().map(of_run).collect();
-            if let Some(component) = self.component(column) {
-                placing.put(&mut series, component, sign, &values);
-            } else if let Content::Table(Quantity::Uncertainty(of)) = column.content {
-                let u: Vec<f64> = means(&values).iter().map(|(mean, _)| *mean).collect();
-                series.uncertainties_um[of] = Some(placing.uncertainties(&u));
+            let mean = || means(&values).iter().map(|(mean, _)| *mean).collect::<Vec<f64>>();
+            match *quantity {
+                Quantity::Uncertainty(of) => {
+                    series.uncertainties_um[of] = Some(placing.uncertainties(&mean()));
+                }
+                Quantity::AngleUncertainty(about) => {
+                    let u = Some(placing.uncertainties(&mean()));
+                    series.angle_uncertainties_urad[about] = u;
+                }
+                quantity => {
+                    if let Some(component) = self.component(quantity) {
+                        placing.put(&mut series, component, sign, &values);
+                    }
+                }
             }
         }
         Some(series)
@@ -118,20 +124,20 @@ impl<'a, 'b> Group<'a, 'b> {
         Placing::of(positions, &row.line.whole(), stated, problems)
     }
 
-    /// The component that a column gives.
-    fn component(&self, column: &Mapped) -> Option<Component> {
-        let kind = match column.content {
-            Content::Table(Quantity::Deviation(of)) => Kind::Deviation(of),
-            Content::Table(Quantity::Angle(about)) => Kind::Angle(about),
+    /// The component of a quantity.
+    fn component(&self, quantity: Quantity) -> Option<Component> {
+        let kind = match quantity {
+            Quantity::Deviation(of) => Kind::Deviation(of),
+            Quantity::Angle(about) => Kind::Angle(about),
             _ => return None,
         };
-        let along = self.axis;
-        Some(Component { kind, along })
+        Some(Component { kind, along: self.axis })
     }
 
     fn facts(&self, runs: usize, placing: &Placing) -> impl Iterator<Item = ImportFinding> {
-        let of_columns = self.columns.iter();
-        let components: Vec<Component> = of_columns.filter_map(|c| self.component(c)).collect();
+        let quantities = self.rows.iter().take(1).flat_map(|row| &row.values);
+        let components = quantities.filter_map(|(quantity, _)| self.component(*quantity));
+        let components: Vec<Component> = components.collect();
         let mut found = Vec::new();
         if self.first_target.is_some() {
             found.push(placing.found());

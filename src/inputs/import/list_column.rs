@@ -35,16 +35,12 @@ impl ListColumn {
 
     fn parse(text: &str) -> Option<ListColumn> {
         let (name, target) = text.rsplit_once('=')?;
+        let name = Named::of(name);
         let (quantity, unit) = target.trim().split_once('_')?;
-        let number = name.trim().strip_prefix('#').map(str::parse::<usize>);
-        let name = match number {
-            Some(number) => Named::Number(number.ok().filter(|number| *number > 0)?),
-            None => Named::Text(name.trim().to_string()),
-        };
-        let is_displacement = quantity == DISPLACEMENT;
         let unit = LengthUnit::ALL.into_iter().find(|known| known.word() == unit)?;
-        let column = ListColumn { name, is_displacement, unit };
-        (column.quantity() == quantity).then_some(column)
+        let is_known = [DISPLACEMENT, DEVIATION].contains(&quantity) && name != Named::Number(0);
+        let is_displacement = quantity == DISPLACEMENT;
+        is_known.then_some(ListColumn { name, is_displacement, unit })
     }
 
     /// As in the name of a column of readings.

@@ -1,13 +1,15 @@
 //! `--columns "NAME=COLUMN,…"`: which column of a delimited text holds what.
 //!
-//! `NAME` is a column as the file writes it, or `#3` for the third one. `COLUMN` is a column of our
-//! error table (contract §2.1), which states content and unit at once; or `target_mm`, `target_in`
-//! for positions that count from the instrument's zero; or `run`.
+//! `NAME` is a column as the file writes it, or `#3` for the third one. `COLUMN` is a column of our error table
+//! (contract §2.1), which states content and unit at once; `target_mm`, `target_in` … for positions that count
+//! from the instrument's zero; `run`; or a reading at these targets of the term that is stated: `deviation_um`,
+//! `actual_mm`, and where each run has a column of its own `up1_deviation_um`, `dn1_actual_mm`, `run1_…`.
 
 use crate::inputs::error_table::{Column, Quantity, known_columns};
 use crate::inputs::import::stated::{AXIS, DIRECTION, Stated};
-use crate::quantity::axis::Axis;
-use crate::quantity::units::MM_PER_INCH;
+use crate::inputs::target_runs::Values;
+use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::units::UM_PER_MM;
 use crate::text::delimited::LengthUnit;
 use crate::text::problem::{Problem, Problems, did_you_mean, shown};
 
@@ -22,6 +24,51 @@ pub(super) enum Content {
     Target,
     /// The number of the run.
     Run,
+    /// What was read at the target, of the term that is stated.
+    Reading(Reading),
+}
+
+/// A reading at a target.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Reading {
+    /// The way of the axis, where the column has one of its own.
+    pub(super) direction: Option<Direction>,
+    /// The run, where the column has one of its own.
+    pub(super) run: Option<usize>,
+    /// Where the axis stood, or how far from the target.
+    pub(super) values: Values,
+}
+
+impl Content {
+    /// Whether it is measured, and neither says where nor in which run.
+    fn is_value(self) -> bool {
+        matches!(
+            self,
+            Content::Table(Quantity::Deviation(_) | Quantity::Angle(_)) | Content::Reading(_)
+        )
+    }
+
+    pub(super) fn is_uncertainty(self) -> bool {
+        matches!(self, Content::Table(Quantity::Uncertainty(_) | Quantity::AngleUncertainty(_)))
+    }
+
+    /// The reading of a sheet that has a column for each run.
+    fn wide(self) -> Option<Reading> {
+        match self {
+            Content::Reading(reading) => Some(reading).filter(|reading| reading.run.is_some()),
+            _ => None,
+        }
+    }
+
+    /// Whether two columns give the same.
+    fn is_same(self, other: Content) -> bool {
+        match (self, other) {
+            (Content::Reading(own), Content::Reading(other)) => {
+                (own.direction, own.run) == (other.direction, other.run)
+            }
+            _ => self == other,
+        }
+    }
 }
 
 /// How the mapping names a column of the file.
@@ -31,6 +78,14 @@ pub(super) enum Named {
     Text(String),
     /// By its place in the row, from 1.
     Number(usize),
+}
+
+impl Named {
+    /// `#3`, or the name itself.
+    pub(super) fn of(text: &str) -> Named {
+        let number = text.trim().strip_prefix('#').and_then(|number| number.trim().parse().ok());
+        number.map_or_else(|| Named::Text(text.trim().to_string()), Named::Number)
+    }
 }
 
 /// A column of the file.
@@ -72,25 +127,48 @@ fn unit(text: &str) -> Option<&'static str> {
     })
 }
 
-/// Every name that may stand behind `=`.
+/// Every name that may stand behind `=`, but for those of readings.
 fn known() -> Vec<(String, Content, f64)> {
     let of_table = known_columns().into_iter();
     let of_table = of_table.map(|(name, column): (String, Column)| {
         (name, Content::Table(column.holds), column.factor)
     });
-    let is_held = |(_, content, _): &(String, Content, f64)| {
-        !matches!(content, Content::Table(Quantity::AngleUncertainty(_)))
-    };
     let in_rad = Axis::ALL.into_iter().zip(["ea_rad", "eb_rad", "ec_rad"]);
     let in_rad = in_rad.map(|(about, name)| (name, Content::Table(Quantity::Angle(about)), 1e6));
-    let own = [
-        ("run", Content::Run, 1.0),
-        ("target_mm", Content::Target, 1.0),
-        ("target_in", Content::Target, MM_PER_INCH),
-    ];
-    let own = own.into_iter().chain(in_rad);
-    let own = own.map(|(name, content, factor)| (name.to_string(), content, factor));
-    of_table.filter(is_held).chain(own).collect()
+    let in_rad = in_rad.map(|(name, content, factor)| (name.to_string(), content, factor));
+    let targets = LengthUnit::ALL
+        .map(|unit| (format!("target_{}", unit.word()), Content::Target, unit.um() / UM_PER_MM));
+    let run = ("run".to_string(), Content::Run, 1.0);
+    of_table.chain(targets).chain(in_rad).chain([run]).collect()
+}
+
+/// What a word such as `ex_um` or `up1_actual_mm` says, with its factor.
+pub(super) fn content_of(word: &str) -> Option<(Content, f64)> {
+    let known = known().into_iter().find(|(known, ..)| known == word);
+    known.map(|(_, content, factor)| (content, factor)).or_else(|| {
+        let (name, unit) = word.rsplit_once('_')?;
+        let unit = LengthUnit::ALL.into_iter().find(|known| known.word() == unit)?;
+        let (own, what) = name.rsplit_once('_').map_or((None, name), |(own, w)| (Some(own), w));
+        let values = match what {
+            "actual" => Values::Positions,
+            "deviation" => Values::Deviations,
+            _ => return None,
+        };
+        let (direction, run) = match own {
+            None => (None, None),
+            Some(own) => {
+                let way = own.trim_end_matches(|c: char| c.is_ascii_digit());
+                let direction = match way {
+                    "up" => Some(Direction::Plus),
+                    "dn" => Some(Direction::Minus),
+                    "run" => None,
+                    _ => return None,
+                };
+                (direction, Some(own[way.len()..].parse().ok()?))
+            }
+        };
+        Some((Content::Reading(Reading { direction, run, values }), unit.um()))
+    })
 }
 
 /// What the columns of the file hold.
@@ -100,7 +178,6 @@ pub(super) struct Mapping {
 
 impl Mapping {
     pub(super) fn read(text: &str) -> Result<Mapping, Problems> {
-        let known = known();
         let mut problems = Problems::none();
         let mut columns: Vec<Mapped> = Vec::new();
         for pair in pairs(text) {
@@ -109,34 +186,18 @@ impl Mapping {
                 problems.push(Problem::new(message).help(format!("write NAME=COLUMN, {EXAMPLE}")));
                 continue;
             };
-            let (name, target) = (name.trim(), target.trim());
-            let number = name.strip_prefix('#').and_then(|n| n.trim().parse().ok());
-            let name = number.map_or_else(|| Named::Text(name.to_string()), Named::Number);
-            let Some((_, content, factor)) = known.iter().find(|(known, ..)| known == target)
-            else {
-                let names = known.iter().map(|(name, ..)| name.as_str());
-                problems.push(unknown_target(target, names));
+            let target = target.trim();
+            let Some((content, factor)) = content_of(target) else {
+                problems.push(unknown_target(target));
                 continue;
             };
-            let mut refuse = |message: String, help: &str| {
-                problems.push(Problem::new(message).help(help));
-            };
-            if columns.iter().any(|other| other.content == *content) {
+            if columns.iter().any(|other| other.content.is_same(content)) {
                 let message =
                     format!("`{target}` of `--columns` gives the same as a column before it");
-                refuse(message, "keep one of the two");
+                problems.push(Problem::new(message).help("keep one of the two"));
             }
-            if columns.iter().any(|other| other.name == name) {
-                let message =
-                    format!("the column mapped to `{target}` is mapped to something else before");
-                refuse(message, "a column holds one thing: map each once");
-            }
-            columns.push(Mapped {
-                name,
-                content: *content,
-                factor: *factor,
-                unit: target.rsplit_once('_').map(|(_, unit)| unit.to_string()),
-            });
+            let unit = target.rsplit_once('_').map(|(_, unit)| unit.to_string());
+            columns.push(Mapped { name: Named::of(name), content, factor, unit });
         }
         let is_number = |column: &Mapped| matches!(column.name, Named::Number(_));
         if columns.iter().all(is_number) && problems.is_empty() {
@@ -156,59 +217,82 @@ impl Mapping {
         self.has_any(|own| own == content)
     }
 
-    /// Statements that the mapping makes already.
-    pub(super) fn refuse_twice(&self, stated: &Stated, problems: &mut Problems) {
+    /// Whether it holds readings of the term that is stated.
+    pub(super) fn has_readings(&self) -> bool {
+        self.has_any(|content| matches!(content, Content::Reading(_)))
+    }
+
+    /// Whether a column, or each of several, says which way the axis went.
+    pub(super) fn has_directions(&self) -> bool {
+        let of_its_own = |reading: Reading| reading.direction.is_some();
+        self.has(Content::Table(Quantity::Direction))
+            || self.has_any(|content| content.wide().is_some_and(of_its_own))
+    }
+
+    /// Whether all that was measured are positions, from which deviations as measured − target are taken.
+    pub(super) fn holds_positions(&self) -> bool {
+        let is_position = |content| {
+            matches!(content, Content::Reading(Reading { values: Values::Positions, .. }))
+        };
+        self.columns.iter().all(|c| !c.content.is_value() || is_position(c.content))
+    }
+
+    /// What the mapping has to hold, what has to be stated beside it, and what the mapping says already.
+    pub(super) fn require(&self, stated: &Stated, problems: &mut Problems) {
         let positions = self.has(Content::Table(Quantity::Position));
-        let directions = self.has(Content::Table(Quantity::Direction));
         let (targets, runs) = (self.has(Content::Target), self.has(Content::Run));
-        let uncertainties =
-            self.has_any(|content| matches!(content, Content::Table(Quantity::Uncertainty(_))));
         let only_positions = positions && !targets;
+        let (directions, readings) = (self.has_directions(), self.has_readings());
+        let wide = self.has_any(|content| content.wide().is_some());
+        let others = self.has_any(|content| content.is_value() && content.wide().is_none());
+        let uncertain = self.has_any(Content::is_uncertainty);
+        let axes = self.has(Content::Table(Quantity::Axis));
+        let first_target = stated.first_target_at_mm.is_some();
         let twice = [
             (stated.travel.is_some() && directions, "--direction", "direction"),
-            (
-                stated.first_target_at_mm.is_some() && only_positions,
-                "--first-target-at-mm",
-                "position",
-            ),
+            (first_target && only_positions, "--first-target-at-mm", "position"),
             (stated.targets_run.is_some() && only_positions, "--targets-run", "position"),
             (targets && positions, "target", "position"),
-            (uncertainties && runs, "an uncertainty", "run"),
+            (uncertain && runs, "an uncertainty", "run"),
+            (wide && runs, "a column for each run", "run"),
+            (wide && (others || uncertain), "a column for each run", "other values"),
+            (axes && readings, "a reading of `--term`", "axis"),
         ];
         for (_, option, mapped) in twice.into_iter().filter(|(is, ..)| *is) {
             let message = format!("`{option}` is stated, but the mapping gives `{mapped}`");
             problems.push(Problem::new(message).help("keep one of the two"));
         }
-    }
-
-    /// What must be mapped or stated, and what is stated without a meaning.
-    pub(super) fn require(&self, stated: &Stated, problems: &mut Problems) {
-        let positions = self.has(Content::Table(Quantity::Position)) || self.has(Content::Target);
-        let directions = self.has(Content::Table(Quantity::Direction));
-        let values = self.has_any(|content| {
-            matches!(content, Content::Table(Quantity::Deviation(_) | Quantity::Angle(_)))
-        });
-        let without = [
+        let lacking = [
             (
-                !positions,
+                !positions && !targets,
                 "`--columns` maps no column to a position",
                 "map one to `position_mm` (machine coordinate) or `target_mm` (counted from the laser's zero)",
             ),
             (
-                !values,
+                !wide && !others,
                 "`--columns` maps no column to a deviation",
                 "map one to `ex_um`, `ex_mm`, `ey_um` … `ec_urad`",
+            ),
+            (
+                readings && !targets,
+                "`--columns` maps a reading, but no column to its target",
+                "map one to `target_mm` or `target_in`, or the reading to a column such as `ex_um`",
             ),
             (
                 stated.plus_moves.is_some() && !directions,
                 "`--plus-moves` is stated, but no column is mapped to `direction`",
                 "leave it out, or map the column whose `+` it explains",
             ),
+            (
+                stated.term.is_some() && !readings,
+                "`--term` is stated, but the mapping names the components itself",
+                "leave it out, or map a column to `deviation_um` or `actual_mm`",
+            ),
         ];
-        for (_, message, help) in without.into_iter().filter(|(is, ..)| *is) {
+        for (_, message, help) in lacking.into_iter().filter(|(is, ..)| *is) {
             problems.push(Problem::new(message).help(help));
         }
-        if stated.axis.is_none() && !self.has(Content::Table(Quantity::Axis)) {
+        if stated.axis.is_none() && !axes && !readings {
             problems.push(AXIS.missing());
         }
         if stated.travel.is_none() && !directions {
@@ -236,10 +320,10 @@ fn pairs(text: &str) -> Vec<String> {
     pairs
 }
 
-fn unknown_target<'a>(target: &str, known: impl Iterator<Item = &'a str>) -> Problem {
-    let columns =
-        "columns: axis, direction, run, position_mm, target_mm, ex_um, ex_mm … ec_urad, u_ex_um …";
-    let help = did_you_mean(target, known, columns);
+fn unknown_target(target: &str) -> Problem {
+    let columns = "columns: axis, direction, run, position_mm, target_mm, ex_um, ex_mm … ec_urad, u_ex_um, deviation_um, actual_mm, up1_actual_mm …";
+    let known = known();
+    let help = did_you_mean(target, known.iter().map(|(name, ..)| name.as_str()), columns);
     Problem::new(format!("unknown column `{}` in `--columns`", shown(target))).help(help)
 }
 

@@ -18,7 +18,7 @@ use crate::inputs::import::component::{Component, Kind};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::reading::{FileContents, Placing, Squareness, deviation, tidy};
 use crate::inputs::import::stated::Stated;
-use crate::inputs::import::words::{AGAIN, Piece, lines};
+use crate::inputs::import::words::{AGAIN, Piece, lines, rows};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::UM_PER_MM;
 use crate::text::document::Source;
@@ -79,8 +79,118 @@ struct Parameter {
 }
 
 impl Parameter {
+    fn of(name: &Piece<'_>, positions_mm: Vec<f64>, values: Vec<f64>) -> Parameter {
+        let place = name.place();
+        // A name in brackets may be written small.
+        let inside = name.text.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
+        let name = inside.map_or(name.text.to_string(), |inside| inside.trim().to_uppercase());
+        Parameter { name, place, positions_mm, values }
+    }
+
     fn problem(&self, message: String, help: &str) -> Problem {
         Problem::new(message).at(self.place.clone()).help(help)
+    }
+
+    /// Takes it by its name; one quantity may have two names: `C0Y` and `EC0Y`.
+    fn take(
+        &self,
+        before: &[Parameter],
+        sign: TableSign,
+        reading: &mut FileContents,
+    ) -> Result<(), Problem> {
+        let name = shown(&self.name);
+        let meaning = Name::of(&self.name);
+        let is_same = |other: &&Parameter| match meaning {
+            Some(Name::Component(_) | Name::Squareness(..)) => Name::of(&other.name) == meaning,
+            _ => other.name == self.name,
+        };
+        if let Some(twin) = before.iter().find(is_same) {
+            let message = format!("`{name}` gives the same as `{}` before it", shown(&twin.name));
+            return Err(self.problem(message, "keep one of the two"));
+        }
+        let is_zero = self.values.iter().all(|value| *value == 0.0);
+        let what = match meaning {
+            Some(Name::Component(component)) => {
+                return self.add(component, sign, &mut reading.series);
+            }
+            Some(Name::Squareness(pair, name, of_phi)) => {
+                let um_per_m = tidy(of_phi * deviation(sign, self.single_value()?).um() * MICRO);
+                reading.squareness.push(Squareness { pair, um_per_m, name });
+                return Ok(());
+            }
+            Some(Name::OtherLocation) if is_zero => "a location that is none of C0Y, B0Z, A0Z",
+            Some(Name::OtherLocation) => {
+                let message = format!(
+                    "`{name}` is a location that is none of C0Y, B0Z, A0Z, and it is not zero"
+                );
+                let help = "export with the X axis as primary and the Y axis as secondary axis";
+                return Err(self.problem(message, help));
+            }
+            Some(Name::LeftOut(what)) => what,
+            None => {
+                let message = format!("unknown parameter `{name}`");
+                return Err(self.problem(message, "expected EXX … ECZ, or C0Y, B0Z, A0Z"));
+            }
+        };
+        reading.find([ImportFinding::LeftOut { name: self.name.clone(), what }]);
+        Ok(())
+    }
+
+    /// A squareness is one number, not a curve.
+    fn single_value(&self) -> Result<f64, Problem> {
+        if let ([value], []) = (&self.values[..], &self.positions_mm[..]) {
+            return Ok(*value);
+        }
+        let message = format!(
+            "`{}` has {} values, expected one without argument",
+            shown(&self.name),
+            self.values.len()
+        );
+        Err(self.problem(message, "a squareness is one angle between two axes: export it as such"))
+    }
+
+    /// Adds a curve to the series of its axis: at least two points, ascending also after rounding, with a value
+    /// each, and all curves of an axis at the same positions.
+    fn add(
+        &self,
+        component: Component,
+        sign: TableSign,
+        series: &mut Vec<DraftSeries>,
+    ) -> Result<(), Problem> {
+        let placing = Placing::on_machine(&self.positions_mm);
+        let positions = placing.positions_mm();
+        let ascends = positions.windows(2).all(|pair| pair[0] < pair[1]);
+        if positions.len() < 2 || positions.len() != self.values.len() || !ascends {
+            let message = format!(
+                "`{}` is no curve, expected two or more ascending positions with a value each",
+                shown(&self.name)
+            );
+            return Err(self.problem(message, AGAIN));
+        }
+        let along = component.along;
+        let known = series.iter().position(|series| series.axis == along);
+        let known = known.unwrap_or_else(|| {
+            series.push(DraftSeries::new(along, None, positions.clone()));
+            series.len() - 1
+        });
+        let of_axis = &mut series[known];
+        let mut pairs = of_axis.positions_mm.iter().zip(&positions);
+        if of_axis.positions_mm.len() != positions.len()
+            || pairs.any(|(a, b)| (a - b).abs() >= 1e-6)
+        {
+            let message = format!(
+                "{component} stands at other positions than the components of {along} before it"
+            );
+            let help = "export all components of an axis on one grid: a value between points is never made up";
+            return Err(self.problem(message, help));
+        }
+        let to_ours = match component.kind {
+            Kind::Deviation(_) => UM_PER_MM,
+            Kind::Angle(_) => MICRO,
+        };
+        let values = self.values.iter().map(|value| value * to_ours).collect();
+        placing.put(of_axis, component, sign, &[values]);
+        Ok(())
     }
 }
 
@@ -99,10 +209,7 @@ fn assemble(
         if problems.is_full() {
             break; // each is compared with all before it
         }
-        refuse_twice(&parameters[..index], parameter, &mut problems);
-        if let Err(problem) = take(parameter, sign, &mut reading) {
-            problems.push(problem);
-        }
+        problems.take(parameter.take(&parameters[..index], sign, &mut reading));
     }
     reading.squareness.sort_by_key(|squareness| squareness.pair);
     reading.series.sort_by_key(|series| series.axis);
@@ -114,174 +221,31 @@ fn assemble(
     problems.or_ok(reading)
 }
 
-/// Takes a parameter by its name.
-fn take(parameter: &Parameter, sign: TableSign, reading: &mut FileContents) -> Result<(), Problem> {
-    let name = &parameter.name;
-    let is_zero = parameter.values.iter().all(|value| *value == 0.0);
-    let what = match Name::of(name) {
-        Some(Name::Component(component)) => {
-            return add(&mut reading.series, component, parameter, sign);
-        }
-        Some(Name::Squareness(pair, name, of_phi)) => {
-            let rad = single_value(parameter)?;
-            let um_per_m = tidy(of_phi * deviation(sign, rad).um() * MICRO);
-            reading.squareness.push(Squareness { pair, um_per_m, name });
-            return Ok(());
-        }
-        Some(Name::OtherLocation) if is_zero => "a location that is none of C0Y, B0Z, A0Z",
-        Some(Name::OtherLocation) => {
-            let message =
-                format!("`{name}` is a location that is none of C0Y, B0Z, A0Z, and it is not zero");
-            let help = "export with the X axis as primary and the Y axis as secondary axis";
-            return Err(parameter.problem(message, help));
-        }
-        Some(Name::LeftOut(what)) => what,
-        None => {
-            let message = format!("unknown parameter `{}`", shown(name));
-            return Err(parameter.problem(message, "expected EXX … ECZ, or C0Y, B0Z, A0Z"));
-        }
-    };
-    let name = name.clone();
-    reading.find([ImportFinding::LeftOut { name, what }]);
-    Ok(())
-}
-
-/// One quantity may have two names: `C0Y` and `EC0Y`.
-fn refuse_twice(before: &[Parameter], parameter: &Parameter, problems: &mut Problems) {
-    let is_same = |other: &&Parameter| match Name::of(&parameter.name) {
-        Some(name @ (Name::Component(_) | Name::Squareness(..))) => {
-            Name::of(&other.name) == Some(name)
-        }
-        _ => other.name == parameter.name,
-    };
-    if let Some(twin) = before.iter().find(is_same) {
-        let (name, twin) = (shown(&parameter.name), shown(&twin.name));
-        let message = format!("`{name}` gives the same as `{twin}` before it");
-        problems.push_with(|| parameter.problem(message, "keep one of the two"));
-    }
-}
-
-/// A squareness is one number, not a curve.
-fn single_value(parameter: &Parameter) -> Result<f64, Problem> {
-    if let ([value], []) = (&parameter.values[..], &parameter.positions_mm[..]) {
-        return Ok(*value);
-    }
-    let message = format!(
-        "`{}` is given at {} positions, expected one value without argument",
-        shown(&parameter.name),
-        parameter.positions_mm.len()
-    );
-    let help = "a squareness is one angle between two axes: export it as such";
-    Err(parameter.problem(message, help))
-}
-
-/// Adds a curve to the series of its axis: at least two points, ascending also after rounding, with a value
-/// each, and all curves of an axis at the same positions.
-fn add(
-    series: &mut Vec<DraftSeries>,
-    component: Component,
-    parameter: &Parameter,
-    sign: TableSign,
-) -> Result<(), Problem> {
-    let placing = Placing::on_machine(&parameter.positions_mm);
-    let positions = placing.positions_mm();
-    let ascends = positions.windows(2).all(|pair| pair[0] < pair[1]);
-    if positions.len() < 2 || positions.len() != parameter.values.len() || !ascends {
-        let name = shown(&parameter.name);
-        let message = format!(
-            "`{name}` is no curve, expected two or more ascending positions with a value each"
-        );
-        return Err(parameter.problem(message, AGAIN));
-    }
-    let along = component.along;
-    let known = series.iter().position(|series| series.axis == along);
-    let known = known.unwrap_or_else(|| {
-        series.push(DraftSeries::new(along, None, positions.clone()));
-        series.len() - 1
-    });
-    let of_axis = &mut series[known];
-    let mut pairs = of_axis.positions_mm.iter().zip(&positions);
-    if of_axis.positions_mm.len() != positions.len() || pairs.any(|(a, b)| (a - b).abs() >= 1e-6) {
-        let message = format!(
-            "{component} stands at other positions than the components of {along} before it"
-        );
-        let help =
-            "export all components of an axis on one grid: a value between points is never made up";
-        return Err(parameter.problem(message, help));
-    }
-    let to_ours = match component.kind {
-        Kind::Deviation(_) => UM_PER_MM,
-        Kind::Angle(_) => MICRO,
-    };
-    let values = parameter.values.iter().map(|value| value * to_ours);
-    placing.put(of_axis, component, sign, &[values.collect()]);
-    Ok(())
-}
-
 /// Reads the Etalon exchange format.
 pub(super) fn read_etalon(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
     let mut problems = Problems::none();
-    let mut blocks = Blocks::default();
-    for line in lines(source) {
-        let line = line.before("//");
-        if !line.is_blank() {
-            blocks.take(&line, &mut problems);
+    let mut blocks: Vec<Parameter> = Vec::new();
+    let mut is_grid = false; // between `Gridpoints = {` and `}`
+    for line in lines(source).iter().map(|line| line.before("//")).filter(|line| !line.is_blank()) {
+        let compact: String = line.text.to_lowercase().split_whitespace().collect();
+        if compact.starts_with('[') && compact.ends_with(']') {
+            problems.extend(unfinished(blocks.last(), is_grid, problems.is_empty()));
+            is_grid = false;
+            blocks.push(Parameter::of(&line.part(0, line.text.len()), Vec::new(), Vec::new()));
+            continue;
         }
-    }
-    blocks.close(&mut problems);
-    assemble(&blocks.done, stated, problems)
-}
-
-#[derive(Default)]
-struct Blocks {
-    done: Vec<Parameter>,
-    /// Between `Gridpoints = {` and `}`.
-    inside: bool,
-    /// Whether the values of the last block have begun.
-    begun: bool,
-}
-
-impl Blocks {
-    fn take(&mut self, line: &Piece<'_>, problems: &mut Problems) {
-        let text = line.text.trim();
-        let compact: String = text.to_lowercase().split_whitespace().collect();
-        let name = text.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
-        if let Some(name) = name {
-            self.close(problems);
-            (self.inside, self.begun) = (false, false);
-            self.done.push(Parameter {
-                name: name.trim().to_uppercase(),
-                place: line.place(),
-                positions_mm: Vec::new(),
-                values: Vec::new(),
-            });
-            return;
-        }
-        let is_grid = compact == "gridpoints={";
-        match self.done.last_mut() {
-            Some(_) if text == "}" && self.inside => self.inside = false,
-            Some(block) if self.inside => {
-                let Some(words) = line.row(2, char::is_whitespace, problems) else {
-                    return;
-                };
-                block.positions_mm.extend(words[0].number("an argument", problems));
-                block.values.extend(words[1].number("a value", problems));
+        let value = line.text.find('=').map(|at| line.part(at + 1, line.text.len()));
+        match (blocks.last_mut(), value) {
+            (Some(_), _) if is_grid && compact == "}" => is_grid = false,
+            (Some(block), _) if is_grid => {
+                if let Some(words) = line.row(2, char::is_whitespace, &mut problems) {
+                    block.positions_mm.extend(words[0].number("an argument", &mut problems));
+                    block.values.extend(words[1].number("a value", &mut problems));
+                }
             }
-            Some(block) if is_grid || compact.starts_with("value=") => {
-                if self.begun {
-                    let name = shown(&block.name);
-                    let message = format!(
-                        "`{name}` has values already, expected one `VALUE` or one `Gridpoints` a block"
-                    );
-                    let help = "which of the two is meant is not known: keep one of them";
-                    problems.push_with(|| line.problem(message, help));
-                }
-                (self.inside, self.begun) = (is_grid, true);
-                if !is_grid {
-                    let at = line.text.find('=').map_or(0, |at| at + 1);
-                    let value = line.part(at, line.text.len());
-                    block.values.extend(value.number("a value", problems));
-                }
+            (Some(_), _) if compact == "gridpoints={" => is_grid = true,
+            (Some(block), Some(value)) if compact.starts_with("value=") => {
+                block.values.extend(value.number("a value", &mut problems));
             }
             _ => {
                 let message = "expected `[NAME]`, `VALUE = …` or `Gridpoints = {`";
@@ -289,20 +253,24 @@ impl Blocks {
             }
         }
     }
+    problems.extend(unfinished(blocks.last(), is_grid, problems.is_empty()));
+    assemble(&blocks, stated, problems)
+}
 
-    /// The block before must be complete.
-    fn close(&self, problems: &mut Problems) {
-        let Some(block) = self.done.last() else {
-            return;
-        };
-        let name = &block.name;
-        if self.inside {
-            let message = format!("the grid of `{name}` is not closed by `}}`");
+/// What a block lacks that has ended.
+fn unfinished(block: Option<&Parameter>, is_grid: bool, is_whole: bool) -> Problems {
+    let mut problems = Problems::none();
+    match block {
+        Some(block) if is_grid => {
+            let message = format!("the grid of `{}` is not closed by `}}`", block.name);
             problems.push(block.problem(message, AGAIN));
-        } else if block.values.is_empty() && problems.is_empty() {
-            problems.push(block.problem(format!("`{name}` has no value"), AGAIN));
         }
+        Some(block) if block.values.is_empty() && is_whole => {
+            problems.push(block.problem(format!("`{}` has no value", block.name), AGAIN));
+        }
+        _ => {}
     }
+    problems
 }
 
 /// Whether a line names arguments and parameters of ISG.
@@ -327,15 +295,16 @@ pub(super) fn read_isg(source: &Source, stated: &Stated) -> Result<FileContents,
     let lines: Vec<Piece<'_>> = lines(source).iter().map(|line| line.before("//")).collect();
     for block in lines.split(|line| line.text.trim_start().starts_with('#')) {
         let block: Vec<&Piece<'_>> = block.iter().filter(|line| !line.is_blank()).collect();
-        if let Some((header, rows)) = block.split_first() {
-            let read = problems.take(read_block(header, rows));
+        if let Some((header, lines)) = block.split_first() {
+            let read = problems.take(read_block(header, lines));
             parameters.extend(read.into_iter().flatten());
         }
     }
     assemble(&parameters, stated, problems)
 }
 
-fn read_block(header: &Piece<'_>, rows: &[&Piece<'_>]) -> Result<Vec<Parameter>, Problems> {
+/// The parameters of a block: the names of its columns, the first one that of the argument, and rows of numbers.
+fn read_block(header: &Piece<'_>, lines: &[&Piece<'_>]) -> Result<Vec<Parameter>, Problems> {
     let names = header.words(is_separator);
     if names.iter().any(Piece::begins_with_number) {
         let message = "numbers stand where the names of the columns are expected";
@@ -349,12 +318,19 @@ fn read_block(header: &Piece<'_>, rows: &[&Piece<'_>]) -> Result<Vec<Parameter>,
             "an error table holds curves along one axis; export component errors instead of a map";
         return Err(header.problem(message, help).into());
     }
-    let columns = read_columns(header, rows, (arguments, names.len()))?;
-    let positions_mm = if arguments == 0 { Vec::new() } else { columns[0].clone() };
-    let along =
-        names.first().filter(|_| arguments == 1).and_then(|name| Axis::from_letter(name.text));
-    let (mut problems, mut parameters) = (Problems::none(), Vec::new());
-    for (name, values) in names.iter().zip(columns).skip(arguments) {
+    let rows = rows(lines.iter().copied(), names.len(), is_separator)?;
+    let mut problems = Problems::none();
+    if rows.is_empty() || (arguments == 0 && rows.len() > 1) {
+        let message = format!(
+            "the block has {} rows, expected one without an argument, else at least two",
+            rows.len()
+        );
+        let help = "put a line with `#` between the blocks; the file may be incomplete";
+        problems.push(header.problem(message, help));
+    }
+    let column = |index: usize| rows.iter().map(|row| row.numbers[index]).collect::<Vec<f64>>();
+    let along = names[..arguments].first().and_then(|name| Axis::from_letter(name.text));
+    for name in &names[arguments..] {
         let component = Component::from_name(name.text);
         if let Some(component) = component.filter(|component| Some(component.along) != along) {
             let along = component.along;
@@ -363,37 +339,10 @@ fn read_block(header: &Piece<'_>, rows: &[&Piece<'_>]) -> Result<Vec<Parameter>,
             );
             problems.push_with(|| name.problem(message, "each block has its own moving axis"));
         }
-        parameters.push(Parameter {
-            name: name.text.to_string(),
-            place: name.place(),
-            positions_mm: positions_mm.clone(),
-            values,
-        });
     }
-    problems.or_ok(parameters)
-}
-
-/// The numbers below each name of a block.
-fn read_columns(
-    header: &Piece<'_>,
-    rows: &[&Piece<'_>],
-    (arguments, width): (usize, usize),
-) -> Result<Vec<Vec<f64>>, Problems> {
-    let mut problems = Problems::none();
-    let mut columns = vec![Vec::new(); width];
-    for row in rows {
-        let words = row.row(width, is_separator, &mut problems);
-        for (column, word) in columns.iter_mut().zip(words.unwrap_or_default()) {
-            column.extend(word.number("a value", &mut problems));
-        }
-    }
-    if rows.is_empty() || (arguments == 0 && rows.len() > 1) {
-        let count = rows.len();
-        let message = format!(
-            "the block has {count} rows, expected one without an argument, else at least two"
-        );
-        let help = "put a line with `#` between the blocks; the file may be incomplete";
-        problems.push(header.problem(message, help));
-    }
-    problems.or_ok(columns)
+    let positions = || if arguments == 0 { Vec::new() } else { column(0) };
+    let parameters = names.iter().enumerate().skip(arguments);
+    let parameters =
+        parameters.map(|(index, name)| Parameter::of(name, positions(), column(index)));
+    problems.or_ok(parameters.collect())
 }

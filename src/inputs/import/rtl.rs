@@ -15,10 +15,11 @@ use crate::inputs::import::reading::{FileContents, Passes, Placing};
 use crate::inputs::import::rtl_file::{File, Sections};
 use crate::inputs::import::stated::{Format, Stated};
 use crate::inputs::import::words::{Fields, Piece};
+use crate::inputs::target_runs;
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::plain_number;
 use crate::text::document::{LARGEST_NUMBER, Source};
-use crate::text::finding::{Finding, Severity, of_severity};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problems, shown};
 
 pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
@@ -33,24 +34,12 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
     passes.reading((term, sign), said, of_runs, stated, problems)
 }
 
-/// Deviations of every run at every target, in the order of the machine's coordinate.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MeasuredRuns {
-    /// Targets, ascending, mm.
-    pub targets_mm: Vec<f64>,
-    /// Of each target the runs moving +, µm; `None` = not measured.
-    pub up_um: Option<Vec<Vec<f64>>>,
-    /// Likewise moving −.
-    pub down_um: Option<Vec<Vec<f64>>>,
-    /// What the file states and what was done with it.
-    pub findings: Vec<Finding>,
-}
-
 /// Positioning is measured along the axis itself; which one it is changes no figure.
 const POSITIONING: Component = Component { kind: Kind::Deviation(Axis::X), along: Axis::X };
 
-/// Reads the single runs of a `.rtl` file, as a positioning test needs them (a mean holds no repeatability):
-/// runs 1, 3, 5 … went from the first target to the last, even ones back, as the file's flags or `--runs` say.
+/// Reads the single runs of a `.rtl` file, as a positioning test needs them (a mean holds no repeatability), and
+/// what the file states: runs 1, 3, 5 … went from the first target to the last, even ones back, as the file's
+/// flags or `--runs` say.
 ///
 /// sign   deviation = actual − commanded in the sense of the machine's coordinate: where the file
 ///        counts its targets against the axis, deviations are turned with them
@@ -59,8 +48,8 @@ pub fn measured_runs(
     file: Measurement<'_>,
     stated_encoding: Option<&'static encoding_rs::Encoding>,
     stated: &Stated,
-) -> Result<MeasuredRuns, Problems> {
-    let (source, encoding) = text_of(file, stated_encoding, &Stated::default())?;
+) -> Result<(target_runs::Runs, Vec<Finding>), Problems> {
+    let (source, name) = text_of(file, stated_encoding, &Stated::default())?;
     let mut problems = Problems::none();
     let sign = stated.required_sign(&mut problems);
     let Some((passes, said, of_runs)) = passes_of(&source, stated, &mut problems) else {
@@ -72,15 +61,13 @@ pub fn measured_runs(
     let (Some(sign), Some(placing)) = (sign, placing) else {
         return Err(problems);
     };
-    let mut found = FileContents::saying([ImportFinding::Encoding { name: encoding }]);
-    let labels = of_severity(&said.findings, Severity::Label);
-    found.findings.extend(labels);
+    let mut found = FileContents::saying([ImportFinding::Encoding { name }]);
+    found.findings.extend(said.findings);
     found.find([ImportFinding::OwnZero]);
     found.find(placing.turned(POSITIONING));
     let is_of_means = |found: &ImportFinding| matches!(found, ImportFinding::Runs { .. });
     found.find(of_runs.into_iter().filter(|found| !is_of_means(found)));
-    let notes = of_severity(&said.findings, Severity::Note);
-    found.findings.extend(notes);
+    found.findings.sort_by_key(Finding::severity);
     let moving = |direction: Direction| {
         let mut ways = passes.ways.iter();
         let (_, runs) = ways.find(|(way, _)| placing.direction(*way) == Some(direction))?;
@@ -89,12 +76,9 @@ pub fn measured_runs(
         let at = |target: usize| runs.iter().map(|run| run[target]).collect();
         Some((0..passes.targets.len()).map(at).collect())
     };
-    problems.or_ok(MeasuredRuns {
-        targets_mm: placing.positions_mm(),
-        up_um: moving(Direction::Plus),
-        down_um: moving(Direction::Minus),
-        findings: found.findings,
-    })
+    let (up, down) = (moving(Direction::Plus), moving(Direction::Minus));
+    let runs = target_runs::Runs::new(placing.positions_mm(), up, down)?;
+    problems.or_ok((runs, found.findings))
 }
 
 /// The coordinate of the first target: that of the file, mirrored at its zero where the file counts

@@ -10,16 +10,6 @@ use std::collections::BTreeMap;
 
 /// More runs or targets than this are a damaged file.
 const MOST: usize = 10_000;
-/// Keys that the numbers depend on.
-const SINGLE_KEYS: [(&str, &str); 5] = [
-    ("HEADER", "File type"),
-    ("TARGET DATA", "Target-count"),
-    ("TARGET DATA", "Targets"),
-    ("TARGET DATA", "Flags"),
-    ("RUNS", "Run-count"),
-];
-const WHICH: &str = "which of the two holds is not known: save the file again";
-
 /// Lines of each section, by its name in capital letters.
 pub(super) struct Sections<'a> {
     source: &'a Source,
@@ -27,29 +17,15 @@ pub(super) struct Sections<'a> {
 }
 
 impl<'a> Sections<'a> {
+    /// Lines of a section that is given twice stand together: readings that come twice are found there.
     pub(super) fn of(source: &'a Source) -> Result<Self, Problems> {
-        let mut problems = Problems::none();
         let mut sections = Sections { source, found: BTreeMap::new() };
-        // Whose lines follow; of a section that is given twice those of the first count.
-        let mut own = None;
-        let mut is_over = false;
+        let mut own = String::new();
         for line in lines(source) {
-            // Some editors end a text with the control character 26.
-            if is_over && !line.text.trim_matches('\u{1a}').trim().is_empty() {
-                let help = "take one file at a time, as it was saved";
-                problems.push(line.problem("there is text behind `EOF::`", help));
-                break;
-            }
             if let Some(name) = line.text.trim().strip_suffix("::") {
-                let name = name.trim().to_uppercase();
-                is_over = name == "EOF";
-                own = Some(name.clone()).filter(|name| !sections.has(name));
-                if own.is_none() {
-                    let message = format!("section `{}::` is given twice", shown(&name));
-                    problems.push_with(|| line.problem(message, WHICH));
-                }
-                sections.found.entry(name).or_default();
-            } else if let Some(lines) = own.as_ref().and_then(|name| sections.found.get_mut(name)) {
+                own = name.trim().to_uppercase();
+                sections.found.entry(own.clone()).or_default();
+            } else if let Some(lines) = sections.found.get_mut(&own) {
                 lines.push(line);
             }
         }
@@ -59,21 +35,13 @@ impl<'a> Sections<'a> {
             let help = "take the file as it was saved, or leave `--from` out";
             return Err(Problem::new(message).at(source.place(&(0..0))).help(help).into());
         }
-        for (section, label) in SINGLE_KEYS {
-            if let Some(second) = sections.fields(section).values(label).nth(1) {
-                problems.push(second.problem(format!("`{label}` is given twice"), WHICH));
-            }
-        }
+        let mut problems = Problems::none();
         for needed in ["TARGET DATA", "RUNS", "DEVIATIONS", "EOF"] {
-            if !sections.has(needed) {
+            if !sections.found.contains_key(needed) {
                 problems.push(sections.absent(&format!("there is no section `{needed}::`")));
             }
         }
         problems.or_ok(sections)
-    }
-
-    fn has(&self, section: &str) -> bool {
-        self.found.contains_key(section)
     }
 
     pub(super) fn lines(&self, section: &str) -> &[Piece<'a>] {
@@ -147,7 +115,8 @@ impl<'a> File<'a> {
         ends.map_or(0.0, |(first, last)| (last - first).abs())
     }
 
-    /// Which runs went which way; and what is said of return runs that were never made, which stand in the
+    /// Which runs went which way, by the second flag, which `--runs` must not contradict; where the even runs do
+    /// not look like that, it has to be stated. And what is said of return runs that were never made, which stand in the
     /// file as zeros.
     pub(super) fn ways(
         &self,
@@ -158,67 +127,46 @@ impl<'a> File<'a> {
         let (odd, even): (Vec<_>, Vec<_>) = (every_second(0).collect(), every_second(1).collect());
         let is_measured = even.iter().flatten().any(|um| *um != 0.0);
         let is_zero = !even.is_empty() && !is_measured;
-        match self.travelled(is_measured, is_zero, stated, problems)? {
+        let at_flags = |problem: Problem| match self.flags {
+            Some(flags) => problem.at(flags.place()),
+            None => problem,
+        };
+        let (flagged, unclear) = match self.flags.and_then(|f| f.text.split_whitespace().nth(1)) {
+            Some("0") if is_zero => {
+                (None, Some("the flags say bidirectional, but every even run holds only zeros"))
+            }
+            Some("0") => (Some(Runs::Bidirectional), None),
+            Some("1") if is_measured => (
+                Some(Runs::Unidirectional),
+                Some("the flags say unidirectional, but the even runs are not empty"),
+            ),
+            Some("1") => (Some(Runs::Unidirectional), None),
+            _ => (None, Some(RUNS.why)),
+        };
+        if let (Some(why), None) = (unclear, stated.runs) {
+            problems.push(at_flags(RUNS.missing_because(why)));
+            return None;
+        }
+        let (forward, back) = (Way::Forward, Way::Reverse);
+        match RUNS.settled(flagged.zip(self.flags), stated.runs, stated, problems)? {
             Runs::Bidirectional if odd.len() == even.len() => {
-                Some((vec![(Way::Forward, odd), (Way::Reverse, even)], None))
+                Some((vec![(forward, odd), (back, even)], None))
             }
             Runs::Bidirectional => {
                 let count = self.runs.len();
-                let problem = Problem::new(format!("`Run-count` is {count} in a bidirectional file, expected an even number: each direction counts as a run"))
-                    .help("complete the last return run, or save the file without its outward run");
-                problems.push(self.at_flags(problem));
+                let message = format!(
+                    "`Run-count` is {count} in a bidirectional file, expected an even number: each direction counts as a run"
+                );
+                let help = "complete the last return run, or save the file without its outward run";
+                problems.push(at_flags(Problem::new(message).help(help)));
                 None
             }
-            Runs::Unidirectional if is_measured => {
-                Some((vec![(Way::Forward, self.runs.clone())], None))
-            }
+            Runs::Unidirectional if is_measured => Some((vec![(forward, self.runs.clone())], None)),
             Runs::Unidirectional => {
                 let runs = (2..=self.runs.len()).step_by(2).collect();
-                let found = ImportFinding::NeverMade { runs };
-                Some((vec![(Way::Forward, odd)], is_zero.then_some(found)))
+                let never_made = is_zero.then_some(ImportFinding::NeverMade { runs });
+                Some((vec![(forward, odd)], never_made))
             }
-        }
-    }
-
-    /// How the runs were travelled: from the second flag, which `--runs` must not contradict. Where the even
-    /// runs do not look like that, it has to be stated.
-    fn travelled(
-        &self,
-        is_measured: bool,
-        is_zero: bool,
-        stated: &Stated,
-        problems: &mut Problems,
-    ) -> Option<Runs> {
-        let flag = self.flags.and_then(|flags| flags.text.split_whitespace().nth(1));
-        let flagged = match flag {
-            Some("0") => Some(Runs::Bidirectional),
-            Some("1") => Some(Runs::Unidirectional),
-            _ => None,
-        };
-        let unclear =
-            match flagged {
-                None => Some(RUNS.missing()),
-                Some(Runs::Bidirectional) if is_zero => Some(RUNS.missing_because(
-                    "the flags say bidirectional, but every even run holds only zeros",
-                )),
-                Some(Runs::Unidirectional) if is_measured => Some(RUNS.missing_because(
-                    "the flags say unidirectional, but the even runs are not empty",
-                )),
-                Some(_) => None,
-            };
-        if let (Some(problem), None) = (&unclear, stated.runs) {
-            problems.push(self.at_flags(problem.clone()));
-            return None;
-        }
-        let may_overrule = flagged == Some(Runs::Bidirectional) && is_zero;
-        let found = flagged.zip(self.flags).filter(|_| !may_overrule);
-        RUNS.settled(found, stated.runs, stated, problems)
-    }
-
-    fn at_flags(&self, problem: Problem) -> Problem {
-        match self.flags {
-            Some(flags) => problem.at(flags.place()),
-            None => problem,
         }
     }
 }
@@ -283,12 +231,9 @@ fn read_runs(
     if !problems.is_empty() {
         return Err(problems);
     }
-    let mut all = Vec::new();
     for run in 1..=runs {
         let missing = (1..=targets).filter(|target| !found.contains_key(&(run, *target)));
         let missing: Vec<String> = missing.map(|target| target.to_string()).collect();
-        let of_run = found.range((run, 0)..=(run, usize::MAX));
-        all.push(of_run.map(|(_, um)| *um).collect());
         let message = match missing.len() {
             0 => continue,
             count if count == targets => {
@@ -303,7 +248,8 @@ fn read_runs(
             break; // few lines may promise 10 000 runs of 10 000 targets
         }
     }
-    problems.or_ok(all)
+    let um: Vec<f64> = found.into_values().collect();
+    problems.or_ok(um.chunks(targets).map(<[f64]>::to_vec).collect())
 }
 
 fn numbered(

@@ -1,4 +1,4 @@
-//! A sheet of a workbook as delimited text: a row a line, tabs between the cells, numbers with all their digits.
+//! A sheet of a workbook as delimited text: a row a line, semicolons between the cells, numbers with all their digits.
 
 use crate::text::problem::{Problem, shown};
 use calamine::{Data, Reader, open_workbook_auto_from_rs};
@@ -20,7 +20,7 @@ pub(super) fn text(path: &str, bytes: &[u8], sheet: Option<&str>) -> Result<Stri
         return Err(Problem::new(words).help(format!("its sheets: {}", names.join(", "))));
     };
     let range = book.worksheet_range(name).map_err(refuse)?;
-    let line = |row: &[Data]| row.iter().map(cell).collect::<Vec<String>>().join("\t") + "\n";
+    let line = |row: &[Data]| row.iter().map(cell).collect::<Vec<String>>().join(";") + "\n";
     Ok(range.rows().map(line).collect())
 }
 

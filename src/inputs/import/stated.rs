@@ -151,6 +151,9 @@ pub struct Stated {
     /// Which column holds what (#3 = the third one), e.g. "AXn [mm]=position_mm,Delta [mm]=ex_mm"
     #[arg(long, value_name = "NAME=COLUMN,…")]
     pub columns: Option<String>,
+    /// Take the columns of a delimited text as they are understood
+    #[arg(long)]
+    pub yes: bool,
 }
 
 /// An axis from its letter.
@@ -182,12 +185,11 @@ pub(super) struct Fact {
     /// What was stated, in words.
     value: fn(&Stated) -> Option<String>,
     /// Why it has to be stated.
-    why: &'static str,
+    pub(super) why: &'static str,
     /// What to add.
     add: &'static str,
 }
 
-const LASERS: &[Format] = &[Format::Rtl, Format::Ren, Format::Pos];
 const WITH_TARGETS: &[Format] = &[Format::Rtl, Format::Ren, Format::Pos, Format::Columns];
 const WITH_MATERIAL: &[Format] = &[Format::Rtl, Format::Pos];
 const MAPPED: &[Format] = &[Format::Columns, Format::List];
@@ -212,7 +214,7 @@ facts! {
         |stated| stated.axis.map(|axis| axis.key().to_string()),
         "no column is mapped to `axis`, the moving axis",
         "add the axis that moved, e.g. `--axis x`";
-    TERM: "--term" of LASERS,
+    TERM: "--term" of WITH_TARGETS,
         |stated| stated.term.map(|term| term.to_string()),
         "the file does not say which deviation was measured",
         "add e.g. `--term EXX` (positioning of X) or `--term EYX` (deviation in Y while X moves)";
@@ -358,7 +360,9 @@ impl Stated {
             problems.push(Problem::new(message).help(help));
         }
         let (fits, held) = match format {
-            Format::Ren => (matches!(term.kind, Kind::Deviation(_)), "deviations"),
+            Format::Ren | Format::Columns => {
+                (matches!(term.kind, Kind::Deviation(_)), "deviations")
+            }
             _ => (term.is_positioning(), "positioning: EXX, EYY or EZZ"),
         };
         if !fits {

@@ -126,11 +126,48 @@ impl<'a> Piece<'a> {
         count
     }
 
+    /// What the text means; otherwise the problem is noted.
+    pub(super) fn meaning<T>(
+        &self,
+        what: &str,
+        expected: &str,
+        read: impl Fn(&str) -> Option<T>,
+        problems: &mut Problems,
+    ) -> Option<T> {
+        let meaning = read(self.text);
+        if meaning.is_none() {
+            problems.push(self.unexpected(what, expected, AGAIN));
+        }
+        meaning
+    }
+
     /// The problem that something else was expected here.
     pub(super) fn unexpected(&self, what: &str, expected: &str, help: &str) -> Problem {
         let found = shown(self.text);
         self.problem(format!("{what} is `{found}`, expected {expected}"), help)
     }
+}
+
+/// A row of a table of numbers.
+pub(super) struct Row<'a> {
+    pub(super) line: Piece<'a>,
+    pub(super) numbers: Vec<f64>,
+}
+
+/// Lines as rows of so many numbers each.
+pub(super) fn rows<'l, 'a: 'l>(
+    lines: impl Iterator<Item = &'l Piece<'a>>,
+    columns: usize,
+    is_separator: fn(char) -> bool,
+) -> Result<Vec<Row<'a>>, Problems> {
+    let mut problems = Problems::none();
+    let mut rows = Vec::new();
+    for line in lines {
+        let words = line.row(columns, is_separator, &mut problems).unwrap_or_default();
+        let numbers = words.iter().filter_map(|word| word.number("a value", &mut problems));
+        rows.push(Row { line: *line, numbers: numbers.collect() });
+    }
+    problems.or_ok(rows)
 }
 
 fn key_of(label: &str) -> String {
