@@ -135,9 +135,10 @@ fn pos_refused(from: &str, to: &str, stated: &Stated) -> String {
 }
 
 #[test]
-fn rows_of_an_api_export_that_contradict_its_header_are_refused() {
+fn rows_of_an_api_export_that_contradict_themselves_are_refused() {
     let plus = rtl_laser(0.0, Direction::Plus);
     for (from, to, words) in [
+        ("     0.001200", "     0.001300", "1 of 10 rows contradict themselves"),
         ("RunNum: 2", "RunNum: 3", "expected 15"),
         ("\t     0\t", "\t     2\t", "status is 2 (Path Error) in 1 of 10 rows"),
         ("Unidirection\t", "Bidirection\t", "expected 20"),

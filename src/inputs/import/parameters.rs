@@ -235,6 +235,18 @@ pub(super) fn read_etalon(source: &Source, stated: &Stated) -> Result<FileConten
             continue;
         }
         let value = line.text.find('=').map(|at| line.part(at + 1, line.text.len()));
+        if let Some(block) = blocks.last().filter(|block| !block.values.is_empty())
+            && !is_grid
+            && value.is_some()
+        {
+            let message = format!(
+                "`{}` has values already, expected one `VALUE` or one `Gridpoints` a block",
+                block.name
+            );
+            problems.push_with(|| {
+                line.problem(message, "which of the two is meant is not known: keep one of them")
+            });
+        }
         match (blocks.last_mut(), value) {
             (Some(_), _) if is_grid && compact == "}" => is_grid = false,
             (Some(block), _) if is_grid => {

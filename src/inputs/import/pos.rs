@@ -24,9 +24,9 @@ const KNOWN_VERSION: &str = "5";
 const COPIED: [&str; 7] =
     ["Instrument(S/N)", "TestDate", "MachID", "MachName", "TestType", "ZeroOffset", "TestAxis"];
 /// Columns of the measurement: where, how much, and the state of the laser.
-const NEEDED: [&str; 3] = ["Position", "LinearError", "Status"];
-/// What stands beside them and is neither air nor material.
-const READING: &str = "LasRead";
+const NEEDED: [&str; 4] = ["Position", "LinearError", "LasRead", "Status"];
+/// Error = ± reading − position within the last decimals of all three: less than this part of the unit.
+const LAST_DECIMALS: f64 = 1e-5;
 /// What the file calls its laser states, from 0.
 const STATES: [&str; 5] = ["Laser Normal", "Warm Up", "Path Error", "Over Speed", "Wireless Error"];
 /// With a state beyond that of warming up a reading is none.
@@ -60,6 +60,7 @@ pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Pro
     // Errors follow from reading and position, so they have their unit.
     let (positions, values) = (header.unit.word(), header.unit.word());
     said.find([ImportFinding::Units { positions, values }]);
+    measured.refuse_contradictions(&mut problems);
     measured.refuse_bad_status(&mut problems);
     let passes = problems.take(header.passes(&measured));
     said.find(measured.warm_up());
@@ -195,7 +196,7 @@ struct Measured<'a> {
     heading: Piece<'a>,
     columns: Vec<&'a str>,
     /// Where the columns of the measurement stand.
-    at: [usize; 3],
+    at: [usize; 4],
     rows: Vec<Row<'a>>,
 }
 
@@ -205,11 +206,11 @@ impl<'a> Measured<'a> {
             let words = heading.words(char::is_whitespace);
             let columns: Vec<&str> = words.iter().map(|word| word.text).collect();
             let at = NEEDED.map(|name| columns.iter().position(|column| *column == name));
-            if let [Some(position), Some(error), Some(status)] = at {
+            if let [Some(position), Some(error), Some(reading), Some(status)] = at {
                 let below = lines[number + 1..].iter();
                 let below = below.take_while(|line| line.begins_with_number());
                 let rows = rows(below, columns.len(), char::is_whitespace)?;
-                let at = [position, error, status];
+                let at = [position, error, reading, status];
                 return Ok(Measured { heading: *heading, columns, at, rows });
             }
         }
@@ -226,6 +227,31 @@ impl<'a> Measured<'a> {
     fn with_status(&self, is_such: impl Fn(f64) -> bool) -> Vec<&Row<'a>> {
         let [.., status] = self.at;
         self.rows.iter().filter(|row| is_such(row.numbers[status])).collect()
+    }
+
+    /// Error = reading − position in every row, with one sign of the reading: else one of them was changed.
+    fn refuse_contradictions(&self, problems: &mut Problems) {
+        let [position, error, reading, _] = self.at;
+        let expected =
+            |row: &Row<'_>, sign: f64| sign * row.numbers[reading] - row.numbers[position];
+        let missed = |sign: f64| -> Vec<&Row<'a>> {
+            let is_off =
+                |row: &&Row<'_>| (expected(row, sign) - row.numbers[error]).abs() > LAST_DECIMALS;
+            self.rows.iter().filter(is_off).collect()
+        };
+        let both = [1.0, -1.0].map(|sign| (missed(sign), sign));
+        let Some((missed, sign)) = both.iter().min_by_key(|(missed, _)| missed.len()) else {
+            return;
+        };
+        let Some(first) = missed.first() else { return };
+        let message = format!(
+            "{} of {} rows contradict themselves: here the error is {}, but reading less position is {:.6}",
+            missed.len(),
+            self.rows.len(),
+            first.numbers[error],
+            expected(first, *sign)
+        );
+        problems.push(first.line.problem(message, AGAIN));
     }
 
     /// Readings that the laser itself calls bad.
@@ -257,7 +283,7 @@ impl<'a> Measured<'a> {
     /// Names and values of air and material in words; `None` = no sensor was connected.
     fn sensors(&self) -> impl Iterator<Item = (&'a str, Option<String>)> {
         let others = self.columns.iter().enumerate();
-        let others = others.filter(|(index, name)| !self.at.contains(index) && **name != READING);
+        let others = others.filter(|(index, _)| !self.at.contains(index));
         others.map(|(index, name)| {
             let values = || self.rows.iter().map(|row| row.numbers[index]);
             let low = values().fold(f64::INFINITY, f64::min);

@@ -24,8 +24,8 @@ const DEVIATIONS: [&str; 6] = ["deviation", "dev", "delta", "err", "abw", "diff"
 const RUNS: [&str; 2] = ["run", "lauf"];
 const DIRECTIONS: [&str; 2] = ["dir", "richtung"];
 // What in the name of a run says which way it went.
-const UP: [&str; 5] = ["up", "+", "forw", "hin", "vor"];
-const DOWN: [&str; 7] = ["dn", "down", "-", "back", "rev", "rück", "zur"];
+const UP: [&str; 4] = ["up", "forw", "hin", "vor"];
+const DOWN: [&str; 6] = ["dn", "down", "back", "rev", "rück", "zur"];
 /// Deviations are small beside the distance of the targets: at most this part of it.
 const SMALL: f64 = 0.1;
 
