@@ -1,6 +1,5 @@
 //! `nonius assess JOB|ERRORS`
 
-mod document;
 mod found;
 mod page;
 mod parts;
@@ -23,7 +22,6 @@ use crate::visit::tables::{Corrected, NamedControl};
 use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
-pub(super) use document::document;
 use found::Found;
 pub(super) use page::Page;
 use page::{After, Basis, Table};
@@ -97,8 +95,7 @@ fn chain_word(text: &str) -> Result<Chain, String> {
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let page = page(options, files)?;
-    let (screen, document) = (|| text::screen(&page), || document(&page));
-    let outcome = options.print.outcome(screen, document)?;
+    let outcome = options.print.outcome(|| text::screen(&page), || &page)?;
     options.plot.beside(outcome, |locale| Ok(page.picture(locale)))
 }
 
@@ -177,21 +174,20 @@ fn page_of_job(
     };
     let mut basis = Basis::of_job(inputs, &volume);
     basis.labels.extend(corrected.iter().flat_map(|corrected| corrected.notes.clone()));
-    basis.without_tables_um = bare.map(|bare| va_um(&bare, &nodes)).transpose()?;
-    Ok(Page {
-        name: inputs.job.machine.name.clone(),
-        grid,
-        basis,
-        before: assess(&volume, &nodes, request)?,
-        after: corrected.map(after).transpose()?,
-        found: Found::of(&inputs.job, inputs.as_measured(), Some(&inputs.errors))?,
-        volume,
-    })
+    if let (Some(active), Some(bare)) = (&mut basis.active, bare) {
+        active.va_without_um = Some(va_um(&bare, &nodes)?);
+    }
+    let name = inputs.job.machine.name.clone();
+    let before = assess(&volume, &nodes, request)?;
+    let found = Found::of(&inputs.job, inputs.as_measured(), Some(&inputs.errors))?;
+    let mut page = Page::of(name, volume, grid, basis, found, before);
+    page.after = corrected.map(after).transpose()?;
+    Ok(page)
 }
 
 fn va_um(volume: &VolumeModel, grid: &Grid) -> Result<f64, Problem> {
     let alone = Request::default();
-    Ok(assess(volume, grid, &alone)?.definitions.va.um)
+    Ok(assess(volume, grid, &alone)?.definitions.va_um)
 }
 
 fn page_of_table(
@@ -219,15 +215,9 @@ fn figures_of_table(
     request: &Request,
 ) -> Result<Page, Problems> {
     let nodes = Grid::of(grid, &table.volume, &[])?;
-    Ok(Page {
-        name,
-        grid,
-        before: assess(&table.volume, &nodes, request)?,
-        basis: table.basis,
-        found: Found::of(&table.job, &table.model, None)?,
-        volume: table.volume,
-        after: None,
-    })
+    let before = assess(&table.volume, &nodes, request)?;
+    let found = Found::of(&table.job, &table.model, None)?;
+    Ok(Page::of(name, table.volume, grid, table.basis, found, before))
 }
 
 /// `--chain` is for a job that states none.

@@ -297,7 +297,7 @@ fn sizes(files: &dyn Files, directory: &Path, manifest: &Value) -> Vec<(String, 
 }
 
 fn add_volume(visit: &mut Visit, locale: Locale<'_>, page: &assess::Page) -> Result<(), Problems> {
-    let document = json_of(&assess::document(page))?;
+    let document = json_of(page)?;
     visit.documents.push(("assess".to_string(), document));
     visit.pictures.push(("volume", page.picture(locale)));
     Ok(())

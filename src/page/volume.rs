@@ -163,7 +163,7 @@ fn distribution(locale: Locale<'_>, sides: &[Side<'_>]) -> Option<Panel> {
         let pairs = histogram.pairs as f64;
         let mut from = 0.0;
         let mut bars = Vec::new();
-        for count in &histogram.counts {
+        for count in histogram.counts.each() {
             let percent = 100.0 * count.unwrap_or(0.0) / pairs;
             bars.push((from, from + histogram.bin_um, percent));
             from += histogram.bin_um;

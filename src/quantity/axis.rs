@@ -220,6 +220,17 @@ pub struct PerAxis<T> {
     pub z: T,
 }
 
+/// A place or a vector: in documents `[x, y, z]`.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct Listed<T>(pub PerAxis<T>);
+
+impl<T: Serialize> Serialize for Listed<T> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let PerAxis { x, y, z } = &self.0;
+        [x, y, z].serialize(to)
+    }
+}
+
 impl<T> PerAxis<T> {
     /// The value of each axis from a function of the axis.
     #[inline]

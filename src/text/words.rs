@@ -1,4 +1,23 @@
-//! Closed lists of values, each with its word: in profiles, jobs, documents.
+//! Closed lists of values, each with its word: in profiles, jobs, documents; and figures by their names.
+
+use serde::{Serialize, Serializer};
+use std::fmt::Display;
+
+/// Entries of a document by their names, in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Named<K, T>(Vec<(K, T)>);
+
+impl<K, T> FromIterator<(K, T)> for Named<K, T> {
+    fn from_iter<I: IntoIterator<Item = (K, T)>>(entries: I) -> Self {
+        Named(entries.into_iter().collect())
+    }
+}
+
+impl<K: Display, T: Serialize> Serialize for Named<K, T> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_map(self.0.iter().map(|(name, entry)| (name.to_string(), entry)))
+    }
+}
 
 /// Such a list.
 pub(crate) trait Word: Copy + PartialEq + 'static {

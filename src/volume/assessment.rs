@@ -6,18 +6,18 @@
 //!               └─ + what the control adds (emulated from bytes) ─→ Assessment   with the tables
 //! ```
 
-pub(crate) use self::grid::holds_everywhere;
 use self::grid::no_map;
-pub use self::grid::{Grid, GridChoice, MOST_POINTS, Windows};
+pub use self::grid::{FigureMap, Grid, GridChoice, MOST_POINTS, Windows};
 pub(crate) use self::tables::with_tables;
-use crate::quantity::axis::PerAxis;
+use crate::quantity::axis::{Listed, PerAxis};
 use crate::text::problem::Problem;
-use crate::volume::definitions::{Definitions, LargestDifference, definitions};
+use crate::volume::definitions::{Definitions, definitions};
 use crate::volume::space::diameter::diameter;
 use crate::volume::space::grouping::{Tolerance, grouping};
 use crate::volume::space::histogram;
 use crate::volume::space::sample::estimate;
 use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel};
+use serde::Serialize;
 
 mod grid;
 mod tables;
@@ -34,9 +34,10 @@ pub struct Request {
 }
 
 /// What one of the 21 errors does to the volumetric accuracy.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Contribution {
     /// Which error.
+    #[serde(rename = "term")]
     pub component: Component,
     /// Its part at the worst pair, along their difference, µm: the parts add up to VA; a
     /// negative one makes the difference smaller.
@@ -46,27 +47,57 @@ pub struct Contribution {
 }
 
 /// How the differences of all pairs of nodes are distributed: bin n holds those from n to n + 1 widths.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Histogram {
     /// Width of a bin, µm.
     pub bin_um: f64,
-    /// Pairs in each bin; whole numbers where every pair was counted. `None` = no drawn pair fell
-    /// into it, which does not say that none would.
-    pub counts: Vec<Option<f64>>,
+    /// Pairs in each bin.
+    pub counts: Counts,
+    /// Whether every pair was counted.
+    pub exact: bool,
     /// Number of all pairs.
     pub pairs: u64,
-    /// Pairs drawn, and the standard error of each count (`None` = unknown); `None` = every pair
-    /// was counted.
-    pub sampled: Option<(u64, Vec<Option<f64>>)>,
+    /// Where some were drawn.
+    #[serde(flatten)]
+    pub sampled: Option<Sampled>,
+}
+
+/// Pairs in each bin.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Counts {
+    /// Every pair was counted.
+    Counted(Vec<u64>),
+    /// Some were drawn. `None` = no drawn pair fell into it, which does not say that none would.
+    Estimated(Vec<Option<f64>>),
+}
+
+impl Counts {
+    /// By their bins.
+    pub fn each(&self) -> Vec<Option<f64>> {
+        match self {
+            Counts::Counted(counts) => counts.iter().map(|n| Some(*n as f64)).collect(),
+            Counts::Estimated(counts) => counts.clone(),
+        }
+    }
+}
+
+/// What an estimated distribution rests on.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Sampled {
+    /// Pairs drawn.
+    pub drawn: u64,
+    /// Of each count; `None` = unknown.
+    pub standard_errors: Vec<Option<f64>>,
 }
 
 /// What the errors of a machine do in its volume.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Assessment {
+    /// Nodes of each axis.
+    pub grid: Listed<usize>,
     /// The figures.
     pub definitions: Definitions,
-    /// Whether the volumetric accuracy holds for every place of the volume; else for the nodes.
-    pub va_exact: bool,
     /// Every measured error, the largest part first.
     pub contributions: Vec<Contribution>,
     /// Sub-volumes, where a size is given.
@@ -86,9 +117,9 @@ pub fn assess(model: &VolumeModel, grid: &Grid, request: &Request) -> Result<Ass
     let histogram = request.histogram_um.map(|bin| histogram(&map, bin));
     let grouping = request.grouping.map(|angular| Baseline::of(&map, angular));
     Ok(Assessment {
-        va_exact: holds_everywhere(model, nodes),
+        grid: Listed(nodes.counts()),
         grouping: grouping.transpose()?,
-        contributions: contributions(model, nodes, &definitions.va)?,
+        contributions: contributions(model, nodes, &definitions)?,
         definitions,
         windows: windows.transpose()?,
         histogram: histogram.transpose()?,
@@ -99,14 +130,14 @@ pub fn assess(model: &VolumeModel, grid: &Grid, request: &Request) -> Result<Ass
 fn contributions(
     model: &VolumeModel,
     nodes: &Nodes,
-    va: &LargestDifference,
+    found: &Definitions,
 ) -> Result<Vec<Contribution>, Problem> {
-    let scale = if va.um > 0.0 { 1.0 / va.um } else { 0.0 };
-    let along = va.difference_um.times(scale);
+    let scale = if found.va_um > 0.0 { 1.0 / found.va_um } else { 0.0 };
+    let along = found.va_difference_um.0.times(scale);
     let mut parts = Vec::new();
     for component in model.components() {
         let only = |other: Component| other == component;
-        let [p, q] = va.places_mm.map(|place| model.part_at(place, only));
+        let [p, q] = found.va_pair_mm.map(|place| model.part_at(place.0, only));
         let without = model.map_of(nodes, |other| other != component);
         parts.push(Contribution {
             component,
@@ -132,16 +163,14 @@ fn histogram(map: &ErrorMap, bin_um: f64) -> Result<Histogram, Problem> {
     if pairs <= histogram::EXACT_PAIRS {
         let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
         let counts = histogram::exact(&vectors.vectors(), bin_um, threads);
-        let counts = counts.ok_or_else(too_fine)?.into_iter().map(|n| Some(n as f64));
-        return Ok(Histogram { bin_um, counts: counts.collect(), pairs, sampled: None });
+        let counts = Counts::Counted(counts.ok_or_else(too_fine)?);
+        return Ok(Histogram { bin_um, counts, exact: true, pairs, sampled: None });
     }
     let estimate = estimate(vectors, bin_um, DRAWN, SEED).ok_or_else(too_fine)?;
-    Ok(Histogram {
-        bin_um,
-        counts: estimate.counts,
-        pairs,
-        sampled: Some((estimate.drawn, estimate.standard_errors)),
-    })
+    let (drawn, standard_errors) = (estimate.drawn, estimate.standard_errors);
+    let (counts, sampled) =
+        (Counts::Estimated(estimate.counts), Sampled { drawn, standard_errors });
+    Ok(Histogram { bin_um, counts, exact: false, pairs, sampled: Some(sampled) })
 }
 
 /// The paper's magnitude tolerance: a shorter vector of a group is dismissed.
@@ -150,20 +179,25 @@ const MAGNITUDE: f64 = 0.9;
 const MOST_NODES: usize = 50_000;
 
 /// What the grouping keeps and finds.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Baseline {
+    /// No: it may miss the largest difference.
+    pub exact: bool,
     /// Angular tolerance.
-    pub angular: f64,
+    pub angular_tolerance: f64,
     /// Magnitude tolerance.
-    pub magnitude: f64,
+    pub magnitude_tolerance: f64,
     /// Vectors that are grouped.
+    #[serde(skip)]
     pub vectors: usize,
     /// Groups.
     pub groups: usize,
-    /// Vectors that are kept and compared (*records*).
+    /// Vectors that are kept and compared.
     pub records: usize,
-    /// Largest difference of two that are kept, µm, and their places, mm; `None` = no two are kept.
-    pub longest: Option<(f64, [PerAxis<f64>; 2])>,
+    /// Largest difference of two that are kept, µm; `None` = no two are kept.
+    pub um: Option<f64>,
+    /// Their places, mm.
+    pub pair_mm: Option<[Listed<f64>; 2]>,
 }
 
 impl Baseline {
@@ -185,12 +219,14 @@ impl Baseline {
         let place = |number: usize| map.place(vectors.node(number));
         let longest = found.longest.filter(|_| found.records.len() > 1);
         Ok(Baseline {
-            angular,
-            magnitude: MAGNITUDE,
+            exact: false,
+            angular_tolerance: angular,
+            magnitude_tolerance: MAGNITUDE,
             vectors: count,
             groups: found.groups,
             records: found.records.len(),
-            longest: longest.map(|l| (l.um(), l.pair.map(place))),
+            um: longest.map(|longest| longest.um()),
+            pair_mm: longest.map(|longest| longest.pair.map(|number| Listed(place(number)))),
         })
     }
 }

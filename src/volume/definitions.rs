@@ -7,12 +7,13 @@
 //! ```
 //! Which one to quote when, and why they differ: docs/volumetric.md §4.
 
-use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::axis::{Axis, ErrorTerm, Listed, PerAxis, PerTerm};
 use crate::quantity::diagonal::PerDiagonal;
-use crate::quantity::units::Millimetres;
-use crate::volume::space::boxes::{Boxes, Largest};
+use crate::quantity::units::{Millimetres, SAME_PLACE_MM};
+use crate::volume::space::boxes::Boxes;
 use crate::volume::space::diameter::diameter;
-use crate::volume::volume_model::{Component, ErrorMap, VolumeModel};
+use crate::volume::volume_model::{AxisState, Component, ErrorMap, Nodes, VolumeModel};
+use serde::Serialize;
 
 /// Largest and smallest value of each of the nine deviations, µm (or any one unit of length).
 pub type Extremes = PerTerm<Option<(f64, f64)>>;
@@ -66,43 +67,48 @@ fn root_of_squares(values: impl IntoIterator<Item = Option<f64>>) -> Option<f64>
     squares.sum::<Option<f64>>().map(f64::sqrt)
 }
 
-/// The largest difference of two error vectors.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LargestDifference {
-    /// Its length: the volumetric accuracy VA of paper 002 §4.1, µm.
-    pub um: f64,
-    /// The two places, mm.
-    pub places_mm: [PerAxis<f64>; 2],
-    /// e(first) − e(second), µm.
-    pub difference_um: PerAxis<f64>,
-}
-
-/// All figures of a volume.
-#[derive(Clone, Debug, PartialEq)]
+/// All figures of a volume. `None` where an error that the figure needs was not measured.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Definitions {
-    /// Nodes of each axis.
-    pub grid: PerAxis<usize>,
-    /// From the nine deviations, squareness in them.
-    pub by_component: ByComponent,
+    /// [`ByComponent::elv`] of the nine deviations, squareness in them, µm.
+    pub elv_um: Option<f64>,
+    /// [`ByComponent::elsv`], µm.
+    pub elsv_um: Option<f64>,
+    /// [`ByComponent::existing`], µm.
+    pub existing_um: Option<f64>,
     /// Paper 000's proposed definition with the whole error vector in place of the nine:
     /// |max e| + |min e|, each taken direction by direction, µm. It moves with the zero of e. As in
     /// paper 002 the arms of squareness, like those of angles, count from the offsets; of a
     /// term that a table corrects no squareness is left apart, and it is zero at the reference.
     pub proposed_um: f64,
-    /// Volumetric accuracy.
-    pub va: LargestDifference,
-    /// Range of the error in X, Y and Z over the nodes, µm (ISO 230-1).
-    pub ranges_um: PerAxis<f64>,
+    /// [`ByComponent::proposed`], µm.
+    pub proposed_of_nine_um: Option<f64>,
+    /// Length of the largest difference of two error vectors: the volumetric accuracy VA of paper 002 §4.1, µm.
+    pub va_um: f64,
+    /// Whether it holds for every place of the volume; else for the nodes.
+    pub va_exact: bool,
+    /// The two places, mm.
+    pub va_pair_mm: [Listed<f64>; 2],
+    /// e(first) − e(second), µm.
+    pub va_difference_um: Listed<f64>,
+    /// Largest error of a length between two nodes: | |actual distance| − |nominal distance| |, µm.
+    pub length_um: f64,
+    /// No such error is larger, µm.
+    pub length_bound_um: f64,
+    /// The two places, mm.
+    pub length_pair_mm: [Listed<f64>; 2],
+    /// Whether its search came to its end.
+    pub length_exact: bool,
+    /// Range of the error in X, Y and Z over the nodes, µm (ISO 230-1); `None` where nothing that was measured shows.
+    pub ranges_um: Listed<Option<f64>>,
     /// √ of the sum of the squared ranges, µm.
     pub box_um: f64,
-    /// Largest |e − e(place)| over the nodes.
-    pub from_origin: Largest<3>,
-    /// Where that place is: the origin of the levers, mm.
-    pub origin_mm: PerAxis<f64>,
-    /// Largest error of a length between two nodes: | |actual distance| − |nominal distance| |.
-    pub length: Largest<6>,
-    /// The two places, mm.
-    pub length_mm: [PerAxis<f64>; 2],
+    /// Largest |e − e(reference)| over the nodes, µm.
+    pub max_from_reference_um: f64,
+    /// No such difference is larger, µm.
+    pub max_from_reference_bound_um: f64,
+    /// Where the levers count from, mm.
+    pub reference_mm: Listed<f64>,
     /// Range along each body diagonal, µm (ISO 230-6, from the model).
     pub diagonals_um: PerDiagonal<f64>,
 }
@@ -127,26 +133,70 @@ pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
     let mut length_mm = [[i, j, k], other].map(|node| map.place(node));
     length_mm
         .sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)).then(p.z.total_cmp(&q.z)));
-    let ranges_um = high.minus(low);
+    let ranges = high.minus(low);
     let squareness = |component| matches!(component, Component::Squareness(_));
     let squareness_um = model.part_at(origin_mm, squareness);
+    let nine = ByComponent::of(&extremes(model));
+    let [p, q] = widest.nodes.map(|node| map.error(node));
+    let from_reference = boxes.furthest_from([x, y, z], STEPS);
     Definitions {
-        grid: map.counts(),
-        by_component: ByComponent::of(&extremes(model)),
+        elv_um: nine.elv,
+        elsv_um: nine.elsv,
+        existing_um: nine.existing,
         proposed_um: high.minus(squareness_um).length() + low.minus(squareness_um).length(),
-        va: LargestDifference {
-            um: widest.um,
-            places_mm: widest.nodes.map(|node| map.place(node)),
-            difference_um: map.error(widest.nodes[0]).minus(map.error(widest.nodes[1])),
-        },
-        ranges_um,
-        box_um: ranges_um.length(),
-        from_origin: boxes.furthest_from([x, y, z], STEPS),
-        origin_mm,
-        length,
-        length_mm,
+        proposed_of_nine_um: nine.proposed,
+        va_um: widest.um,
+        va_exact: holds_everywhere(model, map.nodes()),
+        va_pair_mm: widest.nodes.map(|node| Listed(map.place(node))),
+        va_difference_um: Listed(p.minus(q)),
+        length_um: length.um,
+        length_bound_um: length.bound_um,
+        length_pair_mm: length_mm.map(Listed),
+        length_exact: length.is_exact(),
+        ranges_um: Listed(PerAxis::from_fn(|axis| model.shows(axis).then_some(ranges[axis]))),
+        box_um: ranges.length(),
+        max_from_reference_um: from_reference.um,
+        max_from_reference_bound_um: from_reference.bound_um,
+        reference_mm: Listed(origin_mm),
         diagonals_um: diagonal_ranges(model),
     }
+}
+
+/// Rounding of a curve between two nodes, in parts of its values (and µm near 0).
+const ROUNDING: f64 = 1e-9;
+
+/// Whether no place of the volume differs by more than the nodes do.
+///
+/// why    where each curve runs straight between neighbouring nodes, the error is a straight line
+///        in each coordinate and |e(p) − e(q)| convex in it, so its largest value lies at nodes
+/// limits a curve is straight here if it meets the line at ¼, ½ and ¾ between two places where
+///        it bends: enough for the cubic pieces of a curve, times a lever
+fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
+    let own = model.own_nodes();
+    Axis::ALL.into_iter().all(|axis| {
+        let among = |place: &f64| {
+            let next = nodes[axis].partition_point(|node| *node < place - SAME_PLACE_MM);
+            nodes[axis].get(next).is_some_and(|n| *n <= place + SAME_PLACE_MM)
+        };
+        let straight = |ends: &[f64]| is_straight(model, axis, [ends[0], ends[1]]);
+        own[axis].iter().all(among) && own[axis].windows(2).all(straight)
+    })
+}
+
+fn is_straight(model: &VolumeModel, axis: Axis, [from, to]: [f64; 2]) -> bool {
+    let values = |part: f64| {
+        let place = from + (to - from) * part;
+        let AxisState { deviation_um: d, rotation_urad: r } = model.state(axis, place, |_| true);
+        [d.x, d.y, d.z, r.x, r.y, r.z]
+    };
+    let (first, last) = (values(0.0), values(1.0));
+    [0.25, 0.5, 0.75].into_iter().all(|part| {
+        let inside = values(part).into_iter().zip(first).zip(last);
+        inside.into_iter().all(|((value, a), b)| {
+            let room = ROUNDING * (1.0 + a.abs() + b.abs());
+            (value - (a + (b - a) * part)).abs() <= room
+        })
+    })
 }
 
 /// Largest and smallest value of each deviation over the judged range, squareness in it, zero at

@@ -23,7 +23,7 @@
 //! An error that was not measured is left out and *named* ([`VolumeModel::missing`]).
 
 pub use self::map::{ErrorMap, Nodes};
-pub use self::missing::Missing;
+pub use self::missing::{ERRORS, Missing};
 use crate::inputs::job::{Job, Levers, MachineAxis};
 use crate::machine::model::{ErrorModel, Measured};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
@@ -32,6 +32,7 @@ use crate::quantity::curve::{ErrorCurve, Interpolation};
 use crate::quantity::units::{Deviation, Millimetres};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
+use serde::{Serialize, Serializer};
 use std::fmt;
 
 mod map;
@@ -364,6 +365,12 @@ impl Component {
             },
             _ => self.to_string(),
         }
+    }
+}
+
+impl Serialize for Component {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(self)
     }
 }
 

@@ -217,11 +217,11 @@ fn where_the_resting_axes_stood_does_not_matter_once_the_data_know_it() {
             assert!(constant.minus(first).length() < 1e-9, "{chain}");
         }
         let (a, b) = (figures(&model, &nodes), figures(&other, &nodes));
-        assert!((a.va.um - b.va.um).abs() < 1e-9, "{chain}");
+        assert!((a.va_um - b.va_um).abs() < 1e-9, "{chain}");
         // Stated wrongly, the same data are another machine.
         moved.measurement.clone_from(&machine.measurement);
         let wrong = figures(&moved.model(), &nodes);
-        assert!((wrong.va.um - a.va.um).abs() > 1e-6, "{chain}");
+        assert!((wrong.va_um - a.va_um).abs() > 1e-6, "{chain}");
     }
 }
 
@@ -235,24 +235,24 @@ fn the_figures_keep_their_order_and_the_parts_their_sum() {
         let model = machine.model();
         let own = model.own_nodes();
         let d = figures(&model, &own);
-        let widest = d.ranges_um.x.max(d.ranges_um.y).max(d.ranges_um.z);
+        let widest = d.ranges_um.0.iter().filter_map(|(_, um)| *um).fold(0.0, f64::max);
         let room = 1e-9;
         // The origin is a node.
-        for um in [widest, d.length.um, d.from_origin.um] {
-            assert!(um <= d.va.um + room, "{chain}: {um}, VA {}", d.va.um);
+        for um in [widest, d.length_um, d.max_from_reference_um] {
+            assert!(um <= d.va_um + room, "{chain}: {um}, VA {}", d.va_um);
         }
-        assert!(d.va.um <= d.box_um.min(2.0 * d.from_origin.um) + room, "{chain}");
+        assert!(d.va_um <= d.box_um.min(2.0 * d.max_from_reference_um) + room, "{chain}");
         for (diagonal, um) in d.diagonals_um.iter() {
-            assert!(*um <= d.va.um + room, "{chain} {diagonal}");
+            assert!(*um <= d.va_um + room, "{chain} {diagonal}");
         }
-        let along = d.va.difference_um.times(1.0 / d.va.um);
-        let [p, q] = d.va.places_mm;
+        let along = d.va_difference_um.0.times(1.0 / d.va_um);
+        let [p, q] = d.va_pair_mm.map(|place| place.0);
         let part = |component: Component| {
             let [p, q] = [p, q].map(|place| model.part_at(place, |other| other == component));
             p.minus(q).dot(along)
         };
         let sum: f64 = model.components().into_iter().map(part).sum();
-        assert!((sum - d.va.um).abs() < 1e-9, "{chain}: {sum} {}", d.va.um);
+        assert!((sum - d.va_um).abs() < 1e-9, "{chain}: {sum} {}", d.va_um);
     }
 }
 

@@ -3,18 +3,36 @@
 use crate::cli::squareness::squareness;
 use crate::inputs::job::Job;
 use crate::judge::after::alone;
-use crate::judge::forecast::TermForecast;
+use crate::judge::forecast::Change;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::metric::Plane;
 use crate::machine::separation::table::ErrorSource;
-use crate::quantity::units::picometres;
+use crate::quantity::axis::ErrorTerm;
 use crate::text::problem::Problems;
-use serde_json::{Map, Value, json};
+use crate::text::words::Named;
+use serde::Serialize;
 
 /// What the measurement says by itself.
+#[derive(Serialize)]
 pub(super) struct Found {
-    pub(super) terms: Value,
-    pub(super) squareness: Value,
+    terms: Named<ErrorTerm, Largest>,
+    squareness: Named<&'static str, Squareness>,
+}
+
+/// Of a term.
+#[derive(Serialize)]
+struct Largest {
+    before_um: f64,
+    u_um: Option<f64>,
+    expanded_um: Option<f64>,
+    at_most_um: Option<f64>,
+}
+
+/// Of a plane.
+#[derive(Serialize)]
+struct Squareness {
+    before_um_per_m: f64,
+    expanded_um_per_m: Option<f64>,
 }
 
 impl Found {
@@ -26,26 +44,13 @@ impl Found {
     ) -> Result<Found, Problems> {
         let planes = Plane::ALL.into_iter().filter_map(|plane| {
             let found = squareness(model, errors, plane)?;
-            let figures = json!({
-                "before_um_per_m": picometres(found.um_per_m),
-                "expanded_um_per_m": found.expanded_um_per_m.map(picometres),
-            });
-            Some((plane.key().to_string(), figures))
+            let expanded_um_per_m = found.expanded_um_per_m;
+            Some((plane.key(), Squareness { before_um_per_m: found.um_per_m, expanded_um_per_m }))
         });
-        let figures = alone(model, job)?;
-        Ok(Found {
-            terms: Value::Object(figures.terms.iter().map(term).collect()),
-            squareness: Value::Object(planes.collect::<Map<_, _>>()),
-        })
+        let terms = alone(model, job)?.terms.into_iter().map(|found| {
+            let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
+            (found.term, Largest { before_um, u_um, expanded_um, at_most_um })
+        });
+        Ok(Found { terms: terms.collect(), squareness: planes.collect() })
     }
-}
-
-fn term(found: &TermForecast) -> (String, Value) {
-    let figures = json!({
-        "before_um": found.change.before_um,
-        "u_um": found.change.u_um,
-        "expanded_um": found.change.expanded_um,
-        "at_most_um": found.change.at_most_um,
-    });
-    (found.term.to_string(), figures)
 }

@@ -3,37 +3,74 @@
 
 use super::found::Found;
 use crate::inputs::error_table::{ErrorTable, Remarks};
-use crate::inputs::job::{ActiveTables, Frame, Job, Levers, UseOf};
+use crate::inputs::job::{ActiveTables, Frame, Job, UseOf};
 use crate::kit::Inputs;
 use crate::machine::findings::ModelFinding;
 use crate::machine::model::ErrorModel;
 use crate::page::{Ink, Locale, Picture, Side, volume};
-use crate::quantity::axis::{Axis, PerAxis, Rotation};
-use crate::quantity::chain::{Chain, unit};
+use crate::quantity::axis::{Axis, Listed, PerAxis, Rotation};
+use crate::quantity::chain::Chain;
+use crate::quantity::units::Millimetres;
 use crate::text::document::Source;
 use crate::text::finding::{Finding, Severity};
 use crate::text::problem::{Problem, Problems};
 use crate::volume::assessment::{Assessment, GridChoice};
 use crate::volume::findings::VolumeFinding;
-use crate::volume::volume_model::{Component, VolumeModel};
+use crate::volume::volume_model::{Component, Missing, VolumeModel};
+use serde::Serialize;
 use std::fmt::Write;
 
-/// What is printed.
+/// What is printed; the document for scripts is the same (contract §5).
+#[derive(Serialize)]
 pub(in crate::cli) struct Page {
+    schema: u32,
     /// Name of the machine, or of the table.
+    #[serde(rename = "machine")]
     pub(in crate::cli) name: String,
+    #[serde(skip)]
     pub(super) volume: VolumeModel,
+    #[serde(skip)]
     pub(super) grid: GridChoice,
     /// What the figures rest on.
+    #[serde(flatten)]
     pub(super) basis: Basis,
-    /// As it is.
-    pub(in crate::cli) before: Assessment,
-    pub(super) after: Option<After>,
+    /// How many of the 21 are known.
+    pub(super) errors_measured: usize,
     /// As it was measured.
-    pub(super) found: Found,
+    #[serde(flatten)]
+    found: Found,
+    /// As it is.
+    #[serde(flatten)]
+    pub(in crate::cli) before: Assessment,
+    pub(super) missing: Vec<Missing>,
+    labels: Vec<Finding>,
+    pub(super) after: Option<After>,
 }
 
 impl Page {
+    pub(super) fn of(
+        name: String,
+        volume: VolumeModel,
+        grid: GridChoice,
+        basis: Basis,
+        found: Found,
+        before: Assessment,
+    ) -> Page {
+        Page {
+            schema: 1,
+            name,
+            grid,
+            errors_measured: volume.known_errors(),
+            missing: volume.missing(),
+            volume,
+            found,
+            before,
+            labels: [&basis.doubts[..], &basis.labels].concat(),
+            basis,
+            after: None,
+        }
+    }
+
     /// Why the figures may be wrong.
     pub(in crate::cli) fn doubts(&self) -> &[Finding] {
         &self.basis.doubts
@@ -67,10 +104,14 @@ impl Page {
 }
 
 /// As tables leave it.
+#[derive(Serialize)]
 pub(super) struct After {
     /// Where the tables come from.
+    #[serde(rename = "tables")]
     pub(super) from: String,
+    #[serde(flatten)]
     pub(super) assessment: Assessment,
+    #[serde(skip)]
     pub(super) volume: VolumeModel,
     /// How the files differ from what the job asks for.
     pub(super) disagreements: Vec<Finding>,
@@ -82,19 +123,35 @@ const UNLIKELY_UM: f64 = 5_000.0;
 const UNLIKELY_URAD: f64 = 5_000.0;
 
 /// What the figures rest on.
+#[derive(Serialize)]
 pub(super) struct Basis {
+    /// The order of the axes, where it is stated.
+    pub(super) chain: Option<String>,
     /// How the axes are aligned, as the measured errors state it: `as given`, `x-primary`, `as-measured`.
     pub(super) frame: &'static str,
+    /// Range of each axis; `None` where nothing was measured along it and no travel is stated.
+    pub(super) volume_mm: PerAxis<Option<(f64, f64)>>,
     /// The stated places that levers depend on.
-    pub(super) levers: Levers,
+    pub(super) tool_offset_mm: Option<Listed<Millimetres>>,
+    pub(super) offsets_mm: PerAxis<Option<Millimetres>>,
+    pub(super) angles_zero_mm: PerAxis<Option<Millimetres>>,
+    pub(super) straightness_optic_mm: PerAxis<Option<Millimetres>>,
     /// The tables that were active while measuring.
-    pub(super) active: Option<String>,
-    /// VA of the machine without them, µm.
-    pub(super) without_tables_um: Option<f64>,
+    pub(super) active: Option<Active>,
     /// Why the figures may be wrong.
-    pub(super) doubts: Vec<Finding>,
+    #[serde(skip)]
+    doubts: Vec<Finding>,
     /// What whoever reads a figure has to know.
+    #[serde(skip)]
     pub(super) labels: Vec<Finding>,
+}
+
+/// Tables that were active while measuring.
+#[derive(Serialize)]
+pub(super) struct Active {
+    pub(super) tables: String,
+    /// VA of the machine without them, µm.
+    pub(super) va_without_um: Option<f64>,
 }
 
 impl Basis {
@@ -102,17 +159,11 @@ impl Basis {
     pub(super) fn of_job(inputs: &Inputs, volume: &VolumeModel) -> Basis {
         let job = &inputs.job;
         let measurement = &job.measurement;
-        let (active, open) = match &measurement.active {
-            ActiveTables::None => (None, None),
-            ActiveTables::NotStated => (None, Some(VolumeFinding::ActiveNotStated)),
-            ActiveTables::Path(path) => (Some(path.clone()), None),
-        };
+        let open = measurement.active == ActiveTables::NotStated;
+        let open = open.then_some(VolumeFinding::ActiveNotStated);
         let stated = outside(job).into_iter().chain(open).map(Finding::from);
         let stated = stated.chain(inputs.active_notes.iter().cloned()).chain(measurement.notes());
-        Basis {
-            active,
-            ..Basis::of(job, inputs.as_measured(), &inputs.model.remarks, volume, stated)
-        }
+        Basis::of(job, inputs.as_measured(), &inputs.model.remarks, volume, stated)
     }
 
     /// Of an error table alone.
@@ -133,11 +184,22 @@ impl Basis {
             labels.partition(|label| label.severity() == Severity::Doubt);
         let labels = labels.into_iter().chain(stated).chain(said(remarks));
         let doubts = doubts(job, measured).chain(doubtful);
+        let levers = &job.measurement.levers;
+        let unknown = volume.unknown_axes();
+        let range = |axis| (!unknown.contains(&axis)).then(|| volume.range(axis));
+        let active = match &job.measurement.active {
+            ActiveTables::Path(tables) => Some(tables.clone()),
+            _ => None,
+        };
         Basis {
+            chain: volume.chain_is_stated.then(|| volume.chain.to_string()),
             frame: measured.remarks.frame.map_or("as given", Frame::word),
-            levers: job.measurement.levers,
-            active: None,
-            without_tables_um: None,
+            volume_mm: PerAxis::from_fn(range),
+            tool_offset_mm: levers.tool.map(Listed),
+            offsets_mm: levers.offsets,
+            angles_zero_mm: levers.angles_zero,
+            straightness_optic_mm: levers.straightness_optic,
+            active: active.map(|tables| Active { tables, va_without_um: None }),
             doubts: doubts.collect(),
             labels: labels.collect(),
         }
@@ -205,62 +267,6 @@ fn outside(job: &Job) -> Option<VolumeFinding> {
     };
     let places: Vec<String> = Axis::ALL.into_iter().filter_map(beyond).collect();
     (!places.is_empty()).then_some(VolumeFinding::OutOfReach { places })
-}
-
-/// Errors of a machine with three axes.
-pub(super) const ERRORS: usize = 21;
-
-/// How many of the 21 were measured or stated; squareness also counts where the slopes of both
-/// straightnesses hold it.
-pub(super) fn count(volume: &VolumeModel) -> usize {
-    let missing = volume.missing();
-    let is_squareness = |of: &Component| matches!(of, Component::Squareness(_));
-    let squareness = missing.iter().filter(|m| is_squareness(&m.component));
-    let components = volume.components();
-    let others = components.iter().filter(|of| !is_squareness(of));
-    others.count() + 3 - squareness.count()
-}
-
-/// Axes along which nothing was measured, and whose travel nobody states: they stand at one place.
-pub(super) fn unknown_axes(volume: &VolumeModel) -> Vec<Axis> {
-    let unknown = |axis: &Axis| {
-        let (low, high) = volume.range(*axis);
-        !volume.is_measured(*axis) && high <= low
-    };
-    Axis::ALL.into_iter().filter(unknown).collect()
-}
-
-/// Whether anything that was measured shows in a direction.
-pub(super) fn shows(volume: &VolumeModel, levers: &Levers, direction: Axis) -> bool {
-    volume.components().into_iter().any(|component| match component {
-        Component::Deviation(term) | Component::Squareness(term) => term.of == direction,
-        Component::Rotation(rotation) => {
-            let mut effects = volume.chain.effects(rotation).into_iter();
-            let unknown = unknown_axes(volume);
-            effects.any(|e| e.direction == direction && !unknown.contains(&e.arm))
-                || swings(levers, rotation, direction)
-        }
-    })
-}
-
-/// Whether a rotation moves the tool point in a direction, by the stated tool offset.
-fn swings(levers: &Levers, rotation: Rotation, direction: Axis) -> bool {
-    let tool =
-        levers.tool.map_or(PerAxis::default(), |tool| PerAxis::from_fn(|axis| tool[axis].mm()));
-    unit(rotation.about).cross(tool)[direction].abs() > 0.0
-}
-
-/// Whether an error is a rotation whose every lever stands at one place because nobody states the
-/// travel of its axis.
-pub(super) fn has_no_lever(volume: &VolumeModel, levers: &Levers, component: Component) -> bool {
-    let Component::Rotation(rotation) = component else {
-        return false;
-    };
-    let unknown = unknown_axes(volume);
-    let effects = volume.chain.effects(rotation);
-    !effects.is_empty()
-        && effects.iter().all(|effect| unknown.contains(&effect.arm))
-        && !Axis::ALL.into_iter().any(|d| swings(levers, rotation, d))
 }
 
 /// An error table without a job.

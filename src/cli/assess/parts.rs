@@ -1,12 +1,12 @@
 //! Parts of the page of `nonius assess` below the figures: contributions, sub-volumes,
 //! distribution, grouping.
 
-use super::page::{Page, has_no_lever, unknown_axes};
+use super::page::Page;
 use crate::cli::screen::table;
 use crate::cli::show;
 use crate::quantity::axis::PerAxis;
 use crate::quantity::units::{Figure, Millimetres};
-use crate::volume::assessment::{Assessment, Contribution, Histogram};
+use crate::volume::assessment::{Assessment, Contribution, Histogram, Sampled};
 use crate::volume::volume_model::Component;
 
 /// Parts and changes of VA below the last digit that is shown are none, µm.
@@ -17,7 +17,7 @@ pub(super) fn contributions(page: &Page) -> String {
     let after = page.after.as_ref().map(|after| &after.assessment);
     let with = after.map_or("", |_| "\t>part with tables/µm\t>VA without it, with tables/µm");
     let heading = format!("error\t>part of VA/µm\t>%\t>VA without it/µm{with}");
-    let va = before.definitions.va.um;
+    let va = before.definitions.va_um;
     let row = |part: &Contribution| {
         let share = Figure(if va > 0.0 { 100.0 * part.um / va } else { 0.0 });
         let other = after.map(|after| with_tables(after, part.component));
@@ -50,7 +50,7 @@ fn find(assessment: &Assessment, component: Component) -> Option<&Contribution> 
 
 /// Whether anything of it shows on the page.
 fn acts(of: &Assessment, part: &Contribution) -> bool {
-    let change = (part.va_without_um - of.definitions.va.um).abs();
+    let change = (part.va_without_um - of.definitions.va_um).abs();
     part.um.abs() >= SHOWN_UM || change >= SHOWN_UM
 }
 
@@ -69,16 +69,15 @@ fn without_effect(page: &Page, idle: &[&Contribution]) -> Vec<String> {
         let names: Vec<String> = parts.iter().map(|p| p.component.to_string()).collect();
         names.join(", ")
     };
-    let (open, idle): (Vec<&&Contribution>, Vec<&&Contribution>) = idle
-        .iter()
-        .partition(|part| has_no_lever(&page.volume, &page.basis.levers, part.component));
+    let (open, idle): (Vec<&&Contribution>, Vec<&&Contribution>) =
+        idle.iter().partition(|part| page.volume.has_no_lever(part.component));
     let mut lines = Vec::new();
     if !idle.is_empty() {
         let names = names(&idle);
         lines.push(format!("  measured, without effect on VA: {names}"));
     }
     if !open.is_empty() {
-        let axes = unknown_axes(&page.volume);
+        let axes = page.volume.unknown_axes();
         let axes: Vec<String> = axes.iter().map(ToString::to_string).collect();
         lines.push(format!(
             "  angles measured and not counted: {}; the travel of {}, their lever, is not stated",
@@ -101,20 +100,20 @@ pub(super) fn windows(page: &Page) -> String {
     };
     let line = |(side, of): (&str, &Assessment)| {
         let found = of.windows.as_ref()?;
-        let (best, best_at) = (found.best.0, place(found.best.1));
-        let (worst, worst_at) = (found.worst.0, place(found.worst.1));
+        let (best, best_at) = (found.min_um, place(found.min_at_mm.0));
+        let (worst, worst_at) = (found.max_um, place(found.max_at_mm.0));
         let corner = found.corner_um;
         Some(format!(
             "  {side}: best {best:.3} µm at {best_at}, worst {worst:.3} µm at {worst_at}, corner {corner:.3} µm"
         ))
     };
     let by = |of: [String; 3]| of.join(" x ");
-    let size = found.size_mm;
+    let (size, grid) = (found.size_mm.0, found.grid.0);
     let head = format!(
         "volumetric accuracy of the {} sub-volumes of {} mm between {} nodes (places: corner with the smallest coordinates)",
         found.count,
         by([size.x, size.y, size.z].map(|mm| short(mm).to_string())),
-        by([found.grid.x, found.grid.y, found.grid.z].map(|nodes| nodes.to_string())),
+        by([grid.x, grid.y, grid.z].map(|nodes| nodes.to_string())),
     );
     let lines = std::iter::once(head).chain(page.sides().filter_map(line));
     lines.collect::<Vec<_>>().join("\n")
@@ -126,12 +125,13 @@ pub(super) fn histogram(before: &Assessment, after: Option<&Assessment>) -> Stri
     };
     let after = after.and_then(|after| after.histogram.as_ref());
     let with = after.map_or("", |_| "\t>with tables");
-    let bins = found.counts.len().max(after.map_or(0, |a| a.counts.len()));
-    let rows = (0..bins).map(|bin| {
+    let (own, others) = (bins(found), after.map(bins));
+    let most = own.len().max(others.as_ref().map_or(0, Vec::len));
+    let rows = (0..most).map(|bin| {
         let from = bin as f64 * found.bin_um;
-        let other = after.map(|after| format!("\t{}", in_bin(after, bin)));
+        let other = others.as_ref().map(|others| format!("\t{}", in_bin(others, bin)));
         let (from, to) = (short(from), short(from + found.bin_um));
-        let (own, other) = (in_bin(found, bin), other.unwrap_or_default());
+        let (own, other) = (in_bin(&own, bin), other.unwrap_or_default());
         format!("{from} … {to}\t{own}{other}")
     });
     let heading = format!("differences/µm\t>pairs{with}");
@@ -144,22 +144,27 @@ pub(super) fn histogram(before: &Assessment, after: Option<&Assessment>) -> Stri
     lines.join("\n")
 }
 
-/// Pairs of a bin; behind the last bin there are none for certain.
-fn in_bin(histogram: &Histogram, bin: usize) -> String {
-    let Some(count) = histogram.counts.get(bin) else {
-        return "0".to_string();
+/// Pairs of each bin.
+fn bins(histogram: &Histogram) -> Vec<String> {
+    let errors = histogram.sampled.as_ref().map(|sampled| &sampled.standard_errors);
+    let words = |(bin, count): (usize, Option<f64>)| {
+        let Some(count) = count else {
+            return "–".to_string();
+        };
+        let unknown = errors.is_some_and(|errors| errors.get(bin).copied().flatten().is_none());
+        let at_least = if unknown { "≥ " } else { "" };
+        format!("{at_least}{count:.0}")
     };
-    let Some(count) = count else {
-        return "–".to_string();
-    };
-    let errors = histogram.sampled.as_ref().map(|(_, errors)| errors);
-    let unknown = errors.is_some_and(|errors| errors.get(bin).copied().flatten().is_none());
-    let at_least = if unknown { "≥ " } else { "" };
-    format!("{at_least}{count:.0}")
+    histogram.counts.each().into_iter().enumerate().map(words).collect()
+}
+
+/// Behind the last bin there are none for certain.
+fn in_bin(bins: &[String], bin: usize) -> &str {
+    bins.get(bin).map_or("0", String::as_str)
 }
 
 fn how(histogram: &Histogram) -> String {
-    let Some((drawn, errors)) = &histogram.sampled else {
+    let Some(Sampled { drawn, standard_errors: errors }) = &histogram.sampled else {
         return format!("all {} pairs of nodes were counted", histogram.pairs);
     };
     let largest = errors.iter().flatten().copied().fold(0.0, f64::max);
@@ -176,18 +181,19 @@ pub(super) fn grouping(page: &Page) -> String {
     };
     let line = |(side, of): (&str, &Assessment)| {
         let found = of.grouping.as_ref()?;
-        let longest = match found.longest.map(|(um, pair)| (um, pair.map(place))) {
+        let pair = found.pair_mm.map(|pair| pair.map(|at| place(at.0)));
+        let longest = match found.um.zip(pair) {
             Some((um, [p, q])) => format!("{um:.3} µm between {p} and {q}"),
             None => "no two vectors are kept".to_string(),
         };
         Some(format!(
             "  {side}: {longest}; exact {:.3} µm (kept {} of {} vectors, groups: {})",
-            of.definitions.va.um, found.records, found.vectors, found.groups
+            of.definitions.va_um, found.records, found.vectors, found.groups
         ))
     };
     let head = format!(
         "grouping of paper 002 §4.2, tolerances {} (angle) and {} (length), for comparison only: it may miss the largest difference",
-        found.angular, found.magnitude
+        found.angular_tolerance, found.magnitude_tolerance
     );
     let lines = std::iter::once(head).chain(page.sides().filter_map(line));
     lines.collect::<Vec<_>>().join("\n")

@@ -1,11 +1,10 @@
-//! Which nodes a volume is judged at, whether its largest difference is theirs, and sub-volumes of a size,
-//! wherever they fit between nodes.
+//! Which nodes a volume is judged at, and sub-volumes of a size, wherever they fit between nodes.
 
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::units::SAME_PLACE_MM;
+use crate::quantity::axis::{Axis, Listed, PerAxis};
 use crate::text::problem::Problem;
 use crate::volume::space::diameter::{Diameter, WindowMap};
-use crate::volume::volume_model::{AxisState, Nodes, VolumeModel};
+use crate::volume::volume_model::{Nodes, VolumeModel};
+use serde::Serialize;
 
 /// Most nodes of a grid.
 pub const MOST_POINTS: usize = 100_000_000;
@@ -71,63 +70,41 @@ impl Grid {
     }
 }
 
-/// Rounding of a curve between two nodes, in parts of its values (and µm near 0).
-const ROUNDING: f64 = 1e-9;
-
-/// Whether no place of the volume differs by more than the nodes do.
-///
-/// why    where each curve runs straight between neighbouring nodes, the error is a straight line
-///        in each coordinate and |e(p) − e(q)| convex in it, so its largest value lies at nodes
-/// limits a curve is straight here if it meets the line at ¼, ½ and ¾ between two places where
-///        it bends: enough for the cubic pieces of a curve, times a lever
-pub(crate) fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
-    let own = model.own_nodes();
-    Axis::ALL.into_iter().all(|axis| {
-        let among = |place: &f64| {
-            let next = nodes[axis].partition_point(|node| *node < place - SAME_PLACE_MM);
-            nodes[axis].get(next).is_some_and(|n| *n <= place + SAME_PLACE_MM)
-        };
-        let straight = |ends: &[f64]| is_straight(model, axis, [ends[0], ends[1]]);
-        own[axis].iter().all(among) && own[axis].windows(2).all(straight)
-    })
-}
-
-fn is_straight(model: &VolumeModel, axis: Axis, [from, to]: [f64; 2]) -> bool {
-    let values = |part: f64| {
-        let place = from + (to - from) * part;
-        let AxisState { deviation_um: d, rotation_urad: r } = model.state(axis, place, |_| true);
-        [d.x, d.y, d.z, r.x, r.y, r.z]
-    };
-    let (first, last) = (values(0.0), values(1.0));
-    [0.25, 0.5, 0.75].into_iter().all(|part| {
-        let inside = values(part).into_iter().zip(first).zip(last);
-        inside.into_iter().all(|((value, a), b)| {
-            let room = ROUNDING * (1.0 + a.abs() + b.abs());
-            (value - (a + (b - a) * part)).abs() <= room
-        })
-    })
-}
-
 /// Volumetric accuracy of every sub-volume of a size.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Windows {
     /// Size, mm.
-    pub size_mm: PerAxis<f64>,
+    pub size_mm: Listed<f64>,
     /// How many there are.
     pub count: usize,
     /// Nodes of each axis that they lie between: those of the measurement, where the nodes of the
     /// tables would make distances unequal.
-    pub grid: PerAxis<usize>,
-    /// The smallest figure, µm, and the corner with the smallest coordinates of its sub-volume, mm.
-    pub best: (f64, PerAxis<f64>),
+    pub grid: Listed<usize>,
+    /// The smallest figure, µm.
+    pub min_um: f64,
     /// The largest one.
-    pub worst: (f64, PerAxis<f64>),
+    pub max_um: f64,
     /// The sub-volume at the smallest coordinates of the volume, µm.
     pub corner_um: f64,
-    /// The map: where the corners with the smallest coordinates lie along each axis, mm.
-    pub places_mm: Nodes,
-    /// The figures of the map, µm; X slowest, Z fastest.
-    pub map_um: Vec<f64>,
+    /// The corner with the smallest coordinates of the best sub-volume, mm.
+    pub min_at_mm: Listed<f64>,
+    /// The same of the worst one.
+    pub max_at_mm: Listed<f64>,
+    /// Every sub-volume.
+    pub map: FigureMap,
+}
+
+/// The figures of all sub-volumes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FigureMap {
+    /// Their smallest coordinates along X, mm.
+    pub x_mm: Vec<f64>,
+    /// The same along Y.
+    pub y_mm: Vec<f64>,
+    /// The same along Z.
+    pub z_mm: Vec<f64>,
+    /// The figures by their number along X, Y and Z, µm.
+    pub um: Vec<Vec<Vec<f64>>>,
 }
 
 /// Part of a node distance by which a size may miss a whole number of them.
@@ -155,18 +132,21 @@ pub(super) fn windows(
     let size = map.vectors().along_chain([counts.x, counts.y, counts.z]);
     let all = WindowMap::of(map.vectors(), size).ok_or_else(no_map)?;
     let figure = |(number, figure): (usize, Diameter)| (figure.um, map.place(all.low(number)));
-    let places = (0..corners.x)
-        .flat_map(|x| (0..corners.y).flat_map(move |y| (0..corners.z).map(move |z| [x, y, z])));
     let at = |xyz| all.at(map.vectors().along_chain(xyz)).um;
+    let along_z = |x, y| (0..corners.z).map(|z| at([x, y, z])).collect();
+    let along_y = |x| (0..corners.y).map(|y| along_z(x, y)).collect();
+    let (best, worst) = (figure(all.best()), figure(all.worst()));
+    let PerAxis { x: x_mm, y: y_mm, z: z_mm } = places_mm;
     Ok(Windows {
-        size_mm,
+        size_mm: Listed(size_mm),
         count,
-        grid: map.counts(),
-        best: figure(all.best()),
-        worst: figure(all.worst()),
+        grid: Listed(nodes.counts()),
+        min_um: best.0,
+        max_um: worst.0,
         corner_um: all.at([0; 3]).um,
-        map_um: places.map(at).collect(),
-        places_mm,
+        min_at_mm: Listed(best.1),
+        max_at_mm: Listed(worst.1),
+        map: FigureMap { x_mm, y_mm, z_mm, um: (0..corners.x).map(along_y).collect() },
     })
 }
 

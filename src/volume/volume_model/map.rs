@@ -91,9 +91,9 @@ impl ErrorMap {
         &self.vectors
     }
 
-    /// Number of nodes of each axis.
-    pub fn counts(&self) -> PerAxis<usize> {
-        self.nodes.counts()
+    /// The nodes.
+    pub(crate) fn nodes(&self) -> &Nodes {
+        &self.nodes
     }
 
     /// Every node with its error vector, µm, in the order of the vectors.

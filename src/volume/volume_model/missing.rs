@@ -3,22 +3,77 @@
 use super::{Component, VolumeModel};
 use crate::inputs::job::Job;
 use crate::machine::model::{ErrorModel, Measured};
-use crate::quantity::axis::{Axis, ErrorTerm, Rotation};
-use crate::quantity::chain::LeverEffect;
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
+use crate::quantity::chain::{LeverEffect, unit};
 use crate::quantity::units::Millimetres;
 use crate::text::finding::Finding;
 use crate::volume::findings::VolumeFinding as Found;
+use serde::Serialize;
 
 /// An error that was not measured.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Missing {
     /// Which: `EYX`, `EAX`, `squareness_xy`.
+    #[serde(rename = "name")]
     pub component: Component,
     /// What the figures leave out, in words.
     pub consequence: String,
 }
 
+/// Errors of a machine with three axes.
+pub const ERRORS: usize = 21;
+
 impl VolumeModel {
+    /// How many of the 21 were measured or stated; squareness also counts where the slopes of both
+    /// straightnesses hold it.
+    pub fn known_errors(&self) -> usize {
+        let components = self.components();
+        let is_squareness = |of: &&Component| matches!(of, Component::Squareness(_));
+        let others = components.iter().filter(|of| !is_squareness(of));
+        others.count() + 3 - self.no_slopes().len()
+    }
+
+    /// Axes along which nothing was measured, and whose travel nobody states: they stand at one place.
+    pub fn unknown_axes(&self) -> Vec<Axis> {
+        let unknown = |axis: &Axis| {
+            let (low, high) = self.ranges[*axis];
+            !self.is_measured(*axis) && high <= low
+        };
+        Axis::ALL.into_iter().filter(unknown).collect()
+    }
+
+    /// Whether anything that was measured shows in a direction.
+    pub(crate) fn shows(&self, direction: Axis) -> bool {
+        let unknown = self.unknown_axes();
+        self.components().into_iter().any(|component| match component {
+            Component::Deviation(term) | Component::Squareness(term) => term.of == direction,
+            Component::Rotation(rotation) => {
+                let mut effects = self.chain.effects(rotation).into_iter();
+                effects.any(|e| e.direction == direction && !unknown.contains(&e.arm))
+                    || self.swings(rotation, direction)
+            }
+        })
+    }
+
+    /// Whether a rotation moves the tool point in a direction, by the stated tool offset.
+    fn swings(&self, rotation: Rotation, direction: Axis) -> bool {
+        let tool = PerAxis::from_fn(|axis| self.levers.tool.map_or(0.0, |tool| tool[axis].mm()));
+        unit(rotation.about).cross(tool)[direction].abs() > 0.0
+    }
+
+    /// Whether an error is a rotation whose every lever stands at one place because nobody states the
+    /// travel of its axis.
+    pub fn has_no_lever(&self, component: Component) -> bool {
+        let Component::Rotation(rotation) = component else {
+            return false;
+        };
+        let unknown = self.unknown_axes();
+        let effects = self.chain.effects(rotation);
+        !effects.is_empty()
+            && effects.iter().all(|effect| unknown.contains(&effect.arm))
+            && !Axis::ALL.into_iter().any(|d| self.swings(rotation, d))
+    }
+
     /// Which of the 21 errors were neither measured nor stated, and what that leaves out.
     pub fn missing(&self) -> Vec<Missing> {
         let deviations = ErrorTerm::ALL.into_iter();
