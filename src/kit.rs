@@ -130,9 +130,9 @@ fn build_manifest(made: &Made<'_>) -> Manifest {
             .collect(),
         assumptions: compiled.assumptions.clone(),
         preconditions: compiled.preconditions.clone(),
-        omitted: manifest::omitted(&plan.omitted),
-        forecast: manifest::forecast(forecast),
-        tables: manifest::placements(&compiled.placements),
+        omitted: plan.omitted.clone(),
+        forecast: forecast.into(),
+        tables: compiled.placements.clone(),
         state: manifest::state(&compiled.state, |name| {
             named_backlash(inputs, plan, compiled, name)
         }),

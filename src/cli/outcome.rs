@@ -3,13 +3,12 @@
 
 use crate::cli::screen::{Detail, Screen};
 use crate::kit::manifest::{self, MANIFEST};
-use crate::quantity::units::picometres;
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Begun, Files, Long, NamedBytes, Ready, not_written};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::io::{ErrorKind, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -235,7 +234,7 @@ impl Outcome {
 
     /// A document for scripts: its figures rounded as in a manifest.
     pub(super) fn json(document: &impl Serialize) -> Result<Outcome, Problems> {
-        Ok(Outcome::bytes(manifest::bytes(&json_of(document)?)?))
+        Ok(Outcome::bytes(manifest::bytes(document)?))
     }
 
     /// A file, as it stands.
@@ -296,30 +295,6 @@ pub(super) fn known(parts: impl IntoIterator<Item = Value>) -> Value {
         fields.retain(|_, value| !value.is_null());
     }
     document
-}
-
-/// A document as it is printed: its figures rounded as in a manifest.
-pub(super) fn json_of(document: &impl Serialize) -> Result<Value, Problems> {
-    let refuse = |error| Problem::new(format!("the document cannot be written: {error}"));
-    let mut document = serde_json::to_value(document).map_err(refuse)?;
-    round_figures(&mut document, false);
-    Ok(document)
-}
-
-/// Figures of a document, to be read and the same everywhere: what stands below a key with a unit.
-fn round_figures(document: &mut Value, is_figure: bool) {
-    const UNITS: [&str; 7] = ["um", "mm", "m", "arcsec", "urad", "mrad", "fitted"];
-    match document {
-        Value::Number(number) if is_figure && number.is_f64() => {
-            *document = json!(number.as_f64().map(picometres));
-        }
-        Value::Array(items) => items.iter_mut().for_each(|item| round_figures(item, is_figure)),
-        Value::Object(fields) => fields.iter_mut().for_each(|(key, value)| {
-            let has_unit = key.rsplit('_').next().is_some_and(|word| UNITS.contains(&word));
-            round_figures(value, is_figure || has_unit);
-        }),
-        _ => {}
-    }
 }
 
 impl Data {

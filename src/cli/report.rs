@@ -1,6 +1,6 @@
 //! `nonius report JOB|ERRORS [--tables DIR] [--after FILE|JOB] [--linear FILE] -o report.html`
 
-use crate::cli::outcome::{Content, Outcome, Output, json_of};
+use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::screen::Screen;
 use crate::cli::verify::Judged;
 use crate::cli::{assess, standards};
@@ -9,7 +9,7 @@ use crate::inputs::job::{Job, UseOf};
 use crate::inputs::kind::FileKind;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Machine;
-use crate::kit::manifest::MANIFEST;
+use crate::kit::manifest::{MANIFEST, rounded};
 use crate::kit::{Inputs, cannot_emulate, generate, hashed, load, verify};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
@@ -183,7 +183,7 @@ fn with_tables(
     visit.grounds = page.grounds();
     visit.decides.clone_from(&page.decides);
     visit.inputs.clone_from(&inputs.hashes);
-    visit.documents.push(("verify".to_string(), json_of(&page.document())?));
+    visit.documents.push(("verify".to_string(), rounded(&page.document())?));
     visit.pictures.push(("curves", page.picture(locale)?));
     match control.and_then(|control| assess::for_report(inputs, Some(control))) {
         Ok(page) => add_volume(&mut visit, locale, &page)?,
@@ -238,7 +238,7 @@ impl Visit {
         let (document, picture) = standards::of_axis(locale, &name, &bytes)?;
         self.linear.push(file_name(file));
         let name = linear_document(self.linear.len());
-        self.documents.push((name, json_of(&document)?));
+        self.documents.push((name, rounded(&document)?));
         self.pictures.push(("linear", picture));
         self.inputs.push(hashed(&file_name(file), &bytes));
         Ok(())
@@ -256,7 +256,7 @@ fn of_own_tables<'a>(
     inputs: &Inputs,
 ) -> Result<Tables<'a>, Problems> {
     let kit = generate(inputs)?;
-    let manifest = json_of(&kit.manifest)?;
+    let manifest = rounded(&kit.manifest)?;
     visit.documents.push(("kit".to_string(), manifest));
     let sizes = kit.files.iter().map(|f| (f.path.clone(), f.bytes.len()));
     visit.sizes = sizes.collect();
@@ -297,7 +297,7 @@ fn sizes(files: &dyn Files, directory: &Path, manifest: &Value) -> Vec<(String, 
 }
 
 fn add_volume(visit: &mut Visit, locale: Locale<'_>, page: &assess::Page) -> Result<(), Problems> {
-    let document = json_of(page)?;
+    let document = rounded(page)?;
     visit.documents.push(("assess".to_string(), document));
     visit.pictures.push(("volume", page.picture(locale)));
     Ok(())
@@ -308,7 +308,7 @@ fn add_readings(visit: &mut Visit, locale: Locale<'_>, inputs: &Inputs) -> Resul
         return Ok(());
     };
     let (document, picture) = standards::of_separation(locale, readings, separation)?;
-    let document = json_of(&document)?;
+    let document = rounded(&document)?;
     visit.documents.push(("standards".to_string(), document));
     visit.pictures.push(("readings", picture));
     Ok(())

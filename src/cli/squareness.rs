@@ -3,6 +3,18 @@
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::metric::Plane;
 use crate::machine::separation::table::ErrorSource;
+use serde::Serialize;
+
+/// What documents say of a plane.
+#[derive(Serialize)]
+pub(super) struct PlaneFigures {
+    pub(super) before_um_per_m: f64,
+    /// Only where there are tables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) after_um_per_m: Option<Option<f64>>,
+    /// U of the last of them.
+    pub(super) expanded_um_per_m: Option<f64>,
+}
 
 /// Squareness of a plane, µm/m.
 #[derive(Clone, Copy)]

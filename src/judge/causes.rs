@@ -66,7 +66,7 @@ pub struct Cause {
 }
 
 /// What the data say of the causes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Diagnosis {
     /// As left is what the forecast said, within the uncertainty of both measurements.
     pub as_forecast: bool,
@@ -75,15 +75,17 @@ pub struct Diagnosis {
     /// As left excludes that positioning tables or those of cross terms act with the sign turned, whichever there are.
     pub shows_signs: bool,
     /// Root mean square of as left − forecast, µm.
+    #[serde(rename = "off_forecast_um")]
     pub off_um: f64,
+    /// What the comparison rests on.
+    #[serde(flatten)]
+    pub basis: Basis,
     /// The causes that the data cannot tell apart, the usual ones first; empty if nothing fits.
     pub causes: Vec<Cause>,
     /// Term by term, where no single cause fits.
     pub by_term: Vec<Finding>,
     /// The one measurement that decides between the causes.
     pub decides: Option<String>,
-    /// What the comparison rests on.
-    pub basis: Basis,
 }
 
 /// Tries all faults on the data. Refused where the second measurement makes sense in another unit

@@ -5,17 +5,19 @@
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::judge::active::{ActiveControl, Origin};
-use crate::judge::forecast::{Change, DiagonalForecast, Forecast};
+use crate::judge::forecast::{Change, Forecast};
 use crate::kit::visit_plan::WhatDecides;
+use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::{Millimetres, picometres};
 use crate::text::document::{refuse_large_page, sha256};
 use crate::text::finding::Finding;
 use crate::text::plain;
 use crate::text::problem::Problem;
+use crate::text::words::Named;
 use crate::write::compensation::Placement;
 use crate::write::target::Omission;
 use serde::Serialize;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::borrow::Cow;
 
 /// Version of the format.
@@ -31,15 +33,33 @@ pub(crate) fn bytes_of_kit(document: &impl Serialize) -> Result<Vec<u8>, Problem
     Ok(bytes)
 }
 
-/// Zeros without a sign, however deep they stand.
-fn without_signed_zeros(document: &mut Value) {
-    let is_zero = |number: f64| number.abs() <= 0.0;
+/// A document as it is printed: its figures rounded to a picometre, zeros without a sign.
+pub(crate) fn rounded(document: &impl Serialize) -> Result<Value, Problem> {
+    let mut document = serde_json::to_value(document).map_err(|error| refused(&error))?;
+    round_figures(&mut document, false);
+    Ok(document)
+}
+
+fn refused(error: &serde_json::Error) -> Problem {
+    Problem::new(format!("the document cannot be written: {error}"))
+}
+
+/// Figures are what stands below a key that ends in a unit, or in the name of a figure without one.
+fn round_figures(document: &mut Value, is_figure: bool) {
+    const UNITS: [&str; 6] = ["um", "mm", "m", "arcsec", "urad", "mrad"];
+    const NAMES: [&str; 9] =
+        ["fitted", "squared", "freedom", "factor", "estimate", "bias", "95", "u", "k"];
     match document {
-        Value::Number(number) if number.is_f64() && number.as_f64().is_some_and(is_zero) => {
-            *document = json!(0.0);
+        Value::Number(number) if number.is_f64() => {
+            let round = |number| if is_figure { picometres(number) } else { number + 0.0 };
+            *document = json!(number.as_f64().map(round));
         }
-        Value::Array(items) => items.iter_mut().for_each(without_signed_zeros),
-        Value::Object(fields) => fields.values_mut().for_each(without_signed_zeros),
+        Value::Array(items) => items.iter_mut().for_each(|item| round_figures(item, is_figure)),
+        Value::Object(fields) => fields.iter_mut().for_each(|(key, value)| {
+            let last = key.rsplit('_').next().unwrap_or_default();
+            let is_named = UNITS.contains(&last) || NAMES.contains(&last);
+            round_figures(value, is_figure || is_named);
+        }),
         _ => {}
     }
 }
@@ -48,10 +68,8 @@ fn without_signed_zeros(document: &mut Value) {
 pub fn bytes(document: &impl Serialize) -> Result<Vec<u8>, Problem> {
     const USUAL_BYTES: usize = 1 << 14;
     let mut page = Vec::with_capacity(USUAL_BYTES);
-    let refuse = |error| Problem::new(format!("the document cannot be written: {error}"));
-    let mut value = serde_json::to_value(document).map_err(refuse)?;
-    without_signed_zeros(&mut value);
-    serde_json::to_writer_pretty(&mut page, &value).map_err(refuse)?;
+    let document = rounded(document)?;
+    serde_json::to_writer_pretty(&mut page, &document).map_err(|error| refused(&error))?;
     page.push(b'\n');
     Ok(match std::str::from_utf8(&page).map(plain::json) {
         Ok(Cow::Owned(escaped)) => escaped.into_bytes(),
@@ -134,11 +152,11 @@ pub struct Manifest {
     /// What a person has to see to.
     pub preconditions: Vec<Precondition>,
     /// Terms without a table.
-    pub omitted: Vec<Value>,
+    pub omitted: Vec<Omission>,
     /// What the tables will leave, computed from the bytes of the files.
-    pub forecast: Value,
+    pub forecast: ForecastFigures,
     /// Where each term went.
-    pub tables: Vec<Value>,
+    pub tables: Vec<Placement>,
     /// The state of the control outside the files that the tables are made for.
     pub state: Value,
     /// Machine and protocol, as stated in the job.
@@ -156,38 +174,16 @@ pub struct Manifest {
     pub notes: Vec<Finding>,
 }
 
-/// Terms without a table, as JSON.
-pub fn omitted(omitted: &[Omission]) -> Vec<Value> {
-    let one = |o: &Omission| json!({ "term": o.term.to_string(), "reason": o.reason });
-    omitted.iter().map(one).collect()
-}
-
-/// Where each term went, as JSON.
-pub fn placements(placements: &[Placement]) -> Vec<Value> {
-    let one = |p: &Placement| {
-        json!({
-            "term": p.term.to_string(),
-            "direction": p.direction.map(|d| d.symbol()),
-            "place": p.place,
-            "points": p.points,
-            "count_um": picometres(p.count_um),
-            "grid_residual_um": picometres(p.grid_residual_um),
-            "fit_residual_um": p.fit_residual_um.map(picometres),
-        })
-    };
-    placements.iter().map(one).collect()
-}
-
 /// The state of the control as JSON: what an update compares with its job. `backlash_um` gives the
 /// backlash parameter of an axis where the kit knows it.
 pub fn state(state: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) -> Value {
     let axis = |axis: &AxisState| {
         json!({
             "name": axis.name,
-            "reference_mm": picometres(axis.reference.mm()),
-            "reference_direction": axis.reference_direction.symbol(),
+            "reference_mm": axis.reference,
+            "reference_direction": axis.reference_direction,
             "detection_unit_um": axis.detection_unit_um,
-            "backlash_um": backlash_um(&axis.name).map(picometres),
+            "backlash_um": backlash_um(&axis.name),
             "bidirectional": axis.bidirectional,
             "interpolated": axis.interpolated,
         })
@@ -196,48 +192,33 @@ pub fn state(state: &ControlState, backlash_um: impl Fn(&str) -> Option<f64>) ->
     json!({ "unit": state.unit.word(), "axes": axes })
 }
 
-/// A forecast as JSON, with the keys of the manifest.
-pub fn forecast(forecast: &Forecast) -> Value {
-    let terms = forecast.terms.iter();
-    let terms = terms.map(|term| (term.term.to_string(), change(&term.change, "after_um")));
-    let unmeasured = forecast.unmeasured.iter();
-    let unmeasured = unmeasured.filter(|(_, stretches)| !stretches.is_empty());
-    let unmeasured = unmeasured.map(|(axis, stretches)| {
-        let pair =
-            |(from, to): &(Millimetres, Millimetres)| [from, to].map(|at| picometres(at.mm()));
-        let pairs: Vec<[f64; 2]> = stretches.iter().map(pair).collect();
-        (axis.key().to_string(), json!(pairs))
-    });
-    let mut document = json!({
-        "max_residual_um": picometres(forecast.max_residual_um()),
-        "max_residual_expanded_um": forecast.max_expanded_um().map(picometres),
-        "max_residual_at_most_um": forecast.all_at_most_um().map(picometres),
-        "terms": terms.collect::<Map<_, _>>(),
-        "unmeasured_mm": unmeasured.collect::<Map<_, _>>(),
-    });
-    if !forecast.diagonals.is_empty() {
-        document["diagonals"] = diagonals(&forecast.diagonals, "after_um");
-    }
-    if let Some(um) = forecast.without_reversal_um {
-        document["without_reversal_um"] = json!(picometres(um));
-    }
-    document
+/// A forecast with the keys of the manifest.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ForecastFigures {
+    max_residual_um: f64,
+    max_residual_expanded_um: Option<f64>,
+    max_residual_at_most_um: Option<f64>,
+    terms: Named<ErrorTerm, Change>,
+    /// Stretches of tables that nobody measured.
+    unmeasured_mm: Named<&'static str, Vec<(Millimetres, Millimetres)>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    diagonals: Option<Named<&'static str, Change>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    without_reversal_um: Option<f64>,
 }
 
-/// A change as JSON; `after` names the key of the figure with tables.
-pub(crate) fn change(change: &Change, after: &str) -> Value {
-    json!({
-        "before_um": picometres(change.before_um),
-        after: picometres(change.after_um),
-        "u_um": change.u_um.map(picometres),
-        "expanded_um": change.expanded_um.map(picometres),
-        "at_most_um": change.at_most_um.map(picometres),
-    })
-}
-
-/// Body diagonals as JSON; `after` names the key of the figure with tables.
-pub fn diagonals(diagonals: &[DiagonalForecast], after: &str) -> Value {
-    let rows = diagonals.iter();
-    let rows = rows.map(|diagonal| (diagonal.name.to_string(), change(&diagonal.change, after)));
-    Value::Object(rows.collect())
+impl From<&Forecast> for ForecastFigures {
+    fn from(forecast: &Forecast) -> ForecastFigures {
+        let unmeasured = forecast.unmeasured.iter().filter(|(_, found)| !found.is_empty());
+        let diagonals = forecast.diagonals.iter().map(|of| (of.name, of.change));
+        ForecastFigures {
+            max_residual_um: forecast.max_residual_um(),
+            max_residual_expanded_um: forecast.max_expanded_um(),
+            max_residual_at_most_um: forecast.all_at_most_um(),
+            terms: forecast.terms.iter().map(|of| (of.term, of.change)).collect(),
+            unmeasured_mm: unmeasured.map(|(axis, found)| (axis.key(), found.clone())).collect(),
+            diagonals: (!forecast.diagonals.is_empty()).then(|| diagonals.collect()),
+            without_reversal_um: forecast.without_reversal_um,
+        }
+    }
 }

@@ -77,11 +77,13 @@ impl fmt::Display for Axis {
 }
 
 /// Direction of travel of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 pub enum Direction {
     /// Towards larger coordinates.
+    #[serde(rename = "+")]
     Plus,
     /// Towards smaller coordinates.
+    #[serde(rename = "-")]
     Minus,
 }
 
@@ -173,6 +175,12 @@ impl fmt::Display for ErrorTerm {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         let name = format!("E{}{}", self.of, self.along);
         out.pad(&name)
+    }
+}
+
+impl Serialize for ErrorTerm {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(self)
     }
 }
 

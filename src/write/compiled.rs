@@ -11,9 +11,10 @@ use crate::quantity::units::{Deviation, Millimetres, rounded};
 use crate::text::finding::Finding;
 use crate::write::grid::{Grid, as_number, whole};
 use crate::write::task::{Plan, PlannedTable, Task};
+use serde::Serialize;
 
 /// Where one planned table went and how coarse it is there.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Placement {
     /// Which error.
     pub term: ErrorTerm,

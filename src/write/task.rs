@@ -9,6 +9,7 @@ use crate::quantity::units::{Deviation, UM_PER_MM};
 use crate::text::finding::Finding;
 use crate::write::control_text::trimmed;
 use crate::write::grid::Grid;
+use serde::Serialize;
 
 /// What a plan is made from.
 #[derive(Clone, Copy, Debug)]
@@ -90,7 +91,7 @@ impl TermTargets {
 }
 
 /// A term that gets no table.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Omission {
     /// Which error.
     pub term: ErrorTerm,

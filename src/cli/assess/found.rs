@@ -1,6 +1,6 @@
 //! Each error as it was measured: its largest deviation and squareness, with U.
 
-use crate::cli::squareness::squareness;
+use crate::cli::squareness::{PlaneFigures, squareness};
 use crate::inputs::job::Job;
 use crate::judge::after::alone;
 use crate::judge::forecast::Change;
@@ -16,7 +16,7 @@ use serde::Serialize;
 #[derive(Serialize)]
 pub(super) struct Found {
     terms: Named<ErrorTerm, Largest>,
-    squareness: Named<&'static str, Squareness>,
+    squareness: Named<&'static str, PlaneFigures>,
 }
 
 /// Of a term.
@@ -28,13 +28,6 @@ struct Largest {
     at_most_um: Option<f64>,
 }
 
-/// Of a plane.
-#[derive(Serialize)]
-struct Squareness {
-    before_um_per_m: f64,
-    expanded_um_per_m: Option<f64>,
-}
-
 impl Found {
     /// `errors`: where the model comes from; absent = from an error table alone.
     pub(super) fn of(
@@ -44,8 +37,12 @@ impl Found {
     ) -> Result<Found, Problems> {
         let planes = Plane::ALL.into_iter().filter_map(|plane| {
             let found = squareness(model, errors, plane)?;
-            let expanded_um_per_m = found.expanded_um_per_m;
-            Some((plane.key(), Squareness { before_um_per_m: found.um_per_m, expanded_um_per_m }))
+            let figures = PlaneFigures {
+                before_um_per_m: found.um_per_m,
+                after_um_per_m: None,
+                expanded_um_per_m: found.expanded_um_per_m,
+            };
+            Some((plane.key(), figures))
         });
         let terms = alone(model, job)?.terms.into_iter().map(|found| {
             let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;

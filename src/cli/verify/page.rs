@@ -3,7 +3,7 @@
 
 use crate::cli::screen::{Screen, list, table};
 use crate::cli::show::{self, um};
-use crate::cli::squareness::squareness;
+use crate::cli::squareness::{PlaneFigures, squareness};
 use crate::cli::verify::second::Second;
 use crate::control::claims::Assumption;
 use crate::inputs::job::Job;
@@ -11,19 +11,18 @@ use crate::judge::after::{AfterMeasurement, ComparedLine, Comparison};
 use crate::judge::causes::{Cause, Diagnosis};
 use crate::judge::conformity::Verdict;
 use crate::judge::findings::OfTerm;
-use crate::judge::forecast::{Forecast, Grounds, Miss, TermForecast};
-use crate::kit::manifest::{HashedFile, change, diagonals};
+use crate::judge::forecast::{Change, DiagonalForecast, Forecast, Grounds, Miss, TermForecast};
+use crate::kit::manifest::HashedFile;
 use crate::kit::second_look::SecondLook;
 use crate::kit::visit_plan::{Judged, WhatDecides};
 use crate::kit::{Inputs, Verification, cannot_emulate, emulator, remarks};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::metric::Plane;
 use crate::page::{Curves, Locale, Picture, terms};
-use crate::quantity::units::picometres;
 use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
+use crate::text::words::Named;
 use serde::Serialize;
-use serde_json::{Map, Value, json};
 use std::path::Path;
 
 /// Everything that goes on the page.
@@ -42,19 +41,65 @@ pub(in crate::cli) struct Document<'a> {
     verdict: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     after: Option<&'a [HashedFile]>,
-    terms: Value,
+    terms: Named<String, Line>,
     max_residual_um: Option<f64>,
     max_residual_expanded_um: Option<f64>,
     max_residual_at_most_um: Option<f64>,
-    diagonals: Option<Value>,
-    squareness: Value,
+    diagonals: Option<Named<String, Line>>,
+    squareness: Named<&'static str, PlaneFigures>,
     causes: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    diagnosis: Option<Value>,
+    diagnosis: Option<Option<&'a Diagnosis>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     what_decides: Option<&'a WhatDecides>,
     assumptions: &'a [Assumption],
     notes: Vec<Finding>,
+}
+
+/// A term, or a diagonal.
+#[derive(Default, Serialize)]
+struct Line {
+    before_um: Option<f64>,
+    forecast_um: Option<f64>,
+    /// Only with a second measurement.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    after_um: Option<Option<f64>>,
+    u_um: Option<f64>,
+    expanded_um: Option<f64>,
+    at_most_um: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    max_residual_um: Option<Option<f64>>,
+    /// Only with a second measurement.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    difference_um: Option<Option<f64>>,
+}
+
+impl From<&Change> for Line {
+    fn from(change: &Change) -> Line {
+        Line {
+            before_um: Some(change.before_um),
+            forecast_um: Some(change.after_um),
+            u_um: change.u_um,
+            expanded_um: change.expanded_um,
+            at_most_um: change.at_most_um,
+            ..Line::default()
+        }
+    }
+}
+
+impl From<&ComparedLine> for Line {
+    fn from(line: &ComparedLine) -> Line {
+        Line {
+            before_um: line.before_um,
+            forecast_um: line.forecast_um,
+            after_um: Some(line.after_um),
+            u_um: line.u_um,
+            expanded_um: line.expanded_um,
+            at_most_um: line.at_most_um,
+            max_residual_um: Some(line.after_um),
+            difference_um: Some(line.difference_um),
+        }
+    }
 }
 
 impl Page<'_> {
@@ -163,21 +208,21 @@ impl Page<'_> {
     }
 
     /// Of each plane that is known as found, as found and as left; U of the last figure.
-    fn squareness(&self) -> Value {
+    fn squareness(&self) -> Named<&'static str, PlaneFigures> {
         let errors = self.second.as_ref();
         let errors = errors.and_then(|(second, _)| second.errors.as_ref());
         let planes = Plane::ALL.into_iter().filter_map(|plane| {
             let before = squareness(self.inputs.as_measured(), Some(&self.inputs.errors), plane)?;
             let after = self.as_left();
             let after = after.and_then(|model| squareness(model, errors, plane));
-            let figures = json!({
-                "before_um_per_m": picometres(before.um_per_m),
-                "after_um_per_m": after.map(|after| picometres(after.um_per_m)),
-                "expanded_um_per_m": after.unwrap_or(before).expanded_um_per_m.map(picometres),
-            });
-            Some((plane.key().to_string(), figures))
+            let figures = PlaneFigures {
+                before_um_per_m: before.um_per_m,
+                after_um_per_m: Some(after.map(|after| after.um_per_m)),
+                expanded_um_per_m: after.unwrap_or(before).expanded_um_per_m,
+            };
+            Some((plane.key(), figures))
         });
-        Value::Object(planes.collect::<Map<_, _>>())
+        planes.collect()
     }
 
     /// The errors as left, where they were measured.
@@ -265,11 +310,11 @@ impl Page<'_> {
             schema: 1,
             verdict: self.verdict().word(),
             after: None,
-            terms: forecast.map_or_else(|| json!({}), forecast_terms),
+            terms: forecast.iter().flat_map(|of| &of.terms).map(term).collect(),
             max_residual_um: forecast.map(Forecast::max_residual_um),
             max_residual_expanded_um: self.judged().and_then(Forecast::max_expanded_um),
             max_residual_at_most_um: self.judged().and_then(Forecast::all_at_most_um),
-            diagonals: forecast.map(|f| diagonals(&f.diagonals, "forecast_um")),
+            diagonals: forecast.map(|of| of.diagonals.iter().map(diagonal).collect()),
             squareness: self.squareness(),
             causes: causes.collect(),
             diagnosis: None,
@@ -291,7 +336,7 @@ impl Page<'_> {
             max_residual_um: after.reduce(f64::max),
             diagonals: Some(figures(&comparison.diagonals)),
             causes: [page.causes, explanation(look)].concat(),
-            diagnosis: Some(look.diagnosis.as_ref().map_or(Value::Null, diagnosis)),
+            diagnosis: Some(look.diagnosis.as_ref()),
             notes: [&own[..], &second.notes, &page.notes].concat(),
             ..page
         }
@@ -345,46 +390,17 @@ fn explanation(look: &SecondLook) -> Vec<String> {
     lines
 }
 
-fn diagnosis(found: &Diagnosis) -> Value {
-    json!({
-        "as_forecast": found.as_forecast,
-        "hides_tables": found.hides_tables,
-        "shows_signs": found.shows_signs,
-        "off_forecast_um": found.off_um,
-        "sigma_um": found.basis.sigma_um,
-        "sigma_from": found.basis.words,
-        "values": found.basis.values,
-        "curves": found.basis.curves,
-        "causes": found.causes,
-        "by_term": found.by_term,
-        "decides": found.decides,
-    })
+fn term(of: &TermForecast) -> (String, Line) {
+    let max_residual_um = Some(Some(of.change.after_um));
+    (of.term.to_string(), Line { max_residual_um, ..Line::from(&of.change) })
 }
 
-fn forecast_terms(forecast: &Forecast) -> Value {
-    let term = |t: &TermForecast| {
-        let mut figures = change(&t.change, "forecast_um");
-        figures["max_residual_um"] = json!(t.change.after_um);
-        (t.term.to_string(), figures)
-    };
-    Value::Object(forecast.terms.iter().map(term).collect::<Map<_, _>>())
+fn diagonal(of: &DiagonalForecast) -> (String, Line) {
+    (of.name.to_string(), Line::from(&of.change))
 }
 
-fn figures(lines: &[ComparedLine]) -> Value {
-    let line = |line: &ComparedLine| {
-        let figures = json!({
-            "before_um": line.before_um,
-            "forecast_um": line.forecast_um,
-            "after_um": line.after_um,
-            "u_um": line.u_um,
-            "expanded_um": line.expanded_um,
-            "at_most_um": line.at_most_um,
-            "max_residual_um": line.after_um,
-            "difference_um": line.difference_um,
-        });
-        (line.name.clone(), figures)
-    };
-    Value::Object(lines.iter().map(line).collect::<Map<_, _>>())
+fn figures(lines: &[ComparedLine]) -> Named<String, Line> {
+    lines.iter().map(|line| (line.name.clone(), Line::from(line))).collect()
 }
 
 fn lines(comparison: &Comparison) -> String {

@@ -5,6 +5,7 @@ use super::question::Question;
 use crate::judge::after::{Observation, Part};
 use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::{Squared, larger, smaller};
+use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 use std::collections::BTreeMap;
 
@@ -27,16 +28,17 @@ const STEPS_OF_A_SUM: f64 = 3.0;
 const SECOND_DIFFERENCE: f64 = 2.449_489_742_783_178;
 
 /// What the comparison rests on.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Basis {
+    /// Root mean square of σ, µm.
+    pub sigma_um: f64,
+    /// Where σ comes from.
+    #[serde(rename = "sigma_from")]
+    pub words: String,
     /// Values that were compared.
     pub values: usize,
     /// Curves (or passes) they stand on: the degrees of freedom.
     pub curves: usize,
-    /// Root mean square of σ, µm.
-    pub sigma_um: f64,
-    /// Where σ comes from.
-    pub words: String,
 }
 
 /// The values with everything that does not depend on the fault.

@@ -12,9 +12,10 @@ use crate::quantity::axis::{Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{Millimetres, larger};
 use crate::text::finding::Finding;
+use serde::Serialize;
 
 /// A figure as measured and as the tables leave it, µm.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Change {
     /// As measured.
     pub before_um: f64,
@@ -22,6 +23,7 @@ pub struct Change {
     pub after_um: f64,
     /// `after_um`, but with straight lines between the points of a table where old tables were
     /// active, whose steps are not in `before_um` either.
+    #[serde(skip)]
     pub comparable_um: f64,
     /// Largest standard uncertainty (k = 1) of a value; `None` = not stated.
     pub u_um: Option<f64>,
