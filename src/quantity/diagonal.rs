@@ -20,7 +20,8 @@ use std::fmt;
 use std::ops::{Index, IndexMut};
 
 /// A body diagonal, named by the signs of X, Y and Z on its forward run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "UPPERCASE")]
 pub enum Diagonal {
     /// X+, Y+, Z+.
     Ppp,
@@ -148,7 +149,8 @@ impl<T> IndexMut<Diagonal> for PerDiagonal<T> {
 }
 
 /// The way along a diagonal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Pass {
     /// In the direction of the diagonal's name.
     Forward,

@@ -4,16 +4,15 @@
 use super::words::advice;
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::known;
-use crate::inputs::error_table::{Cause, Silence};
 use crate::inputs::job::SetUp;
 use crate::machine::separation::agreement::{Agreement, LineCheck};
-use crate::machine::separation::monte_carlo::{Figure, Simulated};
+use crate::machine::separation::monte_carlo::Simulated;
 use crate::machine::separation::noise::{Noise, Outlier, ReadingPlace, coverage_factor};
 use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::Turn;
 use crate::machine::separation::{SeparatedError, Separation};
 use crate::machine::standards::Diagonals;
-use crate::quantity::axis::{Direction, PerAxis, PerTerm};
+use crate::quantity::axis::{Direction, Listed, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal};
 use crate::quantity::units::picometres;
 use crate::text::finding::Finding;
@@ -42,10 +41,10 @@ pub(super) fn separation(
         json!({
             "separated_slope_um_per_m": separation.naive_slopes_um_per_m,
             "shape_um": separation.shapes,
-            "monte_carlo": simulated.map(monte_carlo),
+            "monte_carlo": simulated,
             "doubts": separation.doubts,
         }),
-        silence(&separation.silence),
+        json!(separation.silence),
         json!({ "labels": separation.labels }),
     ]))
 }
@@ -59,11 +58,11 @@ fn slopes(separation: &Separation) -> Value {
         "errors": errors(separation),
         "squareness_um_per_m": separation.squareness_um_per_m,
         "u_squareness_um_per_m": u_squareness.map(|u| Some(u?.u_um_per_m)),
-        "squareness_freedom": u_squareness.map(|u| u?.freedom.map(picometres)),
+        "squareness_freedom": u_squareness.map(|u| u?.freedom),
         "redundancy": separation.agreement.as_ref().map(agreement),
         "squareness_least_squares_um_per_m": separation.squareness_least_squares_um_per_m,
         "setup_arcsec": tilts.map(|tilts| PerDiagonal::from_fn(|d| tilts[d].arcsec)),
-        "setup_direction": tilts.map(|tilts| PerDiagonal::from_fn(|d| vector(tilts[d].direction))),
+        "setup_direction": tilts.map(|tilts| PerDiagonal::from_fn(|d| Listed(tilts[d].direction))),
     })
 }
 
@@ -90,10 +89,6 @@ fn errors(separation: &Separation) -> Map<String, Value> {
     all
 }
 
-fn vector(v: PerAxis<f64>) -> [f64; 3] {
-    [v.x, v.y, v.z]
-}
-
 /// Linear axes and beams against each other and the diagonals.
 pub(super) fn agreement(agreement: &Agreement) -> Value {
     let line = |line: &LineCheck| {
@@ -106,7 +101,7 @@ pub(super) fn agreement(agreement: &Agreement) -> Value {
         })
     };
     json!({
-        "chi_squared": picometres(agreement.chi_squared),
+        "chi_squared": agreement.chi_squared,
         "degrees_of_freedom": agreement.freedom,
         "probability": agreement.probability,
         "contradiction": agreement.contradiction().map(Finding::from),
@@ -134,12 +129,6 @@ fn closure(separation: &Separation) -> Value {
     })
 }
 
-/// What the job leaves unsaid, or says to be nothing.
-pub(super) fn silence(silence: &Silence) -> Value {
-    let keys = |causes: &[Cause]| causes.iter().map(|cause| cause.key()).collect::<Vec<_>>();
-    json!({ "not_stated": keys(&silence.not_stated), "neglected": keys(&silence.neglected) })
-}
-
 /// Reversals of a turn: by term, at both ends of each axis, and from each diagonal alone.
 fn reversal(turn: &Turn) -> Value {
     let ends = PerAxis::from_fn(|axis| {
@@ -159,9 +148,9 @@ fn reversal(turn: &Turn) -> Value {
 fn outlier(outlier: &Outlier) -> Value {
     let reading = |r: &ReadingPlace| {
         json!({
-            "diagonal": r.diagonal.name(),
+            "diagonal": r.diagonal,
             "run": r.run,
-            "direction": r.pass.word(),
+            "direction": r.pass,
             "node": r.node,
         })
     };
@@ -177,7 +166,7 @@ pub(super) fn noise(noise: Noise) -> Value {
     json!({
         "sigma_um": noise.sigma_um,
         "degrees_of_freedom": noise.freedom,
-        "coverage_factor": picometres(coverage_factor(noise.freedom_f64())),
+        "coverage_factor": coverage_factor(noise.freedom_f64()),
         "source": noise.source.words(),
     })
 }
@@ -224,24 +213,5 @@ pub(super) fn diagonal_totals(figures: &Diagonals, scale_sum_um_mm: f64) -> Valu
         "e_d_um": figures.e_d_um,
         "b_d_um": figures.b_d_um,
         "label": figures.label,
-    })
-}
-
-fn monte_carlo(simulated: &Simulated) -> Value {
-    let figure = |f: &Figure| {
-        json!({
-            "name": f.name,
-            "unit": f.unit,
-            "estimate": picometres(f.estimate),
-            "bias": picometres(f.bias),
-            "interval_95": f.interval.map(picometres),
-            "interval_coverage_measured": f.measured_coverage,
-            "u": picometres(f.u),
-        })
-    };
-    json!({
-        "trials": simulated.plan.trials,
-        "seed": simulated.plan.seed,
-        "figures": simulated.figures.iter().map(figure).collect::<Vec<_>>(),
     })
 }

@@ -1,6 +1,6 @@
 //! What `separate` says of straight runs: the page for people and the document.
 
-use super::document::{agreement, diagonal_totals, noise, silence};
+use super::document::{agreement, diagonal_totals, noise};
 use super::words::{self, SQUARENESS_SIGN, advice, expanded, freedom};
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::known;
@@ -13,7 +13,7 @@ use crate::machine::separation::straight::{
 use crate::machine::separation::uncertainty::SlopeUncertainty;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, PathKind};
-use crate::quantity::units::{Figure, Squared, picometres};
+use crate::quantity::units::{Figure, Squared};
 use crate::text::problem::Problems;
 use serde_json::{Value, json};
 
@@ -145,7 +145,7 @@ pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
             "closure_test": result.closure.as_ref().map(closure_document),
             "doubts": result.doubts,
         }),
-        silence(&result.silence),
+        json!(result.silence),
         json!({ "labels": result.labels }),
     ]))
 }
@@ -177,20 +177,10 @@ fn largest(result: &StraightResult, diagonal: Diagonal) -> Option<&ClosureTest> 
 }
 
 fn closure_document(closure: &ClosureTests) -> Value {
-    let test = |test: &ClosureTest| {
-        json!({
-            "diagonal": test.diagonal.name(),
-            "direction": test.pass.word(),
-            "largest_um": test.largest_um,
-            "end_um": test.end_um,
-            "u_end_um": test.u_end_um,
-            "largest_by_u": test.worst_ratio.map(picometres),
-        })
-    };
     json!({
         "agrees": closure.agrees(),
-        "k": picometres(closure.k),
+        "k": closure.k,
         "table_states_u": closure.table_states_u,
-        "tests": closure.tests.iter().map(test).collect::<Vec<_>>(),
+        "tests": closure.tests,
     })
 }

@@ -26,6 +26,7 @@ use crate::quantity::diagonal::{Diagonal, PerDiagonal};
 use crate::quantity::units::{Millimetres, smaller};
 use crate::text::finding::{Finding, joined, once};
 use crate::text::problem::bounded;
+use serde::Serialize;
 use std::fmt;
 
 const DOUBT: &str = "doubt:";
@@ -57,15 +58,19 @@ fn beyond<T>(remarks: &mut Vec<T>) -> usize {
 pub const SIMULATED: &str = "SIMULATED, not measured";
 
 /// A cause of uncertainty that the readings of a separation cannot show: who is silent about it gets no pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Cause {
     /// Pitch, yaw and roll without a measurement.
+    #[serde(rename = "angle_urad")]
     Angles,
     /// A change of scale from one set-up to the next.
+    #[serde(rename = "setup_ppm")]
     SetUps,
     /// The slopes of linear axes and other beams.
+    #[serde(rename = "u_um_per_m")]
     Slopes,
     /// The tilt of a mirror whose set-up is assumed perfect.
+    #[serde(rename = "tilt_arcsec")]
     Tilt,
     /// The squareness of axes whose straightness has no slope that could hold it.
     Squareness,
@@ -94,7 +99,7 @@ impl Cause {
 }
 
 /// What a job leaves unsaid of a separation, or says to be nothing.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Silence {
     /// Neither stated nor measured: a verdict on these errors is at most undecided.
     pub not_stated: Vec<Cause>,

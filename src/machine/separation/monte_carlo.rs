@@ -19,9 +19,10 @@ use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
 
 /// How to simulate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Trials {
     /// Number of trials, at least 2.
     pub trials: usize,
@@ -36,7 +37,7 @@ const HELD: f64 = 0.95;
 const HELD_OF_EXTREMES: f64 = 0.887;
 
 /// A figure with what noise does to it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Figure {
     /// Of what: max − min of a positioning error, straightness of a cross term, squareness.
     pub name: String,
@@ -47,8 +48,10 @@ pub struct Figure {
     /// Mean of the trials less the estimate.
     pub bias: f64,
     /// 95 % interval.
+    #[serde(rename = "interval_95")]
     pub interval: [f64; 2],
     /// How often such intervals held the true value on simulated machines.
+    #[serde(rename = "interval_coverage_measured")]
     pub measured_coverage: f64,
     /// Standard deviation of the trials.
     pub u: f64,
@@ -74,9 +77,10 @@ impl Figure {
 }
 
 /// The result of a simulation.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Simulated {
     /// The plan.
+    #[serde(flatten)]
     pub plan: Trials,
     /// Figures.
     pub figures: Vec<Figure>,

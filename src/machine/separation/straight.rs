@@ -35,6 +35,7 @@ use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volu
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
+use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// How often machines that agree are to fail the closure test.
@@ -145,11 +146,12 @@ fn doubts(campaign: &Campaign<'_>, start: &Start, agreement: Option<&Agreement>)
 }
 
 /// Measured less predicted readings of the runs of one diagonal in one direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct ClosureTest {
     /// The diagonal.
     pub diagonal: Diagonal,
     /// Forward or reverse runs.
+    #[serde(rename = "direction")]
     pub pass: Pass,
     /// Largest |difference|, µm.
     pub largest_um: f64,
@@ -158,6 +160,7 @@ pub struct ClosureTest {
     /// Its standard uncertainty, µm; `None` = not known.
     pub u_end_um: Option<f64>,
     /// Largest |difference|/u over the nodes; `None` = u is not known.
+    #[serde(rename = "largest_by_u")]
     pub worst_ratio: Option<f64>,
 }
 
