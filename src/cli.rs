@@ -16,7 +16,6 @@ mod new;
 mod outcome;
 mod path;
 mod plan;
-mod plot;
 mod program;
 mod report;
 mod screen;

@@ -15,15 +15,13 @@ mod report;
 mod scale;
 mod svg;
 mod targets;
-mod texts;
 mod volume;
 
 pub use curves::{Curves, separated, terms};
-pub use locale::{Locale, Shown};
+pub use locale::{Locale, Shown, Texts};
 pub use path::{HoleErrors, Trace, path};
 pub use picture::{Ink, Picture};
 pub use report::{Report, Visit, linear_document};
 pub use scale::bin_um;
 pub use targets::targets;
-pub use texts::Texts;
 pub use volume::{Side, volume};

@@ -1,12 +1,9 @@
 //! `nonius assess JOB|ERRORS`
 
-mod found;
 mod page;
-mod parts;
 mod text;
 
-use crate::cli::outcome::{Outcome, Print, positive};
-use crate::cli::plot::PlotOnly;
+use crate::cli::outcome::{Outcome, PlotOnly, Print, positive};
 use crate::cli::tables::AskedTables;
 use crate::inputs::job::Job;
 use crate::inputs::kind::FileKind;
@@ -22,9 +19,8 @@ use crate::visit::tables::{Corrected, NamedControl};
 use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
-use found::Found;
 pub(super) use page::Page;
-use page::{After, Basis, Table};
+use page::{After, Basis, Found, Table};
 use std::path::{Path, PathBuf};
 
 /// Most nodes of one axis.
@@ -248,7 +244,7 @@ fn check(volume: &VolumeModel, options: &Options) -> Result<(), Problem> {
             return Err(Problem::new(format!(
                 "the sub-volume is {} mm long in {axis}, but the volume only {} mm",
                 size[axis],
-                parts::short(high - low)
+                text::short(high - low)
             ))
             .help("give the size of a part that fits, in mm, as X,Y,Z"));
         }
@@ -265,7 +261,7 @@ fn check_grid(volume: &VolumeModel, grid: GridChoice) -> Result<(), Problem> {
         if counts[axis] == 1 && high > low {
             return Err(Problem::new(format!(
                 "`--grid` has one node in {axis}, but {axis} is judged over {} mm, of which one place says nothing",
-                parts::short(high - low)
+                text::short(high - low)
             ))
             .help("give at least 2 nodes, or leave `--grid` out: the nodes are then those of the measurement"));
         }

@@ -1,16 +1,16 @@
 //! `nonius import FILE -o errors.csv`, and lists of captures into a form
 
-mod lists;
-
 use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::stated::{Stated, word};
 use crate::inputs::import::{
-    self, Component, Imported, Measurement, encoding_word, squareness_lines, terms_of,
+    self, Component, Imported, List, Measurement, encoding_word, fill, squareness_lines, terms_of,
 };
 use crate::kit::sha256;
 use crate::quantity::axis::Direction;
+use crate::quantity::diagonal::Diagonal;
+use crate::text::document::Source;
 use crate::text::finding::{Severity, of_severity};
 use crate::text::problem::Problems;
 use crate::visit::files::{Files, file_name};
@@ -26,7 +26,7 @@ pub(super) struct Options {
     #[arg(required_unless_present = "form")]
     file: Option<PathBuf>,
     #[command(flatten)]
-    lists: lists::Lists,
+    lists: Lists,
     /// Format of the file [default: by what stands in it]
     #[arg(long, value_name = "FORMAT")]
     from: Option<import::Format>,
@@ -43,7 +43,7 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     if let Some(form) = &options.lists.form {
         let said = (options.encoding, &options.stated);
-        return lists::run(files, (form, &options.lists), &options.file, said, &options.output);
+        return fill_in(files, (form, &options.lists), &options.file, said, &options.output);
     }
     options.output.ensure_new(files, "the error table")?;
     let file = options.file.as_deref().unwrap_or(Path::new("-"));
@@ -130,4 +130,76 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
         "series": series.collect::<Vec<Value>>(),
         "squareness_um_per_m": squareness.collect::<Map<_, _>>(),
     })
+}
+
+// Lists of captures, and the form that says where they were taken.
+#[derive(Args, Debug)]
+struct Lists {
+    /// Fill in these readings, as `new` and `program` write them, from lists of captures
+    #[arg(long)]
+    form: Option<PathBuf>,
+    /// With a form: the list of the diagonal PPP
+    #[arg(long, value_name = "FILE", requires = "form")]
+    ppp: Option<PathBuf>,
+    /// With a form: that of NPP
+    #[arg(long, value_name = "FILE", requires = "form")]
+    npp: Option<PathBuf>,
+    /// With a form: that of PNP
+    #[arg(long, value_name = "FILE", requires = "form")]
+    pnp: Option<PathBuf>,
+    /// With a form: that of PPN
+    #[arg(long, value_name = "FILE", requires = "form")]
+    ppn: Option<PathBuf>,
+}
+
+/// A list as it was read: of which diagonal, path, name, hash and bytes.
+type Read = (Option<Diagonal>, String, String, String, Vec<u8>);
+
+fn read(
+    files: &dyn Files,
+    (of, file): (Option<Diagonal>, &Option<PathBuf>),
+) -> Option<Result<Read, Problems>> {
+    let file = file.as_deref()?;
+    let read = files.argument(file);
+    Some(read.map(|(path, bytes)| (of, path, file_name(file), sha256(&bytes), bytes)))
+}
+
+fn as_list((of, path, name, sha256, bytes): &Read) -> List<'_> {
+    let file = Measurement { path, name, sha256, bytes };
+    (*of, file)
+}
+
+/// Fills the form in; `file` is the list of an axis.
+fn fill_in(
+    files: &dyn Files,
+    (form, lists): (&Path, &Lists),
+    file: &Option<PathBuf>,
+    (encoding, stated): (Option<&'static encoding_rs::Encoding>, &Stated),
+    output: &Output,
+) -> Result<Outcome, Problems> {
+    output.ensure_new(files, "the readings")?;
+    let (name, bytes) = files.form(form, output.place())?;
+    let form = Source::from_bytes(&name, &bytes)?;
+    let Lists { ppp, npp, pnp, ppn, .. } = lists;
+    let of_diagonals = Diagonal::ALL.map(Some).into_iter().zip([ppp, npp, pnp, ppn]);
+    let lists = of_diagonals.chain([(None, file)]).filter_map(|own| read(files, own));
+    let lists: Vec<Read> = lists.collect::<Result<_, _>>()?;
+    let named: Vec<List<'_>> = lists.iter().map(as_list).collect();
+    let text = fill(&form, &named, encoding, stated)?;
+    let screen = Screen {
+        verdict: "every capture of the form has its value".to_string(),
+        ..Screen::default()
+    };
+    let given = stated.given().into_iter();
+    let given = given.map(|(option, value)| (option.to_string(), json!(value)));
+    let sources = named.iter();
+    let sources = sources.map(|(_, list)| json!({ "path": list.name, "sha256": list.sha256 }));
+    let document = json!({
+        "schema": 1,
+        "format": "list",
+        "lists": sources.collect::<Vec<Value>>(),
+        "stated": given.collect::<Map<_, _>>(),
+    });
+    let bytes = Some(Content::Bytes(text.into_bytes()));
+    output.deliver(bytes, || screen, || document, "")
 }

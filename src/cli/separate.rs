@@ -1,13 +1,11 @@
 //! `nonius separate JOB [-o errors.csv]`
 
-mod closure;
 mod document;
 mod straight;
 mod text;
 mod words;
 
-use crate::cli::outcome::{Content, Outcome, Output};
-use crate::cli::plot::Plot;
+use crate::cli::outcome::{Content, Outcome, Output, Plot};
 use crate::inputs::error_table;
 use crate::machine::separation::Separation;
 use crate::machine::separation::monte_carlo::{Simulated, Trials, simulate};

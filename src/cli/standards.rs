@@ -3,8 +3,7 @@
 mod axis;
 mod diagonals;
 
-use crate::cli::outcome::{Outcome, Print};
-use crate::cli::plot::PlotOnly;
+use crate::cli::outcome::{Outcome, PlotOnly, Print};
 use crate::control::controller::TableSign;
 use crate::inputs::import::stated::{
     self, MaterialCorrected, Runs as Ways, axis_word, direction_word, millimetres,

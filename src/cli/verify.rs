@@ -3,8 +3,8 @@
 mod page;
 mod second;
 
-use crate::cli::outcome::{Outcome, Print};
-use crate::cli::plot::PlotOnly;
+use crate::cli::outcome::{Outcome, PlotOnly, Print};
+
 use crate::judge::conformity::Verdict;
 use crate::kit::second_look::second_look;
 use crate::kit::{Inputs, Verification};

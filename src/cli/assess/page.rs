@@ -1,19 +1,24 @@
 //! What `assess` prints, and what its figures rest on: frame, levers, tables that were active, how much
-//! of the machine was measured (what is missing must not look like an error of 0).
+//! of the machine was measured (what is missing must not look like an error of 0); each error as it was measured.
 
-use super::found::Found;
+use crate::cli::squareness::{PlaneFigures, squareness};
 use crate::inputs::error_table::{ErrorTable, Remarks};
 use crate::inputs::job::{ActiveTables, Frame, Job, UseOf};
+use crate::judge::after::alone;
+use crate::judge::forecast::Change;
 use crate::kit::Inputs;
 use crate::machine::findings::ModelFinding;
 use crate::machine::model::ErrorModel;
+use crate::machine::separation::metric::Plane;
+use crate::machine::separation::table::ErrorSource;
 use crate::page::{Ink, Locale, Picture, Side, volume};
-use crate::quantity::axis::{Axis, Listed, PerAxis, Rotation};
+use crate::quantity::axis::{Axis, ErrorTerm, Listed, PerAxis, Rotation};
 use crate::quantity::chain::Chain;
 use crate::quantity::units::Millimetres;
 use crate::text::document::Source;
 use crate::text::finding::{Finding, Severity};
 use crate::text::problem::{Problem, Problems};
+use crate::text::words::Named;
 use crate::volume::assessment::{Assessment, GridChoice};
 use crate::volume::findings::VolumeFinding;
 use crate::volume::volume_model::{Component, Missing, VolumeModel};
@@ -323,4 +328,44 @@ fn least_job(table: &ErrorTable, chain: Option<Chain>) -> String {
     }
     line("[measurement]\nerrors = \"-\"".to_string());
     page
+}
+
+/// What the measurement says by itself.
+#[derive(Serialize)]
+pub(super) struct Found {
+    terms: Named<ErrorTerm, Largest>,
+    squareness: Named<&'static str, PlaneFigures>,
+}
+
+/// Of a term.
+#[derive(Serialize)]
+struct Largest {
+    before_um: f64,
+    u_um: Option<f64>,
+    expanded_um: Option<f64>,
+    at_most_um: Option<f64>,
+}
+
+impl Found {
+    /// `errors`: where the model comes from; absent = from an error table alone.
+    pub(super) fn of(
+        job: &Job,
+        model: &ErrorModel,
+        errors: Option<&ErrorSource>,
+    ) -> Result<Found, Problems> {
+        let planes = Plane::ALL.into_iter().filter_map(|plane| {
+            let found = squareness(model, errors, plane)?;
+            let figures = PlaneFigures {
+                before_um_per_m: found.um_per_m,
+                after_um_per_m: None,
+                expanded_um_per_m: found.expanded_um_per_m,
+            };
+            Some((plane.key(), figures))
+        });
+        let terms = alone(model, job)?.terms.into_iter().map(|found| {
+            let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
+            (found.term, Largest { before_um, u_um, expanded_um, at_most_um })
+        });
+        Ok(Found { terms: terms.collect(), squareness: planes.collect() })
+    }
 }

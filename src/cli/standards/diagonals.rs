@@ -2,8 +2,7 @@
 
 use super::axis::{conditions, conditions_json, likely_words, missed};
 use crate::cli::diagonals::{StandardFigures, diagonal_json, named_um};
-use crate::cli::outcome::{Outcome, Print, joined};
-use crate::cli::plot::PlotOnly;
+use crate::cli::outcome::{Outcome, PlotOnly, Print, joined};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;

@@ -1,15 +1,23 @@
-//! Errors that are left → readings along the laser, node by node.
+//! Errors that are left → readings along the laser, node by node, as the CSV of contract §2.2 with where they come from;
+//! or an error table at the positions where each error was measured.
 
-use super::{Rehearsal, SimulatedMachine, written};
+use super::{Noise, Rehearsal, SIMULATED, SimulatedMachine, written};
+use crate::inputs::error_table::{Draft, DraftSeries};
 use crate::inputs::job::{Job, MeasuredData};
 use crate::judge::after::{not_known, outside};
+use crate::kit::Inputs;
+use crate::kit::manifest::HashedFile;
+use crate::machine::model::Measured;
 use crate::machine::separation::corrections::{REFERENCE_C, expansion_um};
 use crate::machine::separation::readings::{CorrectedRun, DiagonalFigures, figures};
-use crate::quantity::axis::{ErrorTerm, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run};
-use crate::quantity::units::Deviation;
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
+use crate::quantity::units::{Deviation, Figure, Millimetres, SAME_PLACE_MM, Squared};
 use crate::text::document::MOST_LINES;
+use crate::text::finding::Finding;
+use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
+use crate::write::emit::TOOL;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
@@ -203,4 +211,205 @@ fn check_measured(
         problems
             .push(problem.help("keep the box inside the measured range: nothing is extrapolated"));
     }
+}
+
+/// The errors that single-axis measurements would show, mean of `runs`; relative to the
+/// reference. With noise the table states it as uncertainty (k = 1), less what its job states for every value
+/// (`noise_um`), in squares.
+pub fn single_axes(
+    machine: &SimulatedMachine<'_>,
+    runs: u32,
+    (noise, stated_um): (Noise, Option<f64>),
+    comments: Vec<String>,
+) -> Draft {
+    let mut series = Vec::new();
+    for axis in Axis::ALL {
+        for direction in directions(machine, axis) {
+            let stream = series.len() as u64;
+            let noise = OneSeries::new(runs, noise, stream, stated_um.unwrap_or(0.0));
+            series.push(one_series(machine, axis, direction, noise));
+        }
+    }
+    Draft { comments, series }
+}
+
+/// The directions that an axis has rows for; `None` = both alike.
+fn directions(machine: &SimulatedMachine<'_>, axis: Axis) -> Vec<Option<Direction>> {
+    let terms = machine.model.measured();
+    let mut measured = terms.filter(|(term, _)| term.along == axis).peekable();
+    if measured.peek().is_none() || machine.model.ranges[axis].is_none() {
+        return Vec::new();
+    }
+    let one_way = measured.find_map(|(_, term)| match term.measured {
+        Measured::OneWay(direction, _) => Some(direction),
+        _ => None,
+    });
+    match one_way {
+        Some(direction) => vec![Some(direction)],
+        None if machine.is_directed(axis) => Direction::BOTH.map(Some).into(),
+        None => vec![None],
+    }
+}
+
+/// The noise of one series.
+struct OneSeries {
+    random: ChaCha8Rng,
+    /// Standard deviation of a mean over the runs, µm.
+    u_um: f64,
+    /// What the columns state of it, beside `noise_um` of the job, µm.
+    column_um: f64,
+}
+
+impl OneSeries {
+    fn new(runs: u32, noise: Noise, stream: u64, stated_um: f64) -> OneSeries {
+        let mut random = ChaCha8Rng::seed_from_u64(noise.seed);
+        random.set_stream(stream);
+        let u_um = noise.um / f64::from(runs).sqrt();
+        let more = u_um.squared() - stated_um.squared();
+        OneSeries { random, u_um, column_um: more.max(0.0).sqrt() }
+    }
+
+    fn draw(&mut self) -> f64 {
+        let draw: f64 = StandardNormal.sample(&mut self.random);
+        self.u_um * draw
+    }
+}
+
+fn one_series(
+    machine: &SimulatedMachine<'_>,
+    axis: Axis,
+    direction: Option<Direction>,
+    mut noise: OneSeries,
+) -> DraftSeries {
+    let positions = positions_mm(machine, axis);
+    let moving = direction.unwrap_or(Direction::Plus);
+    let mut series = DraftSeries::new(axis, direction, positions.clone());
+    series.deviations_um = PerAxis::from_fn(|of| {
+        let term = ErrorTerm { of, along: axis };
+        let at = |mm: &f64| machine.left_um(term, moving, Millimetres::new(*mm));
+        let left: Option<Vec<f64>> = positions.iter().map(at).collect();
+        let noisy = |um: f64| written(um + noise.draw());
+        Some(left?.into_iter().map(noisy).collect())
+    });
+    if noise.column_um > 0.0 {
+        let stated =
+            |known: &Option<Vec<f64>>| known.as_ref().map(|k| vec![noise.column_um; k.len()]);
+        series.uncertainties_um = PerAxis::from_fn(|of| stated(&series.deviations_um[of]));
+    }
+    series
+}
+
+/// Positions at which any error of an axis was measured, inside the range of all of them.
+fn positions_mm(machine: &SimulatedMachine<'_>, axis: Axis) -> Vec<f64> {
+    let Some((low, high)) = machine.model.ranges[axis] else {
+        return Vec::new();
+    };
+    let terms = machine.model.measured();
+    let mut positions: Vec<f64> = terms
+        .filter(|(term, _)| term.along == axis)
+        .flat_map(|(_, measured)| measured.curves().flat_map(|curve| curve.knots().to_vec()))
+        .map(|knot| knot.mm())
+        .filter(|mm| (low.mm()..=high.mm()).contains(mm))
+        .collect();
+    positions.sort_by(f64::total_cmp);
+    positions.dedup_by(|a, b| (*a - *b).abs() < SAME_PLACE_MM);
+    positions
+}
+
+/// Where a simulation comes from, for the comments of its file.
+#[derive(Clone, Debug)]
+pub struct SimulationSource {
+    /// The tables that were active, in words.
+    pub tables: String,
+    /// The files that hold them.
+    pub table_files: Vec<HashedFile>,
+    /// By how much every scale has grown, µm/m.
+    pub scale_um_per_m: f64,
+    /// What was taken for granted.
+    pub notes: Vec<Finding>,
+}
+
+impl SimulationSource {
+    /// The comment lines of a file, without their `#`. Notes are read again
+    /// ([`crate::inputs::error_table::Remarks`]) and reach whatever is made from the file.
+    pub fn comments(&self, inputs: &Inputs, noise: super::Noise) -> Vec<String> {
+        let job = inputs.hashes.first();
+        let (name, sha256) = job.map_or(("-", "-"), |job| (&job.path, &job.sha256));
+        let mut lines = vec![format!(
+            "note: {SIMULATED}: predicted by {TOOL} from {name} sha256 {sha256}, {}",
+            self.tables
+        )];
+        let sources = inputs.hashes.iter().skip(1);
+        lines.extend(
+            sources.map(|file| format!("predicted from: {} sha256 {}", file.path, file.sha256)),
+        );
+        let tables = self.table_files.iter();
+        lines.extend(tables.map(|file| format!("table: {} sha256 {}", file.path, file.sha256)));
+        lines.push(format!(
+            "noise {} um (seed {}), change of scale {} um/m",
+            noise.um, noise.seed, self.scale_um_per_m
+        ));
+        lines.extend(self.notes.iter().map(|words| format!("note: {words}")));
+        lines
+    }
+}
+
+/// The file of the readings.
+pub fn write(simulation: &Simulation, rehearsal: &Rehearsal, comments: &[String]) -> String {
+    let mut text = String::new();
+    for comment in comments {
+        text.push_str(&plain::comment(comment));
+        text.push('\n');
+    }
+    let recorded = rehearsal.recorded();
+    let recorded = || Axis::ALL.into_iter().filter(|axis| recorded[*axis]);
+    let mut header = vec!["diagonal", "run", "direction", "node"];
+    if rehearsal.kind == PathKind::Step {
+        header.push("moved");
+    }
+    header.push("deviation_um");
+    let mut header: Vec<String> = header.into_iter().map(str::to_string).collect();
+    header.extend(recorded().map(|axis| format!("t_{}_c", axis.key())));
+    text.push_str(&header.join(","));
+    text.push('\n');
+    for run in &simulation.runs {
+        push_run(&mut text, run, rehearsal);
+    }
+    text
+}
+
+/// The rows of a run in the order in which they are measured.
+fn push_run(text: &mut String, run: &Run, rehearsal: &Rehearsal) {
+    let mut rows: Vec<String> =
+        (0..run.deviations.len()).map(|node| row(run, node, rehearsal)).collect();
+    if run.pass == Pass::Reverse {
+        rows.reverse();
+    }
+    for row in rows {
+        text.push_str(&row);
+        text.push('\n');
+    }
+}
+
+fn row(run: &Run, node: usize, rehearsal: &Rehearsal) -> String {
+    let um = run.deviations[node].um();
+    let um = match rehearsal.laser_sign {
+        Direction::Plus => um,
+        Direction::Minus => 0.0 - um,
+    };
+    let mut cells = vec![
+        run.diagonal.to_string(),
+        run.number.to_string(),
+        run.pass.word().to_string(),
+        node.to_string(),
+    ];
+    if rehearsal.kind == PathKind::Step {
+        let moved = (node > 0).then(|| rehearsal.volume.moved(node));
+        cells.push(moved.map_or_else(String::new, |axis| axis.key().to_string()));
+    }
+    cells.push(Figure(um).to_string());
+    let temperatures = run.temperatures_c.iter();
+    let temperatures = temperatures.filter_map(|(_, t)| t.as_ref()?.get(node).copied());
+    cells.extend(temperatures.map(|celsius| celsius.to_string()));
+    cells.join(",")
 }

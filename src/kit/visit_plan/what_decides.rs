@@ -1,9 +1,9 @@
 //! What keeps a limit from being decided, and the cheapest measurements that decide it, with what each would
 //! come to: computed as `plan` computes it, for the noise that was found.
 
-use super::compared::{MOST_RUNS, cheapest, fewest_runs, together};
 use super::design::Design;
 use super::variant::{DIGITS, Share, Visit, listed, value_um};
+use super::{MOST_RUNS, cheapest, fewest_runs, together};
 use crate::inputs::job::{Job, MeasuredData};
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Forecast, Missed};
