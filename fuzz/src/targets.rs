@@ -6,6 +6,7 @@ use crate::mutate::Dictionary;
 use crate::readers::{self, Answer};
 use crate::refusals::{self, Case};
 use crate::{commands, kits};
+use nonius::inputs::job::keys;
 use std::path::Path;
 
 /// How a case runs.
@@ -26,7 +27,7 @@ pub struct Target {
     pub share: u32,
     /// Inputs to start from.
     pub seeds: Vec<Vec<u8>>,
-    /// The words of these inputs.
+    /// The words of these inputs, and the keys of a job.
     pub words: Dictionary,
 }
 
@@ -57,7 +58,8 @@ pub fn all() -> Vec<Target> {
         corpus.add_directory(&root.join("corpus").join(name));
         let seeds: Vec<Vec<u8>> =
             corpus.0.into_iter().map(|(_, bytes)| bytes).chain(seeds).collect();
-        let words = Dictionary::of(seeds.iter().map(Vec::as_slice));
+        let keys = keys().map(|(_, key)| key.name.as_bytes());
+        let words = Dictionary::of(seeds.iter().map(Vec::as_slice).chain(keys));
         Target { name, kind, share, seeds, words }
     };
     let read =

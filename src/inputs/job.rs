@@ -27,7 +27,7 @@ pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
 
 use crate::control::controller::Profile;
 use crate::quantity::axis::Axis;
-use crate::text::document::{Section, Source, read_page_for, read_page_over, states};
+use crate::text::document::{Key, Section, Source, read_page_for, read_page_over, states};
 use crate::text::problem::{Problem, Problems};
 
 /// A checked job.
@@ -59,10 +59,42 @@ impl Job {
 
     /// Reads and checks a job for what is asked of it: keys that it does not need may be empty.
     pub fn read_for(source: Source, use_of: UseOf) -> Result<Job, Problems> {
+        Job::read_with(source, use_of, |_| ())
+    }
+
+    /// The same. One that is refused is refused for everything at once: also for a control that `find` does not
+    /// know, for axes without a grid or a detection unit, as far as the page alone shows them, and for the tables that it
+    /// names, at which `look_at` looks (`true` = readings).
+    ///
+    /// **limits** an axis with a section counts as one that is compensated: its measured errors are not read.
+    pub fn read_with_its_tables(
+        source: Source,
+        use_of: UseOf,
+        find: impl Fn(&str) -> Result<Profile, Problems>,
+        look_at: impl Fn(&str, bool) -> Result<(), Problems>,
+    ) -> Result<Job, Problems> {
+        Job::read_with(source, use_of, |root| {
+            if let Some(compensation) = root.section("compensation") {
+                ask_for_all(&compensation, find);
+            }
+            if let Some(measurement) = root.section("measurement") {
+                let (errors, readings) = measurement::tables(&measurement);
+                let errors = errors.iter().map(|path| look_at(path, false));
+                let looked = errors.chain(readings.iter().map(|path| look_at(path, true)));
+                looked.for_each(|looked| root.note_all(looked.err().unwrap_or_default()));
+            }
+        })
+    }
+
+    fn read_with(
+        source: Source,
+        use_of: UseOf,
+        besides: impl FnOnce(&Section<'_>),
+    ) -> Result<Job, Problems> {
         refuse_table(&source)?;
         let empty = source.clone();
         let needs = |key: &str| use_of.needs(key);
-        let (job, source) = read_page_for(source, needs, |root| job(root, use_of, empty))?;
+        let (job, source) = read_page_for(source, needs, |root| job(root, use_of, empty), besides)?;
         Ok(Job { source, ..job })
     }
 
@@ -104,26 +136,24 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
     for key in ["machine", "measurement"] {
         root.required_section(key);
     }
-    let machine = root.sub("machine", machine::machine);
-    let axes = machine.as_ref().map(|machine| machine.axes);
-    let axes = axes.unwrap_or_default();
-    let measurement = root.sub("measurement", |s| measurement::measurement(s, &axes));
-    let measurement = measurement.flatten();
+    let machine = root.sub("machine", Machine::read);
+    let axes = machine.as_ref().map(|machine| machine.axes).unwrap_or_default();
+    let measurement = root.sub("measurement", |s| Measurement::read(s, &axes));
     if use_of.needs_control() {
         root.required_section("compensation");
     }
-    let program = root.sub("program", |s| program::program(s, measurement.as_ref()));
-    let path = root.sub("path", |s| path::path(s, &axes));
-    let compensation = root.sub("compensation", compensation::compensation);
-    let limits = root.sub("limits", machine::limits);
-    let acceptance = root.sub("acceptance", |s| machine::acceptance(s, &axes));
+    let program = root.sub("program", |s| ProgramRequest::read(s, measurement.as_ref()));
+    let path = root.sub_or_usual("path", |s| path::path(s, &axes));
+    let compensation = root.sub_or_usual("compensation", Compensation::read);
+    let limits = root.sub_or_usual("limits", Limits::read);
+    let acceptance = root.sub_or_usual("acceptance", |s| Acceptance::read(s, &axes));
     Some(Job {
         source,
-        compensation: compensation.unwrap_or_default(),
-        limits: limits.unwrap_or_default(),
-        acceptance: acceptance.unwrap_or_default(),
-        program: program.flatten(),
-        path: path.unwrap_or_else(|| PathRequest::usual(&axes)),
+        compensation: compensation?,
+        limits: limits?,
+        acceptance: acceptance?,
+        program,
+        path: path?,
         machine: machine?,
         measurement: measurement?,
     })
@@ -154,40 +184,34 @@ fn refuse_table(source: &Source) -> Result<(), Problem> {
     Err(Problem::new(message).help(help))
 }
 
-/// The problems that a job would have with its control, as far as the page alone shows them: a
-/// control that cannot be found, axes without a grid or without a detection unit; and those of the tables
-/// that it names, at which `look_at` looks (`true` = readings). So a person whose job is refused already is
-/// asked for everything at once.
-///
-/// **limits** only for a job that is refused already. An axis with a section counts as one that
-/// is compensated, because its measured errors are not read.
-pub fn ahead(
-    source: Source,
-    use_of: UseOf,
-    find: impl Fn(&str) -> Result<Profile, Problems>,
-    look_at: impl Fn(&str, bool) -> Result<(), Problems>,
-) -> Problems {
-    let mut found = Problems::none();
-    if refuse_table(&source).is_ok() {
-        let mut tables = Problems::none();
-        let needs = |key: &str| use_of.needs(key);
-        let page = read_page_for(source, needs, |root| {
-            ROOT.into_iter().for_each(|key| _ = root.has(key));
-            if let Some(measurement) = root.section("measurement") {
-                let (errors, readings) = measurement::tables(&measurement);
-                let errors = errors.iter().map(|path| look_at(path, false));
-                let readings = readings.iter().map(|path| look_at(path, true));
-                errors.chain(readings).for_each(|looked| _ = tables.take(looked));
-            }
-            if let Some(compensation) = root.section("compensation") {
-                ask_for_all(&compensation, find);
-            }
-            Some(())
-        });
-        found.take(page);
-        found.extend(tables);
-    }
-    found
+/// The keys of a job, each with the section that it stands in; those of `[path]` are in docs/path.md.
+pub fn keys() -> impl Iterator<Item = (&'static str, Key)> {
+    let sections = [
+        ("machine", Machine::KEYS),
+        ("machine.axes.x", machine::AxisKeys::KEYS),
+        ("measurement", Measurement::KEYS),
+        ("measurement", ActiveSettings::KEYS),
+        ("measurement", Levers::KEYS),
+        ("measurement.step_diagonal", DiagonalMeasurement::KEYS),
+        ("measurement.step_diagonal", diagonals::BoxKeys::KEYS),
+        ("measurement.step_diagonal.linear", Linear::KEYS),
+        ("measurement.step_diagonal.beam", Beam::KEYS),
+        ("measurement.step_diagonal.material", Material::KEYS),
+        ("measurement.step_diagonal.material.x", AxisMaterial::KEYS),
+        ("measurement.uncertainty", StatedUncertainty::KEYS),
+        ("compensation", Compensation::KEYS),
+        ("compensation.axes.x", AxisSettings::KEYS),
+        ("compensation.axes.x", compensation::GridKeys::KEYS),
+        ("compensation.axes.x", compensation::IdKeys::KEYS),
+        ("limits", Limits::KEYS),
+        ("acceptance", Acceptance::KEYS),
+        ("program", ProgramRequest::KEYS),
+        ("program", program::TargetKeys::KEYS),
+    ];
+    let of = |(path, keys): (&'static str, &'static [Option<Key>])| {
+        keys.iter().flatten().map(move |key| (path, *key))
+    };
+    sections.into_iter().flat_map(of)
 }
 
 /// The keys of a job, in the order in which it is read: an unknown one is told once.

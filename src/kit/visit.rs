@@ -13,6 +13,7 @@ mod again;
 pub use self::again::{Earlier, Measured};
 
 use crate::control::controller::{JobKey, JobSection, Profile};
+use crate::inputs::job::keys;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::pitch;
@@ -165,6 +166,7 @@ impl Visit<'_> {
         });
         let mut context = json!({
             "tool": TOOL,
+            "words": words(),
             "controller": { "name": self.profile.name, "quoted": quoted(self.controller) },
             "data": self.table_name(),
             "readings": self.readings,
@@ -268,6 +270,16 @@ impl Visit<'_> {
         }
         text
     }
+}
+
+/// What the keys of a job say, by the last name of their section and by key.
+fn words() -> Value {
+    let mut all = json!({});
+    for (section, key) in keys() {
+        let section = section.rsplit('.').next().unwrap_or(section);
+        all[section][key.name] = json!(key.words.trim_start());
+    }
+    all
 }
 
 /// The job of the second measurement; `axes` = those with a linear measurement.

@@ -6,11 +6,14 @@
 
 pub(crate) mod keys;
 mod page;
+mod schema;
 mod section;
 
 pub(crate) use self::page::{read_page_for, read_page_over, states};
 
 use crate::text::problem::{LineIndex, Place, Problem, Problems, refuse_long_lines};
+pub use schema::Key;
+pub(crate) use schema::{part, section};
 pub use section::Section;
 use serde_json::Value;
 use sha2::{Digest, Sha256};

@@ -7,3 +7,5 @@ pub(crate) mod html;
 pub mod plain;
 pub mod problem;
 pub(crate) mod words;
+
+pub(crate) use self::document::part;

@@ -3,7 +3,7 @@
 use crate::control::controller::{Profile, ProfileSource, builtin, load};
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::import::source_of;
-use crate::inputs::job::{Job, UseOf, ahead};
+use crate::inputs::job::{Job, UseOf};
 use crate::inputs::readings::Readings;
 use crate::kit::hashed;
 use crate::kit::manifest::HashedFile;
@@ -97,22 +97,19 @@ pub(crate) fn read_page(
     folder: &Path,
     use_of: UseOf,
 ) -> Result<Job, Problems> {
-    Job::read_for(source.clone(), use_of).map_err(|mut problems| {
-        let find = |word: &str| Ok(profile(files, word, folder)?.0);
-        let look_at = |path: &str, are_readings: bool| {
-            let path = folder.join(path);
-            let Ok(bytes) = files.bytes(&path) else {
-                return Ok(()); // told when the job can be read
-            };
-            let source = Source::from_bytes(&path.display().to_string(), &bytes)?;
-            match are_readings {
-                true => Readings::look_at_cells(&source),
-                false => ErrorTable::look_at_cells(source),
-            }
+    let find = |word: &str| Ok(profile(files, word, folder)?.0);
+    let look_at = |path: &str, are_readings: bool| {
+        let path = folder.join(path);
+        let Ok(bytes) = files.bytes(&path) else {
+            return Ok(()); // told when the job can be read
         };
-        problems.extend(ahead(source, use_of, find, look_at));
-        problems
-    })
+        let source = Source::from_bytes(&path.display().to_string(), &bytes)?;
+        match are_readings {
+            true => Readings::look_at_cells(&source),
+            false => ErrorTable::look_at_cells(source),
+        }
+    };
+    Job::read_with_its_tables(source, use_of, find, look_at)
 }
 
 /// Reads a job and the profile of its control for a run, and nothing that was measured.

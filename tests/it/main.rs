@@ -37,6 +37,7 @@ mod grids;
 mod import;
 mod isg;
 mod joints;
+mod keys;
 mod large;
 mod left_by_tables;
 mod lists;

@@ -5,7 +5,7 @@ use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::curve::Interpolation;
 use crate::quantity::fit::Fit;
 use crate::text::document::keys::LIMITS;
-use crate::text::document::{LONGEST_MM, Section};
+use crate::text::document::{LONGEST_MM, Section, section};
 use crate::text::problem::{did_you_mean, shown};
 use crate::text::words::{Word, words};
 
@@ -139,29 +139,58 @@ words! {
     }
 }
 
-/// `[compensation.axes.*]`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct AxisSettings {
-    /// How its points are chosen.
-    pub grid: Option<GridRequest>,
-    /// How the control names its physical axes (several for a gantry); empty = the profile's default.
-    pub ids: Vec<String>,
-    /// Siemens: measuring system, 1 or 2.
-    pub measuring_system: Option<u32>,
-    /// Detection unit, µm.
-    pub detection_unit_um: Option<f64>,
-    /// Fanuc: first pitch point number of the axis.
-    pub first_point: Option<u32>,
-    /// Fanuc: bit parameter 3605 as found.
-    pub parameter_3605: Option<u8>,
-    /// Fanuc: interpolated pitch compensation (3605#1) is on; `None` = not stated.
-    pub interpolated: Option<bool>,
-    /// First point of the table, mm.
-    pub start_mm: Option<f64>,
-    /// Last point of the table, mm.
-    pub end_mm: Option<f64>,
-    /// Where the grid passes the measured range.
-    pub outside: OutsideMeasured,
+section! {
+    /// `[compensation.axes.*]`.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct AxisSettings(section: &Section<'_>) {
+        /// How its points are chosen.
+        pub grid: Option<GridRequest> => grid(section);
+        /// How the control names its physical axes (several for a gantry); empty = the profile's default.
+        pub ids: Vec<String> => ids(section);
+        /// Siemens: 1 or 2
+        pub measuring_system: Option<u32> = count(1..=2, SYSTEMS);
+        /// required on Fanuc; on generic tables it switches rounding on
+        pub detection_unit_um: Option<f64> = between(1e-6..=1000.0, "µm");
+        /// Fanuc: where the pitch points of this axis begin
+        pub first_point: Option<u32> = whole();
+        /// Fanuc: as found, bit 7 first
+        pub parameter_3605: Option<u8> = parsed(bits, BITS);
+        /// Fanuc: interpolated pitch compensation (3605#1) is on; absent: as the active tables hold it, else to be
+        /// decided
+        pub interpolated: Option<bool> = flag();
+        /// with spacing_mm only: first point of the table
+        pub start_mm: Option<f64> = millimetres();
+        /// last point
+        pub end_mm: Option<f64> = millimetres();
+        /// where the grid passes the measured range; or "refuse"
+        pub outside: OutsideMeasured = choice(OutsideMeasured::WORDS), or OutsideMeasured::Hold;
+    }
+}
+
+const SYSTEMS: &str = "1 = motor encoder or first system, 2 = direct scale";
+const BITS: [&str; 2] = [
+    "eight digits 0 or 1, bit 7 first",
+    "read the parameter out of the control and copy it, e.g. \"00000000\"",
+];
+
+section! {
+    pub(super) struct GridKeys(section: &Section<'_>) {
+        /// distance of the points; or points, or max_residual_um: exactly one
+        spacing_mm: Option<f64> = between(1e-6..=LONGEST_MM, "mm");
+        /// their number
+        points: Option<u32> = count(2..=u32::MAX, "write a larger number");
+        /// as few as keep this residual
+        max_residual_um: Option<f64> = between(LIMITS, "µm");
+    }
+}
+
+section! {
+    pub(super) struct IdKeys(section: &Section<'_>) {
+        /// the physical axis on the control
+        id: Option<String> = text();
+        /// several of a gantry
+        ids: Option<Vec<String>> = texts();
+    }
 }
 
 impl AxisSettings {
@@ -172,50 +201,34 @@ impl AxisSettings {
     }
 }
 
-/// `[compensation]`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Compensation {
-    /// Id of a built-in profile, or the path of a user's own.
-    pub controller: String,
-    /// Basic system of the control.
-    pub control_unit: ControlUnit,
-    /// Which terms.
-    pub terms: WantedTerms,
-    /// What to do with two directions of each moving axis; no default where the data have two.
-    pub backlash: PerAxis<Option<BacklashPolicy>>,
-    /// Between measured points.
-    pub curve: Interpolation,
-    /// Table values.
-    pub fit: Fit,
-    /// Siemens: first CEC table that is free.
-    pub first_table: Option<u32>,
-    /// Fanuc: first straightness set that is free (from 1).
-    pub first_set: Option<u32>,
-    /// Fanuc: point numbers in use elsewhere, if the job states them.
-    pub reserved_points: Option<Vec<[u32; 2]>>,
-    /// Settings of each axis.
-    pub axes: PerAxis<Option<AxisSettings>>,
-}
-
-impl Default for Compensation {
-    /// What a job without `[compensation]` stands for: no control, straight lines between the
-    /// measured points.
-    fn default() -> Compensation {
-        Compensation {
-            controller: "generic".to_string(),
-            control_unit: ControlUnit::Millimetre,
-            terms: WantedTerms::All,
-            backlash: PerAxis::default(),
-            curve: Interpolation::Linear,
-            fit: Fit::Sample,
-            first_table: None,
-            first_set: None,
-            reserved_points: None,
-            axes: PerAxis::default(),
-        }
+section! {
+    /// `[compensation]`.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Compensation(section: &Section<'_>) {
+        /// Fanuc: point numbers that are in use elsewhere
+        pub reserved_points: Option<Vec<[u32; 2]>> = with(blocks);
+        /// an id of `nonius controllers list`, or the path of a profile of one's own
+        pub controller: String = text(), or "generic".to_string(), must CONTROLLER;
+        /// "inch" where the basic system of the control is inch
+        pub control_unit: ControlUnit = choice(ControlUnit::WORDS), or ControlUnit::Millimetre;
+        /// all that are measured and that the control can take; or ["EXX", "EYY", …]
+        pub terms: WantedTerms = with(terms);
+        /// "mean", "two-tables", "forward-only" or "curve-and-parameter" (docs/method.md section 14)
+        pub backlash: PerAxis<Option<BacklashPolicy>> = with(policies);
+        /// "linear", "pchip", "natural-spline": between measured points
+        pub curve: Interpolation = choice(&CURVES), or Interpolation::Linear;
+        /// "sample", "least-squares", "minimax": table values
+        pub fit: Fit = choice(&FITS), or Fit::Sample;
+        /// Siemens: first CEC table that is free
+        pub first_table: Option<u32> = whole();
+        /// Fanuc: first straightness set that is free, from 1
+        pub first_set: Option<u32> = count(1..=u32::MAX, "sets count from 1");
+        /// every axis that moves in a compensated term
+        pub axes: PerAxis<Option<AxisSettings>> = axis_sections(axis_settings);
     }
 }
 
+const CONTROLLER: &str = "an id of `nonius controllers list`, or the path of a profile";
 const CURVES: [(&str, Interpolation); 3] = [
     ("linear", Interpolation::Linear),
     ("pchip", Interpolation::Pchip),
@@ -224,65 +237,35 @@ const CURVES: [(&str, Interpolation); 3] = [
 const FITS: [(&str, Fit); 3] =
     [("sample", Fit::Sample), ("least-squares", Fit::LeastSquares), ("minimax", Fit::Minimax)];
 
-pub(super) fn compensation(section: &Section<'_>) -> Compensation {
-    let controller = "an id of `nonius controllers list`, or the path of a profile";
-    let reserved_points = section.whole_pairs("reserved_points");
-    let mut blocks = reserved_points.iter().flatten();
-    if let Some([first, last]) = blocks.find(|[first, last]| first > last) {
-        let message = format!("the block [{first}, {last}] ends before it begins");
-        section.problem("reserved_points", message, "write [first, last]");
-    }
-    let usual = Compensation::default();
-    let controller = section.required_text("controller", controller);
-    let control_unit = section.choice("control_unit", ControlUnit::WORDS);
-    Compensation {
-        controller: controller.unwrap_or_default(),
-        control_unit: control_unit.unwrap_or(usual.control_unit),
-        terms: terms(section),
-        backlash: policies(section),
-        curve: section.choice("curve", &CURVES).unwrap_or(usual.curve),
-        fit: section.choice("fit", &FITS).unwrap_or(usual.fit),
-        first_table: section.whole("first_table"),
-        first_set: section.count("first_set", 1..=u32::MAX, "sets count from 1"),
-        reserved_points,
-        axes: section.axes(|axis| Some(axis_settings(axis))),
-    }
-}
-
 /// One policy for all axes, or one for each.
-fn policies(section: &Section<'_>) -> PerAxis<Option<BacklashPolicy>> {
+fn policies(section: &Section<'_>, key: &'static str) -> PerAxis<Option<BacklashPolicy>> {
     let words = BacklashPolicy::WORDS;
-    if !section.is_section("backlash") {
-        let policy = section.choice("backlash", words);
-        return PerAxis::from_fn(|_| policy);
+    if section.is_section(key) {
+        return section.axes(key, |own, axis| own.choice(axis.key(), words));
     }
-    let policies = section.section("backlash").map(|own| {
-        let policies = PerAxis::from_fn(|axis| own.choice(axis.key(), words));
-        own.refuse_unknown_keys();
-        policies
-    });
-    policies.unwrap_or_default()
+    let policy = section.choice(key, words);
+    PerAxis::from_fn(|_| policy)
 }
 
 const TERMS: &str = "write \"all\", or for instance [\"EXX\", \"EYX\"]";
 
 /// `"all"`, or a list of terms, each once.
-fn terms(section: &Section<'_>) -> WantedTerms {
-    if !section.is_list("terms") {
-        if let Some(word) = section.text("terms").filter(|word| word != "all") {
+fn terms(section: &Section<'_>, key: &'static str) -> WantedTerms {
+    if !section.is_list(key) {
+        if let Some(word) = section.text(key).filter(|word| word != "all") {
             let word = shown(&word);
             let message = format!("`terms` is `{word}`, expected `all` or a list of terms");
-            section.problem("terms", message, TERMS);
+            section.problem(key, message, TERMS);
         }
         return WantedTerms::All;
     }
-    let names = section.texts("terms").unwrap_or_default();
+    let names = section.texts(key).unwrap_or_default();
     let mut listed = Vec::new();
     for name in &names {
         match ErrorTerm::from_name(name) {
             Some(term) if listed.contains(&term) => {
                 let message = format!("`{}` is given twice in `terms`", shown(name));
-                section.problem("terms", message, "remove one");
+                section.problem(key, message, "remove one");
             }
             Some(term) => listed.push(term),
             None => unknown_term(section, name),
@@ -290,7 +273,7 @@ fn terms(section: &Section<'_>) -> WantedTerms {
     }
     if names.is_empty() {
         let message = "`terms` names no term, expected at least one";
-        section.problem("terms", message, TERMS);
+        section.problem(key, message, TERMS);
     }
     WantedTerms::Listed(listed)
 }
@@ -302,45 +285,31 @@ fn unknown_term(section: &Section<'_>, name: &str) {
     section.problem("terms", format!("unknown term `{}`", shown(name)), help);
 }
 
-fn axis_settings(section: &Section<'_>) -> AxisSettings {
-    let system = "1 = motor encoder or first system, 2 = direct scale";
-    let settings = AxisSettings {
-        grid: grid_request(section),
-        ids: axis_ids(section),
-        measuring_system: section.count("measuring_system", 1..=2, system),
-        detection_unit_um: section.between("detection_unit_um", 1e-6..=1000.0, "µm"),
-        first_point: section.whole("first_point"),
-        parameter_3605: bits(section, "parameter_3605"),
-        interpolated: section.flag("interpolated"),
-        start_mm: section.millimetres("start_mm"),
-        end_mm: section.millimetres("end_mm"),
-        outside: section.choice("outside", OutsideMeasured::WORDS).unwrap_or(OutsideMeasured::Hold),
-    };
+fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
+    let settings = AxisSettings::read(section)?;
     if let (Some(start), Some(end)) = (settings.start_mm, settings.end_mm) {
-        section.ascending("end_mm", [start, end]);
+        section.in_order("end_mm", [start, end]);
     }
-    settings
+    Some(settings)
 }
 
-fn grid_request(section: &Section<'_>) -> Option<GridRequest> {
-    let spacing = section.between("spacing_mm", 1e-6..=LONGEST_MM, "mm");
-    let points = section.count("points", 2..=u32::MAX, "write a larger number");
-    let residual = section.between("max_residual_um", LIMITS, "µm");
+fn grid(section: &Section<'_>) -> Option<GridRequest> {
+    let keys = GridKeys::read(section)?;
     section.not_both("points", "spacing_mm", "keep one");
     section.not_both("max_residual_um", "spacing_mm", "keep one");
     section.not_both("max_residual_um", "points", "keep one");
-    let spacing = spacing.map(GridRequest::Spacing);
-    let points = points.map(GridRequest::Points);
-    let residual = residual.map(GridRequest::MaxResidual);
+    let spacing = keys.spacing_mm.map(GridRequest::Spacing);
+    let points = keys.points.map(GridRequest::Points);
+    let residual = keys.max_residual_um.map(GridRequest::MaxResidual);
     spacing.or(points).or(residual)
 }
 
 /// `id`, or the `ids` of a gantry.
-fn axis_ids(section: &Section<'_>) -> Vec<String> {
-    let id = section.text("id");
-    let ids = section.texts("ids");
+fn ids(section: &Section<'_>) -> Vec<String> {
+    let keys = IdKeys::read(section);
     let help = "`ids` is for a gantry of several physical axes";
     section.not_both("ids", "id", help);
+    let (id, ids) = keys.map_or((None, None), |keys| (keys.id, keys.ids));
     let key = if ids.is_some() { "ids" } else { "id" };
     let all: Vec<String> = ids.unwrap_or_else(|| id.into_iter().collect());
     for (index, id) in all.iter().enumerate() {
@@ -358,17 +327,18 @@ fn axis_ids(section: &Section<'_>) -> Vec<String> {
     all
 }
 
-fn bits(section: &Section<'_>, key: &'static str) -> Option<u8> {
-    let text = section.text(key)?;
+fn bits(text: &str) -> Option<u8> {
     let is_plain = text.len() == 8 && !text.contains('+');
-    let bits = u8::from_str_radix(&text, 2).ok().filter(|_| is_plain);
-    if bits.is_none() {
-        let text = shown(&text);
-        section.problem(
-            key,
-            format!("`{key}` is `{text}`, expected eight digits 0 or 1, bit 7 first"),
-            "read the parameter out of the control and copy it, e.g. \"00000000\"",
-        );
+    u8::from_str_radix(text, 2).ok().filter(|_| is_plain)
+}
+
+/// Blocks of numbers, each from its first to its last.
+fn blocks(section: &Section<'_>, key: &'static str) -> Option<Vec<[u32; 2]>> {
+    let blocks = section.whole_pairs(key);
+    let mut all = blocks.iter().flatten();
+    if let Some([first, last]) = all.find(|[first, last]| first > last) {
+        let message = format!("the block [{first}, {last}] ends before it begins");
+        section.problem(key, message, "write [first, last]");
     }
-    bits
+    blocks
 }

@@ -5,36 +5,40 @@ use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
 use crate::text::document::keys::Places;
-use crate::text::document::{LONGEST_MM, Section};
+use crate::text::document::{LONGEST_MM, Section, section};
 use crate::text::words::{Word, words};
+use std::ops::RangeInclusive;
 
-/// A measurement of the four body diagonals.
-#[derive(Clone, Debug, PartialEq)]
-pub struct DiagonalMeasurement {
-    /// Path of the readings, relative to the job.
-    pub readings: String,
-    /// Single-axis steps or straight.
-    pub kind: PathKind,
-    /// The measured box.
-    pub volume: Volume,
-    /// `Minus` where the instrument counts towards the laser head.
-    pub laser_sign: Direction,
-    /// Whether the tilt of the mirror is solved for.
-    pub setup: SetUp,
-    /// Frame of the cross terms.
-    pub frame: Frame,
-    /// What the beam is reflected by.
-    pub target: Reflector,
-    /// Whether the axes ran past the end point before the reverse pass; `None` = judged from the data.
-    pub overrun: Option<bool>,
-    /// Measurements of single axes along their length.
-    pub linear: Vec<Linear>,
-    /// Measurements along other straight lines.
-    pub beams: Vec<Beam>,
-    /// Temperature of the scales and what was corrected already.
-    pub material: Option<Material>,
-    /// Path of an error table that a straight run is compared with (closure test).
-    pub closure_errors: Option<String>,
+section! {
+    /// A measurement of the four body diagonals.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct DiagonalMeasurement(section: &Section<'_>, axes: &Axes, path: String) {
+        /// Path of the readings, relative to the job.
+        pub readings: String => path;
+        /// or "straight": all axes together
+        pub kind: PathKind = choice(&KINDS), or PathKind::Step;
+        /// what reflects the beam: or "retroreflector"
+        pub target: Reflector = with(|s, key| target(s, key, kind));
+        /// straight runs only: compare with what this error table predicts
+        pub closure_errors: Option<String> = with(|s, key| of_straight(s, key, kind));
+        /// The measured box.
+        pub volume: Volume => box_inside_travel(section, kind, axes), must;
+        // `Minus` where the instrument counts towards the laser head.
+        /// where the laser counts the other way
+        pub laser_sign: Direction = direction(), or Direction::Plus;
+        /// mirror and beam: solved for, or "assume-perfect", labelled in every output
+        pub setup: SetUp = choice(SetUp::WORDS), or SetUp::Solve;
+        /// of the cross terms: or "as-measured"
+        pub frame: Frame = choice(Frame::WORDS), or Frame::XPrimary;
+        /// whether the axes ran past the end point before the return pass; absent: judged from the readings
+        pub overrun: Option<bool> = flag();
+        /// positioning of one axis along its length
+        pub linear: Vec<Linear> = with(linear);
+        /// displacement along any other straight line
+        pub beams as beam: Vec<Beam> = subs(|beam| one_beam(beam, axes, volume.as_ref()));
+        /// temperature of the scales, and what was corrected already
+        pub material: Option<Material> = sub(Material::read);
+    }
 }
 
 words! {
@@ -85,15 +89,17 @@ impl Reflector {
     }
 }
 
-/// One `[[measurement.step_diagonal.linear]]`: positioning error of an axis along its length.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Linear {
-    /// The axis.
-    pub axis: Axis,
-    /// Its slope.
-    pub slope: LinearSlope,
-    /// Standard uncertainty (k = 1) of the slope, µm/m.
-    pub u_um_per_m: Option<f64>,
+section! {
+    /// One `[[measurement.step_diagonal.linear]]`: positioning error of an axis along its length.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Linear(section: &Section<'_>) {
+        /// `x`, `y` or `z`
+        pub axis: Axis = with(own_axis), must "`x`, `y` or `z`";
+        /// positioning error at the largest coordinate minus that at the smallest, µm, divided by their distance in m
+        pub slope as slope_um_per_m: LinearSlope = with(linear_slope), must;
+        /// its standard uncertainty (k = 1), e.g. 0.5; without this line a verdict is at most undecided
+        pub u_um_per_m: Option<f64> = not_negative();
+    }
 }
 
 /// Where the slope of a linear measurement comes from.
@@ -107,45 +113,56 @@ pub enum LinearSlope {
     NotYet,
 }
 
-/// One `[[measurement.step_diagonal.beam]]`: displacement measured along any other straight line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beam {
-    /// Where the line begins, machine coordinates.
-    pub from: PerAxis<Millimetres>,
-    /// Where it ends.
-    pub to: PerAxis<Millimetres>,
-    /// Displacement error along the line by its length, µm/m.
-    pub slope_um_per_m: f64,
-    /// Standard uncertainty (k = 1) of the slope, µm/m.
-    pub u_um_per_m: Option<f64>,
+const PLACE: &str = "a place, e.g. { x = 0.0, y = 0.0, z = 0.0 }";
+
+section! {
+    /// One `[[measurement.step_diagonal.beam]]`: displacement measured along any other straight line.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Beam(section: &Section<'_>) {
+        /// where the line begins, machine coordinates
+        pub from as from_mm: Places = place(), must PLACE;
+        /// where it ends
+        pub to as to_mm: Places = place(), must PLACE;
+        /// displacement error along the line by its length
+        pub slope_um_per_m: f64 = with(slope), must "the displacement error by length, µm/m";
+        /// its standard uncertainty (k = 1), e.g. 0.5; without this line a verdict is at most undecided
+        pub u_um_per_m: Option<f64> = not_negative();
+    }
 }
 
-/// `[measurement.step_diagonal.material]`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
-    /// The readings hold a correction of the scales' expansion already.
-    pub material_corrected: bool,
-    /// The readings hold a correction of the air's refraction already.
-    pub air_corrected: bool,
-    /// Of each axis; absent where the job gives none.
-    pub axes: PerAxis<Option<AxisMaterial>>,
+section! {
+    /// `[measurement.step_diagonal.material]`.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Material(section: &Section<'_>) {
+        /// whether the readings hold a correction of the scales' expansion already; must be stated
+        pub material_corrected: bool = flag(),
+            must "`true` or `false`: correcting the scales twice costs 11 µm/m for each K";
+        /// whether they hold a correction of the air's refraction already; must be stated
+        pub air_corrected: bool = flag(),
+            must "`true` or `false`: whether the readings are corrected for the air already";
+        /// Of each axis; absent where the job gives none.
+        pub axes: PerAxis<Option<AxisMaterial>> =>
+            PerAxis::from_fn(|axis| section.sub(axis.key(), AxisMaterial::read));
+    }
 }
 
-/// Expansion of one axis' scale.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AxisMaterial {
-    /// Coefficient of linear expansion, 1/K.
-    pub alpha_per_k: f64,
-    /// Mean temperature during the measurement, °C; `None` where each reading carries its own.
-    pub temperature_c: Option<f64>,
+section! {
+    /// Expansion of one axis' scale.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct AxisMaterial(section: &Section<'_>) {
+        /// coefficient of linear expansion, 1/K
+        pub alpha_per_k: f64 = between(ALPHAS_PER_K, "1/K"),
+            must "the expansion of the scale, e.g. 11.5e-6";
+        /// mean temperature during the measurement; absent where each reading carries its own
+        pub temperature_c: Option<f64> = between(TEMPERATURES_C, "°C");
+    }
 }
 
 const SMALLEST_SIZE_MM: f64 = 1e-3; // below it a box is no volume of a machine tool
 const MOST_STEPS: u32 = 8_000; // eighty times the steps of any published measurement; four diagonals fit into one file
 const STEEPEST_UM_PER_M: f64 = 1e4; // 10 mm on a metre: no axis that still cuts is so long or short
-const LARGEST_ALPHA_PER_K: f64 = 1e-4; // four times aluminium
-const COLDEST_C: f64 = -10.0; // nobody measures outside these temperatures; they refuse °F as well
-const WARMEST_C: f64 = 50.0;
+const ALPHAS_PER_K: RangeInclusive<f64> = -1e-4..=1e-4; // four times aluminium
+const TEMPERATURES_C: RangeInclusive<f64> = -10.0..=50.0; // nobody measures outside these; they refuse °F as well
 
 const ORDERS: [(&str, [Axis; 3]); 6] = [
     ("XYZ", Axis::ORDERS[0]),
@@ -157,40 +174,52 @@ const ORDERS: [(&str, [Axis; 3]); 6] = [
 ];
 const KINDS: [(&str, PathKind); 2] = [("step", PathKind::Step), ("straight", PathKind::Straight)];
 
-/// The section; `readings` is the path beside it.
-pub(super) fn diagonals(
-    section: &Section<'_>,
-    axes: &Axes,
-    readings: String,
-) -> Option<DiagonalMeasurement> {
-    let kind = section.choice("kind", &KINDS).unwrap_or(PathKind::Step);
-    let is_straight = kind == PathKind::Straight;
-    let straight = "`kind = \"straight\"`";
-    section.only_with("closure_errors", is_straight, straight);
-    let target = section.choice("target", Reflector::WORDS);
-    let is_mirror = target != Some(Reflector::Retroreflector);
-    section.only_with("target", is_straight || is_mirror, straight);
-    let volume = volume(section, kind, None, true);
-    if let Some(volume) = &volume {
-        inside_travel(section, |_| "start_mm", &volume.start, axes);
-        let end = PerAxis::from_fn(|axis| volume.start[axis] + volume.size[axis]);
-        inside_travel(section, |_| "size_mm", &end, axes);
-    }
-    Some(DiagonalMeasurement {
-        readings,
-        kind,
-        laser_sign: section.direction("laser_sign").unwrap_or(Direction::Plus),
-        setup: section.choice("setup", SetUp::WORDS).unwrap_or(SetUp::Solve),
-        frame: section.choice("frame", Frame::WORDS).unwrap_or(Frame::XPrimary),
-        target: target.unwrap_or(Reflector::usual(kind)),
-        overrun: section.flag("overrun"),
-        closure_errors: section.text("closure_errors"),
-        linear: linear(section),
-        beams: section.subs("beam", |beam| one_beam(beam, axes, volume.as_ref())),
-        material: section.sub("material", material),
-        volume: volume?, // what stands above is read for its problems
-    })
+const STRAIGHT: &str = "`kind = \"straight\"`";
+
+fn target(section: &Section<'_>, key: &'static str, kind: PathKind) -> Reflector {
+    let stated = section.choice(key, Reflector::WORDS);
+    let fits = kind == PathKind::Straight || stated != Some(Reflector::Retroreflector);
+    section.only_with(key, fits, STRAIGHT);
+    stated.unwrap_or(Reflector::usual(kind))
 }
+
+fn of_straight(section: &Section<'_>, key: &'static str, kind: PathKind) -> Option<String> {
+    section.only_with(key, kind == PathKind::Straight, STRAIGHT);
+    section.text(key)
+}
+
+fn box_inside_travel(section: &Section<'_>, kind: PathKind, axes: &Axes) -> Option<Volume> {
+    let volume = volume(section, kind, None, true)?;
+    inside_travel(section, |_| "start_mm", &volume.start, axes);
+    let end = PerAxis::from_fn(|axis| volume.start[axis] + volume.size[axis]);
+    inside_travel(section, |_| "size_mm", &end, axes);
+    Some(volume)
+}
+
+section! {
+    pub(super) struct BoxKeys(section: &Section<'_>) {
+        /// corner with the smallest machine coordinates
+        start_mm: Option<Places> = place();
+        /// edges of the box
+        size_mm: Option<Places> = sub(size);
+        /// of each axis along a diagonal
+        steps: Option<u32> =
+            count(1..=MOST_STEPS, "give the number of steps that each axis makes along a diagonal");
+        /// in which the axes move
+        order: Option<[Axis; 3]> = choice_in_any_case(&ORDERS);
+    }
+}
+
+/// What has to be stated of the box, the last one of step runs.
+const OF_BOX: [(&str, &str); 4] = [
+    (
+        "start_mm",
+        "the corner with the smallest machine coordinates, e.g. { x = 10.0, y = 10.0, z = -400.0 }",
+    ),
+    ("size_mm", "the edges of the measured box, e.g. { x = 900.0, y = 720.0, z = 720.0 }"),
+    ("steps", "the number of steps of each axis"),
+    ("order", "the order of the single-axis moves inside a cell, e.g. \"XYZ\""),
+];
 
 /// The measured box; what is not stated here is that of `usual`.
 pub(super) fn volume(
@@ -199,34 +228,19 @@ pub(super) fn volume(
     usual: Option<&Volume>,
     is_required: bool,
 ) -> Option<Volume> {
-    let order = "the order of the single-axis moves inside a cell, e.g. \"XYZ\"";
-    let needed = [
-        (
-            "start_mm",
-            "the corner with the smallest machine coordinates, e.g. { x = 10.0, y = 10.0, z = -400.0 }",
-        ),
-        ("size_mm", "the edges of the measured box, e.g. { x = 900.0, y = 720.0, z = 720.0 }"),
-        ("steps", "the number of steps of each axis"),
-        ("order", order),
-    ];
-    let count_needed = if kind == PathKind::Step { 4 } else { 3 };
-    for (key, what) in needed.into_iter().take(count_needed) {
+    let is_straight = kind == PathKind::Straight;
+    for (key, what) in &OF_BOX[..if is_straight { 3 } else { 4 }] {
         if is_required {
             section.require(key, what);
         }
     }
-    let start = section.place("start_mm").or(usual.map(|v| v.start));
-    let size = section.sub("size_mm", size).map_or(usual.map(|v| v.size), |size| size);
-    let help = "give the number of steps that each axis makes along a diagonal";
-    let steps = section.count("steps", 1..=MOST_STEPS, help);
-    let steps = steps.and_then(|steps| usize::try_from(steps).ok());
-    let order = section.choice_in_any_case("order", &ORDERS);
-    let straight = (kind == PathKind::Straight).then_some(Axis::ALL);
+    let keys = BoxKeys::read(section)?;
+    let steps = keys.steps.and_then(|steps| usize::try_from(steps).ok());
     Some(Volume {
-        start: start?,
-        size: size?,
+        start: keys.start_mm.or(usual.map(|v| v.start))?,
+        size: keys.size_mm.or(usual.map(|v| v.size))?,
         steps: steps.or(usual.map(|v| v.steps))?,
-        order: order.or(usual.map(|v| v.order)).or(straight)?,
+        order: keys.order.or(usual.map(|v| v.order)).or(is_straight.then_some(Axis::ALL))?,
     })
 }
 
@@ -239,37 +253,11 @@ fn size(section: &Section<'_>) -> Option<Places> {
     size.all()
 }
 
-fn material(section: &Section<'_>) -> Material {
-    section.require(
-        "material_corrected",
-        "`true` or `false`: correcting the scales twice costs 11 µm/m for each K",
-    );
-    section.require(
-        "air_corrected",
-        "`true` or `false`: whether the readings are corrected for the air already",
-    );
-    Material {
-        material_corrected: section.flag("material_corrected").unwrap_or_default(),
-        air_corrected: section.flag("air_corrected").unwrap_or_default(),
-        axes: PerAxis::from_fn(|axis| section.sub(axis.key(), axis_material)),
-    }
-}
-
-fn axis_material(section: &Section<'_>) -> AxisMaterial {
-    let steel = "the expansion of the scale, e.g. 11.5e-6";
-    section.require("alpha_per_k", steel);
-    let alpha = -LARGEST_ALPHA_PER_K..=LARGEST_ALPHA_PER_K;
-    AxisMaterial {
-        alpha_per_k: section.between("alpha_per_k", alpha, "1/K").unwrap_or_default(),
-        temperature_c: section.between("temperature_c", COLDEST_C..=WARMEST_C, "°C"),
-    }
-}
-
 /// The lines along single axes, each axis once.
-fn linear(section: &Section<'_>) -> Vec<Linear> {
+fn linear(section: &Section<'_>, key: &'static str) -> Vec<Linear> {
     let mut seen = Vec::new();
-    section.subs("linear", |section| {
-        let linear = one_linear(section)?;
+    section.subs(key, |section| {
+        let linear = Linear::read(section)?;
         if seen.contains(&linear.axis) {
             let axis = linear.axis;
             let message = format!("axis {axis} has two linear measurements, expected one");
@@ -280,37 +268,30 @@ fn linear(section: &Section<'_>) -> Vec<Linear> {
     })
 }
 
-fn one_linear(section: &Section<'_>) -> Option<Linear> {
-    section.require("axis", "`x`, `y` or `z`");
-    section.not_both("errors", "slope_um_per_m", "keep one");
-    if !section.has("errors") {
-        let slope = "the slope of the positioning error, µm/m, or `errors = …` with a table of it";
-        section.require("slope_um_per_m", slope);
-    }
-    let axis = section.choice_in_any_case("axis", &Axis::ALL.map(|axis| (axis.key(), axis)));
-    let stated = slope(section).map(LinearSlope::Stated);
-    let errors = section.text("errors").map(LinearSlope::Errors);
-    let is_empty = section.as_written("slope_um_per_m") == Some("\"\"");
-    let not_yet = is_empty.then_some(LinearSlope::NotYet);
-    let u_um_per_m = section.not_negative("u_um_per_m");
-    Some(Linear { axis: axis?, slope: stated.or(errors).or(not_yet)?, u_um_per_m })
+fn own_axis(section: &Section<'_>, key: &'static str) -> Option<Axis> {
+    section.choice_in_any_case(key, &Axis::ALL.map(|axis| (axis.key(), axis)))
 }
 
-fn slope(section: &Section<'_>) -> Option<f64> {
-    let slopes = -STEEPEST_UM_PER_M..=STEEPEST_UM_PER_M;
-    section.between("slope_um_per_m", slopes, "µm/m")
+/// The slope, or `errors`, a table of it.
+fn linear_slope(section: &Section<'_>, key: &'static str) -> Option<LinearSlope> {
+    section.not_both("errors", key, "keep one");
+    if !section.has("errors") {
+        let slope = "the slope of the positioning error, µm/m, or `errors = …` with a table of it";
+        section.require(key, slope);
+    }
+    let stated = slope(section, key).map(LinearSlope::Stated);
+    let errors = section.text("errors").map(LinearSlope::Errors);
+    let is_empty = section.as_written(key) == Some("\"\"");
+    stated.or(errors).or(is_empty.then_some(LinearSlope::NotYet))
+}
+
+fn slope(section: &Section<'_>, key: &'static str) -> Option<f64> {
+    section.between(key, -STEEPEST_UM_PER_M..=STEEPEST_UM_PER_M, "µm/m")
 }
 
 fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Option<Beam> {
-    let example = "a place, e.g. { x = 0.0, y = 0.0, z = 0.0 }";
-    let slope_um_per_m = "the displacement error by length, µm/m";
-    section.require("from_mm", example);
-    section.require("to_mm", example);
-    section.require("slope_um_per_m", slope_um_per_m);
-    let (from, to) = (section.place("from_mm"), section.place("to_mm"));
-    let slope_um_per_m = slope(section);
-    let u_um_per_m = section.not_negative("u_um_per_m");
-    let (from, to) = (from?, to?);
+    let beam = Beam::read(section)?;
+    let (from, to) = (beam.from, beam.to);
     let length = |axis: Axis| (to[axis] - from[axis]).mm().abs();
     let is_short = |axis: &Axis| length(*axis) < SMALLEST_SIZE_MM;
     if Axis::ALL.iter().all(is_short) {
@@ -318,7 +299,7 @@ fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Opti
         section.problem("to_mm", message, "give the two ends of the measured line");
     }
     refuse_unreachable(section, (from, to), axes, volume);
-    Some(Beam { from, to, slope_um_per_m: slope_um_per_m?, u_um_per_m })
+    Some(beam)
 }
 
 /// Notes ends of a beam outside the travel, or outside the box of the diagonals along an axis that moves:

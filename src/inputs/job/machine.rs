@@ -3,22 +3,28 @@
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::chain::Chain;
 use crate::quantity::units::Millimetres;
-use crate::text::document::Section;
 use crate::text::document::keys::{LIMITS, Places};
-use crate::text::problem::shown;
+use crate::text::document::{Section, section};
 
-/// The machine.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Machine {
-    /// Its name, as in reports.
-    pub name: String,
-    /// Serial number.
-    pub serial: Option<String>,
-    /// Kinematic chain in the notation of contract §1, e.g. `wXYZt`.
-    pub chain: Option<Chain>,
-    /// Its axes; absent where the job does not describe one.
-    pub axes: PerAxis<Option<MachineAxis>>,
+section! {
+    /// The machine.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Machine(section: &Section<'_>) {
+        /// the machine, as files and reports shall name it
+        pub name: String = plain_text(), or String::new(), must "the machine's name";
+        /// its serial number; optional
+        pub serial: Option<String> = plain_text();
+        /// kinematic chain (section 1), e.g. `wXYZt`; optional, needed with angles
+        pub chain: Option<Chain> = parsed(Chain::parse, CHAIN);
+        /// likewise y, z: every axis that was measured or is corrected
+        pub axes: Axes = axis_sections(machine_axis);
+    }
 }
+
+const CHAIN: [&str; 2] = [
+    "each of X, Y, Z once, `w` where the workpiece is and `t` at the end",
+    "for instance `wXYZt`, `XwYZt` or `XYwZt`",
+];
 
 /// One axis of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,38 +58,37 @@ impl MachineAxis {
     }
 }
 
-/// `[limits]`: refuse rather than emit nonsense.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
-    /// Largest correction, µm.
-    pub max_correction_um: f64,
-    /// Largest slope, µm/mm.
-    pub max_slope_um_per_mm: f64,
-    /// Largest bump of a sign proof, µm; never more than [`LARGEST_BUMP_UM`].
-    pub max_bump_um: f64,
-}
-
 /// No sign proof moves an axis by more, µm.
 pub const LARGEST_BUMP_UM: f64 = 20.0;
 
 /// A smaller bump is not seen beyond doubt on a dial gauge of 1 µm, µm.
 pub const LEAST_BUMP_UM: f64 = 5.0;
 
-impl Default for Limits {
-    fn default() -> Self {
-        Limits { max_correction_um: 500.0, max_slope_um_per_mm: 1.0, max_bump_um: LARGEST_BUMP_UM }
+section! {
+    /// `[limits]`: refuse rather than emit nonsense.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Limits(section: &Section<'_>) {
+        /// largest correction; default 500 µm
+        pub max_correction_um: f64 = between(LIMITS, "µm"), or 500.0;
+        /// largest slope; default 1.0 µm/mm
+        pub max_slope_um_per_mm: f64 = between(LIMITS, "µm/mm"), or 1.0;
+        /// largest bump of the sign proofs, 5 … 20; default 20 µm
+        pub max_bump_um: f64 = between(LEAST_BUMP_UM..=LARGEST_BUMP_UM, "µm"), or LARGEST_BUMP_UM;
     }
 }
 
-/// `[acceptance]`.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Acceptance {
-    /// Bound of what is left of every term, µm.
-    pub max_deviation_um: Option<f64>,
-    /// Bound of max − min along every body diagonal, µm.
-    pub max_diagonal_um: Option<f64>,
-    /// Part of an axis that is judged, machine coordinates; `None` = the whole travel.
-    pub range: PerAxis<Option<(Millimetres, Millimetres)>>,
+section! {
+    /// `[acceptance]`.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Acceptance(section: &Section<'_>, axes: &Axes) {
+        /// limit of the residual of each error, µm; remove the line where nothing is agreed
+        pub max_deviation_um: Option<f64> = between(LIMITS, "µm");
+        /// limit of max − min along every body diagonal, µm; optional
+        pub max_diagonal_um: Option<f64> = between(LIMITS, "µm");
+        /// the part of an axis that is judged, machine coordinates; likewise y, z; default: the travel
+        pub range as range_mm: PerAxis<Option<(Millimetres, Millimetres)>> =
+            axes(|s, axis| range(s, axis, axes));
+    }
 }
 
 impl Acceptance {
@@ -93,46 +98,36 @@ impl Acceptance {
     }
 }
 
+section! {
+    pub(super) struct AxisKeys(section: &Section<'_>) {
+        /// machine coordinates of both ends
+        travel_mm: (Millimetres, Millimetres) = ascending(),
+            must "the ends of the travel, e.g. [0.0, 900.0]";
+        /// reference (home) point, machine coordinate: every table is zero here
+        reference_mm: f64 = millimetres(), must "the machine coordinate of the reference point";
+        /// how far it may lie outside travel_mm; default 100
+        reference_outside_mm: f64 = not_negative(), or REFERENCE_OUTSIDE_MM;
+        /// direction of the reference return, "+" or "-"
+        reference_direction: Option<Direction> = direction();
+        /// largest feed; enables the check of the smallest Fanuc interval
+        max_feed_mm_per_min: Option<f64> = between(1e-3..=1e6, "mm/min");
+    }
+}
+
 /// A reference point may lie this far outside the travel unless the job allows more, mm: some machines
 /// have it a few millimetres beyond their limits; what is farther is more often a slip.
 const REFERENCE_OUTSIDE_MM: f64 = 100.0; // contract §2.3
 
-pub(super) fn machine(section: &Section<'_>) -> Machine {
-    section.require("name", "the machine's name");
-    Machine {
-        name: section.plain_text("name").unwrap_or_default(),
-        serial: section.plain_text("serial"),
-        chain: chain(section),
-        axes: section.axes(machine_axis),
-    }
-}
-
-/// The kinematic chain, if the job states one.
-fn chain(section: &Section<'_>) -> Option<Chain> {
-    let text = section.text("chain")?;
-    let chain = Chain::parse(&text);
-    if chain.is_none() {
-        section.problem(
-            "chain",
-            format!("`chain` is `{}`, expected each of X, Y, Z once, `w` where the workpiece is and `t` at the end", shown(&text)),
-            "for instance `wXYZt`, `XwYZt` or `XYwZt`",
-        );
-    }
-    chain
-}
-
 fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {
-    section.require("travel_mm", "the ends of the travel, e.g. [0.0, 900.0]");
-    section.require("reference_mm", "the machine coordinate of the reference point");
-    let travel = section.pair_of_millimetres("travel_mm");
-    let travel = travel.and_then(|travel| section.ascending("travel_mm", travel));
-    let reference = section.millimetres("reference_mm").map(Millimetres::new);
-    let outside = section.not_negative("reference_outside_mm");
-    let reference_direction = section.direction("reference_direction");
-    let max_feed = section.between("max_feed_mm_per_min", 1e-3..=1e6, "mm/min");
-    let ((low, high), reference) = (travel?, reference?);
-    let axis = MachineAxis { low, high, reference, reference_direction, max_feed };
-    refuse_far_reference(section, &axis, outside.unwrap_or(REFERENCE_OUTSIDE_MM));
+    let keys = AxisKeys::read(section)?;
+    let axis = MachineAxis {
+        low: keys.travel_mm.0,
+        high: keys.travel_mm.1,
+        reference: Millimetres::new(keys.reference_mm),
+        reference_direction: keys.reference_direction,
+        max_feed: keys.max_feed_mm_per_min,
+    };
+    refuse_far_reference(section, &axis, keys.reference_outside_mm);
     Some(axis)
 }
 
@@ -163,36 +158,12 @@ pub(super) fn inside_travel(
     }
 }
 
-pub(super) fn limits(section: &Section<'_>) -> Limits {
-    let usual = Limits::default();
-    let read = |key, range, unit, usual| section.between(key, range, unit).unwrap_or(usual);
-    let bump = LEAST_BUMP_UM..=LARGEST_BUMP_UM;
-    Limits {
-        max_correction_um: read("max_correction_um", LIMITS, "µm", usual.max_correction_um),
-        max_slope_um_per_mm: read(
-            "max_slope_um_per_mm",
-            LIMITS,
-            "µm/mm",
-            usual.max_slope_um_per_mm,
-        ),
-        max_bump_um: read("max_bump_um", bump, "µm", usual.max_bump_um),
+/// The part of an axis that is judged.
+fn range(section: &Section<'_>, axis: Axis, axes: &Axes) -> Option<(Millimetres, Millimetres)> {
+    let (from, to) = section.ascending(axis.key())?;
+    if let Some(MachineAxis { low, high, .. }) = axes[axis] {
+        section.inside(axis.key(), (axis, from), (low, high), "the travel");
+        section.inside(axis.key(), (axis, to), (low, high), "the travel");
     }
-}
-
-pub(super) fn acceptance(section: &Section<'_>, axes: &Axes) -> Acceptance {
-    let range = |s: &Section<'_>, axis: Axis| {
-        let range = s.pair_of_millimetres(axis.key())?;
-        let (from, to) = s.ascending(axis.key(), range)?;
-        if let Some(MachineAxis { low, high, .. }) = axes[axis] {
-            s.inside(axis.key(), (axis, from), (low, high), "the travel");
-            s.inside(axis.key(), (axis, to), (low, high), "the travel");
-        }
-        Some((from, to))
-    };
-    let ranges = |s: &Section<'_>| PerAxis::from_fn(|axis| range(s, axis));
-    Acceptance {
-        max_deviation_um: section.between("max_deviation_um", LIMITS, "µm"),
-        max_diagonal_um: section.between("max_diagonal_um", LIMITS, "µm"),
-        range: section.sub("range_mm", ranges).unwrap_or_default(),
-    }
+    Some((from, to))
 }

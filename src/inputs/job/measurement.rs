@@ -2,12 +2,12 @@
 
 use crate::inputs::error_table::Sizes;
 use crate::inputs::findings::Remark;
-use crate::inputs::job::diagonals::{DiagonalMeasurement, diagonals};
-use crate::inputs::job::machine::MachineAxis;
+use crate::inputs::job::diagonals::DiagonalMeasurement;
+use crate::inputs::job::machine::Axes;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::PerDiagonal;
 use crate::quantity::units::Millimetres;
-use crate::text::document::Section;
+use crate::text::document::{Section, section};
 use crate::text::finding::Finding;
 use crate::text::words::{Word, words};
 
@@ -32,16 +32,21 @@ words! {
     }
 }
 
-/// What the job says to the active tables beyond their path.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct ActiveSettings {
-    /// `active_terms_not_measured`; no default.
-    pub not_measured: Option<NotMeasured>,
-    /// `active_reference = "rezero"`: the value of an active table at the reference is taken off.
-    pub rezero: bool,
-    /// `active_backlash_um`: backlash parameter of each axis while measuring, µm, where no file
-    /// holds it or no table was active; positive = ordinary lost motion.
-    pub backlash_um: PerAxis<Option<f64>>,
+section! {
+    /// What the job says to the active tables beyond their path.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub struct ActiveSettings(section: &Section<'_>) {
+        /// or "drop": what becomes of terms that the active tables correct and that were not measured; no default
+        pub not_measured as active_terms_not_measured: Option<NotMeasured> =
+            choice(NotMeasured::WORDS);
+        /// or "rezero": the value of an active table at the reference is taken off; default "same"
+        pub rezero as active_reference: bool =
+            choice(&[("same", false), ("rezero", true)]), or false;
+        /// backlash parameter of each axis while measuring, µm, where no file holds it or no table was active;
+        /// positive = ordinary lost motion; likewise y, z
+        pub backlash_um as active_backlash_um: PerAxis<Option<f64>> =
+            axes(|s, axis| s.number(axis.key()));
+    }
 }
 
 /// Scale of the laser that counts where the job of readings states none, 10⁻⁶ (k = 1).
@@ -52,30 +57,32 @@ const BEAM_MRAD: f64 = 1.0;
 /// An error of a screw, gear or scale has one sign at a target and may have the other between two.
 const BOTH_SIDES: f64 = 2.0;
 
-/// `[measurement.uncertainty]`: standard uncertainties (k = 1).
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct StatedUncertainty {
-    /// Noise of a single reading, µm.
-    pub noise_um: Option<f64>,
-    /// Scale of the laser (wavelength, air), 10⁻⁶.
-    pub laser_ppm: Option<f64>,
-    /// Temperature of the scales, K.
-    pub temperature_k: Option<f64>,
-    /// Coefficient of expansion, 1/K.
-    pub alpha_per_k: Option<f64>,
-    /// Change of length scale (laser, air, scales) from one set-up to the next, 10⁻⁶.
-    pub setup_ppm: Option<f64>,
-    /// Amplitude of what repeats between the targets (screw, gear, scale) in each error, µm.
-    pub periodic_um: Option<f64>,
-    /// Of each pitch, yaw and roll that was not measured: a straight part and a bow about its value in the middle
-    /// of the box, each within half of this, µrad.
-    pub angle_urad: Option<f64>,
-    /// Bound on the angle between the beam and the mirror's normal (straight runs: and the
-    /// diagonal), mrad.
-    pub beam_mrad: Option<f64>,
-    /// Tilt of the mirror in each direction across the diagonal where the set-up is assumed
-    /// perfect, seconds of arc.
-    pub tilt_arcsec: Option<f64>,
+section! {
+    /// `[measurement.uncertainty]`: standard uncertainties (k = 1).
+    #[derive(Clone, Copy, Debug, PartialEq, Default)]
+    pub struct StatedUncertainty(section: &Section<'_>) {
+        /// scatter of a single reading (k = 1)
+        pub noise_um: Option<f64> = not_negative();
+        /// scale of the laser (wavelength, air), 10⁻⁶
+        pub laser_ppm: Option<f64> = not_negative();
+        /// of the scales, K
+        pub temperature_k: Option<f64> = not_negative();
+        /// of the coefficient of expansion, 1/K
+        pub alpha_per_k: Option<f64> = not_negative();
+        /// change of scale between set-ups (k = 1): 0.2 K x 11.5 = 2.3 unless the scales are compensated
+        pub setup_ppm: Option<f64> = not_negative();
+        /// amplitude of errors that repeat between the targets (screw, gear, scale), where known
+        pub periodic_um: Option<f64> = not_negative();
+        // Of each that was not measured: a straight part and a bow about its value in the middle of the box, each within
+        // half of this.
+        /// how far pitch, yaw and roll of an axis go over the box: 5 to 20 on a machining centre (maker's sheet, level,
+        /// autocollimator)
+        pub angle_urad: Option<f64> = not_negative();
+        /// bound on the angle between the beam and the mirror's normal (straight runs: and the diagonal)
+        pub beam_mrad: Option<f64> = not_negative();
+        /// tilt of the mirror in each direction across the diagonal, with setup = "assume-perfect"
+        pub tilt_arcsec: Option<f64> = not_negative();
+    }
 }
 
 impl StatedUncertainty {
@@ -116,20 +123,21 @@ impl StatedUncertainty {
     }
 }
 
-/// Places that the lever arms of angular errors are counted from; machine coordinates, `None` =
-/// not stated.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct Levers {
-    /// `offsets_mm`: where each axis rested while the others were measured (paper 002 §3.1).
-    pub offsets: PerAxis<Option<Millimetres>>,
-    /// `tool_offset_mm`: from the point where the errors were measured to the tool point.
-    pub tool: Option<PerAxis<Millimetres>>,
-    /// `angles_zero_mm`: where the angles of an axis count as zero, which is where it stood while
-    /// the squareness was measured.
-    pub angles_zero: PerAxis<Option<Millimetres>>,
-    /// `straightness_optic_mm`: of an axis that carries the workpiece, the place on its table where
-    /// the optic of its straightness measurement rode; `None` = it was measured at the tool point.
-    pub straightness_optic: PerAxis<Option<Millimetres>>,
+section! {
+    /// Places that the lever arms of angular errors are counted from; machine coordinates, `None` =
+    /// not stated.
+    #[derive(Clone, Copy, Debug, PartialEq, Default)]
+    pub struct Levers(section: &Section<'_>) {
+        /// where the axes rested while the others were measured; angles only
+        pub offsets as offsets_mm: PerAxis<Option<Millimetres>> = some_places();
+        /// from the measured point to the tool point; all three
+        pub tool as tool_offset_mm: Option<PerAxis<Millimetres>> = place();
+        /// assess, path: where the angles of an axis count as zero
+        pub angles_zero as angles_zero_mm: PerAxis<Option<Millimetres>> = some_places();
+        /// assess, path: place of the optic on a table that carries the workpiece; absent: it was measured at the tool point
+        pub straightness_optic as straightness_optic_mm: PerAxis<Option<Millimetres>> =
+            some_places();
+    }
 }
 
 impl Levers {
@@ -145,7 +153,7 @@ impl Levers {
     /// Where the levers of the angles count from: the stated `offsets_mm`, else the reference
     /// (machine zero of an axis that the job does not have). One rule for everyone: curves that
     /// were separated with one origin and judged with another are those of no machine.
-    pub fn origin(&self, axes: &PerAxis<Option<MachineAxis>>) -> PerAxis<f64> {
+    pub fn origin(&self, axes: &Axes) -> PerAxis<f64> {
         PerAxis::from_fn(|axis| {
             let reference = axes[axis].map(|machine| machine.reference);
             let place = self.offsets[axis].or(reference);
@@ -164,29 +172,32 @@ pub enum MeasuredData {
     Diagonals(DiagonalMeasurement),
 }
 
-/// What was measured.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Measurement {
-    /// The error table, or the readings.
-    pub data: MeasuredData,
-    /// Path of a table of angular errors, relative to the job.
-    pub angles: Option<String>,
-    /// What the lever arms of the angular errors are counted from.
-    pub levers: Levers,
-    /// Date of the measurement, as it is printed.
-    pub date: Option<String>,
-    /// Serial number of the laser: two measurements with the same one repeat the error of its scale.
-    pub instrument: Option<String>,
-    /// Compensation that was active.
-    pub active: ActiveTables,
-    /// What the job says to it.
-    pub active_settings: ActiveSettings,
-    /// Squareness to add, µm/m, by the term it is added to (EXY, EXZ, EYZ).
-    pub squareness: Vec<(ErrorTerm, f64)>,
-    /// `[measurement.protocol]`, as it is printed.
-    pub protocol: Vec<(String, String)>,
-    /// `[measurement.uncertainty]`.
-    pub uncertainty: StatedUncertainty,
+section! {
+    /// What was measured.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Measurement(section: &Section<'_>, axes: &Axes) {
+        /// The error table, or the readings.
+        pub data: MeasuredData => data(section, axes), must;
+        /// ea_, eb_, ec_ columns of section 2.1; optional
+        pub angles: Option<String> = text();
+        /// What the lever arms of the angular errors are counted from.
+        pub levers: Levers => levers(section, data.as_ref().filter(|_| angles.is_some())), must;
+        /// of the measurement, e.g. "2026-11-20"
+        pub date: Option<String> = plain_text();
+        /// serial number of the laser: the second measurement repeats the error of its scale, if it is made with the same
+        /// one
+        pub instrument: Option<String> = plain_text();
+        /// "none", or the folder with the compensation that was active, read out of the control
+        pub active as active_while_measuring: ActiveTables = with(active);
+        /// What the job says to it.
+        pub active_settings: ActiveSettings => active_settings(section, &active), must;
+        /// only where the slopes of the cross terms do not contain it
+        pub squareness as squareness_um_per_m: Vec<(ErrorTerm, f64)> = with(squareness);
+        /// any keys with texts or numbers; kept in manifest.json
+        pub protocol: Vec<(String, String)> = entries();
+        /// k = 1; all optional
+        pub uncertainty: StatedUncertainty = sub_or_usual(StatedUncertainty::read), must;
+    }
 }
 
 impl Measurement {
@@ -215,44 +226,24 @@ impl Measurement {
     }
 }
 
-pub(super) fn measurement(
-    section: &Section<'_>,
-    axes: &PerAxis<Option<MachineAxis>>,
-) -> Option<Measurement> {
-    let data = data(section, axes);
-    let angles = section.text("angles");
-    let mut levers = Levers {
-        offsets: section.some_places("offsets_mm"),
-        tool: section.place("tool_offset_mm"),
-        angles_zero: section.some_places("angles_zero_mm"),
-        straightness_optic: section.some_places("straightness_optic_mm"),
-    };
-    if let (Some(MeasuredData::Diagonals(measured)), Some(_)) = (&data, &angles) {
+/// What the section says, or the middle of the box of readings, of which angles are taken off.
+fn levers(section: &Section<'_>, data: Option<&MeasuredData>) -> Option<Levers> {
+    let mut levers = Levers::read(section)?;
+    if let Some(MeasuredData::Diagonals(measured)) = data {
         levers.or_lines(measured.volume.middle());
     }
-    let active = match section.text("active_while_measuring").as_deref() {
+    Some(levers)
+}
+
+fn active(section: &Section<'_>, key: &'static str) -> ActiveTables {
+    match section.text(key).as_deref() {
         None => ActiveTables::NotStated,
         Some("none") => ActiveTables::None,
         Some(path) => ActiveTables::Path(path.to_string()),
-    };
-    Some(Measurement {
-        angles,
-        levers,
-        date: section.plain_text("date"),
-        instrument: section.plain_text("instrument"),
-        active_settings: active_settings(section, &active),
-        active,
-        squareness: squareness(section),
-        protocol: section
-            .section("protocol")
-            .map(|protocol| protocol.entries())
-            .unwrap_or_default(),
-        uncertainty: section.sub("uncertainty", uncertainty).unwrap_or_default(),
-        data: data?, // the others are read for their problems
-    })
+    }
 }
 
-fn active_settings(section: &Section<'_>, active: &ActiveTables) -> ActiveSettings {
+fn active_settings(section: &Section<'_>, active: &ActiveTables) -> Option<ActiveSettings> {
     let is_named = matches!(active, ActiveTables::Path(_));
     let path = "`active_while_measuring = \"PATH\"`";
     section.only_with("active_terms_not_measured", is_named, path);
@@ -260,18 +251,11 @@ fn active_settings(section: &Section<'_>, active: &ActiveTables) -> ActiveSettin
     let is_stated = section.has("active_while_measuring"); // or is to be filled in
     let none = "`active_while_measuring = …`";
     section.only_with("active_backlash_um", is_stated, none);
-    let backlash = |s: &Section<'_>| PerAxis::from_fn(|axis| s.number(axis.key()));
-    ActiveSettings {
-        not_measured: section.choice("active_terms_not_measured", NotMeasured::WORDS),
-        rezero: section
-            .choice("active_reference", &[("same", false), ("rezero", true)])
-            .unwrap_or(false),
-        backlash_um: section.sub("active_backlash_um", backlash).unwrap_or_default(),
-    }
+    ActiveSettings::read(section)
 }
 
 /// Exactly one of `errors` and `readings`.
-fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<MeasuredData> {
+fn data(section: &Section<'_>, axes: &Axes) -> Option<MeasuredData> {
     let errors = error_tables(section);
     let readings = section.text("readings");
     let has_readings = section.has("readings");
@@ -290,9 +274,10 @@ fn data(section: &Section<'_>, axes: &PerAxis<Option<MachineAxis>>) -> Option<Me
         let either = "the path of an error table (or `readings` of the body diagonals)";
         section.require("errors", either);
     }
+    let readings = readings.unwrap_or_default();
     let measured =
-        section.sub("step_diagonal", |how| diagonals(how, axes, readings.unwrap_or_default()));
-    measured.flatten().map(MeasuredData::Diagonals)
+        section.sub("step_diagonal", |how| DiagonalMeasurement::read(how, axes, readings));
+    measured.map(MeasuredData::Diagonals)
 }
 
 /// The tables that the section names: of errors, of readings.
@@ -317,22 +302,7 @@ fn error_tables(section: &Section<'_>) -> Option<Vec<String>> {
     Some(paths)
 }
 
-fn uncertainty(section: &Section<'_>) -> StatedUncertainty {
-    StatedUncertainty {
-        noise_um: section.not_negative("noise_um"),
-        laser_ppm: section.not_negative("laser_ppm"),
-        temperature_k: section.not_negative("temperature_k"),
-        alpha_per_k: section.not_negative("alpha_per_k"),
-        setup_ppm: section.not_negative("setup_ppm"),
-        periodic_um: section.not_negative("periodic_um"),
-        angle_urad: section.not_negative("angle_urad"),
-        beam_mrad: section.not_negative("beam_mrad"),
-        tilt_arcsec: section.not_negative("tilt_arcsec"),
-    }
-}
-
-fn squareness(measurement: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
-    let key = "squareness_um_per_m";
+fn squareness(measurement: &Section<'_>, key: &'static str) -> Vec<(ErrorTerm, f64)> {
     let is_table = !measurement.has("readings");
     measurement.only_with(key, is_table, "`errors`"); // readings measure the squareness themselves
     let pairs = [("xy", Axis::X, Axis::Y), ("xz", Axis::X, Axis::Z), ("yz", Axis::Y, Axis::Z)];
@@ -340,7 +310,7 @@ fn squareness(measurement: &Section<'_>) -> Vec<(ErrorTerm, f64)> {
         let given = pairs.into_iter();
         let given = given
             .filter_map(|(key, of, along)| Some((ErrorTerm { of, along }, section.number(key)?)));
-        given.collect()
+        Some(given.collect())
     };
     measurement.sub(key, read).unwrap_or_default()
 }

@@ -30,23 +30,10 @@ pub struct PathRequest {
     pub datum: Vec<Place>,
 }
 
-impl PathRequest {
-    /// What a job without `[path]` stands for.
-    pub(super) fn usual(axes: &Axes) -> PathRequest {
-        let reference = |axis: Axis| axes[axis].map_or(0.0, |machine| machine.reference.mm());
-        PathRequest {
-            setup: Setup::at(Axis::ALL.map(reference)),
-            has_start: false,
-            measured_tool_mm: None,
-            rapid: false,
-            chord_mm: 0.001, // chords leave an arc by no more than the last digit of a program
-            sample_mm: 1.0,  // errors of a machine change over tens of millimetres
-            refuse_outside: false,
-            datum: Vec::new(),
-        }
-    }
-}
-
+/// Chords leave an arc by no more than the last digit of a program.
+const CHORD_MM: f64 = 0.001;
+/// Errors of a machine change over tens of millimetres.
+const SAMPLE_MM: f64 = 1.0;
 const MOST_TOOL_NUMBER: u32 = 9999;
 const LONGEST_TOOL_MM: f64 = 10_000.0;
 /// Beyond a tenth of a millimetre the arc is not the one that was meant.
@@ -54,8 +41,9 @@ const COARSEST_ARC_MM: f64 = 0.1;
 
 const COORDINATES: PerAxis<&str> = PerAxis { x: "x_mm", y: "y_mm", z: "z_mm" };
 
-pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
-    let usual = PathRequest::usual(axes);
+pub(super) fn path(section: &Section<'_>, axes: &Axes) -> Option<PathRequest> {
+    let reference = |axis: Axis| axes[axis].map_or(0.0, |machine| machine.reference.mm());
+    let usual = Setup::at(Axis::ALL.map(reference));
     let inside = |key: &'static str| {
         let place = section.place(key)?;
         inside_travel(section, |_| key, &place, axes);
@@ -69,8 +57,8 @@ pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
     let (tools, tool_names) = tools(section);
     let setup = Setup {
         language: section.choice("language", Language::WORDS).unwrap_or_default(),
-        start: start.unwrap_or(usual.setup.start),
-        reference: usual.setup.reference,
+        start: start.unwrap_or(usual.start),
+        reference: usual.reference,
         second_reference: inside("second_reference_mm"),
         systems: systems(section),
         tools,
@@ -78,29 +66,29 @@ pub(super) fn path(section: &Section<'_>, axes: &Axes) -> PathRequest {
         inch: is_second("program_unit", "mm", "inch"),
         without_point: section
             .choice("without_point", WithoutPoint::WORDS)
-            .unwrap_or(usual.setup.without_point),
+            .unwrap_or(usual.without_point),
         g43_without_h: section
             .choice("g43_without_h", G43WithoutH::WORDS)
-            .unwrap_or(usual.setup.g43_without_h),
+            .unwrap_or(usual.g43_without_h),
         arc_mm: section.between("arc_mm", 1e-4..=COARSEST_ARC_MM, "mm"),
         skip_deletable: is_second("block_delete", "execute", "skip"),
     };
     let chord_mm = section.between("chord_mm", 1e-5..=1.0, "mm");
     let sample_mm = section.between("sample_mm", 1e-3..=1e4, "mm");
-    PathRequest {
+    Some(PathRequest {
         setup,
         has_start: start.is_some(),
         measured_tool_mm: section.between("measured_tool_mm", 0.0..=LONGEST_TOOL_MM, "mm"),
         rapid: is_second("moves", "feed", "all"),
-        chord_mm: chord_mm.unwrap_or(usual.chord_mm),
-        sample_mm: sample_mm.unwrap_or(usual.sample_mm),
+        chord_mm: chord_mm.unwrap_or(CHORD_MM),
+        sample_mm: sample_mm.unwrap_or(SAMPLE_MM),
         refuse_outside: is_second("outside", "hold", "refuse"),
         datum: section.subs("datum", |entry| {
             let place = entry.coordinates(COORDINATES)?;
             inside_travel(entry, |axis| COORDINATES[axis], &place, axes);
             Some(plain(place))
         }),
-    }
+    })
 }
 
 fn plain(place: Places) -> Place {
@@ -135,7 +123,8 @@ fn tools(section: &Section<'_>) -> (BTreeMap<u32, f64>, BTreeMap<String, u32>) {
         entry.require("number", number);
         entry.require("length_mm", length);
         let number = entry.count("number", 1..=MOST_TOOL_NUMBER, "H0 is no length");
-        let length = entry.length_up_to("length_mm", LONGEST_TOOL_MM);
+        let length = entry.positive("length_mm");
+        let length = length.and_then(|_| entry.between("length_mm", 0.0..=LONGEST_TOOL_MM, "mm"));
         if let Some((name, number)) = entry.text("name").zip(number)
             && names.insert(name.clone(), number).is_some()
         {

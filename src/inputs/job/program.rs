@@ -2,10 +2,11 @@
 
 use crate::inputs::job::diagonals::{DiagonalMeasurement, Reflector, volume};
 use crate::inputs::job::measurement::{MeasuredData, Measurement};
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
-use crate::text::document::Section;
+use crate::text::document::keys::Places;
+use crate::text::document::{Section, section};
 use crate::text::words::{Word, words};
 use std::ops::RangeInclusive;
 
@@ -55,42 +56,57 @@ pub enum TargetGrid {
     },
 }
 
-/// A measuring run to write programs for. Everything that is `Volume` here is the same volume that
-/// a measurement of diagonals states, so a rehearsal can walk it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ProgramRequest {
-    /// What is run.
-    pub what: RunType,
-    /// The measured box, its division and the order of the moves in a cell.
-    pub volume: Volume,
-    /// Key that the size of the box comes from, for problems.
-    pub size_path: &'static str,
-    /// The axes of single-axis runs, in the order of the programs.
-    pub axes: Vec<Axis>,
-    /// Where the other axes rest in single-axis runs; `None` = the middle of the box.
-    pub rest: Option<PerAxis<Millimetres>>,
-    /// Feed along the path, mm/min.
-    pub feed_mm_per_min: f64,
-    /// Standstill at every node, s.
-    pub dwell_s: f64,
-    /// How far every axis runs past the end point before the return pass is measured; 0 = it turns there.
-    pub overrun: Millimetres,
-    /// How far behind the first node every axis begins, so that it arrives in its own direction.
-    pub preload: Millimetres,
-    /// Number of runs.
-    pub runs: u32,
-    /// Whether the return pass is measured too.
-    pub bidirectional: bool,
-    /// The way back where it is not measured.
-    pub way_back: WayBack,
-    /// Targets of single axes.
-    pub targets: TargetGrid,
-    /// Whether the target first goes to the far end and back, so that the beam can be aligned.
-    pub alignment_pass: bool,
-    /// Fanuc: number of the first program, where it is stated.
-    pub number: Option<u32>,
-    /// What reflects the beam.
-    pub target: Reflector,
+section! {
+    /// A measuring run to write programs for. Everything that is `Volume` here is the same volume that
+    /// a measurement of diagonals states, so a rehearsal can walk it.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct ProgramRequest(section: &Section<'_>, measurement: Option<&Measurement>) {
+        /// "straight-diagonal" or "single-axis"
+        pub what: RunType = choice(RunType::WORDS), must WHAT;
+        /// or "diagonal": straight back, without measuring
+        pub way_back as return: WayBack = choice(WayBack::WORDS), or WayBack::Retrace;
+        /// whether the return pass is measured; default: true with "retrace", else false
+        pub bidirectional: bool = with(|s, key| is_bidirectional(s, key, way_back));
+        /// past the end point before the return pass is measured; default 2
+        pub overrun as overrun_mm: Millimetres =
+            with(|s, key| overrun(s, key, what, bidirectional));
+        /// behind node 0 on every axis; default: overrun_mm, or 2 where that is 0
+        pub preload as preload_mm: Millimetres = with(length), or usual_preload(overrun);
+        /// The measured box, its division and the order of the moves in a cell.
+        pub volume: Volume => measured_box(section, what, measurement), must;
+        /// Key that the size of the box comes from, for problems.
+        pub size_path: &'static str => size_path(section, measurement);
+        /// along the path; default 1000
+        pub feed_mm_per_min: f64 = between(1e-3..=1e6, "mm/min"), or DEFAULT_FEED_MM_PER_MIN;
+        /// standstill at every node, 0.1 … 600; default 3
+        pub dwell_s: f64 = between(0.1..=600.0, "s"), or DEFAULT_DWELL_S;
+        /// 1 … 100; default 1, single axes 5
+        pub runs: u32 = count(1..=MOST_RUNS, "write a number of that range"), or usual_runs(what);
+        /// single axes: which, in the order of the programs
+        pub axes: Vec<Axis> = with(|s, key| axes(s, key, what)), or Axis::ALL.to_vec();
+        /// single axes: where the others rest; default: the middle of the box
+        pub rest as rest_mm: Option<Places> = with(|s, key| rest(s, key, what));
+        /// Targets of single axes.
+        pub targets: TargetGrid => targets(section, what);
+        /// to the far end and back with a halt at both ends, before the laser is zeroed
+        pub alignment_pass: bool = flag(), or true;
+        /// Fanuc: number of the first program, the others follow
+        pub number: Option<u32> =
+            count(1..=MOST_NUMBER, "the programs have numbers of four digits");
+        /// What reflects the beam.
+        pub target: Reflector => target(what, measurement);
+    }
+}
+
+const WHAT: &str = "`step-diagonal`, `straight-diagonal` or `single-axis`";
+
+section! {
+    pub(super) struct TargetKeys(section: &Section<'_>) {
+        /// single axes: or "offset", each target shifted by up to shift_mm
+        targets: bool = choice(&[("equal", false), ("offset", true)]), or false;
+        /// default: a quarter of the step
+        shift_mm: Option<Millimetres> = with(length);
+    }
 }
 
 /// Number of the first program where none is stated.
@@ -166,78 +182,45 @@ const LENGTHS_MM: RangeInclusive<f64> = 0.01..=100.0; // preload and shift: no m
 const MOST_RUNS: u32 = 100;
 const MOST_NUMBER: u32 = 9990; // four digits on every Fanuc control, with room for four programs
 
-/// The section; `measurement` is `None` where the job's measurement could not be read.
-pub(super) fn program(
-    section: &Section<'_>,
-    measurement: Option<&Measurement>,
-) -> Option<ProgramRequest> {
-    section.require("what", "`step-diagonal`, `straight-diagonal` or `single-axis`");
-    let what = section.choice("what", RunType::WORDS);
-    refuse_other_runs(section, what);
-    let (bidirectional, way_back) = directions(section);
-    let (overrun, preload) = run_out(section, what, bidirectional);
-    let (volume, size_path) = measured_box(section, what, measurement).unzip();
-    let usual_runs = match what {
+const fn usual_runs(what: Option<RunType>) -> u32 {
+    match what {
         Some(RunType::SingleAxis) => DEFAULT_ISO_RUNS,
         _ => 1,
-    };
-    let feed = section.between("feed_mm_per_min", 1e-3..=1e6, "mm/min");
-    let dwell = section.between("dwell_s", 0.1..=600.0, "s");
-    let runs = section.count("runs", 1..=MOST_RUNS, "write a number of that range");
-    let four = "the programs have numbers of four digits";
-    Some(ProgramRequest {
-        axes: axes(section),
-        rest: section.place("rest_mm"),
-        feed_mm_per_min: feed.unwrap_or(DEFAULT_FEED_MM_PER_MIN),
-        dwell_s: dwell.unwrap_or(DEFAULT_DWELL_S),
-        overrun: Millimetres::new(overrun),
-        preload: Millimetres::new(preload),
-        runs: runs.unwrap_or(usual_runs),
-        bidirectional,
-        way_back,
-        targets: targets(section),
-        alignment_pass: section.flag("alignment_pass").unwrap_or(true),
-        number: section.count("number", 1..=MOST_NUMBER, four),
-        target: target(what, measurement),
-        what: what?, // what stands above is read for its problems
-        volume: volume?,
-        size_path: size_path?,
-    })
-}
-
-/// Keys that have no effect on runs of this kind.
-fn refuse_other_runs(section: &Section<'_>, what: Option<RunType>) {
-    let Some(what) = what else { return };
-    let is_single = what == RunType::SingleAxis;
-    let single = "`what = \"single-axis\"`";
-    section.only_with("axes", is_single, single);
-    section.only_with("rest_mm", is_single, single);
-    if section.text("targets").is_some_and(|word| word == "offset") {
-        section.only_with("targets", is_single, single);
     }
-    let step = "`what = \"step-diagonal\"`";
-    section.only_with("order", what == RunType::StepDiagonal, step);
 }
 
-/// The box as stated here, else as stated for the measurement, and the key of its size.
+/// Notes a key that has no effect on runs of another kind.
+fn only_of(section: &Section<'_>, key: &'static str, what: Option<RunType>, own: RunType) {
+    let with = format!("`what = \"{}\"`", own.word());
+    section.only_with(key, what.is_none_or(|what| what == own), &with);
+}
+
+/// The box of the measurement.
+fn measured(measurement: Option<&Measurement>) -> Option<&Volume> {
+    match &measurement?.data {
+        MeasuredData::Diagonals(diagonals) => Some(&diagonals.volume),
+        MeasuredData::Errors(_) => None,
+    }
+}
+
+fn size_path(section: &Section<'_>, measurement: Option<&Measurement>) -> &'static str {
+    match section.has("size_mm") || measured(measurement).is_none() {
+        true => "program.size_mm",
+        false => "measurement.step_diagonal.size_mm",
+    }
+}
+
+/// The box as stated here, else as stated for the measurement.
 fn measured_box(
     section: &Section<'_>,
     what: Option<RunType>,
     measurement: Option<&Measurement>,
-) -> Option<(Volume, &'static str)> {
-    let measured = measurement.and_then(|m| match &m.data {
-        MeasuredData::Diagonals(diagonals) => Some(&diagonals.volume),
-        MeasuredData::Errors(_) => None,
-    });
-    let size_path = if section.has("size_mm") || measured.is_none() {
-        "program.size_mm"
-    } else {
-        "measurement.step_diagonal.size_mm"
-    };
+) -> Option<Volume> {
+    only_of(section, "order", what, RunType::StepDiagonal);
+    let measured = measured(measurement);
     let kind = what.and_then(RunType::path).unwrap_or(PathKind::Straight);
     let is_required = measured.is_none() && measurement.is_some();
-    let volume = volume(section, kind, measured, is_required)?;
-    Some((volume, size_path))
+    volume(section, kind, measured, is_required)
 }
 
 /// What the job states for the same kind of run, else what is usual for it.
@@ -249,59 +232,75 @@ fn target(what: Option<RunType>, measurement: Option<&Measurement>) -> Reflector
     }
 }
 
-fn axes(section: &Section<'_>) -> Vec<Axis> {
-    let Some(names) = section.texts("axes") else {
-        return Axis::ALL.to_vec();
-    };
+fn axes(section: &Section<'_>, key: &'static str, what: Option<RunType>) -> Option<Vec<Axis>> {
+    only_of(section, key, what, RunType::SingleAxis);
+    let names = section.texts(key)?;
     let axes = names.iter().filter_map(|name| Axis::from_letter(name));
     let axes: Vec<Axis> = axes.collect();
     let is_twice = |(n, axis): (usize, &Axis)| axes[..n].contains(axis);
     if axes.is_empty() || axes.len() < names.len() || axes.iter().enumerate().any(is_twice) {
         section.problem(
-            "axes",
+            key,
             "`program.axes` names each of `x`, `y`, `z` at most once, and at least one",
             "for instance `axes = [\"x\", \"z\"]`",
         );
     }
-    axes
+    Some(axes)
 }
 
-/// Whether the return pass is measured, and how it goes where it is not: a way back along the
-/// diagonal meets no node, so it is not measured.
-fn directions(section: &Section<'_>) -> (bool, WayBack) {
-    let way_back = section.choice("return", WayBack::WORDS).unwrap_or(WayBack::Retrace);
+fn rest(section: &Section<'_>, key: &'static str, what: Option<RunType>) -> Option<Places> {
+    only_of(section, key, what, RunType::SingleAxis);
+    section.place(key)
+}
+
+/// Whether the return pass is measured: a way back along the diagonal meets no node, so it is not measured.
+fn is_bidirectional(section: &Section<'_>, key: &'static str, way_back: WayBack) -> bool {
     let is_retraced = way_back == WayBack::Retrace;
-    let stated = section.flag("bidirectional");
+    let stated = section.flag(key);
     let fits = stated != Some(true) || is_retraced;
     section.only_with("return", fits, "`bidirectional = false`");
-    (stated.unwrap_or(is_retraced), way_back)
+    stated.unwrap_or(is_retraced)
 }
 
-/// Overrun and preload, mm.
-fn run_out(section: &Section<'_>, what: Option<RunType>, bidirectional: bool) -> (f64, f64) {
-    let overrun = section.between("overrun_mm", 0.0..=*LENGTHS_MM.end(), "mm");
-    section.only_with("overrun_mm", bidirectional, "`bidirectional = true`");
-    let stated = overrun.filter(|mm| *mm > 0.0);
-    let turns = overrun.is_some() && stated.is_none() && bidirectional;
+fn overrun(
+    section: &Section<'_>,
+    key: &'static str,
+    what: Option<RunType>,
+    bidirectional: bool,
+) -> Millimetres {
+    let overrun = section.between(key, 0.0..=*LENGTHS_MM.end(), "mm");
+    section.only_with(key, bidirectional, "`bidirectional = true`");
+    let turns = overrun.is_some_and(|mm| mm <= 0.0) && bidirectional;
     if turns && what != Some(RunType::StepDiagonal) {
         section.problem(
-            "overrun_mm",
+            key,
             "`overrun_mm` is 0, so the last target would be approached from one side only",
             "give an overrun larger than the reversal of every axis, e.g. `overrun_mm = 2.0`",
         );
     }
-    let preload = section.between("preload_mm", LENGTHS_MM, "mm");
-    let usual_preload = stated.unwrap_or(DEFAULT_OVERRUN_MM);
-    (overrun.unwrap_or(DEFAULT_OVERRUN_MM), preload.unwrap_or(usual_preload))
+    Millimetres::new(overrun.unwrap_or(DEFAULT_OVERRUN_MM))
 }
 
-fn targets(section: &Section<'_>) -> TargetGrid {
-    let is_offset = section.choice("targets", &[("equal", false), ("offset", true)]);
-    let is_offset = is_offset.unwrap_or(false);
-    let shift = section.between("shift_mm", LENGTHS_MM, "mm").map(Millimetres::new);
-    section.only_with("shift_mm", is_offset, "`targets = \"offset\"`");
-    match is_offset {
-        true => TargetGrid::Offset { shift },
-        false => TargetGrid::Equal,
+fn usual_preload(overrun: Millimetres) -> Millimetres {
+    match overrun.mm() > 0.0 {
+        true => overrun,
+        false => Millimetres::new(DEFAULT_OVERRUN_MM),
+    }
+}
+
+fn length(section: &Section<'_>, key: &'static str) -> Option<Millimetres> {
+    section.between(key, LENGTHS_MM, "mm").map(Millimetres::new)
+}
+
+fn targets(section: &Section<'_>, what: Option<RunType>) -> TargetGrid {
+    match TargetKeys::read(section) {
+        Some(TargetKeys { targets: true, shift_mm: shift }) => {
+            only_of(section, "targets", what, RunType::SingleAxis);
+            TargetGrid::Offset { shift }
+        }
+        _ => {
+            section.only_with("shift_mm", false, "`targets = \"offset\"`");
+            TargetGrid::Equal
+        }
     }
 }

@@ -7,6 +7,7 @@ use super::Section;
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::Millimetres;
 use crate::text::plain::is_unseen;
+use crate::text::problem::shown;
 use std::ops::RangeInclusive;
 
 /// What a place may pass the travel by: the last digit of a coordinate, mm.
@@ -23,9 +24,18 @@ impl Section<'_> {
     pub(crate) fn sub<T>(
         &self,
         key: &'static str,
-        read: impl FnOnce(&Section<'_>) -> T,
+        read: impl FnOnce(&Section<'_>) -> Option<T>,
     ) -> Option<T> {
-        self.section(key).map(|section| whole(&section, read))
+        whole(&self.section(key)?, read)
+    }
+
+    /// The same of one that stands for nothing stated where it is not there.
+    pub(crate) fn sub_or_usual<T>(
+        &self,
+        key: &'static str,
+        read: impl FnOnce(&Section<'_>) -> Option<T>,
+    ) -> Option<T> {
+        whole(&self.section(key).unwrap_or_else(|| self.absent(key)), read)
     }
 
     /// The same of a list of sub-sections.
@@ -39,11 +49,32 @@ impl Section<'_> {
         read.collect()
     }
 
-    /// The sub-sections `axes.x`, `axes.y`, `axes.z`.
-    pub(crate) fn axes<T>(&self, read: impl Fn(&Section<'_>) -> Option<T>) -> PerAxis<Option<T>> {
-        let of = |axes: &Section<'_>, axis: Axis| axes.sub(axis.key(), &read).flatten();
-        let axes = self.sub("axes", |axes| PerAxis::from_fn(|axis| of(axes, axis)));
-        axes.unwrap_or_else(|| PerAxis::from_fn(|_| None))
+    /// What stands under `x`, `y` and `z` of a sub-section.
+    pub(crate) fn axes<T>(
+        &self,
+        key: &'static str,
+        read: impl Fn(&Section<'_>, Axis) -> Option<T>,
+    ) -> PerAxis<Option<T>> {
+        let axes = self.sub(key, |s| Some(PerAxis::from_fn(|axis| read(s, axis))));
+        axes.unwrap_or_default()
+    }
+
+    /// Sub-sections of this kind, one for each axis.
+    pub(crate) fn axis_sections<T>(
+        &self,
+        key: &'static str,
+        read: impl Fn(&Section<'_>) -> Option<T>,
+    ) -> PerAxis<Option<T>> {
+        self.axes(key, |s, axis| s.sub(axis.key(), &read))
+    }
+
+    /// What a function makes of the key.
+    pub(crate) fn with<T>(
+        &self,
+        key: &'static str,
+        read: impl FnOnce(&Section<'_>, &'static str) -> T,
+    ) -> T {
+        read(self, key)
     }
 
     /// Notes a key that is missing, with what it is.
@@ -80,28 +111,8 @@ impl Section<'_> {
         range: RangeInclusive<f64>,
         unit: &str,
     ) -> Option<f64> {
-        let number = self.number(key)?;
-        self.in_range(key, number, range, unit)
-    }
-
-    /// A length above 0 and up to a bound, mm, if the key is present.
-    pub(crate) fn length_up_to(&self, key: &'static str, most_mm: f64) -> Option<f64> {
-        let number = self.positive(key)?;
-        self.in_range(key, number, 0.0..=most_mm, "mm")
-    }
-
-    fn in_range(
-        &self,
-        key: &'static str,
-        number: f64,
-        range: RangeInclusive<f64>,
-        unit: &str,
-    ) -> Option<f64> {
-        if !range.contains(&number) {
-            let expected = format!("{} … {} {unit}", range.start(), range.end());
-            self.out_of_range(key, &expected, "check the number and its unit");
-        }
-        Some(number).filter(|number| range.contains(number))
+        let expected = || format!("{} … {} {unit}", range.start(), range.end());
+        self.in_range(key, self.number(key)?, &range, (expected, "check the number and its unit"))
     }
 
     /// A whole number between two bounds, if the key is present.
@@ -111,25 +122,35 @@ impl Section<'_> {
         range: RangeInclusive<u32>,
         help: &str,
     ) -> Option<u32> {
-        let number = self.whole(key)?;
-        if !range.contains(&number) {
-            let expected = match range.end() {
-                &u32::MAX => format!("at least {}", range.start()),
-                most => format!("{} … {most}", range.start()),
-            };
-            self.out_of_range(key, &expected, help);
+        let expected = || match range.end() {
+            &u32::MAX => format!("at least {}", range.start()),
+            most => format!("{} … {most}", range.start()),
+        };
+        self.in_range(key, self.whole(key)?, &range, (expected, help))
+    }
+
+    fn in_range<T: PartialOrd>(
+        &self,
+        key: &'static str,
+        value: T,
+        range: &RangeInclusive<T>,
+        (expected, help): (impl Fn() -> String, &str),
+    ) -> Option<T> {
+        if range.contains(&value) {
+            return Some(value);
         }
-        Some(number).filter(|number| range.contains(number))
-    }
-
-    fn out_of_range(&self, key: &'static str, expected: &str, help: &str) {
         let (path, written) = (self.path_of(key), self.written(key));
-        let message = format!("`{path}` is `{written}`, expected {expected}");
-        self.problem(key, message, help);
+        self.problem(key, format!("`{path}` is `{written}`, expected {}", expected()), help);
+        None
     }
 
-    /// Two ends of a range on an axis, the smaller one first.
-    pub(crate) fn ascending(
+    /// Two ends of a range on an axis, the smaller one first, if the key is present.
+    pub(crate) fn ascending(&self, key: &'static str) -> Option<(Millimetres, Millimetres)> {
+        self.in_order(key, self.pair_of_millimetres(key)?)
+    }
+
+    /// The ends of a range, the second of which stands under a key.
+    pub(crate) fn in_order(
         &self,
         key: &'static str,
         [low, high]: [f64; 2],
@@ -176,15 +197,12 @@ impl Section<'_> {
 
     /// A place `{ x = …, y = …, z = … }`, if the key is present.
     pub(crate) fn place(&self, key: &'static str) -> Option<Places> {
-        let read = |s: &Section<'_>| s.coordinates(PerAxis::from_fn(Axis::key));
-        self.sub(key, read).flatten()
+        self.sub(key, |s| s.coordinates(PerAxis::from_fn(Axis::key)))
     }
 
     /// Places of some of the axes.
     pub(crate) fn some_places(&self, key: &'static str) -> PerAxis<Option<Millimetres>> {
-        let of = |s: &Section<'_>, axis: Axis| s.millimetres(axis.key()).map(Millimetres::new);
-        let read = self.sub(key, |s| PerAxis::from_fn(|axis| of(s, axis)));
-        read.unwrap_or_default()
+        self.axes(key, |s, axis| s.millimetres(axis.key()).map(Millimetres::new))
     }
 
     /// A text that is printed; a character that is not seen would reach files and the terminal as a command.
@@ -201,13 +219,29 @@ impl Section<'_> {
         Some(text)
     }
 
+    /// What is made of a text; where that is nothing, a problem says what was expected and the next step.
+    pub(crate) fn parsed<T>(
+        &self,
+        key: &'static str,
+        read: impl FnOnce(&str) -> Option<T>,
+        [expected, help]: [&str; 2],
+    ) -> Option<T> {
+        let text = self.text(key)?;
+        let value = read(&text);
+        if value.is_none() {
+            let message = format!("`{key}` is `{}`, expected {expected}", shown(&text));
+            self.problem(key, message, help);
+        }
+        value
+    }
+
     /// `"+"` or `"-"`.
     pub(crate) fn direction(&self, key: &'static str) -> Option<Direction> {
         self.choice(key, &Direction::BOTH.map(|way| (way.symbol(), way)))
     }
 }
 
-fn whole<T>(section: &Section<'_>, read: impl FnOnce(&Section<'_>) -> T) -> T {
+fn whole<T>(section: &Section<'_>, read: impl FnOnce(&Section<'_>) -> Option<T>) -> Option<T> {
     let value = read(section);
     section.refuse_unknown_keys();
     value

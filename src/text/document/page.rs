@@ -13,14 +13,16 @@ pub(crate) fn states(source: &Source, key: &str) -> bool {
 }
 
 /// Reads a TOML page: `read` takes what it knows from the root section and gives a value if it could;
-/// every problem is collected. The source comes back with the places of its keys. A key that `needs`
-/// refuses may be empty; it gets a dotted path, entries of a list without number.
+/// every problem is collected, and where there is one, `besides` notes what else is wrong. The source
+/// comes back with the places of its keys. A key that `needs` refuses may be empty; it gets a dotted
+/// path, entries of a list without number.
 pub(crate) fn read_page_for<T>(
     source: Source,
     needs: impl Fn(&str) -> bool,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
+    besides: impl FnOnce(&Section<'_>),
 ) -> Result<(T, Source), Problems> {
-    read_layers((source, &[]), |_, _| (), needs, read)
+    read_layers((source, &[], |_, _| ()), needs, read, besides)
 }
 
 /// The same for a page all of whose keys are needed and that builds on others, the nearest first: `lay_over` takes into a page what it
@@ -28,17 +30,20 @@ pub(crate) fn read_page_for<T>(
 pub(crate) fn read_page_over<T>(
     source: Source,
     below: &[&str],
-    lay_over: for<'a> fn(&mut DeTable<'a>, DeTable<'a>),
+    lay_over: LayOver,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
 ) -> Result<(T, Source), Problems> {
-    read_layers((source, below), lay_over, |_| true, read)
+    read_layers((source, below, lay_over), |_| true, read, |_| ())
 }
 
+/// Takes into a page what it wants of the one below.
+type LayOver = for<'a> fn(&mut DeTable<'a>, DeTable<'a>);
+
 fn read_layers<T>(
-    (mut source, below): (Source, &[&str]),
-    lay_over: for<'a> fn(&mut DeTable<'a>, DeTable<'a>),
+    (mut source, below, lay_over): (Source, &[&str], LayOver),
     needs: impl Fn(&str) -> bool,
     read: impl FnOnce(&Section<'_>) -> Option<T>,
+    besides: impl FnOnce(&Section<'_>),
 ) -> Result<(T, Source), Problems> {
     refuse_large_page(&source.name, source.text.len())?;
     let mut texts = vec![source.text.clone()];
@@ -57,13 +62,15 @@ fn read_layers<T>(
     let section = Section::root(&source, root.get_ref(), &notes);
     let value = read(&section);
     section.refuse_unknown_keys();
-    let spots = notes.spots.into_inner();
-    let mut problems = notes.problems.into_inner();
     let mut empty = Vec::new();
     empty_keys(root.get_ref(), "", &mut empty);
     empty.retain(|(key, _)| needs(key));
     let empty = empty.into_iter().map(|(_, span)| span).collect();
-    problems.extend(to_be_filled_in(&source, empty));
+    section.note_all(to_be_filled_in(&source, empty));
+    if !notes.problems.borrow().is_empty() {
+        besides(&section);
+    }
+    let (spots, problems) = (notes.spots.into_inner(), notes.problems.into_inner());
     match value {
         Some(value) if problems.is_empty() => {
             source.spots = spots;

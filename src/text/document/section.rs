@@ -59,22 +59,15 @@ impl<'a> Section<'a> {
     }
 
     /// The same at an entry of a list.
-    pub(crate) fn problem_in(
-        &self,
-        key: &str,
-        index: usize,
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) {
-        let list = self.table.get(key).map(Spanned::get_ref);
-        let entry = list.and_then(|list| list.as_array()?.get(index).map(Spanned::span));
-        match entry {
-            None => self.problem(key, message, help),
-            Some(span) => {
-                let place = self.source.place(&span);
-                self.note(|| Problem::new(message).at(place).help(help));
-            }
-        }
+    pub(crate) fn problem_in(&self, key: &str, index: usize, message: String, help: &str) {
+        let list = self.table.get(key).and_then(|list| list.get_ref().as_array());
+        let span = list.and_then(|list| list.get(index)).map_or(self.span.clone(), Spanned::span);
+        self.note(|| Problem::new(message).at(self.source.place(&span)).help(help));
+    }
+
+    /// Notes problems of a file that the page names.
+    pub(crate) fn note_all(&self, problems: Problems) {
+        self.notes.problems.borrow_mut().extend(problems);
     }
 
     fn note(&self, make: impl FnOnce() -> Problem) {
@@ -112,8 +105,16 @@ impl<'a> Section<'a> {
         self.value(key).is_some() || self.table.contains_key(key)
     }
 
+    /// Whether it stands for one that is not there.
+    fn is_absent(&self) -> bool {
+        std::ptr::eq(self.table, &raw const self.notes.nothing)
+    }
+
     /// Notes that a required key is missing.
     pub fn missing(&self, key: &str, expected: &str) {
+        if self.is_absent() {
+            return;
+        }
         let place = if self.path.is_empty() {
             format!("`{key}` is missing")
         } else {
@@ -128,7 +129,7 @@ impl<'a> Section<'a> {
 
     /// A sub-section that must be there.
     pub(crate) fn required_section(&self, key: &'static str) -> Option<Section<'a>> {
-        if !self.has(key) {
+        if !self.has(key) && !self.is_absent() {
             let name = self.path_of(key);
             let end = self.source.text.trim_end().len();
             let span = if self.path.is_empty() { end..end } else { self.span.clone() };
@@ -203,12 +204,6 @@ impl<'a> Section<'a> {
     pub fn millimetres(&self, key: &'static str) -> Option<f64> {
         let number = self.number(key)?;
         self.sized(key, number, number.abs() <= LONGEST_MM)
-    }
-
-    /// Two positions in mm in square brackets, if the key is present.
-    pub(crate) fn pair_of_millimetres(&self, key: &'static str) -> Option<[f64; 2]> {
-        let pair = self.pair(key)?;
-        self.sized(key, pair, pair.iter().all(|mm| mm.abs() <= LONGEST_MM))
     }
 
     /// A number of at least zero, if the key is present.
@@ -298,11 +293,11 @@ impl<'a> Section<'a> {
         found.map(|(_, value)| *value)
     }
 
-    /// Two finite numbers in square brackets, if the key is present.
-    pub fn pair(&self, key: &'static str) -> Option<[f64; 2]> {
+    /// Two positions in mm in square brackets, if the key is present.
+    pub fn pair_of_millimetres(&self, key: &'static str) -> Option<[f64; 2]> {
         let numbers = |value: &DeValue<'_>| list_of(value, number_of)?.try_into().ok();
         let pair: [f64; 2] = self.typed(key, "two finite numbers, e.g. [0.0, 900.0]", numbers)?;
-        self.sized(key, pair, pair.iter().all(|number| number.abs() <= LARGEST_NUMBER))
+        self.sized(key, pair, pair.iter().all(|mm| mm.abs() <= LONGEST_MM))
     }
 
     /// A list of texts, if the key is present.
@@ -356,6 +351,11 @@ impl<'a> Section<'a> {
         items.iter().enumerate().filter_map(child).collect()
     }
 
+    /// A sub-section that is not there: no key of it is stated, and none is required.
+    pub(crate) fn absent(&self, key: &str) -> Section<'a> {
+        self.child(&self.notes.nothing, self.span.clone(), key, &joined(&self.spot, key))
+    }
+
     fn child(
         &self,
         table: &'a DeTable<'a>,
@@ -371,15 +371,16 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// Keys and texts of a free section (protocol); numbers are kept as they are written.
-    pub(crate) fn entries(&self) -> Vec<(String, String)> {
+    /// Keys and texts of a free sub-section (protocol); numbers are kept as they are written.
+    pub(crate) fn entries(&self, key: &'static str) -> Vec<(String, String)> {
         let text = |value: &DeValue<'_>| match value {
             DeValue::String(text) => Some(text.to_string()),
             DeValue::Integer(number) => Some(number.as_str().to_string()),
             DeValue::Float(number) => Some(number.as_str().to_string()),
             _ => None,
         };
-        let entries = self.table.iter();
+        let section = self.section(key);
+        let entries = section.iter().flat_map(|own| own.table);
         entries
             .filter_map(|(key, value)| Some((key.get_ref().to_string(), text(value.get_ref())?)))
             .collect()
@@ -462,4 +463,6 @@ fn list_of<T>(value: &DeValue<'_>, read: impl Fn(&DeValue<'_>) -> Option<T>) -> 
 pub(super) struct Notes {
     pub(super) problems: RefCell<Problems>,
     pub(super) spots: RefCell<Vec<Spot>>,
+    /// A section that is not there.
+    nothing: DeTable<'static>,
 }
