@@ -117,12 +117,12 @@ fn show(files: &dyn Files, id: &str, print: Print, toml: bool) -> Result<Outcome
 
 fn profile_json(profile: &Profile) -> Value {
     let files = profile.files.iter().map(|file| {
-        json!({ "path": file.path, "role": file.role.word(), "template": file.template_name })
+        json!({ "path": file.path, "role": file.role.word(), "template": file.template.name })
     });
     let program = profile.program.as_ref().map(|program| {
         json!({
             "language": program.language.word(),
-            "template": program.template_name,
+            "template": program.template.name,
             "facts": program.statements,
         })
     });
@@ -147,7 +147,7 @@ fn profile_text(profile: &Profile) -> String {
         parts.push(format!(
             "part programs of measuring runs ({}, {}):",
             program.language.word(),
-            program.template_name
+            program.template.name
         ));
         parts.extend(program.statements.iter().map(statement_text));
     }
@@ -166,7 +166,7 @@ fn job_key_text(key: &JobKey) -> String {
 fn files_text(profile: &Profile) -> String {
     let files = profile.files.iter();
     let rows =
-        files.map(|file| format!("{}\t{}\t{}", file.path, file.role.word(), file.template_name));
+        files.map(|file| format!("{}\t{}\t{}", file.path, file.role.word(), file.template.name));
     table("file\trole\ttemplate", rows)
 }
 

@@ -1,21 +1,25 @@
 //! The steps of a service visit: as they stand in a profile, and filled in for one kit (docs/field-kit.md).
 //! Nothing here moves a machine.
 
-use crate::control::controller::fact::{Evidence, Fact, Mechanism, Role};
-use crate::text::words::words;
+use crate::control::controller::fact::{Evidence, Fact, Mechanism, Role, origin_or_rule};
+use crate::text::document::{Section, section};
+use crate::text::problem::shown;
+use crate::text::words::{Word, words};
 use serde::Serialize;
 
-/// One step.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Step {
-    /// Heading that it stands under.
-    pub part: String,
-    /// What to do; roles of files and [`REFERENCE`] in braces are filled in.
-    pub text: Fact<String>,
-    /// What of this kit is listed below it.
-    pub list: Option<List>,
-    /// Kits that it is for; `None` = all.
-    pub when: Option<When>,
+section! {
+    /// One step.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Step(section: &Section<'_>) {
+        /// Heading that it stands under.
+        pub part: String = text(), must "the heading it stands under";
+        /// What to do; roles of files and [`REFERENCE`] in braces are filled in.
+        pub text: Fact<String> = with(what_to_do), must "what to do";
+        /// What of this kit is listed below it.
+        pub list: Option<List> = choice(List::WORDS);
+        /// Kits that it is for; `None` = all.
+        pub when: Option<When> = with(condition);
+    }
 }
 
 words! {
@@ -195,4 +199,63 @@ fn filled(text: &str, kit: &KitFacts<'_>) -> String {
         .into_iter()
         .map(|(plain, placeholder)| placeholder.map(word).unwrap_or_default() + plain)
         .collect()
+}
+
+/// The steps of a visit; none where the page has none. Those of `[[steps]]` stand at the end of their part.
+pub(crate) fn steps(root: &Section<'_>) -> Vec<Step> {
+    let mut list = root.subs("checklist", Step::read);
+    root.subs("steps", |section| {
+        let own = Step::read(section)?;
+        match list.iter().rposition(|step| step.part == own.part) {
+            Some(last) => list.insert(last + 1, own),
+            None => no_part(section, &own.part, &list),
+        }
+        Some(())
+    });
+    list
+}
+
+fn no_part(section: &Section<'_>, part: &str, list: &[Step]) {
+    let mut parts: Vec<String> = list.iter().map(|own| format!("`{}`", own.part)).collect();
+    parts.dedup();
+    section.problem(
+        "part",
+        format!("the checklist has no part `{}`", shown(part)),
+        format!("its parts: {}", parts.join(", ")),
+    );
+}
+
+fn what_to_do(section: &Section<'_>, key: &'static str) -> Option<Fact<String>> {
+    let text = section.text(key);
+    let origin = origin_or_rule(section);
+    let text = text?;
+    let words = pieces(&text).into_iter().filter_map(|(_, word)| word);
+    for word in words.filter(|word| !is_placeholder(word)) {
+        section.problem(
+            key,
+            format!("`{{{}}}` cannot be filled in", shown(word)),
+            "write the word of a role of file, for instance `{enable}`, or `{reference}`",
+        );
+    }
+    Some(origin?.with(text))
+}
+
+fn condition(section: &Section<'_>, key: &'static str) -> Option<When> {
+    let words = section.text(key)?;
+    let (absent, word) = match words.strip_prefix("no ") {
+        Some(word) => (true, word),
+        None => (false, words.as_str()),
+    };
+    let role = ROLES.into_iter().find(|role| role.word() == word);
+    let mechanism = Mechanism::WORDS.iter().find(|(known, _)| *known == word);
+    let subject =
+        role.map(Subject::File).or(mechanism.map(|(_, mechanism)| Subject::Uses(*mechanism)));
+    if subject.is_none() {
+        section.problem(
+            key,
+            format!("`{}` is neither a role of file nor a mechanism", shown(word)),
+            "for instance `when = \"cec\"`, `when = \"rollback\"`, `when = \"no rollback\"`",
+        );
+    }
+    Some(When { subject: subject?, absent })
 }

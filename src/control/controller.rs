@@ -11,13 +11,13 @@ pub(crate) mod fact;
 mod families;
 mod family;
 mod fanuc;
+mod files;
 mod generic;
 mod isg;
 mod job_keys;
 mod klipper;
 mod linuxcnc;
 pub mod load;
-mod load_parts;
 mod pattern;
 pub mod program;
 mod siemens;
@@ -30,6 +30,7 @@ pub use self::fact::{
 };
 pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
+pub use self::files::EmittedFile;
 pub use self::generic::{GenericFacts, TypedValue};
 pub use self::isg::{IsgFacts, LeverOrigin};
 pub use self::job_keys::{JobKey, JobSection};
@@ -39,21 +40,23 @@ pub(crate) use self::pattern::Field;
 pub use self::pattern::Pattern;
 pub use self::siemens::{MultiplyMode, SiemensFacts};
 
-use self::fact::facts;
+use self::fact::Facts;
 use crate::control::checklist::Step;
+use crate::text::document::section;
 use crate::text::words::words;
 
-facts! {
+section! {
     /// Facts of every control.
-    CommonFacts {
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct CommonFacts(facts: &Facts<'_>) {
         /// Line end of the emitted files.
-        line_end: LineEnd,
+        pub line_end: Fact<LineEnd> = stated(), must;
         /// Whether the control's files may carry comments.
-        comments: Comments,
+        pub comments: Fact<Comments> = stated(), must;
         /// Names of the axes X, Y, Z where the job does not state them.
-        axis_names: Vec<String>,
+        pub axis_names: Fact<Vec<String>> = stated(), must;
         /// Whether the job must state a detection unit for each axis.
-        detection_unit_required: bool,
+        pub detection_unit_required: Fact<bool> = stated(), must;
     }
 }
 
@@ -106,59 +109,6 @@ words! {
         Utf8 = "utf-8",
         /// UTF-16, the low byte first.
         Utf16Le = "utf-16le",
-    }
-}
-
-/// One file that a profile emits.
-#[derive(Clone, Debug, PartialEq)]
-pub struct EmittedFile {
-    /// What it is for.
-    pub role: Role,
-    /// Its name in the kit; of one for each item of a list with the item's field in braces.
-    pub path: String,
-    /// The list of which each item gets a file of its own (`joints`); absent = one file.
-    pub each: Option<String>,
-    /// Name of the template.
-    pub template_name: String,
-    /// Text of the template.
-    pub template: String,
-    /// Emitted only if the kit holds such tables (`lec`, `cec`, `points`); absent = always.
-    pub when: Option<String>,
-    /// What a sign proof proves; other files have none.
-    pub mechanism: Option<Mechanism>,
-    /// Whether a control may load it; `false` is stated only of a `report`.
-    pub may_be_loaded: bool,
-}
-
-impl EmittedFile {
-    /// Whether it is a page for a browser: its template sees every text as HTML.
-    pub(crate) fn is_page(&self) -> bool {
-        self.path.to_ascii_lowercase().ends_with(".html")
-    }
-
-    /// What stands before and behind the field in braces, and the field: `joint-{number}.comp`.
-    pub(crate) fn field(&self) -> Option<[&str; 3]> {
-        let (before, rest) = self.path.split_once('{')?;
-        let (field, behind) = rest.split_once('}')?;
-        Some([before, field, behind])
-    }
-
-    /// Whether a file is called so, in capitals or not.
-    pub fn is_called(&self, name: &str) -> bool {
-        let Some([before, _, behind]) = self.field() else {
-            return self.path.eq_ignore_ascii_case(name);
-        };
-        let name = name.to_ascii_lowercase();
-        let inside = name.strip_prefix(&before.to_ascii_lowercase());
-        let inside = inside.and_then(|rest| rest.strip_suffix(&behind.to_ascii_lowercase()));
-        inside.is_some_and(|item| {
-            !item.is_empty() && item.bytes().all(|byte| byte.is_ascii_alphanumeric())
-        })
-    }
-
-    /// Whether a control may load the file, and no reader of this program takes it.
-    pub(crate) fn is_loaded_unread(&self) -> bool {
-        self.role == Role::Report && self.may_be_loaded
     }
 }
 

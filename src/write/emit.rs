@@ -250,7 +250,7 @@ pub(crate) fn render_checklist(
     let mut rendered = Vec::new();
     for file in files.filter(|file| file.role == Role::Checklist) {
         let seen = checklist_context(file, names.clone(), words.clone())?;
-        let text = templates.text(&file.template_name, &file.template, &seen)?;
+        let text = templates.text(&file.template.name, &file.template.text, &seen)?;
         let text = plain::page(&text.replace("\r\n", "\n")).into_owned();
         rendered.push(RenderedFile {
             path: file.path.clone(),
@@ -316,7 +316,7 @@ pub(crate) fn render_those(
             for (path, item) in problems.take(items).unwrap_or_default() {
                 seen.insert_value("item", item);
                 seen.insert("role", file.role.word());
-                let text = templates.text(&file.template_name, &file.template, &seen);
+                let text = templates.text(&file.template.name, &file.template.text, &seen);
                 let bytes = text.and_then(|text| bytes_of(&path, &text, profile));
                 let bytes = problems.take(bytes.map_err(Problems::from));
                 files.extend(

@@ -8,13 +8,13 @@
 //!   how a line is read  lines, file_name, comments; their fields say how points lie, and whether a value has two directions
 //! ```
 
-use super::fact::{Comments, Fact, Facts, Mechanism, Outside, Stated, TableSign, facts};
+use super::fact::{Comments, Fact, Facts, Mechanism, Outside, Stated, TableSign};
 use super::family::{Family, Proof};
 use super::pattern::{Field, Pattern};
 use crate::control::table::Tables;
 use crate::control::table::declared::DeclaredTables;
 use crate::text::delimited::LengthUnit;
-use crate::text::document::Section;
+use crate::text::document::{Section, section};
 use crate::text::words::words;
 
 pub(super) static FAMILY: Family = Family {
@@ -105,47 +105,48 @@ impl Stated for Size {
 const SIZES: &[(&str, LengthUnit)] =
     &[("mm", LengthUnit::Mm), ("um", LengthUnit::Um), ("inch", LengthUnit::In)];
 
-facts! {
+section! {
     /// Facts of a declared control.
-    DeclaredFacts {
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct DeclaredFacts(facts: &Facts<'_>) {
         /// Sense of the table of an axis for itself.
-        own_sign: TableSign,
+        pub own_sign: Fact<TableSign> = stated(), must;
         /// How many other axes an axis can follow.
-        cross_terms: u32,
+        pub cross_terms: Fact<u32> = within(..=OTHER_AXES, "0, 1 or 2"), must;
         /// Sense of the table of an axis that follows another.
-        cross_sign: TableSign,
+        pub cross_sign: Fact<TableSign> = stated(), must;
         /// In which form a number says it.
-        value_form: ValueForm,
+        pub value_form: Fact<ValueForm> = stated(), must;
         /// Size of 1 of a value.
-        value_size: Size,
+        pub value_size: Fact<Size> = stated(), must;
         /// Decimals of values; one count is the last decimal.
-        value_decimals: u32,
+        pub value_decimals: Fact<u32> = decimals(), must;
         /// Largest value that the control takes, either sign, as in the file.
-        largest_value: f64,
+        pub largest_value: Fact<f64> = stated(), must;
         /// Size of 1 of a position.
-        position_size: Size,
+        pub position_size: Fact<Size> = stated(), must;
         /// Decimals of positions.
-        position_decimals: u32,
+        pub position_decimals: Fact<u32> = decimals(), must;
         /// Order of the points.
-        order: Order,
+        pub order: Fact<Order> = stated(), must;
         /// Number of the first point of a table.
-        first_point: u32,
+        pub first_point: Fact<u32> = stated(), must;
         /// Most points of a table.
-        points: u32,
+        pub points: Fact<u32> = within(2.., "at least 2"), must;
         /// What the backlash parameter does beside a table.
-        backlash: BesideTable,
+        pub backlash: Fact<BesideTable> = stated(), must;
         /// What a control adds outside a table.
-        outside: Outside,
+        pub outside: Fact<Outside> = stated(), must;
         /// Whether a point may lie behind the end of the travel.
-        points_beyond_travel: bool,
+        pub points_beyond_travel: Fact<bool> = stated(), must;
         /// A column for − that is zero everywhere stands for that for +.
-        zero_reverse_is_forward: bool,
+        pub zero_reverse_is_forward: Fact<bool> = stated(), must;
         /// What begins a comment.
-        comments: Comments,
+        pub comments: Fact<Comments> = stated(), must;
         /// What a line of a file can be, in this order.
-        lines: Vec<Pattern>,
+        pub lines: Fact<Vec<Pattern>> = stated(), must;
         /// What the name of a file says; a pattern that takes none says nothing.
-        file_name: Vec<Pattern>,
+        pub file_name: Fact<Vec<Pattern>> = stated(), must;
     }
 }
 
@@ -156,10 +157,6 @@ impl DeclaredFacts {
     /// Reads and checks them.
     pub(super) fn checked(facts: &Facts<'_>) -> Option<DeclaredFacts> {
         let own = DeclaredFacts::read(facts)?;
-        facts.expect_decimals("value_decimals", &own.value_decimals);
-        facts.expect_decimals("position_decimals", &own.position_decimals);
-        facts.expect("cross_terms", own.cross_terms.value <= OTHER_AXES, "0, 1 or 2");
-        facts.expect("points", own.points.value > 1, "at least 2");
         for (name, is_right, expected) in own.rules() {
             facts.expect(name, is_right, expected);
         }

@@ -5,6 +5,7 @@ use crate::text::document::Section;
 use crate::text::words::{Word, words};
 use serde::Serialize;
 use std::cell::RefCell;
+use std::ops::RangeBounds;
 
 words! {
     /// How well a fact is known.
@@ -328,25 +329,6 @@ pub struct Statement {
     pub mechanism: Option<Mechanism>,
 }
 
-/// A struct of facts, and its reading from `[facts]`: each field is the fact of that name.
-macro_rules! facts {
-    ($(#[$meta:meta])* $name:ident { $($(#[$doc:meta])* $fact:ident: $type:ty,)* }) => {
-        $(#[$meta])*
-        #[derive(Clone, Debug, PartialEq)]
-        pub struct $name {
-            $($(#[$doc])* pub $fact: $crate::control::controller::fact::Fact<$type>,)*
-        }
-
-        impl $name {
-            pub(in crate::control::controller) fn read(facts: &$crate::control::controller::fact::Facts<'_>) -> Option<Self> {
-                $(let $fact = facts.stated(stringify!($fact));)*
-                Some(Self { $($fact: $fact?,)* })
-            }
-        }
-    };
-}
-pub(super) use facts;
-
 /// A value that a page can state as a fact.
 pub(super) trait Stated: Sized {
     /// The value under the key `value`.
@@ -401,7 +383,7 @@ impl Stated for Vec<NumberRange> {
 }
 
 /// The sections `[facts.NAME]`: value, evidence, source, consequence, mechanism.
-pub(super) struct Facts<'a> {
+pub(crate) struct Facts<'a> {
     pub(super) section: Section<'a>,
     pub(super) statements: RefCell<Vec<Statement>>,
 }
@@ -413,6 +395,11 @@ impl<'a> Facts<'a> {
 
     pub(super) fn stated<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
         self.read(name, T::read)
+    }
+
+    /// The same of one that may be absent.
+    pub(super) fn if_stated<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
+        self.section.has(name).then(|| self.stated(name)).flatten()
     }
 
     /// The value of a fact that was read, as it is written.
@@ -431,9 +418,21 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// The same of decimals of a number in a file.
-    pub(super) fn expect_decimals(&self, name: &str, decimals: &Fact<u32>) {
-        self.expect(name, decimals.value <= 9, "0 … 9");
+    /// A number within bounds.
+    pub(super) fn within<T: Stated + PartialOrd>(
+        &self,
+        name: &'static str,
+        range: impl RangeBounds<T>,
+        expected: &str,
+    ) -> Option<Fact<T>> {
+        let fact = self.stated(name)?;
+        self.expect(name, range.contains(&fact.value), expected);
+        Some(fact)
+    }
+
+    /// Decimals of a number in a file.
+    pub(super) fn decimals(&self, name: &'static str) -> Option<Fact<u32>> {
+        self.within(name, ..=9, "0 … 9")
     }
 
     /// A fact whose value `value` reads. One that a family reads besides is stated once.
@@ -444,9 +443,7 @@ impl<'a> Facts<'a> {
     ) -> Option<Fact<T>> {
         let section = self.section.required_section(name)?;
         let value = value(&section);
-        if !section.has("value") {
-            section.missing("value", "what is stated");
-        }
+        section.require("value", "what is stated");
         let origin = complete_origin(&section);
         let mechanism = section.choice("mechanism", Mechanism::WORDS);
         section.refuse_unknown_keys();
@@ -468,16 +465,14 @@ impl<'a> Facts<'a> {
 
 impl<T> Fact<T> {
     /// The same origin for another value.
-    pub(super) fn with<V>(self, value: V) -> Fact<V> {
+    pub(crate) fn with<V>(self, value: V) -> Fact<V> {
         Fact { value, evidence: self.evidence, source: self.source, consequence: self.consequence }
     }
 }
 
 /// Where a statement of a page is from, how well it is known, and what happens if it is wrong.
 pub(super) fn origin(section: &Section<'_>) -> Option<Fact<()>> {
-    if !section.has("evidence") {
-        section.missing("evidence", "`manual`, `assumed` or `executed`");
-    }
+    section.require("evidence", "`manual`, `assumed` or `executed`");
     let evidence = section.choice("evidence", Evidence::WORDS);
     let source =
         section.required_text("source", "manual, edition and chapter, or why it is assumed");
@@ -489,8 +484,8 @@ pub(super) fn origin(section: &Section<'_>) -> Option<Fact<()>> {
 fn complete_origin(section: &Section<'_>) -> Option<Fact<()>> {
     let origin = origin(section);
     let is_assumed = section.text("evidence").as_deref() == Some(Evidence::Assumed.word());
-    if is_assumed && !section.has("consequence") {
-        section.missing("consequence", "what happens on the machine if the assumption is wrong");
+    if is_assumed {
+        section.require("consequence", "what happens on the machine if the assumption is wrong");
     }
     origin
 }
@@ -499,7 +494,7 @@ fn complete_origin(section: &Section<'_>) -> Option<Fact<()>> {
 pub(crate) const RULE: &str = "a rule of this program, not of the control";
 
 /// The same of a step or a key of a job: one that states nothing of it is a rule of this program.
-pub(super) fn origin_or_rule(section: &Section<'_>) -> Option<Fact<()>> {
+pub(crate) fn origin_or_rule(section: &Section<'_>) -> Option<Fact<()>> {
     let is_stated = ["evidence", "source", "consequence"].map(|key| section.has(key));
     match is_stated.contains(&true) {
         true => complete_origin(section),

@@ -12,13 +12,13 @@ pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 
 /// All of them, in the order in which they are named.
 pub(super) const FAMILIES: [Known; 7] = [
-    (&siemens::FAMILY, |facts| SiemensFacts::checked(facts).map(Dialect::Siemens)),
-    (&fanuc::FAMILY, |facts| FanucFacts::checked(facts).map(Dialect::Fanuc)),
+    (&siemens::FAMILY, |facts| SiemensFacts::read(facts).map(Dialect::Siemens)),
+    (&fanuc::FAMILY, |facts| FanucFacts::read(facts).map(Dialect::Fanuc)),
     (&generic::FAMILY, |facts| GenericFacts::read(facts).map(Dialect::Generic)),
     (&declared::FAMILY, |facts| DeclaredFacts::checked(facts).map(Dialect::Declared)),
-    (&linuxcnc::FAMILY, |facts| LinuxcncFacts::checked(facts).map(Dialect::Linuxcnc)),
-    (&klipper::FAMILY, |facts| KlipperFacts::checked(facts).map(Dialect::Klipper)),
-    (&isg::FAMILY, |facts| IsgFacts::checked(facts).map(Dialect::Isg)),
+    (&linuxcnc::FAMILY, |facts| LinuxcncFacts::read(facts).map(Dialect::Linuxcnc)),
+    (&klipper::FAMILY, |facts| KlipperFacts::read(facts).map(Dialect::Klipper)),
+    (&isg::FAMILY, |facts| IsgFacts::read(facts).map(Dialect::Isg)),
 ];
 
 /// What sign proofs can prove, with the words of profiles.

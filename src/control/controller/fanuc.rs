@@ -1,9 +1,10 @@
 //! FANUC: facts of the stored pitch error compensation and of straightness (docs/fanuc.md).
 
-use super::fact::{Facts, Mechanism, NumberRange, Outside, TableSign, facts};
+use super::fact::{Fact, Facts, Mechanism, NumberRange, Outside, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::fanuc::FanucMemory;
+use crate::text::document::section;
 use crate::text::words::words;
 use std::collections::BTreeMap;
 
@@ -85,72 +86,58 @@ words! {
     }
 }
 
-facts! {
+section! {
     /// Facts of the Fanuc dialect: stored pitch error compensation (docs/fanuc.md).
-    FanucFacts {
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct FanucFacts(facts: &Facts<'_>) {
         /// Sense of pitch data.
-        pitch_sign: TableSign,
+        pub pitch_sign: Fact<TableSign> = stated(), must;
         /// Sense of straightness data.
-        straightness_sign: TableSign,
+        pub straightness_sign: Fact<TableSign> = stated(), must;
         /// Digits of a number below 10000 (`N03620` or `N3620`).
-        number_digits: u32,
+        pub number_digits: Fact<u32> = stated(), must;
         /// Whether blocks carry `Q1` (parameter) and `Q0` (pitch data), and `L1` before a parameter of the path.
-        q_identifier: bool,
+        pub q_identifier: Fact<bool> = stated(), must;
         /// What is added to a point number in a file.
-        point_offset: u32,
+        pub point_offset: Fact<u32> = stated(), must;
         /// Numbers that pitch points may have.
-        pitch_points: Vec<NumberRange>,
+        pub pitch_points: Fact<Vec<NumberRange>> = stated(), must;
         /// Numbers that the second run of a bidirectional table may have.
-        minus_points: Vec<NumberRange>,
+        pub minus_points: Fact<Vec<NumberRange>> = stated(), must;
         /// Largest increment of one point.
-        increment_max: u32,
+        pub increment_max: Fact<u32> = within(1.., "at least 1"), must;
         /// Largest magnification (3623).
-        magnification_max: u32,
+        pub magnification_max: Fact<u32> = within(1.., "at least 1"), must;
         /// How 3624 is written.
-        interval_form: IntervalForm,
+        pub interval_form: Fact<IntervalForm> = stated(), must;
         /// Decimals of 3624 on a metric control (with `Integer`: of the least input increment).
-        interval_decimals_mm: u32,
+        pub interval_decimals_mm: Fact<u32> = decimals(), must;
         /// Decimals of 3624 on an inch control.
-        interval_decimals_inch: u32,
+        pub interval_decimals_inch: Fact<u32> = decimals(), must;
         /// The interval must be at least the largest feed (per minute) divided by this.
-        interval_feed_divisor: f64,
+        pub interval_feed_divisor: Fact<f64> = stated(), must;
         /// Where inside its section a pulse comes out, 0 = lower end, 1 = upper end.
-        output_fraction: f64,
+        pub output_fraction: Fact<f64> = within(0.0..1.0, "between 0 and 1"), must;
         /// Whether 3627 is multiplied by the magnification.
-        reversal_magnified: bool,
+        pub reversal_magnified: Fact<bool> = stated(), must;
         /// Form of the straightness compensation.
-        straightness_form: StraightnessForm,
+        pub straightness_form: Fact<StraightnessForm> = stated(), must;
         /// Number of straightness sets.
-        straightness_sets: u32,
+        pub straightness_sets: Fact<u32> = stated(), must;
         /// Most pitch points of a moving axis that has straightness compensation.
-        straightness_axis_points: u32,
+        pub straightness_axis_points: Fact<u32> = stated(), must;
         /// Numbers of straightness data (per-point form).
-        straightness_points: Vec<NumberRange>,
+        pub straightness_points: Fact<Vec<NumberRange>> = stated(), must;
         /// First parameter of the magnifications (per-point form), set 1.
-        straightness_magnification_parameter: u32,
+        pub straightness_magnification_parameter: Fact<u32> = stated(), must;
         /// First parameter of the first data numbers (per-point form), set 1.
-        straightness_start_parameter: u32,
+        pub straightness_start_parameter: Fact<u32> = stated(), must;
         /// Largest amount of the four-point form, detection units.
-        straightness_amount_max: u32,
+        pub straightness_amount_max: Fact<u32> = stated(), must;
     }
 }
 
 impl FanucFacts {
-    /// Reads and checks them.
-    pub(super) fn checked(facts: &Facts<'_>) -> Option<FanucFacts> {
-        let own = FanucFacts::read(facts)?;
-        facts.expect_decimals("interval_decimals_mm", &own.interval_decimals_mm);
-        facts.expect_decimals("interval_decimals_inch", &own.interval_decimals_inch);
-        let fraction = own.output_fraction.value;
-        facts.expect("output_fraction", fraction < 1.0, "between 0 and 1");
-        let at_least_1 =
-            [("increment_max", &own.increment_max), ("magnification_max", &own.magnification_max)];
-        for (name, fact) in at_least_1 {
-            facts.expect(name, fact.value > 0, "at least 1");
-        }
-        Some(own)
-    }
-
     /// Whether a parameter holds the magnification or the first data number of a per-point set.
     pub(crate) fn is_of_per_point_set(&self, number: u32) -> bool {
         let firsts =

@@ -1,10 +1,11 @@
 //! No particular control: facts of the generic table (docs/interface.md §4.1).
 
-use super::fact::{Outside, facts};
+use super::fact::{Fact, Facts, Outside};
 use super::family::Family;
 use crate::control::table::Tables;
 use crate::control::table::generic::GenericTable;
 use crate::text::delimited::LengthUnit;
+use crate::text::document::section;
 use crate::text::words::{Word, words};
 
 pub(super) static FAMILY: Family = Family {
@@ -20,18 +21,19 @@ pub(super) static FAMILY: Family = Family {
     proofs: &[],
 };
 
-facts! {
+section! {
     /// Facts of the generic dialect (contract §4.1). Its table carries deviation, correction and
     /// increment, so no sign has to be assumed.
-    GenericFacts {
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct GenericFacts(facts: &Facts<'_>) {
         /// Most points of one table, if the control has a limit.
-        points: u32,
+        pub points: Fact<u32> = stated(), must;
         /// How many other axes an axis can follow.
-        cross_terms: u32,
+        pub cross_terms: Fact<u32> = stated(), must;
         /// What a person types into the control.
-        typed_value: TypedValue,
+        pub typed_value: Fact<TypedValue> = stated(), must;
         /// In which unit its screen takes it.
-        typed_unit: LengthUnit,
+        pub typed_unit: Fact<LengthUnit> = stated(), must;
     }
 }
 

@@ -1,9 +1,10 @@
 //! ISG kernel, TwinCAT CNC: facts of the volumetric compensation (docs/isg.md).
 
-use super::fact::{Facts, Mechanism, Outside, TableSign, facts};
+use super::fact::{Fact, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, Proof};
 use crate::control::table::Tables;
 use crate::control::table::isg::IsgTables;
+use crate::text::document::section;
 use crate::text::words::words;
 
 pub(super) static FAMILY: Family = Family {
@@ -34,34 +35,23 @@ words! {
     }
 }
 
-facts! {
+section! {
     /// Facts of the ISG dialect.
-    IsgFacts {
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct IsgFacts(facts: &Facts<'_>) {
         /// Sense of the deviations.
-        error_sign: TableSign,
+        pub error_sign: Fact<TableSign> = stated(), must;
         /// Sense of the angles: `as_error` = right-handed, as ISO 230-1 has them.
-        angle_sign: TableSign,
+        pub angle_sign: Fact<TableSign> = stated(), must;
         /// Where levers count from.
-        lever_origin: LeverOrigin,
+        pub lever_origin: Fact<LeverOrigin> = stated(), must;
         /// Most records of a compensation (`max_records` as it is set).
-        records: u32,
+        pub records: Fact<u32> = within(2.., "at least 2"), must;
         /// Decimals of deviations in mm; one count is the last decimal.
-        value_decimals: u32,
+        pub value_decimals: Fact<u32> = decimals(), must;
         /// Decimals of angles in rad.
-        angle_decimals: u32,
+        pub angle_decimals: Fact<u32> = decimals(), must;
         /// Decimals of positions in mm.
-        position_decimals: u32,
-    }
-}
-
-impl IsgFacts {
-    /// Reads and checks them.
-    pub(super) fn checked(facts: &Facts<'_>) -> Option<IsgFacts> {
-        let own = IsgFacts::read(facts)?;
-        facts.expect_decimals("value_decimals", &own.value_decimals);
-        facts.expect_decimals("angle_decimals", &own.angle_decimals);
-        facts.expect_decimals("position_decimals", &own.position_decimals);
-        facts.expect("records", own.records.value > 1, "at least 2");
-        Some(own)
+        pub position_decimals: Fact<u32> = decimals(), must;
     }
 }

@@ -1,9 +1,10 @@
 //! Klipper: facts of its skew correction (docs/klipper.md).
 
-use super::fact::{Facts, Mechanism, Outside, TableSign, facts};
+use super::fact::{Fact, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, Proof};
 use crate::control::table::Tables;
 use crate::control::table::klipper::KlipperTables;
+use crate::text::document::section;
 
 pub(super) static FAMILY: Family = Family {
     word: "klipper",
@@ -23,21 +24,13 @@ pub(super) static FAMILY: Family = Family {
     }],
 };
 
-facts! {
+section! {
     /// Facts of the Klipper dialect.
-    KlipperFacts {
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct KlipperFacts(facts: &Facts<'_>) {
         /// Sense of a factor: `as_error` = how far the machine leans.
-        skew_sign: TableSign,
+        pub skew_sign: Fact<TableSign> = stated(), must;
         /// Decimals of a factor.
-        value_decimals: u32,
-    }
-}
-
-impl KlipperFacts {
-    /// Reads and checks them.
-    pub(super) fn checked(facts: &Facts<'_>) -> Option<KlipperFacts> {
-        let own = KlipperFacts::read(facts)?;
-        facts.expect_decimals("value_decimals", &own.value_decimals);
-        Some(own)
+        pub value_decimals: Fact<u32> = decimals(), must;
     }
 }

@@ -1,9 +1,10 @@
 //! LinuxCNC: facts of the tables that `COMP_FILE` names, and of the HAL file for cross terms (docs/linuxcnc.md).
 
-use super::fact::{Facts, Mechanism, Outside, TableSign, facts};
+use super::fact::{Fact, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::linuxcnc::{Columns, LinuxcncTables};
+use crate::text::document::section;
 use crate::text::words::{Word, words};
 
 pub(super) static FAMILY: Family = Family {
@@ -55,46 +56,29 @@ words! {
     }
 }
 
-facts! {
+section! {
     /// Facts of the LinuxCNC dialect.
-    LinuxcncFacts {
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct LinuxcncFacts(facts: &Facts<'_>) {
         /// Sense of a trim, what the control does with it.
-        trim_sign: TableSign,
+        pub trim_sign: Fact<TableSign> = stated(), must;
         /// What the columns hold that are written.
-        columns: Columns,
+        pub columns: Fact<Columns> = stated(), must;
         /// Most rows of a table.
-        rows: u32,
+        pub rows: Fact<u32> = within(2.., "at least 2"), must;
         /// Decimals of trims in the machine unit; one count is the last decimal.
-        value_decimals: u32,
+        pub value_decimals: Fact<u32> = decimals(), must;
         /// Decimals of positions in the machine unit.
-        position_decimals: u32,
+        pub position_decimals: Fact<u32> = decimals(), must;
         /// Where cross terms go.
-        cross_terms: CrossTerms,
+        pub cross_terms: Fact<CrossTerms> = stated(), must;
         /// Sense of what a HAL file adds to the command of a joint.
-        sum_sign: TableSign,
+        pub sum_sign: Fact<TableSign> = stated(), must;
         /// Most points of a curve (`lincurve`).
-        curve_points: u32,
+        pub curve_points: Fact<u32> = within(2.., "at least 2"), must;
         /// Most numbers of points that are stated when curves are loaded; they repeat.
-        personalities: u32,
+        pub personalities: Fact<u32> = within(2.., "at least 2"), must;
         /// Most curves of a HAL file.
-        curves: u32,
-    }
-}
-
-impl LinuxcncFacts {
-    /// Reads and checks them.
-    pub(super) fn checked(facts: &Facts<'_>) -> Option<LinuxcncFacts> {
-        let own = LinuxcncFacts::read(facts)?;
-        facts.expect_decimals("value_decimals", &own.value_decimals);
-        facts.expect_decimals("position_decimals", &own.position_decimals);
-        let at_least_2 = [
-            ("rows", &own.rows),
-            ("curve_points", &own.curve_points),
-            ("personalities", &own.personalities),
-        ];
-        for (name, fact) in at_least_2 {
-            facts.expect(name, fact.value > 1, "at least 2");
-        }
-        Some(own)
+        pub curves: Fact<u32> = stated(), must;
     }
 }

@@ -3,16 +3,18 @@
 //! A profile may build on a built-in one (`based_on = "fanuc-30i"`): its page is laid over that one,
 //! then read once. Whether a page is ours or a user's makes no difference.
 
+use crate::control::checklist::steps;
 use crate::control::controller::fact::{Facts, origin};
-use crate::control::controller::families::{FAMILIES, Known};
+use crate::control::controller::families::{FAMILIES, Known, proved};
+use crate::control::controller::files::{Templates, files};
 use crate::control::controller::job_keys::job_keys;
-use crate::control::controller::load_parts::{Templates, checklist, files, program_facts};
+use crate::control::controller::program::program_facts;
 use crate::control::controller::{CommonFacts, Dialect, Fact, Profile, ProfileSource};
 use crate::text::document::{Section, Source, read_page_over, refuse_large_page};
 use crate::text::problem::{Problems, shown};
 use toml::de::{DeArray, DeTable, DeValue};
 
-pub use crate::control::controller::load_parts::TemplateFinder;
+pub use crate::control::controller::files::TemplateFinder;
 
 /// Finds a built-in page by its id.
 pub type PageFinder<'a> = &'a dyn Fn(&str) -> Option<&'static str>;
@@ -27,7 +29,7 @@ pub fn profile(
     refuse_large_page(&source.name, source.text.len())?;
     let below = pages_below(&source.text, pages);
     let own_end = source.text.len();
-    let templates = Templates { find: templates, own_end };
+    let templates = Templates { find: templates, own_end, proved: &proved() };
     let read = |root: &Section<'_>| read_profile(root, origin, &below, templates);
     Ok(read_page_over(source, &below, lay_over, read)?.0)
 }
@@ -110,18 +112,16 @@ fn read_profile(
     let facts = root.required_section("facts").map(Facts::of);
     let dialect = facts.as_ref().and_then(|facts| dialect(family, facts));
     let common = facts.as_ref().and_then(CommonFacts::read);
-    let encoding = facts.as_ref().filter(|facts| facts.section.has("encoding"));
-    let encoding = encoding.map(|facts| facts.stated("encoding"));
+    let encoding = facts.as_ref().and_then(|facts| facts.if_stated("encoding"));
     if let Some(facts) = &facts {
         facts.section.refuse_unknown_keys();
     }
     let form = facts.as_ref().and_then(|facts| facts.written("table_form"));
     let files = files(root, form.as_deref(), templates);
-    let program = root.section("program");
-    let program = program.map(|own| program_facts(&own, templates));
+    let program = root.sub("program", |own| program_facts(own, templates));
     let job_keys = job_keys(root);
-    let checklist = checklist(root);
-    let display = root.section("display").map(|own| display(&own));
+    let checklist = steps(root);
+    let display = root.sub("display", display);
     let common = common?;
     check_axis_names(&facts.as_ref()?.section, &common.axis_names.value);
     Some(Profile {
@@ -131,22 +131,17 @@ fn read_profile(
         family: family?.0,
         dialect: dialect?,
         line_end: common.line_end,
-        encoding: optional(encoding)?,
+        encoding,
         comments: common.comments,
         axis_names: common.axis_names,
         detection_unit_required: common.detection_unit_required,
         files: files?,
-        job_keys: job_keys?,
-        checklist: checklist?,
-        display: optional(display)?,
-        program: optional(program)?,
+        job_keys,
+        checklist,
+        display,
+        program,
         statements: facts?.statements.into_inner(),
     })
-}
-
-/// A section that may be absent, but has to be whole.
-fn optional<T>(section: Option<Option<T>>) -> Option<Option<T>> {
-    section.map_or(Some(None), |read| read.map(Some))
 }
 
 fn check_base(root: &Section<'_>, below: &[&str]) -> Option<()> {
@@ -183,19 +178,15 @@ fn dialect(family: Option<Known>, facts: &Facts<'_>) -> Option<Dialect> {
     let outside: Vec<_> = outside.iter().map(|own| (own.word(), *own)).collect();
     facts.read("outside", |f| f.choice("value", &outside));
     for told in ["direction", "value_unit"] {
-        if facts.section.has(told) {
-            facts.stated::<String>(told); // pages once had to state it
-        }
+        facts.if_stated::<String>(told); // pages once had to state it
     }
     dialect
 }
 
 fn family(root: &Section<'_>) -> Option<Known> {
     let words = FAMILIES.map(|known| (known.0.word, known));
-    if !root.has("dialect") {
-        let words = words.map(|(word, _)| format!("`{word}`"));
-        root.missing("dialect", &format!("one of {}", words.join(", ")));
-    }
+    let list = words.map(|(word, _)| format!("`{word}`")).join(", ");
+    root.require("dialect", &format!("one of {list}"));
     root.choice("dialect", &words)
 }
 
@@ -203,7 +194,6 @@ fn family(root: &Section<'_>) -> Option<Known> {
 fn display(section: &Section<'_>) -> Option<Fact<String>> {
     let value = section.required_text("value", "the name of the display");
     let origin = origin(section);
-    section.refuse_unknown_keys();
     Some(origin?.with(value?))
 }
 

@@ -1,8 +1,11 @@
 //! How a control is told to move: facts of its part programs (docs/program.md).
 
-use crate::control::controller::fact::{ControlUnit, Fact, Statement};
+use crate::control::controller::fact::{ControlUnit, Fact, Facts, Statement};
 use crate::control::controller::family::LanguageFacts;
-use crate::text::words::words;
+use crate::control::controller::files::{Template, Templates};
+use crate::text::document::{Section, section};
+use crate::text::problem::shown;
+use crate::text::words::{Word, words};
 
 words! {
     /// Family of part programs.
@@ -27,33 +30,33 @@ impl Language {
     }
 }
 
-/// `[program]` of a profile.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ProgramFacts {
-    /// Which words the program consists of.
-    pub language: Language,
-    /// Ending of its files, without a dot.
-    pub extension: String,
-    /// Name of the template.
-    pub template_name: String,
-    /// Text of the template.
-    pub template: String,
-    /// Letters of the axes X, Y, Z in a program.
-    pub axis_letters: Fact<Vec<String>>,
-    /// Word that makes the positions of a block machine coordinates.
-    pub machine_position: Fact<String>,
-    /// Words of a move by an increment at a feed.
-    pub increment: Fact<String>,
-    /// Address of a dwell in seconds, with the word before it.
-    pub dwell: Fact<String>,
-    /// Blocks that cancel offsets, rotation, scaling and mirroring; none of them writes a datum.
-    pub cancel: Fact<Vec<String>>,
-    /// Decimals of a position on a metric control.
-    pub decimals_mm: Fact<u32>,
-    /// Decimals of a position on an inch control.
-    pub decimals_inch: Fact<u32>,
-    /// All facts in words.
-    pub statements: Vec<Statement>,
+section! {
+    /// `[program]` of a profile.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct ProgramFacts(facts: &Facts<'_>, page: &Section<'_>, templates: Templates<'_>) {
+        /// Which words the program consists of.
+        pub language: Language => language(page), must;
+        /// Ending of its files, without a dot.
+        pub extension: String => extension(page);
+        /// How it is laid out.
+        pub template: Template => templates.named(page, (page, "template")), must;
+        /// Letters of the axes X, Y, Z in a program.
+        pub axis_letters: Fact<Vec<String>> = read(three_letters), must;
+        /// Word that makes the positions of a block machine coordinates.
+        pub machine_position: Fact<String> = stated(), must;
+        /// Words of a move by an increment at a feed.
+        pub increment: Fact<String> = stated(), must;
+        /// Address of a dwell in seconds, with the word before it.
+        pub dwell: Fact<String> = read(|fact| dwell_words(fact, language)), must;
+        /// Blocks that cancel offsets, rotation, scaling and mirroring; none of them writes a datum.
+        pub cancel: Fact<Vec<String>> = stated(), must;
+        /// Decimals of a position on a metric control.
+        pub decimals_mm: Fact<u32> = read(decimals), must;
+        /// Decimals of a position on an inch control.
+        pub decimals_inch: Fact<u32> = read(decimals), must;
+        /// All facts in words.
+        pub statements: Vec<Statement> => facts.statements.take();
+    }
 }
 
 impl ProgramFacts {
@@ -78,4 +81,76 @@ impl ProgramFacts {
             ControlUnit::Inch => self.decimals_inch.value,
         }
     }
+}
+
+/// The section `[program]` of a page.
+pub(super) fn program_facts(
+    section: &Section<'_>,
+    templates: Templates<'_>,
+) -> Option<ProgramFacts> {
+    let facts = section.required_section("facts").unwrap_or_else(|| section.absent("facts"));
+    let facts = Facts::of(facts);
+    let program = ProgramFacts::read(&facts, section, templates);
+    facts.section.refuse_unknown_keys();
+    program
+}
+
+fn language(section: &Section<'_>) -> Option<Language> {
+    section.require("language", "`siemens` or `fanuc` or `linuxcnc`");
+    section.choice("language", Language::WORDS)
+}
+
+fn extension(section: &Section<'_>) -> String {
+    let extension = section.text("extension").unwrap_or("NC".to_string());
+    if extension.is_empty() || !extension.chars().all(|c| c.is_ascii_alphanumeric()) {
+        section.problem(
+            "extension",
+            "`extension` is no ending of a file, expected letters and digits",
+            "for instance `extension = \"MPF\"`",
+        );
+    }
+    extension
+}
+
+const MOST_DECIMALS: u32 = 6;
+
+fn decimals(fact: &Section<'_>) -> Option<u32> {
+    let decimals = fact.whole("value")?;
+    if decimals > MOST_DECIMALS {
+        fact.problem(
+            "value",
+            format!("a position has {decimals} decimals, expected 0 … {MOST_DECIMALS}"),
+            "write the decimals that the control reads",
+        );
+    }
+    Some(decimals)
+}
+
+/// The word of a dwell and the address of its seconds. Another address counts something else:
+/// milliseconds (Fanuc `P`) or turns of a spindle (Siemens `S`).
+fn dwell_words(fact: &Section<'_>, language: Option<Language>) -> Option<String> {
+    let text = fact.text("value")?;
+    let (addresses, expected) = language?.facts().dwell;
+    if !text.ends_with(addresses) {
+        fact.problem(
+            "value",
+            format!("`dwell` is `{}`, expected the word of a dwell and the address of its seconds: {expected}", shown(&text)),
+            "seconds with a decimal point are written behind it",
+        );
+    }
+    Some(text)
+}
+
+/// One capital letter for each of X, Y and Z: what every control takes as an address.
+fn three_letters(fact: &Section<'_>) -> Option<Vec<String>> {
+    let letters = fact.texts("value")?;
+    let plain = |text: &String| text.len() == 1 && text.chars().all(|c| "XYZUVWABC".contains(c));
+    if letters.len() != 3 || !letters.iter().all(plain) {
+        fact.problem(
+            "value",
+            "`axis_letters` names the addresses of X, Y and Z, one letter each",
+            "for instance [\"X\", \"Y\", \"Z\"]",
+        );
+    }
+    Some(letters)
 }

@@ -1,9 +1,10 @@
 //! SINUMERIK: facts of ENC_COMP and CEC tables (docs/siemens.md).
 
-use super::fact::{Facts, Mechanism, Outside, TableForm, TableSign, facts};
+use super::fact::{Fact, Facts, Mechanism, Outside, TableForm, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
 use crate::control::table::siemens::SiemensTables;
+use crate::text::document::section;
 use crate::text::words::words;
 
 pub(super) static FAMILY: Family = Family {
@@ -57,42 +58,33 @@ words! {
     }
 }
 
-facts! {
+section! {
     /// Facts of the Siemens dialect: ENC_COMP and CEC tables (docs/siemens.md).
-    SiemensFacts {
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct SiemensFacts(facts: &Facts<'_>) {
         /// Sense of `$AA_ENC_COMP` values.
-        lec_sign: TableSign,
+        pub lec_sign: Fact<TableSign> = stated(), must;
         /// Sense of `$AN_CEC` values.
-        cec_sign: TableSign,
+        pub cec_sign: Fact<TableSign> = stated(), must;
         /// Program or data form.
-        table_form: TableForm,
+        pub table_form: Fact<TableForm> = stated(), must;
         /// Most points of one ENC_COMP table.
-        lec_points: u32,
+        pub lec_points: Fact<u32> = stated(), must;
         /// Number of CEC tables of the control.
-        cec_tables: u32,
+        pub cec_tables: Fact<u32> = stated(), must;
         /// Most points of one CEC table.
-        cec_points: u32,
+        pub cec_points: Fact<u32> = stated(), must;
         /// Whether the points of a CEC table are fixed by the option (no MD18342 to set).
-        cec_memory_fixed: bool,
+        pub cec_memory_fixed: Fact<bool> = stated(), must;
         /// Decimals of table values in the control's unit; one count is the last decimal.
-        value_decimals: u32,
+        pub value_decimals: Fact<u32> = decimals(), must;
         /// Decimals of MIN, STEP and MAX in the control's unit.
-        position_decimals: u32,
+        pub position_decimals: Fact<u32> = decimals(), must;
         /// Clamp of the CEC total (MD32720), µm.
-        cec_max_sum_um: f64,
+        pub cec_max_sum_um: Fact<f64> = stated(), must;
         /// Contribution of a table that names a factor table.
-        multiply_mode: MultiplyMode,
+        pub multiply_mode: Fact<MultiplyMode> = stated(), must;
         /// Whether a table used as a factor also contributes by itself.
-        factor_contributes: bool,
-    }
-}
-
-impl SiemensFacts {
-    /// Reads and checks them.
-    pub(super) fn checked(facts: &Facts<'_>) -> Option<SiemensFacts> {
-        let own = SiemensFacts::read(facts)?;
-        facts.expect_decimals("value_decimals", &own.value_decimals);
-        facts.expect_decimals("position_decimals", &own.position_decimals);
-        Some(own)
+        pub factor_contributes: Fact<bool> = stated(), must;
     }
 }
