@@ -22,12 +22,12 @@ section! {
         pub role: Role = choice(Role::WORDS), must ROLES;
         /// What a sign proof proves; other files have none.
         pub mechanism: Option<Mechanism> = with(|s, key| mechanism(s, key, role, known.proved));
+        /// Whether a control may load it; `false` is stated only of a `report`.
+        pub may_be_loaded as loaded: bool = with(|s, key| loaded(s, key, role)), or true;
         /// Its name in the kit; of one for each item of a list with the item's field in braces.
         pub path: String = text(), must "a file name";
         /// How it is laid out.
         pub template: Template => known.named(section, (root, "files")), must;
-        /// Whether a control may load it; `false` is stated only of a `report`.
-        pub may_be_loaded as loaded: bool = with(|s, key| loaded(s, key, role)), or true;
         /// Emitted only if the kit holds such tables (`lec`, `cec`, `points`); absent = always.
         pub when: Option<String> = text();
         /// The list of which each item gets a file of its own (`joints`); absent = one file.

@@ -17,10 +17,10 @@ section! {
         pub readings: String => path;
         /// or "straight": all axes together
         pub kind: PathKind = choice(&KINDS), or PathKind::Step;
-        /// what reflects the beam: or "retroreflector"
-        pub target: Reflector = with(|s, key| target(s, key, kind));
         /// straight runs only: compare with what this error table predicts
         pub closure_errors: Option<String> = with(|s, key| of_straight(s, key, kind));
+        /// what reflects the beam: or "retroreflector"
+        pub target: Reflector = with(|s, key| target(s, key, kind));
         /// The measured box.
         pub volume: Volume => box_inside_travel(section, kind, axes), must;
         // `Minus` where the instrument counts towards the laser head.

@@ -182,13 +182,13 @@ section! {
         pub angles: Option<String> = text();
         /// What the lever arms of the angular errors are counted from.
         pub levers: Levers => levers(section, data.as_ref().filter(|_| angles.is_some())), must;
+        /// "none", or the folder with the compensation that was active, read out of the control
+        pub active as active_while_measuring: ActiveTables = with(active);
         /// of the measurement, e.g. "2026-11-20"
         pub date: Option<String> = plain_text();
         /// serial number of the laser: the second measurement repeats the error of its scale, if it is made with the same
         /// one
         pub instrument: Option<String> = plain_text();
-        /// "none", or the folder with the compensation that was active, read out of the control
-        pub active as active_while_measuring: ActiveTables = with(active);
         /// What the job says to it.
         pub active_settings: ActiveSettings => active_settings(section, &active), must;
         /// only where the slopes of the cross terms do not contain it
