@@ -4,12 +4,12 @@ use crate::cli::outcome::joined;
 use crate::cli::screen::table;
 use crate::cli::show::um;
 use crate::inputs::target_runs::Runs;
-use crate::machine::separation::readings::{CorrectedRun, diagonal_runs};
+use crate::machine::separation::readings::diagonal_runs;
 use crate::machine::standards::iso_230_2::{AxisFigures, figures};
-use crate::machine::standards::{DiagonalFigures, DiagonalMotion, Diagonals, diagonal};
+use crate::machine::standards::{DiagonalFigures, Diagonals, diagonal};
 use crate::page::{Locale, Picture, targets};
 use crate::quantity::axis::Direction;
-use crate::quantity::diagonal::{Diagonal, PathKind, Volume};
+use crate::quantity::diagonal::{Diagonal, PathKind, Run, Volume};
 use crate::text::problem::Problem;
 use serde_json::{Value, json};
 
@@ -27,18 +27,14 @@ impl StandardFigures {
     pub(super) fn of(
         volume: &Volume,
         kind: PathKind,
-        runs: &[CorrectedRun],
+        runs: &[Run],
         length_is_known: bool,
     ) -> Result<StandardFigures, Problem> {
-        let motion = match kind {
-            PathKind::Step => DiagonalMotion::StepDiagonalCellEnds,
-            PathKind::Straight => DiagonalMotion::StraightRuns,
-        };
         let each = Diagonal::ALL.into_iter();
         let each = each.map(|d| Ok((d.name(), diagonal_runs(volume, kind, d, runs)?)));
         let runs = each.collect::<Result<Vec<_>, Problem>>()?;
         let named: Vec<(&str, &Runs)> = runs.iter().map(|(name, runs)| (*name, runs)).collect();
-        let all = diagonal(&named, motion, length_is_known);
+        let all = diagonal(&named, kind, length_is_known);
         Ok(StandardFigures { runs, all })
     }
 

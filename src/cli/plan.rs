@@ -98,7 +98,7 @@ fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
         "set_ups": Diagonal::ALL.len() + visit.variant.linear.len() + visit.variant.angles.len(),
         "mirror_circle_mm": visit.mirror.map(|mirror| mirror.circle_mm),
         "expanded_um": PerTerm::from_fn(|term| visit.expanded_um(term)),
-        "squareness_expanded_um_per_m": PerPlane::from_fn(|plane| expected.expanded_squareness_um_per_m(plane)),
+        "squareness_expanded_um_per_m": PerPlane::from_fn(|plane| expected.metric.squareness(plane).expanded_um_per_m()),
         "together_expanded_um": visit.at_most_um(),
         "second_passes": visit.chance,
         "not_determined": missing.map(|term| term.to_string()).collect::<Vec<_>>(),

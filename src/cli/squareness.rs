@@ -35,8 +35,8 @@ pub(super) fn squareness(
 ) -> Option<Squareness> {
     if let Some(ErrorSource::Separated { separation, .. }) = errors {
         return Some(Squareness {
-            um_per_m: separation.squareness_um_per_m.of(plane)?,
-            expanded_um_per_m: separation.expanded_squareness_um_per_m(plane),
+            um_per_m: separation.metric.squareness(plane).um_per_m?,
+            expanded_um_per_m: separation.metric.squareness(plane).expanded_um_per_m(),
         });
     }
     let (first, second) = plane.axes();

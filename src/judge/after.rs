@@ -17,7 +17,7 @@ mod observation;
 pub use self::doubts::UnseenReversal;
 pub(crate) use self::doubts::unseen_reversal;
 pub(crate) use self::ground::{ensure_same_machine, not_known, outside, same_slopes};
-pub use self::measurement::{AfterMeasurement, StraightRuns, Walk};
+pub use self::measurement::{AfterMeasurement, StraightRuns};
 pub(crate) use self::observation::observations;
 pub use self::observation::{Control, Observation, Part, before_um};
 
@@ -202,7 +202,7 @@ fn figures(runs: &StraightRuns, job: &Job) -> Forecast {
     let between = job.measurement.uncertainty.between();
     let line = |(diagonal, range): (Diagonal, &f64)| {
         let own = runs.walks.iter().filter(|walk| walk.diagonal == diagonal);
-        let values: usize = own.map(|walk| walk.readings_um.len()).sum();
+        let values: usize = own.map(|walk| walk.um.len()).sum();
         let u_um = runs.u_um.map_or_else(Vec::new, |u| vec![u; values]);
         DiagonalForecast::new(diagonal.name(), *range, *range, sigma, &u_um, scale_um)
             .drawn(None, between.diagonals[diagonal])

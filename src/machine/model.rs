@@ -79,7 +79,7 @@ impl MeasuredTerm {
 
     /// Its curves, + before −.
     pub fn curves(&self) -> impl Iterator<Item = &ErrorCurve> {
-        self.measured.ways().into_iter().map(|(_, curve)| curve)
+        self.measured.ways().map(|(_, curve)| curve)
     }
 
     /// Reversal B = mean deviation moving + minus mean deviation moving − over the target

@@ -26,36 +26,30 @@
 //! from the totals instead, see [`metric`].
 
 pub mod agreement;
-mod banded;
 pub mod campaign;
 pub mod closure;
 pub mod corrections;
 pub mod curves;
 mod exchange;
-mod expected;
 pub mod findings;
 pub(crate) mod joint;
 mod labels;
 mod linear;
-pub mod linear_reversal;
 pub mod metric;
 pub mod monte_carlo;
 pub mod noise;
 pub mod patterns;
-mod plane;
 
 pub mod readings;
 pub mod reversal;
 mod separate;
 pub mod solved;
-mod start;
-mod steps;
 pub mod straight;
 pub mod table;
 pub mod uncertainty;
 
 pub use self::campaign::{Campaign, MeasuredLine, corrected};
-pub(crate) use self::expected::{Instrument, expected};
 pub use self::linear::Part;
+pub(crate) use self::separate::{Instrument, expected};
 pub use self::separate::{Separation, separate};
 pub use self::solved::{NineErrors, SeparatedError};

@@ -13,7 +13,7 @@ mod diagonals;
 pub mod iso_230_2;
 pub mod vdi_3441;
 
-pub use self::diagonals::{DiagonalFigures, DiagonalMotion, Diagonals, diagonal};
+pub use self::diagonals::{DiagonalFigures, Diagonals, diagonal};
 
 /// How surely a formula or a condition is known: the same in all sources, and recomputed on measured data.
 pub const SURE: &str = "sure";

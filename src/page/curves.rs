@@ -81,7 +81,7 @@ pub fn separated(locale: Locale<'_>, heading: &str, separation: &Separation) -> 
         let found = ways.into_iter().filter_map(|(ink, way)| {
             let evidence = separation.of_table(term, way)?;
             let um = |n: &usize| evidence.deviation_um[*n];
-            let u = |n: &usize| evidence.expanded_um(*n, separation.noise);
+            let u = |n: &usize| evidence.expanded_um(*n);
             let all: Vec<usize> = (0..evidence.deviation_um.len().min(mm.len())).collect();
             let points: Vec<(f64, f64)> = all.iter().map(|n| (mm[*n], um(n))).collect();
             let band = all.iter().map(|n| Some((mm[*n], um(n) - u(n)?, um(n) + u(n)?)));

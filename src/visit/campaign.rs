@@ -3,15 +3,15 @@
 use crate::inputs::error_table::{Draft, ErrorTable};
 use crate::inputs::job::{DiagonalMeasurement, Job, LinearSlope, MeasuredData, UseOf};
 use crate::inputs::readings::Readings;
-use crate::judge::after::{StraightRuns, Walk};
+use crate::judge::after::StraightRuns;
 use crate::judge::causes::Slip;
 use crate::machine::separation::campaign::{self, NamedTables};
 use crate::machine::separation::noise::{Noise, repeats};
-use crate::machine::separation::readings::{figures, means, run_counts};
+use crate::machine::separation::readings::{figures, walks};
 use crate::machine::separation::straight::{StraightResult, straight};
 use crate::machine::separation::table::{self, ErrorSource};
 use crate::machine::separation::{self, Campaign, Separation};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
+use crate::quantity::diagonal::{Pass, PathKind, PerDiagonal, Run};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
 use crate::visit::files::Files;
@@ -134,23 +134,10 @@ impl CampaignFiles {
     /// Means and figures of straight runs, for a comparison with a forecast.
     pub(crate) fn straight_runs(&self) -> Result<StraightRuns, Problems> {
         let result = self.straight()?;
-        let counts = run_counts(&result.runs);
-        let means = means(&result.runs);
         let (figures, _) = figures(&result.zeroed_runs, PathKind::Straight);
-        let mut walks = Vec::new();
-        for diagonal in Diagonal::ALL {
-            let passes =
-                [(Pass::Forward, Some(&means.forward)), (Pass::Reverse, means.reverse.as_ref())];
-            for (pass, readings) in passes {
-                walks.extend(readings.map(|of| Walk {
-                    diagonal,
-                    pass,
-                    readings_um: of[diagonal].clone(),
-                }));
-            }
-        }
-        let fewest = counts.iter().flat_map(|(_, both)| both).copied();
-        let fewest = fewest.filter(|count| *count > 0.0).fold(f64::INFINITY, f64::min);
+        let mut walks = walks(&result.runs);
+        walks.sort_by_key(|walk| walk.diagonal);
+        let fewest = walks.iter().map(|walk| walk.runs).fold(f64::INFINITY, f64::min);
         let stated = self.job.measurement.uncertainty.noise_um;
         let (repeated, _) = repeats(&result.runs);
         let sigma_um = repeated.map(|noise| noise.sigma_um).or(stated);

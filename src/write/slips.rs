@@ -9,7 +9,7 @@ use crate::write::findings::TableFinding;
 /// What to look at in the measured values before tables are made from them.
 pub(super) fn slips(model: &ErrorModel) -> Vec<TableFinding> {
     let lone = model.measured().flat_map(|(term, measured)| {
-        let curves = measured.measured.ways().into_iter();
+        let curves = measured.measured.ways();
         curves.filter_map(move |(way, curve)| lone_value(term, way, curve))
     });
     unlikely_reversals(model).chain(lone).collect()

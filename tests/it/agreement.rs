@@ -39,11 +39,11 @@ fn found_with(
 
 fn u_at_end(found: &Separation, name: &str) -> Option<f64> {
     let evidence = found.errors.mean[term(name)].as_ref().unwrap();
-    evidence.u_um.as_ref().map(|u| *u.last().unwrap())
+    evidence.u_um().map(|u| *u.last().unwrap())
 }
 
 fn u_squareness(found: &Separation, plane: Plane) -> f64 {
-    found.u_squareness.of(plane).unwrap().u_um_per_m
+    found.metric.squareness(plane).u.unwrap().u
 }
 
 #[track_caller]
@@ -284,7 +284,7 @@ fn the_share_of_unknown_scales_in_squareness_is_told() {
     }
     let all = runs(1, Pass::Forward, &machine.readings(None));
     let found = solved(&machine.volume, Vec::new(), &all);
-    let xy = found.squareness_um_per_m.of(Plane::Xy).unwrap();
+    let xy = found.metric.squareness(Plane::Xy).um_per_m.unwrap();
     assert!(xy.abs() > 0.005, "the tilts let scales in: {xy}");
     // Length of (20, −31.25, 0) is 37.1: all of it is open, because S = 0.
     let told = found.metric.leak.of(Plane::Xy) * 20f64.hypot(31.25);

@@ -4,6 +4,7 @@ use crate::support::diagonals::{campaign, close, curve};
 use crate::support::{fixture, number, read_job, readings};
 use nonius::inputs::job::{Linear, LinearSlope, MeasuredData};
 use nonius::machine::separation::metric::Plane;
+use nonius::machine::separation::solved::scale_sum_um_mm;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::Diagonal;
@@ -46,7 +47,7 @@ fn all_curves_are_close(separation: &Separation, expected: &Value, tolerance: f6
 /// The squareness of every plane, from a key of what is expected.
 fn squareness_is_close(separation: &Separation, expected: &Value, tolerance: f64) {
     for plane in Plane::ALL {
-        let found = separation.squareness_um_per_m.of(plane).unwrap();
+        let found = separation.metric.squareness(plane).um_per_m.unwrap();
         close(found, number(&expected[plane.key()]), tolerance, plane.key());
     }
 }
@@ -60,7 +61,7 @@ fn case_a_gives_the_machine_back() {
         let name = diagonal.name();
         close(separation.end_um[diagonal], number(&expected["end_reading_um"][name]), 1e-8, name);
     }
-    close(separation.scale_sum_um_mm, 14760.0, 1e-4, "S");
+    close(scale_sum_um_mm(&separation.volume, &separation.end_um), 14760.0, 1e-4, "S");
 }
 
 #[test]

@@ -4,8 +4,9 @@ use crate::support::{DIAGONALS, Ran, Visit, fixtures, holds, page, program, shar
 use nonius::inputs::target_runs::{Runs, Stated, Values};
 use nonius::machine::findings::StandardFinding;
 use nonius::machine::standards::iso_230_2::{self, AxisFigures, Travel};
-use nonius::machine::standards::{ByDirection, Condition, DiagonalMotion, Met, diagonal, vdi_3441};
+use nonius::machine::standards::{ByDirection, Condition, Met, diagonal, vdi_3441};
 use nonius::quantity::axis::Direction;
+use nonius::quantity::diagonal::PathKind;
 use nonius::text::delimited::LengthUnit;
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -252,7 +253,7 @@ fn conditions_are_stated_by_edition() {
 fn conditions_of_the_diagonals_are_tested() {
     let runs = flat(&UNEVEN, 3);
     let four = DIAGONALS.map(|name| (name, &runs));
-    let straight = |of: &[(&str, &Runs)]| diagonal(of, DiagonalMotion::StraightRuns, true).label;
+    let straight = |of: &[(&str, &Runs)]| diagonal(of, PathKind::Straight, true).label;
     assert_eq!(straight(&four), "after ISO 230-6 (likely)");
     assert_eq!(straight(&four[..3]), "NOT after ISO 230-6: PPP, NPP, PNP");
     let few = flat(&[0.0, 100.0], 3);
@@ -260,14 +261,14 @@ fn conditions_of_the_diagonals_are_tested() {
     assert_eq!(with(&few), "NOT after ISO 230-6: NPP: 2 targets on 100 mm");
     let one_way = Runs::new(UNEVEN.to_vec(), Some(vec![vec![0.0; 3]; 5]), None).unwrap();
     assert!(with(&one_way).ends_with("moving down was not measured"));
-    let found = diagonal(&four, DiagonalMotion::StepDiagonalCellEnds, true);
+    let found = diagonal(&four, PathKind::Step, true);
     assert_eq!(found.conditions[0].met, Met::No, "single-axis steps");
     // Figures of the machine need all four.
     let runs = by_hand();
     let four = DIAGONALS.map(|name| (name, &runs));
-    let found = diagonal(&four[..3], DiagonalMotion::StraightRuns, true);
+    let found = diagonal(&four[..3], PathKind::Straight, true);
     assert_eq!((found.e_d_um, found.largest_range_um), (None, None));
-    let found = diagonal(&four, DiagonalMotion::StraightRuns, true);
+    let found = diagonal(&four, PathKind::Straight, true);
     near(found.e_d_um, 4.0);
     near(found.b_d_um, 3.0);
     near(found.range_over_all_um, 4.0);

@@ -115,17 +115,11 @@ fn again(
 }
 
 /// One curve of a term against the truth.
-fn count_curve(
-    tally: &mut Tally,
-    name: &str,
-    truth: &[f64],
-    evidence: &SeparatedError,
-    noise: Option<Noise>,
-) {
+fn count_curve(tally: &mut Tally, name: &str, truth: &[f64], evidence: &SeparatedError) {
     let last = truth.len() - 1;
     for index in 0..=last {
         let error = evidence.deviation_um[index] - truth[index];
-        let expanded = evidence.expanded_um(index, noise).unwrap();
+        let expanded = evidence.expanded_um(index).unwrap();
         // A slope that the frame sets to zero leaves nothing uncertain at the end.
         if expanded > 1e-9 {
             tally.add(&format!("points {name}"), error, expanded);
@@ -141,7 +135,7 @@ fn count_curve(
 pub(super) fn count(tally: &mut Tally, truth: &Machine, found: &Separation) {
     for term in ErrorTerm::ALL {
         let mut curve = |name: &str, evidence: &SeparatedError, truth: &[f64]| {
-            count_curve(tally, &format!("{term}{name}"), truth, evidence, found.noise);
+            count_curve(tally, &format!("{term}{name}"), truth, evidence);
         };
         curve("", found.errors.mean[term].as_ref().unwrap(), &truth.curves[term]);
         for (name, way) in [("+", Direction::Plus), ("-", Direction::Minus)] {
@@ -166,16 +160,16 @@ fn count_metric(tally: &mut Tally, truth: &Machine, found: &Separation) {
         let own = ErrorTerm { of: axis, along: axis };
         // The scale is the slope of the curve: its end has the same effective freedom.
         let curve = found.errors.mean[own].as_ref().unwrap();
-        let error = found.metric.scale[axis].unwrap() - truth.slope(own);
-        let expanded = curve.expanded_um(truth.volume.steps, found.noise).unwrap();
+        let error = found.metric.scale(axis).um_per_m.unwrap() - truth.slope(own);
+        let expanded = curve.expanded_um(truth.volume.steps).unwrap();
         let expanded = 1000.0 * expanded / truth.volume.size[axis].mm();
         tally.add(&format!("scale {axis}"), error, expanded);
     }
     for plane in Plane::ALL {
         let error = squareness_error(truth, found, plane);
         let name = format!("squareness {}", plane.key());
-        tally.add(&name, error, k * found.u_squareness.of(plane).unwrap().u_um_per_m);
-        let expanded = found.expanded_squareness_um_per_m(plane).unwrap();
+        tally.add(&name, error, k * found.metric.squareness(plane).u.unwrap().u);
+        let expanded = found.metric.squareness(plane).expanded_um_per_m().unwrap();
         tally.add(&format!("stated {name}"), error, expanded);
     }
 }
@@ -383,7 +377,7 @@ fn stated_causes_go_through_the_solution() {
                 let evidence = found.errors.mean[term].as_ref().unwrap();
                 for index in [10, 20] {
                     let error = evidence.deviation_um[index] - truth.curves[term][index];
-                    let expanded = evidence.expanded_um(index, found.noise).unwrap();
+                    let expanded = evidence.expanded_um(index).unwrap();
                     if expanded > 1e-9 {
                         tally.add(&format!("{term} {index}"), error, expanded);
                     }
@@ -391,7 +385,7 @@ fn stated_causes_go_through_the_solution() {
             }
             for plane in Plane::ALL {
                 let error = squareness_error(&truth, &found, plane);
-                let expanded = found.expanded_squareness_um_per_m(plane).unwrap();
+                let expanded = found.metric.squareness(plane).expanded_um_per_m().unwrap();
                 tally.add(&format!("squareness {}", plane.key()), error, expanded);
             }
         }
@@ -414,7 +408,7 @@ fn the_noise_of_the_rotation_is_covered_as_measured() {
         let found = separate(&campaign, &runs(1, Pass::Forward, &noisy));
         for term in ErrorTerm::ALL {
             let evidence = found.errors.mean[term].as_ref().unwrap();
-            let u = evidence.expanded_um(20, found.noise).unwrap();
+            let u = evidence.expanded_um(20).unwrap();
             if term.is_cross() {
                 let error = evidence.deviation_um[20] - truth.curves[term][20];
                 tally.add(&term.to_string(), error, u);

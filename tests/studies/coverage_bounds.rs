@@ -393,7 +393,7 @@ fn small_noise() -> StatedUncertainty {
 }
 
 fn u_of(found: &Separation, term: ErrorTerm) -> Vec<f64> {
-    found.errors.mean[term].as_ref().unwrap().u_um.clone().unwrap()
+    found.errors.mean[term].as_ref().unwrap().u_um().unwrap()
 }
 
 #[test]
@@ -405,13 +405,13 @@ fn a_bow_of_the_yaw_shifts_the_squareness_and_u_holds_it() {
     let found = of_clean(&rigid, None, stated);
     let error = squareness_error(&rigid.truth(), &found, Plane::Xy);
     assert!((error.abs() - 5.0).abs() < 0.01, "{error}");
-    let expanded = found.expanded_squareness_um_per_m(Plane::Xy).unwrap();
+    let expanded = found.metric.squareness(Plane::Xy).expanded_um_per_m().unwrap();
     assert!((5.0..10.0).contains(&expanded), "{expanded}");
     for term in ErrorTerm::ALL {
         let evidence = found.errors.mean[term].as_ref().unwrap();
         for (index, wanted) in rigid.truth().curves[term].iter().enumerate() {
             let error = (evidence.deviation_um[index] - wanted).abs();
-            let expanded = evidence.expanded_um(index, found.noise).unwrap();
+            let expanded = evidence.expanded_um(index).unwrap();
             assert!(error <= expanded + 1e-6, "{term} {index}: {error}, U {expanded}");
         }
     }
@@ -457,7 +457,7 @@ fn a_bound_counts_as_its_straight_part_and_its_bow() {
         }
         for (plane, square) in Plane::ALL.into_iter().zip(squareness) {
             let [with, without] =
-                [&with, &without].map(|found| found.u_squareness.of(plane).unwrap().u_um_per_m);
+                [&with, &without].map(|found| found.metric.squareness(plane).u.unwrap().u);
             compare(plane.key(), with, without, square);
         }
     }
@@ -476,9 +476,9 @@ fn a_beam_beside_the_normal_shortens_every_diagonal() {
             across(normal, 1e-3 * mrad, &mut random)
         });
         let found = of_clean(&rigid, None, small_noise());
-        let squareness = Plane::ALL.map(|p| found.squareness_um_per_m.of(p).unwrap().abs());
+        let squareness = Plane::ALL.map(|p| found.metric.squareness(p).um_per_m.unwrap().abs());
         let worst = squareness.into_iter().fold(0.0, f64::max);
-        (found.metric.scale.z.unwrap(), worst)
+        (found.metric.scale(Axis::Z).um_per_m.unwrap(), worst)
     };
     for lean in [0.0, 1e-3, 5e-3] {
         let (z, squareness) = scale(lean, 0.0);

@@ -151,7 +151,7 @@ fn accuses(found: &Separation) -> Option<String> {
 
 fn is_wrong(truth: &Machine, found: &Separation) -> bool {
     Plane::ALL.into_iter().any(|plane| {
-        let expanded = found.expanded_squareness_um_per_m(plane).unwrap();
+        let expanded = found.metric.squareness(plane).expanded_um_per_m().unwrap();
         squareness_error(truth, found, plane).abs() > 2.0 * expanded
     })
 }

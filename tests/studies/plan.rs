@@ -234,9 +234,9 @@ fn count(shares: &mut [Shares; 3], truth: &Machine, planned: &Separation, found:
         };
         for (index, wanted) in truth.curves[term].iter().enumerate() {
             let error = read.deviation_um[index] - wanted;
-            let u = plan.expanded_um(index, planned.noise).unwrap();
+            let u = plan.expanded_um(index).unwrap();
             // One in a thousand visits finds its lines in contradiction, and gives no U.
-            let of_readings = read.expanded_um(index, found.noise).unwrap_or(u);
+            let of_readings = read.expanded_um(index).unwrap_or(u);
             shares[0].add(error, u, of_readings);
             if index + 1 == plan.deviation_um.len() {
                 shares[1].add(error, u, of_readings);
@@ -244,7 +244,8 @@ fn count(shares: &mut [Shares; 3], truth: &Machine, planned: &Separation, found:
         }
     }
     for plane in Plane::ALL {
-        let [plan, read] = [planned, found].map(|of| of.expanded_squareness_um_per_m(plane));
+        let [plan, read] =
+            [planned, found].map(|of| of.metric.squareness(plane).expanded_um_per_m());
         shares[2].add(squareness_error(truth, found, plane), plan.unwrap(), read.or(plan).unwrap());
     }
 }

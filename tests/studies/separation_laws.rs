@@ -96,7 +96,7 @@ proptest! {
         });
         curves_close(&sum, &wanted, DUST_UM);
         for plane in Plane::ALL {
-            let of = |s: &Separation| s.squareness_um_per_m.of(plane).unwrap();
+            let of = |s: &Separation| s.metric.squareness(plane).um_per_m.unwrap();
             close(of(&sum), a * of(&first) + b * of(&second), 1e-6, plane.key());
         }
     }
@@ -121,7 +121,7 @@ proptest! {
         });
         curves_close(&found, &wanted, DUST_UM);
         for (new, old) in [(Plane::Yz, Plane::Xy), (Plane::Xy, Plane::Xz), (Plane::Xz, Plane::Yz)] {
-            let (new, old) = (found.squareness_um_per_m.of(new), plain.squareness_um_per_m.of(old));
+            let (new, old) = (found.metric.squareness(new).um_per_m, plain.metric.squareness(old).um_per_m);
             close(new.unwrap(), old.unwrap(), 1e-6, "squareness");
         }
     }
@@ -140,8 +140,8 @@ proptest! {
         // Formula (7) neglects products of slopes: (50 um/m)^2 = 0.0025 um/m, some of them, by the gain.
         let gain = (1..4).map(|k| 1.0 / volume.cosine(Axis::ALL[k - 1])).fold(0.0, f64::max);
         for (plane, wanted) in [(Plane::Xy, xy), (Plane::Xz, xz), (Plane::Yz, yz)] {
-            close(perfect.squareness_um_per_m.of(plane).unwrap(), wanted, 1e-6, plane.key());
-            close(solved.squareness_um_per_m.of(plane).unwrap(), wanted, 0.01 * gain * gain, plane.key());
+            close(perfect.metric.squareness(plane).um_per_m.unwrap(), wanted, 1e-6, plane.key());
+            close(solved.metric.squareness(plane).um_per_m.unwrap(), wanted, 0.01 * gain * gain, plane.key());
         }
     }
 

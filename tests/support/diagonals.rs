@@ -283,7 +283,7 @@ pub(crate) fn noisy_lines(
 
 /// How far the squareness found lies beside that of the machine, µm/m.
 pub(crate) fn squareness_error(truth: &Machine, found: &Separation, plane: Plane) -> f64 {
-    found.squareness_um_per_m.of(plane).unwrap() - truth.squareness(plane)
+    found.metric.squareness(plane).um_per_m.unwrap() - truth.squareness(plane)
 }
 
 /// How often something lay within its expanded uncertainty.

@@ -10,10 +10,11 @@ use crate::machine::separation::monte_carlo::Simulated;
 use crate::machine::separation::noise::{Noise, Outlier, ReadingPlace, coverage_factor};
 use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::Turn;
+use crate::machine::separation::solved::scale_sum_um_mm;
 use crate::machine::separation::{SeparatedError, Separation};
 use crate::machine::standards::Diagonals;
 use crate::quantity::axis::{Direction, Listed, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
 use crate::quantity::units::picometres;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
@@ -51,16 +52,17 @@ pub(super) fn separation(
 
 /// The nine errors, squareness and tilts of the mirror.
 fn slopes(separation: &Separation) -> Value {
-    let u_squareness = &separation.u_squareness;
+    let metric = &separation.metric;
+    let u_squareness = metric.u_squareness();
     let tilts = separation.tilts.as_ref();
     json!({
         "schema": 1,
         "errors": errors(separation),
-        "squareness_um_per_m": separation.squareness_um_per_m,
-        "u_squareness_um_per_m": u_squareness.map(|u| Some(u?.u_um_per_m)),
+        "squareness_um_per_m": metric.squareness_um_per_m(),
+        "u_squareness_um_per_m": u_squareness.map(|u| Some(u?.u)),
         "squareness_freedom": u_squareness.map(|u| u?.freedom),
         "redundancy": separation.agreement.as_ref().map(agreement),
-        "squareness_least_squares_um_per_m": separation.squareness_least_squares_um_per_m,
+        "squareness_least_squares_um_per_m": separation.errors.least_squares_squareness(&separation.volume),
         "setup_arcsec": tilts.map(|tilts| PerDiagonal::from_fn(|d| tilts[d].arcsec)),
         "setup_direction": tilts.map(|tilts| PerDiagonal::from_fn(|d| Listed(tilts[d].direction))),
     })
@@ -75,7 +77,7 @@ fn errors(separation: &Separation) -> Map<String, Value> {
             let entry = json!({
                 "position_mm": separation.volume.positions(term.along),
                 "deviation_um": found.deviation_um,
-                "u_um": found.u_um,
+                "u_um": found.u_um(),
             });
             (format!("{term}{suffix}"), known([entry]))
         }));
@@ -193,7 +195,7 @@ fn diagonals(separation: &Separation) -> Result<Value, Problems> {
         let of = |pass| repeatability_um(&separation.runs, diagonal, pass);
         json!({"forward": of(Pass::Forward), "reverse": of(Pass::Reverse)})
     };
-    let mut all = diagonal_totals(&figures.all, separation.scale_sum_um_mm);
+    let mut all = diagonal_totals(&figures.all, &separation.volume, &separation.end_um);
     for (diagonal, end_um) in separation.end_um.iter() {
         all[diagonal.name()] = json!({
             "end_reading_um": end_um,
@@ -206,10 +208,14 @@ fn diagonals(separation: &Separation) -> Result<Value, Problems> {
 }
 
 /// The figures of all four diagonals together.
-pub(super) fn diagonal_totals(figures: &Diagonals, scale_sum_um_mm: f64) -> Value {
+pub(super) fn diagonal_totals(
+    figures: &Diagonals,
+    volume: &Volume,
+    end_um: &PerDiagonal<f64>,
+) -> Value {
     json!({
         "range_over_all_um": figures.range_over_all_um,
-        "scale_sum_um_mm": scale_sum_um_mm,
+        "scale_sum_um_mm": scale_sum_um_mm(volume, end_um),
         "e_d_um": figures.e_d_um,
         "b_d_um": figures.b_d_um,
         "label": figures.label,

@@ -7,10 +7,9 @@ use crate::cli::outcome::known;
 use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::um;
 use crate::machine::separation::metric::Plane;
-use crate::machine::separation::straight::{
-    ClosureTest, ClosureTests, StraightResult, scale_shares,
-};
-use crate::machine::separation::uncertainty::SlopeUncertainty;
+use crate::machine::separation::solved::scale_sum_um_mm;
+use crate::machine::separation::straight::{ClosureTest, ClosureTests, StraightResult};
+use crate::machine::separation::uncertainty::Uncertainty;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, PathKind};
 use crate::quantity::units::{Figure, Squared};
@@ -43,7 +42,7 @@ pub(super) fn screen(result: &StraightResult) -> Result<Screen, Problems> {
 fn outcome(result: &StraightResult) -> String {
     let scales: Vec<String> = Axis::ALL
         .into_iter()
-        .filter(|axis| result.metric.scale[*axis].is_some())
+        .filter(|axis| result.metric.scale(*axis).um_per_m.is_some())
         .map(|axis| axis.to_string())
         .collect();
     let scales = if scales.is_empty() {
@@ -60,13 +59,13 @@ fn outcome(result: &StraightResult) -> String {
 
 fn squareness(result: &StraightResult) -> String {
     let rows = Plane::ALL.into_iter().map(|plane| {
-        let u = result.u_squareness.of(plane);
+        let found = result.metric.squareness(plane);
         format!(
             "{}\t{}\t{}\t{}",
             plane.key().to_uppercase(),
-            um(result.metric.squareness.of(plane)),
-            expanded(u.map(|u| u.expanded_um_per_m())),
-            freedom(u.map(|u| u.freedom)),
+            um(found.um_per_m),
+            expanded(found.expanded_um_per_m()),
+            freedom(found.u.map(|u| u.freedom)),
         )
     });
     let heading = "plane\t>squareness/(µm/m)\t>U(95 %)/(µm/m)\t>degrees of freedom";
@@ -77,17 +76,18 @@ fn squareness(result: &StraightResult) -> String {
 }
 
 fn scales(result: &StraightResult) -> String {
-    let shares = scale_shares(&result.volume);
-    let shares = Axis::ALL.map(|axis| format!("{:.3} x slope of E{axis}{axis}", shares[axis]));
+    let share = |axis| result.volume.cosine(axis).squared();
+    let shares = Axis::ALL.map(|axis| format!("{:.3} x slope of E{axis}{axis}", share(axis)));
     let square_m = result.volume.diagonal_mm().squared() / 1000.0;
     let mut lines = vec![format!(
         "One combination of the scales from the diagonals alone: {} = {:.3} µm/m",
         shares.join(" + "),
-        Figure(result.scale_sum_um_mm / square_m)
+        Figure(scale_sum_um_mm(&result.volume, &result.end_um) / square_m)
     )];
     for axis in Axis::ALL {
-        if let Some(scale) = result.metric.scale[axis] {
-            let u = expanded(result.u_scale[axis].map(|u| u.expanded_um_per_m()));
+        let found = result.metric.scale(axis);
+        if let Some(scale) = found.um_per_m {
+            let u = expanded(found.expanded_um_per_m());
             lines.push(format!("slope of E{axis}{axis}: {:.3} µm/m, U(95 %) {u}", Figure(scale)));
         }
     }
@@ -124,16 +124,16 @@ fn verdict(closure: &ClosureTests) -> String {
 
 pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
     let metric = &result.metric;
-    let u = |known: Option<SlopeUncertainty>| known.map(|known| known.u_um_per_m);
+    let u = |known: Option<Uncertainty>| known.map(|known| known.u);
     let scales = |of: &dyn Fn(Axis) -> Option<f64>| known([json!(PerAxis::from_fn(of))]);
     Ok(known([
         json!({
             "schema": 1,
-            "squareness_um_per_m": metric.squareness,
-            "u_squareness_um_per_m": result.u_squareness.map(u),
+            "squareness_um_per_m": metric.squareness_um_per_m(),
+            "u_squareness_um_per_m": metric.u_squareness().map(u),
             "redundancy": result.agreement.as_ref().map(agreement),
-            "scale_um_per_m": scales(&|axis| metric.scale[axis]),
-            "u_scale_um_per_m": scales(&|axis| u(result.u_scale[axis])),
+            "scale_um_per_m": scales(&|axis| metric.scale(axis).um_per_m),
+            "u_scale_um_per_m": scales(&|axis| metric.scale(axis).um_per_m.and(u(metric.scale(axis).u))),
             "rank": {
                 "rank": metric.rank,
                 "unknowns": 6,
@@ -153,7 +153,7 @@ pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
 fn diagonals(result: &StraightResult) -> Result<Value, Problems> {
     let figures =
         StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs, true)?;
-    let mut all = diagonal_totals(&figures.all, result.scale_sum_um_mm);
+    let mut all = diagonal_totals(&figures.all, &result.volume, &result.end_um);
     for (diagonal, end_um) in result.end_um.iter() {
         let entry = &mut all[diagonal.name()];
         *entry = json!({

@@ -59,7 +59,7 @@ fn outcome(separation: &Separation) -> String {
     let count = errors.filter(|(_, found)| found.is_some()).count();
     let planes: Vec<String> = Plane::ALL
         .into_iter()
-        .filter(|plane| separation.squareness_um_per_m.of(*plane).is_some())
+        .filter(|plane| separation.metric.squareness(*plane).um_per_m.is_some())
         .map(|plane| plane.key().to_uppercase())
         .collect();
     let set_up = match (separation.setup, &separation.tilts) {
@@ -94,7 +94,7 @@ fn terms(separation: &Separation) -> String {
         let positions = positions_mm(separation, term.along);
         let slope = ReferenceLine::EndPoints.slope_um_per_m(&positions, curve);
         let [slope, end, range] = [slope, last(curve), range(curve.iter().copied())].map(Figure);
-        let largest = largest_u(found, separation);
+        let largest = largest_u(found);
         let (u, freedom) = (expanded(largest.map(|(um, _)| um)), freedom(largest.map(|(_, f)| f)));
         format!("{term}\t{slope:.3}\t{end:.3}\t{range:.3}\t{shape}\t{u}\t{freedom}")
     });
@@ -110,13 +110,9 @@ fn last(values: &[f64]) -> f64 {
 }
 
 /// U where it is largest on the curve, often in the middle, and its effective degrees of freedom.
-fn largest_u(found: &SeparatedError, separation: &Separation) -> Option<(f64, Option<f64>)> {
-    let at = |index| {
-        let um = found.expanded_um(index, separation.noise)?;
-        Some((um, found.freedom(index, separation.noise)))
-    };
-    let all: Option<Vec<_>> = (0..found.deviation_um.len()).map(at).collect();
-    all?.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))
+fn largest_u(found: &SeparatedError) -> Option<(f64, Option<f64>)> {
+    let all = found.u.as_ref()?.iter().map(|point| (point.expanded(), point.freedom));
+    all.max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Both directions, where they stand apart.
@@ -130,7 +126,7 @@ fn directions(separation: &Separation) -> String {
         let both = [plus, minus].map(|found| &found.deviation_um);
         let [end, other_end] = both.map(|curve| Figure(last(curve)));
         let [size, other_size] = both.map(|curve| Figure(range(curve.iter().copied())));
-        let u = |found: &SeparatedError| largest_u(found, separation).map(|(um, _)| um);
+        let u = |found: &SeparatedError| largest_u(found).map(|(um, _)| um);
         let either = expanded(u(plus).zip(u(minus)).map(|(a, b)| a.max(b)));
         Some(format!("{term}\t{end:.3}\t{other_end:.3}\t{size:.3}\t{other_size:.3}\t{either}"))
     });
@@ -152,16 +148,17 @@ fn directions(separation: &Separation) -> String {
 
 fn squareness(separation: &Separation) -> String {
     let naive = separation.setup == SetUp::AssumePerfect;
+    let by_least_squares = separation.errors.least_squares_squareness(&separation.volume);
     let rows = Plane::ALL.into_iter().map(|plane| {
-        let found = separation.squareness_um_per_m.of(plane);
-        let found = found.map_or_else(|| "not determined".into(), |slope| um(Some(slope)));
-        let u = separation.u_squareness.of(plane);
-        let freedom = freedom(u.map(|u| u.freedom));
+        let estimated = separation.metric.squareness(plane);
+        let found =
+            estimated.um_per_m.map_or_else(|| "not determined".into(), |slope| um(Some(slope)));
+        let freedom = freedom(estimated.u.map(|u| u.freedom));
         let row = format!(
             "{}\t{found}\t{}\t{freedom}\t{}",
             plane.key().to_uppercase(),
-            expanded(separation.expanded_squareness_um_per_m(plane)),
-            um(separation.squareness_least_squares_um_per_m.of(plane)),
+            expanded(estimated.expanded_um_per_m()),
+            um(by_least_squares.of(plane)),
         );
         match naive {
             true => format!(

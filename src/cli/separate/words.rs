@@ -70,7 +70,7 @@ const BEAM: &str =
 
 /// Ways to determine the scales that are open (docs/method.md §5); empty where none is.
 pub(super) fn advice(metric: &Metric) -> Vec<String> {
-    let open = |axis: &Axis| metric.scale[*axis].is_none();
+    let open = |axis: &Axis| metric.scale(*axis).um_per_m.is_none();
     let (open, known): (Vec<Axis>, Vec<Axis>) = Axis::ALL.into_iter().partition(open);
     match (open.as_slice(), known.as_slice()) {
         ([], _) => Vec::new(),

@@ -8,11 +8,10 @@ use crate::cli::show::{self, um};
 use crate::inputs::readings::Readings;
 use crate::machine::findings::StandardFinding;
 use crate::machine::separation::Separation;
-use crate::machine::separation::readings::CorrectedRun;
 use crate::machine::standards::{DIAGONALS, Diagonals};
 use crate::page::{Locale, Picture};
 use crate::quantity::axis::Direction;
-use crate::quantity::diagonal::PathKind;
+use crate::quantity::diagonal::{PathKind, Run};
 use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
@@ -80,9 +79,8 @@ pub(super) fn of_readings(
 ) -> Result<Outcome, Problems> {
     let name = source.name.clone();
     let (readings, measurement) = Readings::without_job(source)?;
-    let known = readings.runs.iter();
-    let known = known.filter(|run| readings.offset_known(run));
-    let known: Vec<CorrectedRun> = known.map(CorrectedRun::from).collect();
+    let known = readings.runs.iter().cloned();
+    let known: Vec<Run> = known.filter(|run| readings.offset_known(run)).collect();
     let mut notes = notes(known.len() < readings.runs.len());
     notes.extend(readings.zeroed());
     notes.push(StandardFinding::NoJob.into());

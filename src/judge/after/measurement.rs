@@ -3,7 +3,8 @@
 use crate::inputs::error_table::is_simulated;
 use crate::judge::findings::joined;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use crate::machine::separation::readings::Walk;
+use crate::quantity::diagonal::{PerDiagonal, Volume};
 use crate::text::finding::Finding;
 
 /// A measurement of the machine with its tables active.
@@ -71,15 +72,4 @@ impl AfterMeasurement {
             }
         }
     }
-}
-
-/// Mean readings of one pass, µm, by node of the forward path.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Walk {
-    /// The diagonal.
-    pub diagonal: Diagonal,
-    /// Forward or reverse.
-    pub pass: Pass,
-    /// Measured − nominal displacement, positive along the forward direction.
-    pub readings_um: Vec<f64>,
 }

@@ -161,7 +161,7 @@ fn of_term(
     };
     let ways = measured.measured.ways();
     let u_um = after.u_anew_um(before, term);
-    for (number, (way, curve)) in ways.into_iter().enumerate() {
+    for (number, (way, curve)) in ways.enumerate() {
         seen.reserve_exact(curve.knots().len());
         for at in curve.knots() {
             let parts = parts_of(term, first, way, *at);
@@ -224,7 +224,7 @@ fn along_diagonals(before: &ErrorModel, runs: &StraightRuns) -> Vec<Observation>
     let mut seen = Vec::new();
     for (number, walk) in runs.walks.iter().enumerate() {
         let laser = runs.volume.laser(walk.diagonal);
-        for (node, um) in walk.readings_um.iter().enumerate() {
+        for (node, um) in walk.um.iter().enumerate() {
             let place = runs.volume.place(walk.diagonal, PathKind::Straight, node);
             let part = |term: ErrorTerm| Part {
                 term,

@@ -9,7 +9,7 @@ use crate::kit::Inputs;
 use crate::kit::manifest::HashedFile;
 use crate::machine::model::Measured;
 use crate::machine::separation::corrections::{REFERENCE_C, expansion_um};
-use crate::machine::separation::readings::{CorrectedRun, DiagonalFigures, figures};
+use crate::machine::separation::readings::{DiagonalFigures, figures};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run};
 use crate::quantity::units::{Deviation, Figure, Millimetres, SAME_PLACE_MM, Squared};
@@ -75,11 +75,8 @@ pub fn readings(
         exact.extend(as_runs(rehearsal, diagonal, 1, &passes));
         runs.extend(noisy_runs(rehearsal, diagonal, index, &passes));
     }
-    let of = |runs: &[Run]| {
-        figures(&runs.iter().map(CorrectedRun::from).collect::<Vec<_>>(), rehearsal.kind)
-    };
-    let (predicted, predicted_over_all_um) = of(&exact);
-    let (read, read_over_all_um) = of(&runs);
+    let (predicted, predicted_over_all_um) = figures(&exact, rehearsal.kind);
+    let (read, read_over_all_um) = figures(&runs, rehearsal.kind);
     for run in &mut runs {
         add_expansion(rehearsal, run);
     }

@@ -89,7 +89,7 @@ impl<'a> Design<'a> {
         let run = &mut design.described.run;
         run.volume = found.volume.clone();
         run.runs = found.runs.iter().map(|run| run.number).max().unwrap_or(1);
-        run.bidirectional = found.means.reverse.is_some();
+        run.bidirectional = found.is_both_ways();
         run.overrun = Millimetres::new(f64::from(found.overrun != Some(false)));
         design.instrument.noise_um = found.noise.map_or(NOISE_UM, |noise| noise.sigma_um);
         design.evidence = Some(found.angle_evidence().clone());

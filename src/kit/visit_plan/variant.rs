@@ -237,7 +237,7 @@ pub(super) fn value_um(model: &ErrorModel) -> impl Fn(ErrorTerm, Direction, Mill
 pub(super) fn expanded_um(expected: &Separation, term: ErrorTerm) -> Option<f64> {
     let found = expected.errors.mean[term].as_ref()?;
     let indices = 0..found.deviation_um.len();
-    let all = indices.map(|index| found.expanded_um(index, expected.noise));
+    let all = indices.map(|index| found.expanded_um(index));
     let all: Option<Vec<f64>> = all.collect();
     all?.into_iter().reduce(larger)
 }

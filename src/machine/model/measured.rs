@@ -40,14 +40,14 @@ impl Measured {
     }
 
     /// Its curves with the direction that each is for, + before −.
-    pub(crate) fn ways(&self) -> Vec<(Option<Direction>, &ErrorCurve)> {
-        match self {
-            Measured::Undirected(curve) => vec![(None, curve)],
-            Measured::OneWay(way, curve) => vec![(Some(*way), curve)],
-            Measured::BothWays { plus, minus } => {
-                vec![(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)]
-            }
-        }
+    pub(crate) fn ways(&self) -> impl Iterator<Item = (Option<Direction>, &ErrorCurve)> {
+        let (way, first, second) = match self {
+            Measured::Undirected(curve) => (None, curve, None),
+            Measured::OneWay(way, curve) => (Some(*way), curve, None),
+            Measured::BothWays { plus, minus } => (Some(Direction::Plus), plus, Some(minus)),
+        };
+        let second = second.map(|minus| (Some(Direction::Minus), minus));
+        std::iter::once((way, first)).chain(second)
     }
 
     /// The curve without regard to direction: of two the mean, over the range that both cover.
@@ -62,12 +62,8 @@ impl Measured {
 
     /// The curve that holds while the axis moves in `direction`, if that direction was measured.
     pub fn curve(&self, direction: Direction) -> Option<&ErrorCurve> {
-        match (self, direction) {
-            (Measured::Undirected(curve), _)
-            | (Measured::BothWays { plus: curve, .. }, Direction::Plus)
-            | (Measured::BothWays { minus: curve, .. }, Direction::Minus) => Some(curve),
-            (Measured::OneWay(measured, curve), wanted) => (*measured == wanted).then_some(curve),
-        }
+        let mut ways = self.ways();
+        ways.find_map(|(way, curve)| way.is_none_or(|way| way == direction).then_some(curve))
     }
 
     /// Whether the two directions were measured apart.

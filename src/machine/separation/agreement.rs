@@ -9,11 +9,12 @@
 //! of the equations is wrong it cannot tell. A line whose uncertainty is not known counts as exact.
 
 use super::findings::SeparationFinding;
-use super::metric::{Equation, Equations, Figures};
+use super::metric::{Equation, Equations, Metric};
 use super::noise::{NORMAL_ONE_SIDED, chance_of};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::Figure;
+use crate::text::finding::joined;
 
 /// Below this probability the equations contradict each other.
 const SMALL_PROBABILITY: f64 = 0.001;
@@ -91,9 +92,8 @@ impl Agreement {
             let (name, um_per_m, ratio) = (line.name(), Figure(um_per_m), ratio.abs());
             Some(format!("{name} by {um_per_m:+.3} µm/m ({ratio:.1} standard deviations)"))
         };
-        let lines: Vec<String> = self.lines.iter().filter_map(says).collect();
         self.is_refuted().then(|| SeparationFinding::LinesDisagree {
-            lines: lines.join(", "),
+            lines: joined(self.lines.iter().filter_map(says)),
             taken_as_exact: self.taken_as_exact,
         })
     }
@@ -102,7 +102,7 @@ impl Agreement {
 impl Equations {
     /// Tests the redundancy; `None` where there is none, or no line beside the four diagonals (of a thin box they
     /// determine less).
-    pub(super) fn agreement(&self, found: &Figures) -> Option<Agreement> {
+    pub(super) fn agreement(&self, found: &Metric) -> Option<Agreement> {
         let freedom = self.redundancy();
         if freedom == 0 || self.all.len() <= Diagonal::ALL.len() {
             return None;

@@ -1,17 +1,18 @@
-//! What goes into a separation: how it was measured, the corrected readings, lines beside them; from a job
-//! and the tables it names.
+//! What goes into a separation: how it was measured, the corrected readings and what their runs say by themselves, lines
+//! beside them; from a job and the tables it names.
 
-use super::corrections::{AngleEffects, AngleModel, expansion_um, falls_short};
+use super::corrections::{AngleEffects, AngleModel, expansion_um, falls_short, recorded};
 use super::curves::{at, mean};
-use super::linear_reversal::{LinearReversal, LinearReversals, Way};
-use super::readings::CorrectedRun;
+use super::linear::Layout;
+use super::noise::{ENOUGH, Noise, NoiseSource, Outlier, repeats};
+use super::readings::{Walk, walks};
 use crate::inputs::error_table::{Cause, ErrorTable, Silence};
 use crate::inputs::job::{
-    Beam, DiagonalMeasurement, Job, Linear, LinearSlope, SetUp, StatedUncertainty,
+    Beam, DiagonalMeasurement, Job, Linear, LinearSlope, Material, SetUp, StatedUncertainty,
 };
 use crate::machine::model::measured::{check_zeros, no_angles};
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Run, Volume};
+use crate::quantity::axis::{Axis, Direction, PerAxis, PerTerm};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
 use crate::quantity::units::{Deviation, Millimetres};
 use crate::text::problem::{Problem, Problems};
 
@@ -71,7 +72,7 @@ pub struct MeasuredLine {
 }
 
 /// The readings less expansion of the scales and angular effects.
-pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<CorrectedRun> {
+pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<Run> {
     let measurement = campaign.measurement;
     let material = measurement.material.as_ref();
     let material = material.filter(|material| !material.material_corrected);
@@ -80,12 +81,90 @@ pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<CorrectedRun> {
         let effect = campaign.angles.of(run.diagonal, run.pass);
         let reading = |(node, deviation): (usize, &Deviation)| {
             let expansion = material.map_or(0.0, |of| expansion_um(volume, kind, of, run, node));
-            deviation.um() - expansion - effect.map_or(0.0, |effect| effect[node])
+            let effect = effect.map_or(0.0, |effect| effect[node]);
+            Deviation::from_um(deviation.um() - expansion - effect)
         };
-        let readings_um = run.deviations.iter().enumerate().map(reading).collect();
-        CorrectedRun { diagonal: run.diagonal, number: run.number, pass: run.pass, readings_um }
+        Run { deviations: run.deviations.iter().enumerate().map(reading).collect(), ..run.clone() }
     };
     runs.iter().map(correct).collect()
+}
+
+/// The runs of a measurement and what they say by themselves.
+pub(super) struct Start {
+    /// Expansion of the scales at the mean of the recorded temperatures.
+    pub(super) material: Option<Material>,
+    /// The corrected runs.
+    pub(super) runs: Vec<Run>,
+    /// Their means; jumps of a turn are still in them.
+    pub(super) walks: Vec<Walk>,
+    /// Disturbed readings of single runs.
+    pub(super) outliers: Vec<Outlier>,
+    /// σ of a reading where repeats or the job give it.
+    pub(super) noise: Option<Noise>,
+    /// σ of a measurement that is still to be made, where the closure would tell it, µm.
+    pub(super) expected_um: Option<f64>,
+    /// By how much reversals are known to change along their axes from elsewhere, µm.
+    pub(super) change_um: PerTerm<f64>,
+}
+
+impl Start {
+    pub(super) fn new(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Start {
+        let material = campaign.measurement.material;
+        let material = material.map(|material| recorded(&material, raw_runs));
+        Start::of(campaign, corrected(campaign, raw_runs), material)
+    }
+
+    /// Of corrected runs.
+    pub(super) fn of(campaign: &Campaign<'_>, runs: Vec<Run>, material: Option<Material>) -> Start {
+        let (noise, outliers) = repeats(&runs);
+        Start {
+            material,
+            expected_um: None,
+            change_um: PerTerm::from_fn(|_| 0.0),
+            walks: walks(&runs),
+            outliers,
+            noise: known_noise(campaign, noise),
+            runs,
+        }
+    }
+
+    /// What is measured beside so many lines.
+    pub(super) fn layout(&self, lines: usize) -> Layout {
+        let nodes = self.walks.first().map_or(0, |walk| walk.um.len());
+        Layout { nodes, passes: self.walks.len() / Diagonal::ALL.len(), lines, apart: 0 }
+    }
+
+    /// The mean readings, in the order of a [`Layout`].
+    pub(super) fn means(&self) -> Vec<f64> {
+        self.walks.iter().flat_map(|walk| &walk.um).copied().collect()
+    }
+
+    /// The runs whose zero is that of the forward run: all, or the forward passes only.
+    pub(super) fn zeroed_runs(&self, reverse_zero_known: bool) -> Vec<Run> {
+        let zeroed = |run: &&Run| reverse_zero_known || run.pass == Pass::Forward;
+        self.runs.iter().filter(zeroed).cloned().collect()
+    }
+
+    /// How many runs each of them is the mean of.
+    pub(super) fn counts(&self) -> Vec<f64> {
+        let each = self.walks.iter().flat_map(|walk| walk.um.iter().map(|_| walk.runs));
+        each.collect()
+    }
+}
+
+/// σ of a reading before the closure is judged: repeats say most; else the closure itself, unless it leaves few
+/// degrees of freedom and the job states one.
+fn known_noise(campaign: &Campaign<'_>, repeats: Option<Noise>) -> Option<Noise> {
+    let stated_um = campaign.stated.noise_um;
+    let measurement = campaign.measurement;
+    let of_closure =
+        3 * measurement.volume.steps >= ENOUGH + 3 && measurement.kind == PathKind::Step;
+    let stated = stated_um.filter(|_| !of_closure).map(|sigma_um| Noise {
+        sigma_um,
+        freedom: None,
+        source: NoiseSource::Stated,
+    });
+    repeats.map(|found| found.with_stated(stated_um)).or(stated)
 }
 
 /// Error tables that a job with readings names.
@@ -128,6 +207,45 @@ pub fn campaign<'a>(
         angles: angles.unwrap_or_else(|| AngleEffects::unmeasured(job.machine.chain)),
         reverse_zero_known,
     })
+}
+
+/// A linear measurement of an axis in a direction at the interval ends of the box, lowest first: values, µm, and standard
+/// uncertainties (k = 1); `None` = the table gives none.
+pub(super) type Way = (Option<Direction>, Vec<f64>, Option<Vec<f64>>);
+
+/// B of a positioning error at the interval ends of the box, from a linear measurement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearReversal {
+    /// Moving + minus moving −, lowest place first, µm.
+    pub um: Vec<f64>,
+    /// Standard uncertainties (k = 1), µm; `None` = the table gives none.
+    pub u_um: Option<Vec<f64>>,
+}
+
+/// The linear measurements in both directions, by axis; `None` = there is none.
+pub type LinearReversals = PerAxis<Option<LinearReversal>>;
+
+impl LinearReversal {
+    /// Of a linear measurement, each direction with its values and their uncertainties at the interval ends; `None`
+    /// without both.
+    pub(super) fn of(ways: &[Way]) -> Option<Self> {
+        let way = |direction| ways.iter().find(|(way, ..)| *way == Some(direction));
+        let ((_, plus, u_plus), (_, minus, u_minus)) =
+            (way(Direction::Plus)?, way(Direction::Minus)?);
+        let pairs = |a: &[f64], b: &[f64], of: fn(f64, f64) -> f64| {
+            a.iter().zip(b).map(|(a, b)| of(*a, *b)).collect()
+        };
+        let u_um = u_plus.as_ref().zip(u_minus.as_ref());
+        Some(LinearReversal {
+            um: pairs(plus, minus, |plus, minus| plus - minus),
+            u_um: u_um.map(|(a, b)| pairs(a, b, f64::hypot)),
+        })
+    }
+
+    /// The largest of its uncertainties: its readings may share causes.
+    pub(super) fn u_largest_um(&self) -> Option<f64> {
+        Some(self.u_um.as_ref()?.iter().copied().fold(0.0, f64::max))
+    }
 }
 
 /// The slope of a linear axis, and the directions in which its table gives it.
@@ -223,8 +341,7 @@ pub fn angles(
     }
     let model = AngleModel { table, order, levers, origin, measurement };
     let mut problems = Problems::none();
-    problems.take(model.check());
+    model.check(&mut problems);
     check_zeros(job, table, &mut problems);
-    problems.or_ok(())?;
-    Ok(model.effects())
+    problems.or_ok(()).map(|()| model.effects())
 }

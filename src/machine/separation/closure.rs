@@ -17,16 +17,15 @@
 //! readings are named with the ramps left free, so that a ramp accuses no reading; then the ramps
 //! are judged with those readings left out, so that no reading makes a ramp.
 
+use super::campaign::Start;
 use super::curves::{mean, noise_gain};
 use super::findings::SeparationFinding as Found;
-use super::linear::Model;
+use super::linear::{Model, Steps};
 use super::noise::{
     FALSE_DOUBT, Noise, NoiseSource, Outlier, UNRESOLVED_UM, chance_of, float, student, tails,
 };
 use super::patterns::{Patterns, Ramps};
-use super::readings::{RunCounts, pass_of};
-use super::start::Start;
-use super::steps::Steps;
+use super::readings::pass_of;
 use crate::inputs::job::SetUp;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Volume};
@@ -170,14 +169,14 @@ pub(super) fn closure(
     skip_ends: bool,
     causes: Option<&Model>,
 ) -> Closure {
-    let z = steps.layout.measured(&start.means, &[]);
+    let (z, counts) = (start.means(), start.counts());
     let w = |axis, at| steps.mean(|group| steps.closure(group, axis, at)).dot(&z);
     let by_interval: PerAxis<Vec<f64>> =
         PerAxis::from_fn(|axis| (0..steps.volume.steps).map(|at| w(axis, at)).collect());
     let mut closure = Closure {
         mean: PerAxis::from_fn(|axis| mean(by_interval[axis].iter().copied())),
         by_interval,
-        scatter: PerAxis::from_fn(|axis| scatter(steps, &start.counts, axis)),
+        scatter: PerAxis::from_fn(|axis| scatter(steps, &counts, axis)),
         ramps: None,
         weighted_square: 0.0,
         freedom: 0,
@@ -199,10 +198,10 @@ pub(super) fn closure(
 }
 
 /// Standard deviation of one w, mean of the groups, for readings of 1 µm.
-fn scatter(steps: &Steps<'_>, runs: &RunCounts, axis: Axis) -> f64 {
+fn scatter(steps: &Steps<'_>, counts: &[f64], axis: Axis) -> f64 {
     let groups = steps.groups();
     let walks =
         groups.iter().flat_map(|group| Diagonal::ALL.map(|d| (d, pass_of(*group, d, axis))));
-    let variances = walks.map(|(d, pass)| 2.0 / runs[d][pass as usize]);
+    let variances = walks.map(|(d, pass)| 2.0 / counts[steps.layout.reading(pass, d, 0)]);
     variances.sum::<f64>().sqrt() / float(groups.len())
 }

@@ -9,6 +9,7 @@ use crate::machine::model::measured::has_angles;
 use crate::quantity::axis::{Axis, Direction, PerAxis, Rotation};
 use crate::quantity::chain::{Chain, displaced};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+use crate::text::finding::joined;
 use crate::text::problem::{Problem, Problems};
 
 /// How far a table may fall short of the measured box, mm.
@@ -159,8 +160,7 @@ impl AngleModel<'_> {
     }
 
     /// Problems: angles that do not cover the measured box.
-    pub(super) fn check(&self) -> Result<(), Problems> {
-        let mut problems = Problems::none();
+    pub(super) fn check(&self, problems: &mut Problems) {
         for axis in Axis::ALL {
             let words = (format!("the angles of {axis} are"), "the angles");
             let series = self.table.series(axis).iter().filter(|s| has_angles(s));
@@ -168,7 +168,6 @@ impl AngleModel<'_> {
             let short = series.filter_map(|s| falls_short(self.table, s, (volume, axis), &words));
             short.for_each(|problem| problems.push(problem));
         }
-        problems.or_ok(())
     }
 }
 
@@ -255,9 +254,8 @@ impl AngleEvidence {
     pub(super) fn labels(&self, angle_urad: Option<f64>) -> Vec<SeparationFinding> {
         let mut labels = Vec::new();
         if !self.missing.is_empty() {
-            let names: Vec<String> = self.missing.iter().map(ToString::to_string).collect();
             labels.push(SeparationFinding::AnglesMissing {
-                names: names.join(", "),
+                names: joined(&self.missing),
                 urad: angle_urad,
                 chain_is_stated: self.order.is_some(),
             });

@@ -24,19 +24,18 @@
 //! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
 //! (docs/accuracy.md §8, tests/studies/exchanged.rs).
 
+use super::campaign::Start;
 use super::closure::{Closure, closure};
 use super::findings::SeparationFinding;
 use super::linear::Model;
 use super::noise::{DIGIT_UM, Outlier, UNRESOLVED_UM, float};
 use super::patterns::Patterns;
-use super::readings::RunCounts;
-use super::start::Start;
 use super::uncertainty::Budget;
 use crate::inputs::job::SetUp;
 use crate::quantity::axis::Axis;
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Run};
 use crate::quantity::units::Squared;
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, joined};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 /// 2 ln of the odds from which another assignment counts, however few the steps.
@@ -97,22 +96,19 @@ impl Naming {
     /// What happened, if these names are right; `recorded`: the order of the steps in the job.
     fn words(&self, recorded: [Axis; 3]) -> String {
         let moved = self.moved();
-        let list = |all: Vec<Diagonal>| all.iter().map(ToString::to_string).collect::<Vec<_>>();
         let (names, walked): (Vec<_>, Vec<_>) = moved.into_iter().unzip();
-        let (names, walked) = (list(names).join(", "), list(walked));
         let exchanged = match walked.as_slice() {
             [other, one] => format!("the readings of {one} and {other} were exchanged"),
-            _ => format!("the readings named {names} were those of {}", walked.join(", ")),
+            _ => {
+                let (names, walked) = (joined(names), joined(walked));
+                format!("the readings named {names} were those of {walked}")
+            }
         };
         match self.as_order(recorded) {
-            Some(order) => format!("{exchanged}, or the steps went {}", in_words(order)),
+            Some(order) => format!("{exchanged}, or the steps went {}", joined(order)),
             None => exchanged,
         }
     }
-}
-
-fn in_words(order: [Axis; 3]) -> String {
-    order.map(|axis| axis.to_string()).join(", ")
 }
 
 /// One way to share out the names and Q of what it leaves over, disturbed readings of single runs left out.
@@ -153,19 +149,19 @@ impl<'a> Trial<'a> {
             stated_um.filter(|um| budget.noise.is_some_and(|found| !found.contradicts(*um)));
         let known_um = budget.start.noise.map(|noise| noise.sigma_um).or(stated_um);
         // Ways that share counts and disturbed readings share the least-squares problem.
-        let mut shared: Option<(RunCounts, Vec<Outlier>, Patterns)> = None;
+        let mut shared: Option<(Vec<f64>, Vec<Outlier>, Patterns)> = None;
         let (mut others, mut freedom) = (Vec::new(), 0.0);
         for naming in Naming::all() {
             let start = &renamed(budget, raw_runs, &naming);
-            let Start { means, counts, outliers, .. } = start;
-            if !shared.as_ref().is_some_and(|(c, o, _)| c == counts && o == outliers) {
+            let (counts, outliers) = (start.counts(), &start.outliers);
+            if !shared.as_ref().is_some_and(|(c, o, _)| *c == counts && o == outliers) {
                 let mut left = Patterns::new(&budget.steps(), start, budget.skips_ends())?;
                 // What stated angles do belongs to no other name.
                 left.leave_out_angles(causes);
                 freedom = if shared.is_none() { float(left.scatter().1) } else { freedom };
-                shared = Some((*counts, outliers.clone(), left));
+                shared = Some((counts, outliers.clone(), left));
             }
-            others.push((naming, shared.as_ref()?.2.square_of(means)));
+            others.push((naming, shared.as_ref()?.2.square_of(&start.means())));
         }
         let (recorded, intervals) = (others.remove(0).1, budget.volume().steps_f64() - 1.0);
         let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
@@ -260,7 +256,7 @@ impl<'a> Trial<'a> {
         }
         let orders = self.others.iter().filter_map(|one| {
             let order = one.0.as_order(recorded)?;
-            (self.sigma_um.is_none() || is_weak(&one)).then(|| in_words(order))
+            (self.sigma_um.is_none() || is_weak(&one)).then(|| joined(order))
         });
         let orders = orders.collect::<Vec<_>>().join(" or ");
         let pairs = weak.iter().filter_map(|(naming, _)| {

@@ -3,7 +3,7 @@
 use crate::inputs::job::{Frame, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::Figure;
-use crate::text::finding::{Finding, findings};
+use crate::text::finding::{Finding, findings, joined};
 
 /// What to do about lines that contradict the diagonals.
 pub const CHECK: &str = "check sign, unit, `laser_sign`, the size of the box, temperature and air";
@@ -86,9 +86,7 @@ findings! {
 }
 
 fn by_axis(um: &PerAxis<f64>, axes: &[Axis]) -> String {
-    let axes = axes.iter();
-    let all = axes.map(|axis| format!("{axis} {:+.3}", Figure(um[*axis])));
-    all.collect::<Vec<_>>().join(", ")
+    joined(axes.iter().map(|axis| format!("{axis} {:+.3}", Figure(um[*axis]))))
 }
 
 fn open_scales(axes: &[Axis]) -> String {

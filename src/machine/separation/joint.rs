@@ -24,6 +24,7 @@ use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
 use crate::quantity::units::{Squared, larger};
+use crate::text::finding::joined;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{ChiSquared, Distribution, StandardNormal, StandardUniform};
@@ -50,7 +51,7 @@ struct TableWalk {
     parts: Vec<(usize, f64, bool)>,
 }
 
-/// The curves of a table, to be drawn. All their values stand in one list, curve after curve.
+/// The curves of a table, to be drawn. All their values stand in one list, curve after curve, zero at the reference.
 pub(super) struct Table<'a> {
     of: &'a Separation,
     curves: Vec<TableCurve>,
@@ -77,16 +78,14 @@ impl Table<'_> {
             (0..DRAWS).map(|number| self.anew(number)).unzip();
         let mut squares = self.nothing();
         for anew in &drawn {
-            let beside = self.beside_reference(anew, -1.0);
-            squares.iter_mut().zip(beside).for_each(|(sum, um)| *sum += um.squared());
+            squares.iter_mut().zip(anew).for_each(|(sum, um)| *sum += um.squared());
         }
         let u: Vec<f64> = squares.iter().map(|s| (s / DRAWS as f64).sqrt()).collect();
         let mut with_laser = u.clone();
         if let Some(at) = self.laser {
             let laser = &self.by_cause[at];
             drawn.iter_mut().zip(&lasers).for_each(|(anew, times)| add(anew, *times, laser));
-            let beside = self.beside_reference(laser, -1.0);
-            with_laser.iter_mut().zip(beside).for_each(|(u, um)| *u = u.hypot(um));
+            with_laser.iter_mut().zip(laser).for_each(|(u, um)| *u = u.hypot(*um));
         }
         let ranges: Vec<PerDiagonal<f64>> = drawn.iter().map(|anew| self.ranges(anew)).collect();
         let diagonals = self.ranges_at_most();
@@ -147,7 +146,7 @@ impl Table<'_> {
     /// Whether there are curves, and every uncertainty is known.
     fn is_known(&self) -> bool {
         let known = |curve: &TableCurve| {
-            self.of.of_table(curve.term, curve.way).is_some_and(|found| found.u_um.is_some())
+            self.of.of_table(curve.term, curve.way).is_some_and(|found| found.u.is_some())
         };
         !self.curves.is_empty() && self.curves.iter().all(known)
     }
@@ -167,9 +166,21 @@ impl Table<'_> {
     }
 }
 
-/// The values of curves for these entries of z.
+/// The values of curves for these entries of z, less those at the reference.
 fn moved_by(curves: &[TableCurve], z: &[f64]) -> Vec<f64> {
-    curves.iter().flat_map(|curve| curve.rows.values(z, curve.rows.line.dot(z))).collect()
+    let values = curves.iter().flat_map(|curve| curve.rows.values(z, curve.rows.line.dot(z)));
+    beside_reference(curves, &values.collect::<Vec<_>>(), -1.0)
+}
+
+/// All values, each with so many times that at its reference.
+fn beside_reference(curves: &[TableCurve], values: &[f64], times: f64) -> Vec<f64> {
+    let points = values.len() / curves.len().max(1);
+    let beside = |(index, curve): (usize, &TableCurve)| {
+        let (zero, place) = curve.zero;
+        let zero = times * at(&values[zero * points..(zero + 1) * points], place);
+        values[index * points..(index + 1) * points].iter().map(move |um| um + zero)
+    };
+    curves.iter().enumerate().flat_map(beside).collect()
 }
 
 impl<'a> Table<'a> {
@@ -213,6 +224,7 @@ impl<'a> Table<'a> {
         let walks = passes.flat_map(|pass| Diagonal::ALL.map(|d| walk(d, pass))).collect();
         let by_cause = of.model.causes.iter().map(|of| moved_by(&curves, &of.column)).collect();
         let laser = of.model.laser.filter(|_| job.measurement.instrument.is_some());
+        let um = beside_reference(&curves, &um, -1.0);
         Table { of, um, by_cause, laser, curves, walks }
     }
 
@@ -282,29 +294,12 @@ impl<'a> Table<'a> {
         values
     }
 
-    /// The value at the reference of the curve that is zero there.
-    fn zero(&self, values: &[f64], of: usize) -> f64 {
-        let (zero, place) = self.curves[of].zero;
-        at(self.curve(values, zero), place)
-    }
-
-    /// All values, each with so many times that at its reference.
-    fn beside_reference(&self, values: &[f64], times: f64) -> Vec<f64> {
-        let mut all = values.to_vec();
-        for (index, own) in all.chunks_mut(self.points()).enumerate() {
-            let zero = times * self.zero(values, index);
-            own.iter_mut().for_each(|um| *um += zero);
-        }
-        all
-    }
-
     /// The largest |error| + times · u of each term.
     fn terms(&self, values: &[f64], times: f64, u: &[f64]) -> PerTerm<f64> {
         let mut terms = PerTerm::from_fn(|_| 0.0);
         for (index, curve) in self.curves.iter().enumerate() {
             let [own, u] = [values, u].map(|values| self.curve(values, index));
-            let own = largest(own, self.zero(values, index), times, u);
-            terms[curve.term] = larger(terms[curve.term], own);
+            terms[curve.term] = larger(terms[curve.term], largest(own, times, u));
         }
         terms
     }
@@ -353,11 +348,11 @@ fn sum(one: &[f64], other: &[f64]) -> Vec<f64> {
     sum
 }
 
-/// max of |value − zero| + times · u.
-fn largest(values: &[f64], zero: f64, times: f64, u: &[f64]) -> f64 {
+/// max of |value| + times · u.
+fn largest(values: &[f64], times: f64, u: &[f64]) -> f64 {
     let (mut at, mut largest) = (0, 0.0);
     while at < values.len() {
-        let own = (values[at] - zero).abs() + times * u[at];
+        let own = values[at].abs() + times * u[at];
         if own > largest {
             largest = own;
         }
@@ -394,7 +389,7 @@ fn quantiles(zero: String, draws: &[Sizes]) -> LargestErrors {
 pub(super) fn directions(separation: &Separation, job: &Job) -> PerAxis<Vec<Option<Direction>>> {
     let plus_only = |axis: Axis| {
         job.compensation.backlash[axis] == Some(BacklashPolicy::ForwardOnly)
-            && separation.means.reverse.is_some()
+            && separation.is_both_ways()
     };
     PerAxis::from_fn(|axis| {
         if separation.is_directed(axis) {
@@ -422,5 +417,5 @@ pub(crate) fn zero(job: &Job) -> String {
         let machine = job.machine.axes[axis]?;
         Some(format!("{axis} {} {}", machine.reference.mm(), machine.homing().symbol()))
     };
-    Axis::ALL.into_iter().filter_map(of).collect::<Vec<_>>().join(", ")
+    joined(Axis::ALL.into_iter().filter_map(of))
 }

@@ -1,9 +1,8 @@
 //! What a result rests on: what is assumed of the readings, and what their uncertainty holds.
 
-use super::campaign::Campaign;
+use super::campaign::{Campaign, LinearReversal, LinearReversals};
 use super::curves::noise_gain;
 use super::findings::SeparationFinding as Found;
-use super::linear_reversal::{LinearReversal, LinearReversals};
 use super::metric::Plane;
 use super::noise::coverage_factor;
 use super::reversal::Turn;
@@ -12,10 +11,10 @@ use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::{Figure, Squared, larger, rounded};
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, joined};
 
 /// Of step runs.
-pub(super) fn of_steps(budget: &Budget<'_>, turn: Option<&Turn>) -> Vec<Finding> {
+pub(super) fn of_steps(budget: &Budget<'_>, turn: Option<&Turn>) -> impl Iterator<Item = Found> {
     let campaign = budget.campaign;
     let measurement = campaign.measurement;
     let (backs, tilt_arcsec) = (budget.both_ways(), campaign.stated.tilt_arcsec);
@@ -41,7 +40,7 @@ pub(super) fn of_steps(budget: &Budget<'_>, turn: Option<&Turn>) -> Vec<Finding>
     ];
     let labels = labels.into_iter().flatten();
     let labels = labels.chain(short.map(|(axis, gain)| Found::ShortEdge { axis, gain }));
-    labels.chain(common(budget)).map(Finding::from).collect()
+    labels.chain(common(budget))
 }
 
 /// Of straight runs.
@@ -79,8 +78,7 @@ fn stated(budget: &Budget<'_>) -> [Found; 6] {
     let by_axis = |key, is_stated: Option<f64>, known: &dyn Fn(Axis) -> bool, needs| {
         let (with, without): (Vec<Axis>, Vec<Axis>) =
             Axis::ALL.into_iter().partition(|axis| known(*axis));
-        let [with, without] = [with, without]
-            .map(|axes| axes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "));
+        let [with, without] = [with, without].map(joined);
         is_stated.map_or(Found::OfMaterialNotStated { key }, |_| Found::OfMaterial {
             key,
             with,
@@ -110,7 +108,7 @@ fn stated(budget: &Budget<'_>) -> [Found; 6] {
 }
 
 fn by_plane(words: impl Fn(Plane) -> String) -> String {
-    Plane::ALL.map(words).join(", ")
+    joined(Plane::ALL.map(words))
 }
 
 /// What is assumed of linear axes and beams.
@@ -125,7 +123,7 @@ fn lines(campaign: &Campaign<'_>) -> impl Iterator<Item = Found> {
         let high = low + volume.size[linear.axis];
         format!("{} {} to {} mm", linear.axis, low.shown(), high.shown())
     });
-    let spans = spans.collect::<Vec<_>>().join(", ");
+    let spans = joined(spans);
     let labels = [
         states_u(false).then_some(Found::LineNotKnown),
         states_u(true).then_some(Found::LinesHoldAll),
@@ -135,27 +133,27 @@ fn lines(campaign: &Campaign<'_>) -> impl Iterator<Item = Found> {
 }
 
 /// Where the reversals of single axes come from and what they leave open; `None` without any.
-pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> Option<Finding> {
+pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> Option<Found> {
     let known = |(axis, reversal): (Axis, &Option<LinearReversal>)| {
         let um = reversal.as_ref()?.um.iter().copied();
         let (low, high) = (um.clone().reduce(f64::min)?, um.reduce(f64::max)?);
         Some(format!("{axis} {:+.3} to {:+.3}", Figure(low), Figure(high)))
     };
-    let found = reversals.iter().filter_map(known).collect::<Vec<_>>().join(", ");
-    (!found.is_empty()).then(|| Found::LinearReversals { found, forward_only }.into())
+    let found = joined(reversals.iter().filter_map(known));
+    (!found.is_empty()).then_some(Found::LinearReversals { found, forward_only })
 }
 
 impl Solved<'_> {
     /// What the slopes rest on.
-    pub(super) fn labels(&self, is_checked: bool) -> Vec<Finding> {
+    pub(super) fn labels(&self, is_checked: bool) -> impl Iterator<Item = Found> {
         let squareness = |of: &dyn Fn(Plane) -> f64| {
             by_plane(|p| format!("{} {:.3}", p.key().to_uppercase(), rounded(of(p), 3)))
         };
         let leak = |plane: Plane| 10.0 * self.metric.leak.of(plane);
-        let totals = self.squareness();
-        let as_measured = self.measurement.frame == Frame::AsMeasured;
+        let totals = self.metric.squareness_um_per_m();
+        let as_measured = self.budget.campaign.measurement.frame == Frame::AsMeasured;
         let is_complete = self.metric.is_complete();
-        let labels = match self.measurement.setup {
+        let labels = match self.setup() {
             // Their squareness is another one than that of the totals.
             SetUp::AssumePerfect => [
                 as_measured.then(|| Found::SeparatedSlopesKept {
@@ -173,19 +171,19 @@ impl Solved<'_> {
                 as_measured.then_some(Found::RotationOfCrossTerms),
             ],
         };
-        labels.into_iter().flatten().map(Finding::from).collect()
+        labels.into_iter().flatten()
     }
 
     /// What the readings do not determine.
     pub(super) fn undetermined(&self, from_turn: bool, known: &LinearReversals) -> Vec<Finding> {
-        let mut open = match self.measurement.setup {
+        let mut open = match self.setup() {
             SetUp::Solve => self.metric.undetermined(),
             SetUp::AssumePerfect => Vec::new(),
         };
-        let axes = Axis::ALL.iter().filter(|axis| known[**axis].is_none());
-        let axes: Vec<String> = axes.map(ToString::to_string).collect();
+        let axes = Axis::ALL.into_iter().filter(|axis| known[*axis].is_none());
+        let axes: Vec<Axis> = axes.collect();
         if self.budget.both_ways() && !from_turn && !axes.is_empty() {
-            let of = if axes.len() == 3 { "each axis".to_string() } else { axes.join(", ") };
+            let of = if axes.len() == 3 { "each axis".to_string() } else { joined(axes) };
             open.push(Found::OpenReversal { of }.into());
         }
         open

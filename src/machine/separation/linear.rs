@@ -7,14 +7,16 @@
 //!   cov(z) = diag(σ²/runs, u² of the lines, neglected²) + Σ u² c cᵀ     c: column, what a unit of a cause does to z
 //!   u²     = row · cov(z) · rowᵀ
 //! ```
+//! The increments of the nine curves (1), the closure (2) and the totals of the diagonals (3) are such rows.
 //! Rows are of first order: of the tilt of the mirror times noise nothing is kept.
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
 use super::corrections::AngleEvidence;
+use super::curves::{closure_sign, noise_gain};
 use super::noise::ReadingPlace;
-use super::readings::Means;
-use crate::quantity::axis::Rotation;
-use crate::quantity::diagonal::{Diagonal, Pass};
+use super::readings::{Group, pass_of};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, Rotation};
+use crate::quantity::diagonal::{Diagonal, Pass, Volume};
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -74,13 +76,6 @@ impl Layout {
         column
     }
 
-    /// z of these readings and lines; what is neglected is 0.
-    pub(super) fn measured(self, means: &Means, slopes_um_per_m: &[f64]) -> Vec<f64> {
-        let mut z = self.column(|pass, d, node| means.of(pass)[d][node]);
-        z[self.line(0)..].iter_mut().zip(slopes_um_per_m).for_each(|(z, slope)| *z = *slope);
-        z
-    }
-
     pub(super) fn len(self) -> usize {
         self.neglected(4 + self.lines) + self.apart
     }
@@ -114,24 +109,89 @@ impl Row {
     pub(super) fn merged(&self) -> Row {
         let mut entries = self.0.clone();
         entries.sort_by_key(|(place, _)| *place);
-        let mut merged: Vec<(usize, f64)> = Vec::new();
-        for (place, weight) in entries {
-            match merged.last_mut().filter(|(last, _)| *last == place) {
-                Some((_, sum)) => *sum += weight,
-                None => merged.push((place, weight)),
-            }
-        }
-        merged.retain(|(_, weight)| weight.abs() > 1e-12);
-        Row(merged)
+        let same = entries.chunk_by(|one, next| one.0 == next.0);
+        let merged = same.map(|same| (same[0].0, same.iter().map(|(_, weight)| weight).sum()));
+        Row(merged.filter(|(_, weight): &(usize, f64)| weight.abs() > 1e-12).collect())
     }
 
     /// The figure of these entries.
     pub(super) fn dot(&self, z: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for (place, weight) in &self.0 {
-            sum += weight * z[*place];
+        self.0.iter().fold(0.0, |sum, (place, weight)| sum + weight * z[*place])
+    }
+}
+
+/// Formulas (1) and (2) as rows over what was measured. The slopes hold the tilt of the mirror.
+#[derive(Clone, Copy)]
+pub(super) struct Steps<'a> {
+    pub(super) volume: &'a Volume,
+    pub(super) layout: Layout,
+    /// Whether the axes turned without overrun: of the last cell the forward increments stand for both passes.
+    pub(super) turned: bool,
+}
+
+impl Steps<'_> {
+    /// The groups of readings of one pass, or of both.
+    pub(super) fn groups(&self) -> &'static [Group] {
+        match self.layout.passes {
+            2 => &[Some(Direction::Plus), Some(Direction::Minus)],
+            _ => &[None],
         }
-        sum
+    }
+
+    /// m: the reading at the end of a step less that at its beginning.
+    fn increment(&self, group: Group, d: Diagonal, axis: Axis, interval: usize) -> Row {
+        let step = self.volume.interval(d, axis, interval);
+        let is_turn = self.turned && step + 1 == self.volume.steps;
+        let pass = if is_turn { Pass::Forward } else { pass_of(group, d, axis) };
+        self.moved(pass, d, axis, step)
+    }
+
+    /// The reading of a pass at the far end of a step less that at the near one.
+    pub(super) fn moved(&self, pass: Pass, d: Diagonal, axis: Axis, step: usize) -> Row {
+        let node = self.volume.node_after(axis, step);
+        let at = |node| self.layout.reading(pass, d, node);
+        Row(vec![(at(node), 1.0), (at(node - 1), -1.0)])
+    }
+
+    /// J: the reverse less the forward increment of the last step of an axis.
+    pub(super) fn jump(&self, d: Diagonal, axis: Axis) -> Row {
+        let of = |pass| self.moved(pass, d, axis, self.volume.steps - 1);
+        Row::sum([(1.0, of(Pass::Reverse)), (-1.0, of(Pass::Forward))])
+    }
+
+    /// w: closure of an interval.
+    pub(super) fn closure(&self, group: Group, axis: Axis, interval: usize) -> Row {
+        let of = |d: Diagonal| (closure_sign(d, axis), self.increment(group, d, axis, interval));
+        Row::sum(Diagonal::ALL.map(of))
+    }
+
+    /// δ of an interval of a term for one group of readings.
+    pub(super) fn of(&self, term: ErrorTerm, group: Group, interval: usize) -> Row {
+        let gain = noise_gain(self.volume, term.of) / 2.0;
+        let of = |d: Diagonal| {
+            let sign = gain * d.sign(term.along) * d.sign(term.of);
+            (sign, self.increment(group, d, term.along, interval))
+        };
+        Row::sum(Diagonal::ALL.map(of))
+    }
+
+    /// The mean of the groups.
+    pub(super) fn mean(&self, of: impl Fn(Group) -> Row) -> Row {
+        let groups = self.groups();
+        Row::sum(groups.iter().map(|group| (1.0 / groups.len() as f64, of(*group))))
+    }
+
+    /// δ of each interval of a term, mean of the groups.
+    pub(super) fn mean_of(&self, term: ErrorTerm) -> Vec<Row> {
+        let interval = |at| self.mean(|group| self.of(term, group, at));
+        (0..self.volume.steps).map(interval).collect()
+    }
+
+    /// Sum of the increments of a (diagonal, axis) pair, mean of the groups.
+    pub(super) fn sum(&self, d: Diagonal, axis: Axis) -> Row {
+        let all = 0..self.volume.steps;
+        let of = |group| all.clone().map(move |at| (1.0, self.increment(group, d, axis, at)));
+        self.mean(|group| Row::sum(of(group)))
     }
 }
 

@@ -25,13 +25,15 @@
 
 use super::campaign::MeasuredLine;
 use super::findings::SeparationFinding;
-use super::linear::{Model, Row, Variance};
-pub use super::plane::{PerPlane, Plane};
+use super::linear::{Model, Row};
+use super::noise::Noise;
+use super::uncertainty::Uncertainty;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{PerDiagonal, Volume};
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
 use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector6};
+use serde::{Serialize, Serializer};
 
 /// Of the largest singular value: below this a direction of the unknowns is not measured.
 const RANK_TOLERANCE: f64 = 1e-9;
@@ -45,14 +47,73 @@ const NEGLECTED_UM_PER_M: f64 = 1e-3;
 /// Uncertainty that weighs totals where neither noise nor a statement gives one, µm/m.
 const WEIGHT_UM_PER_M: f64 = 1.0;
 
-/// What is measured of a triad's metric.
+/// A plane of two axes, for squareness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// X and Y.
+    Xy,
+    /// X and Z.
+    Xz,
+    /// Y and Z.
+    Yz,
+}
+
+impl Plane {
+    /// The three planes, XY first.
+    pub const ALL: [Plane; 3] = [Plane::Xy, Plane::Xz, Plane::Yz];
+
+    /// Its key in documents.
+    pub const fn key(self) -> &'static str {
+        ["xy", "xz", "yz"][self as usize]
+    }
+
+    /// Its two axes.
+    pub const fn axes(self) -> (Axis, Axis) {
+        [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)][self as usize]
+    }
+
+    /// Its two cross terms; the first one carries the squareness in the X-primary frame.
+    pub(super) const fn terms(self) -> [ErrorTerm; 2] {
+        let (a, b) = self.axes();
+        [ErrorTerm { of: a, along: b }, ErrorTerm { of: b, along: a }]
+    }
+}
+
+/// One value for each plane.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct PerPlane<T>([T; 3]);
+
+impl<T> PerPlane<T> {
+    /// The value of each plane from a function of the plane.
+    pub(crate) fn from_fn(of: impl FnMut(Plane) -> T) -> PerPlane<T> {
+        PerPlane(Plane::ALL.map(of))
+    }
+}
+
+impl<T: Copy> PerPlane<T> {
+    /// The value of a plane.
+    pub const fn of(&self, plane: Plane) -> T {
+        self.0[plane as usize]
+    }
+
+    /// Another value for each plane.
+    pub fn map<U>(&self, to: impl Fn(T) -> U) -> PerPlane<U> {
+        PerPlane(self.0.map(to))
+    }
+}
+
+/// By the names of the planes; a plane without a figure is absent.
+impl Serialize for PerPlane<Option<f64>> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let known = Plane::ALL.into_iter();
+        to.collect_map(known.filter_map(|plane| Some((plane.key(), self.of(plane)?))))
+    }
+}
+
+/// What is measured of a triad's metric: the scales of X, Y, Z, then the squareness of the planes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metric {
-    /// Slopes of EXX, EYY, EZZ, µm/m; absent = not determined by the data.
-    pub scale: PerAxis<Option<f64>>,
-    /// Squareness φ, µm/m: positive = the angle between the positive axis directions is less
-    /// than 90°.
-    pub squareness: PerPlane<Option<f64>>,
+    unknowns: [Estimated; 6],
     /// Number of combinations of the six unknowns that the data determine.
     pub rank: usize,
     /// How much φ moves with what is not determined of the scales, because the mirrors are tilted,
@@ -62,58 +123,64 @@ pub struct Metric {
 
 /// One of the six unknowns as the equations give it.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Estimated {
+pub struct Estimated {
     /// How it hangs on what was measured, µm/m; nothing without a solution.
     pub(super) row: Row,
-    /// Its value, µm/m; `None` = not determined.
-    pub(super) um_per_m: Option<f64>,
+    /// Its value, µm/m; `None` = not determined by the data.
+    pub um_per_m: Option<f64>,
     /// Whether the uncertainties of all that it depends on are known.
     pub(super) is_known: bool,
+    /// Its uncertainty; `None` = not known.
+    pub u: Option<Uncertainty>,
 }
 
 impl Estimated {
-    /// u² of it; `None` where it is not known.
-    pub(super) fn variance(&self, model: &Model) -> Option<Variance> {
-        self.is_known.then(|| model.variance(&self.row))
+    fn new(
+        (row, um_per_m, is_known): (Row, Option<f64>, bool),
+        model: &Model,
+        noise: Option<Noise>,
+    ) -> Estimated {
+        let noise = noise.filter(|_| is_known);
+        let u = noise.map(|noise| model.variance(&row).uncertainty(noise));
+        Estimated { row, um_per_m, is_known, u }
+    }
+
+    /// U, µm/m: its uncertainty with the coverage factor of its degrees of freedom.
+    pub fn expanded_um_per_m(&self) -> Option<f64> {
+        self.u.map(|u| u.expanded())
     }
 }
 
 impl Metric {
-    /// Whether everything is determined.
-    pub(super) const fn is_complete(&self) -> bool {
-        self.rank == 6
+    /// Slope of EXX, EYY or EZZ.
+    pub fn scale(&self, axis: Axis) -> &Estimated {
+        &self.unknowns[axis as usize]
     }
 
-    /// What the data do not determine; empty where all is.
-    pub(crate) fn undetermined(&self) -> Vec<Finding> {
-        let open = |axis: &Axis| self.scale[*axis].is_none();
-        let axes: Vec<Axis> = Axis::ALL.into_iter().filter(open).collect();
-        let scales = (!axes.is_empty()).then_some(SeparationFinding::OpenScales { axes });
-        let open = |plane: &Plane| self.squareness.of(*plane).is_none();
-        let planes = Plane::ALL.into_iter().filter(open).map(Plane::axes);
-        let planes = planes.map(|(of, along)| SeparationFinding::OpenSquareness { of, along });
-        scales.into_iter().chain(planes).map(Finding::from).collect()
-    }
-}
-
-/// The six unknowns of (7): the scales of X, Y, Z, then the squareness of the planes.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Figures([Estimated; 6]);
-
-impl Figures {
-    /// The scale of an axis.
-    pub(super) fn scale(&self, axis: Axis) -> &Estimated {
-        &self.0[axis as usize]
+    /// Squareness φ: positive = the angle between the positive axis directions is less than 90°.
+    pub fn squareness(&self, plane: Plane) -> &Estimated {
+        &self.unknowns[3 + plane as usize]
     }
 
-    /// φ of a plane.
-    pub(super) fn squareness(&self, plane: Plane) -> &Estimated {
-        &self.0[3 + plane as usize]
+    /// φ of each plane, µm/m.
+    pub fn squareness_um_per_m(&self) -> PerPlane<Option<f64>> {
+        PerPlane::from_fn(|plane| self.squareness(plane).um_per_m)
     }
 
-    /// The same with another φ, which is known.
-    pub(super) fn set_squareness(&mut self, plane: Plane, row: Row, um_per_m: f64) {
-        self.0[3 + plane as usize] = Estimated { row, um_per_m: Some(um_per_m), is_known: true };
+    /// Its uncertainty; `None` = not known.
+    pub fn u_squareness(&self) -> PerPlane<Option<Uncertainty>> {
+        PerPlane::from_fn(|plane| self.squareness(plane).u)
+    }
+
+    /// Another φ, which is known.
+    pub(super) fn set_squareness(
+        &mut self,
+        plane: Plane,
+        (row, um_per_m): (Row, f64),
+        (model, noise): (&Model, Option<Noise>),
+    ) {
+        let found = Estimated::new((row, Some(um_per_m), true), model, noise);
+        self.unknowns[3 + plane as usize] = found;
     }
 
     /// The one that the slope of a term is a part of.
@@ -124,8 +191,24 @@ impl Figures {
 
     /// The largest of them, µm/m.
     pub(super) fn largest_um_per_m(&self) -> f64 {
-        let all = self.0.iter().filter_map(|one| one.um_per_m);
+        let all = self.unknowns.iter().filter_map(|one| one.um_per_m);
         all.fold(0.0, |largest: f64, slope| largest.max(slope.abs()))
+    }
+
+    /// Whether everything is determined.
+    pub(super) const fn is_complete(&self) -> bool {
+        self.rank == 6
+    }
+
+    /// What the data do not determine; empty where all is.
+    pub(crate) fn undetermined(&self) -> Vec<Finding> {
+        let open = |axis: &Axis| self.scale(*axis).um_per_m.is_none();
+        let axes: Vec<Axis> = Axis::ALL.into_iter().filter(open).collect();
+        let scales = (!axes.is_empty()).then_some(SeparationFinding::OpenScales { axes });
+        let open = |plane: &Plane| self.squareness(*plane).um_per_m.is_none();
+        let planes = Plane::ALL.into_iter().filter(open).map(Plane::axes);
+        let planes = planes.map(|(of, along)| SeparationFinding::OpenSquareness { of, along });
+        scales.into_iter().chain(planes).map(Finding::from).collect()
     }
 }
 
@@ -172,7 +255,6 @@ pub(super) struct Solution {
     spread: DMatrix<f64>,
     /// Residuals y − M θ̂, weighed with V⁻¹.
     pub(super) chi_squared: f64,
-    design: DMatrix<f64>,
     /// dθ̂/dy = B (BᵀMᵀV⁻¹MB)⁻¹ BᵀMᵀV⁻¹.
     gain: DMatrix<f64>,
 }
@@ -293,12 +375,11 @@ impl Equations {
             gain: &spread * covariance.solve(&design).transpose(),
             unknowns: &self.determined * found,
             spread,
-            design,
         })
     }
 
-    /// Solves (7) for the unit vectors that were measured along; also the unknowns one by one.
-    pub(super) fn metric(&self) -> (Metric, Figures) {
+    /// Solves (7) for the unit vectors that were measured along.
+    pub(super) fn metric(&self, model: &Model, noise: Option<Noise>) -> Metric {
         let solution = self.solved(|one| one.direction);
         // Which unknowns rest on nothing but equations of known uncertainty; judged at the nominal directions, like the
         // rank.
@@ -320,21 +401,16 @@ impl Equations {
             let every = 0..self.all.len();
             Row::sum(solution.iter().flat_map(|found| every.clone().map(move |at| of(found, at))))
         };
-        let figures = Figures(std::array::from_fn(|index| Estimated {
-            row: row(index),
-            um_per_m: value(index),
-            is_known: is_known(index),
-        }));
+        let unknown = |at| Estimated::new((row(at), value(at), is_known(at)), model, noise);
         // Length of the row of dθ̂/d(open).
-        let leaks = solution.as_ref().map(|found| &found.gain * &found.design * &self.open);
+        let design = design(&self.all, |one| one.direction);
+        let leaks = solution.as_ref().map(|found| &found.gain * &design * &self.open);
         let leak = |index| leaks.as_ref().map_or(0.0, |moved| moved.row(index).norm());
-        let metric = Metric {
-            scale: PerAxis::from_fn(|axis| figures.scale(axis).um_per_m),
-            squareness: PerPlane::from_fn(|plane| figures.squareness(plane).um_per_m),
+        Metric {
+            unknowns: std::array::from_fn(unknown),
             rank: self.determined.ncols(),
             leak: PerPlane::from_fn(|plane| leak(3 + plane as usize)),
-        };
-        (metric, figures)
+        }
     }
 }
 

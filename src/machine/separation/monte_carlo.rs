@@ -96,14 +96,14 @@ pub fn simulate(
     separation.noise?;
     let volume = &separation.volume;
     let curves = separation.errors.mean.iter().filter_map(|(term, found)| {
-        let found = found.as_ref().filter(|of| of.u_um.is_some() || term.is_cross())?;
+        let found = found.as_ref().filter(|of| of.u.is_some() || term.is_cross())?;
         let at: Vec<f64> = (0..=volume.steps).map(|at| volume.along_mm(term.along, at)).collect();
         Some((term, found, at))
     });
     let curves: Vec<_> = curves.collect();
     let planes = Plane::ALL.into_iter().filter_map(|plane| {
-        separation.u_squareness.of(plane)?;
-        Some((plane, separation.squareness_um_per_m.of(plane)?))
+        let found = separation.metric.squareness(plane);
+        Some((plane, found.um_per_m.filter(|_| found.u.is_some())?))
     });
     let planes: Vec<_> = planes.collect();
     // With so much added to what was measured.
@@ -118,7 +118,7 @@ pub fn simulate(
                 }
             }
         });
-        let row = |plane| &separation.figures.squareness(plane).row;
+        let row = |plane| &separation.metric.squareness(plane).row;
         let of_planes = planes.iter().map(|(plane, um_per_m)| um_per_m + row(*plane).dot(noise));
         of_curves.chain(of_planes).collect()
     };

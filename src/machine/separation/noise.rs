@@ -13,8 +13,8 @@
 //! allows: t = size/u(size) against Student's t, with one false alarm in a hundred measurements
 //! shared among all readings. The standard deviation is that of the others.
 
-use super::readings::{CorrectedRun, of};
-use crate::quantity::diagonal::{Diagonal, Pass};
+use super::readings::of;
+use crate::quantity::diagonal::{Diagonal, Pass, Run};
 use crate::quantity::units::{Figure, Squared};
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
@@ -241,7 +241,7 @@ pub(super) fn stands_out(
 
 /// σ of a single reading, without the disturbed ones (`None` where no pass was repeated), and the disturbed readings of
 /// single runs, the largest first; pooled over all passes.
-pub fn repeats(runs: &[CorrectedRun]) -> (Option<Noise>, Vec<Outlier>) {
+pub fn repeats(runs: &[Run]) -> (Option<Noise>, Vec<Outlier>) {
     let of_pass = |diagonal| Pass::BOTH.map(|pass| RepeatedPass::new(runs, diagonal, pass));
     let mut passes: Vec<RepeatedPass> =
         Diagonal::ALL.into_iter().flat_map(of_pass).flatten().collect();
@@ -274,10 +274,10 @@ struct RepeatedPass {
 }
 
 impl RepeatedPass {
-    fn new(runs: &[CorrectedRun], diagonal: Diagonal, pass: Pass) -> Option<RepeatedPass> {
-        let walked: Vec<&CorrectedRun> = of(runs, diagonal, pass).collect();
-        let nodes = walked.first().filter(|_| walked.len() > 1)?.readings_um.len();
-        let reading = |run: usize, node: usize| walked[run].readings_um[node];
+    fn new(runs: &[Run], diagonal: Diagonal, pass: Pass) -> Option<RepeatedPass> {
+        let walked: Vec<&Run> = of(runs, diagonal, pass).collect();
+        let nodes = walked.first().filter(|_| walked.len() > 1)?.deviations.len();
+        let reading = |run: usize, node: usize| walked[run].deviations[node].um();
         let mut left = DMatrix::from_fn(walked.len(), nodes, reading);
         residuals(&mut left);
         let runs = walked.iter().map(|run| run.number).collect();

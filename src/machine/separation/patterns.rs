@@ -2,17 +2,15 @@
 //!
 //! w = K z, with rows as in [`linear`](super::linear); what anything does to the readings is a column c, and K c the
 //! pattern that it makes of w. Patterns are kept as an orthonormal basis in the metric of C⁻¹, C = K diag(1/runs) Kᵀ, so
-//! that P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step.
+//! that P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step. C has entries near its
+//! diagonal only.
 
-use super::banded::Banded;
-use super::linear::{Cause, Layout, Model, Row};
+use super::campaign::Start;
+use super::linear::{Cause, Layout, Model, Row, Steps};
 use super::noise::{
     DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, NORMAL_ONE_SIDED, Noise, Outlier, ReadingPlace,
     UNRESOLVED_UM, chance_of, float, stands_out,
 };
-use super::readings::Means;
-use super::start::Start;
-use super::steps::Steps;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::Squared;
 use nalgebra::{DVector, Matrix3, Vector3};
@@ -89,11 +87,10 @@ impl Patterns {
         }
         let ends = effects.iter().filter_map(|effect| effect.first().zip(effect.last()));
         let reach = ends.map(|((first, _), (last, _))| last - first).max().unwrap_or(0);
-        let variances = layout.column(|pass, d, _| 1.0 / start.counts[d][pass as usize]);
-        let weighed = effects.iter().zip(&variances);
-        let products = weighed.flat_map(|(effect, variance)| {
+        let weighed = effects.iter().zip(start.counts());
+        let products = weighed.flat_map(|(effect, count)| {
             let row = effect.iter().flat_map(|one| effect.iter().map(move |other| (*one, *other)));
-            row.map(move |((row, a), (column, b))| (row, column, a * b * variance))
+            row.map(move |((row, a), (column, b))| (row, column, a * b * (1.0 / count)))
         });
         let factor = Banded::factor((rows.len(), reach), products)?;
         let over = |of: &dyn Fn(f64) -> f64| {
@@ -106,7 +103,7 @@ impl Patterns {
         let middle = float(last) / 2.0;
         let ramps = over(&|at| (at - middle) / (2.0 * middle).max(1.0));
         let constants = over(&|_| 1.0);
-        let w = of_column(&rows, &layout.measured(&start.means, &[]));
+        let w = of_column(&rows, &start.means());
         let (basis, left) = (Vec::new(), factor.solve(&w));
         let mut patterns = Patterns { layout, rows, w, factor, ramps, effects, basis, left };
         patterns.leave_out(&constants);
@@ -161,8 +158,8 @@ impl Patterns {
     }
 
     /// Q of other readings.
-    pub(super) fn square_of(&self, means: &Means) -> f64 {
-        let w = of_column(&self.rows, &self.layout.measured(means, &[]));
+    pub(super) fn square_of(&self, means: &[f64]) -> f64 {
+        let w = of_column(&self.rows, means);
         w.dot(&self.projected(&w)).max(0.0)
     }
 
@@ -259,4 +256,73 @@ impl Patterns {
 /// What a column of the readings makes of w.
 fn of_column(rows: &[Row], column: &[f64]) -> DVector<f64> {
     DVector::from_iterator(rows.len(), rows.iter().map(|row| row.dot(column)))
+}
+
+/// The Cholesky factor of a symmetric, positive definite matrix with entries near its diagonal only.
+#[derive(Clone)]
+struct Banded {
+    /// How far below the diagonal entries lie.
+    reach: usize,
+    /// Its lower half, row by row, each from so far before the diagonal on.
+    lower: Vec<Vec<f64>>,
+}
+
+impl Banded {
+    /// Of the sum of entries by row and column, of which the upper half is not needed; `None` where the matrix is not
+    /// positive definite.
+    fn factor(
+        (size, reach): (usize, usize),
+        entries: impl Iterator<Item = (usize, usize, f64)>,
+    ) -> Option<Banded> {
+        let mut found = Banded { reach, lower: vec![vec![0.0; reach + 1]; size] };
+        for (row, column, value) in entries.filter(|(row, column, _)| column <= row) {
+            found.lower[row][reach + column - row] += value;
+        }
+        for row in 0..size {
+            let first = row.saturating_sub(reach);
+            for column in first..=row {
+                let known = (first..column).map(|k| found.at(row, k) * found.at(column, k));
+                let rest = found.at(row, column) - known.sum::<f64>();
+                found.lower[row][reach + column - row] = match column < row {
+                    true => rest / found.at(column, column),
+                    false => Some(rest.sqrt()).filter(|_| rest > 0.0)?,
+                };
+            }
+        }
+        Some(found)
+    }
+
+    fn at(&self, row: usize, column: usize) -> f64 {
+        self.lower[row][self.reach + column - row]
+    }
+
+    /// The solution of matrix · x = `right`.
+    fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
+        let mut x = right.clone();
+        for row in 0..x.len() {
+            let before = row.saturating_sub(self.reach)..row;
+            let known: f64 = before.map(|k| self.at(row, k) * x[k]).sum();
+            x[row] = (x[row] - known) / self.at(row, row);
+        }
+        for row in (0..x.len()).rev() {
+            let behind = row + 1..x.len().min(row + self.reach + 1);
+            let known: f64 = behind.map(|k| self.at(k, row) * x[k]).sum();
+            x[row] = (x[row] - known) / self.at(row, row);
+        }
+        x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_system_is_solved() {
+        // [4 2 0; 2 5 1; 0 1 3] · [1 2 3] = [8 15 11]
+        let entries = [(0, 0, 4.0), (1, 0, 2.0), (1, 1, 5.0), (2, 1, 1.0), (2, 2, 3.0)];
+        let factor = Banded::factor((3, 1), entries.into_iter()).expect("positive definite");
+        let x = factor.solve(&DVector::from_vec(vec![8.0, 15.0, 11.0]));
+        assert!((x - DVector::from_vec(vec![1.0, 2.0, 3.0])).norm() < 1e-12);
+    }
 }

@@ -8,32 +8,18 @@ use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::text::problem::Problem;
 
-/// One corrected run, µm, by node.
+/// The mean of the runs of a pass along a diagonal.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CorrectedRun {
+pub struct Walk {
     /// The diagonal.
     pub diagonal: Diagonal,
-    /// Number of the run, as in the file.
-    pub number: u32,
     /// Forward or reverse.
     pub pass: Pass,
-    /// Reading errors, µm.
-    pub readings_um: Vec<f64>,
+    /// How many runs it is the mean of.
+    pub runs: f64,
+    /// Mean reading errors, µm, by node of the forward path.
+    pub um: Vec<f64>,
 }
-
-impl From<&Run> for CorrectedRun {
-    /// The readings as they stand.
-    fn from(run: &Run) -> CorrectedRun {
-        let readings_um = run.deviations.iter().map(|of| of.um()).collect();
-        CorrectedRun { diagonal: run.diagonal, number: run.number, pass: run.pass, readings_um }
-    }
-}
-
-/// Mean reading errors of one pass along each diagonal, µm, by node of the forward path.
-pub type PassMeans = PerDiagonal<Vec<f64>>;
-
-/// How many runs stand behind the means of each pass: forward, reverse.
-pub type RunCounts = PerDiagonal<[f64; 2]>;
 
 /// Which readings stand for a curve: of every axis moving in this direction, forward passes of the diagonals that travel
 /// so and reverse passes of the others; or the forward pass of all, with axes that a diagonal walks in − mixed in.
@@ -45,77 +31,42 @@ pub(super) fn pass_of(group: Group, diagonal: Diagonal, axis: Axis) -> Pass {
     if is_forward { Pass::Forward } else { Pass::Reverse }
 }
 
-/// Mean reading errors of all passes that were walked.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Means {
-    /// Forward.
-    pub forward: PassMeans,
-    /// Reverse, if every diagonal was walked back.
-    pub reverse: Option<PassMeans>,
-}
-
-impl Means {
-    /// The readings of a pass; those of the forward pass where there is no other.
-    pub fn of(&self, pass: Pass) -> &PassMeans {
-        match (pass, &self.reverse) {
-            (Pass::Reverse, Some(reverse)) => reverse,
-            _ => &self.forward,
-        }
-    }
-}
-
-/// Mean of the runs of each pass. The reverse pass counts only if every diagonal has it.
-pub fn means(runs: &[CorrectedRun]) -> Means {
-    let walked_back = |diagonal| of(runs, diagonal, Pass::Reverse).next().is_some();
-    let walked_back = Diagonal::ALL.into_iter().all(walked_back);
-    Means {
-        forward: pass_means(runs, Pass::Forward),
-        reverse: walked_back.then(|| pass_means(runs, Pass::Reverse)),
-    }
-}
-
-/// How many runs each pass along each diagonal has.
-pub fn run_counts(runs: &[CorrectedRun]) -> RunCounts {
-    PerDiagonal::from_fn(|diagonal| {
-        Pass::BOTH.map(|pass| of(runs, diagonal, pass).map(|_| 1.0).sum())
-    })
+/// The passes that were walked: forward, then reverse, each by diagonal.
+pub fn walks(runs: &[Run]) -> Vec<Walk> {
+    let all = Pass::BOTH.into_iter().flat_map(|pass| Diagonal::ALL.map(|d| (d, pass)));
+    let walk = |(diagonal, pass)| {
+        let nodes = by_node(runs, (diagonal, pass), 1)?;
+        let count = of(runs, diagonal, pass).map(|_| 1.0).sum();
+        let um = nodes.into_iter().map(|readings| mean(readings.into_iter())).collect();
+        Some(Walk { diagonal, pass, runs: count, um })
+    };
+    all.filter_map(walk).collect()
 }
 
 /// The runs of one pass along a diagonal.
 pub(super) fn of(
-    runs: &[CorrectedRun],
+    runs: &[Run],
     diagonal: Diagonal,
     pass: Pass,
-) -> impl Iterator<Item = &CorrectedRun> + Clone {
+) -> impl Iterator<Item = &Run> + Clone {
     runs.iter().filter(move |run| run.diagonal == diagonal && run.pass == pass)
 }
 
 /// The readings of all runs of a pass along a diagonal at some of its nodes; `None` where it was not walked.
 fn by_node(
-    runs: &[CorrectedRun],
+    runs: &[Run],
     (diagonal, pass): (Diagonal, Pass),
     spacing: usize,
 ) -> Option<Vec<Vec<f64>>> {
     let walks = of(runs, diagonal, pass);
-    let nodes = (0..walks.clone().next()?.readings_um.len()).step_by(spacing);
-    let at = |node: usize| walks.clone().map(|run| run.readings_um[node]).collect();
+    let nodes = (0..walks.clone().next()?.deviations.len()).step_by(spacing);
+    let at = |node: usize| walks.clone().map(|run| run.deviations[node].um()).collect();
     Some(nodes.map(at).collect())
-}
-
-fn pass_means(runs: &[CorrectedRun], pass: Pass) -> PassMeans {
-    PerDiagonal::from_fn(|diagonal| {
-        let nodes = by_node(runs, (diagonal, pass), 1).unwrap_or_default();
-        nodes.into_iter().map(|readings| mean(readings.into_iter())).collect()
-    })
 }
 
 /// Repeatability of a pass along a diagonal as in ISO 230-2: R = 4 s, the largest over its nodes,
 /// µm; `None` with fewer than two runs. Each run counts from its own zero, as it was read.
-pub(crate) fn repeatability_um(
-    runs: &[CorrectedRun],
-    diagonal: Diagonal,
-    pass: Pass,
-) -> Option<f64> {
+pub(crate) fn repeatability_um(runs: &[Run], diagonal: Diagonal, pass: Pass) -> Option<f64> {
     let nodes = by_node(runs, (diagonal, pass), 1)?;
     let places = (0..nodes.len()).map(|node| node as f64);
     let runs = Runs::new(places.collect(), Some(nodes), None);
@@ -134,7 +85,7 @@ pub(crate) fn diagonal_runs(
     volume: &Volume,
     kind: PathKind,
     diagonal: Diagonal,
-    runs: &[CorrectedRun],
+    runs: &[Run],
 ) -> Result<Runs, Problem> {
     let nodes = (0..=volume.last_node(kind)).step_by(spacing(kind));
     let targets = nodes.map(|node| volume.nominal_mm(diagonal, kind, node));
@@ -152,17 +103,18 @@ pub struct DiagonalFigures {
 }
 
 /// Figures of every diagonal, and max − min over all of them, µm.
-pub fn figures(runs: &[CorrectedRun], kind: PathKind) -> (PerDiagonal<DiagonalFigures>, f64) {
-    let passes = Pass::BOTH.map(|pass| pass_means(runs, pass));
-    let on_diagonal = |d| passes.iter().map(move |pass| pass[d].iter().step_by(spacing(kind)));
+pub fn figures(runs: &[Run], kind: PathKind) -> (PerDiagonal<DiagonalFigures>, f64) {
+    let walks = walks(runs);
+    let of = |d: Diagonal| walks.iter().filter(move |walk| walk.diagonal == d);
+    let on_diagonal = |d| of(d).flat_map(|walk| walk.um.iter().step_by(spacing(kind)));
     let figures = PerDiagonal::from_fn(|d| {
         // Far end less start of a pass, so that an offset between the passes does not count.
-        let total = |pass: &PassMeans| Some(pass[d].last()? - pass[d].first()?);
+        let total = |walk: &Walk| Some(walk.um.last()? - walk.um.first()?);
         DiagonalFigures {
-            end_um: mean(passes.iter().filter_map(total)),
-            range_um: range(on_diagonal(d).flatten().copied()),
+            end_um: mean(of(d).filter_map(total)),
+            range_um: range(on_diagonal(d).copied()),
         }
     });
-    let all = Diagonal::ALL.into_iter().flat_map(on_diagonal).flatten();
+    let all = Diagonal::ALL.into_iter().flat_map(on_diagonal);
     (figures, range(all.copied()))
 }

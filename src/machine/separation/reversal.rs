@@ -22,19 +22,24 @@
 //!
 //! With overrun all axes have reversed before the first reading back, and only Σ_k (V_k/R) B_kk
 //! and three combinations of cross terms can be seen: the reversal of a single axis is not
-//! determined, and both curves start at 0. A [linear measurement](super::linear_reversal) may tell it.
+//! determined, and both curves start at 0. With overrun, and with forward runs alone, a linear measurement of an axis in
+//! both directions, which the job names, tells its reversal at every place:
+//!
+//! ```text
+//!   B(x) = E+(x) − E−(x)      u²(B) = u²(E+) + u²(E−)
+//! ```
+//! The cross terms of that axis hold the mean of both directions: nothing tells their reversal.
 
-use super::curves::mean;
+use super::campaign::{LinearReversal, LinearReversals, Start};
+use super::curves::{at, mean};
 use super::findings::SeparationFinding;
-use super::linear::{CurveRows, Row};
-use super::linear_reversal::{LinearReversal, LinearReversals};
-use super::noise::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of};
-use super::readings::RunCounts;
+use super::linear::{CurveRows, Row, Steps};
+use super::noise::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of, float};
+use super::readings::Walk;
 use super::solved::Solved;
-use super::steps::Steps;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal};
-use crate::quantity::units::{Squared, larger};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use crate::quantity::units::{Millimetres, Squared, larger};
 use crate::text::finding::Finding;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -81,14 +86,10 @@ pub struct Turn {
 /// Without overrun forward and reverse reading of the last node are one place read twice, and the
 /// reversals follow as jumps; with overrun the offset is there at once and nothing jumps. Both
 /// are tested against the noise of the means; of a jump that of the axis itself.
-pub(super) fn ran_over(
-    steps: &Steps<'_>,
-    z: &[f64],
-    runs: &RunCounts,
-    noise: Noise,
-) -> Option<bool> {
+pub(super) fn ran_over(steps: &Steps<'_>, z: &[f64], counts: &[f64], noise: Noise) -> Option<bool> {
     let square = noise.sigma_um.max(DIGIT_UM).squared();
-    let variance = |d: Diagonal| square * (1.0 / runs[d][0] + 1.0 / runs[d][1]);
+    let runs = |d: Diagonal| Pass::BOTH.map(|pass| counts[steps.layout.reading(pass, d, 0)]);
+    let variance = |d: Diagonal| square * runs(d).map(|runs| 1.0 / runs).iter().sum::<f64>();
     let offset = |d: Diagonal| {
         let [forward, reverse] =
             Pass::BOTH.map(|pass| z[steps.layout.reading(pass, d, steps.layout.nodes - 1)]);
@@ -125,7 +126,7 @@ impl Solved<'_> {
     /// The reversals of a turn without overrun.
     pub(super) fn turn(&mut self) -> Option<Turn> {
         let (steps, budget) = (self.steps, self.budget);
-        let (layout, volume, noise) = (steps.layout, budget.volume(), budget.noise);
+        let (volume, noise) = (budget.volume(), budget.noise);
         let (mut rows, mut design) = (Vec::new(), DMatrix::zeros(MEASURED + 9, 18));
         // The unknowns: B of all terms at the low ends, then at the high ones, axis by axis.
         let at = |along: Axis, of: Axis, end: Direction| {
@@ -150,11 +151,11 @@ impl Solved<'_> {
             design[(MEASURED + term, 9 + term)] = 1.0;
         }
         let square = noise.map_or(0.0, |noise| noise.sigma_um).max(DIGIT_UM).squared();
-        let weights =
-            layout.column(|pass, d, _| (square / budget.start.counts[d][pass as usize]).sqrt());
-        let mut weighed = DMatrix::zeros(weights.len(), MEASURED);
+        let counts = budget.start.counts();
+        let mut weighed = DMatrix::zeros(counts.len(), MEASURED);
         for (index, row) in rows.iter().enumerate() {
-            row.0.iter().for_each(|(place, by)| weighed[(*place, index)] += by * weights[*place]);
+            let u = |place: usize| (square / counts[place]).sqrt();
+            row.0.iter().for_each(|(place, by)| weighed[(*place, index)] += by * u(*place));
         }
         let neglected = DMatrix::identity(MEASURED, MEASURED) * (NEGLECTED * square);
         let mut covariance = weighed.tr_mul(&weighed) + neglected;
@@ -268,4 +269,45 @@ pub(super) fn contradictions(turn: &Turn, reversals: &LinearReversals) -> Vec<Fi
         })
     };
     reversals.iter().filter_map(of_axis).collect()
+}
+
+/// Reversal along the diagonals that passes with overrun show: the largest B at a cell end, µm;
+/// `None` where the mean of forward minus reverse readings is within their noise. The reversal of
+/// a single axis is hidden in it, so that no curve holds it. What linear measurements tell of
+/// single axes, Σ_k (V_k/R) B_k at each place, is taken off.
+pub(super) fn hidden_reversal_um(
+    start: &Start,
+    noise: Option<Noise>,
+    volume: &Volume,
+    known: &LinearReversals,
+) -> Option<f64> {
+    let known = known.iter().filter_map(|(axis, b)| Some((axis, b.as_ref()?)));
+    let known: Vec<(Axis, &LinearReversal, Vec<Millimetres>)> =
+        known.map(|(axis, b)| (axis, b, volume.positions(axis))).collect();
+    let beside = |(forward, back): (&Walk, &Walk)| -> Vec<f64> {
+        let d = forward.diagonal;
+        let of_known = |node: usize| -> f64 {
+            let place = volume.place(d, PathKind::Step, node);
+            let b = known.iter().map(|(axis, b, positions)| {
+                volume.cosine(*axis) * at(positions, &b.um, place[*axis].mm())
+            });
+            b.sum()
+        };
+        let pairs = forward.um.iter().zip(&back.um).enumerate();
+        pairs.map(|(node, (forward, back))| forward - back - of_known(node)).collect()
+    };
+    let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
+    let u_known = known
+        .iter()
+        .filter_map(|(axis, b, _)| Some((volume.cosine(*axis) * b.u_largest_um()?).squared()));
+    let u_known = u_known.sum::<f64>().sqrt();
+    let shown = |b: &Vec<f64>| {
+        // Six standard deviations of a mean difference.
+        let of_noise = std::f64::consts::SQRT_2 * sigma / float(b.len()).sqrt();
+        mean(b.iter().copied()).abs() > (6.0 * of_noise.hypot(u_known)).max(UNRESOLVED_UM)
+    };
+    let walks = start.walks.iter();
+    let shown = walks.clone().zip(walks.skip(Diagonal::ALL.len())).map(beside).filter(shown);
+    let largest = |b: Vec<f64>| b.iter().step_by(3).fold(0.0, |most: f64, um| most.max(um.abs()));
+    shown.map(largest).reduce(f64::max)
 }

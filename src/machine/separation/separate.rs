@@ -1,25 +1,29 @@
-//! A whole measurement of step diagonals, from its runs to the nine errors.
+//! A whole measurement of step diagonals, from its runs to the nine errors; or one that is still to be made.
+//!
+//! ```text
+//!   passes, runs ─→ corrected readings of 0 ─→ separation, σ = what is expected ─→ U, rank, what stays open
+//! ```
+//! Readings without any error go through the separation itself, so what it says of uncertainty, degrees of freedom and
+//! what stays open is what it will say of the readings.
 
 use super::agreement::Agreement;
-use super::campaign::Campaign;
+use super::campaign::{Campaign, LinearReversal, LinearReversals, Start};
 use super::closure::{Closure, closure, large_noise};
 use super::curves::Curve;
 use super::exchange::names;
 use super::findings::SeparationFinding;
 use super::labels;
 use super::linear::{Layout, Model};
-use super::linear_reversal::{LinearReversals, hidden_reversal_um};
-use super::metric::{Figures, Metric, PerPlane, Plane};
+use super::metric::Metric;
 use super::noise::{Noise, NoiseSource, ReadingPlace};
-use super::readings::{CorrectedRun, Means};
-use super::reversal::{Turn, contradictions, ran_over};
-use super::solved::{NineErrors, SeparatedError, Solved, Tilt, scale_sum_um_mm};
-use super::start::Start;
-use super::uncertainty::{Budget, SlopeUncertainty, rolls};
+use super::reversal::{Turn, contradictions, hidden_reversal_um, ran_over};
+use super::solved::{NineErrors, SeparatedError, Solved, Tilt};
+use super::uncertainty::{Budget, of_length_ppm, rolls};
 use crate::inputs::error_table::Silence;
-use crate::inputs::job::{Frame, SetUp};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerTerm};
-use crate::quantity::diagonal::{PerDiagonal, Run, Volume};
+use crate::inputs::job::{DiagonalMeasurement, Frame, SetUp, StatedUncertainty};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+use crate::quantity::units::Deviation;
 use crate::text::finding::{Finding, Severity};
 
 /// What a measurement of step diagonals says, and what it does not.
@@ -35,23 +39,15 @@ pub struct Separation {
     pub errors: NineErrors,
     /// What is uncertain of the readings and lines behind them.
     pub(super) model: Model,
-    /// Scales and squareness by what was measured, µm/m.
-    pub(super) figures: Figures,
     /// What speaks against the result by its size: of each, what its possible causes do to what was measured.
     pub(super) anomalies: Vec<Vec<Vec<f64>>>,
     /// Their shapes beside the line through the ends, µm: determined whatever the set-up.
     pub shapes: PerTerm<Curve>,
     /// Slopes as they fall out of the increments, µm/m: they hold the tilt of the mirror.
     pub naive_slopes_um_per_m: PerTerm<f64>,
-    /// Squareness φ, µm/m, from the totals.
-    pub squareness_um_per_m: PerPlane<Option<f64>>,
-    /// Its uncertainty; `None` = not known.
-    pub u_squareness: PerPlane<Option<SlopeUncertainty>>,
     /// What the job does not state and no uncertainty holds.
     pub silence: Silence,
-    /// φ of least squares lines through the separated curves, µm/m.
-    pub squareness_least_squares_um_per_m: PerPlane<Option<f64>>,
-    /// Scales, squareness, rank.
+    /// Scales; squareness, from the totals; rank.
     pub metric: Metric,
     /// Whether linear axes, beams and diagonals agree; `None` where nothing is redundant or the
     /// set-up is assumed.
@@ -73,8 +69,6 @@ pub struct Separation {
     pub linear_reversals: LinearReversals,
     /// Reversal along the diagonals that cannot be told apart by axis, µm: no curve holds it.
     pub hidden_reversal_um: Option<f64>,
-    /// S, µm·mm.
-    pub scale_sum_um_mm: f64,
     /// What is not determined.
     pub undetermined: Vec<Finding>,
     /// Why the result is doubtful; empty = nothing speaks against it. Otherwise `separate` answers no,
@@ -83,14 +77,17 @@ pub struct Separation {
     /// What was assumed and what the uncertainty holds.
     pub labels: Vec<Finding>,
     /// The corrected runs.
-    pub runs: Vec<CorrectedRun>,
+    pub runs: Vec<Run>,
     /// The runs whose zero is that of the forward run: all, or the forward passes only.
-    pub zeroed_runs: Vec<CorrectedRun>,
-    /// The mean readings as measured; jumps of a turn are still in them.
-    pub means: Means,
+    pub zeroed_runs: Vec<Run>,
 }
 
 impl Separation {
+    /// Whether every diagonal was walked in both directions.
+    pub(crate) fn is_both_ways(&self) -> bool {
+        self.model.layout.passes == 2
+    }
+
     /// Whether the two directions of an axis stand apart in the error table: its reversal is
     /// determined.
     pub(crate) fn is_directed(&self, axis: Axis) -> bool {
@@ -124,12 +121,6 @@ impl Separation {
     /// `separate`.
     pub fn stands(&self) -> bool {
         self.doubts.is_empty() && self.anomalies.is_empty() && self.missing().is_empty()
-    }
-
-    /// U of φ, µm/m: its uncertainty with the coverage factor of its degrees of freedom.
-    pub fn expanded_squareness_um_per_m(&self, plane: Plane) -> Option<f64> {
-        let u = self.u_squareness.of(plane);
-        u.map(|u| u.expanded_um_per_m())
     }
 
     /// Rank and number of unknowns: of formula (7), or of the slopes where the set-up is assumed.
@@ -245,9 +236,10 @@ fn evaluated(budget: &Budget<'_>, closure: Closure) -> Separation {
     let apart = solved.apart(turn.as_ref(), &reversals);
     let errors = solved.errors(&apart);
     let anomalies = anomalies(campaign, solved.model.layout, &closure, agreement.as_ref());
-    let mut labels = labels::of_steps(budget, turn.as_ref());
-    labels.extend(labels::of_reversals(&reversals, !budget.both_ways()));
-    labels.extend(solved.labels(agreement.is_some()));
+    let labels = labels::of_steps(budget, turn.as_ref())
+        .chain(labels::of_reversals(&reversals, !budget.both_ways()))
+        .chain(solved.labels(agreement.is_some()));
+    let mut labels: Vec<Finding> = labels.map(Finding::from).collect();
     let of_closure = closure.doubts(noise, volume, campaign.measurement.setup).into_iter();
     let contradiction = agreement.as_ref().and_then(Agreement::contradiction);
     // What no known cause makes has no size.
@@ -257,22 +249,15 @@ fn evaluated(budget: &Budget<'_>, closure: Closure) -> Separation {
         .partition(|found| has_size && found.severity() == Severity::Note);
     labels.extend(of_size);
     let hides = overrun == Some(true) && campaign.reverse_zero_known;
-    let hidden = hides.then(|| hidden_reversal_um(&start.means, noise, volume, &reversals));
+    let hidden = hides.then(|| hidden_reversal_um(start, noise, volume, &reversals));
     Separation {
         volume: volume.clone(),
         setup: campaign.measurement.setup,
         frame: campaign.measurement.frame,
         shapes: solved.shapes(),
-        squareness_um_per_m: solved.squareness(),
         silence: campaign.silence(),
-        u_squareness: PerPlane::from_fn(|plane| {
-            let variance = solved.figures.squareness(plane).variance(&solved.model)?;
-            Some(variance.as_slope(noise?))
-        }),
-        squareness_least_squares_um_per_m: errors.least_squares_squareness(volume),
         tilts: solved.tilts(),
         undetermined: solved.undetermined(turn.is_some(), &reversals),
-        scale_sum_um_mm: scale_sum_um_mm(volume, &solved.ends_um),
         naive_slopes_um_per_m: solved.naive,
         doubts,
         anomalies,
@@ -280,7 +265,6 @@ fn evaluated(budget: &Budget<'_>, closure: Closure) -> Separation {
         agreement,
         errors,
         model: solved.model,
-        figures: solved.figures,
         closure,
         noise,
         end_um: solved.ends_um,
@@ -288,21 +272,85 @@ fn evaluated(budget: &Budget<'_>, closure: Closure) -> Separation {
         turn,
         hidden_reversal_um: hidden.flatten(),
         linear_reversals: reversals,
-        means: start.means.clone(),
         metric: solved.metric,
         runs: start.runs.clone(),
-        zeroed_runs: start.zeroed_runs.clone(),
+        zeroed_runs: start.zeroed_runs(campaign.reverse_zero_known),
     }
 }
 
 /// Whether the axes ran past the end point: as stated, else as the readings tell.
 fn overrun(campaign: &Campaign<'_>, start: &Start) -> Option<bool> {
-    start.means.reverse.as_ref()?;
+    let budget = Budget { campaign, start, noise: None, overrun: None };
     let judged = || {
-        let steps = Budget { campaign, start, noise: None, overrun: None }.steps();
+        let steps = budget.steps();
         let noise = start.noise.or_else(|| closure(&steps, start, true, None).noise());
-        ran_over(&steps, &steps.layout.measured(&start.means, &[]), &start.counts, noise?)
+        ran_over(&steps, &start.means(), &start.counts(), noise?)
     };
     let stated = campaign.measurement.overrun;
-    stated.or_else(|| campaign.reverse_zero_known.then(judged)?)
+    let found = || stated.or_else(|| campaign.reverse_zero_known.then(judged)?);
+    budget.both_ways().then(found)?
+}
+
+/// What is expected of a measurement before its readings exist: deviations of 0, with the uncertainties
+/// that this many runs of these passes will have. `noise_um`: σ of a single reading. Whether the axes
+/// overrun has to be stated where the return pass is one of the passes. `change_um`: by how much the reversals are
+/// known to change along their axes.
+pub(crate) fn expected(
+    campaign: &Campaign<'_>,
+    passes: &[Pass],
+    runs: u32,
+    noise_um: f64,
+    change_um: &PerTerm<f64>,
+) -> Separation {
+    let nodes = campaign.measurement.volume.last_node(PathKind::Step) + 1;
+    let walks = (1..=runs).flat_map(|number| passes.iter().map(move |pass| (number, *pass)));
+    let run = |(number, pass), diagonal| Run {
+        diagonal,
+        number,
+        pass,
+        deviations: vec![Deviation::from_um(0.0); nodes],
+        temperatures_c: PerAxis::default(),
+    };
+    let all = walks.flat_map(|walk| Diagonal::ALL.map(|diagonal| run(walk, diagonal)));
+    let mut start = Start::of(campaign, all.collect(), campaign.measurement.material);
+    start.noise = start.noise.map(|noise| Noise { sigma_um: noise_um, ..noise });
+    start.expected_um = Some(noise_um);
+    start.change_um.clone_from(change_um);
+    of_start(campaign, &start)
+}
+
+/// What a laser does wherever it measures.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Instrument {
+    /// σ of a single reading, µm.
+    pub(crate) noise_um: f64,
+    /// `[measurement.uncertainty]`.
+    pub(crate) stated: StatedUncertainty,
+}
+
+impl Instrument {
+    /// Standard uncertainty of the mean of so many runs at one position, µm.
+    fn of_mean_um(self, runs: u32) -> f64 {
+        self.noise_um / f64::from(runs).sqrt()
+    }
+
+    /// The reversal of an axis of 0 as so many runs in both directions at the positions of the diagonals tell it.
+    pub(crate) fn reversal(self, volume: &Volume, runs: u32) -> LinearReversal {
+        let u_um = std::f64::consts::SQRT_2 * self.of_mean_um(runs);
+        let places = volume.steps + 1;
+        LinearReversal { um: vec![0.0; places], u_um: Some(vec![u_um; places]) }
+    }
+
+    /// Standard uncertainty of the slope over a whole axis, from so many runs in both directions, µm/m.
+    ///
+    /// formula  u² = 2σ²/(2r L²) + scale²: the mean of both directions at both ends
+    pub(crate) fn of_slope_um_per_m(
+        self,
+        measurement: &DiagonalMeasurement,
+        axis: Axis,
+        runs: u32,
+    ) -> f64 {
+        let ends = 1000.0 * self.of_mean_um(runs) / measurement.volume.size[axis].mm();
+        ends.hypot(of_length_ppm(self.stated, measurement.material, axis))
+    }
 }

@@ -8,12 +8,10 @@
 use super::agreement::Agreement;
 use super::campaign::MeasuredLine;
 use super::curves::{Curve, ReferenceLine};
-use super::linear::{CurveRows, Model, Row, Variance};
-use super::metric::{Equations, Figures, Metric, PerPlane, Plane, UM_PER_M};
-use super::noise::{Noise, coverage_factor, effective_freedom};
-use super::steps::Steps;
-use super::uncertainty::Budget;
-use crate::inputs::job::{DiagonalMeasurement, Frame, SetUp};
+use super::linear::{CurveRows, Model, Row, Steps, Variance};
+use super::metric::{Equations, Metric, PerPlane, Plane, UM_PER_M};
+use super::uncertainty::{Budget, Uncertainty};
+use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
 
@@ -23,7 +21,6 @@ const ARCSEC_PER_RADIAN: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 /// Curves as rows over what was measured, and what their slopes come from.
 pub(super) struct Solved<'a> {
     pub(super) budget: &'a Budget<'a>,
-    pub(super) measurement: &'a DiagonalMeasurement,
     pub(super) model: Model,
     /// What was measured.
     pub(super) z: Vec<f64>,
@@ -35,9 +32,8 @@ pub(super) struct Solved<'a> {
     /// Displacement per commanded unit: q_dk = s_dk (V_k/R + n m̄_dk/V_k), without dimension.
     ratios: PerDiagonal<PerAxis<f64>>,
     equations: Equations,
+    /// Scales and squareness by what was measured.
     pub(super) metric: Metric,
-    /// Scales and squareness by what was measured, µm/m.
-    pub(super) figures: Figures,
     pub(super) ends_um: PerDiagonal<f64>,
 }
 
@@ -50,7 +46,7 @@ fn of_totals(volume: &Volume, ends: &PerDiagonal<Row>, plane: Plane) -> Row {
 }
 
 /// S = X²p_xx + Y²p_yy + Z²p_zz, µm·mm: the one combination of the scales that the readings at the far ends tell, µm.
-pub(super) fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f64 {
+pub fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f64 {
     volume.diagonal_mm() * ends_um.iter().map(|(_, um)| um).sum::<f64>() / 4.0
 }
 
@@ -58,9 +54,10 @@ impl<'a> Solved<'a> {
     pub(super) fn new(budget: &'a Budget<'a>) -> Solved<'a> {
         let (campaign, volume) = (budget.campaign, budget.volume());
         let mut model = budget.model();
-        let slopes: Vec<f64> = campaign.lines.iter().map(|l| l.slope_um_per_m).collect();
-        let z = model.layout.measured(&budget.start.means, &slopes);
-        let steps = Steps::new(volume, model.layout, budget.turned());
+        let mut z = budget.start.means();
+        z.extend(campaign.lines.iter().map(|line| line.slope_um_per_m));
+        z.resize(model.layout.len(), 0.0);
+        let steps = Steps { volume, layout: model.layout, turned: budget.turned() };
         let mean_steps = PerTerm::from_fn(|term| steps.mean_of(term));
         let sums = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| steps.sum(d, axis)));
         let ratio = |d: Diagonal, axis: Axis| {
@@ -86,32 +83,24 @@ impl<'a> Solved<'a> {
         }
         let known = (&mut model, budget.noise.is_some());
         let equations = Equations::new(volume, &stepped, &lines, rows, known);
-        let (metric, mut figures) = equations.metric();
+        let mut metric = equations.metric(&model, budget.noise);
         if campaign.measurement.setup == SetUp::AssumePerfect {
             for plane in Plane::ALL {
                 let row = of_totals(volume, &ends, plane);
                 let um_per_m = row.dot(&z);
-                figures.set_squareness(plane, row, um_per_m);
+                metric.set_squareness(plane, (row, um_per_m), (&model, budget.noise));
             }
         }
         let length = |axis: Axis| volume.size[axis].mm() / 1000.0;
         let rise =
             |term: ErrorTerm| mean_steps[term].iter().map(|step: &Row| step.dot(&z)).sum::<f64>();
         let naive = PerTerm::from_fn(|term| rise(term) / length(term.along));
-        Solved {
-            budget,
-            measurement: campaign.measurement,
-            naive,
-            ratios,
-            metric,
-            figures,
-            equations,
-            ends_um,
-            model,
-            z,
-            steps,
-            mean_steps,
-        }
+        Solved { budget, naive, ratios, metric, equations, ends_um, model, z, steps, mean_steps }
+    }
+
+    /// What is assumed of the set-up.
+    pub(super) fn setup(&self) -> SetUp {
+        self.budget.campaign.measurement.setup
     }
 
     fn metres(&self, term: ErrorTerm) -> f64 {
@@ -120,7 +109,8 @@ impl<'a> Solved<'a> {
 
     /// What the slope of a term is made of: shares of its figure, of its separated slope, of that of its twin.
     fn rule(&self, term: ErrorTerm) -> [f64; 3] {
-        match (self.measurement.setup, self.measurement.frame) {
+        let measurement = self.budget.campaign.measurement;
+        match (measurement.setup, measurement.frame) {
             (SetUp::AssumePerfect, frame)
                 if term.is_positioning() || frame == Frame::AsMeasured =>
             {
@@ -134,15 +124,11 @@ impl<'a> Solved<'a> {
         }
     }
 
-    pub(super) fn squareness(&self) -> PerPlane<Option<f64>> {
-        PerPlane::from_fn(|plane| self.figures.squareness(plane).um_per_m)
-    }
-
     /// The mean curve of a term, its slope put right, and what turns it at its high end, µm; `None` = its slope is not
     /// determined.
     fn mean_rows(&self, term: ErrorTerm) -> Option<(CurveRows, f64)> {
         let [share, own, of_twin] = self.rule(term);
-        let (twin, metres, found) = (term.twin(), self.metres(term), self.figures.of(term));
+        let (twin, metres, found) = (term.twin(), self.metres(term), self.metric.of(term));
         let steps = self.mean_steps[term].clone();
         let figure = if share > 0.0 { share * found.um_per_m? } else { 0.0 };
         let slope = figure + own * self.naive[term] + of_twin * self.naive[twin];
@@ -168,7 +154,7 @@ impl<'a> Solved<'a> {
 
     /// The redundancy of (7); `None` where there is none or where the set-up is assumed.
     pub(super) fn judged(&self) -> Option<Agreement> {
-        (self.measurement.setup == SetUp::Solve).then(|| self.equations.agreement(&self.figures))?
+        (self.setup() == SetUp::Solve).then(|| self.equations.agreement(&self.metric))?
     }
 
     /// The nine errors with their uncertainties; `apart`: B of each term, and whether its uncertainty is known.
@@ -209,26 +195,24 @@ impl<'a> Solved<'a> {
         let [share, own, _] = self.rule(term);
         // A separated slope holds the tilt of the mirror.
         let slope_is_known = match share > 0.0 {
-            true => self.figures.of(term).is_known,
+            true => self.metric.of(term).is_known,
             false => own < 1.0 || self.budget.campaign.stated.tilt_arcsec.is_some(),
         };
-        let is_known = is_known && slope_is_known && self.budget.noise.is_some();
-        let variances = rows.variances(&self.model);
-        let of = |v: &Variance| (v.all.sqrt(), v.noise.sqrt());
-        let (u_um, u_noise_um) = is_known.then(|| variances.iter().map(of).unzip()).unzip();
-        let deviation_um = rows.values(&self.z, line_um);
-        SeparatedError { deviation_um, u_um, u_noise_um, rows }
+        let noise = self.budget.noise.filter(|_| is_known && slope_is_known);
+        let of = |noise| move |variance: Variance| variance.uncertainty(noise);
+        let u = noise.map(|noise| rows.variances(&self.model).into_iter().map(of(noise)).collect());
+        SeparatedError { deviation_um: rows.values(&self.z, line_um), u, rows }
     }
 
     /// η_d = q_d − Aᵀ u_d with the slopes of the X-primary frame; `None` where scales or squareness
     /// are not determined, because then the tilts are not either.
     pub(super) fn tilts(&self) -> Option<PerDiagonal<Tilt>> {
-        if self.measurement.setup == SetUp::AssumePerfect || !self.metric.is_complete() {
+        if self.setup() == SetUp::AssumePerfect || !self.metric.is_complete() {
             return None;
         }
         // X primary: EXY, EXZ and EYZ carry the squareness (p_xy = φxy …).
         let slope = |of: Axis, along: Axis| {
-            let found = self.figures.of(ErrorTerm { of, along }).um_per_m;
+            let found = self.metric.of(ErrorTerm { of, along }).um_per_m;
             found.filter(|_| of <= along).unwrap_or(0.0)
         };
         Some(PerDiagonal::from_fn(|diagonal| {
@@ -290,25 +274,22 @@ fn shapes_in(volume: &Volume, steps: &PerTerm<Vec<Row>>, line: &MeasuredLine) ->
 pub struct SeparatedError {
     /// Deviations at the interval ends, lowest first, µm; the first is 0 (a − curve: the reversal).
     pub deviation_um: Curve,
-    /// Standard uncertainties (k = 1) against the first position, µm; `None` = not known.
-    pub u_um: Option<Vec<f64>>,
-    /// The part of them that comes from the noise of the readings, µm.
-    pub u_noise_um: Option<Vec<f64>>,
+    /// Uncertainties against the first position, µm; `None` = not known.
+    pub u: Option<Vec<Uncertainty>>,
     /// How it hangs on what was measured.
     pub(super) rows: CurveRows,
 }
 
 impl SeparatedError {
-    /// Effective degrees of freedom of a point's uncertainty; `None` = unlimited.
-    pub fn freedom(&self, index: usize, noise: Option<Noise>) -> Option<f64> {
-        let u = *self.u_um.as_ref()?.get(index)?;
-        effective_freedom(u, *self.u_noise_um.as_ref()?.get(index)?, noise?)
+    /// Standard uncertainties (k = 1) against the first position, µm; `None` = not known.
+    pub fn u_um(&self) -> Option<Vec<f64>> {
+        let points = self.u.as_ref()?.iter();
+        Some(points.map(|point| point.u).collect())
     }
 
     /// U of a point, µm: its uncertainty with the coverage factor of its degrees of freedom.
-    pub fn expanded_um(&self, index: usize, noise: Option<Noise>) -> Option<f64> {
-        let u = *self.u_um.as_ref()?.get(index)?;
-        Some(u * coverage_factor(self.freedom(index, noise)))
+    pub fn expanded_um(&self, index: usize) -> Option<f64> {
+        self.u.as_ref()?.get(index).map(Uncertainty::expanded)
     }
 }
 
@@ -333,7 +314,7 @@ impl NineErrors {
     }
 
     /// φ of least squares lines through the separated curves, µm/m.
-    pub(super) fn least_squares_squareness(&self, volume: &Volume) -> PerPlane<Option<f64>> {
+    pub fn least_squares_squareness(&self, volume: &Volume) -> PerPlane<Option<f64>> {
         let slope = |term: ErrorTerm| {
             let positions = volume.positions(term.along);
             let positions: Vec<f64> = positions.iter().map(|p| p.mm()).collect();

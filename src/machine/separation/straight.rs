@@ -17,20 +17,18 @@
 //! between the points of a table is not known to a table and not included.
 
 use super::agreement::Agreement;
-use super::campaign::Campaign;
+use super::campaign::{Campaign, Start};
 use super::closure::large_noise;
 use super::curves::at;
 use super::findings::SeparationFinding;
 use super::labels;
 use super::linear::{Layout, Row};
-use super::metric::{Equations, Estimated, Metric, PerPlane};
+use super::metric::{Equations, Metric};
 use super::noise::{Noise, Outlier, float};
-use super::readings::{self, CorrectedRun};
-use super::solved::scale_sum_um_mm;
-use super::start::Start;
-use super::uncertainty::{Budget, SlopeUncertainty};
+use super::readings::{self, Walk};
+use super::uncertainty::Budget;
 use crate::inputs::error_table::{ErrorTable, Silence};
-use crate::quantity::axis::{ErrorTerm, PerAxis};
+use crate::quantity::axis::ErrorTerm;
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
@@ -41,35 +39,24 @@ use statrs::distribution::{ContinuousCDF, Normal};
 /// How often machines that agree are to fail the closure test.
 const FALSE_ALARM: f64 = 0.05;
 
-/// Direction cosines squared: the share of each scale in S, for the words of a report.
-pub(crate) fn scale_shares(volume: &Volume) -> PerAxis<f64> {
-    PerAxis::from_fn(|axis| volume.cosine(axis).squared())
-}
-
 /// What straight runs of the four diagonals say.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StraightResult {
     /// The measured box.
     pub volume: Volume,
     /// The corrected runs.
-    pub runs: Vec<CorrectedRun>,
+    pub runs: Vec<Run>,
     /// The runs whose zero is that of the forward run: all, or the forward ones only. Figures
     /// that compare the two directions are made of these.
-    pub zeroed_runs: Vec<CorrectedRun>,
+    pub zeroed_runs: Vec<Run>,
     /// Reading error of each diagonal at the far end less that at the start, mean of all runs, µm.
     pub end_um: PerDiagonal<f64>,
-    /// S, µm·mm, from the readings alone.
-    pub scale_sum_um_mm: f64,
     /// Scales and squareness with linear axes and other beams.
     pub metric: Metric,
     /// Whether linear axes, beams and diagonals agree; `None` where nothing is redundant.
     pub agreement: Option<Agreement>,
-    /// Uncertainty of the squareness; `None` = not known.
-    pub u_squareness: PerPlane<Option<SlopeUncertainty>>,
     /// What the job does not state and no uncertainty holds.
     pub silence: Silence,
-    /// Uncertainty of the scales; `None` where it or that of a line is not known.
-    pub u_scale: PerAxis<Option<SlopeUncertainty>>,
     /// Noise of a single reading: from repeated runs, or stated.
     pub noise: Option<Noise>,
     /// The closure test against nine errors.
@@ -99,24 +86,20 @@ pub fn straight(
     let rows = rows(volume, model.layout);
     let known = (&mut model, noise.is_some());
     let equations = Equations::new(volume, &diagonals, &campaign.lines, rows, known);
-    let (metric, figures) = equations.metric();
-    let agreement = equations.agreement(&figures);
-    let u = |of: &Estimated| Some(of.variance(&model)?.as_slope(noise?));
+    let metric = equations.metric(&model, noise);
+    let agreement = equations.agreement(&metric);
     Ok(StraightResult {
         volume: volume.clone(),
-        scale_sum_um_mm: scale_sum_um_mm(volume, &end_um),
         end_um,
-        u_squareness: PerPlane::from_fn(|plane| u(figures.squareness(plane))),
         silence: campaign.silence(),
-        u_scale: PerAxis::from_fn(|axis| metric.scale[axis].and_then(|_| u(figures.scale(axis)))),
         doubts: doubts(campaign, &start, agreement.as_ref()),
         agreement,
         noise,
         closure: errors.map(|table| closure_tests(volume, table, &start)).transpose()?,
         labels: labels::of_straight(&budget),
         metric,
+        zeroed_runs: start.zeroed_runs(campaign.reverse_zero_known),
         runs: start.runs,
-        zeroed_runs: start.zeroed_runs,
     })
 }
 
@@ -194,31 +177,23 @@ fn closure_tests(
     start: &Start,
 ) -> Result<ClosureTests, Problems> {
     let mut found = ClosureTests { tests: Vec::new(), k: 0.0, table_states_u: true };
-    for (diagonal, pass) in Diagonal::ALL.into_iter().flat_map(|d| Pass::BOTH.map(|p| (d, p))) {
-        let count = start.counts[diagonal][pass as usize];
-        if count > 0.0 {
-            let predicted = predicted(volume, table, diagonal, pass)?;
-            found.table_states_u &= predicted.iter().all(|(_, square)| square.is_some());
-            let readings = start.noise.map(|noise| 2.0 * noise.sigma_um.squared() / count);
-            let measured = &start.means.of(pass)[diagonal];
-            found.tests.push(compared(diagonal, pass, measured, &predicted, readings));
-        }
+    for walk in &start.walks {
+        let predicted = predicted(volume, table, walk.diagonal, walk.pass)?;
+        found.table_states_u &= predicted.iter().all(|(_, square)| square.is_some());
+        let readings = start.noise.map(|noise| 2.0 * noise.sigma_um.squared() / walk.runs);
+        found.tests.push(compared(walk, &predicted, readings));
     }
+    found.tests.sort_by_key(|test| test.diagonal);
     // k of a test of so many differences together.
     let differences = float((found.tests.len() * volume.steps).max(1));
     found.k = Normal::standard().inverse_cdf(1.0 - FALSE_ALARM / (2.0 * differences));
     Ok(found)
 }
 
-fn compared(
-    diagonal: Diagonal,
-    pass: Pass,
-    measured: &[f64],
-    predicted: &[Predicted],
-    square_um2: Option<f64>,
-) -> ClosureTest {
+fn compared(walk: &Walk, predicted: &[Predicted], square_um2: Option<f64>) -> ClosureTest {
+    let Walk { diagonal, pass, um: measured, .. } = walk;
     let last = measured.len() - 1;
-    let [start, end] = if pass == Pass::Forward { [0, last] } else { [last, 0] };
+    let [start, end] = if *pass == Pass::Forward { [0, last] } else { [last, 0] };
     let left = |at: usize| measured[at] - measured[start] - (predicted[at].0 - predicted[start].0);
     let stated = |node: usize| predicted[node].1.unwrap_or(0.0);
     let u = |node: usize| Some((square_um2? + stated(node) + stated(start)).sqrt());
@@ -226,8 +201,8 @@ fn compared(
     let ratio = |node: usize| Some(left(node).abs() / u(node).filter(|u| *u > 0.0)?);
     let ratios: Option<Vec<f64>> = others().map(ratio).collect();
     ClosureTest {
-        diagonal,
-        pass,
+        diagonal: *diagonal,
+        pass: *pass,
         largest_um: others().map(|node| left(node).abs()).fold(0.0, f64::max),
         end_um: left(end),
         u_end_um: u(end),

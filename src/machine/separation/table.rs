@@ -10,7 +10,7 @@ use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::units::{Millimetres, rounded};
 use crate::text::document::Source;
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, joined};
 use crate::text::problem::{Problem, Problems};
 use std::borrow::Cow;
 use std::cmp::Reverse;
@@ -110,7 +110,7 @@ fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>)
         evidence[of].map(|found: &SeparatedError| written(&found.deviation_um))
     });
     series.uncertainties_um =
-        PerAxis::from_fn(|of| evidence[of].and_then(|found| found.u_um.as_deref().map(written)));
+        PerAxis::from_fn(|of| evidence[of].and_then(|found| found.u_um().as_deref().map(written)));
     series
 }
 
@@ -121,7 +121,7 @@ fn written(values_um: &[f64]) -> Vec<f64> {
 
 /// Readings in both directions need a word on the reversal, even where they do not determine it.
 fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
-    if separation.means.reverse.is_none() {
+    if !separation.is_both_ways() {
         return Ok(());
     }
     let is_open = |axis: &Axis| !separation.is_directed(*axis);
@@ -129,7 +129,7 @@ fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
     let open = || Axis::ALL.into_iter().filter(is_open);
     let both = [BacklashPolicy::TwoTables, BacklashPolicy::CurveAndParameter];
     let needed = open().filter(|axis| policy(*axis).is_some_and(|own| both.contains(&own)));
-    let needed: Vec<String> = needed.map(|axis| axis.to_string()).collect();
+    let needed: Vec<Axis> = needed.collect();
     match (open().any(|axis| policy(axis).is_none()), needed.is_empty()) {
         (true, _) => Err(job
             .problem_at("compensation", "the readings were taken in both directions, but `backlash` is not stated; there is no default")
@@ -137,7 +137,7 @@ fn check_policy(job: &Job, separation: &Separation) -> Result<(), Problem> {
         (false, false) => Err(job
             .problem_at(
                 "compensation.backlash",
-                format!("this needs the reversal of each axis, which these readings do not determine for {}", needed.join(", ")),
+                format!("this needs the reversal of each axis, which these readings do not determine for {}", joined(needed)),
             )
             .help("turn once without overrun at the far end of the diagonals, or name a linear measurement of each axis with rows of both directions (`errors` of [[measurement.step_diagonal.linear]]), or use `backlash = \"mean\"`")),
         (false, true) => Ok(()),

@@ -10,12 +10,10 @@
 //! ```
 //! The beam counts here and there: it may lean alike in all set-ups, or in some of them only.
 
-use super::campaign::{Campaign, MeasuredLine};
+use super::campaign::{Campaign, MeasuredLine, Start};
 use super::corrections::{REFERENCE_C, of_rotations};
-use super::linear::{Cause, Layout, Model, Part, Variance};
+use super::linear::{Cause, Layout, Model, Part, Steps, Variance};
 use super::noise::{Noise, coverage_factor, effective_freedom};
-use super::start::Start;
-use super::steps::Steps;
 use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, PerAxis, Rotation};
 use crate::quantity::chain::{displaced, unit};
@@ -28,28 +26,27 @@ const URAD_PER_ARCSEC: f64 = 1e6 * std::f64::consts::PI / (180.0 * 3600.0);
 /// A ramp below this share of the readings that make it is their rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// How well a slope is known.
+/// How well a figure is known, in its unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SlopeUncertainty {
-    /// Standard uncertainty, µm/m.
-    pub u_um_per_m: f64,
+pub struct Uncertainty {
+    /// Standard uncertainty (k = 1).
+    pub u: f64,
     /// Its effective degrees of freedom; `None` = unlimited.
     pub freedom: Option<f64>,
 }
 
-impl SlopeUncertainty {
-    /// U, µm/m: with the coverage factor of its degrees of freedom.
-    pub(crate) fn expanded_um_per_m(&self) -> f64 {
-        coverage_factor(self.freedom) * self.u_um_per_m
+impl Uncertainty {
+    /// U: with the coverage factor of its degrees of freedom.
+    pub fn expanded(&self) -> f64 {
+        self.u * coverage_factor(self.freedom)
     }
 }
 
 impl Variance {
     /// As standard uncertainty with its degrees of freedom.
-    pub(super) fn as_slope(self, noise: Noise) -> SlopeUncertainty {
-        let u_um_per_m = self.all.sqrt();
-        let freedom = effective_freedom(u_um_per_m, self.noise.sqrt(), noise);
-        SlopeUncertainty { u_um_per_m, freedom }
+    pub(super) fn uncertainty(self, noise: Noise) -> Uncertainty {
+        let u = self.all.sqrt();
+        Uncertainty { u, freedom: effective_freedom(u, self.noise.sqrt(), noise) }
     }
 }
 
@@ -72,7 +69,7 @@ impl<'a> Budget<'a> {
 
     /// Whether every diagonal was walked in both directions.
     pub(super) fn both_ways(&self) -> bool {
-        self.start.means.reverse.is_some()
+        self.layout().passes == 2
     }
 
     /// Whether the axes turned without overrun, so that jumps are taken off the reverse passes.
@@ -87,14 +84,12 @@ impl<'a> Budget<'a> {
 
     /// Formulas (1) to (3) for the readings alone.
     pub(super) fn steps(&self) -> Steps<'a> {
-        Steps::new(self.volume(), self.layout(), self.turned())
+        Steps { volume: self.volume(), layout: self.layout(), turned: self.turned() }
     }
 
     /// What is measured.
     fn layout(&self) -> Layout {
-        let nodes = self.volume().last_node(self.campaign.measurement.kind) + 1;
-        let (passes, lines) = (1 + usize::from(self.both_ways()), self.campaign.lines.len());
-        Layout { nodes, passes, lines, apart: 0 }
+        self.start.layout(self.campaign.lines.len())
     }
 
     /// The linear model of the readings of a campaign.
@@ -109,7 +104,8 @@ impl<'a> Budget<'a> {
             other[layout.line(index)] = u_um_per_m.squared();
         }
         let noise = self.noise.map_or(0.0, |noise| noise.sigma_um.squared());
-        let noise = layout.column(|pass, d, _| noise / self.start.counts[d][pass as usize]);
+        let mut noise: Vec<f64> = self.start.counts().iter().map(|runs| noise / runs).collect();
+        noise.resize(layout.len(), 0.0);
         let scaled = |part: Part, um_per_m: &dyn Fn(Diagonal) -> PerAxis<f64>| {
             let column = layout.column(|_, d, node| {
                 let start = volume.inside_mm(d, kind, 0);
@@ -235,7 +231,7 @@ pub(super) fn rolls(
 ) -> Vec<Vec<Vec<f64>>> {
     let volume = &campaign.measurement.volume;
     let evidence = &campaign.angles.evidence;
-    let steps = Steps::new(volume, layout, false);
+    let steps = Steps { volume, layout, turned: false };
     let of_axis = |axis: Axis| {
         let rotation = Rotation { about: axis, along: axis };
         let of_order = |order: &[Axis; 3]| {

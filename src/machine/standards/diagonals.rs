@@ -3,28 +3,16 @@
 use crate::inputs::target_runs::Runs;
 use crate::machine::standards::iso_230_2::{self, AxisFigures, Travel};
 use crate::machine::standards::{Condition, Met, largest, range};
+use crate::quantity::diagonal::{Diagonal, PathKind};
 
-/// Body diagonals of a machine.
-const BODY_DIAGONALS: usize = 4;
 /// Edition of ISO 230-6 that is meant.
 const EDITION: [u16; 1] = [2002];
 
-/// How the runs along a diagonal were made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum DiagonalMotion {
-    /// All three axes moved at once, along the diagonal.
-    StraightRuns,
-    /// One axis after the other; the runs hold the ends of the cells.
-    StepDiagonalCellEnds,
-}
-
-impl DiagonalMotion {
-    /// How the figures have to be labelled by the motion alone.
-    pub const fn label(self) -> &'static str {
-        match self {
-            DiagonalMotion::StraightRuns => "after ISO 230-6 (likely)",
-            DiagonalMotion::StepDiagonalCellEnds => "from step-diagonal cell ends, not ISO 230-6",
-        }
+/// How figures of such runs have to be labelled by the motion alone.
+const fn label(kind: PathKind) -> &'static str {
+    match kind {
+        PathKind::Straight => "after ISO 230-6 (likely)",
+        PathKind::Step => "from step-diagonal cell ends, not ISO 230-6",
     }
 }
 
@@ -71,15 +59,11 @@ pub struct Diagonals {
 /// source ISO 230-6:2002 and ASME B5.54, both likely: from secondary sources. Whether R and A are
 ///        reported, and how many runs are asked for, has to be looked up before conformity is claimed
 /// limits ISO 230-6 asks for straight motion; cell ends of a step-diagonal run lie on the same
-///        line but were reached by another motion, see [`DiagonalMotion::label`]. The range over
+///        line but were reached by another motion, and the label says so. The range over
 ///        all depends on the zero of each diagonal: here its first target, as the readings have it
 ///        Where nobody knows the size of the box (`length_is_known`), no figure depends on the targets'
 ///        places along the diagonal, but whether they are enough cannot be determined
-pub fn diagonal(
-    diagonals: &[(&str, &Runs)],
-    motion: DiagonalMotion,
-    length_is_known: bool,
-) -> Diagonals {
+pub fn diagonal(diagonals: &[(&str, &Runs)], kind: PathKind, length_is_known: bool) -> Diagonals {
     let mut means = Vec::new();
     let figures = diagonals.iter().map(|(name, runs)| {
         let iso_230_2::Figures { targets, axis } = iso_230_2::figures(runs);
@@ -90,18 +74,18 @@ pub fn diagonal(
         DiagonalFigures { name: (*name).to_string(), figures: axis, range_um: range(own) }
     });
     let figures: Vec<DiagonalFigures> = figures.collect();
-    let complete = figures.len() == BODY_DIAGONALS;
+    let complete = figures.len() == Diagonal::ALL.len();
     let of_machine = |figure: fn(&DiagonalFigures) -> Option<f64>| {
         let all: Option<Vec<f64>> = figures.iter().map(figure).collect();
         largest(all.filter(|_| complete)?)
     };
-    let conditions = conditions(diagonals, motion, length_is_known);
+    let conditions = conditions(diagonals, kind, length_is_known);
     let missed = Condition::missed(&conditions);
-    let label = match motion {
-        DiagonalMotion::StraightRuns if !missed.is_empty() => {
+    let label = match kind {
+        PathKind::Straight if !missed.is_empty() => {
             format!("NOT after ISO 230-6: {}", missed.join("; "))
         }
-        _ => motion.label().to_string(),
+        _ => label(kind).to_string(),
     };
     Diagonals {
         label,
@@ -117,7 +101,7 @@ pub fn diagonal(
 /// Conditions of ISO 230-6: motion, the four diagonals, and targets and approaches as in ISO 230-2.
 fn conditions(
     diagonals: &[(&str, &Runs)],
-    motion: DiagonalMotion,
+    kind: PathKind,
     length_is_known: bool,
 ) -> Vec<Condition> {
     let targets = diagonals.iter().map(|(name, runs)| {
@@ -135,7 +119,7 @@ fn conditions(
             (None, None) => likely(asked, "", Met::NotTested),
         }
     };
-    let straight = motion == DiagonalMotion::StraightRuns;
+    let straight = kind == PathKind::Straight;
     let names: Vec<&str> = diagonals.iter().map(|(name, _)| *name).collect();
     let directions = diagonals.iter().map(|(name, runs)| (*name, iso_230_2::directions(runs)));
     let unknown = "the length of the diagonals is not known";
@@ -150,7 +134,7 @@ fn conditions(
         likely(
             "the four body diagonals",
             &names.join(", "),
-            Met::of(diagonals.len() == BODY_DIAGONALS),
+            Met::of(diagonals.len() == Diagonal::ALL.len()),
         ),
         targets.map_or_else(
             || likely(asked, unknown, Met::NotTested),

@@ -53,9 +53,13 @@ pub fn figures(runs: &Runs) -> Option<Figures> {
         iso_230_2::figures(runs).targets.iter().map(of_target).collect();
     let targets = targets?;
     let bands: Option<Vec<f64>> = targets.iter().map(|of| Some(BAND * of.s_um?)).collect();
+    let ends = |(of, band): (&TargetFigures, &f64)| {
+        let half = (of.u_um + band) / 2.0;
+        [of.mean_um - half, of.mean_um + half]
+    };
     let u = || targets.iter().map(|of| of.u_um);
     Some(Figures {
-        p_um: bands.as_ref().and_then(|bands| p_um(&targets, bands)),
+        p_um: bands.as_ref().and_then(|bands| range(targets.iter().zip(bands).flat_map(ends))),
         p_a_um: range(targets.iter().map(|of| of.mean_um))?,
         p_s_um: bands.and_then(largest),
         u_um: largest(u())?,
@@ -72,12 +76,4 @@ fn of_target(of: &iso_230_2::TargetFigures) -> Option<TargetFigures> {
         u_um: of.b_um?.abs(),
         s_um: s.map(|(up, down)| (up + down) / 2.0),
     })
-}
-
-fn p_um(targets: &[TargetFigures], bands: &[f64]) -> Option<f64> {
-    let ends = targets.iter().zip(bands).flat_map(|(of, band)| {
-        let half = (of.u_um + band) / 2.0;
-        [of.mean_um - half, of.mean_um + half]
-    });
-    range(ends)
 }

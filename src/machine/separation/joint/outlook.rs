@@ -10,7 +10,7 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, TableCurve, largest, random, sum};
+use super::{CONFIDENCE, Table, TableCurve, beside_reference, largest, random, sum};
 use crate::inputs::job::Job;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::linear::{Cause, Part, Row, Variance};
@@ -114,7 +114,7 @@ impl Table<'_> {
         model.angles.clear();
         self.laser.into_iter().for_each(|at| model.causes[at].variance = 0.0);
         let own = self.curves.iter().flat_map(|curve| curve.rows.variances(&model));
-        self.beside_reference(&own.map(of).collect::<Vec<f64>>(), 1.0)
+        beside_reference(&self.curves, &own.map(of).collect::<Vec<f64>>(), 1.0)
     }
 
     /// What was found of each, µm; 0 where nothing was.
@@ -147,14 +147,13 @@ impl Table<'_> {
             }
             let bias = |number: usize| {
                 let share = (float(number) + 0.5) / float(BIASES);
-                let repeated = self.beside_reference(&self.repeated(number, order), -1.0);
-                (repeated, student(share, freedom))
+                (self.repeated(number, order), student(share, freedom))
             };
             (0..BIASES).map(bias).collect()
         };
         // Of the orders that the axes may have, the one in which the angles do most.
         let does_um = |biases: &[(Vec<f64>, f64)]| -> f64 {
-            biases.iter().map(|(bias, _)| largest(bias, 0.0, 0.0, bias)).sum()
+            biases.iter().map(|(bias, _)| largest(bias, 0.0, bias)).sum()
         };
         let orders = self.of.model.angles.iter().map(|order| of_order(order));
         let worst = orders.max_by(|a, b| does_um(a).total_cmp(&does_um(b)));
@@ -184,10 +183,9 @@ impl Table<'_> {
         let spread = freedom.and_then(|freedom| Some((freedom, ChiSquared::new(freedom).ok()?)));
         let at_most = |visit: usize| {
             let mut random = random(FIRST + visit);
-            let of_former = |um: &[f64]| self.carried(former, &former.beside_reference(um, -1.0));
-            let before = of_former(&former.drawn(1.0, &mut random).0);
-            let angles = of_former(&former.angles(visit, &measured));
-            let new = self.beside_reference(&self.drawn(1.0, &mut random).0, -1.0);
+            let before = self.carried(former, &former.drawn(1.0, &mut random).0);
+            let angles = self.carried(former, &former.angles(visit, &measured));
+            let new = self.drawn(1.0, &mut random).0;
             let s2 = spread.map_or(1.0, |(freedom, of)| of.sample(&mut random) / freedom);
             let seen = |place: usize| {
                 let (stays, of_before) = shares[place / points];
@@ -197,8 +195,7 @@ impl Table<'_> {
             let seen: Vec<f64> = (0..values.len()).map(seen).collect();
             let both = noise.iter().zip(&rest);
             let u: Vec<f64> = both.map(|(noise, rest)| (noise * s2 + rest).sqrt()).collect();
-            let at_most =
-                |(bias, times): &(Vec<f64>, f64)| largest(&sum(&seen, bias), 0.0, *times, &u);
+            let at_most = |(bias, times): &(Vec<f64>, f64)| largest(&sum(&seen, bias), *times, &u);
             let mut each: Vec<f64> = biases.iter().map(at_most).collect();
             let place = each.len() * 19 / 20;
             *each.select_nth_unstable_by(place, f64::total_cmp).1
