@@ -191,7 +191,7 @@ section! {
         pub instrument: Option<String> = plain_text();
         /// What the job says to it.
         pub active_settings: ActiveSettings => active_settings(section, &active), must;
-        /// only where the slopes of the cross terms do not contain it
+        /// where the slopes of the cross terms do not contain it: needed there (section 2.1), nowhere else
         pub squareness as squareness_um_per_m: Vec<(ErrorTerm, f64)> = with(squareness);
         /// any keys with texts or numbers; kept in manifest.json
         pub protocol: Vec<(String, String)> = entries();
