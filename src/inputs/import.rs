@@ -28,7 +28,6 @@ mod rtl_file;
 #[cfg(feature = "excel")]
 mod spreadsheet;
 pub mod stated;
-mod understood;
 mod words;
 
 pub use self::captures::{List, fill};
@@ -44,7 +43,6 @@ pub use self::findings::ImportFinding;
 use self::parameters::is_isg_header;
 use self::reading::{FileContents, unlikely_reversals};
 use self::stated::{Stated, described};
-use self::understood::Understood;
 use crate::inputs::error_table::{self, Draft, ErrorTable};
 use crate::text::document::Source;
 use crate::text::finding::{Finding, Severity, of_severity};
@@ -74,10 +72,11 @@ pub fn import(
     stated: &Stated,
 ) -> Result<Imported, Problems> {
     let (source, name) = text_of(file, encoding, stated)?;
-    let (format, mut reading) = match from.or_else(|| recognised(&source, stated)) {
-        Some(format) => (format, read(format, &source, stated)?),
-        None => (Format::Columns, understood(&source, stated)?),
+    let format = match from {
+        Some(format) => format,
+        None => recognised(&source, stated)?,
     };
+    let mut reading = read(format, &source, stated)?;
     reading.find(unlikely_reversals(&reading.series));
     reading.findings.insert(0, ImportFinding::Encoding { name }.into());
     let draft =
@@ -108,9 +107,9 @@ fn read(format: Format, source: &Source, stated: &Stated) -> Result<FileContents
 }
 
 /// The format, by what stands in the file, else by the ending of its name.
-fn recognised(source: &Source, stated: &Stated) -> Option<Format> {
+fn recognised(source: &Source, stated: &Stated) -> Result<Format, Problem> {
     if stated.columns.is_some() {
-        return Some(Format::Columns);
+        return Ok(Format::Columns);
     }
     let lines = source.text.lines().map(str::trim);
     let content = || lines.clone().filter(|line| !line.is_empty());
@@ -126,46 +125,18 @@ fn recognised(source: &Source, stated: &Stated) -> Option<Format> {
         (Format::Rtl, name.ends_with(".rtl")),
         (Format::Ren, name.ends_with(".ren")),
     ];
-    signs.into_iter().find(|(_, is)| *is).map(|(format, _)| format)
+    let found = signs.into_iter().find(|(_, is)| *is);
+    found.map(|(format, _)| format).ok_or_else(|| {
+        Problem::new(format!("the format of `{}` is not recognised", source.name))
+            .at(source.place(&(0..first.len().min(source.text.len()))))
+            .help("map its columns with `--columns`, or state `--from rtl`, `ren`, `pos`, `etalon` or `isg`. Of the files of Optodyne, CARTO and others nothing is known that could be relied on: export a CSV there")
+    })
 }
 
 /// The first line that is neither empty nor a comment.
 fn first_content(source: &Source) -> &str {
     let mut lines = source.text.lines().map(str::trim);
     lines.find(|line| !line.is_empty() && !line.starts_with("//")).unwrap_or_default()
-}
-
-/// A delimited text without a mapping: our own forms say what their columns hold; what is understood of others is
-/// shown, and taken with `--yes`. Neither holds for what the file does not state.
-fn understood(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
-    let Some(understood) = Understood::of(source) else {
-        return Err(Problem::new(format!("the format of `{}` is not recognised", source.name))
-            .at(source.place(&(0..first_content(source).len().min(source.text.len()))))
-            .help("map its columns with `--columns`, or state `--from rtl`, `ren`, `pos`, `etalon` or `isg`. Of the files of Optodyne, CARTO and others nothing is known that could be relied on: export a CSV there")
-            .into());
-    };
-    let Understood { columns, line, is_ours, is_error_table } = understood;
-    let mut problems = stated.foreign_to(Format::Columns);
-    if !is_ours && !stated.yes {
-        let given = stated.given().into_iter();
-        let given: String = given.map(|(option, value)| format!(" {option} {value}")).collect();
-        let message = format!(
-            "the columns of `{}`, named in line {line}, are understood as \"{columns}\"",
-            source.name
-        );
-        let help = format!(
-            "if that is right add `--yes`, or state it: `nonius import {} --columns \"{columns}\"{given} -o errors.csv`",
-            source.name
-        );
-        problems.push(Problem::new(message).help(help));
-    }
-    let reading = match is_error_table {
-        true => ErrorTable::read(source.clone()).map(|table| FileContents::of_table(&table)),
-        false => columns::read_as(source, &columns, is_ours, stated),
-    };
-    let mut reading = problems.take(reading).unwrap_or_default();
-    reading.find([ImportFinding::Understood { columns }]);
-    problems.or_ok(reading)
 }
 
 /// Lines above the table: where it comes from, what was stated, what the file says.

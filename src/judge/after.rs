@@ -22,7 +22,7 @@ pub(crate) use self::observation::observations;
 pub use self::observation::{Control, Observation, Part, before_um};
 
 use self::ground::ensure_common_ground;
-use crate::inputs::error_table::{Silence, Sizes};
+use crate::inputs::error_table::{Cause, Silence, Sizes};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Sigma;
 use crate::judge::findings::AsLeft;
@@ -125,7 +125,17 @@ pub fn compare(
         AfterMeasurement::Errors(model) => bare(model, plan, job)?,
         AfterMeasurement::Diagonals(runs) => figures(runs, job),
     };
-    let as_left = as_left.bounded(Basis::Measured);
+    let mut as_left = as_left.bounded(Basis::Measured);
+    if let AfterMeasurement::Errors(model) = after {
+        let known = &machine.as_measured.stated_squareness;
+        let corrected = |term: ErrorTerm| {
+            plan.tables.iter().any(|table| [term, term.twin()].contains(&table.term))
+        };
+        // Tables that correct a slope leave none; what the job stated apart has to be stated again.
+        let is_open = |term: &ErrorTerm| known.contains(term) || !corrected(*term);
+        let is_silent = model.level().iter().any(is_open);
+        as_left.silence.not_stated.extend(is_silent.then_some(Cause::Squareness));
+    }
     let seen = observations(before, after);
     let line = |name: &str| {
         let difference_um = off_forecast_um(name, control, &seen);

@@ -73,7 +73,7 @@ impl Inputs {
         hashes: Vec<HashedFile>,
     ) -> Inputs {
         if matches!(errors, ErrorSource::Table(_)) {
-            model.ask_for_squareness(&job);
+            model.lacks_squareness(model.level());
         }
         Inputs {
             job,
@@ -125,7 +125,14 @@ impl Inputs {
 
     /// The same inputs, measured while these tables were active: new = old + residual.
     pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
-        let (model, notes) = active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
+        let (mut model, notes) =
+            active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
+        if matches!(self.errors, ErrorSource::Table(_)) {
+            // What the old tables correct is known; a residual may well be level.
+            let open = model.level();
+            self.model.lacks_squareness(open.clone());
+            model.lacks_squareness(open);
+        }
         self.under_tables = Some(std::mem::replace(&mut self.model, model));
         let interpolated =
             family(&self.profile.dialect).take_interpolation(&mut self.job, &self.profile, &active);

@@ -395,6 +395,7 @@ fn squareness_stands_in_the_slopes_or_is_stated() {
         (&ends, "9.0", "pass", ""),
         (&sloped, "", "pass", ""),
         (&sloped, "11.0", "undecided", "the slopes of EXY and EYX hold 10.000 µm/m: both count"),
+        (&sloped, "-11.0", "undecided", "the slopes of EXY and EYX hold 10.000 µm/m: both count"),
         (&sloped, "-40.0", "pass", ""),
     ] {
         let stated = format!("squareness_um_per_m = {{ xy = {xy} }}\n");
@@ -405,4 +406,13 @@ fn squareness_stands_in_the_slopes_or_is_stated() {
         let is_open = visit.json(VERIFY)["squareness"]["xy"]["before_um_per_m"].is_null();
         assert_eq!(is_open, said == not_stated, "{xy}");
     }
+    // Nor is it known as left, where no table corrects a slope; nor of an update, where the old kit did not.
+    let first = job(&["x", "y"], [900, 0, 30], "", "max_deviation_um = 8");
+    let first = replaced(&first, "[compensation]\n", "[compensation]\nterms = [\"EXX\"]\n");
+    let visit = Visit::with(&first, ends.as_str()).with_any_kit();
+    visit.put("after.csv", &ends);
+    verdict(&visit, AFTER, "undecided", &[not_stated]);
+    let active = "active_while_measuring = \"kit\"";
+    visit.put("job.toml", replaced(&first, "active_while_measuring = \"none\"", active));
+    verdict(&visit, "generate job.toml -o new", "undecided", &[not_stated]);
 }

@@ -9,9 +9,8 @@
 //! measured has a column. Numbers are the shortest text that reads back to the same number, lines
 //! end with LF: the same draft gives the same bytes everywhere.
 
-use crate::inputs::error_table::read::Series;
 use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::units::{Deviation, Figure};
+use crate::quantity::units::Figure;
 use crate::text::plain;
 
 /// An error table that is going to be written.
@@ -47,20 +46,6 @@ pub struct DraftSeries {
 }
 
 impl DraftSeries {
-    /// What a table holds of an axis.
-    pub(crate) fn of(axis: Axis, series: &Series) -> DraftSeries {
-        let um = |um: &Vec<Deviation>| um.iter().map(|deviation| deviation.um()).collect();
-        DraftSeries {
-            axis,
-            direction: series.direction,
-            positions_mm: series.positions.iter().map(|position| position.mm()).collect(),
-            deviations_um: PerAxis::from_fn(|of| series.deviations[of].as_ref().map(um)),
-            uncertainties_um: series.uncertainties_um.clone(),
-            angles_urad: series.angles_urad.clone(),
-            angle_uncertainties_urad: series.angle_uncertainties_urad.clone(),
-        }
-    }
-
     /// A series at positions where nothing was measured yet.
     pub fn new(axis: Axis, direction: Option<Direction>, positions_mm: Vec<f64>) -> DraftSeries {
         DraftSeries {

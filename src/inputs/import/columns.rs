@@ -21,22 +21,11 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
-    let mapping = stated.columns.as_deref().ok_or_else(|| COLUMNS.missing())?;
-    read_as(source, mapping, false, stated)
-}
-
-/// Reads the columns that `mapping` names; of our own forms it is known that they hold measured − target.
-pub(super) fn read_as(
-    source: &Source,
-    mapping: &str,
-    is_ours: bool,
-    stated: &Stated,
-) -> Result<FileContents, Problems> {
-    let mapping = Mapping::read(mapping)?;
+    let mapping = Mapping::read(stated.columns.as_deref().ok_or_else(|| COLUMNS.missing())?)?;
     let mut problems = Problems::none();
     let table = problems.take(Table::read(source, &mapping));
     mapping.require(stated, &mut problems);
-    let is_error = is_ours || mapping.holds_positions();
+    let is_error = mapping.holds_positions();
     let sign = match is_error {
         true => Some(TableSign::AsError),
         false => stated.required_sign(&mut problems),
@@ -45,6 +34,13 @@ pub(super) fn read_as(
         true => stated.required_term(Format::Columns, &mut problems),
         false => None,
     };
+    if is_error && term.is_some_and(|term| !term.is_positioning()) {
+        let message =
+            "a column says where the axis stood, which only positioning (EXX, EYY, EZZ) has";
+        problems.push(
+            Problem::new(message).help("map deviations, or state the term that was measured"),
+        );
+    }
     let Some(table) = table else {
         return Err(problems);
     };

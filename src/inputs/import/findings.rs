@@ -14,7 +14,6 @@ findings! {
         NoType => Label, "the file does not state its type: taken as linear, as `rtl` is";
         UnitOfFormat { unit: &'static str } => Label, "unit: {unit}";
         Units { positions: &'static str, values: &'static str } => Label, "unit of the positions: {positions}; of the values: {values}";
-        Understood { columns: String } => Label, "columns: understood as \"{columns}\"";
         ColumnsNamed { line: usize } => Label, "table: its columns are named in line {line}";
         PlusRows { moves: Direction, stated: bool } => Label, "direction: rows with `+` = the axis moving {moves}{}", if *stated { ", as stated" } else { "" };
         ForwardIs { moves: Direction } => Label, "direction: `Forward` is taken as the way from the first position to the last = the axis moving {moves}";

@@ -48,6 +48,15 @@ impl Content {
         )
     }
 
+    fn is_reading(self) -> bool {
+        matches!(self, Content::Reading(_))
+    }
+
+    /// Whether it says where the axis stood.
+    fn is_position(self) -> bool {
+        matches!(self, Content::Reading(Reading { values: Values::Positions, .. }))
+    }
+
     pub(super) fn is_uncertainty(self) -> bool {
         matches!(self, Content::Table(Quantity::Uncertainty(_) | Quantity::AngleUncertainty(_)))
     }
@@ -219,7 +228,7 @@ impl Mapping {
 
     /// Whether it holds readings of the term that is stated.
     pub(super) fn has_readings(&self) -> bool {
-        self.has_any(|content| matches!(content, Content::Reading(_)))
+        self.has_any(Content::is_reading)
     }
 
     /// Whether a column, or each of several, says which way the axis went.
@@ -231,10 +240,8 @@ impl Mapping {
 
     /// Whether all that was measured are positions, from which deviations as measured − target are taken.
     pub(super) fn holds_positions(&self) -> bool {
-        let is_position = |content| {
-            matches!(content, Content::Reading(Reading { values: Values::Positions, .. }))
-        };
-        self.columns.iter().all(|c| !c.content.is_value() || is_position(c.content))
+        let mut values = self.columns.iter().filter(|column| column.content.is_value()).peekable();
+        values.peek().is_some() && values.all(|column| column.content.is_position())
     }
 
     /// What the mapping has to hold, what has to be stated beside it, and what the mapping says already.
@@ -245,6 +252,7 @@ impl Mapping {
         let (directions, readings) = (self.has_directions(), self.has_readings());
         let wide = self.has_any(|content| content.wide().is_some());
         let others = self.has_any(|content| content.is_value() && content.wide().is_none());
+        let other_values = self.has_any(|content| content.is_value() && !content.is_reading());
         let uncertain = self.has_any(Content::is_uncertainty);
         let axes = self.has(Content::Table(Quantity::Axis));
         let first_target = stated.first_target_at_mm.is_some();
@@ -257,6 +265,12 @@ impl Mapping {
             (wide && runs, "a column for each run", "run"),
             (wide && (others || uncertain), "a column for each run", "other values"),
             (axes && readings, "a reading of `--term`", "axis"),
+            (readings && other_values, "a reading of `--term`", "another value"),
+            (
+                self.has_any(Content::is_position) && !self.holds_positions(),
+                "where the axis stood",
+                "a deviation",
+            ),
         ];
         for (_, option, mapped) in twice.into_iter().filter(|(is, ..)| *is) {
             let message = format!("`{option}` is stated, but the mapping gives `{mapped}`");

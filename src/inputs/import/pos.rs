@@ -26,7 +26,7 @@ const COPIED: [&str; 7] =
 /// Columns of the measurement: where, how much, and the state of the laser.
 const NEEDED: [&str; 4] = ["Position", "LinearError", "LasRead", "Status"];
 /// Error = ± reading − position within the last decimals of all three: less than this part of the unit.
-const LAST_DECIMALS: f64 = 1e-5;
+const LAST_DECIMALS: f64 = 2e-6;
 /// What the file calls its laser states, from 0.
 const STATES: [&str; 5] = ["Laser Normal", "Warm Up", "Path Error", "Over Speed", "Wireless Error"];
 /// With a state beyond that of warming up a reading is none.

@@ -2,7 +2,7 @@
 //! mean of the runs and its uncertainty → series of the error table.
 
 use crate::control::controller::TableSign;
-use crate::inputs::error_table::{DraftSeries, ErrorTable};
+use crate::inputs::error_table::DraftSeries;
 use crate::inputs::import::component::{Component, Kind};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::stated::{FIRST_TARGET, Stated, TARGETS_RUN};
@@ -37,14 +37,6 @@ impl FileContents {
         let mut reading = FileContents::default();
         reading.find(said);
         reading
-    }
-
-    /// What an error table holds already.
-    pub(super) fn of_table(table: &ErrorTable) -> FileContents {
-        let all = Axis::ALL.into_iter().flat_map(|axis| {
-            table.series(axis).iter().map(move |series| DraftSeries::of(axis, series))
-        });
-        FileContents { series: all.collect(), ..FileContents::default() }
     }
 
     pub(super) fn find(&mut self, found: impl IntoIterator<Item = ImportFinding>) {

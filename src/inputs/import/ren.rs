@@ -183,10 +183,21 @@ fn refuse_backlash(header: &Fields<'_>, passes: &Passes, problems: &mut Problems
     }
 }
 
-/// First and last position must be those of the header: else rows are missing.
+/// Spacing, first and last position must be those of the header: else rows are missing or were changed.
 fn refuse_missing_ends(header: &Fields<'_>, passes: &Passes, problems: &mut Problems) {
     let mm = |text: &str| length(text).filter(|(_, unit)| *unit == LengthUnit::Mm);
     let targets = &passes.targets;
+    let spacing = problems.take(line_of(header, "Compensation spacing", "a number and `mm`", mm));
+    if let Some(Some(((spacing, _), line))) = spacing {
+        let differs = |step: f64| (step.abs() - spacing.abs()).abs() > SAME_MM;
+        for pair in targets.windows(2).filter(|pair| differs(pair[1] - pair[0])) {
+            let (from, to) = (pair[0], pair[1]);
+            let message = format!(
+                "the table goes from {from} to {to} mm, expected a spacing of {spacing} mm"
+            );
+            problems.push_with(|| line.problem(message, AGAIN));
+        }
+    }
     for (label, found) in
         [("Compensation start", targets.first()), ("Compensation end", targets.last())]
     {

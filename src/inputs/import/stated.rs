@@ -151,9 +151,6 @@ pub struct Stated {
     /// Which column holds what (#3 = the third one), e.g. "AXn [mm]=position_mm,Delta [mm]=ex_mm"
     #[arg(long, value_name = "NAME=COLUMN,…")]
     pub columns: Option<String>,
-    /// Take the columns of a delimited text as they are understood
-    #[arg(long)]
-    pub yes: bool,
 }
 
 /// An axis from its letter.

@@ -6,7 +6,7 @@
 use super::measured::Measured;
 use super::{ErrorModel, MeasuredTerm};
 use crate::inputs::error_table::Cause;
-use crate::inputs::job::{ActiveTables, Job};
+use crate::inputs::job::Job;
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::curves::{ReferenceLine, range};
 use crate::quantity::axis::{Axis, ErrorTerm, PerTerm};
@@ -22,7 +22,7 @@ const CARRIERS: [ErrorTerm; 3] = [
 ];
 /// A line that rises less from end to end is level, µm, if that is less than a tenth of what the curve spans.
 const LEVEL_UM: f64 = 0.1;
-/// Slopes that differ less from a stated squareness are probably the same figure.
+/// Slopes whose size differs less from a stated squareness are probably the same figure, perhaps with the other sign.
 const SAME_SHARE: f64 = 0.25;
 
 impl ErrorModel {
@@ -35,28 +35,26 @@ impl ErrorModel {
         slopes(&self.terms, pair[0]).filter(|_| is_known)
     }
 
-    /// Notes where nothing holds the squareness of a machine as it was found without tables: a table that was not separated
-    /// from readings, level cross terms, and nothing stated. (As left they may well be level.)
-    pub(crate) fn ask_for_squareness(&mut self, job: &Job) {
-        let is_separated = self.remarks.frame.is_some();
-        let had_tables = matches!(job.measurement.active, ActiveTables::Path(_));
-        let is_stated =
-            |term: &ErrorTerm| job.measurement.squareness.iter().any(|(of, _)| *of == *term);
-        if is_separated || had_tables {
-            return;
-        }
-        let open = CARRIERS.into_iter().filter(|term| !is_stated(term));
-        self.without_squareness = open.filter(|term| are_level(&self.terms, *term)).collect();
-        if !self.without_squareness.is_empty() {
-            self.remarks.silence.not_stated.push(Cause::Squareness);
-        }
+    /// The terms to which a squareness would be added where neither slopes nor the job of this measurement hold it.
+    pub(crate) fn level(&self) -> Vec<ErrorTerm> {
+        let open = CARRIERS.into_iter().filter(|term| !self.stated_squareness.contains(term));
+        open.filter(|term| are_level(&self.terms, *term)).collect()
+    }
+
+    /// Notes where the squareness of the machine is not known.
+    pub(crate) fn lacks_squareness(&mut self, terms: Vec<ErrorTerm>) {
+        let not_stated = &mut self.remarks.silence.not_stated;
+        not_stated.retain(|cause| *cause != Cause::Squareness);
+        not_stated.extend((!terms.is_empty()).then_some(Cause::Squareness));
+        self.without_squareness = terms;
     }
 
     /// Adds what the job states. What the slopes seem to hold already is a doubt.
     pub(super) fn add_squareness(&mut self, job: &Job, problems: &mut Problems) {
         for (term, stated) in &job.measurement.squareness {
             let slopes = slopes(&self.terms, *term);
-            let twice = slopes.filter(|own| (own - stated).abs() < SAME_SHARE * stated.abs());
+            let is_same = |own: &f64| (own.abs() - stated.abs()).abs() < SAME_SHARE * stated.abs();
+            let twice = slopes.filter(is_same);
             let twice = twice.map(|slopes| ModelFinding::SquarenessTwice {
                 terms: [*term, term.twin()],
                 stated: *stated,
@@ -64,6 +62,7 @@ impl ErrorModel {
             });
             self.remarks.doubts.extend(twice.map(Into::into));
             add(job, &mut self.terms, *term, *stated, problems);
+            self.stated_squareness.push(*term);
         }
     }
 }

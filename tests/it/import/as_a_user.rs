@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::support::{Visit, holds};
+use std::iter::once;
 
 const IMPORT: &str = "import x.rtl --term EXX --first-target-at-mm -200 --targets-run + \
     --sign as-error --material-corrected yes";
@@ -93,57 +94,44 @@ fn an_existing_table_is_replaced_only_when_forced() {
 
 const PLACED: &str = "--term EXX --first-target-at-mm 12.3 --targets-run +";
 
-/// Each run has a column of its own, in our form and in that of somebody else.
+/// Each run has a column of its own.
 #[test]
-fn a_column_for_each_run_needs_no_mapping() {
+fn a_column_for_each_run_is_mapped() {
     let visit = Visit::new();
     visit.copy("standards/x_axis.csv", "x_axis.csv");
-    visit.run("import x_axis.csv -o e.csv").ends(2).says("`--term` is not stated");
-    let placed = format!("import x_axis.csv -o e.csv {PLACED}");
-    visit.run(&format!("{placed} --sign as-correction")).ends(2).says("contradicts the file");
-    visit.run(&placed).ends(0);
-    let own = visit.read("e.csv");
+    let runs =
+        (1..=5).map(|run| format!("up{run}_mm=up{run}_actual_mm,dn{run}_mm=dn{run}_actual_mm"));
+    let columns = once("target_mm=target_mm".to_string()).chain(runs).collect::<Vec<_>>().join(",");
+    let import =
+        |more: &str| visit.run(&format!("import x_axis.csv -o e.csv --columns {columns} {more}"));
+    import("").ends(2).says("`--term` is not stated");
+    import(&format!("{PLACED} --sign as-correction")).ends(2).says("contradicts the file");
+    import(&PLACED.replace("EXX", "EYX")).ends(2).says("which only positioning");
+    import(PLACED).ends(0);
     // 12.3000, 12.2991, 12.2994, 12.3004 and 12.2999 at target 12.3.
-    holds(&own, &["x,+,12.3,-0.24,", "x,-,12.3,2.26,", "# degrees of freedom: 44\n"]);
-    let mut other = visit.read("x_axis.csv").replace("target_mm", "Soll [mm]").replace(',', ";");
-    for run in 1..=5 {
-        other = other.replace(&format!("up{run}_mm"), &format!("Lauf {run} hin [mm]"));
-        other = other.replace(&format!("dn{run}_mm"), &format!("Lauf {run} zurück [mm]"));
-    }
-    visit.put("other.csv", other);
-    let shown = visit.run(&format!("import other.csv -o o.csv {PLACED}"));
-    shown.ends(2).says("add `--yes`").says("Lauf 1 zurück [mm]=dn1_actual_mm");
-    visit.run(&format!("import other.csv -o o.csv {PLACED} --yes")).ends(0);
-    assert_eq!(rows(&visit.read("o.csv")), rows(&own));
-}
-
-/// `--yes` takes what is understood of the columns, and nothing else.
-#[test]
-fn neither_sign_nor_first_target_is_taken_with_yes() {
-    let visit = Visit::new();
-    visit.put("x.csv", "Target (mm),Deviation (um),Run\n0,1,1\n100,2,1\n0,3,2\n100,2,2\n");
-    let ran = visit.run("import x.csv -o e.csv --yes --direction both");
-    ran.ends(2).says("`--sign` is not stated").says("`--term` is not stated");
-    let ran = visit.run("import x.csv -o e.csv --yes --direction both --sign as-error --term EXX");
-    ran.ends(2).says("`--first-target-at-mm` is not stated");
-    let stated = format!("{PLACED} --direction both --sign as-error");
-    visit.run(&format!("import x.csv -o e.csv --yes {stated}")).ends(0);
-    let table = visit.read("e.csv");
-    let expected = "axis,position_mm,ex_um,u_ex_um\nx,12.3,2,0.707106781\nx,112.3,2,0.707106781";
-    assert_eq!(rows(&table), expected);
-}
-
-#[test]
-fn a_table_of_ours_is_read_as_it_is() {
-    let visit = Visit::new();
-    visit.put(
-        "t.csv",
-        "axis,direction,position_mm,ex_um,ey_um,ea_urad,u_ea_urad\n\
-        x,+,0,1,,2,0.5\nx,+,100,2,,3,0.5\nx,-,0,1,,,\nx,-,100,2,,,\n",
+    holds(
+        &visit.read("e.csv"),
+        &["x,+,12.3,-0.24,", "x,-,12.3,2.26,", "# degrees of freedom: 44\n"],
     );
-    let expected = "axis,direction,position_mm,ex_um,ea_urad,u_ea_urad\n\
-        x,+,0,1,2,0.5\nx,+,100,2,3,0.5\nx,-,0,1,,\nx,-,100,2,,";
-    assert_eq!(rows(&visit.yes("import t.csv -o -")), expected);
+}
+
+/// A sign that is stated for deviations would turn positions, too.
+#[test]
+fn positions_and_deviations_are_not_mapped_together() {
+    let visit = Visit::new();
+    visit.put("x.csv", "T,A,B\n0,0,0\n100,100.003,1\n200,200.005,2\n");
+    for (b, words) in [
+        ("ey_um", "the mapping gives `another value`"),
+        ("ex_um", "the mapping gives `another value`"),
+        ("run1_deviation_um", "the mapping gives `a deviation`"),
+    ] {
+        let columns = format!("T=target_mm,A=actual_mm,B={b}");
+        let signed = "--direction both --sign as-correction";
+        visit
+            .run(&format!("import x.csv -o e.csv --columns {columns} {PLACED} {signed}"))
+            .ends(2)
+            .says(words);
+    }
 }
 
 proptest! {
