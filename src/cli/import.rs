@@ -2,10 +2,10 @@
 
 use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::screen::{Screen, paragraphs, table};
-use crate::inputs::error_table::DraftSeries;
+use crate::inputs::error_table::Series;
 use crate::inputs::import::stated::{Stated, word};
 use crate::inputs::import::{
-    self, Component, Imported, List, Measurement, encoding_word, fill, squareness_lines, terms_of,
+    self, Imported, List, Measurement, encoding_word, fill, squareness_lines,
 };
 use crate::kit::sha256;
 use crate::quantity::axis::Direction;
@@ -85,19 +85,18 @@ fn screen(imported: &Imported) -> Screen {
     }
 }
 
-fn terms(series: &DraftSeries) -> Vec<String> {
-    terms_of(series).iter().map(Component::to_string).collect()
+fn terms(series: &Series) -> Vec<String> {
+    series.components().map(|component| component.to_string()).collect()
 }
 
 fn series_table(imported: &Imported) -> String {
     let rows = imported.draft.series.iter().map(|series| {
-        let end = |mm: Option<&f64>| mm.map_or_else(String::new, f64::to_string);
-        let positions = &series.positions_mm;
-        let (from, to) = (end(positions.first()), end(positions.last()));
+        let end = |mm: Option<f64>| mm.map_or_else(String::new, |mm| mm.to_string());
+        let [from, to] = series.ends_mm().map(end);
         let travel = series.direction.map_or("both", Direction::symbol);
         let has_u = series.uncertainties_um.iter().any(|(_, u)| u.is_some());
         let u = if has_u { "yes" } else { "not stated" };
-        let (points, terms) = (positions.len(), terms(series).join(" "));
+        let (points, terms) = (series.positions.len(), terms(series).join(" "));
         format!("{}\t{travel}\t{points}\t{from}\t{to}\t{terms}\t{u}", series.axis)
     });
     table("axis\ttravel\t>points\t>from/mm\t>to/mm\tmeasured\tu", rows)
@@ -110,9 +109,9 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
             "axis": series.axis.key(),
             "direction": series.direction.map(Direction::symbol),
             "terms": terms(series),
-            "points": series.positions_mm.len(),
-            "from_mm": series.positions_mm.first(),
-            "to_mm": series.positions_mm.last(),
+            "points": series.positions.len(),
+            "from_mm": series.ends_mm()[0],
+            "to_mm": series.ends_mm()[1],
         })
     });
     let given = stated.given().into_iter();

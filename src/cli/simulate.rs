@@ -176,7 +176,7 @@ fn error_table(
         (noise, inputs.job.measurement.uncertainty.noise_um),
         origin.comments(inputs, noise),
     );
-    let rows: usize = draft.series.iter().map(|s| s.positions_mm.len()).sum();
+    let rows: usize = draft.series.iter().map(|s| s.positions.len()).sum();
     let what = format!(
         "error table of {} curves, {rows} positions, mean of {runs} run(s){}",
         draft.series.len(),

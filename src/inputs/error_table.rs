@@ -4,16 +4,18 @@
 //! there. What is not measured is absent (`None`), never zero. A table that exists has passed
 //! every check of the format; its rows still know their lines, so that later checks can point at them.
 
+mod component;
 mod read;
 mod remarks;
 mod text;
 
+pub use self::component::{Component, Kind};
 pub(crate) use self::read::{Column, Quantity, known_columns};
 pub use self::read::{Heading, Series};
 pub use self::remarks::{
     Cause, LargestErrors, Remarks, SIMULATED, Silence, Sizes, is_simulated, keys,
 };
-pub use self::text::{Draft, DraftSeries, write};
+pub use self::text::{Draft, write};
 
 use self::read::{Columns, refuse_single_positions};
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
@@ -99,13 +101,9 @@ impl ErrorTable {
     pub(crate) fn look_at_cells(source: Source) -> Result<(), Problems> {
         let table = ErrorTable::read(source)?;
         let all = table.series.iter().flat_map(|(_, series)| series);
-        let is_measured = |s: &Series| {
-            let angles = s.angles_urad.iter().any(|(_, angle)| angle.is_some());
-            angles || s.deviations.iter().any(|(_, values)| values.is_some())
-        };
-        match all.into_iter().any(is_measured) {
-            true => Ok(()),
-            false => Err(table.holds_nothing().into()),
+        match all.flat_map(Series::components).next() {
+            Some(_) => Ok(()),
+            None => Err(table.holds_nothing().into()),
         }
     }
 
@@ -165,8 +163,8 @@ impl ErrorTable {
         other: &ErrorTable,
     ) -> Option<(String, &'static str)> {
         let known = &self.series[axis];
-        if let Some(old) = known.iter().find(|old| !shared(old, new, axis).is_empty()) {
-            let names = shared(old, new, axis).join(", ");
+        if let Some(old) = known.iter().find(|old| !shared(old, new).is_empty()) {
+            let names = shared(old, new).join(", ");
             let one = self.source_of(old).map_or("", |source| &source.name);
             let two = &other.source.name;
             return Some((
@@ -191,7 +189,8 @@ impl ErrorTable {
 
     fn other_range(&self, axis: Axis, new: &[Series]) -> bool {
         let differ = |old: &Series, new: &Series| {
-            let mut ends = ends(old).into_iter().zip(ends(new));
+            let ends = |series: &Series| series.ends_mm().into_iter().flatten();
+            let mut ends = ends(old).zip(ends(new));
             old.direction == new.direction && ends.any(|(a, b)| (a - b).abs() > AT_PLACE_MM)
         };
         let known = &self.series[axis];
@@ -199,23 +198,10 @@ impl ErrorTable {
     }
 }
 
-fn ends(series: &Series) -> Vec<f64> {
-    let ends = [series.positions.first(), series.positions.last()];
-    ends.into_iter().flatten().map(|end| end.mm()).collect()
-}
-
 /// Components of an axis that both series hold, e.g. `EXX`.
-fn shared(old: &Series, new: &Series, axis: Axis) -> Vec<String> {
-    let deviations = Axis::ALL.into_iter().filter_map(|of| {
-        let both = old.deviations[of].is_some() && new.deviations[of].is_some();
-        both.then(|| format!("E{of}{axis}"))
-    });
-    let about = Axis::ALL.into_iter().zip(['A', 'B', 'C']);
-    let angles = about.filter_map(|(about, letter)| {
-        let both = old.angles_urad[about].is_some() && new.angles_urad[about].is_some();
-        both.then(|| format!("E{letter}{axis}"))
-    });
-    deviations.chain(angles).collect()
+fn shared(old: &Series, new: &Series) -> Vec<String> {
+    let both = old.components().filter(|own| new.components().any(|other| other == *own));
+    both.map(|component| component.to_string()).collect()
 }
 
 #[cfg(test)]

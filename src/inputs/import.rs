@@ -11,7 +11,6 @@
 
 mod captures;
 mod columns;
-mod component;
 mod encoding;
 mod findings;
 mod form;
@@ -31,12 +30,11 @@ pub mod stated;
 mod words;
 
 pub use self::captures::{List, fill};
-pub(crate) use self::component::terms_of;
-pub use self::component::{Component, Kind};
 pub use self::encoding::{Measurement, encoding_word};
 pub use self::reading::Squareness;
 pub use self::rtl::measured_runs;
 pub use self::stated::Format;
+pub use crate::inputs::error_table::{Component, Kind};
 
 use self::encoding::{SHA256, SOURCE, text_of};
 pub use self::findings::ImportFinding;

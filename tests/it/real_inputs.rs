@@ -49,9 +49,9 @@ fn imported(path: &Path, stated: &Stated) -> Result<Imported, Problems> {
 fn understood(imported: &Imported) -> String {
     let mut words = String::new();
     for series in &imported.draft.series {
-        let (first, last) = (series.positions_mm[0], *series.positions_mm.last().unwrap());
+        let (first, last) = (series.positions[0].mm(), series.positions.last().unwrap().mm());
         let way = series.direction.map_or("both", Direction::symbol);
-        let count = series.positions_mm.len();
+        let count = series.positions.len();
         words += &format!("{} {way}: {count} points, {first} … {last} mm\n", series.axis);
     }
     let told = ["unit", "values:", "runs:", "not measured"];

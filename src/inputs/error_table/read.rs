@@ -1,6 +1,7 @@
 //! Reading an error table: its header says what each column holds, its rows become the series of each axis and
 //! direction.
 
+use crate::inputs::error_table::component::{Component, Kind};
 use crate::inputs::table::{Row, Table};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::{Deviation, MM_PER_INCH, Millimetres};
@@ -9,18 +10,15 @@ use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
 
 /// What a column holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Quantity {
     Axis,
     Direction,
     Position,
-    /// In the direction of an axis.
-    Deviation(Axis),
-    /// Of the deviation in the direction of an axis.
-    Uncertainty(Axis),
-    /// Rotation about an axis.
-    Angle(Axis),
-    AngleUncertainty(Axis),
+    /// What was measured.
+    Value(Kind),
+    /// The standard uncertainty of what was measured.
+    Uncertainty(Kind),
 }
 
 /// A column with what turns its unit into mm, µm or µrad.
@@ -55,7 +53,7 @@ const FIRST_LINE: &str = "first line: axis,position_mm,ex_um,ey_um,ez_um";
 const ANGLES_URAD: [(&str, f64); 3] =
     [("urad", 1.0), ("mrad", 1000.0), ("arcsec", std::f64::consts::PI / (180.0 * 3600.0) * 1e6)];
 
-/// Every name that a column may have.
+/// Every name that a column may have; of each quantity the first one is written, in mm, µm or µrad.
 pub(crate) fn known_columns() -> Vec<(String, Column)> {
     let single = [
         ("axis", Quantity::Axis, 1.0),
@@ -69,14 +67,15 @@ pub(crate) fn known_columns() -> Vec<(String, Column)> {
     for (axis, letters) in Axis::ALL.into_iter().zip(["xa", "yb", "zc"]) {
         let (deviation, angle) = letters.split_at(1);
         let in_units = [
-            (format!("e{deviation}"), Quantity::Deviation(axis), &lengths[..]),
-            (format!("u_e{deviation}"), Quantity::Uncertainty(axis), &lengths),
-            (format!("e{angle}"), Quantity::Angle(axis), &ANGLES_URAD),
-            (format!("u_e{angle}"), Quantity::AngleUncertainty(axis), &ANGLES_URAD),
+            (deviation, Kind::Deviation(axis), &lengths[..]),
+            (angle, Kind::Angle(axis), &ANGLES_URAD),
         ];
-        for (name, holds, units) in in_units {
-            let column = |&(unit, factor)| (format!("{name}_{unit}"), Column { holds, factor });
-            known.extend(units.iter().map(column));
+        for (letter, kind, units) in in_units {
+            for (u, holds) in [("", Quantity::Value(kind)), ("u_", Quantity::Uncertainty(kind))] {
+                let column =
+                    |&(unit, factor)| (format!("{u}e{letter}_{unit}"), Column { holds, factor });
+                known.extend(units.iter().map(column));
+            }
         }
     }
     known
@@ -108,7 +107,7 @@ impl<'a> Columns<'a> {
         let is_position = |holds| holds == Quantity::Position;
         let examples = "`position_mm` or `position_in`";
         let position = require(is_position, "the position", examples);
-        let is_value = |holds| matches!(holds, Quantity::Deviation(_) | Quantity::Angle(_));
+        let is_value = |holds| matches!(holds, Quantity::Value(_));
         require(is_value, "any deviation", "`ex_um`, `ey_um` or `ez_um`");
         problems.or_ok(Columns { table, position })
     }
@@ -117,7 +116,7 @@ impl<'a> Columns<'a> {
     pub(super) fn headings(&self) -> PerAxis<Option<Heading>> {
         let mut headings = PerAxis::default();
         for (index, column) in self.table.kinds.iter().enumerate() {
-            if let Quantity::Deviation(of) = column.holds {
+            if let Quantity::Value(Kind::Deviation(of)) = column.holds {
                 headings[of] = Some(Heading {
                     name: self.table.names[index].clone(),
                     to_um: column.factor,
@@ -174,9 +173,7 @@ fn read_number(cell: &Cell<'_, '_>, holds: Quantity, problems: &mut Problems) ->
             "write the machine coordinate as a plain number; its unit stands in the header",
             problems,
         ),
-        Quantity::Uncertainty(_) | Quantity::AngleUncertainty(_) => {
-            cell.uncertainty(OF_AXIS, problems)
-        }
+        Quantity::Uncertainty(_) => cell.uncertainty(OF_AXIS, problems),
         _ => cell.number(OF_AXIS, problems),
     }
 }
@@ -191,8 +188,12 @@ pub(super) struct Record<'a> {
 }
 
 /// All measured positions of one axis in one direction (or without regard to direction).
-#[derive(Clone, Debug, Default, PartialEq)]
+///
+/// Whoever fills one keeps to the rules of the format: as many values as positions.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Series {
+    /// The moving axis.
+    pub axis: Axis,
     /// Direction of travel; `None` = both.
     pub direction: Option<Direction>,
     /// Machine coordinates, strictly ascending.
@@ -208,6 +209,75 @@ pub struct Series {
     pub(super) lines: Vec<usize>,
     /// Which table it stands in: 0 = the first, n = the n-th of `ErrorTable::more`.
     pub(super) table: usize,
+}
+
+impl Series {
+    /// A series at positions where nothing was measured yet.
+    pub fn new(axis: Axis, direction: Option<Direction>, positions: Vec<Millimetres>) -> Series {
+        Series {
+            axis,
+            direction,
+            positions,
+            deviations: PerAxis::default(),
+            uncertainties_um: PerAxis::default(),
+            angles_urad: PerAxis::default(),
+            angle_uncertainties_urad: PerAxis::default(),
+            lines: Vec::new(),
+            table: 0,
+        }
+    }
+
+    /// The first and the last position, mm.
+    pub(crate) fn ends_mm(&self) -> [Option<f64>; 2] {
+        [self.positions.first(), self.positions.last()].map(|end| end.map(|end| end.mm()))
+    }
+
+    /// What was measured, e.g. `EXX` and `EAX`.
+    pub(crate) fn components(&self) -> impl Iterator<Item = Component> {
+        let is_measured = |kind: &Kind| match *kind {
+            Kind::Deviation(of) => self.deviations[of].is_some(),
+            Kind::Angle(about) => self.angles_urad[about].is_some(),
+        };
+        let kinds = Kind::ALL.into_iter().filter(is_measured);
+        kinds.map(|kind| Component { kind, along: self.axis })
+    }
+
+    /// Fills in a column of numbers, mm, µm or µrad; `None` = not measured.
+    pub(crate) fn put(&mut self, holds: Quantity, values: Option<Vec<f64>>) {
+        match holds {
+            Quantity::Axis | Quantity::Direction => {}
+            Quantity::Position => {
+                let mm = values.unwrap_or_default().into_iter();
+                self.positions = mm.map(Millimetres::new).collect();
+            }
+            Quantity::Value(Kind::Deviation(of)) => {
+                let um = values.map(|um| um.into_iter().map(Deviation::from_um));
+                self.deviations[of] = um.map(Iterator::collect);
+            }
+            Quantity::Value(Kind::Angle(about)) => self.angles_urad[about] = values,
+            Quantity::Uncertainty(Kind::Deviation(of)) => self.uncertainties_um[of] = values,
+            Quantity::Uncertainty(Kind::Angle(about)) => {
+                self.angle_uncertainties_urad[about] = values;
+            }
+        }
+    }
+
+    /// The number in a row, mm, µm or µrad; `None` = not measured.
+    pub(super) fn number(&self, holds: Quantity, row: usize) -> Option<f64> {
+        let number = |column: &Option<Vec<f64>>| column.as_ref()?.get(row).copied();
+        match holds {
+            Quantity::Axis | Quantity::Direction => None,
+            Quantity::Position => self.positions.get(row).map(|position| position.mm()),
+            Quantity::Value(Kind::Deviation(of)) => {
+                Some(self.deviations[of].as_ref()?.get(row)?.um())
+            }
+            Quantity::Value(Kind::Angle(about)) => number(&self.angles_urad[about]),
+            Quantity::Uncertainty(Kind::Deviation(of)) => number(&self.uncertainties_um[of]),
+            Quantity::Uncertainty(Kind::Angle(about)) => {
+                number(&self.angle_uncertainties_urad[about])
+            }
+        }
+    }
 }
 
 impl Columns<'_> {
@@ -239,29 +309,11 @@ impl Columns<'_> {
 
     fn series(&self, axis: Axis, rows: &[&Record<'_>], problems: &mut Problems) -> Series {
         self.refuse_unordered(axis, rows, problems);
-        let mut series = Series {
-            direction: rows.first().and_then(|row| row.direction),
-            lines: rows.iter().map(|row| row.line.number()).collect(),
-            ..Series::default()
-        };
+        let direction = rows.first().and_then(|row| row.direction);
+        let mut series = Series::new(axis, direction, Vec::new());
+        series.lines = rows.iter().map(|row| row.line.number()).collect();
         for (index, column) in self.table.kinds.iter().enumerate() {
-            let mut values = || self.values(axis, index, rows, problems);
-            match column.holds {
-                Quantity::Position => {
-                    let mm = values().unwrap_or_default().into_iter();
-                    series.positions = mm.map(Millimetres::new).collect();
-                }
-                Quantity::Deviation(of) => {
-                    let um = values().map(|um| um.into_iter().map(Deviation::from_um));
-                    series.deviations[of] = um.map(Iterator::collect);
-                }
-                Quantity::Uncertainty(of) => series.uncertainties_um[of] = values(),
-                Quantity::Angle(about) => series.angles_urad[about] = values(),
-                Quantity::AngleUncertainty(about) => {
-                    series.angle_uncertainties_urad[about] = values();
-                }
-                Quantity::Axis | Quantity::Direction => {}
-            }
+            series.put(column.holds, self.values(axis, index, rows, problems));
         }
         series
     }

@@ -4,8 +4,7 @@
 //! cannot stand between thousands: `1,000` may be one or a thousand.
 
 use crate::control::controller::TableSign;
-use crate::inputs::error_table::Quantity;
-use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::error_table::{Component, Kind, Quantity};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::groups::{Group, Row, is_ascending};
 use crate::inputs::import::mapping::{Content, Mapped, Mapping, Named, unit_of_name};
@@ -252,12 +251,12 @@ impl<'a, 'm> Table<'a, 'm> {
         for (content, number) in values {
             let (direction, run, value) = match (content, term.map(|term| term.kind)) {
                 (Content::Table(quantity), _) => (direction, run, (quantity, number)),
-                (Content::Reading(own), Some(Kind::Deviation(of))) => {
+                (Content::Reading(own), Some(kind @ Kind::Deviation(_))) => {
                     let zero = match own.values {
                         Values::Positions => position * UM_PER_MM,
                         Values::Deviations => 0.0,
                     };
-                    let value = (Quantity::Deviation(of), number - zero);
+                    let value = (Quantity::Value(kind), number - zero);
                     (own.direction.map(way).or(direction), own.run.unwrap_or(run), value)
                 }
                 _ => continue,

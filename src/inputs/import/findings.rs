@@ -1,7 +1,7 @@
 //! What a file of another maker states, what was done with it (labels), and what to look at before the table
 //! is used (notes).
 
-use crate::inputs::import::component::Component;
+use crate::inputs::error_table::Component;
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::finding::{findings, joined};
 

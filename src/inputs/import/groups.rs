@@ -1,8 +1,7 @@
 //! Rows of one axis and direction of a mapped text → one series of the error table.
 
 use crate::control::controller::TableSign;
-use crate::inputs::error_table::{DraftSeries, Quantity};
-use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::error_table::{Component, Kind, Quantity, Series};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::reading::{FileContents, Placing, freedom, means, tidy};
 use crate::inputs::import::stated::Stated;
@@ -73,7 +72,7 @@ impl<'a, 'b> Group<'a, 'b> {
         stated: &Stated,
         said: &mut FileContents,
         problems: &mut Problems,
-    ) -> Option<DraftSeries> {
+    ) -> Option<Series> {
         let runs = problems.take(self.runs())?;
         let positions: Vec<f64> = runs.first()?.iter().map(|row| row.position).collect();
         let placing = match self.first_target {
@@ -85,23 +84,15 @@ impl<'a, 'b> Group<'a, 'b> {
                 said.findings.push(fact);
             }
         }
-        let mut series = DraftSeries::new(self.axis, self.direction, placing.positions_mm());
+        let mut series = Series::new(self.axis, self.direction, placing.positions());
         for (index, (quantity, _)) in self.rows.first()?.values.iter().enumerate() {
             let of_run = |run: &Vec<&Row<'_>>| run.iter().map(|row| row.values[index].1).collect();
             let values: Vec<Vec<f64>> = runs.iter().map(of_run).collect();
-            let mean = || means(&values).iter().map(|(mean, _)| *mean).collect::<Vec<f64>>();
-            match *quantity {
-                Quantity::Uncertainty(of) => {
-                    series.uncertainties_um[of] = Some(placing.uncertainties(&mean()));
-                }
-                Quantity::AngleUncertainty(about) => {
-                    let u = Some(placing.uncertainties(&mean()));
-                    series.angle_uncertainties_urad[about] = u;
-                }
-                quantity => {
-                    if let Some(component) = self.component(quantity) {
-                        placing.put(&mut series, component, sign, &values);
-                    }
+            match self.component(*quantity) {
+                Some(component) => placing.put(&mut series, component, sign, &values),
+                None => {
+                    let u: Vec<f64> = means(&values).iter().map(|(mean, _)| *mean).collect();
+                    series.put(*quantity, Some(placing.uncertainties(&u)));
                 }
             }
         }
@@ -126,12 +117,10 @@ impl<'a, 'b> Group<'a, 'b> {
 
     /// The component of a quantity.
     fn component(&self, quantity: Quantity) -> Option<Component> {
-        let kind = match quantity {
-            Quantity::Deviation(of) => Kind::Deviation(of),
-            Quantity::Angle(about) => Kind::Angle(about),
-            _ => return None,
-        };
-        Some(Component { kind, along: self.axis })
+        match quantity {
+            Quantity::Value(kind) => Some(Component { kind, along: self.axis }),
+            _ => None,
+        }
     }
 
     fn facts(&self, runs: usize, placing: &Placing) -> impl Iterator<Item = ImportFinding> {
@@ -156,7 +145,7 @@ impl<'a, 'b> Group<'a, 'b> {
             u,
         };
         found.extend((runs > 1).then_some(several));
-        found.extend(freedom(placing.positions_mm().len(), runs));
+        found.extend(freedom(placing.positions().len(), runs));
         found.into_iter()
     }
 

@@ -5,7 +5,7 @@
 //! from the instrument's zero; `run`; or a reading at these targets of the term that is stated: `deviation_um`,
 //! `actual_mm`, and where each run has a column of its own `up1_deviation_um`, `dn1_actual_mm`, `run1_…`.
 
-use crate::inputs::error_table::{Column, Quantity, known_columns};
+use crate::inputs::error_table::{Column, Kind, Quantity, known_columns};
 use crate::inputs::import::stated::{AXIS, DIRECTION, Stated};
 use crate::inputs::target_runs::Values;
 use crate::quantity::axis::{Axis, Direction};
@@ -42,10 +42,7 @@ pub(super) struct Reading {
 impl Content {
     /// Whether it is measured, and neither says where nor in which run.
     fn is_value(self) -> bool {
-        matches!(
-            self,
-            Content::Table(Quantity::Deviation(_) | Quantity::Angle(_)) | Content::Reading(_)
-        )
+        matches!(self, Content::Table(Quantity::Value(_)) | Content::Reading(_))
     }
 
     fn is_reading(self) -> bool {
@@ -58,7 +55,7 @@ impl Content {
     }
 
     pub(super) fn is_uncertainty(self) -> bool {
-        matches!(self, Content::Table(Quantity::Uncertainty(_) | Quantity::AngleUncertainty(_)))
+        matches!(self, Content::Table(Quantity::Uncertainty(_)))
     }
 
     /// The reading of a sheet that has a column for each run.
@@ -143,7 +140,8 @@ fn known() -> Vec<(String, Content, f64)> {
         (name, Content::Table(column.holds), column.factor)
     });
     let in_rad = Axis::ALL.into_iter().zip(["ea_rad", "eb_rad", "ec_rad"]);
-    let in_rad = in_rad.map(|(about, name)| (name, Content::Table(Quantity::Angle(about)), 1e6));
+    let in_rad = in_rad
+        .map(|(about, name)| (name, Content::Table(Quantity::Value(Kind::Angle(about))), 1e6));
     let in_rad = in_rad.map(|(name, content, factor)| (name.to_string(), content, factor));
     let targets = LengthUnit::ALL
         .map(|unit| (format!("target_{}", unit.word()), Content::Target, unit.um() / UM_PER_MM));

@@ -13,8 +13,7 @@
 //! ```
 
 use crate::control::controller::TableSign;
-use crate::inputs::error_table::DraftSeries;
-use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::error_table::{Component, Kind, Series};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::reading::{FileContents, Placing, Squareness, deviation, tidy};
 use crate::inputs::import::stated::Stated;
@@ -155,10 +154,10 @@ impl Parameter {
         &self,
         component: Component,
         sign: TableSign,
-        series: &mut Vec<DraftSeries>,
+        series: &mut Vec<Series>,
     ) -> Result<(), Problem> {
         let placing = Placing::on_machine(&self.positions_mm);
-        let positions = placing.positions_mm();
+        let positions = placing.positions();
         let ascends = positions.windows(2).all(|pair| pair[0] < pair[1]);
         if positions.len() < 2 || positions.len() != self.values.len() || !ascends {
             let message = format!(
@@ -170,13 +169,13 @@ impl Parameter {
         let along = component.along;
         let known = series.iter().position(|series| series.axis == along);
         let known = known.unwrap_or_else(|| {
-            series.push(DraftSeries::new(along, None, positions.clone()));
+            series.push(Series::new(along, None, positions.clone()));
             series.len() - 1
         });
         let of_axis = &mut series[known];
-        let mut pairs = of_axis.positions_mm.iter().zip(&positions);
-        if of_axis.positions_mm.len() != positions.len()
-            || pairs.any(|(a, b)| (a - b).abs() >= 1e-6)
+        let mut pairs = of_axis.positions.iter().zip(&positions);
+        if of_axis.positions.len() != positions.len()
+            || pairs.any(|(a, b)| (a.mm() - b.mm()).abs() >= 1e-6)
         {
             let message = format!(
                 "{component} stands at other positions than the components of {along} before it"

@@ -2,12 +2,11 @@
 //! mean of the runs and its uncertainty → series of the error table.
 
 use crate::control::controller::TableSign;
-use crate::inputs::error_table::DraftSeries;
-use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::error_table::{Component, Kind, Quantity, Series};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::stated::{FIRST_TARGET, Stated, TARGETS_RUN};
 use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::{Deviation, Squared, rounded};
+use crate::quantity::units::{Deviation, Millimetres, Squared, rounded};
 use crate::text::finding::Finding;
 use crate::text::problem::{Place, Problem, Problems};
 
@@ -25,7 +24,7 @@ pub struct Squareness {
 /// What a file gave.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FileContents {
-    pub(super) series: Vec<DraftSeries>,
+    pub(super) series: Vec<Series>,
     /// What the file states and what was done with it (labels); what to look at (notes).
     pub(super) findings: Vec<Finding>,
     pub(super) squareness: Vec<Squareness>,
@@ -96,8 +95,7 @@ impl Passes {
         said.find(placing.turned(term));
         said.find(of_runs);
         let series = self.ways.iter().map(|(way, runs)| {
-            let mut series =
-                DraftSeries::new(term.along, placing.direction(*way), placing.positions_mm());
+            let mut series = Series::new(term.along, placing.direction(*way), placing.positions());
             placing.put(&mut series, term, sign, runs);
             series
         });
@@ -134,7 +132,7 @@ impl Passes {
 /// Where the targets of a file stand on the machine.
 pub(super) struct Placing {
     /// Machine coordinate of each target, in the order of the targets.
-    positions_mm: Vec<f64>,
+    positions: Vec<Millimetres>,
     /// The way of the axis from the first target to the last.
     run: Direction,
     /// The file counts its targets against the axis.
@@ -159,17 +157,17 @@ impl Placing {
         let (ascending, run) = (ascending?, stated.targets_run?);
         let first_mm = stated.first_target_at_mm?;
         let turned = ascending != (run == Direction::Plus);
-        let positions_mm = targets.iter().map(|target| {
+        let positions = targets.iter().map(|target| {
             let way = target - targets[0];
-            tidy(first_mm + if turned { -way } else { way })
+            Millimetres::new(tidy(first_mm + if turned { -way } else { way }))
         });
-        Some(Placing { positions_mm: positions_mm.collect(), run, turned })
+        Some(Placing { positions: positions.collect(), run, turned })
     }
 
     /// Of machine coordinates, ascending.
     pub(super) fn on_machine(positions_mm: &[f64]) -> Placing {
         Placing {
-            positions_mm: positions_mm.iter().map(|mm| tidy(*mm)).collect(),
+            positions: positions_mm.iter().map(|mm| Millimetres::new(tidy(*mm))).collect(),
             run: Direction::Plus,
             turned: false,
         }
@@ -185,8 +183,8 @@ impl Placing {
     }
 
     /// Machine coordinates, ascending.
-    pub(super) fn positions_mm(&self) -> Vec<f64> {
-        self.ascending(&self.positions_mm)
+    pub(super) fn positions(&self) -> Vec<Millimetres> {
+        self.ascending(&self.positions)
     }
 
     /// The way of the axis in passes of one way.
@@ -221,14 +219,15 @@ impl Placing {
     /// target do not make it exact.
     pub(super) fn put(
         &self,
-        series: &mut DraftSeries,
+        series: &mut Series,
         component: Component,
         sign: TableSign,
         runs: &[Vec<f64>],
     ) {
         let figures = means(runs);
         let of_targets: Vec<f64> = figures.iter().map(|(mean, _)| *mean).collect();
-        component.put(series, self.deviations(&of_targets, component, sign));
+        let deviations = self.deviations(&of_targets, component, sign);
+        series.put(Quantity::Value(component.kind), Some(deviations));
         let scatter: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
         if let (Kind::Deviation(of), Some(u)) = (component.kind, scatter) {
             let mean_square = u.iter().map(|u| u.squared()).sum::<f64>() / float(u.len());
@@ -238,8 +237,8 @@ impl Placing {
 
     /// Where the targets stand.
     pub(super) fn found(&self) -> ImportFinding {
-        let positions = self.positions_mm();
-        let end = |mm: Option<&f64>| mm.map_or_else(String::new, f64::to_string);
+        let positions = self.positions();
+        let end = |at: Option<&Millimetres>| at.map_or_else(String::new, |at| at.mm().to_string());
         ImportFinding::Positions {
             count: positions.len(),
             first: end(positions.first()),
@@ -303,12 +302,12 @@ const NOTABLE_UM: f64 = 0.5;
 ///
 /// formula B = mean deviation moving + minus mean deviation moving −, over all positions (ISO 230-2)
 /// limits  positions of the two directions are not compared: it is a warning, no figure
-pub(super) fn unlikely_reversals(series: &[DraftSeries]) -> Vec<ImportFinding> {
+pub(super) fn unlikely_reversals(series: &[Series]) -> Vec<ImportFinding> {
     let mean_um = |axis: Axis, direction: Direction| {
         let mut of_axis = series.iter().filter(|s| s.axis == axis);
         let series = of_axis.find(|s| s.direction == Some(direction))?;
-        let values = series.deviations_um[axis].as_ref()?;
-        Some(values.iter().sum::<f64>() / float(values.len()))
+        let values = series.deviations[axis].as_ref()?;
+        Some(values.iter().map(|value| value.um()).sum::<f64>() / float(values.len()))
     };
     let of = |axis: Axis| {
         let um = mean_um(axis, Direction::Plus)? - mean_um(axis, Direction::Minus)?;

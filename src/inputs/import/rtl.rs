@@ -8,7 +8,7 @@
 //! A deviation belongs to the target whose number stands in its line; the order of the lines means
 //! nothing. docs/import.md §2 names the sources.
 
-use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::error_table::{Component, Kind};
 use crate::inputs::import::encoding::{Measurement, text_of};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::reading::{FileContents, Passes, Placing};
@@ -77,7 +77,8 @@ pub fn measured_runs(
         Some((0..passes.targets.len()).map(at).collect())
     };
     let (up, down) = (moving(Direction::Plus), moving(Direction::Minus));
-    let runs = target_runs::Runs::new(placing.positions_mm(), up, down)?;
+    let targets_mm = placing.positions().iter().map(|target| target.mm()).collect();
+    let runs = target_runs::Runs::new(targets_mm, up, down)?;
     problems.or_ok((runs, found.findings))
 }
 

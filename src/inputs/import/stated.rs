@@ -3,7 +3,7 @@
 //! so that a statement has its words in one place.
 
 use crate::control::controller::TableSign;
-use crate::inputs::import::component::{Component, Kind};
+use crate::inputs::error_table::{Component, Kind};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::words::Piece;
 use crate::quantity::axis::{Axis, Direction};

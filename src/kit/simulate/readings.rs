@@ -2,7 +2,7 @@
 //! or an error table at the positions where each error was measured.
 
 use super::{Noise, Rehearsal, SIMULATED, SimulatedMachine, written};
-use crate::inputs::error_table::{Draft, DraftSeries};
+use crate::inputs::error_table::{Draft, Series};
 use crate::inputs::job::{Job, MeasuredData};
 use crate::judge::after::{not_known, outside};
 use crate::kit::Inputs;
@@ -277,39 +277,37 @@ fn one_series(
     axis: Axis,
     direction: Option<Direction>,
     mut noise: OneSeries,
-) -> DraftSeries {
-    let positions = positions_mm(machine, axis);
+) -> Series {
+    let positions = positions(machine, axis);
     let moving = direction.unwrap_or(Direction::Plus);
-    let mut series = DraftSeries::new(axis, direction, positions.clone());
-    series.deviations_um = PerAxis::from_fn(|of| {
+    let mut series = Series::new(axis, direction, positions.clone());
+    series.deviations = PerAxis::from_fn(|of| {
         let term = ErrorTerm { of, along: axis };
-        let at = |mm: &f64| machine.left_um(term, moving, Millimetres::new(*mm));
+        let at = |position: &Millimetres| machine.left_um(term, moving, *position);
         let left: Option<Vec<f64>> = positions.iter().map(at).collect();
-        let noisy = |um: f64| written(um + noise.draw());
+        let noisy = |um: f64| Deviation::from_um(written(um + noise.draw()));
         Some(left?.into_iter().map(noisy).collect())
     });
     if noise.column_um > 0.0 {
-        let stated =
-            |known: &Option<Vec<f64>>| known.as_ref().map(|k| vec![noise.column_um; k.len()]);
-        series.uncertainties_um = PerAxis::from_fn(|of| stated(&series.deviations_um[of]));
+        let stated = |known: &Vec<Deviation>| vec![noise.column_um; known.len()];
+        series.uncertainties_um = PerAxis::from_fn(|of| series.deviations[of].as_ref().map(stated));
     }
     series
 }
 
 /// Positions at which any error of an axis was measured, inside the range of all of them.
-fn positions_mm(machine: &SimulatedMachine<'_>, axis: Axis) -> Vec<f64> {
+fn positions(machine: &SimulatedMachine<'_>, axis: Axis) -> Vec<Millimetres> {
     let Some((low, high)) = machine.model.ranges[axis] else {
         return Vec::new();
     };
     let terms = machine.model.measured();
-    let mut positions: Vec<f64> = terms
+    let mut positions: Vec<Millimetres> = terms
         .filter(|(term, _)| term.along == axis)
         .flat_map(|(_, measured)| measured.curves().flat_map(|curve| curve.knots().to_vec()))
-        .map(|knot| knot.mm())
-        .filter(|mm| (low.mm()..=high.mm()).contains(mm))
+        .filter(|knot| (low.mm()..=high.mm()).contains(&knot.mm()))
         .collect();
-    positions.sort_by(f64::total_cmp);
-    positions.dedup_by(|a, b| (*a - *b).abs() < SAME_PLACE_MM);
+    positions.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
+    positions.dedup_by(|a, b| (a.mm() - b.mm()).abs() < SAME_PLACE_MM);
     positions
 }
 

@@ -4,11 +4,10 @@ use super::findings::SeparationFinding;
 use super::joint::{Table, directions};
 use super::noise::Noise;
 use super::separate::Separation;
-use super::solved::SeparatedError;
-use crate::inputs::error_table::{self, Draft, DraftSeries, ErrorTable, Remarks};
+use crate::inputs::error_table::{self, Draft, ErrorTable, Remarks, Series};
 use crate::inputs::job::{BacklashPolicy, Job};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::units::{Millimetres, rounded};
+use crate::quantity::units::{Deviation, Millimetres, rounded};
 use crate::text::document::Source;
 use crate::text::finding::{Finding, joined};
 use crate::text::problem::{Problem, Problems};
@@ -100,14 +99,14 @@ pub fn remarks(separation: &Separation) -> Remarks {
     }
 }
 
-fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> DraftSeries {
+fn one_series(separation: &Separation, axis: Axis, direction: Option<Direction>) -> Series {
     let positions = separation.volume.positions(axis);
-    let positions = positions.into_iter().map(|position| position.mm()).collect();
-    let mut series = DraftSeries::new(axis, direction, positions);
+    let mut series = Series::new(axis, direction, positions);
     let evidence =
         PerAxis::from_fn(|of| separation.of_table(ErrorTerm { of, along: axis }, direction));
-    series.deviations_um = PerAxis::from_fn(|of| {
-        evidence[of].map(|found: &SeparatedError| written(&found.deviation_um))
+    series.deviations = PerAxis::from_fn(|of| {
+        let um = written(&evidence[of]?.deviation_um).into_iter();
+        Some(um.map(Deviation::from_um).collect())
     });
     series.uncertainties_um =
         PerAxis::from_fn(|of| evidence[of].and_then(|found| found.u_um().as_deref().map(written)));
