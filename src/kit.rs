@@ -26,7 +26,6 @@ use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Forecast;
 pub use crate::kit::manifest::hashed;
 use crate::kit::manifest::{HashedFile, Manifest, Predecessor, SCHEMA};
-use crate::quantity::axis::Axis;
 use crate::read::KitFile;
 pub use crate::read::emulator;
 pub use crate::text::document::sha256;
@@ -35,11 +34,10 @@ use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
 use crate::write::emit::{self, RenderedFile, TOOL};
 use crate::write::plan::Plan;
-use inputs::Asked;
-pub(crate) use inputs::cannot_emulate;
+pub(crate) use inputs::{Asked, cannot_emulate};
 pub use inputs::{Inputs, remarks};
-pub use loaded::{LoadedControl, load};
-pub(crate) use loaded::{load_own, load_read_out};
+pub use loaded::Loaded;
+use loaded::named_backlash;
 use made::{Made, as_read};
 use serde_json::json;
 pub use verification::{Verification, verify, verify_read_out};
@@ -67,6 +65,11 @@ impl Kit {
     /// The control's files as a reader takes them.
     pub fn kit_files(&self) -> Vec<KitFile<'_>> {
         as_read(&self.files)
+    }
+
+    /// The control with its files.
+    pub(crate) fn load<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
+        Loaded::kit(Asked::of(inputs)?, &self.kit_files(), Some(&self.manifest.state))
     }
 
     /// The bytes of `manifest.json`.
@@ -148,15 +151,4 @@ fn build_manifest(made: &Made<'_>) -> Manifest {
         doubts: Vec::new(),
         notes: [compiled.notes.clone(), forecast.worsened()].concat(),
     }
-}
-
-/// The backlash parameter of an axis that goes with these tables, µm: the one they name, else the
-/// one that acted while measuring; `None` where neither is known.
-fn named_backlash(inputs: &Inputs, plan: &Plan, compiled: &Compiled, name: &str) -> Option<f64> {
-    let has = |axis: &Axis| plan.names[*axis].iter().any(|own| own == name);
-    let axis = Axis::ALL.into_iter().find(has)?;
-    if plan.sets_backlash(axis) {
-        return Some(compiled.state.axis(name)?.backlash_um);
-    }
-    inputs.active.as_ref()?.backlash_um[axis]
 }

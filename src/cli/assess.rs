@@ -7,7 +7,7 @@ use crate::cli::outcome::{Outcome, PlotOnly, Print, positive};
 use crate::cli::tables::AskedTables;
 use crate::inputs::job::Job;
 use crate::inputs::kind::FileKind;
-use crate::kit::Inputs;
+use crate::kit::{Inputs, Loaded};
 use crate::machine::model::ErrorModel;
 use crate::page::bin_um;
 use crate::quantity::axis::{Axis, PerAxis};
@@ -15,7 +15,7 @@ use crate::quantity::chain::Chain;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, file_name};
 use crate::visit::inputs;
-use crate::visit::tables::{Corrected, NamedControl};
+use crate::visit::tables::Corrected;
 use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
@@ -106,7 +106,7 @@ fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
         return page_of_table(options, &request, name, &bytes);
     }
     let use_of = options.tables.use_of();
-    let (mut inputs, _) = inputs::read_job(files, &options.file, &name, &bytes, use_of)?;
+    let (mut inputs, _) = inputs::read_job(files, None, (&options.file, &name, &bytes), use_of)?;
     take_chain(&mut inputs, options.chain)?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     check(&volume, options)?;
@@ -122,10 +122,10 @@ fn grid_of_report() -> GridChoice {
 }
 
 /// The page of a report, with the tables of a control where there are any.
-pub(super) fn for_report(inputs: &Inputs, control: Option<NamedControl>) -> Result<Page, Problems> {
+pub(super) fn for_report(inputs: &Inputs, loaded: Option<&Loaded<'_>>) -> Result<Page, Problems> {
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     let request = request_of_report(&volume)?;
-    let corrected = control.map(|control| Corrected::of(inputs, &volume, control));
+    let corrected = loaded.map(|loaded| Corrected::of(&volume, loaded));
     page_of_job(grid_of_report(), corrected.transpose()?, &request, inputs, volume)
 }
 

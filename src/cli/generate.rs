@@ -9,7 +9,7 @@ use crate::judge::conformity::Verdict;
 use crate::kit::alternatives::{Compared, compare};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::{Inputs, Kit, cannot_emulate, emulator, generate, remarks};
-use crate::page::{Curves, Locale, Picture, terms};
+use crate::page::{Locale, Picture};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
 use crate::visit::files::Files;
@@ -54,19 +54,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 fn picture(locale: Locale<'_>, inputs: &Inputs, kit: &Kit) -> Result<Picture, Problems> {
     let (tables, state) = (&kit.compiled.tables, &kit.compiled.state);
     let control = emulator(&inputs.profile, tables, state).map_err(|e| cannot_emulate(&e))?;
-    let curves = Curves {
-        machine: inputs.machine(),
-        loaded: Some((&kit.plan, control.as_ref())),
-        as_left: None,
-        limit_um: inputs.job.acceptance.max_deviation_um,
-    };
-    let heading = format!(
-        "{}: {}, {}",
-        inputs.job.machine.name,
-        locale.words("nine_errors"),
-        inputs.profile.name
-    );
-    terms(locale, &heading, &curves).map_err(|e| cannot_emulate(&e))
+    show::nine_errors(locale, inputs, Some((&kit.plan, control.as_ref())), None)
 }
 
 fn screen(inputs: &Inputs, kit: &Kit) -> Screen {

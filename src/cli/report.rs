@@ -2,15 +2,14 @@
 
 use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::screen::Screen;
-use crate::cli::verify::Judged;
-use crate::cli::{assess, standards};
+use crate::cli::{assess, standards, verify};
 use crate::control::claims::Assumption;
 use crate::inputs::job::{Job, UseOf};
 use crate::inputs::kind::FileKind;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Machine;
 use crate::kit::manifest::{MANIFEST, rounded};
-use crate::kit::{Inputs, cannot_emulate, generate, hashed, load, verify};
+use crate::kit::{self, Inputs, cannot_emulate, generate, hashed};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Report, Shown, Texts, Visit, linear_document, terms};
@@ -20,7 +19,6 @@ use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, Kind, file_name};
 use crate::visit::inputs;
 use crate::visit::job_files::{folder_of, read_page};
-use crate::visit::tables::{NamedControl, of_directory, own_tables};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
@@ -116,7 +114,7 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<Vis
     }
     let is_found = without_tables && !states_tables(options, files, &name, &bytes)?;
     let use_of = UseOf::with(!is_found);
-    let (inputs, _) = inputs::read_job(files, &options.job, &name, &bytes, use_of)?;
+    let (inputs, _) = inputs::read_job(files, None, (&options.job, &name, &bytes), use_of)?;
     match is_found {
         true => of_job(locale, &inputs),
         false => with_tables(options, files, locale, &inputs),
@@ -164,11 +162,10 @@ fn with_tables(
     inputs: &Inputs,
 ) -> Result<Visit, Problems> {
     let mut visit = Visit::of(&inputs.job);
-    let (judged, control) = match options.tables.as_deref() {
-        None => of_own_tables(&mut visit, files, &options.job, inputs)?,
+    let page = match options.tables.as_deref() {
+        None => of_own_tables(&mut visit, inputs)?,
         Some(directory) => of_files(&mut visit, options, files, inputs, directory)?,
     };
-    let page = judged.page(inputs)?;
     visit.control.clone_from(&inputs.profile.name);
     visit.verdict = Some(page.verdict());
     visit.is_rehearsal = page.is_simulated();
@@ -185,7 +182,7 @@ fn with_tables(
     visit.inputs.clone_from(&inputs.hashes);
     visit.documents.push(("verify".to_string(), rounded(&page.document())?));
     visit.pictures.push(("curves", page.picture(locale)?));
-    match control.and_then(|control| assess::for_report(inputs, Some(control))) {
+    match assess::for_report(inputs, Some(&page.verification.loaded)) {
         Ok(page) => add_volume(&mut visit, locale, &page)?,
         Err(problems) => visit.without_volume = problems.iter().map(words).collect(),
     }
@@ -245,43 +242,35 @@ impl Visit {
     }
 }
 
-/// What is judged, and the control with these tables, or why there is none.
-type Tables<'a> = (Judged<'a>, Result<NamedControl, Problems>);
-
 /// The tables that `generate` would write.
-fn of_own_tables<'a>(
-    visit: &mut Visit,
-    files: &'a dyn Files,
-    job: &'a Path,
-    inputs: &Inputs,
-) -> Result<Tables<'a>, Problems> {
+fn of_own_tables<'a>(visit: &mut Visit, inputs: &'a Inputs) -> Result<verify::Page<'a>, Problems> {
     let kit = generate(inputs)?;
     let manifest = rounded(&kit.manifest)?;
     visit.documents.push(("kit".to_string(), manifest));
     let sizes = kit.files.iter().map(|f| (f.path.clone(), f.bytes.len()));
     visit.sizes = sizes.collect();
-    let (own, state) = (kit.kit_files(), Some(&kit.manifest.state));
-    let verification = verify(inputs, &own, state, Vec::new())?;
-    let control = load(inputs, &own, state).map(|control| (own_tables(inputs), control));
-    Ok((Judged::made(files, job, verification), control))
+    let state = Some(&kit.manifest.state);
+    let verification = kit::verify(inputs, &kit.kit_files(), state, Vec::new())?;
+    Ok(verify::Page::of(verification, None))
 }
 
 /// The files of a directory.
 fn of_files<'a>(
     visit: &mut Visit,
-    options: &'a Options,
-    files: &'a dyn Files,
-    inputs: &Inputs,
-    directory: &'a Path,
-) -> Result<Tables<'a>, Problems> {
-    let judged = Judged::read(files, inputs, &options.job, directory, options.after.as_deref())?;
-    visit.protocol_after = judged.protocol_after();
+    options: &Options,
+    files: &dyn Files,
+    inputs: &'a Inputs,
+    directory: &Path,
+) -> Result<verify::Page<'a>, Problems> {
+    let after = options.after.as_deref();
+    let page = verify::Page::read(files, inputs, &options.job, directory, after)?;
+    visit.protocol_after = page.protocol_after();
     if let Ok((_, bytes)) = files.argument(&directory.join(MANIFEST)) {
         let manifest: Value = serde_json::from_slice(&bytes).unwrap_or_default();
         visit.sizes = sizes(files, directory, &manifest);
         visit.documents.push(("kit".to_string(), manifest));
     }
-    Ok((judged, of_directory(files, inputs, directory)))
+    Ok(page)
 }
 
 /// Bytes of the files of a manifest. One of others may name any path: only what lies in the directory is looked at.

@@ -6,12 +6,31 @@ use crate::control::claims::{Assumption, Precondition, shared};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::{Change, Forecast, Grounds, terms_words};
+use crate::kit::{Inputs, cannot_emulate};
 use crate::machine::model::ErrorModel;
+use crate::page::{Curves, Locale, Picture, terms};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Figure;
+use crate::read::emulate::Emulator;
 use crate::text::finding::Finding;
+use crate::text::problem::Problems;
 use crate::write::compensation::Placement;
+use crate::write::plan::Plan;
 use std::fmt::Display;
+
+/// The nine errors of a job as found, as forecast with the tables that are loaded, as left.
+pub(super) fn nine_errors(
+    locale: Locale<'_>,
+    inputs: &Inputs,
+    loaded: Option<(&Plan, &dyn Emulator)>,
+    as_left: Option<&ErrorModel>,
+) -> Result<Picture, Problems> {
+    let limit_um = inputs.job.acceptance.max_deviation_um;
+    let curves = Curves { machine: inputs.machine(), loaded, as_left, limit_um };
+    let (machine, control) = (&inputs.job.machine.name, &inputs.profile.name);
+    let heading = format!("{machine}: {}, {control}", locale.words("nine_errors"));
+    terms(locale, &heading, &curves).map_err(|e| cannot_emulate(&e))
+}
 
 /// A figure in µm, `-` where there is none.
 pub(super) fn um(um: Option<f64>) -> String {

@@ -7,10 +7,10 @@ use crate::inputs::error_table;
 use crate::inputs::job::{MeasuredData, UseOf};
 use crate::kit::findings::InRehearsal;
 use crate::kit::simulate::{
-    Noise, Rehearsal, SIMULATED, SimulatedMachine, SimulatedTables, Simulation, SimulationSource,
-    Wishes, readings, single_axes,
+    Noise, Rehearsal, SIMULATED, SimulatedMachine, Simulation, SimulationSource, Wishes, readings,
+    rehearsed, single_axes,
 };
-use crate::kit::{Inputs, generate, hashed};
+use crate::kit::{Inputs, Loaded, generate, hashed};
 use crate::quantity::diagonal::{Diagonal, PathKind, PerDiagonal};
 use crate::quantity::units::Figure;
 use crate::read::KitFile;
@@ -89,7 +89,7 @@ fn simulated(options: &Options, files: &dyn Files) -> Result<Simulated, Problems
     let (name, bytes) = files.argument(&options.job)?;
     let machine = options.machine.as_deref();
     let named = (options.job.as_path(), name.as_str(), bytes.as_slice());
-    let (inputs, angles) = inputs::read_job_of(files, machine, named, UseOf::Tables)?;
+    let (inputs, angles) = inputs::read_job(files, machine, named, UseOf::Tables)?;
     // The angles of an error table are no part of a measurement of diagonals.
     let is_of_diagonals = matches!(inputs.job.measurement.data, MeasuredData::Diagonals(_));
     let angles = angles.filter(|_| is_of_diagonals);
@@ -106,7 +106,7 @@ fn simulated(options: &Options, files: &dyn Files) -> Result<Simulated, Problems
     };
     let (loaded, mut origin) = tables(options, files, &inputs)?;
     origin.notes.extend(taken_for_granted(&inputs));
-    let machine = SimulatedMachine::new(&inputs, loaded.as_ref(), options.scale_um_per_m);
+    let machine = SimulatedMachine::new(&inputs, loaded.as_ref(), options.scale_um_per_m)?;
     let Some(rehearsal) = rehearsal else {
         return Ok(error_table(&inputs, &machine, wishes, &origin));
     };
@@ -121,11 +121,11 @@ fn simulated(options: &Options, files: &dyn Files) -> Result<Simulated, Problems
 }
 
 /// The tables that are active, and where they come from.
-fn tables(
+fn tables<'a>(
     options: &Options,
     files: &dyn Files,
-    inputs: &Inputs,
-) -> Result<(Option<SimulatedTables>, SimulationSource), Problems> {
+    inputs: &'a Inputs,
+) -> Result<(Option<Loaded<'a>>, SimulationSource), Problems> {
     let mut origin = SimulationSource {
         tables: "without tables".to_string(),
         table_files: Vec::new(),
@@ -141,7 +141,7 @@ fn tables(
             let kit = generate(inputs)?;
             origin.table_files = hashes(&kit.kit_files());
             origin.tables = "with the tables that generate makes from it".to_string();
-            SimulatedTables::read(inputs, &kit.kit_files(), None)?
+            rehearsed(inputs, &kit.kit_files(), None)?
         }
         Some(directory) => {
             let found = read_directory(files, inputs, directory)?;
@@ -150,7 +150,7 @@ fn tables(
             found.rehearse(inputs)?
         }
     };
-    origin.notes.extend(loaded.notes.iter().cloned());
+    origin.notes.extend(loaded.findings.iter().cloned());
     Ok((Some(loaded), origin))
 }
 

@@ -1,10 +1,10 @@
 //! Options that ask for tables, for `assess` and `path`.
 
 use crate::inputs::job::UseOf;
-use crate::kit::{Inputs, load_own};
+use crate::kit::{Inputs, generate};
 use crate::text::problem::Problems;
 use crate::visit::files::Files;
-use crate::visit::tables::{Corrected, NamedControl, of_directory, own_tables};
+use crate::visit::tables::{Corrected, read_directory};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
 use std::path::PathBuf;
@@ -38,17 +38,11 @@ impl AskedTables {
         inputs: &Inputs,
         volume: &VolumeModel,
     ) -> Result<Option<Corrected>, Problems> {
-        let loaded = self.loaded(files, inputs)?;
-        let corrected = loaded.map(|loaded| Corrected::of(inputs, volume, loaded));
-        corrected.transpose()
-    }
-
-    /// Of the control with them, and where they come from.
-    fn loaded(&self, files: &dyn Files, inputs: &Inputs) -> Result<Option<NamedControl>, Problems> {
-        if self.with_tables {
-            return Ok(Some((own_tables(inputs), load_own(inputs)?)));
-        }
-        let directory = self.tables.as_deref();
-        directory.map(|own| of_directory(files, inputs, own)).transpose()
+        let loaded = match &self.tables {
+            Some(directory) => read_directory(files, inputs, directory)?.load(inputs)?,
+            None if self.with_tables => generate(inputs)?.load(inputs)?,
+            None => return Ok(None),
+        };
+        Corrected::of(volume, &loaded).map(Some)
     }
 }

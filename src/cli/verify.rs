@@ -6,7 +6,7 @@ mod second;
 use crate::cli::outcome::{Outcome, PlotOnly, Print};
 
 use crate::judge::conformity::Verdict;
-use crate::kit::second_look::second_look;
+use crate::kit::second_look::{SecondLook, second_look};
 use crate::kit::{Inputs, Verification};
 use crate::text::problem::Problems;
 use crate::visit::files::Files;
@@ -36,69 +36,42 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let inputs = inputs::read(files, &options.job)?;
-    let judged =
-        Judged::read(files, &inputs, &options.job, &options.tables, options.after.as_deref())?;
-    let page = judged.page(&inputs)?;
+    let page = Page::read(files, &inputs, &options.job, &options.tables, options.after.as_deref())?;
     let outcome = options.print.outcome(|| page.screen(), || page.document())?;
     let outcome = outcome.answering(page.verdict() == Verdict::Pass);
     options.plot.beside(outcome, |locale| page.picture(locale))
 }
 
-/// Tables, and a measurement with them active.
-pub(super) struct Judged<'a> {
-    files: &'a dyn Files,
-    job: &'a Path,
-    directory: &'a Path,
-    verification: Verification,
-    second: Option<Second>,
-}
-
-impl<'a> Judged<'a> {
-    /// The files of a directory, and of a second measurement.
+impl<'a> Page<'a> {
+    /// The files of a directory, and of a measurement with them active.
     pub(super) fn read(
-        files: &'a dyn Files,
-        inputs: &Inputs,
-        job: &'a Path,
-        directory: &'a Path,
+        files: &dyn Files,
+        inputs: &'a Inputs,
+        job: &Path,
+        directory: &Path,
         after: Option<&Path>,
-    ) -> Result<Judged<'a>, Problems> {
+    ) -> Result<Page<'a>, Problems> {
         let second = after.map(|path| Second::read(files, inputs, path, directory));
         let second = second.transpose()?;
         let verification = read_directory(files, inputs, directory)?.verify(inputs)?;
-        Ok(Judged { files, job, directory, verification, second })
-    }
-
-    /// Tables that were made and lie nowhere yet.
-    pub(super) fn made(
-        files: &'a dyn Files,
-        job: &'a Path,
-        verification: Verification,
-    ) -> Judged<'a> {
-        let directory = Path::new("");
-        Judged { files, job, directory, verification, second: None }
-    }
-
-    /// `date` and protocol of the second measurement, as its job states them.
-    pub(super) fn protocol_after(&self) -> Vec<(String, String)> {
-        self.second.as_ref().map(|second| second.protocol.clone()).unwrap_or_default()
-    }
-
-    /// What is told of them.
-    pub(super) fn page<'b>(&'b self, inputs: &'b Inputs) -> Result<Page<'b>, Problems> {
-        let second = self.second.as_ref().map(|second| {
-            second.ensure_active(inputs, &self.verification)?;
-            let corrected = || second::corrected(self.files, inputs, self.job);
-            let look = second_look(inputs, &self.verification, &second.measurement, corrected)?;
+        let second = second.map(|second| {
+            second.ensure_active(inputs, &verification.loaded)?;
+            let corrected = || second::corrected(files, inputs, job);
+            let look = second_look(&verification, &second.measurement, corrected)?;
             Ok::<_, Problems>((second, look))
         });
-        let mut page = Page {
-            inputs,
-            directory: self.directory,
-            verification: &self.verification,
-            second: second.transpose()?,
-            decides: None,
-        };
+        let second = second.transpose()?;
+        Ok(Page::of(verification, second))
+    }
+
+    /// Tables, and a measurement with them active where there is one.
+    pub(super) fn of(
+        verification: Verification<'a>,
+        second: Option<(Second, SecondLook)>,
+    ) -> Page<'a> {
+        let inputs = verification.loaded.asked.inputs;
+        let mut page = Page { inputs, verification, second, decides: None };
         page.decides = page.what_decides();
-        Ok(page)
+        page
     }
 }

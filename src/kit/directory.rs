@@ -1,10 +1,8 @@
 //! A directory with files of a control: a kit, or what was read out; as it stands, and what its manifest
 //! says against it.
 
-use super::simulate::SimulatedTables;
-use super::{
-    Inputs, LoadedControl, Verification, load, load_read_out, sha256, verify, verify_read_out,
-};
+use super::simulate::rehearsed;
+use super::{Asked, Inputs, Loaded, Verification, sha256, verify, verify_read_out};
 use crate::control::controller::{Profile, Role};
 use crate::judge::active::{ActiveControl, ReadOutFor, from_read_out};
 use crate::judge::findings::InControl;
@@ -114,24 +112,37 @@ impl Directory {
     }
 
     /// The files in the emulated control of the job, with what the manifest says against them.
-    pub(crate) fn load(&self, inputs: &Inputs) -> Result<LoadedControl, Problems> {
-        let mut loaded = match self.read_out(inputs)? {
-            Some(control) => load_read_out(inputs, &control)?,
-            None => load(inputs, &self.kit_files(), self.state.as_ref())
-                .map_err(|problems| self.instead_of(problems))?,
-        };
-        loaded.findings = [self.notes(), loaded.findings, self.faults()].concat();
+    pub(crate) fn load<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
+        let active = self.read_out(inputs)?;
+        let loaded = Asked::of(inputs).and_then(|asked| match active {
+            Some(active) => Loaded::read_out(asked, &active),
+            None => Loaded::kit(asked, &self.kit_files(), self.state.as_ref()),
+        });
+        let mut loaded = loaded.map_err(|problems| self.instead_of(problems))?;
+        self.add_to(&mut loaded);
         Ok(loaded)
     }
 
+    /// Where the files lie, and what the manifest says against them.
+    fn add_to(&self, loaded: &mut Loaded<'_>) {
+        loaded.directory = Some(self.path.clone());
+        let own = std::mem::take(&mut loaded.findings);
+        loaded.findings = [self.notes(), own, self.faults()].concat();
+        if let (Some(reason), Err(_)) = (&self.other_control, &loaded.control) {
+            loaded.control = Err(reason.clone().into());
+        }
+    }
+
     /// The same for a rehearsal: what the manifest says against the files is a note.
-    pub(crate) fn rehearse(&self, inputs: &Inputs) -> Result<SimulatedTables, Problems> {
+    pub(crate) fn rehearse<'a>(&self, inputs: &'a Inputs) -> Result<Loaded<'a>, Problems> {
         let mut loaded = match self.read_out(inputs)? {
-            Some(active) => SimulatedTables::read_out(inputs, &active)?,
-            None => SimulatedTables::read(inputs, &self.kit_files(), self.state.as_ref())
+            Some(active) => Loaded::read_out(Asked::of(inputs)?, &active)?,
+            None => rehearsed(inputs, &self.kit_files(), self.state.as_ref())
                 .map_err(|problems| self.instead_of(problems))?,
         };
-        loaded.notes = [self.faults(), self.notes(), loaded.notes].concat();
+        let own = loaded.findings.clone();
+        self.add_to(&mut loaded);
+        loaded.findings = [self.faults(), self.notes(), own].concat();
         Ok(loaded)
     }
 
@@ -145,7 +156,7 @@ impl Directory {
     }
 
     /// The files judged against the job.
-    pub fn verify(&self, inputs: &Inputs) -> Result<Verification, Problems> {
+    pub fn verify<'a>(&self, inputs: &'a Inputs) -> Result<Verification<'a>, Problems> {
         let mut verification = match self.read_out(inputs)? {
             Some(control) => verify_read_out(inputs, &control)?,
             None => self.verify_kit(inputs)?,
@@ -158,10 +169,11 @@ impl Directory {
         }
         let notes = self.notes().into_iter().chain(self.other_inputs.clone());
         verification.findings.extend(notes);
+        self.add_to(&mut verification.loaded);
         Ok(verification)
     }
 
-    fn verify_kit(&self, inputs: &Inputs) -> Result<Verification, Problems> {
+    fn verify_kit<'a>(&self, inputs: &'a Inputs) -> Result<Verification<'a>, Problems> {
         let named = self.state.as_ref();
         let mut verification = verify(inputs, &self.kit_files(), named, self.faults())
             .map_err(|problems| self.instead_of(problems))?;

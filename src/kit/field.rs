@@ -59,7 +59,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         List::Assumptions => assumptions(&made.compiled),
         List::Movement => movement.clone().into(),
         List::SignProofs => proofs::listed(made, &shown),
-        List::Display => displayed(task, compiled, &made.read.tables).into(),
+        List::Display => displayed(task, compiled, &made.tables).into(),
         List::NotWritten => not_written.clone().into(),
         List::WayBack => rollback.by_hand.clone().into(),
         List::Enter => entered(&made.compiled, |p| format!("enter {}", p.value)).into(),

@@ -172,15 +172,15 @@ impl Inputs {
 }
 
 /// What a job asks of its control.
-pub(super) struct Asked<'a> {
-    pub(super) inputs: &'a Inputs,
-    pub(super) plan: Plan,
-    pub(super) compiled: Compiled,
+pub(crate) struct Asked<'a> {
+    pub(crate) inputs: &'a Inputs,
+    pub(crate) plan: Plan,
+    pub(crate) compiled: Compiled,
 }
 
 impl Asked<'_> {
     /// The plan of a job, and what it compiles to.
-    pub(super) fn of(inputs: &Inputs) -> Result<Asked<'_>, Problems> {
+    pub(crate) fn of(inputs: &Inputs) -> Result<Asked<'_>, Problems> {
         let plan = plan(inputs.task())?;
         Ok(Asked { inputs, compiled: inputs.compile(&plan)?, plan })
     }

@@ -4,67 +4,89 @@
 //! A backlash parameter stands in no file for the control: a kit names it in its manifest. The job
 //! that the kit is judged by may ask for another one.
 
-use super::made::differences;
-use super::{Inputs, generate, named_backlash};
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::table::Tables;
 use crate::judge::active::{ActiveControl, named_axis};
+use crate::judge::after::Control;
 use crate::judge::before::Before;
 use crate::judge::disagreement::{self, surroundings};
 use crate::judge::findings::{InControl, not_emulated};
-use crate::kit::inputs::{Asked, cannot_emulate};
+use crate::judge::forecast::{Forecast, forecast, judged_ranges};
+use crate::kit::inputs::{Asked, Inputs, cannot_emulate};
+use crate::quantity::axis::Axis;
 use crate::quantity::units::rounded;
 use crate::read::emulate::{Emulated, Emulator};
-use crate::read::{KitFile, emulator, read, unread};
+use crate::read::{KitFile, ReadBack, emulator, read, unread};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
+use crate::write::compensation::Compiled;
 use crate::write::plan::Plan;
 use serde_json::Value;
 
-/// Files against what the job asks for.
-pub(super) struct Loaded {
+/// A control with tables in it, beside what the job asks of it.
+pub struct Loaded<'a> {
+    /// What the job asks for.
+    pub(crate) asked: Asked<'a>,
     /// What the files hold.
-    pub(super) tables: Tables,
+    pub(crate) tables: Tables,
     /// The control outside the tables, as it goes with the files.
-    pub(super) state: ControlState,
+    pub(crate) state: ControlState,
     /// The control with the tables, or why nothing can be said of it.
-    pub(super) control: Emulated<Box<dyn Emulator>>,
+    pub(crate) control: Result<Box<dyn Emulator>, Problems>,
     /// How the files differ from what the job asks for; what no file does, what was ignored, and
     /// what is taken for granted; what acts on the axes of the job and is not emulated (a doubt).
-    pub(super) findings: Vec<Finding>,
+    pub(crate) findings: Vec<Finding>,
     /// Files that the control may load and no reader takes.
-    pub(super) unread: Option<Finding>,
+    pub(crate) unread: Option<Finding>,
+    /// The directory that the files lie in; `None` = they were made from the job, and lie nowhere yet.
+    pub(crate) directory: Option<String>,
 }
 
-impl Loaded {
+impl<'a> Loaded<'a> {
     /// The files of a kit; `named` = `state` of their manifest. Everything that they hold counts.
     pub(super) fn kit(
-        asked: &Asked<'_>,
+        asked: Asked<'a>,
         files: &[KitFile<'_>],
         named: Option<&Value>,
-    ) -> Result<Loaded, Problems> {
+    ) -> Result<Loaded<'a>, Problems> {
+        let outside = loaded_state(&asked, named);
+        Loaded::files(asked, files, outside)
+    }
+
+    /// The files of a kit, with the control outside them.
+    pub(super) fn files(
+        asked: Asked<'a>,
+        files: &[KitFile<'_>],
+        (state, of_state): Outside,
+    ) -> Result<Loaded<'a>, Problems> {
         let profile = &asked.inputs.profile;
-        let (state, of_state) = loaded_state(asked, named);
         let read = read(profile, files)?;
-        let (mut findings, found) = differences(asked, &read);
+        let (mut findings, found) = differences(&asked, &read);
         let absent = disagreement::absent(profile, &asked.compiled.tables, &read);
         findings.extend(absent.into_iter().chain(of_state));
         Ok(Loaded {
             unread: unread(profile, files),
-            control: found.and_then(|_| emulator(profile, &read.tables, &state)),
+            directory: None,
+            control: found
+                .and_then(|_| emulator(profile, &read.tables, &state))
+                .map_err(|reason| cannot_emulate(&reason)),
             tables: read.tables,
             state,
             findings,
+            asked,
         })
     }
 
     /// What was read out of a control, judged by what it does to the job's axes.
-    pub(super) fn read_out(asked: &Asked<'_>, active: &ActiveControl) -> Result<Loaded, Problems> {
-        let Asked { inputs, plan, compiled } = asked;
-        let (state, of_state) = read_out_state(asked, active);
+    pub(super) fn read_out(
+        asked: Asked<'a>,
+        active: &ActiveControl,
+    ) -> Result<Loaded<'a>, Problems> {
+        let Asked { inputs, plan, compiled } = &asked;
+        let (state, of_state) = read_out_state(&asked, active);
         let with = |tables, state| emulator(&inputs.profile, tables, state);
-        let wanted =
-            with(&compiled.tables, &compiled.state).map_err(|reason| cannot_emulate(&reason))?;
+        let or_refused = |found: Emulated<_>| found.map_err(|reason| cannot_emulate(&reason));
+        let wanted = or_refused(with(&compiled.tables, &compiled.state))?;
         let mut findings = active.findings.clone();
         let facts: Vec<String> = active.assumptions.iter().map(|a| a.fact.clone()).collect();
         if !facts.is_empty() {
@@ -82,56 +104,69 @@ impl Loaded {
         findings.extend(of_state);
         Ok(Loaded {
             unread: None,
-            control: with(&active.tables, &state),
+            directory: None,
+            control: or_refused(with(&active.tables, &state)),
             tables: active.tables.clone(),
             state,
             findings,
+            asked,
         })
     }
 
-    fn with(self, plan: Plan) -> Result<LoadedControl, Problems> {
-        Ok(LoadedControl {
-            plan,
-            control: self.control.map_err(|reason| cannot_emulate(&reason))?,
-            findings: self.findings.into_iter().chain(self.unread).collect(),
-        })
+    /// What the files make of the control; refused where nothing can be said of it.
+    pub(crate) fn control(&self) -> Result<&dyn Emulator, Problems> {
+        self.control.as_deref().map_err(Clone::clone)
+    }
+
+    /// What the tables add to every term.
+    pub(super) fn effect(&self) -> Result<Control, Problems> {
+        let Asked { inputs, plan, .. } = &self.asked;
+        let effect = Control::new(&inputs.model, plan, self.control()?);
+        effect.map_err(|reason| cannot_emulate(&reason))
+    }
+
+    /// What the tables will leave in the control.
+    pub(super) fn forecast(&self, control: &dyn Emulator) -> Emulated<Forecast> {
+        let Asked { inputs, plan, .. } = &self.asked;
+        let ranges = judged_ranges(&inputs.job, inputs.as_measured());
+        forecast(inputs.machine(), plan, control, &ranges)
+    }
+
+    /// Where the tables come from, in words.
+    pub(crate) fn from(&self) -> String {
+        match &self.directory {
+            Some(directory) => format!("the files of {directory}"),
+            None => format!("the tables of the job for {}", self.asked.inputs.profile.name),
+        }
     }
 }
 
-/// A control with tables in it, and the plan that names its axes.
-pub struct LoadedControl {
-    /// The plan of the job.
-    pub plan: Plan,
-    /// What the files make of the control.
-    pub control: Box<dyn Emulator>,
-    /// How the files differ from what the job asks for, what no file does, what was ignored, and
-    /// what is taken for granted.
-    pub findings: Vec<Finding>,
-}
-
-/// Loads the bytes of a kit into the emulated control of a job; `named` = `state` of their manifest.
-pub fn load(
-    inputs: &Inputs,
-    files: &[KitFile<'_>],
-    named: Option<&Value>,
-) -> Result<LoadedControl, Problems> {
-    let asked = Asked::of(inputs)?;
-    Loaded::kit(&asked, files, named)?.with(asked.plan)
-}
-
-/// Loads what was read out of a control into the emulated control of a job.
-pub(crate) fn load_read_out(
-    inputs: &Inputs,
-    active: &ActiveControl,
-) -> Result<LoadedControl, Problems> {
-    let asked = Asked::of(inputs)?;
-    Loaded::read_out(&asked, active)?.with(asked.plan)
-}
-
-/// Makes the files of a job in memory and loads their bytes.
-pub(crate) fn load_own(inputs: &Inputs) -> Result<LoadedControl, Problems> {
-    let kit = generate(inputs)?;
-    load(inputs, &kit.kit_files(), Some(&kit.manifest.state))
+/// How files differ from what was compiled: what the tables do to the axes first, then what else
+/// the files hold; and the control that they would make, or why there is none.
+fn differences(asked: &Asked<'_>, read: &ReadBack) -> (Vec<Finding>, Emulated<Box<dyn Emulator>>) {
+    let Asked { inputs, plan, compiled } = asked;
+    let profile = &inputs.profile;
+    let found = emulator(profile, &read.tables, &compiled.state);
+    let contents = |diagnosis| disagreement::contents(profile, compiled, read, diagnosis);
+    if let (true, Ok(_)) = (compiled.tables == read.tables, &found) {
+        // The same tables do the same: only what the files hold beside them is left to judge.
+        return (contents(None), found);
+    }
+    let mut findings = disagreement::measuring_systems(profile, &compiled.tables, &read.tables);
+    let wanted = emulator(profile, &compiled.tables, &compiled.state);
+    let diagnosis = match (&wanted, &found) {
+        (Ok(wanted), Ok(found)) => {
+            let diagnosis = disagreement::compare(plan, wanted.as_ref(), found.as_ref());
+            findings.extend(diagnosis.findings.iter().cloned());
+            Some(diagnosis)
+        }
+        (Err(reason), _) | (_, Err(reason)) => {
+            findings.push(not_emulated(reason.clone()));
+            None
+        }
+    };
+    findings.extend(contents(diagnosis.as_ref()));
+    (findings, found)
 }
 
 /// The state of a control, and what is to be said of it.
@@ -139,7 +174,7 @@ type Outside = (ControlState, Vec<Finding>);
 
 /// The control of a job with the backlash parameters of a kit; `named` = `state` of its manifest,
 /// `None` where there is none, so that only the job says what they are.
-pub(super) fn loaded_state(asked: &Asked<'_>, named: Option<&Value>) -> Outside {
+fn loaded_state(asked: &Asked<'_>, named: Option<&Value>) -> Outside {
     outside(asked, |axis, wanted| {
         let entry = named.and_then(|state| named_axis(state, &axis.name));
         match entry.and_then(|entry| entry.get("backlash_um")) {
@@ -213,4 +248,20 @@ fn take(
         named: said(named),
         wanted: said(wanted),
     })
+}
+
+/// The backlash parameter of an axis that goes with these tables, µm: the one they name, else the
+/// one that acted while measuring; `None` where neither is known.
+pub(super) fn named_backlash(
+    inputs: &Inputs,
+    plan: &Plan,
+    compiled: &Compiled,
+    name: &str,
+) -> Option<f64> {
+    let has = |axis: &Axis| plan.names[*axis].iter().any(|own| own == name);
+    let axis = Axis::ALL.into_iter().find(has)?;
+    if plan.sets_backlash(axis) {
+        return Some(compiled.state.axis(name)?.backlash_um);
+    }
+    inputs.active.as_ref()?.backlash_um[axis]
 }

@@ -51,7 +51,7 @@ fn switched(made: &Made<'_>) -> Emulated<Box<dyn Emulator>> {
     for axis in &mut state.axes {
         axis.backlash_um = 0.0;
     }
-    emulator(&made.inputs.profile, &made.read.tables, &state)
+    emulator(&made.inputs.profile, &made.tables, &state)
 }
 
 /// Largest correction of one axis by another, anywhere and at the reference, µm.

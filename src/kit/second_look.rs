@@ -1,6 +1,6 @@
 //! A measurement with the tables active, judged: as found, forecast, as left, and why they differ.
 
-use super::{Inputs, Verification, emulator};
+use super::{Asked, Inputs, Verification};
 use crate::inputs::job::{Job, MeasuredData};
 use crate::judge::after::{
     AfterMeasurement, Comparison, Control, Observation, compare, observations, unseen_reversal,
@@ -32,24 +32,23 @@ pub struct SecondLook {
 /// Compares and judges. `corrected` = the machine as found under each slip of the first records: asked
 /// for only where as left is not as forecast, since each takes a separation of its own.
 pub(crate) fn second_look(
-    inputs: &Inputs,
-    verification: &Verification,
+    verification: &Verification<'_>,
     measured: &AfterMeasurement,
     corrected: impl FnOnce() -> Result<Vec<Corrected>, Problems>,
 ) -> Result<SecondLook, Problems> {
-    let control = emulator(&inputs.profile, &verification.found, &verification.state)
-        .and_then(|found| Control::new(&inputs.model, &verification.plan, found.as_ref()));
+    let Asked { inputs, plan, .. } = &verification.loaded.asked;
+    let control = verification.loaded.effect().ok();
     let comparison = compare(
         inputs.machine(),
-        &verification.plan,
-        control.as_ref().ok(),
+        plan,
+        control.as_ref(),
         verification.forecast.as_ref(),
         measured,
         &inputs.job,
     )?;
     let (mut diagnosis, mut lost_motion) = (None, None);
     let is_measured = comparison.is_measured();
-    if let (true, Ok(control), Some(_)) = (is_measured, &control, &verification.forecast) {
+    if let (true, Some(control), Some(_)) = (is_measured, &control, &verification.forecast) {
         let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
             let seen = observations(&inputs.model, measured);
             let question = question(inputs, verification, control, &seen);
@@ -98,12 +97,12 @@ fn unseen(
 
 fn question<'a>(
     inputs: &'a Inputs,
-    verification: &Verification,
+    verification: &Verification<'_>,
     control: &'a Control,
     seen: &'a [Observation],
 ) -> Question<'a> {
     let axis = |axis| inputs.job.machine.axes[axis];
-    let counts = verification.compiled.placements.iter().map(|p| p.count_um);
+    let counts = verification.loaded.asked.compiled.placements.iter().map(|p| p.count_um);
     Question {
         before: &inputs.model,
         under_tables: inputs.under_tables.as_ref(),
@@ -133,7 +132,7 @@ fn alpha_per_k(job: &Job) -> PerAxis<f64> {
 /// passed either.
 fn judged(
     inputs: &Inputs,
-    verification: &Verification,
+    verification: &Verification<'_>,
     comparison: &Comparison,
     is_off: bool,
     doubts: &[Finding],
@@ -153,7 +152,11 @@ fn judged(
 }
 
 /// Doubts, what acts in addition to the tables, and what the limit asks for and was not measured.
-fn doubts(inputs: &Inputs, verification: &Verification, comparison: &Comparison) -> Vec<Finding> {
+fn doubts(
+    inputs: &Inputs,
+    verification: &Verification<'_>,
+    comparison: &Comparison,
+) -> Vec<Finding> {
     let terms = comparison.missing.clone();
     let is_asked = inputs.job.acceptance.max_deviation_um.is_some() && !terms.is_empty();
     let missing = is_asked.then(|| KitFinding::NotMeasuredAfterwards { terms }.into());

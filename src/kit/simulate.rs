@@ -22,30 +22,29 @@ pub use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{
     DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector,
 };
-use crate::judge::active::{ActiveControl, named_axis};
+use crate::judge::active::named_axis;
 use crate::judge::after::Control;
+use crate::judge::findings::InControl;
 use crate::kit::findings::InRehearsal;
-use crate::kit::inputs::{Asked, cannot_emulate};
-use crate::kit::loaded::loaded_state;
-use crate::kit::{Inputs, LoadedControl, emulator, load_read_out};
+use crate::kit::{Asked, Inputs, Loaded};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::angles;
 use crate::machine::separation::corrections::AngleEffects;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
 use crate::quantity::units::{Correction, Millimetres, rounded};
-use crate::read::{KitFile, read};
-use crate::text::finding::{Finding, Severity, of_severity};
+use crate::read::{KitFile, ReadFinding};
+use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::compile;
-use crate::write::plan::{Task, plan};
+use crate::write::plan::plan;
 use serde_json::Value;
 
 /// A machine with what the loaded tables do to it.
 #[derive(Clone, Debug)]
 pub struct SimulatedMachine<'a> {
     model: &'a ErrorModel,
-    control: Option<&'a Control>,
+    control: Option<Control>,
     references: PerAxis<Option<Millimetres>>,
     scale_um_per_m: f64,
 }
@@ -55,16 +54,16 @@ impl<'a> SimulatedMachine<'a> {
     /// every scale has grown since it was measured (α·ΔT of a machine that warmed up).
     pub fn new(
         inputs: &'a Inputs,
-        loaded: Option<&'a SimulatedTables>,
+        loaded: Option<&Loaded<'_>>,
         scale_um_per_m: f64,
-    ) -> SimulatedMachine<'a> {
+    ) -> Result<SimulatedMachine<'a>, Problems> {
         let axes = &inputs.job.machine.axes;
-        SimulatedMachine {
+        Ok(SimulatedMachine {
             model: &inputs.model,
-            control: loaded.map(|loaded| &loaded.control),
+            control: loaded.map(Loaded::effect).transpose()?,
             references: PerAxis::from_fn(|axis| axes[axis].map(|axis| axis.reference)),
             scale_um_per_m,
-        }
+        })
     }
 
     /// Deviation + correction of a term, µm; `None` where it was not measured in this direction.
@@ -76,8 +75,8 @@ impl<'a> SimulatedMachine<'a> {
     ) -> Option<f64> {
         let measured = self.model.terms[term].as_ref()?;
         let deviation = measured.measured.curve(direction)?.at(position);
-        let correction = self
-            .control
+        let control = self.control.as_ref();
+        let correction = control
             .map_or(Correction::ZERO, |control| control.correction(term, direction, position));
         Some((deviation + correction).um() + self.grown_um(term, position))
     }
@@ -91,7 +90,8 @@ impl<'a> SimulatedMachine<'a> {
 
     /// Whether the two directions of an axis differ: measured apart, or corrected apart.
     fn is_directed(&self, along: Axis) -> bool {
-        let apart = |term| self.control.is_some_and(|control| !control.is_undirected(term));
+        let apart =
+            |term| self.control.as_ref().is_some_and(|control| !control.is_undirected(term));
         let mut of_axis = self.model.measured().filter(|(t, _)| t.along == along);
         of_axis.any(|(term, measured)| measured.measured.has_both_ways() || apart(term))
     }
@@ -102,55 +102,31 @@ fn written(um: f64) -> f64 {
     rounded(um, 9)
 }
 
-/// Tables that were read from bytes, in an emulated control.
-#[derive(Clone, Debug)]
-pub struct SimulatedTables {
-    /// What the control adds to every term.
-    control: Control,
-    /// What is taken from the job because no file holds it.
-    pub notes: Vec<Finding>,
-}
-
-impl SimulatedTables {
-    /// Reads the files of a kit as the control of the job would; `named` = `state` of its manifest.
-    pub fn read(
-        inputs: &Inputs,
-        files: &[KitFile<'_>],
-        named: Option<&Value>,
-    ) -> Result<SimulatedTables, Problems> {
-        let task = Task { job: &inputs.job, profile: &inputs.profile, model: &inputs.model };
-        let plan = plan(task)?;
-        let asked = Asked { inputs, compiled: compile(task, &plan)?, plan };
-        let (state, findings) = loaded_state(&asked, named);
-        let plan = &asked.plan;
-        let read = read(&inputs.profile, files)?;
-        let control = emulator(&inputs.profile, &read.tables, &state)
-            .and_then(|emulator| Control::new(&inputs.model, plan, emulator.as_ref()))
-            .map_err(|reason| cannot_emulate(&reason))?;
-        let parameter = |axis: Axis| {
-            let name = plan.names[axis].first()?;
-            let um = state.axis(name)?.backlash_um;
-            let found = InRehearsal::Backlash {
-                axis,
-                um,
-                is_named: named.and_then(|state| named_axis(state, name)).is_some(),
-            };
-            (um.abs() > 0.0).then(|| found.into())
-        };
-        let mut notes = of_severity(&read.notes, Severity::Note);
-        notes.extend(of_severity(&findings, Severity::Disagreement));
-        notes.extend(Axis::ALL.into_iter().filter_map(parameter));
-        Ok(SimulatedTables { control, notes })
-    }
-
-    /// What was read out of a control, in the control of the job.
-    pub fn read_out(inputs: &Inputs, active: &ActiveControl) -> Result<SimulatedTables, Problems> {
-        let LoadedControl { plan, control, findings } = load_read_out(inputs, active)?;
-        let control = Control::new(&inputs.model, &plan, control.as_ref())
-            .map_err(|reason| cannot_emulate(&reason))?;
-        let notes = findings;
-        Ok(SimulatedTables { control, notes })
-    }
+/// Files of a kit in the control of the job, with what a rehearsal takes for granted; `named` = `state` of their
+/// manifest.
+pub fn rehearsed<'a>(
+    inputs: &'a Inputs,
+    files: &[KitFile<'_>],
+    named: Option<&Value>,
+) -> Result<Loaded<'a>, Problems> {
+    let task = inputs.task();
+    let plan = plan(task)?;
+    let asked = Asked { inputs, compiled: compile(task, &plan)?, plan };
+    let mut loaded = Loaded::kit(asked, files, named)?;
+    let parameter = |axis: Axis| {
+        let name = loaded.asked.plan.names[axis].first()?;
+        let um = loaded.state.axis(name)?.backlash_um;
+        let is_named = named.and_then(|state| named_axis(state, name)).is_some();
+        (um.abs() > 0.0).then(|| InRehearsal::Backlash { axis, um, is_named }.into())
+    };
+    let parameters: Vec<Finding> = Axis::ALL.into_iter().filter_map(parameter).collect();
+    // How the tables differ from those of the job is not told: they may be any.
+    loaded.findings.retain(|found| {
+        let is_other = matches!(found.kind(), Some(InControl::OtherBacklash { .. }));
+        is_other || found.kind::<ReadFinding>().is_some()
+    });
+    loaded.findings.extend(parameters);
+    Ok(loaded)
 }
 
 /// Normal noise of every single reading.

@@ -4,29 +4,18 @@ use super::inputs::{Asked, cannot_emulate, judged};
 use super::loaded::Loaded;
 use super::made::doubts;
 use super::{Inputs, field};
-use crate::control::control_state::ControlState;
-use crate::control::table::Tables;
 use crate::judge::active::ActiveControl;
 use crate::judge::conformity::Verdict;
 use crate::judge::findings::not_emulated;
-use crate::judge::forecast::{Forecast, forecast, judged_ranges};
+use crate::judge::forecast::Forecast;
 use crate::read::{KitFile, emulator};
 use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
-use crate::write::compensation::Compiled;
-use crate::write::plan::Plan;
 
 /// What `verify` finds.
-#[derive(Clone, Debug)]
-pub struct Verification {
-    /// The plan of the job.
-    pub plan: Plan,
-    /// What the job compiles to (assumptions, preconditions, notes).
-    pub compiled: Compiled,
-    /// What the files of the directory hold.
-    pub found: Tables,
-    /// The control outside the files, as they go with it.
-    pub state: ControlState,
+pub struct Verification<'a> {
+    /// The control with the tables of the directory.
+    pub(crate) loaded: Loaded<'a>,
     /// What the tables will leave; absent where they cannot be emulated.
     pub forecast: Option<Forecast>,
     /// How the tables differ from what the job asks for; what no file does and what to see to on the
@@ -41,47 +30,44 @@ pub struct Verification {
 /// Judges the bytes of a directory against a job. Only these bytes and the state of the control
 /// outside them go into the forecast: `state` of the kit's manifest, else what the job states.
 /// `before` = what was found against the directory before, for instance changed hashes.
-pub fn verify(
-    inputs: &Inputs,
+pub fn verify<'a>(
+    inputs: &'a Inputs,
     files: &[KitFile<'_>],
     named: Option<&serde_json::Value>,
     before: Vec<Finding>,
-) -> Result<Verification, Problems> {
-    let asked = Asked::of(inputs)?;
-    let mut loaded = Loaded::kit(&asked, files, named)?;
-    let wanted = &asked.compiled;
+) -> Result<Verification<'a>, Problems> {
+    let loaded = Loaded::kit(Asked::of(inputs)?, files, named)?;
+    let wanted = &loaded.asked.compiled;
     emulator(&inputs.profile, &wanted.tables, &wanted.state).map_err(|e| cannot_emulate(&e))?;
-    let field = field::differences(&asked, files)?;
-    loaded.findings = [before, loaded.findings, field].concat();
-    Ok(Verification::of(asked, loaded))
+    let field = field::differences(&loaded.asked, files)?;
+    let findings = [before, loaded.findings.clone(), field].concat();
+    Ok(Verification::of(loaded, findings))
 }
 
 /// Judges what was read out of a control by what it does to the job's axes: whatever else it holds
 /// was ignored, and its notes say so.
-pub fn verify_read_out(inputs: &Inputs, control: &ActiveControl) -> Result<Verification, Problems> {
-    let asked = Asked::of(inputs)?;
-    let loaded = Loaded::read_out(&asked, control)?;
-    Ok(Verification::of(asked, loaded))
+pub fn verify_read_out<'a>(
+    inputs: &'a Inputs,
+    control: &ActiveControl,
+) -> Result<Verification<'a>, Problems> {
+    let loaded = Loaded::read_out(Asked::of(inputs)?, control)?;
+    let findings = loaded.findings.clone();
+    Ok(Verification::of(loaded, findings))
 }
 
-impl Verification {
+impl<'a> Verification<'a> {
     /// The forecast of a control with the files, and the verdict.
-    fn of(asked: Asked<'_>, loaded: Loaded) -> Verification {
-        let Asked { inputs, plan, compiled } = asked;
-        let mut findings = loaded.findings;
-        let ranges = judged_ranges(&inputs.job, inputs.as_measured());
-        let forecast = loaded.control.ok().and_then(|control| {
-            let forecast = forecast(inputs.machine(), &plan, control.as_ref(), &ranges);
+    fn of(loaded: Loaded<'a>, mut findings: Vec<Finding>) -> Verification<'a> {
+        let inputs = loaded.asked.inputs;
+        let forecast = loaded.control.as_deref().ok().and_then(|control| {
+            let forecast = loaded.forecast(control);
             forecast.map_err(|reason| findings.push(not_emulated(reason))).ok()
         });
         findings.dedup();
         let beside = of_severity(&findings, Severity::Doubt);
-        let unread = loaded.unread.into_iter().collect();
+        let unread = loaded.unread.iter().cloned().collect();
         let mut verification = Verification {
-            plan,
-            compiled,
-            found: loaded.tables,
-            state: loaded.state,
+            loaded,
             forecast,
             findings,
             doubts: [doubts(inputs), beside, unread].concat(),

@@ -25,3 +25,4 @@ pub use self::family::{
     FileData, KitFile, ReadBack, emulator, is_whole, read, read_apart, read_out_text,
 };
 pub(crate) use self::family::{load, may_be_meant_for, unread};
+pub(crate) use self::findings::ReadFinding;

@@ -29,22 +29,12 @@ pub(crate) fn read_for(
     use_of: UseOf,
 ) -> Result<Inputs, Problems> {
     let (name, bytes) = files.argument(job_path)?;
-    Ok(read_job(files, job_path, &name, &bytes, use_of)?.0)
+    Ok(read_job(files, None, (job_path, &name, &bytes), use_of)?.0)
 }
 
-/// Reads everything that a job names, the table of its angles too; `bytes` are those of the job.
+/// Reads everything that a job names, the table of its angles too; `bytes` are those of the job, `machine` an error
+/// table in place of what it measured.
 pub(crate) fn read_job(
-    files: &dyn Files,
-    job_path: &Path,
-    name: &str,
-    bytes: &[u8],
-    use_of: UseOf,
-) -> Result<(Inputs, Option<ErrorTable>), Problems> {
-    read_job_of(files, None, (job_path, name, bytes), use_of)
-}
-
-/// The same with an error table in place of what the job measured.
-pub(crate) fn read_job_of(
     files: &dyn Files,
     machine: Option<&Path>,
     (job_path, name, bytes): (&Path, &str, &[u8]),
@@ -170,18 +160,28 @@ pub(crate) fn of_control(
     if files.kind(full).map_err(refuse)? == Kind::File {
         return Ok((None, vec![(file_name(full), files.bytes(full)?)]));
     }
+    let names = files.names(full).map_err(refuse)?.into_iter();
+    let (manifest, found) = read_all(files, full, names.filter(|name| !name.starts_with('.')))?;
+    if found.is_empty() {
+        let empty = Problem::new(format!("`{path}` holds no file of a control"));
+        return Err(empty.help("name the directory with the control's files"));
+    }
+    Ok((manifest, found))
+}
+
+/// The files of a folder with these names.
+pub(super) fn read_all(
+    files: &dyn Files,
+    folder: &Path,
+    names: impl IntoIterator<Item = String>,
+) -> Result<OfControl, Problem> {
     let (mut manifest, mut found) = (None, Vec::new());
-    for name in files.names(full).map_err(refuse)?.into_iter().filter(|name| !name.starts_with('.'))
-    {
-        let bytes = files.bytes(&full.join(&name))?;
+    for name in names {
+        let bytes = files.bytes(&folder.join(&name))?;
         match name == MANIFEST {
             true => manifest = Some(bytes),
             false => found.push((name, bytes)),
         }
-    }
-    if found.is_empty() {
-        let empty = Problem::new(format!("`{path}` holds no file of a control"));
-        return Err(empty.help("name the directory with the control's files"));
     }
     Ok((manifest, found))
 }

@@ -1,11 +1,11 @@
 //! The directory of a kit, or of what was read out of a control; and the machine as such tables leave it.
 
 use crate::kit::directory::Directory;
-use crate::kit::manifest::MANIFEST;
-use crate::kit::{Inputs, LoadedControl};
+use crate::kit::{Asked, Inputs, Loaded};
 use crate::text::finding::{Finding, Severity};
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, Kind, plain_words};
+use crate::visit::inputs::read_all;
 use crate::volume::assessment::with_tables;
 use crate::volume::volume_model::VolumeModel;
 use std::path::Path;
@@ -22,40 +22,18 @@ pub(crate) struct Corrected {
     pub(crate) notes: Vec<Finding>,
 }
 
-/// Where tables come from, in words, and the control with them.
-pub(crate) type NamedControl = (String, LoadedControl);
-
-/// The words for the tables that a job asks for.
-pub(crate) fn own_tables(inputs: &Inputs) -> String {
-    format!("the tables of the job for {}", inputs.profile.name)
-}
-
-/// The control with the files of a directory.
-pub(crate) fn of_directory(
-    files: &dyn Files,
-    inputs: &Inputs,
-    directory: &Path,
-) -> Result<NamedControl, Problems> {
-    let loaded = read_directory(files, inputs, directory)?.load(inputs)?;
-    Ok((format!("the files of {}", directory.display()), loaded))
-}
-
 impl Corrected {
     /// `volume` is the machine as it was measured.
-    pub(crate) fn of(
-        inputs: &Inputs,
-        volume: &VolumeModel,
-        (from, loaded): NamedControl,
-    ) -> Result<Corrected, Problems> {
-        let control = loaded.control.as_ref();
-        let volume = with_tables(volume, &inputs.model, &loaded.plan, control).map_err(|e| {
+    pub(crate) fn of(volume: &VolumeModel, loaded: &Loaded<'_>) -> Result<Corrected, Problems> {
+        let Asked { inputs, plan, .. } = &loaded.asked;
+        let volume = with_tables(volume, &inputs.model, plan, loaded.control()?).map_err(|e| {
             Problem::new(format!("the tables cannot be emulated: {}", e.0))
                 .help("nothing can be said of the machine with them")
         })?;
-        let found = loaded.findings.into_iter();
+        let found = loaded.findings.iter().chain(&loaded.unread).cloned();
         let (disagreements, notes) =
             found.partition(|found| found.severity() == Severity::Disagreement);
-        Ok(Corrected { from, volume, disagreements, notes })
+        Ok(Corrected { from: loaded.from(), volume, disagreements, notes })
     }
 }
 
@@ -84,19 +62,11 @@ pub(crate) fn read_directory(
         .map_err(|error| refuse(format!("cannot be read: {}", plain_words(&error))))?;
     let (left, names): (Vec<String>, Vec<String>) =
         names.into_iter().partition(|n| is_left_by_a_computer(n));
-    let (manifest, names): (Vec<String>, Vec<String>) =
-        names.into_iter().partition(|name| name == MANIFEST);
-    if names.is_empty() {
+    let (manifest, own) = read_all(files, path, names)?;
+    if own.is_empty() {
         let words = "holds no file of a control, expected its tables".to_string();
         return Err(refuse(words).into());
     }
-    let read = |name: &String| files.bytes(&path.join(name));
-    let own = names.into_iter().map(|name| {
-        let bytes = read(&name)?;
-        Ok((name, bytes))
-    });
-    let own: Vec<_> = own.collect::<Result<_, Problem>>()?;
-    let manifest = manifest.first().map(read).transpose()?;
     let mut found = Directory::of(inputs, name.to_string(), own, manifest.as_deref())?;
     for name in &left {
         found.ignored(name, "an operating system left it");

@@ -5,10 +5,10 @@ use crate::support::{self, error_table, inputs, shown};
 use nonius::inputs::findings::Remark;
 use nonius::inputs::job::{Frame, SetUp};
 use nonius::kit::simulate::{
-    Noise, Rehearsal, SIMULATED, SimulatedMachine, SimulatedTables, Simulation, Wishes, readings,
+    Noise, Rehearsal, SIMULATED, SimulatedMachine, Simulation, Wishes, readings, rehearsed,
     single_axes, write,
 };
-use nonius::kit::{Inputs, generate};
+use nonius::kit::{Inputs, Loaded, generate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
 use nonius::quantity::units::Millimetres;
@@ -67,8 +67,8 @@ fn table(machine: &Machine, directed: bool) -> String {
     text
 }
 
-fn simulate(inputs: &Inputs, loaded: Option<&SimulatedTables>, wishes: Wishes) -> Simulation {
-    let machine = SimulatedMachine::new(inputs, loaded, 0.0);
+fn simulate(inputs: &Inputs, loaded: Option<&Loaded<'_>>, wishes: Wishes) -> Simulation {
+    let machine = shown(SimulatedMachine::new(inputs, loaded, 0.0));
     let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
     shown(readings(&machine, &rehearsal, &inputs.job))
 }
@@ -122,7 +122,7 @@ proptest! {
         let job = job(&machine.volume, directed, true, true);
         let inputs = inputs(&job, &table(&machine, directed));
         let kit = generate(&inputs).unwrap_or_else(|p| panic!("{}\n{job}", p.render()));
-        let loaded = shown(SimulatedTables::read(&inputs, &kit.kit_files(), None));
+        let loaded = shown(rehearsed(&inputs, &kit.kit_files(), None));
         let after = simulate(&inputs, Some(&loaded), Wishes::default());
         for run in &after.runs {
             for left in &run.deviations {
@@ -220,7 +220,7 @@ fn a_change_of_scale_is_the_same_along_every_diagonal() {
     let inputs = plain_inputs(&machine);
     let rehearsal = Rehearsal::of(&inputs.job, None, Wishes::default()).unwrap();
     let ends = |scale: f64| {
-        let warm = SimulatedMachine::new(&inputs, None, scale);
+        let warm = shown(SimulatedMachine::new(&inputs, None, scale));
         let found = readings(&warm, &rehearsal, &inputs.job).unwrap();
         Diagonal::ALL.map(|d| found.predicted[d].end_um)
     };
@@ -236,7 +236,7 @@ fn the_error_table_holds_what_is_left_at_every_measured_position() {
     machine.lost_um.y = -6.0;
     let text = job(&machine.volume, true, false, true);
     let inputs = inputs(&text, &table(&machine, true));
-    let plain = SimulatedMachine::new(&inputs, None, 0.0);
+    let plain = shown(SimulatedMachine::new(&inputs, None, 0.0));
     let note = format!("note: {SIMULATED}: a test");
     let left = single_axes(&plain, 1, (Noise::default(), None), vec![note.clone()]);
     let csv = nonius::inputs::error_table::write(&left);

@@ -15,22 +15,20 @@ use crate::judge::forecast::{Change, DiagonalForecast, Forecast, Grounds, Miss, 
 use crate::kit::manifest::HashedFile;
 use crate::kit::second_look::SecondLook;
 use crate::kit::visit_plan::{Judged, WhatDecides};
-use crate::kit::{Inputs, Verification, cannot_emulate, emulator, remarks};
+use crate::kit::{Inputs, Verification, remarks};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::metric::Plane;
-use crate::page::{Curves, Locale, Picture, terms};
+use crate::page::{Locale, Picture};
 use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
 use crate::text::words::Named;
 use serde::Serialize;
-use std::path::Path;
 
 /// Everything that goes on the page.
 pub(in crate::cli) struct Page<'a> {
     pub(super) inputs: &'a Inputs,
-    pub(super) directory: &'a Path,
-    pub(super) verification: &'a Verification,
-    pub(super) second: Option<(&'a Second, SecondLook)>,
+    pub(in crate::cli) verification: Verification<'a>,
+    pub(super) second: Option<(Second, SecondLook)>,
     pub(in crate::cli) decides: Option<WhatDecides>,
 }
 
@@ -146,12 +144,13 @@ impl Page<'_> {
 
     /// The verdict, then what the data say of the causes.
     pub(super) fn screen(&self) -> Screen {
-        let (compiled, own) = (&self.verification.compiled, &self.verification.notes());
+        let (compiled, own) =
+            (&self.verification.loaded.asked.compiled, &self.verification.notes());
         let forecast = self.verification.forecast.as_ref();
         let table = |forecast| show::forecast(forecast, &compiled.placements);
         let (figures, findings) = match &self.second {
             None => {
-                let remarks = remarks(&self.verification.plan, compiled, forecast);
+                let remarks = remarks(&self.verification.loaded.asked.plan, compiled, forecast);
                 (forecast.map(table), [show::notes(own), remarks].concat())
             }
             Some((second, look)) => {
@@ -175,25 +174,18 @@ impl Page<'_> {
 
     /// The nine errors as found, as forecast, as left.
     pub(in crate::cli) fn picture(&self, locale: Locale<'_>) -> Result<Picture, Problems> {
-        let (inputs, found) = (self.inputs, self.verification);
-        let control = emulator(&inputs.profile, &found.found, &found.state).ok();
-        let curves = Curves {
-            machine: inputs.machine(),
-            loaded: control.as_deref().map(|control| (&found.plan, control)),
-            as_left: self.as_left(),
-            limit_um: inputs.job.acceptance.max_deviation_um,
-        };
-        let heading = format!(
-            "{}: {}, {}",
-            inputs.job.machine.name,
-            locale.words("nine_errors"),
-            inputs.profile.name
-        );
-        let mut picture = terms(locale, &heading, &curves).map_err(|e| cannot_emulate(&e))?;
+        let loaded = &self.verification.loaded;
+        let control = loaded.control().ok().map(|control| (&loaded.asked.plan, control));
+        let mut picture = show::nine_errors(locale, self.inputs, control, self.as_left())?;
         if self.is_simulated() {
             picture.note = format!("{}; {}", locale.words("simulated"), picture.note);
         }
         Ok(picture)
+    }
+
+    /// `date` and protocol of the second measurement, as its job states them.
+    pub(in crate::cli) fn protocol_after(&self) -> Vec<(String, String)> {
+        self.second.as_ref().map(|(second, _)| second.protocol.clone()).unwrap_or_default()
     }
 
     /// What the verdict is made of.
@@ -250,7 +242,7 @@ impl Page<'_> {
             "{} - {}, tables read from {}",
             self.inputs.job.machine.name,
             self.inputs.profile.name,
-            self.directory.display()
+            self.verification.loaded.directory.as_deref().unwrap_or_default()
         );
         let mut lines: Vec<String> = self.rehearsal().into_iter().collect();
         lines.push(verdict);
@@ -285,13 +277,13 @@ impl Page<'_> {
         let diagnosis = self.look().and_then(|look| look.diagnosis.as_ref());
         match diagnosis.is_some_and(|found| found.shows_signs && !found.hides_tables) {
             true => &[],
-            false => &self.verification.compiled.assumptions,
+            false => &self.verification.loaded.asked.compiled.assumptions,
         }
     }
 
     /// Where the second measurement has shown a sign that was assumed: ` of` its date, empty where that is not stated.
     pub(in crate::cli) fn sign_shown(&self) -> Option<String> {
-        let assumed = &self.verification.compiled.assumptions;
+        let assumed = &self.verification.loaded.asked.compiled.assumptions;
         let is_shown = self.assumptions().is_empty() && assumed.iter().any(Assumption::is_sign);
         let (second, _) = self.second.as_ref().filter(|_| is_shown)?;
         let date = second.protocol.iter().find(|(key, _)| key == "date");
@@ -299,7 +291,7 @@ impl Page<'_> {
     }
 
     pub(in crate::cli) fn document(&self) -> Document<'_> {
-        let compiled = &self.verification.compiled;
+        let compiled = &self.verification.loaded.asked.compiled;
         let forecast = self.verification.forecast.as_ref();
         let misses = self.judged().map(|of| of.misses(self.inputs.job.acceptance));
         let stated = self.verification.disagreements();

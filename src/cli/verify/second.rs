@@ -9,7 +9,7 @@ use crate::judge::causes::{Corrected, Slip};
 use crate::judge::disagreement::{compare, measuring_systems};
 use crate::kit::findings::KitFinding;
 use crate::kit::manifest::HashedFile;
-use crate::kit::{Inputs, Verification, cannot_emulate, emulator, hashed};
+use crate::kit::{Inputs, Loaded, cannot_emulate, emulator, hashed};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::diagonal::PathKind;
@@ -24,7 +24,7 @@ use crate::visit::job_files::JobFiles;
 use std::path::Path;
 
 /// A second measurement, and every file that it was read from.
-pub(super) struct Second {
+pub(in crate::cli) struct Second {
     pub(super) measurement: AfterMeasurement,
     /// What its errors were read from; absent = an error table alone, or straight runs.
     pub(super) errors: Option<ErrorSource>,
@@ -133,24 +133,23 @@ impl Second {
     pub(super) fn ensure_active(
         &self,
         first: &Inputs,
-        verification: &Verification,
+        loaded: &Loaded<'_>,
     ) -> Result<(), Problems> {
         let (Some(job), Some(active)) = (&self.job, &self.active) else {
             return Ok(());
         };
-        let mut state = verification.state.clone();
+        let plan = &loaded.asked.plan;
+        let mut state = loaded.state.clone();
         for (axis, um) in active.backlash_um.iter() {
-            let names = &verification.plan.names[axis];
+            let names = &plan.names[axis];
             let own = state.axes.iter_mut().filter(|a| names.contains(&a.name));
             own.for_each(|a| a.backlash_um = um.unwrap_or(a.backlash_um));
         }
-        let control = |tables, state| {
-            emulator(&first.profile, tables, state).map_err(|reason| cannot_emulate(&reason))
-        };
-        let judged = control(&verification.found, &verification.state)?;
-        let active_then = control(&active.tables, &state)?;
-        let mut words = measuring_systems(&first.profile, &verification.found, &active.tables);
-        words.extend(compare(&verification.plan, judged.as_ref(), active_then.as_ref()).findings);
+        let judged = loaded.control()?;
+        let active_then = emulator(&first.profile, &active.tables, &state)
+            .map_err(|reason| cannot_emulate(&reason))?;
+        let mut words = measuring_systems(&first.profile, &loaded.tables, &active.tables);
+        words.extend(compare(plan, judged, active_then.as_ref()).findings);
         if words.is_empty() {
             return Ok(());
         }

@@ -64,7 +64,7 @@ impl Proofs {
         if self.written.is_empty() {
             return Ok(Vec::new());
         }
-        let mut state = made.read.tables.clone();
+        let mut state = made.tables.clone();
         for (proof, _) in &self.written {
             load(&made.inputs.profile, &mut state, proof.tables.clone());
         }
