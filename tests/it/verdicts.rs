@@ -406,6 +406,12 @@ fn squareness_stands_in_the_slopes_or_is_stated() {
         let is_open = visit.json(VERIFY)["squareness"]["xy"]["before_um_per_m"].is_null();
         assert_eq!(is_open, said == not_stated, "{xy}");
     }
+    // Of the 21 it is one that a level table does not hold.
+    for (errors, known) in [(&ends, 4), (&sloped, 5)] {
+        let visit = Visit::new();
+        visit.put("errors.csv", errors);
+        assert_eq!(visit.json("assess errors.csv")["errors_measured"], known);
+    }
     // Nor is it known as left, where no table corrects a slope; nor of an update, where the old kit did not.
     let first = job(&["x", "y"], [900, 0, 30], "", "max_deviation_um = 8");
     let first = replaced(&first, "[compensation]\n", "[compensation]\nterms = [\"EXX\"]\n");

@@ -289,7 +289,8 @@ pub(super) fn of_table(name: &str, bytes: &[u8], chain: Option<Chain>) -> Result
     let table = ErrorTable::read(Source::from_bytes(name, bytes)?)?;
     let page = least_job(&table, chain);
     let job = Job::read_for(Source::from_bytes(name, page.as_bytes())?, UseOf::Figures)?;
-    let model = ErrorModel::for_figures(&job, &table)?;
+    let mut model = ErrorModel::for_figures(&job, &table)?;
+    model.lacks_squareness(model.level());
     if chain.is_none() && model.rotations.iter().any(|(_, angle)| angle.is_some()) {
         return Err(Problem::new(
             "the table holds angles, which act through levers: the order of the axes is missing",

@@ -258,20 +258,23 @@ impl Mapping {
             (stated.travel.is_some() && directions, "--direction", "direction"),
             (first_target && only_positions, "--first-target-at-mm", "position"),
             (stated.targets_run.is_some() && only_positions, "--targets-run", "position"),
-            (targets && positions, "target", "position"),
-            (uncertain && runs, "an uncertainty", "run"),
-            (wide && runs, "a column for each run", "run"),
+            (targets && positions, "`target`", "`position`"),
+            (uncertain && runs, "an uncertainty", "`run`"),
+            (wide && runs, "a column for each run", "`run`"),
             (wide && (others || uncertain), "a column for each run", "other values"),
-            (axes && readings, "a reading of `--term`", "axis"),
-            (readings && other_values, "a reading of `--term`", "another value"),
+            (axes && readings, "a reading of `--term`", "`axis`"),
+            (readings && other_values, "a reading of `--term`", "components by name"),
             (
                 self.has_any(Content::is_position) && !self.holds_positions(),
                 "where the axis stood",
-                "a deviation",
+                "deviations",
             ),
         ];
         for (_, option, mapped) in twice.into_iter().filter(|(is, ..)| *is) {
-            let message = format!("`{option}` is stated, but the mapping gives `{mapped}`");
+            let message = match option.starts_with("--") {
+                true => format!("`{option}` is stated, but the mapping gives `{mapped}`"),
+                false => format!("the mapping gives both {option} and {mapped}"),
+            };
             problems.push(Problem::new(message).help("keep one of the two"));
         }
         let lacking = [

@@ -121,9 +121,9 @@ fn positions_and_deviations_are_not_mapped_together() {
     let visit = Visit::new();
     visit.put("x.csv", "T,A,B\n0,0,0\n100,100.003,1\n200,200.005,2\n");
     for (b, words) in [
-        ("ey_um", "the mapping gives `another value`"),
-        ("ex_um", "the mapping gives `another value`"),
-        ("run1_deviation_um", "the mapping gives `a deviation`"),
+        ("ey_um", "a reading of `--term` and components by name"),
+        ("ex_um", "a reading of `--term` and components by name"),
+        ("run1_deviation_um", "where the axis stood and deviations"),
     ] {
         let columns = format!("T=target_mm,A=actual_mm,B={b}");
         let signed = "--direction both --sign as-correction";
