@@ -65,6 +65,11 @@ impl ErrorTable {
         })
     }
 
+    /// Whether it is a single file.
+    pub(crate) fn is_single(&self) -> bool {
+        self.more.is_empty()
+    }
+
     /// The series of an axis: of each table one without direction, or one or two with.
     pub fn series(&self, axis: Axis) -> &[Series] {
         &self.series[axis]

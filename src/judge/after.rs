@@ -127,12 +127,12 @@ pub fn compare(
     };
     let mut as_left = as_left.bounded(Basis::Measured);
     if let AfterMeasurement::Errors(model) = after {
-        let known = &machine.as_measured.stated_squareness;
+        let stated = |of: ErrorTerm| job.measurement.squareness.iter().any(|(term, _)| *term == of);
         let corrected = |term: ErrorTerm| {
             plan.tables.iter().any(|table| [term, term.twin()].contains(&table.term))
         };
         // Tables that correct a slope leave none; what the job stated apart has to be stated again.
-        let is_open = |term: &ErrorTerm| known.contains(term) || !corrected(*term);
+        let is_open = |term: &ErrorTerm| stated(*term) || !corrected(*term);
         let is_silent = model.level().iter().any(is_open);
         as_left.silence.not_stated.extend(is_silent.then_some(Cause::Squareness));
     }

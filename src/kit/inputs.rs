@@ -72,9 +72,7 @@ impl Inputs {
         (errors, mut model): (ErrorSource, ErrorModel),
         hashes: Vec<HashedFile>,
     ) -> Inputs {
-        if matches!(errors, ErrorSource::Table(_)) {
-            model.lacks_squareness(model.level());
-        }
+        model.lacks_squareness(model.level());
         Inputs {
             job,
             profile,
@@ -127,12 +125,10 @@ impl Inputs {
     pub fn with_active(mut self, active: ActiveControl) -> Result<Inputs, Problems> {
         let (mut model, notes) =
             active::uncompensated(&self.job, &self.profile, &self.model, &active)?;
-        if matches!(self.errors, ErrorSource::Table(_)) {
-            // What the old tables correct is known; a residual may well be level.
-            let open = model.level();
-            self.model.lacks_squareness(open.clone());
-            model.lacks_squareness(open);
-        }
+        // What the old tables correct is known; a residual may well be level.
+        let open = model.level();
+        self.model.lacks_squareness(open.clone());
+        model.lacks_squareness(open);
         self.under_tables = Some(std::mem::replace(&mut self.model, model));
         let interpolated =
             family(&self.profile.dialect).take_interpolation(&mut self.job, &self.profile, &active);

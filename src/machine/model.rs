@@ -109,8 +109,8 @@ pub struct ErrorModel {
     pub terms: PerTerm<Option<MeasuredTerm>>,
     /// The terms to which a squareness would be added that is not known.
     pub without_squareness: Vec<ErrorTerm>,
-    /// The terms to which the job adds a stated squareness.
-    pub stated_squareness: Vec<ErrorTerm>,
+    /// The terms of which it is known apart from their slopes: the job states it, or readings of the diagonals hold it.
+    pub known_squareness: Vec<ErrorTerm>,
     /// The measured rotations (`EAX` …), µrad in place of µm; as measured, or zero at
     /// `angles_zero_mm`. No table of a control holds them.
     pub rotations: PerTerm<Option<Measured>>,
@@ -166,7 +166,7 @@ impl ErrorModel {
         let mut model = ErrorModel {
             terms,
             without_squareness: Vec::new(),
-            stated_squareness: Vec::new(),
+            known_squareness: squareness::separated(table),
             rotations,
             ranges,
             laser_um_per_m: laser_um_per_m(job).unwrap_or(0.0),

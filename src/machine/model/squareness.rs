@@ -5,7 +5,7 @@
 
 use super::measured::Measured;
 use super::{ErrorModel, MeasuredTerm};
-use crate::inputs::error_table::Cause;
+use crate::inputs::error_table::{Cause, ErrorTable};
 use crate::inputs::job::Job;
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::curves::{ReferenceLine, range};
@@ -25,6 +25,12 @@ const LEVEL_UM: f64 = 0.1;
 /// Slopes whose size differs less from a stated squareness are probably the same figure, perhaps with the other sign.
 const SAME_SHARE: f64 = 0.25;
 
+/// Terms of which readings of the diagonals hold the squareness, however small: those of a table that was separated.
+pub(super) fn separated(table: &ErrorTable) -> Vec<ErrorTerm> {
+    let is_separated = table.remarks.frame.is_some() && table.is_single();
+    CARRIERS.into_iter().filter(|_| is_separated).collect()
+}
+
 impl ErrorModel {
     /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured and hold it; end-point
     /// slopes. Positive = the angle between the positive axis directions is less than 90°
@@ -35,9 +41,9 @@ impl ErrorModel {
         slopes(&self.terms, pair[0]).filter(|_| is_known)
     }
 
-    /// The terms to which a squareness would be added where neither slopes nor the job of this measurement hold it.
+    /// The terms to which a squareness would be added where neither slopes, the job nor readings of this measurement hold it.
     pub(crate) fn level(&self) -> Vec<ErrorTerm> {
-        let open = CARRIERS.into_iter().filter(|term| !self.stated_squareness.contains(term));
+        let open = CARRIERS.into_iter().filter(|term| !self.known_squareness.contains(term));
         open.filter(|term| are_level(&self.terms, *term)).collect()
     }
 
@@ -62,7 +68,7 @@ impl ErrorModel {
             });
             self.remarks.doubts.extend(twice.map(Into::into));
             add(job, &mut self.terms, *term, *stated, problems);
-            self.stated_squareness.push(*term);
+            self.known_squareness.push(*term);
         }
     }
 }
