@@ -43,6 +43,9 @@ pub(super) struct Options {
     /// Also the grouping method of paper 002 with this angular tolerance, e.g. 0.1: a lower bound
     #[arg(long, value_name = "TOL", value_parser = positive)]
     grouping: Option<f64>,
+    /// Also the error at each node of the grid (with `--format json`)
+    #[arg(long)]
+    vectors: bool,
     #[command(flatten)]
     tables: AskedTables,
     /// Chain of the machine, for an error table with angles that no job describes, e.g. wXYZt
@@ -100,6 +103,7 @@ fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
         window_mm: options.window,
         histogram_um: options.histogram,
         grouping: options.grouping,
+        vectors: options.vectors,
     };
     let (name, bytes) = files.argument(&options.file)?;
     if FileKind::of(&name, &bytes) != FileKind::Job {

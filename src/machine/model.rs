@@ -166,7 +166,7 @@ impl ErrorModel {
         let mut model = ErrorModel {
             terms,
             without_squareness: Vec::new(),
-            known_squareness: squareness::separated(table),
+            known_squareness: Vec::new(),
             rotations,
             ranges,
             laser_um_per_m: laser_um_per_m(job).unwrap_or(0.0),
@@ -184,6 +184,7 @@ impl ErrorModel {
                 ..said.clone()
             },
         };
+        model.know_separated(table);
         model.add_squareness(job, &mut problems);
         problems.or_ok(model)
     }

@@ -28,6 +28,30 @@ pub struct Request {
     pub histogram_um: Option<f64>,
     /// Angular tolerance of the grouping of paper 002, which is put beside the exact figure.
     pub grouping: Option<f64>,
+    /// Whether the error at each node is told, too.
+    pub vectors: bool,
+}
+
+/// The errors at the nodes of a grid, X slowest.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Vectors {
+    /// The nodes, mm.
+    pub places_mm: Vec<Listed<f64>>,
+    /// The error at each of them, µm.
+    pub um: Vec<Listed<f64>>,
+}
+
+impl Vectors {
+    fn of(model: &VolumeModel, nodes: &Nodes) -> Vectors {
+        let [x, y, z] = [&nodes.x, &nodes.y, &nodes.z];
+        let places = x.iter().flat_map(|x| y.iter().map(move |y| (*x, *y)));
+        let places: Vec<PerAxis<f64>> =
+            places.flat_map(|(x, y)| z.iter().map(move |z| PerAxis { x, y, z: *z })).collect();
+        Vectors {
+            um: places.iter().map(|place| Listed(model.error_at(*place))).collect(),
+            places_mm: places.into_iter().map(Listed).collect(),
+        }
+    }
 }
 
 /// What one of the 21 errors does to the volumetric accuracy.
@@ -103,6 +127,9 @@ pub struct Assessment {
     pub histogram: Option<Histogram>,
     /// What the grouping of paper 002 finds, where it is asked for.
     pub grouping: Option<Baseline>,
+    /// The error at each node, where it is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub vectors: Option<Vectors>,
 }
 
 /// Judges a volume at the nodes of a grid, the same for all machines that are to be compared.
@@ -120,6 +147,7 @@ pub fn assess(model: &VolumeModel, grid: &Grid, request: &Request) -> Result<Ass
         definitions,
         windows: windows.transpose()?,
         histogram: histogram.transpose()?,
+        vectors: request.vectors.then(|| Vectors::of(model, nodes)),
     })
 }
 

@@ -2,11 +2,13 @@
 //! with its length (four bytes, the lowest first) before it.
 //!
 //! ```text
-//!   question   number of words, words of the command, then name and bytes of each file
+//!   question   number of words, words of the command, then name and bytes of each file; no words: the keys of a job (JSON)
 //!   answer     exit status as text, standard output, standard error, then name and bytes of each file that is there
 //! ```
 
+use nonius::text::document::Key;
 use nonius::visit::memory::Memory;
+use serde_json::{Value, json};
 
 /// Room for a question of so many bytes.
 #[unsafe(no_mangle)]
@@ -47,6 +49,11 @@ pub fn answered(question: &[u8]) -> Vec<u8> {
     while let Some(file) = parts.next().zip(parts.next()) {
         files.push((String::from_utf8_lossy(file.0).into_owned(), file.1));
     }
+    if words.is_empty() {
+        let mut all = Vec::new();
+        [&b"0"[..], keys().as_bytes(), b""].iter().for_each(|part| add(&mut all, part));
+        return all;
+    }
     let memory = Memory::of(files.iter().map(|(name, bytes)| (name.as_str(), *bytes)));
     let answer = nonius::cli::answer(&memory, words.iter().map(|word| word.as_ref()));
     let mut all = Vec::new();
@@ -58,6 +65,12 @@ pub fn answered(question: &[u8]) -> Vec<u8> {
         add(&mut all, &bytes);
     }
     all
+}
+
+/// Every key that a job may hold: section, words, type.
+fn keys() -> String {
+    let key = |(section, key): (&str, Key)| json!({"section": section, "key": key.name, "words": key.words, "type": key.of});
+    Value::from_iter(nonius::inputs::job::keys().map(key)).to_string()
 }
 
 fn add(all: &mut Vec<u8>, part: &[u8]) {

@@ -25,13 +25,14 @@ const LEVEL_UM: f64 = 0.1;
 /// Slopes whose size differs less from a stated squareness are probably the same figure, perhaps with the other sign.
 const SAME_SHARE: f64 = 0.25;
 
-/// Terms of which readings of the diagonals hold the squareness, however small: those of a table that was separated.
-pub(super) fn separated(table: &ErrorTable) -> Vec<ErrorTerm> {
-    let is_separated = table.remarks.frame.is_some() && table.is_single();
-    CARRIERS.into_iter().filter(|_| is_separated).collect()
-}
-
 impl ErrorModel {
+    /// Readings of the diagonals hold the squareness, however small: of a table that was separated it is known.
+    pub(super) fn know_separated(&mut self, table: &ErrorTable) {
+        if table.remarks.frame.is_some() && table.is_single() {
+            self.known_squareness.extend(CARRIERS);
+        }
+    }
+
     /// Squareness φ = slope(E_jk) + slope(E_kj), µm/m, where both terms were measured and hold it; end-point
     /// slopes. Positive = the angle between the positive axis directions is less than 90°
     /// (contract §1).

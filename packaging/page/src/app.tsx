@@ -1,0 +1,100 @@
+// The frame of the page: steps, verdict, language.
+import { BeginStep } from "./begin";
+import { JobForm, openKeys } from "./form";
+import { KitStep, saveVisit } from "./kit";
+import { MeasurementStep } from "./measurement";
+import { ResultStep } from "./result";
+import { SecondStep } from "./second";
+import { step, steps, type Step } from "./steps";
+import { keeps } from "./storage";
+import { Verdict } from "./ui";
+import { begun, controls, isFilled, job, jobText, kit, made, measured, notice, second, working } from "./visit";
+import { language, languages, t } from "./words";
+
+/** A word about each step: what waits there, or that it is done. */
+function state(of: Step): string {
+  switch (of) {
+    case "machine":
+      return begun.value ? "✓" : "";
+    case "job": {
+      const waiting = openKeys(jobText.value);
+      return waiting ? String(waiting) : begun.value ? "✓" : "";
+    }
+    case "measurement":
+      return begun.value && isFilled(measured.value) ? "✓" : "";
+    case "result":
+      return made.value?.judged ? "✓" : "";
+    case "kit":
+      return kit.value.length ? "✓" : "";
+    case "second":
+      return second.value?.judged ? "✓" : "";
+  }
+}
+
+function Now() {
+  switch (step.value) {
+    case "machine":
+      return <BeginStep />;
+    case "job":
+      return <JobForm file={job.value} problems={made.value?.problems ?? []} />;
+    case "measurement":
+      return <MeasurementStep />;
+    case "result":
+      return <ResultStep />;
+    case "kit":
+      return <KitStep />;
+    case "second":
+      return <SecondStep />;
+  }
+}
+
+export function App() {
+  const judged = second.value?.judged ?? made.value?.judged;
+  document.documentElement.lang = language.value;
+  return (
+    <>
+      <header>
+        <h1>nonius</h1>
+        <span class="now" aria-live="polite">
+          {working.value ? <span class="soft">{t("working")}</span> : judged && <Verdict of={judged.verdict} forecast={!second.value?.judged} />}
+        </span>
+        {begun.value && (
+          <button type="button" onClick={saveVisit}>
+            {t("save_visit")}
+          </button>
+        )}
+        <select aria-label="Language" value={language.value} onChange={(event) => (language.value = event.currentTarget.value)}>
+          {languages.map((one) => (
+            <option value={one}>{{ en: "English", de: "Deutsch", zh: "中文" }[one]}</option>
+          ))}
+        </select>
+      </header>
+      <nav aria-label="nonius">
+        {steps.map((one, n) => (
+          <button
+            type="button"
+            id={`step-${one}`}
+            aria-current={step.value === one ? "step" : undefined}
+            disabled={one !== "machine" && !begun.value}
+            onClick={() => {
+              step.value = one;
+              scrollTo(0, 0);
+            }}
+          >
+            <span>{n + 1}</span> {t(`step_${one}`)} <em>{state(one)}</em>
+          </button>
+        ))}
+      </nav>
+      {!keeps.value && <p class="notice">{t("not_kept")}</p>}
+      {notice.value && (
+        <p class="notice" role="status">
+          {notice.value}{" "}
+          <button type="button" class="small" onClick={() => (notice.value = "")}>
+            ✕
+          </button>
+        </p>
+      )}
+      <main>{controls.value.length ? <Now /> : <p class="soft">{t("working")}</p>}</main>
+    </>
+  );
+}

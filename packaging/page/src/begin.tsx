@@ -1,0 +1,136 @@
+// The first step: a control and its travel, or files of a visit.
+import sampleAfterReadings from "file:fixtures/start/readings/after.csv";
+import sampleAfter from "file:fixtures/start/readings/after.toml";
+import sampleJob from "file:fixtures/start/readings/job.toml";
+import sampleReadings from "file:fixtures/start/readings/readings.csv";
+import { useState } from "preact/hooks";
+import { run } from "./core";
+import { problems, type Problem } from "./problems";
+import { step } from "./steps";
+import { Card, Drop, Problems } from "./ui";
+import { begun, clear, controls, files, job, open, put, type Files } from "./visit";
+import { withTable } from "./measured";
+import { t } from "./words";
+
+const sample = new Map(
+  Object.entries({ "job.toml": sampleJob, "readings.csv": sampleReadings, "after.toml": sampleAfter, "after.csv": sampleAfterReadings }).map(
+    ([name, text]) => [name, new TextEncoder().encode(text)],
+  ),
+);
+
+function take(dropped: Files) {
+  if (open(dropped)) step.value = "result";
+  else if (begun.value) for (const [name, content] of dropped) withTable(job, name, content);
+  else for (const [name, content] of dropped) put(name, content);
+}
+
+function Begin() {
+  const [control, setControl] = useState("siemens-840d-sl");
+  const [travel, setTravel] = useState({ x: "", y: "", z: "" });
+  const [readings, setReadings] = useState(false);
+  const [both, setBoth] = useState(false);
+  const [told, setTold] = useState<Problem[]>([]);
+  const begin = async (event: Event) => {
+    event.preventDefault();
+    const ends = [travel.x, travel.y, travel.z].map((end) => end.trim().replace("−", "-").replace(",", ".")).join(",");
+    const words = ["new", "--controller", control, `--travel=${ends}`, "-o", "visit"];
+    if (readings) words.push("--readings");
+    if (both) words.push("--both-directions");
+    const answer = await run(words);
+    setTold(problems(answer.err));
+    if (answer.status === 0 && open(new Map(answer.files))) {
+      for (const [name, content] of files.peek()) if (!files.value.has(name)) put(name, content);
+      step.value = "job";
+    } else if (answer.status !== 0 && !problems(answer.err).length) {
+      setTold([{ words: answer.err.trim(), places: [], help: "" }]);
+    }
+  };
+  return (
+    <form class="begin" onSubmit={begin}>
+      <label>
+        {t("control")}
+        <select value={control} onChange={(event) => setControl(event.currentTarget.value)}>
+          {controls.value.map((one) => (
+            <option value={one.id}>{one.name}</option>
+          ))}
+        </select>
+      </label>
+      <fieldset>
+        <legend>{t("travel")}</legend>
+        <div class="three">
+          {(["x", "y", "z"] as const).map((axis) => (
+            <label>
+              {axis.toUpperCase()}
+              <input
+                required
+                autocomplete="off"
+                value={travel[axis]}
+                onInput={(event) => setTravel({ ...travel, [axis]: event.currentTarget.value })}
+              />
+            </label>
+          ))}
+        </div>
+        <p class="soft">{t("travel_hint")}</p>
+      </fieldset>
+      <fieldset>
+        <legend>{t("measured_as")}</legend>
+        <label class="choice">
+          <input type="radio" name="what" checked={!readings} onChange={() => setReadings(false)} />
+          {t("measured_errors")}
+        </label>
+        <label class="choice">
+          <input type="radio" name="what" checked={readings} onChange={() => setReadings(true)} />
+          {t("measured_readings")}
+        </label>
+        <label class="choice">
+          <input type="checkbox" checked={both} onChange={(event) => setBoth(event.currentTarget.checked)} />
+          {t("both_directions")}
+        </label>
+      </fieldset>
+      <Problems of={told} />
+      <button class="main">{t("begin_button")}</button>
+    </form>
+  );
+}
+
+export function BeginStep() {
+  const [sure, setSure] = useState(false);
+  if (begun.value) {
+    return (
+      <Card title={t("anew")}>
+        <p>{t("anew_sure")}</p>
+        {sure ? (
+          <div class="buttons">
+            <button type="button" class="bad" onClick={() => (clear(), setSure(false))}>
+              {t("remove")}
+            </button>
+            <button type="button" onClick={() => setSure(false)}>
+              {t("cancel")}
+            </button>
+          </div>
+        ) : (
+          <button type="button" onClick={() => setSure(true)}>
+            {t("anew")}
+          </button>
+        )}
+        <Drop words={t("drop")} folder take={take} />
+      </Card>
+    );
+  }
+  return (
+    <>
+      <p class="wide promise">{t("promise")}</p>
+      <Card title={t("begin")}>
+        <Begin />
+      </Card>
+      <Card title={t("or_open")}>
+        <Drop words={t("drop")} folder take={take} />
+        <p>
+          <button type="button" class="main" onClick={() => take(sample)}>
+            {t("try_it")}
+          </button>
+        </p>
+      </Card>
+    </>
+  );
+}

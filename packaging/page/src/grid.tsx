@@ -1,0 +1,102 @@
+// A table of values as a grid: the rows in view, cells that can be typed in, pasted into and walked through.
+import { useRef, useState } from "preact/hooks";
+import { at, type Problem } from "./problems";
+import { block, cellAt, cells, pasted, table, text, type Table } from "./table";
+import { notice, put, textOf } from "./visit";
+import { t } from "./words";
+
+const ROW_PX = 34;
+const IN_VIEW = 24;
+
+function told(of: Table, file: string, problems: Problem[], line: number): { cell: number; words: string } | null {
+  const problem = at(problems, file, line + 1)[0];
+  const place = problem?.places.find((one) => one.file === file && one.line === line + 1);
+  if (!problem || !place) return null;
+  return { cell: place.column ? cellAt(of, line, place.column) : -1, words: [problem.words, problem.help].filter(Boolean).join(": ") };
+}
+
+export function Grid(props: { file: string; problems: Problem[] }) {
+  const { file } = props;
+  const of = table(textOf(file));
+  const [top, setTop] = useState(0);
+  const frame = useRef<HTMLDivElement>(null);
+  if (!of) return <p>{t("no_grid", { file })}</p>;
+  const first = Math.max(0, Math.min(Math.floor(top / ROW_PX) - 4, of.rows.length - IN_VIEW - 8));
+  const last = Math.min(of.rows.length, first + IN_VIEW + 8);
+  const write = (row: number, column: number, values: string[][]) => put(file, text(pasted(of, row, column, values)));
+  const go = (row: number, column: number) => {
+    const there = () => frame.current?.querySelector<HTMLInputElement>(`[data-cell="${row}:${column}"]`);
+    if (row < 0 || row >= of.rows.length || column < 0 || column >= of.names.length) return;
+    if (!there()) frame.current!.scrollTop = row * ROW_PX;
+    requestAnimationFrame(() => there()?.focus());
+  };
+  const walk = (event: KeyboardEvent, row: number, column: number) => {
+    const input = event.currentTarget as HTMLInputElement;
+    const end = event.key === "ArrowRight" ? input.value.length : 0;
+    const isAtEnd = input.selectionStart === end && input.selectionEnd === end;
+    const to: Record<string, [number, number]> = { ArrowUp: [-1, 0], ArrowDown: [1, 0], Enter: [1, 0] };
+    if (isAtEnd) Object.assign(to, { ArrowLeft: [0, -1], ArrowRight: [0, 1] });
+    const way = to[event.key];
+    if (!way) return;
+    event.preventDefault();
+    go(row + way[0], column + way[1]);
+  };
+  const paste = (event: ClipboardEvent, row: number, column: number) => {
+    const copied = event.clipboardData?.getData("text/plain") ?? "";
+    if (!/[\t\n]/.test(copied)) return;
+    event.preventDefault();
+    const { values, comma } = block(copied, of.separator);
+    if (comma) notice.value = t("commas", { example: comma, point: comma.replace(",", ".") });
+    write(row, column, values);
+  };
+  const columns = { gridTemplateColumns: `4rem repeat(${of.names.length}, minmax(5.5rem, 1fr))` };
+  const header = told(of, file, props.problems, of.header);
+  return (
+    <div>
+      <p class="soft">
+        {t("rows", { count: of.rows.length })}. {t("paste_hint")}
+      </p>
+      {header && <p class="told" role="status">{header.words}</p>}
+      <div class="grid" ref={frame} role="grid" aria-label={file} aria-rowcount={of.rows.length + 1} onScroll={(event) => setTop(event.currentTarget.scrollTop)}>
+        <div class="line head" role="row" style={columns}>
+          <span role="columnheader">{" "}</span>
+          {of.names.map((name) => (
+            <span role="columnheader">{name}</span>
+          ))}
+        </div>
+        <div role="presentation" style={{ height: `${first * ROW_PX}px` }} />
+        {of.rows.slice(first, last).map((line, n) => {
+          const row = first + n;
+          const own = cells(of, line);
+          const fault = told(of, file, props.problems, line);
+          return (
+            <div class={fault ? "line fault" : "line"} role="row" key={row} style={columns} aria-rowindex={row + 2}>
+              <span role="rowheader" class="soft" title={fault?.words}>
+                {line + 1}
+              </span>
+              {of.names.map((name, column) => (
+                <span role="gridcell">
+                  <input
+                    data-cell={`${row}:${column}`}
+                    aria-label={`${name}, ${line + 1}`}
+                    aria-invalid={!!fault && (fault.cell === column || fault.cell < 0)}
+                    autocomplete="off"
+                    value={own[column]?.trim() ?? ""}
+                    onInput={(event) => write(row, column, [[event.currentTarget.value]])}
+                    onKeyDown={(event) => walk(event, row, column)}
+                    onPaste={(event) => paste(event, row, column)}
+                  />
+                </span>
+              ))}
+              {fault && <p class="told" role="status">{fault.words}</p>}
+            </div>
+          );
+        })}
+        <div role="presentation" style={{ height: `${(of.rows.length - last) * ROW_PX}px` }} />
+      </div>
+      <button type="button" onClick={() => (write(of.rows.length, 0, [[""]]), go(of.rows.length - 1, 0))}>
+        {t("add_row")}
+      </button>
+    </div>
+  );
+}

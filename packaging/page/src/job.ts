@@ -1,0 +1,163 @@
+// A job as its own form: each line `key = value  # what it is` is a field; the text stays what its writer made of it.
+
+export interface Field {
+  /** Index of its line. */
+  line: number;
+  key: string;
+  /** As it stands in the text. */
+  value: string;
+  words: string;
+  /** Behind a `# `: it does not count until it is filled in. */
+  optional: boolean;
+}
+
+export interface Section {
+  /** As in the text: `machine.axes.x`; empty above the first header. */
+  name: string;
+  /** `[[name]]`: one of several. */
+  many: boolean;
+  /** Index of its header; −1 above the first. */
+  line: number;
+  intro: string;
+  fields: Field[];
+}
+
+/** A key of the schema: what it says, and whether it takes a text. */
+export interface Key {
+  section: string;
+  key: string;
+  words: string;
+  type: string;
+}
+
+const KEY = /^(# )?([A-Za-z_][A-Za-z_0-9]*) = /;
+
+/** End of the value that begins at `at`: what follows is a comment, or nothing. */
+function ended(line: string, at: number): number {
+  let quote = "";
+  for (let n = at; n < line.length; n++) {
+    const letter = line[n]!;
+    if (quote) {
+      if (letter === "\\" && quote === '"') n++;
+      else if (letter === quote) quote = "";
+    } else if (letter === '"' || letter === "'") quote = letter;
+    else if (letter === "#") return n;
+  }
+  return line.length;
+}
+
+export function sections(job: string): Section[] {
+  const found: Section[] = [{ name: "", many: false, line: -1, intro: "", fields: [] }];
+  let intro: string[] = [];
+  job.split("\n").forEach((raw, line) => {
+    const text = raw.replace(/\r$/, "");
+    const header = /^(\[\[?)([^\]]+)\]\]?\s*(?:#\s*(.*))?$/.exec(text);
+    const key = KEY.exec(text);
+    const section = found.at(-1)!;
+    if (header) {
+      const words = [...intro, header[3] ?? ""].filter(Boolean).join(" ");
+      found.push({ name: header[2]!.trim(), many: header[1] === "[[", line, intro: words, fields: [] });
+      intro = [];
+    } else if (key) {
+      const end = ended(text, key[0].length);
+      section.fields.push({
+        line,
+        key: key[2]!,
+        value: text.slice(key[0].length, end).trim(),
+        words: text.slice(end).replace(/^#\s*/, "").trim(),
+        optional: key[1] !== undefined,
+      });
+      intro = [];
+    } else if (/^# \[/.test(text) || text.trim() === "") intro = [];
+    else if (text.startsWith("# ")) intro.push(text.slice(2));
+  });
+  return found.filter((section) => section.fields.length > 0 && section.name !== "");
+}
+
+/** Sections side by side: the same keys of X, Y and Z, or of several blocks. */
+export interface Group {
+  /** What they share: `machine.axes`. */
+  name: string;
+  intro: string;
+  columns: Section[];
+}
+
+export function groups(all: Section[]): Group[] {
+  const found: Group[] = [];
+  for (const section of all) {
+    const name = section.name.replace(/\.[xyz]$/, "");
+    const last = found.at(-1);
+    const beside = section.many || name !== section.name;
+    if (last && beside && last.name === name) last.columns.push(section);
+    else found.push({ name, intro: section.intro, columns: [section] });
+  }
+  return found;
+}
+
+/** What a value shows of itself: a text without its quotes, nothing for `""`. */
+export function shown(value: string): string {
+  if (!/^"(?:[^"\\]|\\.)*"$/.test(value)) return value;
+  try {
+    return JSON.parse(value);
+  } catch {
+    return value;
+  }
+}
+
+/** What was typed, as it stands in a job. */
+export function written(typed: string, isText: boolean): string {
+  const value = typed.trim();
+  const isBare = /^[-+]?\d+(\.\d+)?([eE][-+]?\d+)?$/.test(value) || /^(true|false|[[{].*)$/.test(value);
+  return isBare && !isText ? value : JSON.stringify(typed);
+}
+
+/** The job with another value in a line; an optional field that is emptied goes back behind its `# `. */
+export function withValue(job: string, field: Field, value: string): string {
+  const lines = job.split("\n");
+  const was = lines[field.line]!;
+  const key = KEY.exec(was)!;
+  const end = ended(was, key[0].length);
+  const comment = was.slice(end).trim();
+  const bare = `${field.key} = ${value}`;
+  lines[field.line] = comment ? `${bare.padEnd(Math.max(35, bare.length + 1))} ${comment}` : bare;
+  return lines.join("\n");
+}
+
+/** The job without what a field says, which stays as a proposal. */
+export function without(job: string, field: Field): string {
+  const lines = job.split("\n");
+  lines[field.line] = `# ${lines[field.line]}`;
+  return lines.join("\n");
+}
+
+/** The job with a key more in a section. */
+export function withKey(job: string, section: Section, key: string, value: string): string {
+  const lines = job.split("\n");
+  const last = section.fields.at(-1)!.line;
+  lines.splice(last + 1, 0, `${key} = ${value}`);
+  return lines.join("\n");
+}
+
+/** The job without a block `[[…]]`. */
+export function withoutBlock(job: string, section: Section): string {
+  const lines = job.split("\n");
+  const last = section.fields.at(-1)!.line;
+  lines.splice(section.line, last - section.line + 1);
+  return lines.join("\n");
+}
+
+/** A value of the job, as text; nothing where it is absent or empty. */
+export function valueOf(job: string, section: string, key: string): string {
+  const of = sections(job).filter((one) => one.name === section);
+  const field = of.flatMap((one) => one.fields).find((one) => one.key === key && !one.optional);
+  return field ? shown(field.value) : "";
+}
+
+/** The values that the words of a key offer: `"mm" or "inch"`, `1 or 2:`, `true or false`. */
+export function choices(words: string): string[] {
+  const quoted = /^((?:"[^"]+"(?:,| or|, or)? ?)+)/.exec(words)?.[1];
+  const texts = quoted ? [...quoted.matchAll(/"([^"]+)"/g)].map((one) => one[1]!) : [];
+  if (texts.length > 1) return texts;
+  const plain = /^(true|1) or (false|2)\b/.exec(words);
+  return plain ? [plain[1]!, plain[2]!] : [];
+}

@@ -1,0 +1,105 @@
+// The files for the control, the checklist and the report.
+import { useEffect, useState } from "preact/hooks";
+import { save, zip } from "./opened";
+import { problems, type Problem } from "./problems";
+import { Card, Framed, Problems } from "./ui";
+import { files, inside, isCurrent, kit, made, makeKit, report } from "./visit";
+import { language, t } from "./words";
+
+const decoder = new TextDecoder();
+
+export function saveVisit() {
+  save("visit.zip", zip([...files.value].map(([name, of]) => [`visit/${name}`, of])), "application/zip");
+}
+
+/** The report as the program writes it, in the language of the page. */
+export function ReportPage(props: { withAfter: boolean; name: string }) {
+  const [page, setPage] = useState("");
+  const words = language.value;
+  const of = files.value;
+  useEffect(() => {
+    void report(props.withAfter).then(setPage);
+  }, [words, of, props.withAfter]);
+  return page ? <Framed html={page} title={t("report")} name={props.name} save={() => save(props.name, page, "text/html")} /> : null;
+}
+
+function Content(props: { name: string; bytes: Uint8Array; role: string }) {
+  const words = t(`role_${props.role}`);
+  return (
+    <details class="file">
+      <summary>
+        <code>{props.name.slice(4)}</code> <span class="soft">{words.startsWith("role_") ? "" : words}</span>
+      </summary>
+      {/\.html?$/i.test(props.name) ? null : <pre tabIndex={0}>{decoder.decode(props.bytes)}</pre>}
+      <button type="button" onClick={() => save(props.name.slice(4), props.bytes)}>
+        {t("download")}
+      </button>
+    </details>
+  );
+}
+
+export function KitStep() {
+  const [told, setTold] = useState<Problem[]>([]);
+  const isMade = kit.value.length > 0;
+  const make = async () => setTold(problems((await makeKit()).err));
+  const manifest = made.value?.manifest;
+  const roles = new Map(manifest?.files.map((file) => [`kit/${file.path}`, file.role]));
+  const checklist = new Map(kit.value).get("kit/checklist.html");
+  const assumed = manifest?.assumptions ?? [];
+  return (
+    <>
+      <Card wide>
+        <p class="head">
+          {!isMade ? t("no_kit") : isCurrent.value ? <span class="state good">{t("kit_current")}</span> : <span class="state">{t("kit_old")}</span>}
+        </p>
+        <Problems of={told} />
+        <div class="buttons">
+          {(!isMade || !isCurrent.value) && (
+            <button type="button" class="main" disabled={!manifest} onClick={make}>
+              {t(isMade ? "make_anew" : "make_kit")}
+            </button>
+          )}
+          {isMade && (
+            <button type="button" class="main" onClick={() => save("kit.zip", zip(inside("kit")), "application/zip")}>
+              {t("download_kit")}
+            </button>
+          )}
+          <button type="button" onClick={saveVisit}>
+            {t("download_visit")}
+          </button>
+        </div>
+        {!manifest && <Problems of={made.value?.problems ?? []} />}
+        {assumed.length > 0 && (
+          <details>
+            <summary>
+              {t("assumptions")} ({assumed.length})
+            </summary>
+            <ul>
+              {assumed.map((one) => (
+                <li>
+                  <code>
+                    {one.fact} = {one.value}
+                  </code>
+                  . {t("if_wrong")}: {one.consequence}
+                </li>
+              ))}
+            </ul>
+          </details>
+        )}
+        {kit.value.map(([name, bytes]) => (
+          <Content name={name} bytes={bytes} role={roles.get(name) ?? ""} />
+        ))}
+      </Card>
+      {checklist && (
+        <Card title={t("checklist")} wide>
+          <Framed html={decoder.decode(checklist)} title={t("checklist")} name="checklist.html" save={() => save("checklist.html", checklist, "text/html")} />
+        </Card>
+      )}
+      {isMade && (
+        <Card title={t("report")} wide>
+          <ReportPage withAfter={false} name="report.html" />
+        </Card>
+      )}
+    </>
+  );
+}

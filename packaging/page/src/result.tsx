@@ -1,0 +1,53 @@
+// What the tables would leave: verdict, figures, what decides, pictures.
+import { Decides, Figures } from "./figures";
+import { step } from "./steps";
+import { Card, Notes, Picture, Problems, Scope, Verdict } from "./ui";
+import { made } from "./visit";
+import { VolumeView } from "./volume";
+import { t } from "./words";
+
+export function ResultStep() {
+  const now = made.value;
+  if (!now?.judged || !now.manifest) {
+    return (
+      <Card title={t("not_yet")} wide>
+        <p>{t("see_problems")}</p>
+        <Problems of={now?.problems ?? []} />
+        <button type="button" onClick={() => (step.value = "job")}>
+          {t("step_job")}
+        </button>
+      </Card>
+    );
+  }
+  const { judged, manifest } = now;
+  return (
+    <>
+      <Card wide>
+        <p class="head">
+          <Verdict of={judged.verdict} forecast />
+        </p>
+        <Scope of={now.scope} />
+        <Decides judged={judged} />
+        <Figures judged={judged} manifest={manifest} />
+        {Object.keys(judged.squareness ?? {}).length > 0 && (
+          <p>
+            {t("squareness")}, µm/m:{" "}
+            {Object.entries(judged.squareness)
+              .map(([plane, one]) => `${plane.toUpperCase()} ${one.before_um_per_m.toFixed(2).replace("-", "−")}`)
+              .join(" · ")}
+            . <span class="soft">{t("squareness_sign")}</span>
+          </p>
+        )}
+        <Notes of={judged.notes} />
+      </Card>
+      <Card title={t("curves")} wide>
+        <Picture svg={now.picture} />
+      </Card>
+      {now.volume?.vectors && (
+        <Card title={t("volume")} wide>
+          <VolumeView of={now.volume} />
+        </Card>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,108 @@
+// A table of values (CSV) as a grid: lines stay as they are until a cell of theirs is changed.
+
+export interface Table {
+  lines: string[];
+  /** Index of the header's line. */
+  header: number;
+  separator: string;
+  names: string[];
+  /** Lines with values, by their index. */
+  rows: number[];
+}
+
+/** A table that can be shown as a grid, or nothing (quoted cells, no header). */
+export function table(text: string): Table | null {
+  const lines = text.replace(/^\ufeff/, "").split(/\r?\n/);
+  const header = lines.findIndex((line) => line.trim() !== "" && !line.startsWith("#"));
+  if (header < 0 || text.includes('"')) return null;
+  const separator = lines[header]!.includes(";") ? ";" : ",";
+  const names = lines[header]!.split(separator).map((name) => name.trim());
+  const rows: number[] = [];
+  lines.forEach((line, n) => {
+    if (n > header && line.trim() !== "" && !line.startsWith("#")) rows.push(n);
+  });
+  return { lines, header, separator, names, rows };
+}
+
+export function cells(of: Table, line: number): string[] {
+  return of.lines[line]!.split(of.separator);
+}
+
+export function text(of: Table): string {
+  return of.lines.join("\n");
+}
+
+/** Values written over a rectangle from a row and column on; rows are added where it is longer. */
+export function pasted(of: Table, row: number, column: number, values: string[][]): Table {
+  const lines = [...of.lines];
+  const rows = [...of.rows];
+  values.forEach((given, n) => {
+    let line = rows[row + n];
+    if (line === undefined) {
+      line = (rows.at(-1) ?? of.header) + 1;
+      lines.splice(line, 0, of.separator.repeat(of.names.length - 1));
+      rows.push(line);
+    }
+    const now = lines[line]!.split(of.separator);
+    given.forEach((value, m) => {
+      if (column + m < of.names.length) now[column + m] = value.replaceAll(of.separator, " ").trim();
+    });
+    lines[line] = now.join(of.separator);
+  });
+  return { ...of, lines, rows };
+}
+
+/** A block of a spreadsheet, cells by tabs; decimal commas as points where the table's own separator is a comma. */
+export function block(copied: string, separator: string): { values: string[][]; comma: string } {
+  let comma = "";
+  const rows = copied.replace(/\r/g, "").replace(/\n+$/, "").split("\n");
+  const values = rows.map((line) =>
+    line.split("\t").map((cell) => {
+      if (separator !== "," || !/^\s*[-+]?\d+,\d+\s*$/.test(cell)) return cell;
+      comma ||= cell.trim();
+      return cell.replace(",", ".");
+    }),
+  );
+  return { values, comma };
+}
+
+/** The cell of a line in which a character stands, counted from 1. */
+export function cellAt(of: Table, line: number, column: number): number {
+  let end = 0;
+  const found = cells(of, line).findIndex((cell) => (end += cell.length + 1) >= column);
+  return Math.max(found, 0);
+}
+
+export interface Curve {
+  name: string;
+  points: [number, number][];
+}
+
+const number = (cell: string | undefined, separator: string) => {
+  const value = (cell ?? "").trim();
+  return value === "" ? NaN : Number(separator === ";" ? value.replace(",", ".") : value);
+};
+
+/** The columns of deviations over the positions of each moving axis and direction, as far as they are filled in. */
+export function curves(of: Table): Map<string, Curve[]> {
+  const at = (name: RegExp) => of.names.findIndex((own) => name.test(own));
+  const [axis, position, direction] = [at(/^axis$/i), at(/^position_/), at(/^direction$/)];
+  const found = new Map<string, Curve[]>();
+  if (axis < 0 || position < 0) return found;
+  const columns = of.names.flatMap((name, n) => (/^e[xyz]_/.test(name) ? [n] : []));
+  for (const line of of.rows) {
+    const row = cells(of, line);
+    const moving = (row[axis] ?? "").trim().toUpperCase();
+    const way = direction < 0 ? "" : (row[direction] ?? "").trim();
+    for (const column of columns) {
+      const point: [number, number] = [number(row[position], of.separator), number(row[column], of.separator)];
+      if (!point.every(Number.isFinite)) continue;
+      const name = of.names[column]!.replace(/^e(.)_.*/, (_, of) => `E${of.toUpperCase()}${moving}`) + way;
+      const panel = found.get(moving) ?? found.set(moving, []).get(moving)!;
+      const curve = panel.find((one) => one.name === name);
+      if (curve) curve.points.push(point);
+      else panel.push({ name, points: [point] });
+    }
+  }
+  return found;
+}

@@ -1,0 +1,115 @@
+// Small parts of every step.
+import type { ComponentChildren } from "preact";
+import { useState } from "preact/hooks";
+import { chosen, dropped } from "./opened";
+import type { Problem } from "./problems";
+import type { Files } from "./visit";
+import { t } from "./words";
+
+export function Card(props: { title?: string; children: ComponentChildren; wide?: boolean }) {
+  return (
+    <section class={props.wide ? "card wide" : "card"}>
+      {props.title && <h2>{props.title}</h2>}
+      {props.children}
+    </section>
+  );
+}
+
+export function Problems(props: { of: Problem[] }) {
+  return (
+    <ul class="problems">
+      {props.of.map((problem) => (
+        <li>
+          <strong>{problem.words}</strong>
+          {problem.places[0] && ` (${problem.places[0].file}:${problem.places[0].line})`}
+          {problem.help && <div class="soft">{problem.help}</div>}
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** What was asked and what the verdict covers, in the program's words. */
+export function Scope(props: { of: string }) {
+  const lines = props.of.split("\n").map((line) => line.trim()).filter((line) => line && !/^(machine|job and tables|measured afterwards)/.test(line));
+  return <p class="scope">{lines.join("\n")}</p>;
+}
+
+/** What else is to be known, folded away. */
+export function Notes(props: { of: string[] }) {
+  return props.of.length ? (
+    <details>
+      <summary>{t("all_notes", { count: props.of.length })}</summary>
+      <ul class="soft">
+        {props.of.map((words) => (
+          <li>{words}</li>
+        ))}
+      </ul>
+    </details>
+  ) : null;
+}
+
+export function Verdict(props: { of: string; forecast?: boolean }) {
+  const word = t(props.of);
+  return <span class={`verdict ${props.of}`}>{props.forecast ? t("forecast_word", { verdict: word }) : word}</span>;
+}
+
+/** A place where files can be dropped, or chosen. */
+export function Drop(props: { words: string; folder?: boolean; take: (files: Files) => void }) {
+  const [over, setOver] = useState(false);
+  const choose = (folder: boolean) => {
+    const input = document.createElement("input");
+    input.type = "file";
+    input.multiple = true;
+    input.webkitdirectory = folder;
+    input.onchange = async () => props.take(await chosen(input.files));
+    input.click();
+  };
+  return (
+    <div
+      class={over ? "drop over" : "drop"}
+      onDragOver={(event) => {
+        event.preventDefault();
+        setOver(true);
+      }}
+      onDragLeave={() => setOver(false)}
+      onDrop={async (event) => {
+        event.preventDefault();
+        setOver(false);
+        if (event.dataTransfer) props.take(await dropped(event.dataTransfer));
+      }}
+    >
+      <p>{props.words}</p>
+      <button type="button" onClick={() => choose(false)}>
+        {t("choose_files")}
+      </button>
+      {props.folder && (
+        <button type="button" onClick={() => choose(true)}>
+          {t("choose_folder")}
+        </button>
+      )}
+    </div>
+  );
+}
+
+/** A page of the program in a frame of its own, to be read and printed. */
+export function Framed(props: { html: string; title: string; name: string; save: () => void }) {
+  return (
+    <div class="framed">
+      <div class="buttons">
+        <button type="button" onClick={props.save}>
+          {t("download")}: {props.name}
+        </button>
+        <button type="button" onClick={() => (document.getElementById(props.name) as HTMLIFrameElement).contentWindow?.print()}>
+          {t("print")}
+        </button>
+      </div>
+      <iframe id={props.name} title={props.title} srcdoc={props.html} sandbox="allow-same-origin allow-modals" />
+    </div>
+  );
+}
+
+/** A picture that the program drew (SVG), on paper whatever the colours around. */
+export function Picture(props: { svg: string }) {
+  return props.svg ? <div class="picture" dangerouslySetInnerHTML={{ __html: props.svg }} /> : null;
+}

@@ -1,0 +1,330 @@
+// The visit on this page: files by name, and what the program says of them.
+import { batch, computed, effect, signal } from "@preact/signals";
+import { run, type Answer } from "./core";
+import { sections, valueOf, type Key } from "./job";
+import { problems, type Problem } from "./problems";
+import { kept, remember } from "./storage";
+import { cells, table } from "./table";
+import { language } from "./words";
+
+export type Files = ReadonlyMap<string, Uint8Array>;
+
+const decoder = new TextDecoder();
+const encoder = new TextEncoder();
+
+export const files = signal<Files>(new Map());
+export const job = signal("job.toml");
+/** The file of the second measurement: a table, or a job that names readings. */
+export const after = signal("after.csv");
+/** What has to be said to the person once: nothing could be stored, commas became points … */
+export const notice = signal("");
+
+export const begun = computed(() => files.value.has(job.value));
+
+export function textOf(name: string): string {
+  const bytes = files.value.get(name);
+  return bytes ? decoder.decode(bytes) : "";
+}
+
+export function put(name: string, content: string | Uint8Array) {
+  const bytes = typeof content === "string" ? encoder.encode(content) : content;
+  files.value = new Map(files.value).set(name, bytes);
+}
+
+/** Files of a folder, or a single one. */
+export function inside(folder: string, all: Iterable<[string, Uint8Array]> = files.value): [string, Uint8Array][] {
+  return [...all].filter(([name]) => name.startsWith(`${folder}/`));
+}
+
+export const jobText = computed(() => textOf(job.value));
+export const isReadings = computed(() => valueOf(jobText.value, "measurement", "readings") !== "");
+export const measured = computed(
+  () => valueOf(jobText.value, "measurement", "errors") || valueOf(jobText.value, "measurement", "readings"),
+);
+export const controller = computed(() => valueOf(jobText.value, "compensation", "controller"));
+/** The table of the second measurement. */
+export const measuredAfter = computed(() =>
+  after.value.endsWith(".toml")
+    ? valueOf(textOf(after.value), "measurement", "readings") || valueOf(textOf(after.value), "measurement", "errors")
+    : after.value,
+);
+
+/** A visit begins: the job among these files, and the second measurement. */
+export function open(all: Files) {
+  const jobs = [...all.keys()].filter((name) => name.endsWith(".toml") && /^\s*\[machine[\].]/m.test(decoder.decode(all.get(name))));
+  const first = jobs.find((name) => /(^|\/)job\.toml$/.test(name)) ?? jobs.find((name) => !/after/.test(name)) ?? jobs[0];
+  if (!first) return false;
+  const folder = first.slice(0, first.lastIndexOf("/") + 1);
+  const own = new Map([...all].filter(([name]) => name.startsWith(folder)).map(([name, of]) => [name.slice(folder.length), of]));
+  const name = first.slice(folder.length);
+  batch(() => {
+    files.value = own;
+    job.value = name;
+    const isOf = valueOf(decoder.decode(own.get(name)), "measurement", "readings");
+    after.value = isOf && own.has("after.toml") ? "after.toml" : "after.csv";
+  });
+  return true;
+}
+
+export function clear() {
+  batch(() => {
+    files.value = new Map();
+    job.value = "job.toml";
+    after.value = "after.csv";
+  });
+}
+
+/** What the program makes of the visit as it stands. */
+export interface Made {
+  problems: Problem[];
+  /** The manifest of the kit that it would write; null where nothing is made. */
+  manifest: Manifest | null;
+  judged: Judged | null;
+  /** The verdict in the program's words: what was asked, and what it covers. */
+  scope: string;
+  kit: [string, Uint8Array][];
+  picture: string;
+  volume: Volume | null;
+}
+
+export interface Figure {
+  before_um: number | null;
+  forecast_um?: number | null;
+  after_um?: number | null;
+  expanded_um: number | null;
+  at_most_um: number | null;
+}
+
+export interface Act {
+  what: string;
+  minutes: number | null;
+  at_most_um: number;
+  verdict: string;
+}
+
+export interface Judged {
+  verdict: "pass" | "fail" | "undecided";
+  terms: Record<string, Figure>;
+  diagonals: Record<string, Figure> | null;
+  squareness: Record<string, { before_um_per_m: number; after_um_per_m: number | null; expanded_um_per_m: number | null }>;
+  max_residual_um: number | null;
+  max_residual_at_most_um: number | null;
+  causes: string[];
+  doubts?: string[];
+  notes: string[];
+  what_decides?: { term: string; left_um: number; at_most_um: number; parts: { what: string; um: number }[]; acts: Act[] };
+  diagnosis?: { as_forecast: boolean; causes: { kind: string; words: string }[] } | null;
+}
+
+export interface Manifest {
+  files: { path: string; role: string }[];
+  assumptions: { fact: string; value: string; consequence: string }[];
+  preconditions: { what: string; value: string; why: string; source: string }[];
+  tables: { term: string; direction: string | null; place: string; points: number }[];
+  omitted: { term: string; reason: string }[];
+  doubts?: string[];
+  notes: string[];
+}
+
+export interface Vectors {
+  places_mm: [number, number, number][];
+  um: [number, number, number][];
+}
+
+export interface Volume {
+  volume_mm: Record<"x" | "y" | "z", [number, number] | null>;
+  definitions: { va_um: number | null };
+  vectors: Vectors;
+  after: { definitions: { va_um: number | null }; vectors: Vectors } | null;
+}
+
+export interface Separated {
+  errors: Record<string, { position_mm: number[]; deviation_um: number[] }>;
+  doubts: string[];
+}
+
+export const made = signal<Made | null>(null);
+/** The nine errors of readings, as soon as they can be separated. */
+export const separated = signal<Separated | null>(null);
+export const working = signal(false);
+
+const json = <T,>(answer: Answer): T | null => (answer.status < 2 ? (JSON.parse(answer.out) as T) : null);
+
+/** The visit without kits of it: what is shown is made anew. */
+const sources = () => [...files.value].filter(([name]) => !/^(kit|kit\.previous)\//.test(name));
+
+async function make(): Promise<Made> {
+  const own = sources();
+  separated.value = isReadings.value ? json<Separated>(await run(["separate", job.value, "--format", "json"], own)) : null;
+  const answer = await run(["generate", job.value, "-o", "kit", "--format", "json", "--plot", "plot.svg", "--force"], own);
+  const found = problems(answer.err);
+  const manifest = json<Manifest>(answer);
+  if (!manifest) return { problems: found, manifest: null, judged: null, scope: "", kit: [], picture: "", volume: null };
+  const kit = inside("kit", answer.files);
+  const picture = decoder.decode(new Map(answer.files).get("plot.svg"));
+  const with_kit = [...own, ...kit];
+  const judged = json<Judged>(await run(["verify", job.value, "--tables", "kit", "--format", "json"], with_kit));
+  const scope = (await run(["verify", job.value, "--tables", "kit", "--quiet"], with_kit)).out;
+  const assessed = await run(["assess", job.value, "--tables", "kit", "--vectors", "--grid", "4,4,4", "--format", "json"], with_kit);
+  return { problems: found, manifest, judged, scope, kit, picture, volume: json<Volume>(assessed) };
+}
+
+/** The kit of the visit, as it was made last and goes to the machine. */
+export const kit = computed(() => inside("kit"));
+/** Whether the kit is what the program would make now. */
+export const isCurrent = computed(() => {
+  const now = new Map(made.value?.kit ?? []);
+  return kit.value.length === now.size && kit.value.every(([name, bytes]) => decoder.decode(now.get(name)) === decoder.decode(bytes));
+});
+
+/** Makes the kit; one that is there is kept as `kit.previous`, as the program does. */
+export async function makeKit() {
+  const answer = await run(["generate", job.value, "-o", "kit", "--force"], files.value);
+  if (answer.status < 2) files.value = new Map(answer.files);
+  return answer;
+}
+
+export interface Second {
+  problems: Problem[];
+  judged: Judged | null;
+  scope: string;
+  picture: string;
+}
+
+export const second = signal<Second | null>(null);
+
+async function judge(): Promise<Second | null> {
+  if (!kit.value.length || !files.value.has(after.value) || !isFilled(measuredAfter.value)) return null;
+  const asked = ["verify", job.value, "--tables", "kit", "--after", after.value, "--format", "json", "--plot", "plot.svg", "--force"];
+  const answer = await run(asked, files.value);
+  const words = await run(["verify", job.value, "--tables", "kit", "--after", after.value, "--quiet"], files.value);
+  return {
+    problems: problems(answer.err),
+    judged: json<Judged>(answer),
+    scope: words.out,
+    picture: decoder.decode(new Map(answer.files).get("plot.svg") ?? new Uint8Array()),
+  };
+}
+
+/** Whether a table holds values, and not only what `new` wrote. */
+export function isFilled(name: string): boolean {
+  const bytes = files.value.get(name);
+  if (!bytes) return false;
+  if (!name.endsWith(".csv")) return true;
+  const of = table(decoder.decode(bytes));
+  if (!of) return true;
+  const values = of.names.flatMap((column, n) => (/_(um|mm|in|uin|urad|mrad|arcsec)$/.test(column) && !/^position/.test(column) ? [n] : []));
+  return of.rows.some((line) => values.some((n) => cells(of, line)[n]?.trim()));
+}
+
+/** The page that is handed over, in the language of this page. */
+export async function report(withAfter: boolean): Promise<string> {
+  const words = ["report", job.value, "--language", language.value, "-o", "report.html", "--force"];
+  if (kit.value.length) words.push("--tables", "kit");
+  if (withAfter) words.push("--after", after.value);
+  const answer = await run(words, files.value);
+  const page = new Map(answer.files).get("report.html");
+  return answer.status < 2 && page ? decoder.decode(page) : `<pre>${answer.err.replace(/[&<]/g, (one) => `&#${one.charCodeAt(0)};`)}</pre>`;
+}
+
+export interface Control {
+  id: string;
+  name: string;
+  manual: number;
+  assumed: number;
+  executed: number;
+}
+
+export const controls = signal<Control[]>([]);
+export const keys = signal<Key[]>([]);
+/** What this control says of keys of the job, by `section.key`. */
+export const hints = signal<Map<string, string>>(new Map());
+
+async function learn() {
+  const list = await run(["controllers", "list", "--format", "json"]);
+  controls.value = JSON.parse(list.out).controllers;
+  keys.value = JSON.parse((await run([])).out);
+}
+
+/** Runs the newest question once the one before is answered. */
+function latest(ask: () => Promise<void>) {
+  let timer: ReturnType<typeof setTimeout> | undefined;
+  let busy = false;
+  let again = false;
+  const go = async () => {
+    if (busy) {
+      again = true;
+      return;
+    }
+    busy = working.value = true;
+    try {
+      await ask();
+    } catch (fault) {
+      notice.value = String(fault);
+    }
+    busy = working.value = false;
+    if (again) {
+      again = false;
+      await go();
+    }
+  };
+  return () => {
+    clearTimeout(timer);
+    timer = setTimeout(go, 120);
+  };
+}
+
+const makeLatest = latest(async () => {
+  made.value = begun.value ? await make() : null;
+  if (!begun.value) separated.value = null;
+  second.value = begun.value ? await judge() : null;
+});
+
+export async function start() {
+  await learn();
+  const old = await kept();
+  if (old) {
+    batch(() => {
+      files.value = old.files;
+      job.value = old.job;
+      after.value = old.after;
+    });
+  }
+  effect(() => {
+    files.value, job.value, after.value;
+    makeLatest();
+  });
+  let stored = files.value;
+  effect(() => {
+    if (files.value === stored) return;
+    stored = files.value;
+    void remember({ files: files.value, job: job.value, after: after.value });
+  });
+  effect(() => {
+    const id = controller.value;
+    if (!controls.value.some((one) => one.id === id)) return;
+    void run(["controllers", "show", id, "--format", "json"]).then((answer) => {
+      const told: { section: string; key: string; text: string }[] = JSON.parse(answer.out).job ?? [];
+      hints.value = new Map(told.map((one) => [`${one.section}.${one.key}`, one.text]));
+    });
+  });
+}
+
+/** What is known of a key: the words behind it, of this control, or of the schema. */
+export function wordsOf(section: string, key: string): string {
+  const bare = section.replace(/\.[xyz]$/, "");
+  return hints.value.get(`${bare}.${key}`) ?? keys.value.find((one) => one.section.replace(/\.x$/, "") === bare && one.key === key)?.words ?? "";
+}
+
+export function isText(section: string, key: string): boolean {
+  const bare = section.replace(/\.[xyz]$/, "");
+  const of = keys.value.find((one) => one.section.replace(/\.x$/, "") === bare && one.key === key);
+  return /^(Option<)?String>?$/.test(of?.type ?? "");
+}
+
+/** Keys that the schema knows and a section does not have. */
+export function absent(section: string): Key[] {
+  const bare = section.replace(/\.[xyz]$/, "");
+  const there = new Set(sections(jobText.value).filter((one) => one.name === section).flatMap((one) => one.fields.map((field) => field.key)));
+  return keys.value.filter((one) => one.section.replace(/\.x$/, "") === bare && !there.has(one.key));
+}

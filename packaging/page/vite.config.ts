@@ -1,0 +1,71 @@
+// One file: script, style and core (base64 of gzip) in the page, which may load nothing from anywhere.
+import preact from "@preact/preset-vite";
+import { createHash } from "node:crypto";
+import { readFileSync } from "node:fs";
+import { resolve } from "node:path";
+import { gzipSync } from "node:zlib";
+import { parse } from "smol-toml";
+import { defineConfig, type Plugin } from "vite";
+
+const core = process.env.NONIUS_WASM ?? "";
+
+/** `import texts from "….toml"`: the texts of the report and of this page are the same kind of file. */
+const toml: Plugin = {
+  name: "toml",
+  transform: (code, id) =>
+    id.endsWith(".toml") && !id.startsWith("\0") ? `export default ${JSON.stringify(parse(code))}` : null,
+};
+
+/** Text of a file of the repository, as `import sample from "file:fixtures/…"`. */
+const files: Plugin = {
+  name: "files",
+  resolveId: (id) => (id.startsWith("file:") ? "\0" + id : null),
+  load: (id) => {
+    if (!id.startsWith("\0file:")) return null;
+    const path = resolve(import.meta.dirname, "../..", id.slice("\0file:".length));
+    return `export default ${JSON.stringify(readFileSync(path, "utf8"))}`;
+  },
+};
+
+const single: Plugin = {
+  name: "single",
+  enforce: "post",
+  generateBundle(_, bundle) {
+    const page = bundle["index.html"];
+    if (page?.type !== "asset") return;
+    let html = String(page.source);
+    const scripts: string[] = [];
+    for (const [name, part] of Object.entries(bundle)) {
+      if (name === "index.html") continue;
+      if (part.type === "chunk") {
+        html = html.replace(new RegExp(`\\s*<script[^>]*${name}[^>]*></script>`), "");
+        scripts.push(part.code.replaceAll("</script", "<\\/script"));
+      } else {
+        html = html.replace(new RegExp(`<link[^>]*${name}[^>]*>`), () => `<style>${part.source}</style>`);
+      }
+      delete bundle[name];
+    }
+    const hashes = scripts.map((code) => `'sha256-${createHash("sha256").update(code).digest("base64")}'`);
+    const policy = [
+      "default-src 'none'",
+      `script-src 'wasm-unsafe-eval' ${hashes.join(" ")}`,
+      "style-src 'unsafe-inline'", // the report in its frame inherits this policy, too
+      "img-src data: blob:",
+      "worker-src blob:",
+      "base-uri 'none'",
+      "form-action 'none'",
+    ].join("; ");
+    const packed = gzipSync(readFileSync(core), { level: 9 }).toString("base64");
+    const parts = scripts.map((code) => `<script type="module">${code}</script>`).join("");
+    html = html.replace("<!-- policy -->", () => `<meta http-equiv="Content-Security-Policy" content="${policy}">`);
+    html = html.replace("<!-- core -->", () => `<script type="application/gzip" id="core">${packed}</script>${parts}`);
+    page.source = html;
+  },
+};
+
+export default defineConfig({
+  plugins: [preact(), toml, files, single],
+  build: { target: "es2022", assetsInlineLimit: 1 << 24, cssCodeSplit: false, modulePreload: false },
+  worker: { format: "iife" },
+  server: { fs: { allow: ["../.."] } },
+});
