@@ -6,8 +6,9 @@ import { resolve } from "node:path";
 import { gzipSync } from "node:zlib";
 import { parse } from "smol-toml";
 import { defineConfig, type Plugin } from "vite";
+import { asked, core } from "./src/asked";
 
-const core = process.env.NONIUS_WASM ?? "";
+const built = process.env.NONIUS_WASM ?? "";
 
 /** `import texts from "….toml"`: the texts of the report and of this page are the same kind of file. */
 const toml: Plugin = {
@@ -24,6 +25,19 @@ const files: Plugin = {
     if (!id.startsWith("\0file:")) return null;
     const path = resolve(import.meta.dirname, "../..", id.slice("\0file:".length));
     return `export default ${JSON.stringify(readFileSync(path, "utf8"))}`;
+  },
+};
+
+/** The core's own answer, as `import list from "core:controllers list"`: what never changes is asked when the page is built. */
+const answers: Plugin = {
+  name: "answers",
+  resolveId: (id) => (id.startsWith("core:") ? "\0" + id : null),
+  load(id) {
+    if (!id.startsWith("\0core:")) return null;
+    const words = id.slice("\0core:".length).split(" ").filter(Boolean);
+    const answer = asked(core(new WebAssembly.Module(readFileSync(built))), { words, files: [] });
+    if (answer.status !== 0) throw new Error(answer.err);
+    return `export default ${JSON.stringify(answer)}`;
   },
 };
 
@@ -55,7 +69,7 @@ const single: Plugin = {
       "base-uri 'none'",
       "form-action 'none'",
     ].join("; ");
-    const packed = gzipSync(readFileSync(core), { level: 9 }).toString("base64");
+    const packed = gzipSync(readFileSync(built), { level: 9 }).toString("base64");
     const parts = scripts.map((code) => `<script type="module">${code}</script>`).join("");
     html = html.replace("<!-- policy -->", () => `<meta http-equiv="Content-Security-Policy" content="${policy}">`);
     html = html.replace("<!-- core -->", () => `<script type="application/gzip" id="core">${packed}</script>${parts}`);
@@ -64,7 +78,7 @@ const single: Plugin = {
 };
 
 export default defineConfig({
-  plugins: [preact(), toml, files, single],
+  plugins: [preact(), toml, files, answers, single],
   build: { target: "es2022", assetsInlineLimit: 1 << 24, cssCodeSplit: false, modulePreload: false },
   worker: { format: "iife" },
   server: { fs: { allow: ["../.."] } },

@@ -8,8 +8,10 @@ import { SecondStep } from "./second";
 import { step, steps, type Step } from "./steps";
 import { keeps } from "./storage";
 import { Verdict } from "./ui";
-import { begun, controls, isFilled, job, jobText, kit, made, measured, notice, second, working } from "./visit";
+import { begun, isFilled, job, jobText, kit, made, measured, notice, second, working } from "./visit";
 import { language, languages, t } from "./words";
+
+const faults = (file: string) => made.value?.problems.some((problem) => problem.places.some((place) => place.file === file));
 
 /** A word about each step: what waits there, or that it is done. */
 function state(of: Step): string {
@@ -18,10 +20,10 @@ function state(of: Step): string {
       return begun.value ? "✓" : "";
     case "job": {
       const waiting = openKeys(jobText.value);
-      return waiting ? String(waiting) : begun.value ? "✓" : "";
+      return waiting ? String(waiting) : !begun.value ? "" : faults(job.value) ? "!" : "✓";
     }
     case "measurement":
-      return begun.value && isFilled(measured.value) ? "✓" : "";
+      return !begun.value || !isFilled(measured.value) ? "" : faults(measured.value) ? "!" : "✓";
     case "result":
       return made.value?.judged ? "✓" : "";
     case "kit":
@@ -94,7 +96,9 @@ export function App() {
           </button>
         </p>
       )}
-      <main>{controls.value.length ? <Now /> : <p class="soft">{t("working")}</p>}</main>
+      <main>
+        <Now />
+      </main>
     </>
   );
 }

@@ -50,7 +50,7 @@ function Begin() {
       <label>
         {t("control")}
         <select value={control} onChange={(event) => setControl(event.currentTarget.value)}>
-          {controls.value.map((one) => (
+          {controls.map((one) => (
             <option value={one.id}>{one.name}</option>
           ))}
         </select>

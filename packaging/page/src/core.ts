@@ -26,24 +26,16 @@ worker.onmessage = ({ data }: MessageEvent) => {
   else done(data.answer);
 };
 
-function post(message: object, transfer: Transferable[] = []): Promise<Answer> {
+function post(message: object): Promise<Answer> {
   const id = ++last;
   return new Promise((done, failed) => {
     waiting.set(id, { done, failed });
-    worker.postMessage({ id, ...message }, transfer);
+    worker.postMessage({ id, ...message });
   });
 }
 
-function packed(): Uint8Array {
-  const base64 = document.getElementById("core")!.textContent!;
-  return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
-}
-
-/** Ready as soon as the core is unpacked. */
-export const ready = (() => {
-  const core = packed();
-  return post({ packed: core }, [core.buffer]);
-})();
+/** As soon as the core is unpacked. */
+export const ready = post({ base64: document.getElementById("core")!.textContent });
 
 /** Runs a command on these files. */
 export async function run(words: string[], files: Iterable<[string, Uint8Array]> = []): Promise<Answer> {

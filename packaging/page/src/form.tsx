@@ -194,7 +194,9 @@ export function JobForm(props: { file: string; problems: Problem[] }) {
   return (
     <>
       <div class="bar">
-        <span class={waiting ? "state" : "state good"}>{waiting ? t("open_fields", { count: waiting }) : t("complete")}</span>
+        <span class={waiting || own.length ? "state" : "state good"}>
+          {waiting ? t("open_fields", { count: waiting }) : own.length ? t("problems_count", { count: own.length }) : t("complete")}
+        </span>
         <button type="button" onClick={() => setAsText(!asText)}>
           {t(asText ? "as_form" : "as_text")}
         </button>

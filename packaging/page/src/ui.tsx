@@ -31,7 +31,11 @@ export function Problems(props: { of: Problem[] }) {
 
 /** What was asked and what the verdict covers, in the program's words. */
 export function Scope(props: { of: string }) {
-  const lines = props.of.split("\n").map((line) => line.trim()).filter((line) => line && !/^(machine|job and tables|measured afterwards)/.test(line));
+  const lines = props.of
+    .replace(/^verdict: \w+ \((.*)\)$/m, "$1")
+    .split("\n")
+    .map((line) => line.trim())
+    .filter((line) => line && !/^(machine |job and tables|measured afterwards)|, tables read from /.test(line));
   return <p class="scope">{lines.join("\n")}</p>;
 }
 

@@ -1,5 +1,7 @@
 // The visit on this page: files by name, and what the program says of them.
 import { batch, computed, effect, signal } from "@preact/signals";
+import schema from "core:";
+import list from "core:controllers list --format json";
 import { run, type Answer } from "./core";
 import { sections, valueOf, type Key } from "./job";
 import { problems, type Problem } from "./problems";
@@ -150,8 +152,11 @@ export const working = signal(false);
 
 const json = <T,>(answer: Answer): T | null => (answer.status < 2 ? (JSON.parse(answer.out) as T) : null);
 
-/** The visit without kits of it: what is shown is made anew. */
-const sources = () => [...files.value].filter(([name]) => !/^(kit|kit\.previous)\//.test(name));
+/** The visit without its kit, which is made anew to be shown; not where the job itself names that folder. */
+const sources = () => {
+  const isActive = valueOf(jobText.value, "measurement", "active_while_measuring") === "kit";
+  return [...files.value].filter(([name]) => isActive || !name.startsWith("kit/"));
+};
 
 async function make(): Promise<Made> {
   const own = sources();
@@ -179,7 +184,9 @@ export const isCurrent = computed(() => {
 
 /** Makes the kit; one that is there is kept as `kit.previous`, as the program does. */
 export async function makeKit() {
+  const begun = performance.now();
   const answer = await run(["generate", job.value, "-o", "kit", "--force"], files.value);
+  performance.measure("kit", { start: begun });
   if (answer.status < 2) files.value = new Map(answer.files);
   return answer;
 }
@@ -235,16 +242,10 @@ export interface Control {
   executed: number;
 }
 
-export const controls = signal<Control[]>([]);
-export const keys = signal<Key[]>([]);
+export const controls: Control[] = JSON.parse(list.out).controllers;
+export const keys: Key[] = JSON.parse(schema.out);
 /** What this control says of keys of the job, by `section.key`. */
 export const hints = signal<Map<string, string>>(new Map());
-
-async function learn() {
-  const list = await run(["controllers", "list", "--format", "json"]);
-  controls.value = JSON.parse(list.out).controllers;
-  keys.value = JSON.parse((await run([])).out);
-}
 
 /** Runs the newest question once the one before is answered. */
 function latest(ask: () => Promise<void>) {
@@ -281,7 +282,6 @@ const makeLatest = latest(async () => {
 });
 
 export async function start() {
-  await learn();
   const old = await kept();
   if (old) {
     batch(() => {
@@ -302,7 +302,7 @@ export async function start() {
   });
   effect(() => {
     const id = controller.value;
-    if (!controls.value.some((one) => one.id === id)) return;
+    if (!controls.some((one) => one.id === id)) return;
     void run(["controllers", "show", id, "--format", "json"]).then((answer) => {
       const told: { section: string; key: string; text: string }[] = JSON.parse(answer.out).job ?? [];
       hints.value = new Map(told.map((one) => [`${one.section}.${one.key}`, one.text]));
@@ -313,12 +313,12 @@ export async function start() {
 /** What is known of a key: the words behind it, of this control, or of the schema. */
 export function wordsOf(section: string, key: string): string {
   const bare = section.replace(/\.[xyz]$/, "");
-  return hints.value.get(`${bare}.${key}`) ?? keys.value.find((one) => one.section.replace(/\.x$/, "") === bare && one.key === key)?.words ?? "";
+  return hints.value.get(`${bare}.${key}`) ?? keys.find((one) => one.section.replace(/\.x$/, "") === bare && one.key === key)?.words ?? "";
 }
 
 export function isText(section: string, key: string): boolean {
   const bare = section.replace(/\.[xyz]$/, "");
-  const of = keys.value.find((one) => one.section.replace(/\.x$/, "") === bare && one.key === key);
+  const of = keys.find((one) => one.section.replace(/\.x$/, "") === bare && one.key === key);
   return /^(Option<)?String>?$/.test(of?.type ?? "");
 }
 
@@ -326,5 +326,5 @@ export function isText(section: string, key: string): boolean {
 export function absent(section: string): Key[] {
   const bare = section.replace(/\.[xyz]$/, "");
   const there = new Set(sections(jobText.value).filter((one) => one.name === section).flatMap((one) => one.fields.map((field) => field.key)));
-  return keys.value.filter((one) => one.section.replace(/\.x$/, "") === bare && !there.has(one.key));
+  return keys.filter((one) => one.section.replace(/\.x$/, "") === bare && !there.has(one.key));
 }

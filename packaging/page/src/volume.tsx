@@ -35,7 +35,7 @@ export function VolumeView(props: { of: Volume }) {
     const [x, y, z] = place.map((mm, n) => (mm - (low[n]! + high[n]!) / 2) / edge) as Place;
     const [right, deep] = [x * Math.cos(turn) + y * Math.sin(turn), -x * Math.sin(turn) + y * Math.cos(turn)];
     const up = z * Math.cos(tilt) + deep * Math.sin(tilt);
-    return [SIZE / 2 + right * SIZE * 0.52, SIZE / 2 - up * SIZE * 0.52];
+    return [SIZE / 2 + right * SIZE * 0.62, SIZE / 2 - up * SIZE * 0.62];
   };
   const corner = (n: number): Place => [n & 1 ? high[0]! : low[0]!, n & 2 ? high[1]! : low[1]!, n & 4 ? high[2]! : low[2]!];
   const edges = [0, 1, 2, 3, 4, 5, 6, 7].flatMap((n) => [1, 2, 4].filter((bit) => !(n & bit)).map((bit) => [corner(n), corner(n | bit)] as const));
