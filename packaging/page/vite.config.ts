@@ -23,7 +23,7 @@ const files: Plugin = {
   resolveId: (id) => (id.startsWith("file:") ? "\0" + id : null),
   load: (id) => {
     if (!id.startsWith("\0file:")) return null;
-    const path = resolve(import.meta.dirname, "../..", id.slice("\0file:".length));
+    const path = resolve(import.meta.url.replace(/^file:\/\//, ""), "../../..", id.slice("\0file:".length));
     return `export default ${JSON.stringify(readFileSync(path, "utf8"))}`;
   },
 };

@@ -8,11 +8,11 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { basename, dirname, join, resolve } from "node:path";
 import { after, before, test } from "node:test";
-import { pathToFileURL } from "node:url";
+import { fileURLToPath, pathToFileURL } from "node:url";
 import { unzipSync } from "fflate";
 import puppeteer from "puppeteer-core";
 
-const root = resolve(import.meta.dirname, "../../..");
+const root = resolve(fileURLToPath(import.meta.url), "../../../..");
 const program = resolve(process.env.NONIUS_PROGRAM ?? join(root, "target/debug/nonius"));
 const file = resolve(process.env.NONIUS_PAGE ?? join(root, "target/package/nonius.html"));
 const pictures = process.env.NONIUS_PICTURES;
