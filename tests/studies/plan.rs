@@ -89,7 +89,7 @@ impl Row {
         let axes = [("x", x), ("y", y), ("z", z)].map(axis).concat();
         format!(
             "schema = 1\n[machine]\nname = \"VMC\"\nchain = \"wXYZt\"\n{axes}[measurement]\nerrors = \"none.csv\"\n\
-             [measurement.uncertainty]\n{noise}laser_ppm = {:?}\nsetup_ppm = {:?}\n\
+             [measurement.uncertainty]\n{noise}laser_ppm = {:?}\nbeam_mrad = 0.0\nsetup_ppm = {:?}\n\
              [program]\nwhat = \"step-diagonal\"\nstart_mm = {{ x = 0.0, y = 0.0, z = 0.0 }}\n\
              size_mm = {{ x = {x:?}, y = {y:?}, z = {z:?} }}\nsteps = {}\norder = \"XYZ\"\n{}\n",
             self.laser_ppm, self.setup_ppm, self.steps, self.program
