@@ -9,7 +9,7 @@ async function unpacked(base64: string): Promise<WebAssembly.Module> {
   const bytes = new Uint8Array(packed.length);
   for (let n = 0; n < packed.length; n++) bytes[n] = packed.charCodeAt(n);
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  return WebAssembly.compile(await new Response(stream).arrayBuffer());
+  return WebAssembly.compileStreaming(new Response(stream, { headers: { "Content-Type": "application/wasm" } }));
 }
 
 self.onmessage = async ({ data }: MessageEvent) => {
