@@ -181,7 +181,7 @@ fn second_passes(row: &Row, planned: &Visit, job: &Job, seed: u64) -> bool {
 #[test]
 fn as_many_second_measurements_pass_as_a_plan_promises() {
     let many = share(400, 10);
-    const NONE: &str = "[measurement.uncertainty]\nangle_urad = 0\nbeam_mrad = 0\n";
+    const NONE: &str = "[measurement.uncertainty]\nangle_urad = 0\n";
     for (index, (row, factor)) in (0..).zip([(0, 1.6), (2, 1.7), (4, 1.7), (7, 1.5)]) {
         let row = &ROWS[row];
         let text = row.text().replace("[measurement.uncertainty]\n", NONE);
