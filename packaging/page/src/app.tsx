@@ -96,7 +96,7 @@ export function App() {
           </button>
         </p>
       )}
-      <main>
+      <main class={working.value ? "stale" : ""} aria-busy={working.value}>
         <Now />
       </main>
     </>

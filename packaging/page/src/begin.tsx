@@ -94,26 +94,38 @@ function Begin() {
 }
 
 export function BeginStep() {
-  const [sure, setSure] = useState(false);
+  // Files that wait until the visit on the page may go; none = only that.
+  const [waiting, setWaiting] = useState<Files | null>(null);
   if (begun.value) {
+    const isVisit = (files: Files) => [...files.keys()].some((name) => /\.toml$/i.test(name));
     return (
       <Card title={t("anew")}>
-        <p>{t("anew_sure")}</p>
-        {sure ? (
-          <div class="buttons">
-            <button type="button" class="bad" onClick={() => (clear(), setSure(false))}>
-              {t("remove")}
-            </button>
-            <button type="button" onClick={() => setSure(false)}>
-              {t("cancel")}
-            </button>
-          </div>
+        {waiting ? (
+          <>
+            <p class="told">{t("anew_sure")}</p>
+            <div class="buttons">
+              <button
+                type="button"
+                class="bad"
+                onClick={() => {
+                  clear();
+                  if (waiting.size) take(waiting);
+                  setWaiting(null);
+                }}
+              >
+                {t("remove")}
+              </button>
+              <button type="button" onClick={() => setWaiting(null)}>
+                {t("cancel")}
+              </button>
+            </div>
+          </>
         ) : (
-          <button type="button" onClick={() => setSure(true)}>
+          <button type="button" onClick={() => setWaiting(new Map())}>
             {t("anew")}
           </button>
         )}
-        <Drop words={t("drop")} folder take={take} />
+        <Drop words={t("drop")} folder take={(dropped) => (isVisit(dropped) ? setWaiting(dropped) : take(dropped))} />
       </Card>
     );
   }

@@ -1,6 +1,6 @@
 // A job as a form: a row for each key, X, Y and Z side by side, the reader's own messages beside the field.
 import { useState } from "preact/hooks";
-import { choices, groups, sections, shown, withKey, without, withoutBlock, withValue, written, type Field, type Group, type Section } from "./job";
+import { choices, groups, sections, shown, withKey, without, withoutBlock, withProposed, withValue, written, type Field, type Group, type Section } from "./job";
 import { at, type Problem } from "./problems";
 import { Card, Problems } from "./ui";
 import { absent, isText, put, textOf, wordsOf } from "./visit";
@@ -32,6 +32,7 @@ function Input(props: { file: string; section: Section; field: Field; problems: 
     class: isOpen ? "open" : "",
   };
   const now = shown(field.value);
+  if (field.isLong) return <span class="soft">{t("as_text")}</span>;
   return (
     <>
       {offered.length && (offered.includes(now) || now === "") ? (
@@ -107,7 +108,7 @@ function More(props: { file: string; group: Group }) {
       // Each change moves lines: the section is looked up in the text as it is then.
       const section = sections(text).filter((one) => one.name === column.name)[group.columns.filter((one) => one.name === column.name).indexOf(column)];
       const field = section?.fields.find((one) => one.key === key && one.optional);
-      if (section && field) text = withValue(text, field, field.value);
+      if (section && field) text = withProposed(text, field);
       else if (section && !section.fields.some((one) => one.key === key)) text = withKey(text, section, key, '""');
     }
     put(file, text);

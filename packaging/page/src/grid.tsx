@@ -1,8 +1,8 @@
 // A table of values as a grid: the rows in view, cells that can be typed in, pasted into and walked through.
 import { useRef, useState } from "preact/hooks";
 import { at, type Problem } from "./problems";
-import { block, cellAt, cells, pasted, table, text, type Table } from "./table";
-import { notice, put, textOf } from "./visit";
+import { block, cellAt, cells, pasted, table, text, withoutRow, type Table } from "./table";
+import { isPlain, notice, put, textOf } from "./visit";
 import { t } from "./words";
 
 const ROW_PX = 34;
@@ -17,8 +17,9 @@ function told(of: Table, file: string, problems: Problem[], line: number): { cel
 
 export function Grid(props: { file: string; problems: Problem[] }) {
   const { file } = props;
-  const of = table(textOf(file));
+  const of = isPlain(file) ? table(textOf(file)) : null;
   const [top, setTop] = useState(0);
+  const [now, setNow] = useState(-1);
   const frame = useRef<HTMLDivElement>(null);
   if (!of) return <p>{t("no_grid", { file })}</p>;
   const first = Math.max(0, Math.min(Math.floor(top / ROW_PX) - 4, of.rows.length - IN_VIEW - 8));
@@ -82,6 +83,7 @@ export function Grid(props: { file: string; problems: Problem[] }) {
                     aria-invalid={!!fault && (fault.cell === column || fault.cell < 0)}
                     autocomplete="off"
                     value={own[column]?.trim() ?? ""}
+                    onFocus={() => setNow(row)}
                     onInput={(event) => write(row, column, [[event.currentTarget.value]])}
                     onKeyDown={(event) => walk(event, row, column)}
                     onPaste={(event) => paste(event, row, column)}
@@ -96,7 +98,12 @@ export function Grid(props: { file: string; problems: Problem[] }) {
       </div>
       <button type="button" onClick={() => (write(of.rows.length, 0, [[""]]), go(of.rows.length - 1, 0))}>
         {t("add_row")}
-      </button>
+      </button>{" "}
+      {now >= 0 && now < of.rows.length && (
+        <button type="button" onClick={() => put(file, text(withoutRow(of, now)))}>
+          {t("remove_row", { row: of.rows[now]! + 1 })}
+        </button>
+      )}
     </div>
   );
 }

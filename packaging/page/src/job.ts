@@ -7,8 +7,10 @@ export interface Field {
   /** As it stands in the text. */
   value: string;
   words: string;
-  /** Behind a `# `: it does not count until it is filled in. */
+  /** Behind a `# `: it does not count until it is filled in; the value is an example. */
   optional: boolean;
+  /** Over several lines: only as text. */
+  isLong: boolean;
 }
 
 export interface Section {
@@ -30,10 +32,12 @@ export interface Key {
   type: string;
 }
 
-const KEY = /^(# )?([A-Za-z_][A-Za-z_0-9]*) = /;
+const KEY = /^(# )?(\s*)([A-Za-z_][\w.]*)\s*=\s*/;
+/** How an example behind a `# ` begins; other remarks hold an equal sign, too. */
+const EXAMPLE = /^# \w+ = ["'\d+\-[{tf]/;
 
-/** End of the value that begins at `at`: what follows is a comment, or nothing. */
-function ended(line: string, at: number): number {
+/** End of the value that begins at `at`: what follows is a comment, or nothing. `depth` of open brackets goes on. */
+function ended(line: string, at: number, brackets = { depth: 0 }): number {
   let quote = "";
   for (let n = at; n < line.length; n++) {
     const letter = line[n]!;
@@ -42,6 +46,8 @@ function ended(line: string, at: number): number {
       else if (letter === quote) quote = "";
     } else if (letter === '"' || letter === "'") quote = letter;
     else if (letter === "#") return n;
+    else if ("[{".includes(letter)) brackets.depth++;
+    else if ("]}".includes(letter)) brackets.depth--;
   }
   return line.length;
 }
@@ -49,23 +55,31 @@ function ended(line: string, at: number): number {
 export function sections(job: string): Section[] {
   const found: Section[] = [{ name: "", many: false, line: -1, intro: "", fields: [] }];
   let intro: string[] = [];
+  const brackets = { depth: 0 };
   job.split("\n").forEach((raw, line) => {
     const text = raw.replace(/\r$/, "");
+    if (brackets.depth > 0) {
+      ended(text, 0, brackets);
+      return;
+    }
+    brackets.depth = 0;
     const header = /^(\[\[?)([^\]]+)\]\]?\s*(?:#\s*(.*))?$/.exec(text);
-    const key = KEY.exec(text);
+    const key = !text.startsWith("#") || EXAMPLE.test(text) ? KEY.exec(text) : null;
     const section = found.at(-1)!;
     if (header) {
       const words = [...intro, header[3] ?? ""].filter(Boolean).join(" ");
       found.push({ name: header[2]!.trim(), many: header[1] === "[[", line, intro: words, fields: [] });
       intro = [];
     } else if (key) {
-      const end = ended(text, key[0].length);
+      const isOptional = key[1] !== undefined;
+      const end = ended(text, key[0].length, isOptional ? undefined : brackets);
       section.fields.push({
         line,
-        key: key[2]!,
+        key: key[3]!,
         value: text.slice(key[0].length, end).trim(),
         words: text.slice(end).replace(/^#\s*/, "").trim(),
-        optional: key[1] !== undefined,
+        optional: isOptional,
+        isLong: !isOptional && brackets.depth > 0,
       });
       intro = [];
     } else if (/^# \[/.test(text) || text.trim() === "") intro = [];
@@ -111,15 +125,22 @@ export function written(typed: string, isText: boolean): string {
   return isBare && !isText ? value : JSON.stringify(typed);
 }
 
-/** The job with another value in a line; an optional field that is emptied goes back behind its `# `. */
+/** The job with another value in a line. */
 export function withValue(job: string, field: Field, value: string): string {
   const lines = job.split("\n");
   const was = lines[field.line]!;
   const key = KEY.exec(was)!;
   const end = ended(was, key[0].length);
   const comment = was.slice(end).trim();
-  const bare = `${field.key} = ${value}`;
+  const bare = `${key[2]}${field.key} = ${value}`;
   lines[field.line] = comment ? `${bare.padEnd(Math.max(35, bare.length + 1))} ${comment}` : bare;
+  return lines.join("\n");
+}
+
+/** The job with a proposed field to be filled in; its example goes behind it. */
+export function withProposed(job: string, field: Field): string {
+  const lines = withValue(job, field, '""').split("\n");
+  if (!field.words.includes(field.value)) lines[field.line] += `${field.words ? "," : " #"} e.g. ${field.value}`;
   return lines.join("\n");
 }
 

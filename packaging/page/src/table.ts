@@ -2,6 +2,8 @@
 
 export interface Table {
   lines: string[];
+  /** Line ends, as the file has them. */
+  ends: string;
   /** Index of the header's line. */
   header: number;
   separator: string;
@@ -21,7 +23,7 @@ export function table(text: string): Table | null {
   lines.forEach((line, n) => {
     if (n > header && line.trim() !== "" && !line.startsWith("#")) rows.push(n);
   });
-  return { lines, header, separator, names, rows };
+  return { lines, ends: text.includes("\r\n") ? "\r\n" : "\n", header, separator, names, rows };
 }
 
 export function cells(of: Table, line: number): string[] {
@@ -29,7 +31,7 @@ export function cells(of: Table, line: number): string[] {
 }
 
 export function text(of: Table): string {
-  return of.lines.join("\n");
+  return of.lines.join(of.ends);
 }
 
 /** Values written over a rectangle from a row and column on; rows are added where it is longer. */
@@ -50,6 +52,10 @@ export function pasted(of: Table, row: number, column: number, values: string[][
     lines[line] = now.join(of.separator);
   });
   return { ...of, lines, rows };
+}
+
+export function withoutRow(of: Table, row: number): Table {
+  return { ...of, lines: of.lines.filter((_, line) => line !== of.rows[row]) };
 }
 
 /** A block of a spreadsheet, cells by tabs; decimal commas as points where the table's own separator is a comma. */

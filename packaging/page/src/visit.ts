@@ -28,6 +28,16 @@ export function textOf(name: string): string {
   return bytes ? decoder.decode(bytes) : "";
 }
 
+/** Whether a file is text that can be written back as it is: another encoding than UTF-8 is left alone. */
+export function isPlain(name: string): boolean {
+  try {
+    new TextDecoder("utf-8", { fatal: true }).decode(files.value.get(name));
+    return true;
+  } catch {
+    return false;
+  }
+}
+
 export function put(name: string, content: string | Uint8Array) {
   const bytes = typeof content === "string" ? encoder.encode(content) : content;
   files.value = new Map(files.value).set(name, bytes);
@@ -135,9 +145,8 @@ export interface Vectors {
 
 export interface Volume {
   volume_mm: Record<"x" | "y" | "z", [number, number] | null>;
-  definitions: { va_um: number | null };
   vectors: Vectors;
-  after: { definitions: { va_um: number | null }; vectors: Vectors } | null;
+  after: { vectors: Vectors } | null;
 }
 
 export interface Separated {
@@ -182,12 +191,18 @@ export const isCurrent = computed(() => {
   return kit.value.length === now.size && kit.value.every(([name, bytes]) => decoder.decode(now.get(name)) === decoder.decode(bytes));
 });
 
+const isKit = (name: string) => /^kit(\.previous(-\d+)?)?\//.test(name);
+
 /** Makes the kit; one that is there is kept as `kit.previous`, as the program does. */
 export async function makeKit() {
   const begun = performance.now();
   const answer = await run(["generate", job.value, "-o", "kit", "--force"], files.value);
   performance.measure("kit", { start: begun });
-  if (answer.status < 2) files.value = new Map(answer.files);
+  if (answer.status < 2) {
+    // Only what was made: the job may have been changed meanwhile.
+    const others = [...files.value].filter(([name]) => !isKit(name));
+    files.value = new Map([...others, ...answer.files.filter(([name]) => isKit(name))]);
+  }
   return answer;
 }
 
@@ -263,13 +278,15 @@ function latest(ask: () => Promise<void>) {
     } catch (fault) {
       notice.value = String(fault);
     }
-    busy = working.value = false;
+    busy = false;
+    working.value = again;
     if (again) {
       again = false;
       await go();
     }
   };
   return () => {
+    working.value = true;
     clearTimeout(timer);
     timer = setTimeout(go, 120);
   };

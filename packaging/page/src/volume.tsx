@@ -48,9 +48,7 @@ export function VolumeView(props: { of: Volume }) {
       <div class="views" tabIndex={0} role="application" aria-label={t("volume_turn")} onPointerMove={drag} onKeyDown={keys}>
         {sides.map(([name, kind, vectors]) => (
           <figure>
-            <figcaption>
-              {name}: VA {figure((kind === "before" ? of : of.after!).definitions.va_um, 2)} µm
-            </figcaption>
+            <figcaption>{name}</figcaption>
             <svg viewBox={`0 0 ${SIZE} ${SIZE}`} role="img" aria-label={name}>
               {edges.map(([from, to]) => {
                 const [a, b] = [view(from), view(to)];

@@ -281,6 +281,25 @@ test("the visit is kept, saved as a folder that the program takes, and opened ag
   await page.waitForSelector(".verdict.pass");
 });
 
+test("a job by hand keeps every byte but the value that is typed", async () => {
+  await opened();
+  const folder = join(root, "fixtures/nine_errors_900");
+  const own = readFileSync(join(folder, "fanuc-30i.toml"), "utf8");
+  const job = own
+    .replace(/^name = .*$/m, 'name="old" # a # in a remark = "no key"')
+    .replace(/^(first_set.*|\[compensation\].*)$/m, "$1\nreserved_points = [\n  [512, 767], # of others\n]")
+    .replace(/\n/g, "\r\n");
+  await drop([["job.toml", job], ["errors.csv", readFileSync(join(folder, "errors.csv"), "utf8")]]);
+  await go("job");
+  await type("name ", "VMC 900 ä");
+  await settled();
+  const zip = unzipSync(await saved("Save the visit"));
+  const text = Buffer.from(zip["visit/job.toml"]).toString();
+  const changed = text.split("\n").filter((line, n) => line !== job.split("\n")[n]);
+  assert.deepEqual(changed.map((line) => line.trim()), ['name = "VMC 900 ä"                  # a # in a remark = "no key"']);
+  await page.waitForSelector("header .verdict");
+});
+
 test("errors in a spreadsheet are taken", async () => {
   await opened();
   const folder = join(root, "fixtures/nine_errors_900");
