@@ -14,6 +14,7 @@ mod history;
 mod import;
 mod new;
 mod outcome;
+mod page;
 mod path;
 mod plan;
 mod program;
@@ -101,6 +102,8 @@ enum Command {
     Standards(standards::Options),
     /// Tell the machine's error along the path of a part program (G-code)
     Path(path::Options),
+    /// Write the page that does all this in a browser, also on a computer where nothing may be installed
+    Page(page::Options),
     /// List, show or check the controls that can be written for
     Controllers {
         #[command(subcommand)]
@@ -134,6 +137,10 @@ mod on_disk {
     /// Runs the program with its arguments (the first is its name) and gives the exit status.
     pub fn run(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         let arguments: Vec<OsString> = arguments.into_iter().collect();
+        #[cfg(all(windows, feature = "page"))]
+        if arguments.len() == 1 {
+            return double_clicked();
+        }
         match Arguments::try_parse_from(&arguments) {
             Ok(arguments) => {
                 let mut out = std::io::stdout().lock();
@@ -143,6 +150,18 @@ mod on_disk {
             }
             Err(error) => not_parsed(&error, &arguments),
         }
+    }
+
+    /// Writes the page among the temporary files of this user and opens it.
+    #[cfg(all(windows, feature = "page"))]
+    fn double_clicked() -> ExitCode {
+        let place = std::env::temp_dir().join("nonius.html");
+        let words = ["nonius", "page", "--force", "-o"].map(OsString::from);
+        let status = run(words.into_iter().chain([place.clone().into()]));
+        if open::that(place).is_ok() {
+            say("it opens now; in a command prompt `nonius --help` lists all commands");
+        }
+        status
     }
 
     /// Help and version are answers, everything else is wrong usage (2).
@@ -219,6 +238,7 @@ fn execute(command: Command, files: &dyn Files) -> Result<Outcome, Problems> {
         Command::Import(options) => import::run(&options, files),
         Command::Standards(options) => standards::run(&options, files),
         Command::Path(options) => path::run(&options, files),
+        Command::Page(options) => page::run(&options),
         Command::Controllers { command } => controllers::run(command.as_ref(), files),
         Command::Context(options) => controllers::context(&options, files),
         Command::Completions { shell } => {

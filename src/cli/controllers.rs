@@ -9,7 +9,7 @@ use crate::inputs::job::Job;
 use crate::kit::{Inputs, generate, program_kit, template_context};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
-use crate::visit::files::Files;
+use crate::visit::files::{Files, printed};
 use crate::visit::inputs;
 use crate::visit::job_files::profile;
 use clap::{Args, Subcommand};
@@ -193,7 +193,7 @@ fn about(
 /// Checks a profile and renders its templates with a small machine that has everything: nine
 /// errors, X in both directions.
 fn check(files: &dyn Files, file: &Path, print: Print) -> Result<Outcome, Problems> {
-    let path = file.display().to_string();
+    let path = printed(file);
     // A bare name is still a path here, so it gets a folder in front.
     let reference = if path.contains(['/', '\\']) { path.clone() } else { format!("./{path}") };
     let (profile, _) = profile(files, &reference, Path::new(""))?;

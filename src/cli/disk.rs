@@ -5,7 +5,7 @@ use crate::text::document::LARGEST_FILE_MIB;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{
     Begun, Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, not_put_out, not_written,
-    plain_words, written_over,
+    plain_words, printed, written_over,
 };
 use std::cell::RefCell;
 use std::fs::{File, Metadata, TryLockError};
@@ -116,7 +116,7 @@ impl Disk {
 
 impl Files for Disk {
     fn bytes(&self, path: &Path) -> Result<Vec<u8>, Problem> {
-        let name = path.display().to_string();
+        let name = printed(path);
         let (file, metadata) = self.open(path)?;
         let bytes = bounded(&format!("`{name}`"), metadata.len(), file)?;
         if bytes.is_empty() && !metadata.is_file() {
@@ -149,12 +149,9 @@ impl Files for Disk {
             let file = spooled(STANDARD_INPUT, self.piped())?;
             return Ok((STANDARD_INPUT.to_string(), Box::new(file)));
         }
-        let name = path.display().to_string();
+        let name = printed(path);
         let (file, metadata) = self.open(path)?;
-        let file = match metadata.is_file() {
-            true => file,
-            false => spooled(&format!("`{name}`"), file)?,
-        };
+        let file = if metadata.is_file() { file } else { spooled(&format!("`{name}`"), file)? };
         Ok((name, Box::new(file)))
     }
 
@@ -169,8 +166,7 @@ impl Files for Disk {
             }
         }
         names.sort();
-        let name = folder.display().to_string();
-        self.remember(&name, Some(folder), &folder.metadata()?);
+        self.remember(&printed(folder), Some(folder), &folder.metadata()?);
         Ok(names)
     }
 
@@ -232,7 +228,7 @@ fn locked(path: &Path) -> Result<Option<File>, Problem> {
     while cfg!(unix) {
         let Ok(file) = File::open(path) else { break };
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            let message = format!("another run is filling in `{}`", path.display());
+            let message = format!("another run is filling in `{}`", printed(path));
             return Err(Problem::new(message).help("look at what it wrote"));
         }
         if identity_of(path.metadata()) == identity_of(file.metadata()) {
@@ -244,7 +240,7 @@ fn locked(path: &Path) -> Result<Option<File>, Problem> {
 
 /// A path in words, which has no control characters.
 fn plain_name(path: &Path) -> Result<String, Problem> {
-    let name = path.display().to_string();
+    let name = printed(path);
     if !name.chars().any(char::is_control) {
         return Ok(name);
     }

@@ -12,7 +12,7 @@ use crate::kit::{Inputs, Kit, cannot_emulate, emulator, generate, remarks};
 use crate::page::{Locale, Picture};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
-use crate::visit::files::Files;
+use crate::visit::files::{Files, printed};
 use crate::visit::inputs;
 use clap::Args;
 use serde_json::{Value, json};
@@ -98,17 +98,14 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
 fn next_steps(job: &Path, directory: &Path, inputs: &Inputs, kit: &Kit) -> String {
     let names = kit.files.iter().map(|file| file.path.as_str());
     let names: Vec<&str> = names.chain([MANIFEST]).collect();
-    let mut lines = vec![format!("wrote {}: {}", directory.display(), names.join(", "))];
+    let mut lines = vec![format!("wrote {}: {}", printed(directory), names.join(", "))];
     lines.extend(checklist(kit).map(|name| {
         let path = directory.join(name);
-        format!("print first: {}, step by step what to do at the machine", path.display())
+        format!("print first: {}, step by step what to do at the machine", printed(&path))
     }));
     lines.push(before_loading(inputs, kit));
-    lines.push(format!(
-        "check the USB stick with: nonius verify {} --tables {}",
-        shell_word(job),
-        shell_word(directory)
-    ));
+    let (job, kit) = (shell_word(job), shell_word(directory));
+    lines.push(format!("check the USB stick with: nonius verify {job} --tables {kit}"));
     let wrapped: Vec<String> = lines.iter().map(|line| wrapped(line)).collect();
     wrapped.join("\n")
 }

@@ -17,7 +17,7 @@ use crate::kit::sha256;
 use crate::text::document::json_page;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
-use crate::visit::files::{Files, previous};
+use crate::visit::files::{Files, previous, printed, with_slashes};
 use clap::Args;
 use serde::Serialize;
 use serde_json::Value;
@@ -109,7 +109,7 @@ fn follow(files: &dyn Files, directory: &Path) -> Result<Chain, Problems> {
 }
 
 fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
-    let name = directory.display();
+    let name = printed(directory);
     let bytes = files.bytes(&directory.join(MANIFEST)).map_err(|problem| {
         match files.names(directory).map_err(|error| error.kind()) {
             Err(ErrorKind::PermissionDenied) => problem,
@@ -135,7 +135,7 @@ fn read_link(files: &dyn Files, directory: &Path) -> Result<Link, Problem> {
     };
     let faults = faults(&manifest, read).into_iter().filter(is_made);
     Ok(Link {
-        directory: name.to_string(),
+        directory: with_slashes(directory),
         manifest_sha256: sha256(&bytes),
         tool: manifest["tool"].clone(),
         controller: manifest["controller"].clone(),
@@ -181,7 +181,7 @@ fn screen(chain: &Chain) -> Screen {
     const SHOWN_DIGITS: usize = 12;
     let mut lines = Vec::new();
     for (age, link) in chain.kits.iter().enumerate() {
-        lines.push(format!("{age}  {}", link.directory));
+        lines.push(format!("{age}  {}", printed(Path::new(&link.directory))));
         lines.push(format!(
             "   {}, {}, machine {}, measured {}, manifest {}",
             word(&link.tool),

@@ -13,7 +13,7 @@ use crate::quantity::diagonal::Diagonal;
 use crate::text::document::Source;
 use crate::text::finding::{Severity, of_severity};
 use crate::text::problem::Problems;
-use crate::visit::files::{Files, file_name};
+use crate::visit::files::{Files, file_name, with_slashes};
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -122,7 +122,7 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
         "schema": 1,
         "source": { "path": file.name, "sha256": file.sha256 },
         "format": word(imported.format),
-        "output": output.display().to_string(),
+        "output": with_slashes(output),
         "stated": given.collect::<Map<_, _>>(),
         "facts": of_severity(&imported.findings, Severity::Label),
         "warnings": of_severity(&imported.findings, Severity::Note),

@@ -13,7 +13,7 @@ use crate::quantity::units::{Figure, MM_PER_INCH};
 use crate::text::document::{LONGEST_MM, Source};
 use crate::text::finding::Severity;
 use crate::text::problem::{Problem, Problems};
-use crate::visit::files::{Files, Kind};
+use crate::visit::files::{Files, Kind, printed, with_slashes};
 use crate::visit::inputs::{errors, of_control};
 use crate::visit::job_files::{JobFiles, folder_of, profile, read_page};
 use crate::write::plan::axis_names;
@@ -100,7 +100,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         ..Screen::default()
     };
     let stages: Vec<String> = stages.iter().map(Stage::to_string).collect();
-    let (place, names) = (directory.display(), names.join(", "));
+    let (place, names) = (printed(directory), names.join(", "));
     let talk = format!("wrote {place}: {names}\nthen:\n{}", stages.join("\n"));
     let outcome = options.output.print.outcome(|| screen, || document)?;
     let job = (JOB, begun.job.into_bytes());
@@ -160,16 +160,15 @@ fn again(
     let is_kit = read_out.is_some() || files.is(Kind::File, &kit.join(MANIFEST));
     let place = ["first_table", "first_set"].into_iter();
     let place = place.rev().find(|place| profile.job_keys.iter().any(|key| key.key == *place));
+    let name = printed(&kit);
     words.push(match (is_kit, place) {
-        (false, _) => format!(
-            "no kit in {}: state in `active_while_measuring` what was loaded",
-            kit.display()
-        ),
+        (false, _) => {
+            format!("no kit in {name}: state in `active_while_measuring` what was loaded")
+        }
         (true, Some(place)) => format!(
-            "`{place}` decides whether the new tables replace those of {} or lie beside them",
-            kit.display()
+            "`{place}` decides whether the new tables replace those of {name} or lie beside them"
         ),
-        (true, None) => format!("the new tables replace those of {}", kit.display()),
+        (true, None) => format!("the new tables replace those of {name}"),
     });
     let kit = if is_kit { inside(&kit, directory) } else { String::new() };
     let earlier = Earlier { job: &job, measured, place, kit, held };
@@ -186,7 +185,7 @@ fn held(
     path: &Path,
     words: &mut Vec<String>,
 ) -> Result<Vec<(String, String)>, Problems> {
-    let (name, names) = (path.display().to_string(), axis_names(job, profile)?);
+    let (name, names) = (printed(path), axis_names(job, profile)?);
     let (_, found) =
         of_control(files, path, &name, "name a file or a directory read out of the control")?;
     let control = from_read_out(job, profile, &name, found, ReadOutFor::Judging)?;
@@ -237,6 +236,7 @@ impl fmt::Display for Stage {
 fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
     let place = |name: &str| shell_word(&directory.join(name));
     let [job, kit] = [JOB, KIT].map(place);
+    let checklist = place(&format!("{KIT}/checklist.html"));
     let table = begun.measured;
     let tables = format!("{job} --tables {kit}");
     let after = format!("{tables} --after {}", place(begun.after()));
@@ -247,10 +247,7 @@ fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
     let separate = begun.readings.then(|| format!("nonius separate {job}"));
     let generate = format!("nonius generate {job} -o {kit}");
     let before = "before measuring: what the run will determine, its part programs".to_string();
-    let again = match begun.readings {
-        true => format!("{AFTER} and {AFTER_JOB}"),
-        false => AFTER.to_string(),
-    };
+    let again = if begun.readings { format!("{AFTER} and {AFTER_JOB}") } else { AFTER.to_string() };
     let before = begun.readings.then(|| stage(before, planned.collect()));
     let others = [
         stage(
@@ -258,10 +255,7 @@ fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
             separate.into_iter().chain([generate]).collect(),
         ),
         stage(
-            format!(
-                "before loading, which {} leads through",
-                shell_word(&directory.join(KIT).join("checklist.html"))
-            ),
+            format!("before loading, which {checklist} leads through"),
             vec![format!("nonius verify {tables}")],
         ),
         stage(
@@ -281,10 +275,7 @@ fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
 fn from_inside(controller: &str, directory: &Path) -> String {
     let is_path =
         controller.contains(['/', '\\']) || controller.to_ascii_lowercase().ends_with(".toml");
-    match is_path {
-        true => inside(Path::new(controller), directory),
-        false => controller.to_string(),
-    }
+    if is_path { inside(Path::new(controller), directory) } else { controller.to_string() }
 }
 
 /// A path as it is named in `directory`.
@@ -292,8 +283,7 @@ fn inside(path: &Path, directory: &Path) -> String {
     let is_down = |part: Component<'_>| matches!(part, Component::Normal(_));
     if path.is_absolute() || !directory.components().all(is_down) {
         let absolute = std::path::absolute(path);
-        return absolute
-            .map_or_else(|_| path.display().to_string(), |path| path.display().to_string());
+        return absolute.map_or_else(|_| with_slashes(path), |path| with_slashes(&path));
     }
     let pairs = path.components().zip(directory.components());
     let shared = pairs.take_while(|(one, other)| one == other).count();

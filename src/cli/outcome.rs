@@ -7,7 +7,7 @@ use crate::kit::manifest::{self, MANIFEST};
 use crate::page::{Locale, Picture, Shown, Texts};
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
-use crate::visit::files::{Begun, Files, Long, NamedBytes, Ready, not_written};
+use crate::visit::files::{Begun, Files, Long, NamedBytes, Ready, not_written, printed};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::Value;
@@ -115,7 +115,7 @@ impl Output {
                 return Ok(Outcome::of(Data::Long(long)).saying(detail, screen().page(detail)));
             }
         };
-        let place = self.place().unwrap_or(Path::new("-")).display();
+        let place = printed(self.place().unwrap_or(Path::new("-")));
         let outcome = self.print.outcome(screen, document)?.writing(write);
         Ok(outcome.saying(detail, format!("wrote {place}{next}")))
     }
@@ -307,10 +307,10 @@ impl Data {
             Data::Long(mut long) => std::io::copy(&mut long, out).map(|_| ()),
         };
         match printed.and_then(|()| out.flush()) {
-            // Windows: ERROR_PIPE_NOT_CONNECTED is a closed pipe, too.
-            Err(error) if cfg!(windows) && error.raw_os_error() == Some(233) => Ok(()),
-            Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error),
-            _ => Ok(()),
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+            // ERROR_NO_DATA and ERROR_PIPE_NOT_CONNECTED of Windows; no other system has errors of these numbers.
+            Err(error) if matches!(error.raw_os_error(), Some(232 | 233)) => Ok(()),
+            printed => printed,
         }
     }
 }
@@ -359,5 +359,32 @@ impl PlotOnly {
         picture: impl FnOnce(Locale<'_>) -> Result<Picture, Problems>,
     ) -> Result<Outcome, Problems> {
         self.plot.beside(outcome, self.force, picture)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Error;
+
+    struct Refusing(i32);
+
+    impl Write for Refusing {
+        fn write(&mut self, _: &[u8]) -> std::io::Result<usize> {
+            Err(Error::from_raw_os_error(self.0))
+        }
+
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_reader_that_went_away_is_no_failure_on_any_system() {
+        let prints = |number| Data::Bytes(b"page".to_vec()).print(&mut Refusing(number)).is_ok();
+        let number = if cfg!(windows) { 109 } else { 32 };
+        assert!([number, 232, 233].into_iter().all(prints));
+        let full = if cfg!(windows) { 112 } else { 28 };
+        assert!(!prints(full));
     }
 }

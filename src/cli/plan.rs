@@ -245,8 +245,5 @@ fn letter(index: usize) -> String {
 }
 
 fn or_dash(words: String) -> String {
-    match words.is_empty() {
-        true => "-".to_string(),
-        false => words,
-    }
+    if words.is_empty() { "-".to_string() } else { words }
 }

@@ -11,7 +11,7 @@ use crate::quantity::units::Figure;
 use crate::text::delimited::{Line, header_and_rows};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
-use crate::visit::files::Files;
+use crate::visit::files::{Files, printed};
 use crate::visit::job_files::{folder_of, read_job_and_profile};
 use crate::write::emit::program::FileRole;
 use crate::write::program::left_open;
@@ -176,10 +176,10 @@ fn next_steps(directory: &Path, kit: &ProgramKit, table: Option<Table>) -> Strin
             FileRole::Positions => "where each reading is taken",
             FileRole::Readings => "to be filled in: its last column is empty",
         };
-        lines.push(format!("wrote {} ({purpose})", directory.join(&file.path).display()));
+        lines.push(format!("wrote {} ({purpose})", printed(&directory.join(&file.path))));
     }
-    lines.push(format!("wrote {}", directory.join(MANIFEST).display()));
-    lines.extend(table.map(|table| match (table.place.display(), table.is_ready) {
+    lines.push(format!("wrote {}", printed(&directory.join(MANIFEST))));
+    lines.extend(table.map(|table| match (printed(&table.place), table.is_ready) {
         (place, true) => format!("the readings go into {place}, which the job names"),
         (place, false) => {
             format!("copy the file to be filled in to {place}, which the job names")

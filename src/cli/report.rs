@@ -115,10 +115,7 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<Vis
     let is_found = without_tables && !states_tables(options, files, &name, &bytes)?;
     let use_of = UseOf::with(!is_found);
     let (inputs, _) = inputs::read_job(files, None, (&options.job, &name, &bytes), use_of)?;
-    match is_found {
-        true => of_job(locale, &inputs),
-        false => with_tables(options, files, locale, &inputs),
-    }
+    if is_found { of_job(locale, &inputs) } else { with_tables(options, files, locale, &inputs) }
 }
 
 /// Whether the job says how the points of any axis are chosen.

@@ -2,6 +2,7 @@
 //! everything else is one option away (`--explain`). Tables, lists, and paths as a shell reads them.
 
 use crate::text::plain;
+use crate::visit::files::printed;
 use clap::Args;
 use std::io::IsTerminal;
 use std::path::Path;
@@ -75,10 +76,7 @@ impl Screen {
             return std::iter::once(verdict).chain(always).collect::<Vec<_>>().join("\n");
         }
         let mut parts = vec![verdict, self.figures.clone()];
-        let shown = match detail.explain {
-            true => self.findings.len(),
-            false => MOST_FINDINGS,
-        };
+        let shown = if detail.explain { self.findings.len() } else { MOST_FINDINGS };
         let worst = self.findings.iter().take(shown).chain(&self.always);
         let worst: Vec<String> = worst.map(|words| wrapped(words)).collect();
         parts.push(worst.join("\n"));
@@ -154,10 +152,7 @@ pub(super) fn list(heading: &str, lines: &[impl std::fmt::Display]) -> String {
 /// For a person's screen: lines that are longer, broken at blanks; what follows is indented. Another
 /// program gets its lines whole.
 pub(super) fn wrapped(text: &str) -> String {
-    match std::io::stdout().is_terminal() {
-        true => broken_lines(text),
-        false => text.to_string(),
-    }
+    if std::io::stdout().is_terminal() { broken_lines(text) } else { text.to_string() }
 }
 
 fn broken_lines(text: &str) -> String {
@@ -189,7 +184,7 @@ fn broken(line: &str) -> String {
 pub(super) fn shell_word(path: &Path) -> String {
     match path.to_str() {
         None => format!("$'{}'", path.as_os_str().as_encoded_bytes().escape_ascii()),
-        Some(word) if cfg!(windows) => cmd_word(word),
+        Some(_) if cfg!(windows) => cmd_word(&printed(path)),
         Some(word) => posix_word(word),
     }
 }

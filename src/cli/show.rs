@@ -50,10 +50,7 @@ const FORMED: &str = "; fit residual: what three straight pieces cannot follow";
 /// Where each term went: points, count, what the grid leaves, and the form where it leaves something.
 pub(super) fn placements(placements: &[Placement]) -> String {
     let formed = placements.iter().any(|p| p.fit_residual_um.is_some());
-    let (column, legend) = match formed {
-        true => ("\t>fit residual/µm", FORMED),
-        false => ("", ""),
-    };
+    let (column, legend) = if formed { ("\t>fit residual/µm", FORMED) } else { ("", "") };
     let rows = placements.iter().map(|p| {
         let direction = p.direction.map_or("+ and -", Direction::symbol);
         let count = Some(p.count_um).filter(|um| *um > 0.0);
@@ -62,10 +59,7 @@ pub(super) fn placements(placements: &[Placement]) -> String {
             "{}\t{direction}\t{}\t{}\t{count}\t{:.3}",
             p.term, p.place, p.points, p.grid_residual_um
         );
-        match formed {
-            true => format!("{row}\t{}", um(p.fit_residual_um)),
-            false => row,
-        }
+        if formed { format!("{row}\t{}", um(p.fit_residual_um)) } else { row }
     });
     let heading = "term\tmoving\tplace in the control\t>points\t>count/µm\t>grid residual/µm";
     format!(
@@ -85,10 +79,7 @@ pub(super) fn forecast(forecast: &Forecast, placements: &[Placement]) -> String 
     };
     let terms = forecast.terms.iter().map(|t| {
         let place = places(placements, t.term, t.compensated);
-        let without = match t.term.is_positioning() {
-            true => reversal.as_str(),
-            false => "",
-        };
+        let without = if t.term.is_positioning() { reversal.as_str() } else { "" };
         format!("{}\t{}\t{place}{without}", t.term, figures(&t.change))
     });
     let missing = forecast.not_determined.iter();
@@ -137,10 +128,7 @@ pub(super) fn at_most(forecast: &Forecast) -> &'static str {
     let is_stated = |change: &Change| change.at_most_um.is_some();
     let terms = forecast.terms.iter().map(|term| &term.change);
     let mut all = terms.chain(forecast.diagonals.iter().map(|d| &d.change));
-    match all.any(is_stated) {
-        true => "\n  at most: with 95 %; this is compared with the limit",
-        false => "",
-    }
+    if all.any(is_stated) { "\n  at most: with 95 %; this is compared with the limit" } else { "" }
 }
 
 pub(super) fn stated(um: Option<f64>) -> String {

@@ -18,7 +18,7 @@ mod partial;
 
 use crate::cli::terminal::say;
 use crate::text::problem::{Problem, Problems};
-use crate::visit::files::{NamedBytes, Ready, not_written, plain_words, previous};
+use crate::visit::files::{NamedBytes, Ready, not_written, plain_words, previous, printed};
 use partial::{Partial, parent_of};
 use std::fs::{self, File};
 use std::io::{Error, ErrorKind, Read, Seek, Write};
@@ -26,7 +26,7 @@ use std::path::{Path, PathBuf};
 
 /// Refuses a directory that holds something, before any work is done.
 pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems> {
-    let name = directory.display();
+    let name = printed(directory);
     let found = fs::symlink_metadata(trimmed(directory));
     let (message, help) = if found.is_ok_and(|found| !found.is_dir()) {
         (
@@ -36,7 +36,7 @@ pub(super) fn ensure_free(directory: &Path, force: bool) -> Result<(), Problems>
     } else if is_drive(directory) {
         (
             format!("`{name}` is a drive, expected a directory on it"),
-            format!("name one, e.g. `{}`", directory.join("kit").display()),
+            format!("name one, e.g. `{}`", printed(&directory.join("kit"))),
         )
     } else {
         match fs::read_dir(directory).map(Iterator::count) {
@@ -156,14 +156,14 @@ pub(super) fn named(directory: &Path) -> Result<PathBuf, Problem> {
     let place = trimmed(directory);
     match place.file_name() {
         Some(_) => Ok(place),
-        None => Err(Problem::new(format!("`{}` is no name for a new directory", place.display()))
+        None => Err(Problem::new(format!("`{}` is no name for a new directory", printed(&place)))
             .help("name a directory below it, e.g. `kit`")),
     }
 }
 
 /// Refuses a file that exists, and with `--force` anything but a regular one, before any work is done.
 pub(super) fn ensure_new(file: &Path, force: bool) -> Result<(), Problems> {
-    let name = file.display();
+    let name = printed(file);
     let (message, help) = match fs::symlink_metadata(file) {
         Err(_) => return Ok(()),
         Ok(found) if found.is_dir() => {
@@ -219,7 +219,7 @@ fn take_place(partial: &Partial, place: &Path, force: bool) -> Result<(), Proble
     ensure_free(place, force)?;
     let kept = free_name(place);
     partial.placed(place, |new| exchange(new, place, &kept)).map_err(failed)?;
-    say(&format!("moved {} to {}", place.display(), kept.display()));
+    say(&format!("moved {} to {}", printed(place), printed(&kept)));
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use crate::text::problem::{Problem, Problems};
 use std::io::{Cursor, Error, Read, Seek, Write};
-use std::path::{Path, PathBuf};
+use std::path::{MAIN_SEPARATOR, MAIN_SEPARATOR_STR, Path, PathBuf};
 
 /// A file to be written: name and bytes.
 pub type NamedBytes<'a> = (&'a str, &'a [u8]);
@@ -97,7 +97,7 @@ pub trait Files {
             return Ok((STANDARD_INPUT.to_string(), self.standard_input()?));
         }
         let bytes = self.bytes(path).map_err(|p| or_help(p, "check the path"))?;
-        Ok((path.display().to_string(), bytes))
+        Ok((printed(path), bytes))
     }
 
     /// Whether there is a file, or a folder.
@@ -117,6 +117,16 @@ pub fn file_name(path: &Path) -> String {
     path.file_name().map_or_else(|| "-".to_string(), |name| name.to_string_lossy().into_owned())
 }
 
+/// A path as people read it: with the separator of this computer, and no other.
+pub(crate) fn printed(path: &Path) -> String {
+    path.display().to_string().replace('/', MAIN_SEPARATOR_STR)
+}
+
+/// A path as scripts and jobs read it, the same on every computer.
+pub(crate) fn with_slashes(path: &Path) -> String {
+    path.display().to_string().replace(MAIN_SEPARATOR, "/")
+}
+
 /// What went wrong, the same on every operating system where it is common.
 pub fn plain_words(error: &Error) -> String {
     match error.kind() {
@@ -130,13 +140,9 @@ pub fn plain_words(error: &Error) -> String {
 
 /// What stopped an output on its way to a place.
 pub(crate) fn not_written(what: &str, path: &Path, error: &Error) -> Problems {
-    Problem::new(format!(
-        "{what} `{}`: {}; nothing was written",
-        path.display(),
-        plain_words(error)
-    ))
-    .help("check the place and its free space, then run the command again")
-    .into()
+    Problem::new(format!("{what} `{}`: {}; nothing was written", printed(path), plain_words(error)))
+        .help("check the place and its free space, then run the command again")
+        .into()
 }
 
 /// The same on its way to standard output.
@@ -146,7 +152,7 @@ pub(crate) fn not_put_out(error: &Error) -> Problem {
 
 /// Refuses an output that the run reads, or that lies in or around what it reads.
 pub(crate) fn written_over(output: &Path, input: &str) -> Problem {
-    let name = output.display();
+    let name = printed(output);
     let message =
         format!("writing `{name}` would replace or change `{input}`, which this run reads");
     Problem::new(message).help("choose another name for `-o`")

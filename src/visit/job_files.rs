@@ -9,7 +9,7 @@ use crate::kit::hashed;
 use crate::kit::manifest::HashedFile;
 use crate::text::document::{Source, template_text};
 use crate::text::problem::{Problem, Problems};
-use crate::visit::files::{Files, beside_job, file_name};
+use crate::visit::files::{Files, beside_job, file_name, printed};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
@@ -45,7 +45,7 @@ impl<'a> JobFiles<'a> {
         let full = self.folder.join(path);
         let bytes = self.bytes(&full, key)?;
         let hash = hashed(path, &bytes);
-        let source = Source::from_bytes(&full.display().to_string(), &bytes)?;
+        let source = Source::from_bytes(&printed(&full), &bytes)?;
         let measured = source_of(&source.text).map(|(name, sha256)| HashedFile {
             path: name,
             role: None,
@@ -103,7 +103,7 @@ pub(crate) fn read_page(
         let Ok(bytes) = files.bytes(&path) else {
             return Ok(()); // told when the job can be read
         };
-        let source = Source::from_bytes(&path.display().to_string(), &bytes)?;
+        let source = Source::from_bytes(&printed(&path), &bytes)?;
         match are_readings {
             true => Readings::look_at_cells(&source),
             false => ErrorTable::look_at_cells(source),
@@ -138,7 +138,7 @@ pub(crate) fn profile(
     }
     let path = folder.join(reference.strip_prefix("./").unwrap_or(reference));
     let bytes = files.bytes(&path).map_err(beside_job)?;
-    let source = Source::from_bytes(&path.display().to_string(), &bytes)?;
+    let source = Source::from_bytes(&printed(&path), &bytes)?;
     let beside = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let hashes = RefCell::new(vec![hashed(reference, &bytes)]);
     let unreadable = RefCell::new(Problems::none());
@@ -178,6 +178,6 @@ fn own_template(
         return Ok(None);
     }
     let bytes = files.bytes(&path)?;
-    let text = template_text(&path.display().to_string(), &bytes)?;
+    let text = template_text(&printed(&path), &bytes)?;
     Ok(Some((text, hashed(name, &bytes))))
 }

@@ -4,7 +4,7 @@ use crate::kit::directory::Directory;
 use crate::kit::{Asked, Inputs, Loaded};
 use crate::text::finding::{Finding, Severity};
 use crate::text::problem::{Problem, Problems};
-use crate::visit::files::{Files, Kind, plain_words};
+use crate::visit::files::{Files, Kind, plain_words, printed, with_slashes};
 use crate::visit::inputs::read_all;
 use crate::volume::assessment::with_tables;
 use crate::volume::volume_model::VolumeModel;
@@ -49,7 +49,7 @@ pub(crate) fn read_directory(
     inputs: &Inputs,
     path: &Path,
 ) -> Result<Directory, Problems> {
-    let name = path.display();
+    let name = printed(path);
     let refuse = |words: String| {
         Problem::new(format!("`{name}` {words}"))
             .help("name the directory with the control's files, as `nonius generate` wrote it")
@@ -67,7 +67,7 @@ pub(crate) fn read_directory(
         let words = "holds no file of a control, expected its tables".to_string();
         return Err(refuse(words).into());
     }
-    let mut found = Directory::of(inputs, name.to_string(), own, manifest.as_deref())?;
+    let mut found = Directory::of(inputs, with_slashes(path), own, manifest.as_deref())?;
     for name in &left {
         found.ignored(name, "an operating system left it");
     }

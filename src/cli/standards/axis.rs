@@ -90,10 +90,7 @@ impl Page<'_> {
     fn axis_table(&self) -> String {
         let axis = &self.iso.axis;
         let both = |both_um| ByDirection { both_um, ..ByDirection::default() };
-        let mark = match self.travel.is_long() {
-            true => ", not in the standard above 2 m",
-            false => "",
-        };
+        let mark = if self.travel.is_long() { ", not in the standard above 2 m" } else { "" };
         let rows = [
             ("A", "positioning error (accuracy)", mark, axis.a),
             ("E", "systematic positioning error", "", axis.e),
@@ -120,10 +117,7 @@ impl Page<'_> {
 
     pub(super) fn document(&self) -> Value {
         let target = |of: &iso_230_2::TargetFigures| at_target(of.target_mm, named_figures(of));
-        let foreign: &[&str] = match self.travel.is_long() {
-            true => &["A", "R"],
-            false => &[],
-        };
+        let foreign: &[&str] = if self.travel.is_long() { &["A", "R"] } else { &[] };
         let iso = joined([
             json!({
                 "editions": iso_230_2::EDITIONS,

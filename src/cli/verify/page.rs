@@ -22,7 +22,9 @@ use crate::page::{Locale, Picture};
 use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
 use crate::text::words::Named;
+use crate::visit::files::printed;
 use serde::Serialize;
+use std::path::Path;
 
 /// Everything that goes on the page.
 pub(in crate::cli) struct Page<'a> {
@@ -242,7 +244,7 @@ impl Page<'_> {
             "{} - {}, tables read from {}",
             self.inputs.job.machine.name,
             self.inputs.profile.name,
-            self.verification.loaded.directory.as_deref().unwrap_or_default()
+            printed(Path::new(self.verification.loaded.directory.as_deref().unwrap_or_default()))
         );
         let mut lines: Vec<String> = self.rehearsal().into_iter().collect();
         lines.push(verdict);

@@ -18,7 +18,7 @@ use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::campaign::CampaignFiles;
-use crate::visit::files::{Files, file_name};
+use crate::visit::files::{Files, file_name, printed};
 use crate::visit::inputs::{self, ACTIVE};
 use crate::visit::job_files::JobFiles;
 use std::path::Path;
@@ -52,7 +52,7 @@ fn active(
         ActiveTables::None => Err(job
             .problem_at(
                 ACTIVE,
-                format!("the measurement afterwards shows the machine with `{}` active, but its job says that no table was", tables.display()),
+                format!("the measurement afterwards shows the machine with `{}` active, but its job says that no table was", printed(tables)),
             )
             .help("name the kit that was loaded, relative to this job; if none was loaded, it is a measurement to make tables from")
             .into()),
@@ -76,7 +76,7 @@ fn protocol(job: &Job) -> Vec<(String, String)> {
 fn notes(job: &Job, tables: &Path) -> Vec<Finding> {
     let mut notes = job.measurement.notes();
     if job.measurement.active == ActiveTables::NotStated {
-        let tables = tables.display().to_string();
+        let tables = printed(tables);
         notes.push(KitFinding::TakenToBeActive { tables }.into());
     }
     notes

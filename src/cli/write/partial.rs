@@ -4,6 +4,7 @@
 //! A run that is at work holds a lock on what it made, so that no other run takes it for left over.
 
 use crate::cli::terminal::say;
+use crate::visit::files::printed;
 use std::fs::{self, File, TryLockError};
 use std::io::{ErrorKind, Result};
 use std::path::{Path, PathBuf};
@@ -208,7 +209,7 @@ fn clean(place: &Path, parent: &Path, door: Option<&File>) {
         .map(|entry| place.with_file_name(entry.file_name()))
         .filter(is_left);
     for path in left {
-        let name = path.display();
+        let name = printed(&path);
         let held = File::open(&path);
         let locked = held.as_ref().map(File::try_lock);
         if fs::symlink_metadata(&path).is_err() {

@@ -1,0 +1,36 @@
+//! The page for a browser: one file with every command in it, which keeps what it is given on the computer.
+//! Feature `page` puts it into the program as packaging/page made it.
+
+use crate::cli::outcome::{Outcome, ToWrite};
+use crate::cli::screen::Detail;
+use crate::text::problem::{Problem, Problems};
+use crate::visit::files::printed;
+use clap::Args;
+use std::path::{Path, PathBuf};
+
+#[cfg(not(feature = "page"))]
+const PAGE: Option<&[u8]> = None;
+#[cfg(feature = "page")]
+const PAGE: Option<&[u8]> = Some(include_bytes!("../../target/package/nonius.html"));
+
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// The file to write (HTML); `-` = standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace the file that is there
+    #[arg(long)]
+    force: bool,
+}
+
+pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
+    let missing = "this program was built without the page; a released one holds it, or one built as packaging/README.md says";
+    let page = PAGE.ok_or_else(|| Problem::new(missing))?.to_vec();
+    let place = &options.output;
+    if place == Path::new("-") {
+        return Ok(Outcome::bytes(page));
+    }
+    let write = ToWrite::File(place.clone(), page, options.force);
+    let said = format!("wrote {}: open it in a browser", printed(place));
+    Ok(Outcome::bytes(Vec::new()).writing(write).saying(Detail::default(), said))
+}
