@@ -1,7 +1,7 @@
 //! The same bytes everywhere: files and standard output depend on the inputs and the command only, not
 //! on language, time zone, cores, working directory or environment.
 
-use crate::support::{Entry, Tree, Visit, difference, skipped};
+use crate::support::{self, Entry, Tree, Visit, difference, skipped};
 use nonius::visit::memory::Memory;
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -37,7 +37,7 @@ fn make(program: &mut Command, visit: &Visit, from: &Path, called: &str, words: 
 }
 
 fn nonius() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_nonius"))
+    Command::new(support::nonius())
 }
 
 /// Of each command, undisturbed.
@@ -115,7 +115,7 @@ fn one_core_or_all_change_no_byte() {
     }
     for (command, expected) in commands() {
         let mut program = Command::new("taskset");
-        program.args(["-c", "0", env!("CARGO_BIN_EXE_nonius")]);
+        program.args(["-c", "0", &support::nonius()]);
         expect_same("one core", command.1, expected, &made_by(program, *command));
     }
 }

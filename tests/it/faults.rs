@@ -8,7 +8,7 @@
 use super::lost::PROGRAM;
 use crate::support::{
     DIAGONALS, Entry, Ran, Tree, Visit, below, copies, difference, in_parallel, is_whole, lay,
-    skipped, told, tree,
+    nonius, skipped, told, tree,
 };
 use std::collections::BTreeMap;
 use std::fs;
@@ -268,7 +268,7 @@ fn traced(visit: &Visit, options: &[&str], command: &str) -> (Ran, String) {
         .args(["-f", "-e", "signal=none", "-o"])
         .arg(log.path())
         .args(options)
-        .arg(env!("CARGO_BIN_EXE_nonius"))
+        .arg(nonius())
         .args(command.split_whitespace())
         .current_dir(visit.folder())
         .stdin(Stdio::null())

@@ -1,6 +1,6 @@
 //! Text of others reaches no terminal, checklist or table with characters that a person does not see.
 
-use crate::support::{Ran, Visit, page, replaced};
+use crate::support::{Ran, Visit, nonius, page, replaced};
 use nonius::control::controller::builtin;
 use serde_json::json;
 use std::collections::HashSet;
@@ -18,7 +18,7 @@ fn is_unseen(c: char) -> bool {
 /// Runs the program, with arguments separated by a blank, and looks at everything that it tells.
 #[track_caller]
 fn told(visit: &Visit, command: &str) -> Ran {
-    let mut program = Command::new(env!("CARGO_BIN_EXE_nonius"));
+    let mut program = Command::new(nonius());
     let program = program.args(command.split(' ')).current_dir(visit.folder());
     let output = program.output().expect("the program starts");
     let text = [&output.stdout[..], &output.stderr].concat();

@@ -2,7 +2,7 @@
 //! output, places that are read-only, links, or inputs.
 
 use crate::support::{
-    Entry, Ran, Visit, below, copies, difference, is_installed, program, replaced, skipped,
+    Entry, Ran, Visit, below, copies, difference, is_installed, nonius, program, replaced, skipped,
 };
 use std::ffi::OsStr;
 use std::fs::{self, Permissions};
@@ -101,8 +101,7 @@ fn a_form_that_comes_in_by_standard_input_is_not_replaced() {
 fn files_beyond_what_the_user_may_write_leave_nothing() {
     let visit = Visit::of("start/errors");
     let before = visit.files();
-    let line =
-        format!("ulimit -f 8; exec {} generate job.toml -o kit", env!("CARGO_BIN_EXE_nonius"));
+    let line = format!("ulimit -f 8; exec {} generate job.toml -o kit", nonius());
     let output = Command::new("sh").args(["-c", &line]).current_dir(visit.folder()).output();
     Ran::of(&line, &output.unwrap()).ends(2).says("cannot write");
     assert_eq!(before, visit.files());
@@ -120,7 +119,7 @@ fn a_form_that_was_saved_meanwhile_is_not_replaced() {
     let mut traced = Command::new("strace");
     traced.args(["-f", "-q", "-o", "/dev/null"]);
     traced.args(["-e", "inject=rename,renameat,renameat2:delay_enter=2000000"]);
-    traced.arg(env!("CARGO_BIN_EXE_nonius")).args(["import", "list.txt", "--form", "form.csv"]);
+    traced.arg(nonius()).args(["import", "list.txt", "--form", "form.csv"]);
     traced.args(["--columns", "#1=displacement_mm", "--captures", "cumulative"]);
     traced.args(["-o", "form.csv", "--force"]).current_dir(visit.folder());
     let run = traced.stdin(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
@@ -260,6 +259,19 @@ fn refused(visit: &Visit, words: &str) {
     let before = visit.files();
     visit.run(words).ends(2);
     assert_eq!(difference(&before, &visit.files()), "", "{words}");
+}
+
+#[test]
+fn the_page_is_written_where_the_program_holds_it() {
+    let visit = Visit::new();
+    let ran = visit.run("page -o nonius.html");
+    if visit.has("nonius.html") {
+        ran.ends(0).says("wrote nonius.html");
+        refused(&visit, "page -o nonius.html");
+        assert!(visit.yes("page -o -").ends_with(&visit.read("nonius.html")));
+        return;
+    }
+    ran.ends(2).says("this program was built without the page");
 }
 
 #[test]

@@ -39,9 +39,14 @@ pub(crate) fn replaced(text: &str, old: &str, new: &str) -> String {
     text.replace(old, new)
 }
 
+/// The program; `NONIUS_PROGRAM` names another one (packaging/wine-tests: that of Windows).
+pub(crate) fn nonius() -> String {
+    std::env::var("NONIUS_PROGRAM").unwrap_or_else(|_| env!("CARGO_BIN_EXE_nonius").to_string())
+}
+
 /// The program with arguments separated by blanks (those in "…" are kept), nothing on standard input.
 pub(crate) fn program(folder: &Path, arguments: &str) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_nonius"));
+    let mut command = Command::new(nonius());
     for (index, part) in arguments.split('"').enumerate() {
         match index % 2 {
             0 => command.args(part.split_whitespace()),
@@ -242,8 +247,7 @@ impl Visit {
 
     pub(crate) fn by_shell(&self, line: &str) -> Command {
         let mut shell = Command::new("sh");
-        let program = env!("CARGO_BIN_EXE_nonius");
-        shell.args(["-c", line]).env("N", program).current_dir(self.folder());
+        shell.args(["-c", line]).env("N", nonius()).current_dir(self.folder());
         shell
     }
 
