@@ -1,5 +1,5 @@
-//! The page for a browser: one file with every command in it, which keeps what it is given on the computer.
-//! Feature `page` puts it into the program as packaging/page made it.
+//! The page for a browser: a visit in one file, which sends nothing anywhere.
+//! Feature `page` puts it into the program as packaging/page/build made it.
 
 use crate::cli::outcome::{Outcome, ToWrite};
 use crate::cli::screen::Detail;
