@@ -8,7 +8,7 @@ mkdir -p "$package" "$tools"
 export CARGO_INCREMENTAL=0
 version="$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -1)"
 
-# Spreadsheets, and the page for a browser where packaging/page has made it.
+# Spreadsheets, and the page for a browser where packaging/page/build has made it.
 features=excel
 [ ! -f "$package/nonius.html" ] || features+=,page
 
