@@ -54,26 +54,19 @@ fn ends(model: &VolumeModel) -> PerAxis<(f64, f64)> {
 
 /// The places of the arrows, machine coordinates in mm.
 fn places(model: &VolumeModel) -> Vec<PerAxis<f64>> {
-    let ends = ends(model);
     let at = |axis: Axis, n: u32| {
-        let (low, high) = ends[axis];
+        let (low, high) = model.range(axis);
         low + (high - low) * f64::from(n) / f64::from(PLACES - 1)
     };
-    let mut places = Vec::new();
-    for (x, y, z) in
-        (0..PLACES.pow(3)).map(|n| (n % PLACES, n / PLACES % PLACES, n / PLACES.pow(2)))
-    {
-        places.push(PerAxis { x: at(Axis::X, x), y: at(Axis::Y, y), z: at(Axis::Z, z) });
-    }
-    places
+    let place = |n: u32| {
+        let [x, y, z] = [n % PLACES, n / PLACES % PLACES, n / PLACES.pow(2)];
+        PerAxis { x: at(Axis::X, x), y: at(Axis::Y, y), z: at(Axis::Z, z) }
+    };
+    (0..PLACES.pow(3)).map(place).collect()
 }
 
 fn longest_of(model: &VolumeModel) -> f64 {
-    let lengths = places(model).into_iter().map(|place| {
-        let error = model.error_at(place);
-        error.dot(error).sqrt()
-    });
-    lengths.fold(0.0, larger)
+    places(model).into_iter().map(|place| model.error_at(place).length()).fold(0.0, larger)
 }
 
 fn view(locale: Locale<'_>, side: &Side<'_>, longest_um: f64) -> Panel {

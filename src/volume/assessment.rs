@@ -43,14 +43,11 @@ pub struct Vectors {
 
 impl Vectors {
     fn of(model: &VolumeModel, nodes: &Nodes) -> Vectors {
-        let [x, y, z] = [&nodes.x, &nodes.y, &nodes.z];
-        let places = x.iter().flat_map(|x| y.iter().map(move |y| (*x, *y)));
-        let places: Vec<PerAxis<f64>> =
-            places.flat_map(|(x, y)| z.iter().map(move |z| PerAxis { x, y, z: *z })).collect();
-        Vectors {
-            um: places.iter().map(|place| Listed(model.error_at(*place))).collect(),
-            places_mm: places.into_iter().map(Listed).collect(),
-        }
+        let pairs = nodes.x.iter().flat_map(|x| nodes.y.iter().map(move |y| (*x, *y)));
+        let of = |(x, y)| nodes.z.iter().map(move |z| Listed(PerAxis { x, y, z: *z }));
+        let places_mm: Vec<Listed<f64>> = pairs.flat_map(of).collect();
+        let um = places_mm.iter().map(|place| Listed(model.error_at(place.0))).collect();
+        Vectors { places_mm, um }
     }
 }
 
