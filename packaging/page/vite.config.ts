@@ -41,6 +41,19 @@ const answers: Plugin = {
   },
 };
 
+/** Licences of everything in the page, packed: those of the core (packaging/licences) and of the scripts. */
+const licences: Plugin = {
+  name: "licences",
+  resolveId: (id) => (id === "licences:" ? "\0" + id : null),
+  load(id) {
+    if (id !== "\0licences:") return null;
+    const of = (name: string) => `${name}\n\n${readFileSync(resolve("node_modules", name, "LICENSE"), "utf8")}`;
+    const scripts = ["preact", "@preact/signals", "@preact/signals-core", "fflate"].map(of);
+    const all = [readFileSync(resolve("../../target/package/LICENCES.txt"), "utf8"), ...scripts].join(`\n${"-".repeat(78)}\n`);
+    return `export default ${JSON.stringify(gzipSync(all, { level: 9 }).toString("base64"))}`;
+  },
+};
+
 const single: Plugin = {
   name: "single",
   enforce: "post",
@@ -78,7 +91,7 @@ const single: Plugin = {
 };
 
 export default defineConfig({
-  plugins: [preact(), toml, files, answers, single],
+  plugins: [preact(), toml, files, answers, licences, single],
   build: { target: "es2022", assetsInlineLimit: 1 << 24, cssCodeSplit: false, modulePreload: false },
   worker: { format: "iife" },
   server: { fs: { allow: ["../.."] } },

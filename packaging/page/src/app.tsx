@@ -1,4 +1,6 @@
 // The frame of the page: steps, verdict, language.
+import packed from "licences:";
+import { useState } from "preact/hooks";
 import { BeginStep } from "./begin";
 import { JobForm, openKeys } from "./form";
 import { KitStep, saveVisit } from "./kit";
@@ -9,6 +11,7 @@ import { step, steps, type Step } from "./steps";
 import { keeps } from "./storage";
 import { Verdict } from "./ui";
 import { begun, isFilled, job, jobText, kit, made, measured, notice, second, working } from "./visit";
+import { unpacked } from "./unpacked";
 import { language, languages, t } from "./words";
 
 const faults = (file: string) => made.value?.problems.some((problem) => problem.places.some((place) => place.file === file));
@@ -48,6 +51,18 @@ function Now() {
     case "second":
       return <SecondStep />;
   }
+}
+
+function Licences() {
+  const [text, setText] = useState("");
+  return (
+    <footer>
+      <details onToggle={() => void new Response(unpacked(packed)).text().then(setText)}>
+        <summary>{t("licences")}</summary>
+        <pre tabIndex={0}>{text}</pre>
+      </details>
+    </footer>
+  );
 }
 
 export function App() {
@@ -99,6 +114,7 @@ export function App() {
       <main class={working.value ? "stale" : ""} aria-busy={working.value}>
         <Now />
       </main>
+      <Licences />
     </>
   );
 }

@@ -6,6 +6,10 @@ declare module "core:*" {
   const answer: import("./core").Answer;
   export default answer;
 }
+declare module "licences:" {
+  const packed: string;
+  export default packed;
+}
 declare module "file:*" {
   const text: string;
   export default text;
