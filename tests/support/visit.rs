@@ -44,6 +44,11 @@ pub(crate) fn nonius() -> String {
     std::env::var("NONIUS_PROGRAM").unwrap_or_else(|_| env!("CARGO_BIN_EXE_nonius").to_string())
 }
 
+/// Whether it is that of Windows.
+pub(crate) fn is_of_windows() -> bool {
+    cfg!(windows) || nonius().contains("/.wine/")
+}
+
 /// The program with arguments separated by blanks (those in "…" are kept), nothing on standard input.
 pub(crate) fn program(folder: &Path, arguments: &str) -> Command {
     let mut command = Command::new(nonius());
