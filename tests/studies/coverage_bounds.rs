@@ -278,13 +278,11 @@ fn separated(row: &Row, seed: u64) -> (Machine, Separation) {
     let lines = noisy_lines(&truth, &[Axis::X, Axis::Y], U_LINE_UM_PER_M, &mut random);
     let measurement = simulated::measurement(rigid.volume(), SetUp::Solve, Frame::XPrimary);
     // A laser without scale error, and a beam along the normal where the row has none, are stated as they are.
-    let stated = match row.stated {
-        true => StatedUncertainty {
-            angle_urad: row.angle_urad,
-            beam_mrad: row.beam_mrad.or(Some(0.0)),
-            ..simulated::exact()
-        },
-        false => StatedUncertainty::default(),
+    let exact = if row.stated { simulated::exact() } else { StatedUncertainty::default() };
+    let stated = StatedUncertainty {
+        angle_urad: row.angle_urad.filter(|_| row.stated),
+        beam_mrad: row.beam_mrad.filter(|_| row.stated).or(exact.beam_mrad),
+        ..exact
     };
     let found = separate(&campaign(&measurement, lines, stated), &all);
     (truth, found)

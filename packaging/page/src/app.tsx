@@ -73,7 +73,12 @@ export function App() {
       <header>
         <h1>nonius</h1>
         <span class="now" aria-live="polite">
-          {working.value ? <span class="soft">{t("working")}</span> : judged && <Verdict of={judged.verdict} forecast={!second.value?.judged} />}
+          {working.value ? <span class="soft">{t("working")}</span> : judged && (
+            <>
+              {second.value?.judged && `${t("left")}: `}
+              <Verdict of={judged.verdict} forecast={!second.value?.judged} />
+            </>
+          )}
         </span>
         {begun.value && (
           <button type="button" onClick={saveVisit}>
