@@ -179,7 +179,7 @@ struct Row {
     turning: Option<Shape>,
     angle_urad: Option<f64>,
     beam_mrad: Option<f64>,
-    /// Whether the job states the two.
+    /// Whether the job states the two; else nothing. An exact laser, and a beam along the normal, are stated as well.
     stated: bool,
 }
 
@@ -277,7 +277,6 @@ fn separated(row: &Row, seed: u64) -> (Machine, Separation) {
     let truth = rigid.truth();
     let lines = noisy_lines(&truth, &[Axis::X, Axis::Y], U_LINE_UM_PER_M, &mut random);
     let measurement = simulated::measurement(rigid.volume(), SetUp::Solve, Frame::XPrimary);
-    // A laser without scale error, and a beam along the normal where the row has none, are stated as they are.
     let exact = if row.stated { simulated::exact() } else { StatedUncertainty::default() };
     let stated = StatedUncertainty {
         angle_urad: row.angle_urad.filter(|_| row.stated),
@@ -389,7 +388,6 @@ fn of_clean(rigid: &Rigid, missing: Option<Rotation>, stated: StatedUncertainty)
     separate(&campaign, &runs(1, Pass::Forward, &rigid.readings(None)))
 }
 
-/// Beside an exact laser and beam.
 fn small_noise() -> StatedUncertainty {
     StatedUncertainty { noise_um: Some(1e-6), ..simulated::exact() }
 }
