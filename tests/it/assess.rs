@@ -25,7 +25,7 @@ fn vectors_at_the_nodes_differ_by_the_volumetric_accuracy() {
         PerAxis { x, y, z }
     };
     assert_eq!(of("places_mm", 1), PerAxis { x: 0.0, y: 0.0, z: 2000.0 });
-    let apart = |n| of("um", n / 24).minus(of("um", n % 24)).length();
+    let apart = |n: usize| of("um", n / 24).minus(of("um", n % 24)).length();
     let largest = (0..24 * 24).map(apart).fold(0.0, f64::max);
     near("va", largest, number(&found["definitions"]["va_um"]), LAST_DIGIT);
 }
