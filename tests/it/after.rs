@@ -149,9 +149,9 @@ fn tables_that_do_not_act_or_were_changed_fail() {
 #[test]
 fn a_job_with_readings_gives_what_its_separated_table_gives() {
     let visit = Visit::of("start/readings").with_any_kit();
-    visit.yes("separate job.toml -o after.csv");
+    visit.yes("separate job.toml -o separated.csv");
     visit.put("after.toml", visit.read("job.toml").replace(NONE_ACTIVE, KIT_ACTIVE));
-    let [by_job, by_table] = ["after.toml", "after.csv"].map(|after| again(&visit, after).page);
+    let [by_job, by_table] = ["after.toml", "separated.csv"].map(|after| again(&visit, after).page);
     for part in ["terms", "diagonals", "verdict", "diagnosis"] {
         assert_eq!(by_job[part], by_table[part]);
     }
