@@ -76,6 +76,7 @@ export function App() {
           {working.value ? <span class="soft">{t("working")}</span> : judged && (
             <>
               {second.value?.judged && `${t("left")}: `}
+              {second.value && !second.value.judged && `${t("left")}: ${t("problems_count", { count: second.value.problems.length })} `}
               <Verdict of={judged.verdict} forecast={!second.value?.judged} />
             </>
           )}

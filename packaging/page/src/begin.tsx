@@ -8,7 +8,7 @@ import { run } from "./core";
 import { problems, type Problem } from "./problems";
 import { step } from "./steps";
 import { Card, Drop, Problems } from "./ui";
-import { begun, clear, controls, files, job, open, put, type Files } from "./visit";
+import { begun, clear, controls, job, notice, open, type Files } from "./visit";
 import { withTable } from "./measured";
 import { t } from "./words";
 
@@ -21,7 +21,7 @@ const sample = new Map(
 function take(dropped: Files) {
   if (open(dropped)) step.value = "result";
   else if (begun.value) for (const [name, content] of dropped) withTable(job, name, content);
-  else for (const [name, content] of dropped) put(name, content);
+  else notice.value = t("begin_first");
 }
 
 function Begin() {
@@ -32,14 +32,18 @@ function Begin() {
   const [told, setTold] = useState<Problem[]>([]);
   const begin = async (event: Event) => {
     event.preventDefault();
-    const ends = [travel.x, travel.y, travel.z].map((end) => end.trim().replace("−", "-").replace(",", ".")).join(",");
+    const each = [travel.x, travel.y, travel.z].map((end) => end.trim().replaceAll("−", "-"));
+    if (each.some((end) => end.includes(","))) {
+      setTold([{ words: t("travel_comma"), places: [], help: "" }]);
+      return;
+    }
+    const ends = each.join(",");
     const words = ["new", "--controller", control, `--travel=${ends}`, "-o", "visit"];
     if (readings) words.push("--readings");
     if (both) words.push("--both-directions");
     const answer = await run(words);
     setTold(problems(answer.err));
     if (answer.status === 0 && open(new Map(answer.files))) {
-      for (const [name, content] of files.peek()) if (!files.value.has(name)) put(name, content);
       step.value = "job";
     } else if (answer.status !== 0 && !problems(answer.err).length) {
       setTold([{ words: answer.err.trim(), places: [], help: "" }]);

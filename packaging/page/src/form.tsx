@@ -21,7 +21,7 @@ function Input(props: { file: string; section: Section; field: Field; problems: 
   const own = at(props.problems, file, field.line + 1).filter((problem) => !(isOpen && problem.words.includes("empty")));
   const name = `${file}:${field.line}`;
   const change = (typed: string) => {
-    const value = typed.trim() === "" && !isOpen ? '""' : written(typed, isText(section.name, field.key));
+    const value = typed.trim() === "" && !isOpen ? '""' : written(typed, isText(section.name, field.key) || /e\.g\. "/.test(field.words));
     put(file, withValue(textOf(file), field, value));
   };
   const common = {

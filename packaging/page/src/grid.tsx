@@ -1,7 +1,7 @@
 // A table of values as a grid: the rows in view, cells that can be typed in, pasted into and walked through.
 import { useRef, useState } from "preact/hooks";
 import { at, type Problem } from "./problems";
-import { block, cellAt, cells, pasted, table, text, withoutRow, type Table } from "./table";
+import { block, cell, cellAt, cells, pasted, table, text, withoutRow, type Table } from "./table";
 import { isPlain, notice, put, textOf } from "./visit";
 import { t } from "./words";
 
@@ -29,7 +29,10 @@ export function Grid(props: { file: string; problems: Problem[] }) {
     const there = () => frame.current?.querySelector<HTMLInputElement>(`[data-cell="${row}:${column}"]`);
     if (row < 0 || row >= of.rows.length || column < 0 || column >= of.names.length) return;
     if (!there()) frame.current!.scrollTop = row * ROW_PX;
-    requestAnimationFrame(() => there()?.focus());
+    requestAnimationFrame(() => {
+      there()?.focus();
+      there()?.select(); // what is typed replaces, as in a spreadsheet
+    });
   };
   const walk = (event: KeyboardEvent, row: number, column: number) => {
     const input = event.currentTarget as HTMLInputElement;
@@ -44,7 +47,7 @@ export function Grid(props: { file: string; problems: Problem[] }) {
   };
   const paste = (event: ClipboardEvent, row: number, column: number) => {
     const copied = event.clipboardData?.getData("text/plain") ?? "";
-    if (!/[\t\n]/.test(copied)) return;
+    if (!/[\t\n,;]/.test(copied)) return;
     event.preventDefault();
     const { values, comma } = block(copied, of.separator);
     if (comma) notice.value = t("commas", { example: comma, point: comma.replace(",", ".") });
@@ -84,7 +87,7 @@ export function Grid(props: { file: string; problems: Problem[] }) {
                     autocomplete="off"
                     value={own[column]?.trim() ?? ""}
                     onFocus={() => setNow(row)}
-                    onInput={(event) => write(row, column, [[event.currentTarget.value]])}
+                    onInput={(event) => write(row, column, [[cell(event.currentTarget.value, of.separator, false)]])}
                     onKeyDown={(event) => walk(event, row, column)}
                     onPaste={(event) => paste(event, row, column)}
                   />

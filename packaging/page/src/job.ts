@@ -22,6 +22,8 @@ export interface Section {
   line: number;
   intro: string;
   fields: Field[];
+  /** Index of its last line that holds something. */
+  last: number;
 }
 
 /** A key of the schema: what it says, and whether it takes a text. */
@@ -53,24 +55,26 @@ function ended(line: string, at: number, brackets = { depth: 0 }): number {
 }
 
 export function sections(job: string): Section[] {
-  const found: Section[] = [{ name: "", many: false, line: -1, intro: "", fields: [] }];
+  const found: Section[] = [{ name: "", many: false, line: -1, intro: "", fields: [], last: -1 }];
   let intro: string[] = [];
   const brackets = { depth: 0 };
   job.split("\n").forEach((raw, line) => {
     const text = raw.replace(/\r$/, "");
     if (brackets.depth > 0) {
       ended(text, 0, brackets);
+      found.at(-1)!.last = line;
       return;
     }
     brackets.depth = 0;
-    const header = /^(\[\[?)([^\]]+)\]\]?\s*(?:#\s*(.*))?$/.exec(text);
+    const header = /^\s*(\[\[?)([^\]]+)\]\]?\s*(?:#\s*(.*))?$/.exec(text);
     const key = !text.startsWith("#") || EXAMPLE.test(text) ? KEY.exec(text) : null;
     const section = found.at(-1)!;
     if (header) {
       const words = [...intro, header[3] ?? ""].filter(Boolean).join(" ");
-      found.push({ name: header[2]!.trim(), many: header[1] === "[[", line, intro: words, fields: [] });
+      found.push({ name: header[2]!.trim(), many: header[1] === "[[", line, intro: words, fields: [], last: line });
       intro = [];
     } else if (key) {
+      section.last = line;
       const isOptional = key[1] !== undefined;
       const end = ended(text, key[0].length, isOptional ? undefined : brackets);
       section.fields.push({
@@ -110,6 +114,7 @@ export function groups(all: Section[]): Group[] {
 
 /** What a value shows of itself: a text without its quotes, nothing for `""`. */
 export function shown(value: string): string {
+  if (/^'[^']*'$/.test(value)) return value.slice(1, -1);
   if (!/^"(?:[^"\\]|\\.)*"$/.test(value)) return value;
   try {
     return JSON.parse(value);
@@ -121,6 +126,7 @@ export function shown(value: string): string {
 /** What was typed, as it stands in a job. */
 export function written(typed: string, isText: boolean): string {
   const value = typed.trim();
+  if (/^"(?:[^"\\]|\\.)*"$/.test(value)) return value;
   const isBare = /^[-+]?\d+(\.\d+)?([eE][-+]?\d+)?$/.test(value) || /^(true|false|[[{].*)$/.test(value);
   return isBare && !isText ? value : JSON.stringify(typed);
 }
@@ -154,16 +160,14 @@ export function without(job: string, field: Field): string {
 /** The job with a key more in a section. */
 export function withKey(job: string, section: Section, key: string, value: string): string {
   const lines = job.split("\n");
-  const last = section.fields.at(-1)!.line;
-  lines.splice(last + 1, 0, `${key} = ${value}`);
+  lines.splice(section.last + 1, 0, `${key} = ${value}`);
   return lines.join("\n");
 }
 
 /** The job without a block `[[…]]`. */
 export function withoutBlock(job: string, section: Section): string {
   const lines = job.split("\n");
-  const last = section.fields.at(-1)!.line;
-  lines.splice(section.line, last - section.line + 1);
+  lines.splice(section.line, section.last - section.line + 1);
   return lines.join("\n");
 }
 

@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { save, zip } from "./opened";
 import { problems, type Problem } from "./problems";
 import { Card, Framed, Problems } from "./ui";
-import { files, inside, isCurrent, kit, made, makeKit, report } from "./visit";
+import { files, inside, isCurrent, kit, made, makeKit, report, type Manifest } from "./visit";
 import { language, t } from "./words";
 
 const decoder = new TextDecoder();
@@ -18,7 +18,8 @@ export function ReportPage(props: { withAfter: boolean; name: string }) {
   const words = language.value;
   const of = files.value;
   useEffect(() => {
-    void report(props.withAfter).then(setPage);
+    const timer = setTimeout(() => void report(props.withAfter).then(setPage), 400);
+    return () => clearTimeout(timer);
   }, [words, of, props.withAfter]);
   return page ? <Framed html={page} title={t("report")} name={props.name} save={() => save(props.name, page, "text/html")} /> : null;
 }
@@ -42,7 +43,9 @@ export function KitStep() {
   const [told, setTold] = useState<Problem[]>([]);
   const isMade = kit.value.length > 0;
   const make = async () => setTold(problems((await makeKit()).err));
-  const manifest = made.value?.manifest;
+  // Of the kit that is there, not of one that would be made now.
+  const own = new Map(kit.value).get("kit/manifest.json");
+  const manifest: Manifest | null | undefined = own ? JSON.parse(decoder.decode(own)) : made.value?.manifest;
   const roles = new Map(manifest?.files.map((file) => [`kit/${file.path}`, file.role]));
   const checklist = new Map(kit.value).get("kit/checklist.html");
   const assumed = manifest?.assumptions ?? [];
@@ -55,7 +58,7 @@ export function KitStep() {
         <Problems of={told} />
         <div class="buttons">
           {(!isMade || !isCurrent.value) && (
-            <button type="button" class="main" disabled={!manifest} onClick={make}>
+            <button type="button" class="main" disabled={!made.value?.manifest} onClick={make}>
               {t(isMade ? "make_anew" : "make_kit")}
             </button>
           )}
@@ -68,7 +71,7 @@ export function KitStep() {
             {t("download_visit")}
           </button>
         </div>
-        {!manifest && <Problems of={made.value?.problems ?? []} />}
+        {!made.value?.manifest && <Problems of={made.value?.problems ?? []} />}
         {assumed.length > 0 && (
           <details>
             <summary>

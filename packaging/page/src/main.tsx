@@ -5,6 +5,8 @@ import { start } from "./visit";
 import "./style.css";
 
 render(<App />, document.getElementById("app")!);
+// A file dropped beside its place is not opened in place of the page.
+for (const event of ["dragover", "drop"]) addEventListener(event, (one) => one.preventDefault());
 performance.mark("shown");
 void ready.then(() => performance.mark("core"));
 void start();

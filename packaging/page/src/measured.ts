@@ -1,16 +1,35 @@
-// A table put in place of the one that a job names.
+// A table put in place of the one that a job names. What is there already keeps its name and its bytes.
 import type { Signal } from "@preact/signals";
 import { sections, withValue } from "./job";
-import { put, textOf } from "./visit";
+import { files, isFilled, notice, put, textOf } from "./visit";
+import { t } from "./words";
 
-/** `job` names this table from now on; one of the same kind takes the name of the old one. */
-export function withTable(job: Signal<string>, name: string, content: Uint8Array) {
+/** Stores a file without replacing another one; the name that it has now. */
+export function stored(path: string, content: Uint8Array): string {
+  const name = path.slice(path.lastIndexOf("/") + 1);
+  const [stem, end] = [name.replace(/\.[^.]*$/, ""), /\.[^.]*$/.exec(name)?.[0] ?? ""];
+  const isSame = (old: Uint8Array) => old.length === content.length && old.every((byte, n) => byte === content[n]);
+  for (let n = 1; ; n++) {
+    const free = n === 1 ? name : `${stem}-${n}${end}`;
+    const old = files.value.get(free);
+    if (old && !isSame(old) && (isFilled(free) || !/\.csv$/i.test(free))) continue;
+    put(free, content);
+    return free;
+  }
+}
+
+export const isTable = (name: string) => /\.(csv|txt|xlsx|xlsm|xls|ods)$/i.test(name);
+
+/** `job` names this table from now on. */
+export function withTable(job: Signal<string>, path: string, content: Uint8Array) {
   const text = textOf(job.value);
-  const measurement = sections(text).find((one) => one.name === "measurement");
-  const isReadings = /\.csv$/i.test(name) && /^(?!#)\s*diagonal\s*[,;]/im.test(new TextDecoder().decode(content.slice(0, 4096)));
-  const field = measurement?.fields.find((one) => !one.optional && one.key === (isReadings ? "readings" : "errors"))
-    ?? measurement?.fields.find((one) => !one.optional && /^(errors|readings)$/.test(one.key));
-  const bare = name.slice(name.lastIndexOf("/") + 1);
-  put(bare, content);
-  if (field) put(job.value, withValue(text, field, JSON.stringify(bare)));
+  const fields = sections(text).filter((one) => one.name === "measurement").flatMap((one) => one.fields);
+  const field = fields.find((one) => !one.optional && /^(errors|readings)$/.test(one.key));
+  if (!isTable(path) || !field || /^\[/.test(field.value)) {
+    notice.value = t("not_taken", { file: path });
+    return;
+  }
+  const name = stored(path, content);
+  put(job.value, withValue(text, field, JSON.stringify(name)));
+  notice.value = t("taken", { file: name, job: job.value });
 }

@@ -4,17 +4,21 @@ import { JobForm } from "./form";
 import { Grid } from "./grid";
 import { ReportPage } from "./kit";
 import { Card, Drop, Notes, Picture, Problems, Scope, Verdict } from "./ui";
-import { after, files, kit, measuredAfter, put, second, type Files } from "./visit";
-import { withTable } from "./measured";
+import { after, files, isCurrent, isFilled, kit, measuredAfter, notice, second, type Files } from "./visit";
+import { isTable, stored, withTable } from "./measured";
 import { t } from "./words";
 
+/** A job comes before the tables that it names. */
 function take(dropped: Files) {
-  for (const [name, content] of dropped) {
-    const bare = name.slice(name.lastIndexOf("/") + 1);
-    if (/\.toml$/i.test(bare)) after.value = bare;
-    if (after.value.endsWith(".toml") && !/\.toml$/i.test(bare)) withTable(after, bare, content);
-    else put(bare, content);
-    if (!after.value.endsWith(".toml")) after.value = bare;
+  const isJob = ([name]: [string, Uint8Array]) => /\.toml$/i.test(name);
+  for (const [name, content] of [...dropped].sort((a, b) => Number(isJob(b)) - Number(isJob(a)))) {
+    if (isJob([name, content])) after.value = stored(name, content);
+    else if (after.value.endsWith(".toml")) withTable(after, name, content);
+    else if (isTable(name)) {
+      // In place of an empty form; a filled one is kept.
+      after.value = stored(isFilled("after.csv") || !/\.csv$/i.test(name) ? name : "after.csv", content);
+      notice.value = t("taken", { file: after.value, job: name });
+    } else notice.value = t("not_taken", { file: name });
   }
 }
 
@@ -26,6 +30,7 @@ export function SecondStep() {
   return (
     <>
       <Card wide>
+        {!isCurrent.value && <p class="state">{t("kit_old")}</p>}
         {now?.judged ? (
           <>
             <p class="head">
@@ -38,7 +43,7 @@ export function SecondStep() {
           </>
         ) : (
           <>
-            <p class="head">{t("no_second")}</p>
+            <p class="head">{problems.length ? t("problems_count", { count: problems.length }) : t("no_second")}</p>
             <p>{t("second_hint")}</p>
             <Problems of={problems} />
           </>

@@ -47,7 +47,7 @@ export function pasted(of: Table, row: number, column: number, values: string[][
     }
     const now = lines[line]!.split(of.separator);
     given.forEach((value, m) => {
-      if (column + m < of.names.length) now[column + m] = value.replaceAll(of.separator, " ").trim();
+      if (column + m < of.names.length) now[column + m] = value;
     });
     lines[line] = now.join(of.separator);
   });
@@ -58,15 +58,26 @@ export function withoutRow(of: Table, row: number): Table {
   return { ...of, lines: of.lines.filter((_, line) => line !== of.rows[row]) };
 }
 
-/** A block of a spreadsheet, cells by tabs; decimal commas as points where the table's own separator is a comma. */
+/**
+ * What stands in a cell for what was given. A decimal comma becomes a point where commas separate; whatever else holds a separator
+ * keeps its look (with U+201A in its place), so that the reader refuses it: nothing is taken for another number.
+ */
+export function cell(given: string, separator: string, isPasted: boolean): string {
+  const text = given.trim().replace(/^\u2212/, "-");
+  const isThousands = isPasted && /^[-+]?\d{1,3},\d{3}$/.test(text);
+  if (separator === "," && /^[-+]?\d*,\d*$/.test(text) && !isThousands) return text.replace(",", ".");
+  return text.replaceAll(separator, "\u201a");
+}
+
+/** A block of a spreadsheet, cells by tabs, and its first decimal comma that became a point. */
 export function block(copied: string, separator: string): { values: string[][]; comma: string } {
   let comma = "";
   const rows = copied.replace(/\r/g, "").replace(/\n+$/, "").split("\n");
   const values = rows.map((line) =>
-    line.split("\t").map((cell) => {
-      if (separator !== "," || !/^\s*[-+]?\d+,\d+\s*$/.test(cell)) return cell;
-      comma ||= cell.trim();
-      return cell.replace(",", ".");
+    line.split("\t").map((given) => {
+      const text = cell(given, separator, true);
+      if (given.includes(",") && text.includes(".")) comma ||= given.trim();
+      return text;
     }),
   );
   return { values, comma };

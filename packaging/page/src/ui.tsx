@@ -3,7 +3,7 @@ import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
 import { chosen, dropped } from "./opened";
 import type { Problem } from "./problems";
-import type { Files } from "./visit";
+import { notice, type Files } from "./visit";
 import { t } from "./words";
 
 export function Card(props: { title?: string; children: ComponentChildren; wide?: boolean }) {
@@ -66,7 +66,7 @@ export function Drop(props: { words: string; folder?: boolean; take: (files: Fil
     input.type = "file";
     input.multiple = true;
     input.webkitdirectory = folder;
-    input.onchange = async () => props.take(await chosen(input.files));
+    input.onchange = () => void chosen(input.files).then(props.take).catch((fault) => (notice.value = String(fault)));
     input.click();
   };
   return (
@@ -80,7 +80,7 @@ export function Drop(props: { words: string; folder?: boolean; take: (files: Fil
       onDrop={async (event) => {
         event.preventDefault();
         setOver(false);
-        if (event.dataTransfer) props.take(await dropped(event.dataTransfer));
+        if (event.dataTransfer) await dropped(event.dataTransfer).then(props.take).catch((fault) => (notice.value = String(fault)));
       }}
     >
       <p>{props.words}</p>

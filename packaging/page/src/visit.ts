@@ -235,7 +235,7 @@ export function isFilled(name: string): boolean {
   if (!name.endsWith(".csv")) return true;
   const of = table(decoder.decode(bytes));
   if (!of) return true;
-  const values = of.names.flatMap((column, n) => (/_(um|mm|in|uin|urad|mrad|arcsec)$/.test(column) && !/^position/.test(column) ? [n] : []));
+  const values = of.names.flatMap((column, n) => (/^(axis|position|target|diagonal|direction|node|moved|run)/i.test(column) ? [] : [n]));
   return of.rows.some((line) => values.some((n) => cells(of, line)[n]?.trim()));
 }
 
@@ -276,6 +276,7 @@ function latest(ask: () => Promise<void>) {
     try {
       await ask();
     } catch (fault) {
+      made.value = second.value = null; // nothing old beside what is new
       notice.value = String(fault);
     }
     busy = false;
@@ -311,12 +312,7 @@ export async function start() {
     files.value, job.value, after.value;
     makeLatest();
   });
-  let stored = files.value;
-  effect(() => {
-    if (files.value === stored) return;
-    stored = files.value;
-    void remember({ files: files.value, job: job.value, after: after.value });
-  });
+  effect(() => void remember({ files: files.value, job: job.value, after: after.value }));
   effect(() => {
     const id = controller.value;
     if (!controls.some((one) => one.id === id)) return;
@@ -336,7 +332,7 @@ export function wordsOf(section: string, key: string): string {
 export function isText(section: string, key: string): boolean {
   const bare = section.replace(/\.[xyz]$/, "");
   const of = keys.find((one) => one.section.replace(/\.x$/, "") === bare && one.key === key);
-  return /^(Option<)?String>?$/.test(of?.type ?? "");
+  return /^(Option<)?String>?$/.test(of?.type ?? "") || /e\.g\. "/.test(wordsOf(section, key));
 }
 
 /** Keys that the schema knows and a section does not have. */
