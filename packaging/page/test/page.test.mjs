@@ -231,6 +231,20 @@ test("a new visit: what is empty is counted, a wrong cell is told at its cell, a
   assert.match(await page.$eval(".notice", (one) => one.innerText), /0,5 became 0\.5/);
   assert.equal(await page.$eval('[data-cell="3:2"]', (one) => one.value), "3.5");
   assert.ok(await page.$(".chart polyline"));
+  // Typed: a decimal comma is a point, what was there is replaced; thousands of a spreadsheet are refused, not guessed.
+  await page.focus('[data-cell="5:2"]');
+  await page.keyboard.press("ArrowDown");
+  await new Promise((done) => setTimeout(done, 100));
+  await page.keyboard.type("-12,8");
+  const cell = (at) => page.$eval(`[data-cell="${at}"]`, (one) => one.value);
+  assert.equal(await cell("6:2"), "-12.8");
+  await page.focus('[data-cell="7:2"]');
+  await page.evaluate(() => {
+    const data = new DataTransfer();
+    data.setData("text/plain", "1,234\t,5");
+    document.activeElement.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true, cancelable: true }));
+  });
+  assert.deepEqual([await cell("7:2"), await cell("7:3")], ["1\u201a234", ".5"]);
   await page.focus('[data-cell="4:3"]');
   await page.keyboard.type("x");
   await settled();
@@ -319,8 +333,10 @@ test("a second measurement that was dropped is judged", async () => {
   await go("second");
   // As found once more, a little otherwise: the tables do not act.
   const again = readFileSync(join(folder, "errors.csv"), "utf8").replace(/,(-?\d+\.\d{9})/g, (_, um) => `,${(um * 1.01).toFixed(3)}`);
-  await drop([["after.csv", again]]);
+  await drop([["errors.csv", again]]);
   await shows("not as forecast");
+  const kept = unzipSync(await saved("Save the visit"));
+  assert.ok(readFileSync(join(folder, "errors.csv")).equals(Buffer.from(kept["visit/errors.csv"])), "the first measurement stays");
 });
 
 test("nothing was asked of anybody, and nothing failed in silence", () => {
