@@ -179,8 +179,7 @@ struct Row {
     turning: Option<Shape>,
     angle_urad: Option<f64>,
     beam_mrad: Option<f64>,
-    /// Whether the job states the two; else nothing. An exact laser, and a beam along the normal, are stated as well.
-    stated: bool,
+    stated: bool, // whether the job states the two, and laser and beam that are exact
 }
 
 const PLAIN: Row = Row {
