@@ -102,7 +102,7 @@ enum Command {
     Standards(standards::Options),
     /// Tell the machine's error along the path of a part program (G-code)
     Path(path::Options),
-    /// Write the page that does all this in a browser, also on a computer where nothing may be installed
+    /// Write the page that makes and judges a kit in a browser, where nothing may be installed
     Page(page::Options),
     /// List, show or check the controls that can be written for
     Controllers {
@@ -129,7 +129,6 @@ mod on_disk {
     use super::{Arguments, COULD_NOT, ended};
     use crate::cli::disk::Disk;
     use crate::cli::terminal::{say, tell};
-    use crate::text::plain;
     use clap::Parser;
     use std::ffi::OsString;
     use std::process::ExitCode;
@@ -144,11 +143,18 @@ mod on_disk {
         match Arguments::try_parse_from(&arguments) {
             Ok(arguments) => {
                 let mut out = std::io::stdout().lock();
-                let (status, talk) = ended(arguments.command, &Disk::default(), &mut out);
-                tell(&talk);
-                ExitCode::from(status)
+                let answer = ended(arguments.command, &Disk::default(), &mut out);
+                tell(&answer.err);
+                ExitCode::from(answer.status)
             }
-            Err(error) => not_parsed(&error, &arguments),
+            Err(error) if error.use_stderr() => {
+                say(&error.render().to_string());
+                ExitCode::from(COULD_NOT)
+            }
+            Err(error) => match error.print() {
+                Ok(()) => ExitCode::SUCCESS, // help and version are answers
+                Err(_) => ExitCode::from(COULD_NOT),
+            },
         }
     }
 
@@ -158,28 +164,10 @@ mod on_disk {
         let place = std::env::temp_dir().join("nonius.html");
         let words = ["nonius", "page", "--force", "-o"].map(OsString::from);
         let status = run(words.into_iter().chain([place.clone().into()]));
-        if open::that(place).is_ok() {
+        if status == ExitCode::SUCCESS && open::that(place).is_ok() {
             say("it opens now; in a command prompt `nonius --help` lists all commands");
         }
         status
-    }
-
-    /// Help and version are answers, everything else is wrong usage (2).
-    fn not_parsed(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
-        let failed = error.use_stderr();
-        if failed && arguments.iter().any(is_foreign) {
-            say(&error.render().to_string());
-            return ExitCode::from(COULD_NOT);
-        }
-        match error.print().is_ok() && !failed {
-            true => ExitCode::SUCCESS,
-            false => ExitCode::from(COULD_NOT),
-        }
-    }
-
-    /// Whether an argument holds what a terminal may obey; it is not repeated as it is.
-    fn is_foreign(argument: &OsString) -> bool {
-        argument.to_string_lossy().chars().any(plain::is_unseen)
     }
 }
 
@@ -192,31 +180,41 @@ pub struct Answer {
     pub out: Vec<u8>,
     /// What goes to standard error.
     pub err: String,
+    /// The problems in it, where there are any; wrong usage is none.
+    pub problems: Problems,
 }
 
 /// Runs a command, e.g. `["generate", "job.toml", "-o", "kit"]`, on files wherever they are: as the program does, with
 /// the same bytes. Its outputs are among the files then.
 pub fn answer<'a>(files: &dyn Files, command: impl IntoIterator<Item = &'a str>) -> Answer {
-    let mut answer = Answer::default();
+    let mut out = Vec::new();
     files.begin_run();
     match Arguments::try_parse_from(std::iter::once("nonius").chain(command)) {
         Ok(arguments) => {
-            (answer.status, answer.err) = ended(arguments.command, files, &mut answer.out);
+            let answer = ended(arguments.command, files, &mut out);
+            Answer { out, ..answer }
         }
-        Err(error) if error.use_stderr() => {
-            (answer.status, answer.err) = (COULD_NOT, spoken(&error.render().to_string()));
+        Err(error) => {
+            let text = error.render().to_string();
+            match error.use_stderr() {
+                true => Answer { status: COULD_NOT, err: spoken(&text), ..Answer::default() },
+                false => Answer { out: text.into_bytes(), ..Answer::default() },
+            }
         }
-        Err(error) => answer.out = error.render().to_string().into_bytes(),
     }
-    answer
 }
 
-/// Exit status of a command, and what is to be said.
-fn ended(command: Command, files: &dyn Files, out: &mut dyn Write) -> (u8, String) {
+/// What a command answers, but for its standard output.
+fn ended(command: Command, files: &dyn Files, out: &mut dyn Write) -> Answer {
     match execute(command, files).and_then(|outcome| outcome.deliver(files, out)) {
-        Ok((yes, talk)) if talk.is_empty() => (u8::from(!yes), talk),
-        Ok((yes, talk)) => (u8::from(!yes), spoken(&talk)),
-        Err(problems) => (COULD_NOT, spoken(&problems.render())),
+        Ok((yes, talk)) => {
+            let err = if talk.is_empty() { talk } else { spoken(&talk) };
+            Answer { status: u8::from(!yes), err, ..Answer::default() }
+        }
+        Err(problems) => {
+            let err = spoken(&problems.render());
+            Answer { status: COULD_NOT, err, problems, ..Answer::default() }
+        }
     }
 }
 

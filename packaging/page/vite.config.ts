@@ -1,5 +1,4 @@
 // One file: script, style and core (base64 of gzip) in the page, which may load nothing from anywhere.
-import preact from "@preact/preset-vite";
 import { createHash } from "node:crypto";
 import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
@@ -15,17 +14,6 @@ const toml: Plugin = {
   name: "toml",
   transform: (code, id) =>
     id.endsWith(".toml") && !id.startsWith("\0") ? `export default ${JSON.stringify(parse(code))}` : null,
-};
-
-/** Text of a file of the repository, as `import sample from "file:fixtures/…"`. */
-const files: Plugin = {
-  name: "files",
-  resolveId: (id) => (id.startsWith("file:") ? "\0" + id : null),
-  load: (id) => {
-    if (!id.startsWith("\0file:")) return null;
-    const path = resolve(import.meta.url.replace(/^file:\/\//, ""), "../../..", id.slice("\0file:".length));
-    return `export default ${JSON.stringify(readFileSync(path, "utf8"))}`;
-  },
 };
 
 /** The core's own answer, as `import list from "core:controllers list"`: what never changes is asked when the page is built. */
@@ -91,8 +79,7 @@ const single: Plugin = {
 };
 
 export default defineConfig({
-  plugins: [preact(), toml, files, answers, licences, single],
+  plugins: [toml, answers, licences, single],
   build: { target: "es2022", assetsInlineLimit: 1 << 24, cssCodeSplit: false, modulePreload: false },
   worker: { format: "iife" },
-  server: { fs: { allow: ["../.."] } },
 });

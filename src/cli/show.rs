@@ -192,6 +192,13 @@ pub(super) fn verdict(
     lines.join("\n")
 }
 
+/// What was asked, and what the verdict rests on.
+pub(super) fn scope(job: &Job, grounds: &Grounds) -> Vec<String> {
+    let asked = limits(job, grounds);
+    let asked = (!asked.is_empty()).then(|| format!("asked: {asked}"));
+    asked.into_iter().chain(grounds.rests_on.iter().map(ToString::to_string)).collect()
+}
+
 /// The limits of the job; empty without any.
 fn limits(job: &Job, grounds: &Grounds) -> String {
     let acceptance = job.acceptance;

@@ -7,11 +7,12 @@
 use crate::text::finding::joined;
 use crate::text::plain::line as seen;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
+use serde::Serialize;
 use std::fmt;
 use std::sync::OnceLock;
 
 /// A place in a text file that a user wrote.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Place {
     /// The file as the user named it.
     pub file: String,
@@ -22,8 +23,10 @@ pub struct Place {
     /// How many characters are meant (at least 1).
     pub width: usize,
     /// The line without its line end; of a long line the part around the column.
+    #[serde(skip)]
     pub text: String,
     /// How many characters of the line stand before `text`.
+    #[serde(skip)]
     pub skipped: usize,
 }
 
@@ -164,7 +167,7 @@ fn floor_boundary(source: &str, at: usize) -> usize {
 }
 
 /// Why the program could not do its work.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Problem {
     /// One lower-case sentence: what was found and what was expected.
     pub message: String,
@@ -173,6 +176,7 @@ pub struct Problem {
     /// Other places of the same file that it concerns.
     pub(crate) also: Vec<Place>,
     /// The column of a table that it stands in, counted from 0.
+    #[serde(skip)]
     column: Option<usize>,
     /// What to do next.
     pub help: Option<String>,
@@ -203,6 +207,11 @@ impl Problem {
     pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(bounded(help.into()));
         self
+    }
+
+    /// The line of its place.
+    fn line(&self) -> Option<usize> {
+        self.place.as_ref().map(|place| place.line)
     }
 
     /// The problem as a person reads it: sentence, place, line with carets, next step, and what is to be
@@ -254,16 +263,14 @@ fn byte_of_column(text: &str, column: usize) -> usize {
 }
 
 /// One problem, and where else the same one stands.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 struct Kept {
+    #[serde(flatten)]
     problem: Problem,
-    /// In how many more places.
-    again: usize,
-    /// The first lines of them.
+    /// The other lines.
     lines: Vec<usize>,
-    /// The line of the last one.
-    last: Option<usize>,
     /// Other words were taken as the same cause: the column is wrong from row to row.
+    #[serde(skip)]
     is_shifted: bool,
 }
 
@@ -280,39 +287,30 @@ impl Kept {
 
     /// Whether another problem stands in the same column of the next row, whatever the cell holds.
     fn is_continued(&self, other: &Problem) -> bool {
-        let next = self.last.map(|line| line + 1);
         let own = &self.problem;
+        let last = self.lines.last().copied().or(own.line());
         own.column.is_some()
             && (own.column, &own.help) == (other.column, &other.help)
-            && next == other.place.as_ref().map(|place| place.line)
+            && last.map(|line| line + 1) == other.line()
             && own.place.as_ref().map(|p| &p.file) == other.place.as_ref().map(|p| &p.file)
     }
 
     /// Takes a problem with the same cause; in the same line it is the same one.
     fn take(&mut self, other: Kept) {
-        let Some(place) = &other.problem.place else {
-            return;
-        };
-        let own = self.problem.place.as_ref().map(|place| place.line);
-        if own.into_iter().chain(self.lines.last().copied()).any(|line| line == place.line) {
-            return;
-        }
-        self.is_shifted |= self.problem.message != other.problem.message;
-        self.last = other.last;
-        self.again += 1 + other.again;
-        for line in std::iter::once(place.line).chain(other.lines) {
-            if self.lines.len() < MOST_LINES && !self.lines.contains(&line) {
-                self.lines.push(line);
+        for new in other.problem.line().into_iter().chain(other.lines) {
+            if Some(new) != self.problem.line() && !self.lines.contains(&new) {
+                self.lines.push(new);
             }
         }
+        self.is_shifted |= self.problem.message != other.problem.message;
     }
 
     fn render(&self) -> String {
-        let lines = joined(&self.lines);
-        let note = match self.again {
+        let lines = joined(&self.lines[..self.lines.len().min(MOST_LINES)]);
+        let note = match self.lines.len() {
             0 => None,
             1 => Some(format!("the same in line {lines}")),
-            more if more == self.lines.len() => Some(format!("the same in lines {lines}")),
+            2..=MOST_LINES => Some(format!("the same in lines {lines}")),
             more => Some(format!("the same in {more} more lines, the next are {lines}")),
         };
         let look = "; compare the cells of these rows with the header";
@@ -325,9 +323,11 @@ impl Kept {
 /// The problems of an input, in the order they were found. Those that differ in their place only are
 /// one, which counts the places. A long list is cut: what comes after the first hundred is only
 /// counted when it is shown.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Problems {
+    #[serde(rename = "problems")]
     kept: Vec<Kept>,
+    #[serde(skip)]
     looked_at: usize,
     more: usize,
 }
@@ -349,12 +349,7 @@ impl Problems {
             self.more += 1;
             return;
         }
-        let problem = make();
-        self.add(Kept {
-            last: problem.place.as_ref().map(|place| place.line),
-            problem,
-            ..Kept::default()
-        });
+        self.add(Kept { problem: make(), ..Kept::default() });
     }
 
     fn add(&mut self, new: Kept) {
@@ -366,7 +361,7 @@ impl Problems {
         } else if self.kept.len() < MOST_PROBLEMS {
             self.kept.push(new);
         } else {
-            self.more += 1 + new.again;
+            self.more += 1 + new.lines.len();
         }
     }
 
@@ -407,7 +402,7 @@ impl Problems {
     pub fn render(&self) -> String {
         let (shown, not_shown) = self.kept.split_at(self.kept.len().min(MOST_SHOWN));
         let mut texts: Vec<String> = shown.iter().map(Kept::render).collect();
-        let not_shown: usize = not_shown.iter().map(|kept| 1 + kept.again).sum();
+        let not_shown: usize = not_shown.iter().map(|kept| 1 + kept.lines.len()).sum();
         match self.more + not_shown {
             0 => {}
             1 => texts.push("… and 1 more problem".to_string()),

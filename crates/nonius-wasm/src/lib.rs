@@ -2,10 +2,11 @@
 //! with its length (four bytes, the lowest first) before it.
 //!
 //! ```text
-//!   question   number of words, words of the command, then name and bytes of each file; no words: the keys of a job (JSON)
-//!   answer     exit status as text, standard output, standard error, then name and bytes of each file that is there
+//!   question   words of the command, a zero byte between, then name and bytes of each file; no words: the keys of a job (JSON)
+//!   answer     JSON (status, standard error, problems), standard output, then name and bytes of each file that is there
 //! ```
 
+use nonius::cli::Answer;
 use nonius::text::document::Key;
 use nonius::visit::memory::Memory;
 use serde_json::{Value, json};
@@ -40,26 +41,22 @@ pub unsafe extern "C" fn forget(start: *mut u8, length: usize) {
 }
 
 /// The answer to a question.
-pub fn answered(question: &[u8]) -> Vec<u8> {
-    let mut parts = Parts(question);
-    let count = parts.next().and_then(|part| std::str::from_utf8(part).ok()?.parse().ok());
-    let words = parts.by_ref().take(count.unwrap_or(0)).map(String::from_utf8_lossy);
-    let words: Vec<_> = words.collect();
+fn answered(question: &[u8]) -> Vec<u8> {
+    let mut parts = parts(question);
+    let words = String::from_utf8_lossy(parts.next().unwrap_or_default());
     let mut files = Vec::new();
     while let Some(file) = parts.next().zip(parts.next()) {
         files.push((String::from_utf8_lossy(file.0).into_owned(), file.1));
     }
-    if words.is_empty() {
-        let mut all = Vec::new();
-        [&b"0"[..], keys().as_bytes(), b""].iter().for_each(|part| add(&mut all, part));
-        return all;
-    }
     let memory = Memory::of(files.iter().map(|(name, bytes)| (name.as_str(), *bytes)));
-    let answer = nonius::cli::answer(&memory, words.iter().map(|word| word.as_ref()));
+    let answer = match words.is_empty() {
+        true => Answer { out: keys().into_bytes(), ..Answer::default() },
+        false => nonius::cli::answer(&memory, words.split('\0')),
+    };
+    let told = json!({"status": answer.status, "err": answer.err, "told": answer.problems});
     let mut all = Vec::new();
-    for part in [answer.status.to_string().as_bytes(), &answer.out, answer.err.as_bytes()] {
-        add(&mut all, part);
-    }
+    add(&mut all, told.to_string().as_bytes());
+    add(&mut all, &answer.out);
     for (name, bytes) in memory.all() {
         add(&mut all, name.as_bytes());
         add(&mut all, &bytes);
@@ -80,16 +77,11 @@ fn add(all: &mut Vec<u8>, part: &[u8]) {
 }
 
 /// The parts of a question.
-struct Parts<'a>(&'a [u8]);
-
-impl<'a> Iterator for Parts<'a> {
-    type Item = &'a [u8];
-
-    fn next(&mut self) -> Option<&'a [u8]> {
-        let (length, rest) = self.0.split_first_chunk()?;
-        let length = u32::from_le_bytes(*length) as usize;
-        let (part, rest) = rest.split_at_checked(length)?;
-        self.0 = rest;
+fn parts(mut all: &[u8]) -> impl Iterator<Item = &[u8]> {
+    std::iter::from_fn(move || {
+        let (length, rest) = all.split_first_chunk()?;
+        let (part, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+        all = rest;
         Some(part)
-    }
+    })
 }

@@ -1,5 +1,6 @@
 // The frame of the page: steps, verdict, language.
 import packed from "licences:";
+import type { JSX } from "preact";
 import { useState } from "preact/hooks";
 import { BeginStep } from "./begin";
 import { JobForm, openKeys } from "./form";
@@ -26,7 +27,7 @@ function state(of: Step): string {
       return waiting ? String(waiting) : !begun.value ? "" : faults(job.value) ? "!" : "✓";
     }
     case "measurement":
-      return !begun.value || !isFilled(measured.value) ? "" : faults(measured.value) ? "!" : "✓";
+      return !begun.value || !measured.value.some(isFilled) ? "" : measured.value.some(faults) ? "!" : "✓";
     case "result":
       return made.value?.judged ? "✓" : "";
     case "kit":
@@ -36,22 +37,14 @@ function state(of: Step): string {
   }
 }
 
-function Now() {
-  switch (step.value) {
-    case "machine":
-      return <BeginStep />;
-    case "job":
-      return <JobForm file={job.value} problems={made.value?.problems ?? []} />;
-    case "measurement":
-      return <MeasurementStep />;
-    case "result":
-      return <ResultStep />;
-    case "kit":
-      return <KitStep />;
-    case "second":
-      return <SecondStep />;
-  }
-}
+const shown: Record<Step, () => JSX.Element> = {
+  machine: BeginStep,
+  job: () => <JobForm file={job.value} problems={made.value?.problems ?? []} />,
+  measurement: MeasurementStep,
+  result: ResultStep,
+  kit: KitStep,
+  second: SecondStep,
+};
 
 function Licences() {
   const [text, setText] = useState("");
@@ -66,6 +59,7 @@ function Licences() {
 }
 
 export function App() {
+  const Now = shown[step.value];
   const judged = second.value?.judged ?? made.value?.judged;
   document.documentElement.lang = language.value;
   return (
@@ -108,7 +102,7 @@ export function App() {
           </button>
         ))}
       </nav>
-      {!keeps.value && <p class="notice">{t("not_kept")}</p>}
+      {keeps.value !== "here" && <p class="notice">{t(`kept_${keeps.value}`)}</p>}
       {notice.value && (
         <p class="notice" role="status">
           {notice.value}{" "}

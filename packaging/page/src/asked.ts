@@ -2,6 +2,8 @@
 // (crates/nonius-wasm).
 import type { Answer, Question } from "./core";
 
+type Said = Pick<Answer, "status" | "err" | "told">;
+
 interface Core {
   memory: WebAssembly.Memory;
   room(length: number): number;
@@ -52,17 +54,16 @@ function parted(all: Uint8Array): Uint8Array[] {
 
 export function asked(of: Core, question: Question): Answer {
   const all = joined([
-    bytes.encode(String(question.words.length)),
-    ...question.words.map((word) => bytes.encode(word)),
+    bytes.encode(question.words.join("\0")),
     ...question.files.flatMap(([name, content]) => [bytes.encode(name), content]),
   ]);
   const start = of.room(all.length);
   new Uint8Array(of.memory.buffer, start, all.length).set(all);
   const end = of.run(start, all.length);
   const length = new DataView(of.memory.buffer, end, 4).getUint32(0, true);
-  const [status, out, err, ...files] = parted(new Uint8Array(of.memory.buffer, end + 4, length));
+  const [told, out, ...files] = parted(new Uint8Array(of.memory.buffer, end + 4, length));
   of.forget(end, length + 4);
   const named: [string, Uint8Array][] = [];
   for (let n = 0; n + 1 < files.length; n += 2) named.push([text.decode(files[n]), files[n + 1]!]);
-  return { status: Number(text.decode(status)), out: text.decode(out), err: text.decode(err), files: named };
+  return { ...(JSON.parse(text.decode(told)) as Said), out: text.decode(out), files: named };
 }

@@ -1,14 +1,15 @@
 // The first step: a control and its travel, or files of a visit.
-import sampleAfterReadings from "file:fixtures/start/readings/after.csv";
-import sampleAfter from "file:fixtures/start/readings/after.toml";
-import sampleJob from "file:fixtures/start/readings/job.toml";
-import sampleReadings from "file:fixtures/start/readings/readings.csv";
+import sampleAfterReadings from "../../../fixtures/start/readings/after.csv?raw";
+import sampleAfter from "../../../fixtures/start/readings/after.toml?raw";
+import sampleJob from "../../../fixtures/start/readings/job.toml?raw";
+import sampleReadings from "../../../fixtures/start/readings/readings.csv?raw";
+import { signal } from "@preact/signals";
 import { useState } from "preact/hooks";
 import { run } from "./core";
 import { problems, type Problem } from "./problems";
 import { step } from "./steps";
 import { Card, Drop, Problems } from "./ui";
-import { begun, clear, controls, job, notice, open, type Files } from "./visit";
+import { begun, clear, controls, job, jobsIn, notice, open, type Files } from "./visit";
 import { withTable } from "./measured";
 import { t } from "./words";
 
@@ -18,8 +19,19 @@ const sample = new Map(
   ),
 );
 
+/** Files with several jobs, of which the person takes one. */
+const several = signal<Files | null>(null);
+
+function begin(files: Files, name: string) {
+  open(files, name);
+  several.value = null;
+  step.value = "result";
+}
+
 function take(dropped: Files) {
-  if (open(dropped)) step.value = "result";
+  const jobs = jobsIn(dropped);
+  if (jobs.length > 1) several.value = dropped;
+  else if (jobs[0]) begin(dropped, jobs[0]);
   else if (begun.value) for (const [name, content] of dropped) withTable(job, name, content);
   else notice.value = t("begin_first");
 }
@@ -30,7 +42,7 @@ function Begin() {
   const [readings, setReadings] = useState(false);
   const [both, setBoth] = useState(false);
   const [told, setTold] = useState<Problem[]>([]);
-  const begin = async (event: Event) => {
+  const make = async (event: Event) => {
     event.preventDefault();
     const each = [travel.x, travel.y, travel.z].map((end) => end.trim().replaceAll("−", "-"));
     if (each.some((end) => end.includes(","))) {
@@ -42,15 +54,13 @@ function Begin() {
     if (readings) words.push("--readings");
     if (both) words.push("--both-directions");
     const answer = await run(words);
-    setTold(problems(answer.err));
-    if (answer.status === 0 && open(new Map(answer.files))) {
-      step.value = "job";
-    } else if (answer.status !== 0 && !problems(answer.err).length) {
-      setTold([{ words: answer.err.trim(), places: [], help: "" }]);
-    }
+    setTold(problems(answer));
+    if (answer.status !== 0) return;
+    open(new Map(answer.files), "visit/job.toml");
+    step.value = "job";
   };
   return (
-    <form class="begin" onSubmit={begin}>
+    <form class="begin" onSubmit={make}>
       <label>
         {t("control")}
         <select value={control} onChange={(event) => setControl(event.currentTarget.value)}>
@@ -141,6 +151,18 @@ export function BeginStep() {
       </Card>
       <Card title={t("or_open")}>
         <Drop words={t("drop")} folder take={take} />
+        {several.value && (
+          <>
+            <p>{t("several_jobs")}</p>
+            <div class="buttons">
+              {jobsIn(several.value).map((name) => (
+                <button type="button" onClick={() => begin(several.value!, name)}>
+                  {name}
+                </button>
+              ))}
+            </div>
+          </>
+        )}
         <p>
           <button type="button" class="main" onClick={() => take(sample)}>
             {t("try_it")}

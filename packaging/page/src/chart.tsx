@@ -10,7 +10,7 @@ function ends(values: number[]): [number, number] {
   return low === high ? [low - 1, high + 1] : [low, high];
 }
 
-export function Chart(props: { title: string; curves: Curve[] }) {
+function Chart(props: { title: string; curves: Curve[] }) {
   const all = props.curves.flatMap((curve) => curve.points);
   if (!all.length) return null;
   const [from, to] = ends(all.map((point) => point[0]));

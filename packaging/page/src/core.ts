@@ -1,4 +1,5 @@
 // Asks the core: a command with files by name, as on a command line.
+import type { Told } from "./problems";
 import CoreWorker from "./worker?worker&inline";
 
 export interface Question {
@@ -11,6 +12,7 @@ export interface Answer {
   status: number;
   out: string;
   err: string;
+  told: Told;
   /** All files that are there afterwards. */
   files: [string, Uint8Array][];
 }

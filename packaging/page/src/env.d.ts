@@ -10,7 +10,3 @@ declare module "licences:" {
   const packed: string;
   export default packed;
 }
-declare module "file:*" {
-  const text: string;
-  export default text;
-}

@@ -21,7 +21,7 @@ function Rows(props: { of: Record<string, Figure>; isAfter: boolean; table?: (na
 
 export function Figures(props: { judged: Judged; manifest?: Manifest | null }) {
   const { judged, manifest } = props;
-  const isAfter = judged.diagnosis !== undefined || Object.values(judged.terms).some((one) => one.after_um !== undefined);
+  const isAfter = judged.diagnosis !== undefined;
   const place = (term: string) =>
     (manifest?.tables ?? [])
       .filter((table) => table.term === term)
@@ -60,19 +60,13 @@ export function Figures(props: { judged: Judged; manifest?: Manifest | null }) {
 
 export function Decides(props: { judged: Judged }) {
   const decides = props.judged.what_decides;
-  const { causes, doubts = [] } = props.judged;
+  const { causes } = props.judged;
   return (
     <>
       {causes.length > 0 && (
         <>
           <h3>{t("findings")}</h3>
           <ul>{causes.map((words) => <li>{words}</li>)}</ul>
-        </>
-      )}
-      {doubts.length > 0 && (
-        <>
-          <h3>{t("doubts_heading")}</h3>
-          <ul>{doubts.map((words) => <li>{words}</li>)}</ul>
         </>
       )}
       {decides && (

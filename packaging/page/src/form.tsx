@@ -1,7 +1,7 @@
 // A job as a form: a row for each key, X, Y and Z side by side, the reader's own messages beside the field.
 import { useState } from "preact/hooks";
 import { choices, groups, sections, shown, withKey, without, withoutBlock, withProposed, withValue, written, type Field, type Group, type Section } from "./job";
-import { at, type Problem } from "./problems";
+import { at, said, type Problem } from "./problems";
 import { Card, Problems } from "./ui";
 import { absent, isText, put, textOf, wordsOf } from "./visit";
 import { t } from "./words";
@@ -47,7 +47,7 @@ function Input(props: { file: string; section: Section; field: Field; problems: 
       )}
       {own.length > 0 && (
         <p class="told" id={`${name}-told`} role="status">
-          {own.map((problem) => [problem.words, problem.help].filter(Boolean).join(": ")).join("; ")}
+          {own.map(said).join("; ")}
         </p>
       )}
     </>
@@ -115,7 +115,7 @@ function More(props: { file: string; group: Group }) {
   };
   const first = group.columns[0]!;
   const proposed = first.fields.filter((field) => field.optional);
-  const others = absent(first.name).filter((key) => !/^(x|y|z|axes)$/.test(key.key));
+  const others = absent(first).filter((key) => !/^(x|y|z|axes)$/.test(key.key));
   if (!proposed.length && !others.length) return null;
   const row = (key: string, words: string) => (
     <div class="row">
@@ -148,7 +148,7 @@ function Of(props: { file: string; group: Group; problems: Problem[] }) {
     <Card title={heading(group)} wide>
       {group.intro && <p class="soft">{group.intro}</p>}
       <Problems of={[...new Set(headers)]} />
-      <div class={`fields columns${group.columns.length}`}>
+      <div>
         {several && (
           <div class="row heads">
             <div class="key" />
@@ -181,7 +181,7 @@ export function openKeys(text: string): number {
 }
 
 /** Problems of a file that no field of the form shows. */
-export function elsewhere(all: Problem[], file: string): Problem[] {
+function elsewhere(all: Problem[], file: string): Problem[] {
   const text = textOf(file);
   const shownLines = new Set(sections(text).flatMap((section) => [section.line + 1, ...section.fields.map((field) => field.line + 1)]));
   return all.filter((problem) => !problem.places.some((place) => place.file === file && shownLines.has(place.line)));
@@ -192,6 +192,7 @@ export function JobForm(props: { file: string; problems: Problem[] }) {
   const text = textOf(props.file);
   const waiting = openKeys(text);
   const own = props.problems.filter((problem) => problem.places.length === 0 || problem.places.some((place) => place.file === props.file));
+  const others = elsewhere(own, props.file);
   return (
     <>
       <div class="bar">
@@ -215,9 +216,9 @@ export function JobForm(props: { file: string; problems: Problem[] }) {
         </Card>
       ) : (
         <>
-          {elsewhere(own, props.file).length > 0 && (
+          {others.length > 0 && (
             <Card title={t("other_problems")} wide>
-              <Problems of={elsewhere(own, props.file)} />
+              <Problems of={others} />
             </Card>
           )}
           {groups(sections(text)).map((group) => (

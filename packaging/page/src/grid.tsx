@@ -1,6 +1,6 @@
 // A table of values as a grid: the rows in view, cells that can be typed in, pasted into and walked through.
 import { useRef, useState } from "preact/hooks";
-import { at, type Problem } from "./problems";
+import { at, said, type Problem } from "./problems";
 import { block, cell, cellAt, cells, pasted, table, text, withoutRow, type Table } from "./table";
 import { isPlain, notice, put, textOf } from "./visit";
 import { t } from "./words";
@@ -12,7 +12,8 @@ function told(of: Table, file: string, problems: Problem[], line: number): { cel
   const problem = at(problems, file, line + 1)[0];
   const place = problem?.places.find((one) => one.file === file && one.line === line + 1);
   if (!problem || !place) return null;
-  return { cell: place.column ? cellAt(of, line, place.column) : -1, words: [problem.words, problem.help].filter(Boolean).join(": ") };
+  const shown = place.column ? place : problem.places[0]!;
+  return { cell: cellAt(of, shown.line - 1, shown.column), words: said(problem) };
 }
 
 export function Grid(props: { file: string; problems: Problem[] }) {
@@ -83,7 +84,7 @@ export function Grid(props: { file: string; problems: Problem[] }) {
                   <input
                     data-cell={`${row}:${column}`}
                     aria-label={`${name}, ${line + 1}`}
-                    aria-invalid={!!fault && (fault.cell === column || fault.cell < 0)}
+                    aria-invalid={!!fault && fault.cell === column}
                     autocomplete="off"
                     value={own[column]?.trim() ?? ""}
                     onFocus={() => setNow(row)}

@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { save, zip } from "./opened";
 import { problems, type Problem } from "./problems";
 import { Card, Framed, Problems } from "./ui";
-import { files, inside, isCurrent, kit, made, makeKit, report, type Manifest } from "./visit";
+import { files, isCurrent, kit, kitFolder, made, makeKit, report, type Manifest } from "./visit";
 import { language, t } from "./words";
 
 const decoder = new TextDecoder();
@@ -21,7 +21,7 @@ export function ReportPage(props: { withAfter: boolean; name: string }) {
     const timer = setTimeout(() => void report(props.withAfter).then(setPage), 400);
     return () => clearTimeout(timer);
   }, [words, of, props.withAfter]);
-  return page ? <Framed html={page} title={t("report")} name={props.name} save={() => save(props.name, page, "text/html")} /> : null;
+  return page ? <Framed html={page} title={t("report")} name={props.name} /> : null;
 }
 
 function Content(props: { name: string; bytes: Uint8Array; role: string }) {
@@ -29,10 +29,10 @@ function Content(props: { name: string; bytes: Uint8Array; role: string }) {
   return (
     <details class="file">
       <summary>
-        <code>{props.name.slice(4)}</code> <span class="soft">{words.startsWith("role_") ? "" : words}</span>
+        <code>{props.name}</code> <span class="soft">{words.startsWith("role_") ? "" : words}</span>
       </summary>
       {/\.html?$/i.test(props.name) ? null : <pre tabIndex={0}>{decoder.decode(props.bytes)}</pre>}
-      <button type="button" onClick={() => save(props.name.slice(4), props.bytes)}>
+      <button type="button" onClick={() => save(props.name, props.bytes)}>
         {t("download")}
       </button>
     </details>
@@ -42,12 +42,13 @@ function Content(props: { name: string; bytes: Uint8Array; role: string }) {
 export function KitStep() {
   const [told, setTold] = useState<Problem[]>([]);
   const isMade = kit.value.length > 0;
-  const make = async () => setTold(problems((await makeKit()).err));
+  const make = async () => setTold(problems(await makeKit()));
   // Of the kit that is there, not of one that would be made now.
-  const own = new Map(kit.value).get("kit/manifest.json");
+  const own = new Map(kit.value).get(`${kitFolder.value}/manifest.json`);
   const manifest: Manifest | null | undefined = own ? JSON.parse(decoder.decode(own)) : made.value?.manifest;
-  const roles = new Map(manifest?.files.map((file) => [`kit/${file.path}`, file.role]));
-  const checklist = new Map(kit.value).get("kit/checklist.html");
+  const roles = new Map(manifest?.files.map((file) => [file.path, file.role]));
+  const checklist = new Map(kit.value).get(`${kitFolder.value}/checklist.html`);
+  const inKit = (name: string) => name.slice(kitFolder.value.length + 1);
   const assumed = manifest?.assumptions ?? [];
   return (
     <>
@@ -63,13 +64,10 @@ export function KitStep() {
             </button>
           )}
           {isMade && (
-            <button type="button" class="main" onClick={() => save("kit.zip", zip(inside("kit")), "application/zip")}>
+            <button type="button" class="main" onClick={() => save("kit.zip", zip(kit.value), "application/zip")}>
               {t("download_kit")}
             </button>
           )}
-          <button type="button" onClick={saveVisit}>
-            {t("download_visit")}
-          </button>
         </div>
         {!made.value?.manifest && <Problems of={made.value?.problems ?? []} />}
         {assumed.length > 0 && (
@@ -90,12 +88,12 @@ export function KitStep() {
           </details>
         )}
         {kit.value.map(([name, bytes]) => (
-          <Content name={name} bytes={bytes} role={roles.get(name) ?? ""} />
+          <Content name={inKit(name)} bytes={bytes} role={roles.get(inKit(name)) ?? ""} />
         ))}
       </Card>
       {checklist && (
         <Card title={t("checklist")} wide>
-          <Framed html={decoder.decode(checklist)} title={t("checklist")} name="checklist.html" save={() => save("checklist.html", checklist, "text/html")} />
+          <Framed html={decoder.decode(checklist)} title={t("checklist")} name="checklist.html" />
         </Card>
       )}
       {isMade && (

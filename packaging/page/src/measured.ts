@@ -1,18 +1,17 @@
 // A table put in place of the one that a job names. What is there already keeps its name and its bytes.
 import type { Signal } from "@preact/signals";
 import { sections, withValue } from "./job";
-import { files, isFilled, notice, put, textOf } from "./visit";
+import { files, isFilled, isSame, notice, put, textOf } from "./visit";
 import { t } from "./words";
 
 /** Stores a file without replacing another one; the name that it has now. */
-export function stored(path: string, content: Uint8Array): string {
+function stored(path: string, content: Uint8Array): string {
   const name = path.slice(path.lastIndexOf("/") + 1);
   const [stem, end] = [name.replace(/\.[^.]*$/, ""), /\.[^.]*$/.exec(name)?.[0] ?? ""];
-  const isSame = (old: Uint8Array) => old.length === content.length && old.every((byte, n) => byte === content[n]);
   for (let n = 1; ; n++) {
     const free = n === 1 ? name : `${stem}-${n}${end}`;
     const old = files.value.get(free);
-    if (old && !isSame(old) && (isFilled(free) || !/\.csv$/i.test(free))) continue;
+    if (old && !isSame(old, content) && (isFilled(free) || !/\.csv$/i.test(free))) continue;
     put(free, content);
     return free;
   }

@@ -19,26 +19,33 @@ function ofReadings(errors: Record<string, { position_mm: number[]; deviation_um
 }
 
 export function MeasurementStep() {
-  const file = measured.value;
-  const of = table(textOf(file));
-  const problems = (made.value?.problems ?? []).filter((problem) => problem.places.some((place) => place.file === file));
-  const grown = separated.value ? ofReadings(separated.value.errors) : of ? curves(of) : new Map();
+  const all = made.value?.problems ?? [];
+  const single = measured.value.length === 1;
   return (
     <>
-      <Card title={file} wide>
-        <Problems of={problems} />
-        <div class="beside">
-          <Grid file={file} problems={problems} />
-          <div>
-            <h3>{t(isReadings.value ? "separated" : "curves_grow")}</h3>
-            {grown.size ? <Charts of={grown} /> : <p class="soft">{t("not_yet")}</p>}
-            {separated.value?.doubts.map((words) => <p class="told">{words}</p>)}
-          </div>
-        </div>
-      </Card>
-      <Card wide>
-        <Drop words={t("drop_table")} take={(dropped) => dropped.forEach((content, name) => withTable(job, name, content))} />
-      </Card>
+      {measured.value.map((file) => {
+        const of = table(textOf(file));
+        const own = all.filter((problem) => problem.places.some((place) => place.file === file));
+        const grown = separated.value ? ofReadings(separated.value.errors) : of ? curves(of) : new Map();
+        return (
+          <Card key={file} title={file} wide>
+            <Problems of={own} />
+            <div class="beside">
+              <Grid file={file} problems={own} />
+              <div>
+                <h3>{t(isReadings.value ? "separated" : "curves_grow")}</h3>
+                {grown.size ? <Charts of={grown} /> : <p class="soft">{t("not_yet")}</p>}
+                {separated.value?.doubts.map((words) => <p class="told">{words}</p>)}
+              </div>
+            </div>
+          </Card>
+        );
+      })}
+      {single && (
+        <Card wide>
+          <Drop words={t("drop_table")} take={(dropped) => dropped.forEach((content, name) => withTable(job, name, content))} />
+        </Card>
+      )}
     </>
   );
 }

@@ -1,9 +1,11 @@
-// Problems as the program prints them, with their places.
+// Problems of the program, with their places.
+import type { Answer } from "./core";
+import { t } from "./words";
 
 export interface Place {
   file: string;
   line: number;
-  /** Counted from 1, in characters; 0 = the whole line. */
+  /** Counted from 1, in characters; 0 = the cell of the first place, in another row. */
   column: number;
 }
 
@@ -13,41 +15,29 @@ export interface Problem {
   help: string;
 }
 
-/** The problems on standard error; blocks with an empty line between them. */
-export function problems(err: string): Problem[] {
-  const found: Problem[] = [];
-  for (const block of err.split(/\n(?=problem: )/)) {
-    const [first, ...rest] = block.split("\n");
-    if (!first?.startsWith("problem: ")) continue;
-    const more: string[] = [];
-    const places: Place[] = [];
-    const help: string[] = [];
-    let part = "words";
-    for (const line of rest) {
-      const place = /^\s*(?:-->|:::) (.*):(\d+):(\d+)$/.exec(line);
-      const also = /^\s+line (\d+): /.exec(line);
-      const note = /^\s*= (help|note): (.*)$/.exec(line);
-      if (place) {
-        places.push({ file: place[1]!, line: Number(place[2]), column: Number(place[3]) });
-        part = "source";
-      } else if (note) {
-        part = note[1]!;
-        if (part === "help") help.push(note[2]!);
-        else if (note[2] !== "also") help.push(note[2]!);
-      } else if (also && places[0]) {
-        places.push({ file: places[0].file, line: Number(also[1]), column: 0 });
-      } else if (part === "words" && line.trim()) {
-        more.push(line.trim());
-      } else if (part === "help" && line.trim() && !/^\s*\|/.test(line)) {
-        help.push(line.trim());
-      }
-    }
-    found.push({ words: [first.slice("problem: ".length), ...more].join(" "), places, help: help.join("; ") });
-  }
+/** As the core tells them: `lines` are those where the same problem stands once more, `more` is only counted. */
+export interface Told {
+  problems?: { message: string; place: Place | null; also: Place[]; help: string | null; lines: number[] }[];
+  more?: number;
+}
+
+export function problems(of: Answer): Problem[] {
+  const found = (of.told.problems ?? []).map(({ message, place, also, help, lines }) => {
+    const again = lines.map((line) => ({ file: place!.file, line, column: 0 }));
+    return { words: message, places: place ? [place, ...also, ...again] : also, help: help ?? "" };
+  });
+  const loose = (words: string): Problem => ({ words, places: [], help: "" });
+  if (of.told.more) found.push(loose(t("more_problems", { count: of.told.more })));
+  if (of.status === 2 && !found.length) found.push(loose(of.err.trim())); // wrong usage
   return found;
 }
 
 /** Those that a line of a file is among. */
 export function at(all: Problem[], file: string, line: number): Problem[] {
   return all.filter((problem) => problem.places.some((place) => place.file === file && place.line === line));
+}
+
+/** What is wrong, and what to do, in one sentence. */
+export function said(problem: Problem): string {
+  return [problem.words, problem.help].filter(Boolean).join(": ");
 }

@@ -27,7 +27,7 @@ export function ResultStep() {
           <Verdict of={judged.verdict} forecast />
         </p>
         {kit.value.length > 0 && !isCurrent.value && <p class="state">{t("kit_old")}</p>}
-        <Scope of={now.scope} />
+        <Scope of={judged} />
         <Decides judged={judged} />
         <Figures judged={judged} manifest={manifest} />
         {Object.keys(judged.squareness ?? {}).length > 0 && (

@@ -4,19 +4,17 @@ import { JobForm } from "./form";
 import { Grid } from "./grid";
 import { ReportPage } from "./kit";
 import { Card, Drop, Notes, Picture, Problems, Scope, Verdict } from "./ui";
-import { after, files, isCurrent, isFilled, kit, measuredAfter, notice, second, type Files } from "./visit";
-import { isTable, stored, withTable } from "./measured";
+import { after, files, isCurrent, kit, measuredAfter, notice, putAfter, second, type Files } from "./visit";
+import { isTable, withTable } from "./measured";
 import { t } from "./words";
 
 /** A job comes before the tables that it names. */
 function take(dropped: Files) {
   const isJob = ([name]: [string, Uint8Array]) => /\.toml$/i.test(name);
   for (const [name, content] of [...dropped].sort((a, b) => Number(isJob(b)) - Number(isJob(a)))) {
-    if (isJob([name, content])) after.value = stored(name, content);
-    else if (after.value.endsWith(".toml")) withTable(after, name, content);
-    else if (isTable(name)) {
-      // In place of an empty form; a filled one is kept.
-      after.value = stored(isFilled("after.csv") || !/\.csv$/i.test(name) ? name : "after.csv", content);
+    if (!isJob([name, content]) && after.value.endsWith(".toml")) withTable(after, name, content);
+    else if (isJob([name, content]) || isTable(name)) {
+      putAfter(name, content);
       notice.value = t("taken", { file: after.value, job: name });
     } else notice.value = t("not_taken", { file: name });
   }
@@ -25,7 +23,6 @@ function take(dropped: Files) {
 export function SecondStep() {
   if (!kit.value.length) return <Card wide>{t("first_kit")}</Card>;
   const now = second.value;
-  const table = measuredAfter.value;
   const problems = now?.problems ?? [];
   return (
     <>
@@ -36,7 +33,7 @@ export function SecondStep() {
             <p class="head">
               <Verdict of={now.judged.verdict} /> {now.judged.diagnosis?.as_forecast && t("as_forecast")}
             </p>
-            <Scope of={now.scope} />
+            <Scope of={now.judged} />
             <Decides judged={now.judged} />
             <Figures judged={now.judged} />
             <Notes of={now.judged.notes} />
@@ -65,9 +62,13 @@ export function SecondStep() {
           <JobForm file={after.value} problems={problems} />
         </details>
       )}
-      <Card title={table} wide>
-        {files.value.has(table) && <Grid file={table} problems={problems} />}
-        <Drop words={t("drop_table")} take={take} />
+      {measuredAfter.value.filter((name) => files.value.has(name)).map((name) => (
+        <Card key={name} title={name} wide>
+          <Grid file={name} problems={problems} />
+        </Card>
+      ))}
+      <Card wide>
+        <Drop words={t("drop_second")} take={take} />
       </Card>
     </>
   );

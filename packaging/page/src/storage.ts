@@ -1,4 +1,4 @@
-// The visit is kept in this browser, where it can.
+// The visit is kept in this browser, where it can; of several windows by the one that was opened last.
 import { signal } from "@preact/signals";
 
 export interface Kept {
@@ -7,16 +7,15 @@ export interface Kept {
   after: string;
 }
 
-/** Whether this browser keeps the visit. */
-export const keeps = signal(true);
+/** Whether this browser keeps the visit, or another window of it does. */
+export const keeps = signal<"here" | "nowhere" | "elsewhere">("here");
 
-function store(mode: IDBTransactionMode): Promise<IDBObjectStore> {
-  return new Promise((done, failed) => {
-    const asked = indexedDB.open("nonius", 1);
-    asked.onupgradeneeded = () => asked.result.createObjectStore("visit");
-    asked.onerror = () => failed(asked.error);
-    asked.onsuccess = () => done(asked.result.transaction("visit", mode).objectStore("visit"));
-  });
+const own = crypto.randomUUID();
+
+async function store(mode: IDBTransactionMode): Promise<IDBObjectStore> {
+  const asked = indexedDB.open("nonius", 1);
+  asked.onupgradeneeded = () => asked.result.createObjectStore("visit");
+  return (await ended(asked)).transaction("visit", mode).objectStore("visit");
 }
 
 function ended<T>(asked: IDBRequest<T>): Promise<T> {
@@ -26,19 +25,23 @@ function ended<T>(asked: IDBRequest<T>): Promise<T> {
   });
 }
 
-export async function remember(visit: Kept) {
+async function tried<T>(what: () => Promise<T>): Promise<T | undefined> {
   try {
-    await ended((await store("readwrite")).put(visit, "now"));
+    return await what();
   } catch {
-    keeps.value = false;
-  }
-}
-
-export async function kept(): Promise<Kept | undefined> {
-  try {
-    return await ended((await store("readonly")).get("now"));
-  } catch {
-    keeps.value = false;
+    keeps.value = "nowhere";
     return undefined;
   }
 }
+
+/** From now on this window keeps its visit; others notice it. */
+export const claim = () => tried(async () => ended((await store("readwrite")).put(own, "window")));
+
+export const remember = (visit: Kept) =>
+  tried(async () => {
+    const all = await store("readwrite");
+    if ((await ended(all.get("window"))) === own) await ended(all.put(visit, "now"));
+    else keeps.value = "elsewhere";
+  });
+
+export const kept = () => tried(async () => ended<Kept | undefined>((await store("readonly")).get("now")));

@@ -100,6 +100,11 @@ const number = (cell: string | undefined, separator: string) => {
   return value === "" ? NaN : Number(separator === ";" ? value.replace(",", ".") : value);
 };
 
+/** What a unit at the end of a column's name is in mm or µm. */
+const MM: Record<string, number> = { mm: 1, in: 25.4 };
+const UM: Record<string, number> = { um: 1, mm: 1000, in: 25_400, uin: 0.0254 };
+const unit = (name: string, of: Record<string, number>) => of[name.slice(name.lastIndexOf("_") + 1)] ?? NaN;
+
 /** The columns of deviations over the positions of each moving axis and direction, as far as they are filled in. */
 export function curves(of: Table): Map<string, Curve[]> {
   const at = (name: RegExp) => of.names.findIndex((own) => name.test(own));
@@ -112,7 +117,8 @@ export function curves(of: Table): Map<string, Curve[]> {
     const moving = (row[axis] ?? "").trim().toUpperCase();
     const way = direction < 0 ? "" : (row[direction] ?? "").trim();
     for (const column of columns) {
-      const point: [number, number] = [number(row[position], of.separator), number(row[column], of.separator)];
+      const mm = number(row[position], of.separator) * unit(of.names[position]!, MM);
+      const point: [number, number] = [mm, number(row[column], of.separator) * unit(of.names[column]!, UM)];
       if (!point.every(Number.isFinite)) continue;
       const name = of.names[column]!.replace(/^e(.)_.*/, (_, of) => `E${of.toUpperCase()}${moving}`) + way;
       const panel = found.get(moving) ?? found.set(moving, []).get(moving)!;

@@ -1,9 +1,9 @@
 // Small parts of every step.
 import type { ComponentChildren } from "preact";
 import { useState } from "preact/hooks";
-import { chosen, dropped } from "./opened";
+import { chosen, dropped, save } from "./opened";
 import type { Problem } from "./problems";
-import { notice, type Files } from "./visit";
+import { notice, type Files, type Judged } from "./visit";
 import { t } from "./words";
 
 export function Card(props: { title?: string; children: ComponentChildren; wide?: boolean }) {
@@ -30,13 +30,8 @@ export function Problems(props: { of: Problem[] }) {
 }
 
 /** What was asked and what the verdict covers, in the program's words. */
-export function Scope(props: { of: string }) {
-  const lines = props.of
-    .replace(/^verdict: \w+ \((.*)\)$/m, "$1")
-    .split("\n")
-    .map((line) => line.trim())
-    .filter((line) => line && !/^(machine |job and tables|measured afterwards)|, tables read from /.test(line));
-  return <p class="scope">{lines.join("\n")}</p>;
+export function Scope(props: { of: Judged }) {
+  return <p class="scope">{props.of.scope.join("\n")}</p>;
 }
 
 /** What else is to be known, folded away. */
@@ -97,11 +92,11 @@ export function Drop(props: { words: string; folder?: boolean; take: (files: Fil
 }
 
 /** A page of the program in a frame of its own, to be read and printed. */
-export function Framed(props: { html: string; title: string; name: string; save: () => void }) {
+export function Framed(props: { html: string; title: string; name: string }) {
   return (
-    <div class="framed">
+    <div>
       <div class="buttons">
-        <button type="button" onClick={props.save}>
+        <button type="button" onClick={() => save(props.name, props.html, "text/html")}>
           {t("download")}: {props.name}
         </button>
         <button type="button" onClick={() => (document.getElementById(props.name) as HTMLIFrameElement).contentWindow?.print()}>

@@ -3,9 +3,9 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import schema from "core:";
 import list from "core:controllers list --format json";
 import { run, type Answer } from "./core";
-import { sections, valueOf, type Key } from "./job";
+import { valueOf, type Key, type Section } from "./job";
 import { problems, type Problem } from "./problems";
-import { kept, remember } from "./storage";
+import { claim, kept, remember } from "./storage";
 import { cells, table } from "./table";
 import { language } from "./words";
 
@@ -50,32 +50,54 @@ export function inside(folder: string, all: Iterable<[string, Uint8Array]> = fil
 
 export const jobText = computed(() => textOf(job.value));
 export const isReadings = computed(() => valueOf(jobText.value, "measurement", "readings") !== "");
-export const measured = computed(
-  () => valueOf(jobText.value, "measurement", "errors") || valueOf(jobText.value, "measurement", "readings"),
-);
-export const controller = computed(() => valueOf(jobText.value, "compensation", "controller"));
-/** The table of the second measurement. */
-export const measuredAfter = computed(() =>
-  after.value.endsWith(".toml")
-    ? valueOf(textOf(after.value), "measurement", "readings") || valueOf(textOf(after.value), "measurement", "errors")
-    : after.value,
-);
 
-/** A visit begins: the job among these files, and the second measurement. */
-export function open(all: Files) {
-  const jobs = [...all.keys()].filter((name) => name.endsWith(".toml") && /^\s*\[machine[\].]/m.test(decoder.decode(all.get(name))));
-  const first = jobs.find((name) => /(^|\/)job\.toml$/.test(name)) ?? jobs.find((name) => !/after/.test(name)) ?? jobs[0];
-  if (!first) return false;
-  const folder = first.slice(0, first.lastIndexOf("/") + 1);
+/** The tables that a job names: one, or a list. */
+function tablesOf(job: string): string[] {
+  const named = valueOf(job, "measurement", "errors") || valueOf(job, "measurement", "readings");
+  if (!named.startsWith("[")) return named ? [named] : [];
+  return [...named.matchAll(/"([^"]+)"|'([^']+)'/g)].map((one) => one[1] ?? one[2]!);
+}
+
+export const measured = computed(() => tablesOf(jobText.value));
+export const controller = computed(() => valueOf(jobText.value, "compensation", "controller"));
+/** The tables of the second measurement. */
+export const measuredAfter = computed(() => (after.value.endsWith(".toml") ? tablesOf(textOf(after.value)) : [after.value]));
+
+/** Whether a name is that of the second measurement: `after.toml` before a table. */
+const isAfter = (name: string) => /^after\.[a-z]+$/i.test(name);
+
+/** The jobs among these files, but for those of a second measurement. */
+export function jobsIn(all: Files): string[] {
+  const isJob = (name: string) => name.endsWith(".toml") && /^\s*\[machine[\].]/m.test(decoder.decode(all.get(name)));
+  return [...all.keys()].filter((name) => !isAfter(name.slice(name.lastIndexOf("/") + 1)) && isJob(name));
+}
+
+/** A visit begins with this job, and what lies beside it. */
+export function open(all: Files, name: string) {
+  const folder = name.slice(0, name.lastIndexOf("/") + 1);
   const own = new Map([...all].filter(([name]) => name.startsWith(folder)).map(([name, of]) => [name.slice(folder.length), of]));
-  const name = first.slice(folder.length);
   batch(() => {
     files.value = own;
-    job.value = name;
-    const isOf = valueOf(decoder.decode(own.get(name)), "measurement", "readings");
-    after.value = isOf && own.has("after.toml") ? "after.toml" : "after.csv";
+    job.value = name.slice(folder.length);
+    const second = [...own.keys()].filter(isAfter).sort((a, b) => Number(b.endsWith(".toml")) - Number(a.endsWith(".toml")));
+    after.value = second[0] ?? "after.csv";
   });
-  return true;
+}
+
+/** A second measurement takes the place of the one before, which is kept as `after-1…`; an empty form goes. */
+export function putAfter(name: string, content: Uint8Array) {
+  const now = `after${/\.[^.]*$/.exec(name)?.[0].toLowerCase() ?? ""}`;
+  const all = new Map(files.value);
+  const isSameKind = (one: string) => isAfter(one) && one.endsWith(".toml") === now.endsWith(".toml");
+  for (const old of [...all.keys()].filter(isSameKind)) {
+    const kept = (n: number): string => (all.has(old.replace(".", `-${n}.`)) ? kept(n + 1) : old.replace(".", `-${n}.`));
+    if (isFilled(old) && !isSame(content, all.get(old))) all.set(kept(1), all.get(old)!);
+    all.delete(old);
+  }
+  batch(() => {
+    files.value = all.set(now, content);
+    after.value = now;
+  });
 }
 
 export function clear() {
@@ -92,8 +114,6 @@ export interface Made {
   /** The manifest of the kit that it would write; null where nothing is made. */
   manifest: Manifest | null;
   judged: Judged | null;
-  /** The verdict in the program's words: what was asked, and what it covers. */
-  scope: string;
   kit: [string, Uint8Array][];
   picture: string;
   volume: Volume | null;
@@ -103,7 +123,6 @@ export interface Figure {
   before_um: number | null;
   forecast_um?: number | null;
   after_um?: number | null;
-  expanded_um: number | null;
   at_most_um: number | null;
 }
 
@@ -116,26 +135,24 @@ export interface Act {
 
 export interface Judged {
   verdict: "pass" | "fail" | "undecided";
+  /** What was asked, and what the verdict rests on. */
+  scope: string[];
   terms: Record<string, Figure>;
   diagonals: Record<string, Figure> | null;
-  squareness: Record<string, { before_um_per_m: number; after_um_per_m: number | null; expanded_um_per_m: number | null }>;
+  squareness: Record<string, { before_um_per_m: number }>;
   max_residual_um: number | null;
   max_residual_at_most_um: number | null;
   causes: string[];
-  doubts?: string[];
   notes: string[];
   what_decides?: { term: string; left_um: number; at_most_um: number; parts: { what: string; um: number }[]; acts: Act[] };
-  diagnosis?: { as_forecast: boolean; causes: { kind: string; words: string }[] } | null;
+  /** Only with a second measurement. */
+  diagnosis?: { as_forecast: boolean } | null;
 }
 
 export interface Manifest {
   files: { path: string; role: string }[];
   assumptions: { fact: string; value: string; consequence: string }[];
-  preconditions: { what: string; value: string; why: string; source: string }[];
-  tables: { term: string; direction: string | null; place: string; points: number }[];
-  omitted: { term: string; reason: string }[];
-  doubts?: string[];
-  notes: string[];
+  tables: { term: string; direction: string | null; place: string }[];
 }
 
 export interface Vectors {
@@ -144,7 +161,6 @@ export interface Vectors {
 }
 
 export interface Volume {
-  volume_mm: Record<"x" | "y" | "z", [number, number] | null>;
   vectors: Vectors;
   after: { vectors: Vectors } | null;
 }
@@ -161,42 +177,48 @@ export const working = signal(false);
 
 const json = <T,>(answer: Answer): T | null => (answer.status < 2 ? (JSON.parse(answer.out) as T) : null);
 
-/** The visit without its kit, which is made anew to be shown; not where the job itself names that folder. */
-const sources = () => {
-  const isActive = valueOf(jobText.value, "measurement", "active_while_measuring") === "kit";
-  return [...files.value].filter(([name]) => isActive || !name.startsWith("kit/"));
-};
+/** The folder of the kit: that of a manifest, but for one that the job names as active while measuring. */
+export const kitFolder = computed(() => {
+  const active = valueOf(jobText.value, "measurement", "active_while_measuring").replace(/^\.\/|\/$/g, "");
+  const made = [...files.value.keys()].flatMap((name) => /^(.+)\/manifest\.json$/.exec(name)?.[1] ?? []);
+  return made.find((one) => one !== active && !/\.previous(-\d+)?$/.test(one)) ?? (active === "kit" ? "kit-2" : "kit");
+});
 
 async function make(): Promise<Made> {
-  const own = sources();
+  const kitAt = kitFolder.value;
+  // The visit without its kit, which is made anew to be shown.
+  const own = [...files.value].filter(([name]) => !name.startsWith(`${kitAt}/`));
   separated.value = isReadings.value ? json<Separated>(await run(["separate", job.value, "--format", "json"], own)) : null;
-  const answer = await run(["generate", job.value, "-o", "kit", "--format", "json", "--plot", "plot.svg", "--force"], own);
-  const found = problems(answer.err);
+  const answer = await run(["generate", job.value, "-o", kitAt, "--format", "json", "--plot", "plot.svg", "--force"], own);
+  const found = problems(answer);
   const manifest = json<Manifest>(answer);
-  if (!manifest) return { problems: found, manifest: null, judged: null, scope: "", kit: [], picture: "", volume: null };
-  const kit = inside("kit", answer.files);
+  if (!manifest) return { problems: found, manifest: null, judged: null, kit: [], picture: "", volume: null };
+  const kit = inside(kitAt, answer.files);
   const picture = decoder.decode(new Map(answer.files).get("plot.svg"));
   const with_kit = [...own, ...kit];
-  const judged = json<Judged>(await run(["verify", job.value, "--tables", "kit", "--format", "json"], with_kit));
-  const scope = (await run(["verify", job.value, "--tables", "kit", "--quiet"], with_kit)).out;
-  const assessed = await run(["assess", job.value, "--tables", "kit", "--vectors", "--grid", "4,4,4", "--format", "json"], with_kit);
-  return { problems: found, manifest, judged, scope, kit, picture, volume: json<Volume>(assessed) };
+  const judged = json<Judged>(await run(["verify", job.value, "--tables", kitAt, "--format", "json"], with_kit));
+  const assessed = await run(["assess", job.value, "--tables", kitAt, "--vectors", "--grid", "4,4,4", "--format", "json"], with_kit);
+  return { problems: found, manifest, judged, kit, picture, volume: json<Volume>(assessed) };
 }
 
 /** The kit of the visit, as it was made last and goes to the machine. */
-export const kit = computed(() => inside("kit"));
+export const kit = computed(() => inside(kitFolder.value));
 /** Whether the kit is what the program would make now. */
 export const isCurrent = computed(() => {
   const now = new Map(made.value?.kit ?? []);
-  return kit.value.length === now.size && kit.value.every(([name, bytes]) => decoder.decode(now.get(name)) === decoder.decode(bytes));
+  return kit.value.length === now.size && kit.value.every(([name, bytes]) => isSame(bytes, now.get(name)));
 });
 
-const isKit = (name: string) => /^kit(\.previous(-\d+)?)?\//.test(name);
+export function isSame(one: Uint8Array, other: Uint8Array | undefined): boolean {
+  return one.length === other?.length && one.every((byte, n) => byte === other[n]);
+}
 
 /** Makes the kit; one that is there is kept as `kit.previous`, as the program does. */
 export async function makeKit() {
   const begun = performance.now();
-  const answer = await run(["generate", job.value, "-o", "kit", "--force"], files.value);
+  const kitAt = kitFolder.value;
+  const isKit = (name: string) => name.startsWith(`${kitAt}/`) || name.startsWith(`${kitAt}.previous`);
+  const answer = await run(["generate", job.value, "-o", kitAt, "--force"], files.value);
   performance.measure("kit", { start: begun });
   if (answer.status < 2) {
     // Only what was made: the job may have been changed meanwhile.
@@ -209,21 +231,18 @@ export async function makeKit() {
 export interface Second {
   problems: Problem[];
   judged: Judged | null;
-  scope: string;
   picture: string;
 }
 
 export const second = signal<Second | null>(null);
 
 async function judge(): Promise<Second | null> {
-  if (!kit.value.length || !files.value.has(after.value) || !isFilled(measuredAfter.value)) return null;
-  const asked = ["verify", job.value, "--tables", "kit", "--after", after.value, "--format", "json", "--plot", "plot.svg", "--force"];
+  if (!kit.value.length || !files.value.has(after.value) || !measuredAfter.value.some(isFilled)) return null;
+  const asked = ["verify", job.value, "--tables", kitFolder.value, "--after", after.value, "--format", "json", "--plot", "plot.svg", "--force"];
   const answer = await run(asked, files.value);
-  const words = await run(["verify", job.value, "--tables", "kit", "--after", after.value, "--quiet"], files.value);
   return {
-    problems: problems(answer.err),
+    problems: problems(answer),
     judged: json<Judged>(answer),
-    scope: words.out,
     picture: decoder.decode(new Map(answer.files).get("plot.svg") ?? new Uint8Array()),
   };
 }
@@ -242,7 +261,7 @@ export function isFilled(name: string): boolean {
 /** The page that is handed over, in the language of this page. */
 export async function report(withAfter: boolean): Promise<string> {
   const words = ["report", job.value, "--language", language.value, "-o", "report.html", "--force"];
-  if (kit.value.length) words.push("--tables", "kit");
+  if (kit.value.length) words.push("--tables", kitFolder.value);
   if (withAfter) words.push("--after", after.value);
   const answer = await run(words, files.value);
   const page = new Map(answer.files).get("report.html");
@@ -252,9 +271,6 @@ export async function report(withAfter: boolean): Promise<string> {
 export interface Control {
   id: string;
   name: string;
-  manual: number;
-  assumed: number;
-  executed: number;
 }
 
 export const controls: Control[] = JSON.parse(list.out).controllers;
@@ -312,6 +328,7 @@ export async function start() {
     files.value, job.value, after.value;
     makeLatest();
   });
+  await claim();
   effect(() => void remember({ files: files.value, job: job.value, after: after.value }));
   effect(() => {
     const id = controller.value;
@@ -323,21 +340,20 @@ export async function start() {
   });
 }
 
-/** What is known of a key: the words behind it, of this control, or of the schema. */
+/** The keys of a section that the schema knows; those of X, Y and Z are the same. */
+const known = (section: string) => keys.filter((one) => one.section.replace(/\.x$/, "") === section.replace(/\.[xyz]$/, ""));
+const keyOf = (section: string, key: string) => known(section).find((one) => one.key === key);
+
+/** What is known of a key: the words of this control, or of the schema. */
 export function wordsOf(section: string, key: string): string {
-  const bare = section.replace(/\.[xyz]$/, "");
-  return hints.value.get(`${bare}.${key}`) ?? keys.find((one) => one.section.replace(/\.x$/, "") === bare && one.key === key)?.words ?? "";
+  return hints.value.get(`${section.replace(/\.[xyz]$/, "")}.${key}`) ?? keyOf(section, key)?.words ?? "";
 }
 
 export function isText(section: string, key: string): boolean {
-  const bare = section.replace(/\.[xyz]$/, "");
-  const of = keys.find((one) => one.section.replace(/\.x$/, "") === bare && one.key === key);
-  return /^(Option<)?String>?$/.test(of?.type ?? "") || /e\.g\. "/.test(wordsOf(section, key));
+  return /^(Option<)?String>?$/.test(keyOf(section, key)?.type ?? "") || /e\.g\. "/.test(wordsOf(section, key));
 }
 
 /** Keys that the schema knows and a section does not have. */
-export function absent(section: string): Key[] {
-  const bare = section.replace(/\.[xyz]$/, "");
-  const there = new Set(sections(jobText.value).filter((one) => one.name === section).flatMap((one) => one.fields.map((field) => field.key)));
-  return keys.filter((one) => one.section.replace(/\.x$/, "") === bare && !there.has(one.key));
+export function absent(section: Section): Key[] {
+  return known(section.name).filter((one) => !section.fields.some((field) => field.key === one.key));
 }

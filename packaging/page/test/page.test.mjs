@@ -1,9 +1,10 @@
 // The page as a person uses it, in a browser without a window; the program beside it, whose files must be the same.
 //   NONIUS_PAGE     the page          NONIUS_PROGRAM  the program
+//   NONIUS_BROWSER  its program, of Chromium (the default) or Firefox
 //   NONIUS_PICTURES a folder: pictures of each step in three widths, light and dark
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { cpSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { basename, dirname, join, resolve } from "node:path";
@@ -16,6 +17,7 @@ const root = resolve(fileURLToPath(import.meta.url), "../../../..");
 const program = resolve(process.env.NONIUS_PROGRAM ?? join(root, "target/debug/nonius"));
 const file = resolve(process.env.NONIUS_PAGE ?? join(root, "target/package/nonius.html"));
 const pictures = process.env.NONIUS_PICTURES;
+const isFirefox = /firefox/.test(process.env.NONIUS_BROWSER ?? "");
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
 let browser;
@@ -23,11 +25,16 @@ let page;
 const asked = [];
 const said = [];
 const scratch = mkdtempSync(join(tmpdir(), "nonius-page-"));
+const downloads = join(scratch, "downloads");
 
 before(async () => {
+  mkdirSync(downloads);
+  const directory = { "browser.download.folderList": 2, "browser.download.dir": downloads };
   browser = await puppeteer.launch({
-    executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
-    args: ["--no-sandbox", "--allow-file-access-from-files"],
+    browser: isFirefox ? "firefox" : "chrome",
+    executablePath: process.env.NONIUS_BROWSER ?? "/usr/bin/chromium",
+    args: isFirefox ? [] : ["--no-sandbox"],
+    extraPrefsFirefox: directory,
     protocolTimeout: 120_000,
   });
 });
@@ -99,6 +106,18 @@ async function type(label, value) {
   }
 }
 
+/** Pastes cells of a spreadsheet. */
+async function paste(cell, text) {
+  await page.focus(`[data-cell="${cell}"]`);
+  await page.evaluate((text) => {
+    const data = new DataTransfer();
+    data.setData("text/plain", text);
+    const event = new ClipboardEvent("paste", { bubbles: true, cancelable: true });
+    Object.defineProperty(event, "clipboardData", { value: data }); // Firefox takes none from a script
+    document.activeElement.dispatchEvent(event);
+  }, text);
+}
+
 const shown = () => page.$eval("main", (one) => one.innerText);
 
 /** Waits until the page shows these words; what it shows instead is in the message. */
@@ -124,12 +143,13 @@ async function pictured(name) {
 
 /** Serious faults that axe finds in what is shown. */
 async function accessible(name) {
-  const session = await page.createCDPSession();
-  const { frameTree } = await session.send("Page.getFrameTree");
-  const { executionContextId } = await session.send("Page.createIsolatedWorld", { frameId: frameTree.frame.id });
-  const run = async (expression) => (await session.send("Runtime.evaluate", { expression, contextId: executionContextId, awaitPromise: true, returnByValue: true })).result.value;
-  await run(axe);
-  const found = await run(`axe.run(document, { iframes: false }).then((all) => all.violations.filter((one) => ["serious", "critical"].includes(one.impact)).map((one) => one.id + ": " + one.nodes.slice(0, 3).map((node) => node.html.slice(0, 120)).join(" | ")))`);
+  await page.evaluate(axe);
+  const found = await page.evaluate(() =>
+    axe
+      .run(document, { iframes: false })
+      .then((all) => all.violations.filter((one) => ["serious", "critical"].includes(one.impact)))
+      .then((all) => all.map((one) => `${one.id}: ${one.nodes.slice(0, 3).map((node) => node.html.slice(0, 120)).join(" | ")}`)),
+  );
   assert.deepEqual(found, [], `${name}: ${found}`);
 }
 
@@ -147,12 +167,16 @@ function programKit(folder, job) {
 
 /** What a button saves. */
 async function saved(button) {
-  const downloads = mkdtempSync(join(scratch, "saved-"));
-  const session = await page.createCDPSession();
-  await session.send("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: downloads, browserContextId: page.browserContext().id });
+  rmSync(downloads, { recursive: true });
+  mkdirSync(downloads);
+  if (!isFirefox) {
+    const session = await page.createCDPSession();
+    await session.send("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: downloads, browserContextId: page.browserContext().id });
+  }
   await press(button);
-  for (let n = 0; n < 100 && !readdirSync(downloads).some((name) => name.endsWith(".zip")); n++) await new Promise((done) => setTimeout(done, 100));
-  return readFileSync(join(downloads, readdirSync(downloads)[0]));
+  const isThere = (name) => name.endsWith(".zip") && statSync(join(downloads, name)).size > 0;
+  for (let n = 0; n < 100 && !readdirSync(downloads).some(isThere); n++) await new Promise((done) => setTimeout(done, 100));
+  return readFileSync(join(downloads, readdirSync(downloads).find(isThere)));
 }
 
 /** The kit as the page saves it. */
@@ -161,7 +185,7 @@ async function pageKit() {
   return new Map(Object.entries(all).map(([name, bytes]) => [name.replace(/^kit\//, ""), Buffer.from(bytes)]));
 }
 
-test("loads fast and asks nothing of anybody", async () => {
+test("one file of at most 4 MB", async () => {
   await opened();
   await page.waitForFunction(() => performance.getEntriesByName("core").length);
   const [shownAt, coreAt] = await page.evaluate(() => ["shown", "core"].map((name) => performance.getEntriesByName(name)[0].startTime));
@@ -220,13 +244,8 @@ test("a new visit: what is empty is counted, a wrong cell is told at its cell, a
   assert.match(await shown(), /\d+ to fill in/);
   await pictured("2-job-new");
   await go("measurement");
-  await page.focus('[data-cell="0:2"]');
-  await page.evaluate(() => {
-    const data = new DataTransfer();
-    const rows = [...document.querySelectorAll('[data-cell$=":1"]')];
-    data.setData("text/plain", rows.slice(0, 10).map((_, n) => `${n},5\t0,${n}\t0`).join("\r\n"));
-    document.activeElement.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true, cancelable: true }));
-  });
+  const rows = await page.$$eval('[data-cell$=":1"]', (all) => all.length);
+  await paste("0:2", Array.from({ length: Math.min(10, rows) }, (_, n) => `${n},5\t0,${n}\t0`).join("\r\n"));
   await settled();
   assert.match(await page.$eval(".notice", (one) => one.innerText), /0,5 became 0\.5/);
   assert.equal(await page.$eval('[data-cell="3:2"]', (one) => one.value), "3.5");
@@ -238,12 +257,7 @@ test("a new visit: what is empty is counted, a wrong cell is told at its cell, a
   await page.keyboard.type("-12,8");
   const cell = (at) => page.$eval(`[data-cell="${at}"]`, (one) => one.value);
   assert.equal(await cell("6:2"), "-12.8");
-  await page.focus('[data-cell="7:2"]');
-  await page.evaluate(() => {
-    const data = new DataTransfer();
-    data.setData("text/plain", "1,234\t,5");
-    document.activeElement.dispatchEvent(new ClipboardEvent("paste", { clipboardData: data, bubbles: true, cancelable: true }));
-  });
+  await paste("7:2", "1,234\t,5");
   assert.deepEqual([await cell("7:2"), await cell("7:3")], ["1\u201a234", ".5"]);
   await page.focus('[data-cell="4:3"]');
   await page.keyboard.type("x");
@@ -337,6 +351,41 @@ test("a second measurement that was dropped is judged", async () => {
   await shows("not as forecast");
   const kept = unzipSync(await saved("Save the visit"));
   assert.ok(readFileSync(join(folder, "errors.csv")).equals(Buffer.from(kept["visit/errors.csv"])), "the first measurement stays");
+});
+
+test("the visit is judged again by the second measurement that was dropped last", async () => {
+  const before = await page.$eval("header .now", (one) => one.innerText);
+  assert.match(before, /as left/i);
+  writeFileSync(join(scratch, "second.zip"), await saved("Save the visit"));
+  await opened();
+  await choose([join(scratch, "second.zip")]);
+  await go("second");
+  assert.equal(await page.$eval("header .now", (one) => one.innerText), before);
+});
+
+test("of several jobs the person chooses; every wrong cell is marked", async () => {
+  await opened();
+  const folder = join(root, "fixtures/nine_errors_900");
+  const wrong = readFileSync(join(folder, "errors.csv"), "utf8").replace(/^(x,(?:30|60|90|120|150)\.0+),[^,]*/gm, "$1,?");
+  const all = ["generic.toml", "fanuc-30i.toml"].map((name) => [name, readFileSync(join(folder, name), "utf8")]);
+  await drop([...all, ["errors.csv", wrong]]);
+  await shows("several jobs");
+  await press("fanuc-30i.toml");
+  await go("measurement");
+  const cells = await page.$$eval("[data-cell][aria-invalid=true]", (all) => all.map((one) => one.dataset.cell));
+  assert.deepEqual(cells, ["1:2", "2:2", "3:2", "4:2", "5:2"]);
+});
+
+test("of two windows the one that was opened last keeps its visit, and the other says so", async () => {
+  await opened();
+  const first = page;
+  page = await first.browserContext().newPage();
+  await page.goto(pathToFileURL(file).href);
+  await page.waitForSelector(".begin");
+  await first.bringToFront();
+  await first.evaluate(() => [...document.querySelectorAll("button")].find((one) => one.textContent.startsWith("Try it")).click());
+  await first.waitForFunction(() => document.querySelector(".notice")?.innerText.includes("Another window"));
+  await first.close();
 });
 
 test("nothing was asked of anybody, and nothing failed in silence", () => {

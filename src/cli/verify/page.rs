@@ -39,6 +39,7 @@ pub(in crate::cli) struct Page<'a> {
 pub(in crate::cli) struct Document<'a> {
     schema: u32,
     verdict: &'static str,
+    scope: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     after: Option<&'a [HashedFile]>,
     terms: Named<String, Line>,
@@ -161,16 +162,20 @@ impl Page<'_> {
                 (Some(lines(&look.comparison)), show::notes(notes.chain(own)))
             }
         };
-        let assumptions = self.assumptions();
         Screen {
             verdict: self.head().join("\n"),
             figures: figures.unwrap_or_default(),
             findings,
-            always: match self.sign_shown() {
-                Some(date) => vec![format!("sign shown by the second measurement{date}")],
-                None => show::assumed_signs(assumptions, &[]),
-            },
-            more: vec![show::assumptions(assumptions)],
+            always: self.signs(),
+            more: vec![show::assumptions(self.assumptions())],
+        }
+    }
+
+    /// Whether the signs of the control are known.
+    fn signs(&self) -> Vec<String> {
+        match self.sign_shown() {
+            Some(date) => vec![format!("sign shown by the second measurement{date}")],
+            None => show::assumed_signs(self.assumptions(), &[]),
         }
     }
 
@@ -300,9 +305,12 @@ impl Page<'_> {
         let causes = stated.iter().map(ToString::to_string);
         let causes = causes.chain(misses.iter().flatten().map(Miss::to_string));
         let causes = causes.chain(self.doubts().iter().map(ToString::to_string));
+        let scope = self.rehearsal().into_iter();
+        let scope = scope.chain(show::scope(&self.inputs.job, &self.grounds()));
         let page = Document {
             schema: 1,
             verdict: self.verdict().word(),
+            scope: scope.chain(self.signs()).collect(),
             after: None,
             terms: forecast.iter().flat_map(|of| &of.terms).map(term).collect(),
             max_residual_um: forecast.map(Forecast::max_residual_um),
