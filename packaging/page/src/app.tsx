@@ -11,11 +11,13 @@ import { SecondStep } from "./second";
 import { step, steps, type Step } from "./steps";
 import { keeps } from "./storage";
 import { Verdict } from "./ui";
-import { begun, isFilled, job, jobText, kit, made, measured, notice, second, working } from "./visit";
+import { begun, isCurrent, isFilled, job, jobText, kit, made, measured, notice, second, working } from "./visit";
 import { unpacked } from "./unpacked";
 import { language, languages, t } from "./words";
 
 const faults = (file: string) => made.value?.problems.some((problem) => problem.places.some((place) => place.file === file));
+
+const mark = (isGood: boolean) => (isGood ? "✓" : "!");
 
 /** A word about each step: what waits there, or that it is done. */
 function state(of: Step): string {
@@ -24,16 +26,17 @@ function state(of: Step): string {
       return begun.value ? "✓" : "";
     case "job": {
       const waiting = openKeys(jobText.value);
-      return waiting ? String(waiting) : !begun.value ? "" : faults(job.value) ? "!" : "✓";
+      const isFaulty = made.value?.problems.some((problem) => !problem.places.length) || faults(job.value);
+      return waiting ? String(waiting) : !begun.value ? "" : isFaulty ? "!" : "✓";
     }
     case "measurement":
       return !begun.value || !measured.value.some(isFilled) ? "" : measured.value.some(faults) ? "!" : "✓";
     case "result":
-      return made.value?.judged ? "✓" : "";
+      return made.value?.judged ? mark(made.value.judged.verdict === "pass") : "";
     case "kit":
-      return kit.value.length ? "✓" : "";
+      return kit.value.length ? mark(isCurrent.value) : "";
     case "second":
-      return second.value?.judged ? "✓" : "";
+      return second.value ? mark(second.value.judged?.verdict === "pass") : "";
   }
 }
 
@@ -58,7 +61,14 @@ function Licences() {
   );
 }
 
+function walk(to: Step) {
+  notice.value = "";
+  step.value = to;
+  scrollTo(0, 0);
+}
+
 export function App() {
+  const next = steps[steps.indexOf(step.value) + 1];
   const Now = shown[step.value];
   const judged = second.value?.judged ?? made.value?.judged;
   document.documentElement.lang = language.value;
@@ -93,10 +103,7 @@ export function App() {
             id={`step-${one}`}
             aria-current={step.value === one ? "step" : undefined}
             disabled={one !== "machine" && !begun.value}
-            onClick={() => {
-              step.value = one;
-              scrollTo(0, 0);
-            }}
+            onClick={() => walk(one)}
           >
             <span>{n + 1}</span> {t(`step_${one}`)} <em>{state(one)}</em>
           </button>
@@ -113,6 +120,13 @@ export function App() {
       )}
       <main class={working.value ? "stale" : ""} aria-busy={working.value}>
         <Now />
+        {begun.value && next && (
+          <p class="wide">
+            <button type="button" onClick={() => walk(next)}>
+              {t(`step_${next}`)} →
+            </button>
+          </p>
+        )}
       </main>
       <Licences />
     </>

@@ -32,7 +32,7 @@ function take(dropped: Files) {
   const jobs = jobsIn(dropped);
   if (jobs.length > 1) several.value = dropped;
   else if (jobs[0]) begin(dropped, jobs[0]);
-  else if (begun.value) for (const [name, content] of dropped) withTable(job, name, content);
+  else if (begun.value) withTable(job, dropped);
   else notice.value = t("begin_first");
 }
 
@@ -111,7 +111,7 @@ export function BeginStep() {
   // Files that wait until the visit on the page may go; none = only that.
   const [waiting, setWaiting] = useState<Files | null>(null);
   if (begun.value) {
-    const isVisit = (files: Files) => [...files.keys()].some((name) => /\.toml$/i.test(name));
+    const isVisit = (files: Files) => jobsIn(files).length > 0;
     return (
       <Card title={t("anew")}>
         {waiting ? (

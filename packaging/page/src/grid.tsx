@@ -1,4 +1,5 @@
 // A table of values as a grid: the rows in view, cells that can be typed in, pasted into and walked through.
+import { options } from "preact";
 import { useRef, useState } from "preact/hooks";
 import { at, said, type Problem } from "./problems";
 import { block, cell, cellAt, cells, pasted, table, text, withoutRow, type Table } from "./table";
@@ -8,12 +9,23 @@ import { t } from "./words";
 const ROW_PX = 34;
 const IN_VIEW = 24;
 
-function told(of: Table, file: string, problems: Problem[], line: number): { cell: number; words: string } | null {
-  const problem = at(problems, file, line + 1)[0];
-  const place = problem?.places.find((one) => one.file === file && one.line === line + 1);
-  if (!problem || !place) return null;
-  const shown = place.column ? place : problem.places[0]!;
-  return { cell: cellAt(of, shown.line - 1, shown.column), words: said(problem) };
+/** The cells of a line that are wrong, and what is. */
+function told(of: Table, file: string, problems: Problem[], line: number): { cells: number[]; words: string } | null {
+  const all = at(problems, file, line + 1).flatMap((problem) => {
+    const place = problem.places.find((one) => one.file === file && one.line === line + 1)!;
+    const first = problem.places[0]!;
+    if (place.column) return { cell: cellAt(of, line, place.column), words: said(problem) };
+    return { cell: cellAt(of, first.line - 1, first.column), words: `${t("as_in_row", { row: first.line })}: ${said(problem)}` };
+  });
+  return all.length ? { cells: all.map((one) => one.cell), words: all.map((one) => one.words).join("; ") } : null;
+}
+
+/** Draws a change before the next key comes. */
+function atOnce(change: () => void) {
+  const before = options.debounceRendering;
+  options.debounceRendering = (render) => render();
+  change();
+  options.debounceRendering = before;
 }
 
 export function Grid(props: { file: string; problems: Problem[] }) {
@@ -21,19 +33,22 @@ export function Grid(props: { file: string; problems: Problem[] }) {
   const of = isPlain(file) ? table(textOf(file)) : null;
   const [top, setTop] = useState(0);
   const [now, setNow] = useState(-1);
+  // What is being typed, as it is typed.
+  const [draft, setDraft] = useState<{ cell: string; text: string } | null>(null);
   const frame = useRef<HTMLDivElement>(null);
   if (!of) return <p>{t("no_grid", { file })}</p>;
   const first = Math.max(0, Math.min(Math.floor(top / ROW_PX) - 4, of.rows.length - IN_VIEW - 8));
   const last = Math.min(of.rows.length, first + IN_VIEW + 8);
-  const write = (row: number, column: number, values: string[][]) => put(file, text(pasted(of, row, column, values)));
+  const write = (row: number, column: number, values: string[][]) => put(file, text(pasted(table(textOf(file))!, row, column, values)));
   const go = (row: number, column: number) => {
     const there = () => frame.current?.querySelector<HTMLInputElement>(`[data-cell="${row}:${column}"]`);
-    if (row < 0 || row >= of.rows.length || column < 0 || column >= of.names.length) return;
-    if (!there()) frame.current!.scrollTop = row * ROW_PX;
-    requestAnimationFrame(() => {
-      there()?.focus();
-      there()?.select(); // what is typed replaces, as in a spreadsheet
-    });
+    if (row < 0 || row >= table(textOf(file))!.rows.length || column < 0 || column >= of.names.length) return;
+    if (!there()) {
+      frame.current!.scrollTop = row * ROW_PX;
+      atOnce(() => setTop(row * ROW_PX));
+    }
+    there()?.focus();
+    there()?.select(); // what is typed replaces, as in a spreadsheet
   };
   const walk = (event: KeyboardEvent, row: number, column: number) => {
     const input = event.currentTarget as HTMLInputElement;
@@ -47,14 +62,25 @@ export function Grid(props: { file: string; problems: Problem[] }) {
     go(row + way[0], column + way[1]);
   };
   const paste = (event: ClipboardEvent, row: number, column: number) => {
-    const copied = event.clipboardData?.getData("text/plain") ?? "";
-    if (!/[\t\n,;]/.test(copied)) return;
     event.preventDefault();
-    const { values, comma } = block(copied, of.separator);
+    const { values, comma, unclear } = block(event.clipboardData?.getData("text/plain") ?? "", of.separator);
+    const isTooWide = values.some((line) => column + line.length > of.names.length);
+    if (unclear || isTooWide) {
+      notice.value = unclear ? t("unclear_comma", { example: unclear }) : t("too_wide");
+      return;
+    }
     if (comma) notice.value = t("commas", { example: comma, point: comma.replace(",", ".") });
+    setDraft(null);
     write(row, column, values);
   };
-  const columns = { gridTemplateColumns: `4rem repeat(${of.names.length}, minmax(5.5rem, 1fr))` };
+  const addRow = () => {
+    const end = of.rows.length;
+    atOnce(() => write(end, 0, [[""]]));
+    go(end, 0);
+  };
+  const isWord = (name: string) => /^(axis|direction|diagonal|node|moved|run)$/i.test(name);
+  const widths = of.names.map((name) => (isWord(name) ? "minmax(3.6rem, .6fr)" : "minmax(5.5rem, 1fr)"));
+  const columns = { gridTemplateColumns: `2.6rem ${widths.join(" ")}` };
   const header = told(of, file, props.problems, of.header);
   return (
     <div>
@@ -84,11 +110,15 @@ export function Grid(props: { file: string; problems: Problem[] }) {
                   <input
                     data-cell={`${row}:${column}`}
                     aria-label={`${name}, ${line + 1}`}
-                    aria-invalid={!!fault && fault.cell === column}
+                    aria-invalid={fault?.cells.includes(column) ?? false}
                     autocomplete="off"
-                    value={own[column]?.trim() ?? ""}
+                    value={draft?.cell === `${row}:${column}` ? draft.text : own[column]?.trim() ?? ""}
                     onFocus={() => setNow(row)}
-                    onInput={(event) => write(row, column, [[cell(event.currentTarget.value, of.separator, false)]])}
+                    onBlur={() => setDraft(null)}
+                    onInput={(event) => {
+                      setDraft({ cell: `${row}:${column}`, text: event.currentTarget.value });
+                      write(row, column, [[cell(event.currentTarget.value, of.separator)]]);
+                    }}
                     onKeyDown={(event) => walk(event, row, column)}
                     onPaste={(event) => paste(event, row, column)}
                   />
@@ -100,7 +130,7 @@ export function Grid(props: { file: string; problems: Problem[] }) {
         })}
         <div role="presentation" style={{ height: `${(of.rows.length - last) * ROW_PX}px` }} />
       </div>
-      <button type="button" onClick={() => (write(of.rows.length, 0, [[""]]), go(of.rows.length - 1, 0))}>
+      <button type="button" onClick={addRow}>
         {t("add_row")}
       </button>{" "}
       {now >= 0 && now < of.rows.length && (

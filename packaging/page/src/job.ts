@@ -1,8 +1,9 @@
 // A job as its own form: each line `key = value  # what it is` is a field; the text stays what its writer made of it.
 
 export interface Field {
-  /** Index of its line. */
+  /** Index of its line, and of the last one of a value over several lines. */
   line: number;
+  last: number;
   key: string;
   /** As it stands in the text. */
   value: string;
@@ -61,8 +62,9 @@ export function sections(job: string): Section[] {
   job.split("\n").forEach((raw, line) => {
     const text = raw.replace(/\r$/, "");
     if (brackets.depth > 0) {
-      ended(text, 0, brackets);
-      found.at(-1)!.last = line;
+      const field = found.at(-1)!.fields.at(-1)!;
+      field.value += text.slice(0, ended(text, 0, brackets)).trim();
+      found.at(-1)!.last = field.last = line;
       return;
     }
     brackets.depth = 0;
@@ -79,6 +81,7 @@ export function sections(job: string): Section[] {
       const end = ended(text, key[0].length, isOptional ? undefined : brackets);
       section.fields.push({
         line,
+        last: line,
         key: key[3]!,
         value: text.slice(key[0].length, end).trim(),
         words: text.slice(end).replace(/^#\s*/, "").trim(),
@@ -127,8 +130,10 @@ export function shown(value: string): string {
 export function written(typed: string, isText: boolean): string {
   const value = typed.trim();
   if (/^"(?:[^"\\]|\\.)*"$/.test(value)) return value;
-  const isBare = /^[-+]?\d+(\.\d+)?([eE][-+]?\d+)?$/.test(value) || /^(true|false|[[{].*)$/.test(value);
-  return isBare && !isText ? value : JSON.stringify(typed);
+  const brackets = { depth: 0 };
+  const isWhole = ended(value, 0, brackets) === value.length && brackets.depth === 0;
+  const isBare = /^[-+]?\d+(\.\d+)?([eE][-+]?\d+)?$/.test(value) || /^(true|false|\[.*\]|\{.*\})$/.test(value);
+  return isBare && isWhole && !isText ? value : JSON.stringify(typed);
 }
 
 /** The job with another value in a line. */
@@ -139,7 +144,8 @@ export function withValue(job: string, field: Field, value: string): string {
   const end = ended(was, key[0].length);
   const comment = was.slice(end).trim();
   const bare = `${key[2]}${field.key} = ${value}`;
-  lines[field.line] = comment ? `${bare.padEnd(Math.max(35, bare.length + 1))} ${comment}` : bare;
+  const line = comment ? `${bare.padEnd(Math.max(35, bare.length + 1))} ${comment}` : bare;
+  lines[field.line] = was.endsWith("\r") ? `${line}\r` : line;
   return lines.join("\n");
 }
 
@@ -153,7 +159,7 @@ export function withProposed(job: string, field: Field): string {
 /** The job without what a field says, which stays as a proposal. */
 export function without(job: string, field: Field): string {
   const lines = job.split("\n");
-  lines[field.line] = `# ${lines[field.line]}`;
+  for (let n = field.line; n <= field.last; n++) lines[n] = `# ${lines[n]}`;
   return lines.join("\n");
 }
 

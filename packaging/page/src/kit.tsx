@@ -1,15 +1,17 @@
 // The files for the control, the checklist and the report.
 import { useEffect, useState } from "preact/hooks";
+import { valueOf } from "./job";
 import { save, zip } from "./opened";
 import { problems, type Problem } from "./problems";
 import { Card, Framed, Problems } from "./ui";
-import { files, isCurrent, kit, kitFolder, made, makeKit, report, type Manifest } from "./visit";
+import { files, isCurrent, jobText, kit, kitFolder, made, makeKit, report, type Manifest } from "./visit";
 import { language, t } from "./words";
 
 const decoder = new TextDecoder();
 
 export function saveVisit() {
-  save("visit.zip", zip([...files.value].map(([name, of]) => [`visit/${name}`, of])), "application/zip");
+  const name = valueOf(jobText.value, "machine", "name").replace(/[^\p{L}\p{N}.-]+/gu, "-") || "visit";
+  save(`${name}.zip`, zip([...files.value].map(([name, of]) => [`visit/${name}`, of])), "application/zip");
 }
 
 /** The report as the program writes it, in the language of the page. */
@@ -49,7 +51,7 @@ export function KitStep() {
   const roles = new Map(manifest?.files.map((file) => [file.path, file.role]));
   const checklist = new Map(kit.value).get(`${kitFolder.value}/checklist.html`);
   const inKit = (name: string) => name.slice(kitFolder.value.length + 1);
-  const assumed = manifest?.assumptions ?? [];
+  const assumed = (manifest?.assumptions ?? []).filter((one) => !one.without_effect);
   return (
     <>
       <Card wide>
@@ -60,7 +62,7 @@ export function KitStep() {
         <div class="buttons">
           {(!isMade || !isCurrent.value) && (
             <button type="button" class="main" disabled={!made.value?.manifest} onClick={make}>
-              {t(isMade ? "make_anew" : "make_kit")}
+              {t(isMade ? "make_anew" : "make_kit", { folder: kitFolder.value })}
             </button>
           )}
           {isMade && (

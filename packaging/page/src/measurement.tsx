@@ -43,7 +43,7 @@ export function MeasurementStep() {
       })}
       {single && (
         <Card wide>
-          <Drop words={t("drop_table")} take={(dropped) => dropped.forEach((content, name) => withTable(job, name, content))} />
+          <Drop words={t("drop_table")} take={(dropped) => withTable(job, dropped)} />
         </Card>
       )}
     </>

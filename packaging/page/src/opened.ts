@@ -24,8 +24,10 @@ async function within(entry: FileSystemEntry, into: Map<string, Uint8Array>): Pr
 function unpacked(all: Map<string, Uint8Array>): Files {
   const found = new Map<string, Uint8Array>();
   for (const [name, content] of all) {
+    // Two visits have the same names inside.
+    const folder = all.size > 1 ? `${name.replace(/\.zip$/i, "")}/` : "";
     if (!/\.zip$/i.test(name)) found.set(name, content);
-    else for (const [path, of] of Object.entries(unzipSync(content))) if (!path.endsWith("/")) found.set(path, of);
+    else for (const [path, of] of Object.entries(unzipSync(content))) if (!path.endsWith("/")) found.set(folder + path, of);
   }
   return found;
 }

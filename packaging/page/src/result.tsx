@@ -4,7 +4,7 @@ import { step } from "./steps";
 import { Card, Notes, Picture, Problems, Scope, Verdict } from "./ui";
 import { isCurrent, kit, made } from "./visit";
 import { VolumeView } from "./volume";
-import { t } from "./words";
+import { figure, t } from "./words";
 
 export function ResultStep() {
   const now = made.value;
@@ -30,11 +30,12 @@ export function ResultStep() {
         <Scope of={judged} />
         <Decides judged={judged} />
         <Figures judged={judged} manifest={manifest} />
+        <p class="soft">{t("names")}</p>
         {Object.keys(judged.squareness ?? {}).length > 0 && (
           <p>
             {t("squareness")}, µm/m:{" "}
             {Object.entries(judged.squareness)
-              .map(([plane, one]) => `${plane.toUpperCase()} ${one.before_um_per_m.toFixed(2).replace("-", "−")}`)
+              .map(([plane, one]) => `${plane.toUpperCase()} ${figure(one.before_um_per_m, 2)}`)
               .join(" · ")}
             . <span class="soft">{t("squareness_sign")}</span>
           </p>

@@ -4,26 +4,26 @@ import { JobForm } from "./form";
 import { Grid } from "./grid";
 import { ReportPage } from "./kit";
 import { Card, Drop, Notes, Picture, Problems, Scope, Verdict } from "./ui";
-import { after, files, isCurrent, kit, measuredAfter, notice, putAfter, second, type Files } from "./visit";
-import { isTable, withTable } from "./measured";
+import { after, files, isCurrent, isTable, kit, measured, measuredAfter, notice, putAfter, putSecondJob, second, type Files } from "./visit";
+import { withTable } from "./measured";
 import { t } from "./words";
 
-/** A job comes before the tables that it names. */
+/** A job with what it names, or one table: of the job that the second measurement has, or by itself. */
 function take(dropped: Files) {
-  const isJob = ([name]: [string, Uint8Array]) => /\.toml$/i.test(name);
-  for (const [name, content] of [...dropped].sort((a, b) => Number(isJob(b)) - Number(isJob(a)))) {
-    if (!isJob([name, content]) && after.value.endsWith(".toml")) withTable(after, name, content);
-    else if (isJob([name, content]) || isTable(name)) {
-      putAfter(name, content);
-      notice.value = t("taken", { file: after.value, job: name });
-    } else notice.value = t("not_taken", { file: name });
-  }
+  const jobs = [...dropped.keys()].filter((name) => /\.toml$/i.test(name));
+  const [name, content] = [...dropped][0] ?? ["", new Uint8Array()];
+  if (jobs.length > 1 || (!jobs.length && dropped.size !== 1)) notice.value = t("one_second");
+  else if (jobs[0]) putSecondJob(dropped, jobs[0]);
+  else if (after.value.endsWith(".toml")) withTable(after, dropped);
+  else if (isTable(name)) putAfter(name, content);
+  else notice.value = t("not_taken", { file: name });
 }
 
 export function SecondStep() {
   if (!kit.value.length) return <Card wide>{t("first_kit")}</Card>;
   const now = second.value;
   const problems = now?.problems ?? [];
+  const own = measuredAfter.value.filter((name) => files.value.has(name) && !measured.value.includes(name));
   return (
     <>
       <Card wide>
@@ -62,7 +62,7 @@ export function SecondStep() {
           <JobForm file={after.value} problems={problems} />
         </details>
       )}
-      {measuredAfter.value.filter((name) => files.value.has(name)).map((name) => (
+      {own.map((name) => (
         <Card key={name} title={name} wide>
           <Grid file={name} problems={problems} />
         </Card>

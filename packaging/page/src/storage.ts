@@ -44,4 +44,10 @@ export const remember = (visit: Kept) =>
     else keeps.value = "elsewhere";
   });
 
+/** Whether another window was opened meanwhile: asked when a person comes back to this one. */
+export const look = () =>
+  tried(async () => {
+    if ((await ended((await store("readonly")).get("window"))) !== own) keeps.value = "elsewhere";
+  });
+
 export const kept = () => tried(async () => ended<Kept | undefined>((await store("readonly")).get("now")));

@@ -59,28 +59,34 @@ export function withoutRow(of: Table, row: number): Table {
 }
 
 /**
- * What stands in a cell for what was given. A decimal comma becomes a point where commas separate; whatever else holds a separator
+ * What stands in a cell for what was typed. A decimal comma becomes a point where commas separate; whatever else holds a separator
  * keeps its look (with U+201A in its place), so that the reader refuses it: nothing is taken for another number.
  */
-export function cell(given: string, separator: string, isPasted: boolean): string {
+export function cell(given: string, separator: string): string {
   const text = given.trim().replace(/^\u2212/, "-");
-  const isThousands = isPasted && /^[-+]?\d{1,3},\d{3}$/.test(text);
-  if (separator === "," && /^[-+]?\d*,\d*$/.test(text) && !isThousands) return text.replace(",", ".");
+  if (separator === "," && /^[-+]?\d*,\d*$/.test(text)) return text.replace(",", ".");
   return text.replaceAll(separator, "\u201a");
 }
 
-/** A block of a spreadsheet, cells by tabs, and its first decimal comma that became a point. */
-export function block(copied: string, separator: string): { values: string[][]; comma: string } {
-  let comma = "";
-  const rows = copied.replace(/\r/g, "").replace(/\n+$/, "").split("\n");
-  const values = rows.map((line) =>
-    line.split("\t").map((given) => {
-      const text = cell(given, separator, true);
-      if (given.includes(",") && text.includes(".")) comma ||= given.trim();
-      return text;
-    }),
-  );
-  return { values, comma };
+/** A block of a spreadsheet, or a cell of it in which nobody can say what its comma means. */
+export interface Block {
+  values: string[][];
+  /** A decimal comma that became a point. */
+  comma: string;
+  unclear: string;
+}
+
+const THOUSANDS = /^[-+\u2212]?[1-9]\d{0,2}(,\d{3})+$/;
+
+/** Commas are decimal in the whole block where one of its cells shows it and none holds a point. */
+export function block(copied: string, separator: string): Block {
+  const rows = copied.replace(/\r/g, "").replace(/\n+$/, "").split("\n").map((line) => line.split("\t").map((one) => one.trim()));
+  const numbers = rows.flat().filter((one) => /^[-+\u2212]?[\d.,]+$/.test(one));
+  const commas = numbers.filter((one) => one.includes(","));
+  const isDecimal = commas.some((one) => /^\D?\d*,\d*$/.test(one) && !THOUSANDS.test(one)) && !numbers.some((one) => one.includes("."));
+  if (commas.length && !isDecimal) return { values: [], comma: "", unclear: commas[0]! };
+  const values = rows.map((line) => line.map((one) => cell(/^\D?\d*,\d*$/.test(one) ? one.replace(",", ".") : one, separator)));
+  return { values, comma: commas[0] ?? "", unclear: "" };
 }
 
 /** The cell of a line in which a character stands, counted from 1. */

@@ -91,6 +91,17 @@ export function Drop(props: { words: string; folder?: boolean; take: (files: Fil
   );
 }
 
+/** A link to a place of the same page goes there: in a frame without an address it would leave the page. */
+function withinItself(event: Event) {
+  const page = (event.currentTarget as HTMLIFrameElement).contentDocument;
+  page?.addEventListener("click", (click) => {
+    const link = (click.target as Element).closest("a[href^='#']");
+    if (!link) return;
+    click.preventDefault();
+    page.getElementById(link.getAttribute("href")!.slice(1))?.scrollIntoView();
+  });
+}
+
 /** A page of the program in a frame of its own, to be read and printed. */
 export function Framed(props: { html: string; title: string; name: string }) {
   return (
@@ -103,7 +114,7 @@ export function Framed(props: { html: string; title: string; name: string }) {
           {t("print")}
         </button>
       </div>
-      <iframe id={props.name} title={props.title} srcdoc={props.html} sandbox="allow-same-origin allow-modals" />
+      <iframe id={props.name} title={props.title} srcdoc={props.html} sandbox="allow-same-origin allow-modals" onLoad={withinItself} />
     </div>
   );
 }

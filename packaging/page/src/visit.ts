@@ -5,9 +5,9 @@ import list from "core:controllers list --format json";
 import { run, type Answer } from "./core";
 import { valueOf, type Key, type Section } from "./job";
 import { problems, type Problem } from "./problems";
-import { claim, kept, remember } from "./storage";
+import { claim, kept, look, remember } from "./storage";
 import { cells, table } from "./table";
-import { language } from "./words";
+import { language, t } from "./words";
 
 export type Files = ReadonlyMap<string, Uint8Array>;
 
@@ -38,7 +38,12 @@ export function isPlain(name: string): boolean {
   }
 }
 
+/** Stores a file; text of another encoding than UTF-8 is not changed. */
 export function put(name: string, content: string | Uint8Array) {
+  if (typeof content === "string" && files.value.has(name) && !isPlain(name)) {
+    notice.value = t("not_plain", { file: name });
+    return;
+  }
   const bytes = typeof content === "string" ? encoder.encode(content) : content;
   files.value = new Map(files.value).set(name, bytes);
 }
@@ -51,54 +56,83 @@ export function inside(folder: string, all: Iterable<[string, Uint8Array]> = fil
 export const jobText = computed(() => textOf(job.value));
 export const isReadings = computed(() => valueOf(jobText.value, "measurement", "readings") !== "");
 
-/** The tables that a job names: one, or a list. */
-function tablesOf(job: string): string[] {
-  const named = valueOf(job, "measurement", "errors") || valueOf(job, "measurement", "readings");
-  if (!named.startsWith("[")) return named ? [named] : [];
-  return [...named.matchAll(/"([^"]+)"|'([^']+)'/g)].map((one) => one[1] ?? one[2]!);
+/** The tables that a job names, one or a list, as they are called here. */
+function tablesOf(name: string): string[] {
+  const text = textOf(name);
+  const named = valueOf(text, "measurement", "errors") || valueOf(text, "measurement", "readings");
+  const all = named.startsWith("[") ? [...named.matchAll(/"([^"]+)"|'([^']+)'/g)].map((one) => one[1] ?? one[2]!) : named ? [named] : [];
+  return all.map((one) => folderOf(name) + one);
 }
 
-export const measured = computed(() => tablesOf(jobText.value));
+/** With its `/`; nothing for what lies beside the job. */
+export const folderOf = (name: string) => name.slice(0, name.lastIndexOf("/") + 1);
+
 export const controller = computed(() => valueOf(jobText.value, "compensation", "controller"));
+export const measured = computed(() => tablesOf(job.value));
 /** The tables of the second measurement. */
-export const measuredAfter = computed(() => (after.value.endsWith(".toml") ? tablesOf(textOf(after.value)) : [after.value]));
+export const measuredAfter = computed(() => (after.value.endsWith(".toml") ? tablesOf(after.value) : [after.value]));
 
-/** Whether a name is that of the second measurement: `after.toml` before a table. */
-const isAfter = (name: string) => /^after\.[a-z]+$/i.test(name);
+export const isTable = (name: string) => /\.(csv|txt|xlsx|xlsm|xls|ods)$/i.test(name);
 
-/** The jobs among these files, but for those of a second measurement. */
+/** The jobs among these files, but for those of second measurements. */
 export function jobsIn(all: Files): string[] {
   const isJob = (name: string) => name.endsWith(".toml") && /^\s*\[machine[\].]/m.test(decoder.decode(all.get(name)));
-  return [...all.keys()].filter((name) => !isAfter(name.slice(name.lastIndexOf("/") + 1)) && isJob(name));
+  return [...all.keys()].filter((name) => !/(^|\/)after(-\d+)?(\.toml$|\/)/.test(name) && isJob(name));
 }
 
-/** A visit begins with this job, and what lies beside it. */
+/** Files below a folder, by their names from there on. */
+const below = (all: Files, folder: string) =>
+  new Map([...all].filter(([name]) => name.startsWith(folder)).map(([name, of]) => [name.slice(folder.length), of]));
+
+/** A visit begins with this job, and what lies beside it; its second measurement is `after/…toml`, `after.toml` or a table `after`. */
 export function open(all: Files, name: string) {
-  const folder = name.slice(0, name.lastIndexOf("/") + 1);
-  const own = new Map([...all].filter(([name]) => name.startsWith(folder)).map(([name, of]) => [name.slice(folder.length), of]));
+  const own = below(all, folderOf(name));
+  const names = [...own.keys()];
+  const second = [/^after\/[^/]+\.toml$/, /^after\.toml$/, /^after\.csv$/, /^after\.[a-z]+$/];
+  const found = second.map((kind) => names.find((one) => kind.test(one) && (one.endsWith(".toml") || isTable(one))));
   batch(() => {
     files.value = own;
-    job.value = name.slice(folder.length);
-    const second = [...own.keys()].filter(isAfter).sort((a, b) => Number(b.endsWith(".toml")) - Number(a.endsWith(".toml")));
-    after.value = second[0] ?? "after.csv";
+    job.value = name.slice(folderOf(name).length);
+    after.value = found.find(Boolean) ?? "after.csv";
   });
 }
 
-/** A second measurement takes the place of the one before, which is kept as `after-1…`; an empty form goes. */
+/** Names that nothing has: `after-1.csv`, `after-2/` … for what is called `after.csv`, `after/`. */
+function free(all: Files, name: string): string {
+  const isTaken = (one: string) => [...all.keys()].some((key) => (one.endsWith("/") ? key.startsWith(one) : key === one));
+  for (let n = 1; ; n++) {
+    const one = name.replace(/^([^./]*)/, `$1-${n}`);
+    if (!isTaken(one)) return one;
+  }
+}
+
+/** A table is the second measurement from now on. A filled one before it is kept under another name; an empty form goes. */
 export function putAfter(name: string, content: Uint8Array) {
-  const now = `after${/\.[^.]*$/.exec(name)?.[0].toLowerCase() ?? ""}`;
   const all = new Map(files.value);
-  const isSameKind = (one: string) => isAfter(one) && one.endsWith(".toml") === now.endsWith(".toml");
-  for (const old of [...all.keys()].filter(isSameKind)) {
-    const kept = (n: number): string => (all.has(old.replace(".", `-${n}.`)) ? kept(n + 1) : old.replace(".", `-${n}.`));
-    if (isFilled(old) && !isSame(content, all.get(old))) all.set(kept(1), all.get(old)!);
+  for (const old of [...all.keys()].filter((one) => /^after\.[a-z]+$/.test(one) && isTable(one))) {
+    if (isFilled(old) && !isSame(content, all.get(old))) all.set(free(all, old), all.get(old)!);
     all.delete(old);
   }
+  const now = `after${/\.[^.]*$/.exec(name)![0].toLowerCase()}`;
   batch(() => {
     files.value = all.set(now, content);
     after.value = now;
   });
 }
+
+/** A job with what lies beside it is the second measurement from now on, in a folder of its own, as it is. */
+export function putSecondJob(dropped: Files, name: string) {
+  const old = below(files.value, "after/");
+  const kept = free(files.value, "after/");
+  const others = [...files.value].filter(([one]) => !one.startsWith("after/"));
+  const own = below(dropped, folderOf(name));
+  batch(() => {
+    files.value = new Map([...others, ...[...old].map(inFolder(kept)), ...[...own].map(inFolder("after/"))]);
+    after.value = `after/${name.slice(folderOf(name).length)}`;
+  });
+}
+
+const inFolder = (folder: string) => ([name, of]: [string, Uint8Array]): [string, Uint8Array] => [folder + name, of];
 
 export function clear() {
   batch(() => {
@@ -151,7 +185,7 @@ export interface Judged {
 
 export interface Manifest {
   files: { path: string; role: string }[];
-  assumptions: { fact: string; value: string; consequence: string }[];
+  assumptions: { fact: string; value: string; consequence: string; without_effect?: string | null }[];
   tables: { term: string; direction: string | null; place: string }[];
 }
 
@@ -177,11 +211,16 @@ export const working = signal(false);
 
 const json = <T,>(answer: Answer): T | null => (answer.status < 2 ? (JSON.parse(answer.out) as T) : null);
 
-/** The folder of the kit: that of a manifest, but for one that the job names as active while measuring. */
+/** The folder of the kit: one beside the job with a manifest of its control, but for what the job names as active while measuring. */
 export const kitFolder = computed(() => {
   const active = valueOf(jobText.value, "measurement", "active_while_measuring").replace(/^\.\/|\/$/g, "");
-  const made = [...files.value.keys()].flatMap((name) => /^(.+)\/manifest\.json$/.exec(name)?.[1] ?? []);
-  return made.find((one) => one !== active && !/\.previous(-\d+)?$/.test(one)) ?? (active === "kit" ? "kit-2" : "kit");
+  const isOwn = ([name, bytes]: [string, Uint8Array]) => {
+    const folder = /^([^/]+)\/manifest\.json$/.exec(name)?.[1];
+    if (!folder || folder === active || /\.previous(-\d+)?$/.test(folder)) return false;
+    return decoder.decode(bytes).includes(`"controller": ${JSON.stringify(controller.value)}`);
+  };
+  const made = [...files.value].find(isOwn);
+  return made ? folderOf(made[0]).slice(0, -1) : active === "kit" ? "kit-2" : "kit";
 });
 
 async function make(): Promise<Made> {
@@ -236,8 +275,11 @@ export interface Second {
 
 export const second = signal<Second | null>(null);
 
+/** Whether the second measurement is nothing but the forms that `new` wrote. */
+const isEmpty = () => measuredAfter.value.length > 0 && measuredAfter.value.every((name) => files.value.has(name) && !isFilled(name));
+
 async function judge(): Promise<Second | null> {
-  if (!kit.value.length || !files.value.has(after.value) || !measuredAfter.value.some(isFilled)) return null;
+  if (!kit.value.length || !files.value.has(after.value) || isEmpty()) return null;
   const asked = ["verify", job.value, "--tables", kitFolder.value, "--after", after.value, "--format", "json", "--plot", "plot.svg", "--force"];
   const answer = await run(asked, files.value);
   return {
@@ -317,6 +359,7 @@ const makeLatest = latest(async () => {
 
 export async function start() {
   const old = await kept();
+  addEventListener("focus", () => void look());
   if (old) {
     batch(() => {
       files.value = old.files;
@@ -332,6 +375,7 @@ export async function start() {
   effect(() => void remember({ files: files.value, job: job.value, after: after.value }));
   effect(() => {
     const id = controller.value;
+    hints.value = new Map();
     if (!controls.some((one) => one.id === id)) return;
     void run(["controllers", "show", id, "--format", "json"]).then((answer) => {
       const told: { section: string; key: string; text: string }[] = JSON.parse(answer.out).job ?? [];

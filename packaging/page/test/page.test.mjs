@@ -243,6 +243,9 @@ test("a new visit: what is empty is counted, a wrong cell is told at its cell, a
   await settled();
   assert.match(await shown(), /\d+ to fill in/);
   await pictured("2-job-new");
+  // A list, key by key.
+  await type("reserved_points ", "[]");
+  assert.equal(await page.$eval('[aria-label="reserved_points "]', (one) => one.value), "[]");
   await go("measurement");
   const rows = await page.$$eval('[data-cell$=":1"]', (all) => all.length);
   await paste("0:2", Array.from({ length: Math.min(10, rows) }, (_, n) => `${n},5\t0,${n}\t0`).join("\r\n"));
@@ -250,15 +253,36 @@ test("a new visit: what is empty is counted, a wrong cell is told at its cell, a
   assert.match(await page.$eval(".notice", (one) => one.innerText), /0,5 became 0\.5/);
   assert.equal(await page.$eval('[data-cell="3:2"]', (one) => one.value), "3.5");
   assert.ok(await page.$(".chart polyline"));
-  // Typed: a decimal comma is a point, what was there is replaced; thousands of a spreadsheet are refused, not guessed.
+  // Typed as fast as a gauge does: each value into its cell; a decimal comma is a point; what was there is replaced.
+  const cell = (at) => page.$eval(`[data-cell="${at}"]`, (one) => one.value);
   await page.focus('[data-cell="5:2"]');
   await page.keyboard.press("ArrowDown");
-  await new Promise((done) => setTimeout(done, 100));
-  await page.keyboard.type("-12,8");
-  const cell = (at) => page.$eval(`[data-cell="${at}"]`, (one) => one.value);
-  assert.equal(await cell("6:2"), "-12.8");
+  await page.keyboard.type("-12,8\n13\n14\n");
+  assert.deepEqual([await cell("6:2"), await cell("7:2"), await cell("8:2")], ["-12.8", "13", "14"]);
+  await page.focus('[data-cell="8:2"]');
+  await page.keyboard.press("Home");
+  await page.keyboard.type("2,"); // before what is there
+  await page.focus('[data-cell="5:2"]');
+  assert.equal(await cell("8:2"), "2.14");
   await paste("7:2", "1,234\t,5");
-  assert.deepEqual([await cell("7:2"), await cell("7:3")], ["1\u201a234", ".5"]);
+  assert.deepEqual([await cell("7:2"), await cell("7:3")], ["1.234", ".5"]);
+  for (const unclear of ["1,234\t2,345", "0,5\t1.234", "1,250.5"]) {
+    await paste("7:2", unclear);
+    assert.match(await page.$eval(".notice", (one) => one.innerText), /Nothing was pasted/);
+  }
+  await paste("7:3", "1\t2\t3");
+  assert.match(await page.$eval(".notice", (one) => one.innerText), /more columns/);
+  assert.deepEqual([await cell("7:2"), await cell("7:3")], ["1.234", ".5"]);
+  await paste("7:3", "7");
+  assert.equal(await cell("7:3"), "7");
+  const last = await page.$eval(".grid", (one) => one.ariaRowCount - 1);
+  await press("Add a row");
+  await page.keyboard.type("9");
+  assert.equal(await page.evaluate(() => document.activeElement.dataset.cell), `${last}:0`);
+  assert.deepEqual([await cell(`${last}:0`), await cell(`${last - 1}:0`)], ["9", "z"]);
+  await press("Remove row");
+  await page.$eval(".grid", (one) => one.scrollTo(0, 0));
+  await page.waitForSelector('[data-cell="4:3"]');
   await page.focus('[data-cell="4:3"]');
   await page.keyboard.type("x");
   await settled();
@@ -361,6 +385,31 @@ test("the visit is judged again by the second measurement that was dropped last"
   await choose([join(scratch, "second.zip")]);
   await go("second");
   assert.equal(await page.$eval("header .now", (one) => one.innerText), before);
+});
+
+test("a second job lies in a folder of its own with what it names, whatever the first one calls its table", async () => {
+  await opened();
+  const folder = join(root, "fixtures/nine_errors_900");
+  const [job, errors] = ["generic.toml", "errors.csv"].map((name) => readFileSync(join(folder, name), "utf8"));
+  await drop([["generic.toml", job], ["errors.csv", errors]]);
+  await go("kit");
+  await press("Make the kit");
+  await page.waitForSelector(".file");
+  await go("second");
+  const left = errors.replace(/,(-?\d+\.\d{3})/g, (_, um) => `,${(um * 0.01).toFixed(3)}`);
+  const active = job.replace(/^active_while_measuring = .*$/m, 'active_while_measuring = "../kit"');
+  await drop([["job.toml", active], ["errors.csv", left], ["errors-2025.csv", errors]]);
+  await shows("as left");
+  assert.match(await page.$eval("header .now", (one) => one.innerText), /as left/i);
+  const kept = unzipSync(await saved("Save the visit"));
+  assert.deepEqual(
+    Object.entries(kept).map(([name, bytes]) => [name, Buffer.from(bytes).toString()]).filter(([name]) => /errors.csv/.test(name)),
+    [["visit/errors.csv", errors], ["visit/after/errors.csv", left]],
+  );
+  // A link of the framed report stays within it.
+  const frame = await (await page.waitForSelector("iframe")).contentFrame();
+  await frame.click("a[href^='#']");
+  assert.ok(await frame.$("h1"));
 });
 
 test("of several jobs the person chooses; every wrong cell is marked", async () => {
