@@ -79,7 +79,8 @@ fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
             show::squareness_and_reversals(model),
         ]),
         findings: remarks(&kit.plan, compiled, Some(&kit.forecast)),
-        always: show::to_decide(&compiled.assumptions)
+        always: show::questions(&compiled.notes)
+            .chain(show::to_decide(&compiled.assumptions))
             .chain(show::assumed_signs(&compiled.assumptions, &proofs))
             .collect(),
         more: vec![
@@ -125,11 +126,9 @@ fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
         Some(file) => format!("{} switches off what the files replace", file.path),
         None => format!("no file of this kit switches off what is there{}", family.off_by_hand),
     };
+    let why = family.page.map_or_else(String::new, |page| format!(", why: {page}"));
     let order = match (checklist(kit), family.page) {
-        (Some(file), Some(page)) => {
-            format!("; order of loading and rollback: {file}, why: {page}")
-        }
-        (Some(file), None) => format!("; order of loading and rollback: {file}"),
+        (Some(file), _) => format!("; order of loading and rollback: {file}{why}"),
         (None, Some(page)) => {
             format!("; order of loading: {page}, as this kit has no checklist")
         }

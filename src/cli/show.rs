@@ -15,6 +15,7 @@ use crate::read::emulate::Emulator;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compensation::Placement;
+use crate::write::findings::TableFinding;
 use crate::write::plan::Plan;
 use std::fmt::Display;
 
@@ -262,6 +263,15 @@ pub(super) fn assumed_signs(assumptions: &[Assumption], proofs: &[&str]) -> Vec<
 pub(super) fn to_decide(assumptions: &[Assumption]) -> impl Iterator<Item = String> {
     let open = assumptions.iter().filter(|own| own.to_decide);
     open.map(|own| format!("DECIDE BEFORE LOADING, assumed: {}", own.words()))
+}
+
+/// What is asked of whoever measured, a line each: it stands beside the verdict.
+pub(super) fn questions(notes: &[Finding]) -> impl Iterator<Item = String> {
+    let asks = notes.iter().filter(|note| {
+        let kind = note.kind();
+        matches!(kind, Some(TableFinding::LoneValue { .. } | TableFinding::UnlikelyReversal { .. }))
+    });
+    asks.map(|note| format!("LOOK: {note}"))
 }
 
 /// Notes as findings.

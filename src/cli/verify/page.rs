@@ -166,17 +166,18 @@ impl Page<'_> {
             verdict: self.head().join("\n"),
             figures: figures.unwrap_or_default(),
             findings,
-            always: self.signs(),
+            always: self.always(),
             more: vec![show::assumptions(self.assumptions())],
         }
     }
 
-    /// Whether the signs of the control are known.
-    fn signs(&self) -> Vec<String> {
-        match self.sign_shown() {
+    /// What is asked of whoever measured, and whether the signs of the control are known.
+    fn always(&self) -> Vec<String> {
+        let signs = match self.sign_shown() {
             Some(date) => vec![format!("sign shown by the second measurement{date}")],
             None => show::assumed_signs(self.assumptions(), &[]),
-        }
+        };
+        show::questions(&self.verification.loaded.asked.compiled.notes).chain(signs).collect()
     }
 
     /// The nine errors as found, as forecast, as left.
@@ -310,7 +311,7 @@ impl Page<'_> {
         let page = Document {
             schema: 1,
             verdict: self.verdict().word(),
-            scope: scope.chain(self.signs()).collect(),
+            scope: scope.chain(self.always()).collect(),
             after: None,
             terms: forecast.iter().flat_map(|of| &of.terms).map(term).collect(),
             max_residual_um: forecast.map(Forecast::max_residual_um),
