@@ -1,7 +1,7 @@
 // The frame of the page: steps, verdict, language.
 import packed from "licences:";
 import type { JSX } from "preact";
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { BeginStep } from "./begin";
 import { JobForm, openKeys } from "./form";
 import { KitStep, saveVisit } from "./kit";
@@ -62,13 +62,13 @@ function Licences() {
 }
 
 function walk(to: Step) {
-  notice.value = "";
   step.value = to;
   scrollTo(0, 0);
 }
 
 export function App() {
   const next = steps[steps.indexOf(step.value) + 1];
+  useEffect(() => void (notice.value = ""), [step.value]);
   const Now = shown[step.value];
   const judged = second.value?.judged ?? made.value?.judged;
   document.documentElement.lang = language.value;

@@ -56,6 +56,7 @@ function Begin() {
     const answer = await run(words);
     setTold(problems(answer));
     if (answer.status !== 0) return;
+    several.value = null;
     open(new Map(answer.files), "visit/job.toml");
     step.value = "job";
   };

@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { choices, groups, sections, shown, withKey, without, withoutBlock, withProposed, withValue, written, type Field, type Group, type Section } from "./job";
 import { at, said, type Problem } from "./problems";
 import { Card, Problems } from "./ui";
-import { absent, isText, put, textOf, wordsOf } from "./visit";
+import { absent, isPlain, isText, put, textOf, wordsOf } from "./visit";
 import { t } from "./words";
 
 /** `machine.axes` → Machine: axes. */
@@ -31,6 +31,7 @@ function Input(props: { file: string; section: Section; field: Field; problems: 
     "aria-describedby": own.length ? `${name}-told` : undefined,
     class: isOpen ? "open" : "",
   };
+  const [draft, setDraft] = useState<string | null>(null);
   const now = shown(field.value);
   if (field.isLong) return <span class="soft">{t("as_text")}</span>;
   return (
@@ -43,7 +44,17 @@ function Input(props: { file: string; section: Section; field: Field; problems: 
           ))}
         </select>
       ) : (
-        <input {...common} autocomplete="off" spellcheck={false} value={now} onInput={(event) => change(event.currentTarget.value)} />
+        <input
+          {...common}
+          autocomplete="off"
+          spellcheck={false}
+          value={draft ?? now}
+          onBlur={() => setDraft(null)}
+          onInput={(event) => {
+            setDraft(event.currentTarget.value);
+            change(event.currentTarget.value);
+          }}
+        />
       )}
       {own.length > 0 && (
         <p class="told" id={`${name}-told`} role="status">
@@ -193,6 +204,14 @@ export function JobForm(props: { file: string; problems: Problem[] }) {
   const waiting = openKeys(text);
   const own = props.problems.filter((problem) => problem.places.length === 0 || problem.places.some((place) => place.file === props.file));
   const others = elsewhere(own, props.file);
+  if (!isPlain(props.file)) {
+    return (
+      <Card title={props.file} wide>
+        <p class="told">{t("not_plain", { file: props.file })}</p>
+        <Problems of={own} />
+      </Card>
+    );
+  }
   return (
     <>
       <div class="bar">

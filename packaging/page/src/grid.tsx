@@ -59,7 +59,9 @@ export function Grid(props: { file: string; problems: Problem[] }) {
     const way = to[event.key];
     if (!way) return;
     event.preventDefault();
+    setDraft(null);
     go(row + way[0], column + way[1]);
+    if (document.activeElement === input) atOnce(() => input.select()); // at an end
   };
   const paste = (event: ClipboardEvent, row: number, column: number) => {
     event.preventDefault();
@@ -70,6 +72,11 @@ export function Grid(props: { file: string; problems: Problem[] }) {
       return;
     }
     if (comma) notice.value = t("commas", { example: comma, point: comma.replace(",", ".") });
+    const axis = (n: number) => (of.rows[n] === undefined ? "" : cells(of, of.rows[n]!)[0]!.trim());
+    const end = row + values.length - 1;
+    const added = end + 1 - of.rows.length;
+    if (added > 0) notice.value = t("rows_added", { count: added });
+    else if (axis(end) !== axis(row)) notice.value = t("crosses", { from: axis(row), to: axis(end) });
     setDraft(null);
     write(row, column, values);
   };

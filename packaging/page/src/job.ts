@@ -152,7 +152,8 @@ export function withValue(job: string, field: Field, value: string): string {
 /** The job with a proposed field to be filled in; its example goes behind it. */
 export function withProposed(job: string, field: Field): string {
   const lines = withValue(job, field, '""').split("\n");
-  if (!field.words.includes(field.value)) lines[field.line] += `${field.words ? "," : " #"} e.g. ${field.value}`;
+  const [line, end] = /^(.*?)(\r?)$/.exec(lines[field.line]!)!.slice(1);
+  if (!field.words.includes(field.value)) lines[field.line] = `${line}${field.words ? "," : " #"} e.g. ${field.value}${end}`;
   return lines.join("\n");
 }
 

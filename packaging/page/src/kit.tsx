@@ -4,7 +4,7 @@ import { valueOf } from "./job";
 import { save, zip } from "./opened";
 import { problems, type Problem } from "./problems";
 import { Card, Framed, Problems } from "./ui";
-import { files, isCurrent, jobText, kit, kitFolder, made, makeKit, report, type Manifest } from "./visit";
+import { files, isCurrent, isForeign, jobText, kit, kitFolder, made, makeKit, manifest, report } from "./visit";
 import { language, t } from "./words";
 
 const decoder = new TextDecoder();
@@ -46,17 +46,16 @@ export function KitStep() {
   const isMade = kit.value.length > 0;
   const make = async () => setTold(problems(await makeKit()));
   // Of the kit that is there, not of one that would be made now.
-  const own = new Map(kit.value).get(`${kitFolder.value}/manifest.json`);
-  const manifest: Manifest | null | undefined = own ? JSON.parse(decoder.decode(own)) : made.value?.manifest;
-  const roles = new Map(manifest?.files.map((file) => [file.path, file.role]));
+  const of = manifest.value ?? made.value?.manifest;
+  const roles = new Map(of?.files.map((file) => [file.path, file.role]));
   const checklist = new Map(kit.value).get(`${kitFolder.value}/checklist.html`);
   const inKit = (name: string) => name.slice(kitFolder.value.length + 1);
-  const assumed = (manifest?.assumptions ?? []).filter((one) => !one.without_effect);
+  const assumed = (of?.assumptions ?? []).filter((one) => !one.without_effect);
   return (
     <>
       <Card wide>
         <p class="head">
-          {!isMade ? t("no_kit") : isCurrent.value ? <span class="state good">{t("kit_current")}</span> : <span class="state">{t("kit_old")}</span>}
+          {!isMade ? t("no_kit") : isForeign.value ? <span class="state">{t("kit_foreign")}</span> : isCurrent.value ? <span class="state good">{t("kit_current")}</span> : <span class="state">{t("kit_old")}</span>}
         </p>
         <Problems of={told} />
         <div class="buttons">
@@ -65,7 +64,7 @@ export function KitStep() {
               {t(isMade ? "make_anew" : "make_kit", { folder: kitFolder.value })}
             </button>
           )}
-          {isMade && (
+          {isMade && !isForeign.value && (
             <button type="button" class="main" onClick={() => save("kit.zip", zip(kit.value), "application/zip")}>
               {t("download_kit")}
             </button>

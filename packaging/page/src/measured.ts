@@ -1,7 +1,7 @@
 // A table put in place of the one that a job names. What is there already keeps its name and its bytes.
 import type { Signal } from "@preact/signals";
 import { sections, withValue } from "./job";
-import { files, folderOf, isFilled, isSame, isTable, notice, put, textOf, type Files } from "./visit";
+import { files, folderOf, isFilled, isPlain, isSame, isTable, notice, put, textOf, type Files } from "./visit";
 import { t } from "./words";
 
 /** Stores a file in a folder without replacing another one; the name that it has there. */
@@ -11,6 +11,7 @@ function stored(folder: string, path: string, content: Uint8Array): string {
   for (let n = 1; ; n++) {
     const free = n === 1 ? name : `${stem}-${n}${end}`;
     const old = files.value.get(folder + free);
+    if (/^after\./.test(folder + free) && !files.value.has(folder + free)) continue; // a name of the second measurement
     if (old && !isSame(old, content) && (isFilled(folder + free) || !/\.csv$/i.test(free))) continue;
     put(folder + free, content);
     return free;
@@ -27,7 +28,7 @@ export function withTable(job: Signal<string>, dropped: Files) {
     notice.value = t("one_table");
     return;
   }
-  if (!isTable(path) || !field || /^\[/.test(field.value)) {
+  if (!isTable(path) || !field || /^\[/.test(field.value) || !isPlain(job.value)) {
     notice.value = t("not_taken", { file: path });
     return;
   }

@@ -26,8 +26,10 @@ function unpacked(all: Map<string, Uint8Array>): Files {
   for (const [name, content] of all) {
     // Two visits have the same names inside.
     const folder = all.size > 1 ? `${name.replace(/\.zip$/i, "")}/` : "";
-    if (!/\.zip$/i.test(name)) found.set(name, content);
-    else for (const [path, of] of Object.entries(unzipSync(content))) if (!path.endsWith("/")) found.set(folder + path, of);
+    const isOwn = (path: string) => !/(^|\/)(__MACOSX\/|\._|\.DS_Store$)|\/$/.test(path);
+    const inside = /\.zip$/i.test(name) ? Object.entries(unzipSync(content)) : [];
+    if (!inside.length && isOwn(name)) found.set(name, content);
+    for (const [path, of] of inside.filter(([path]) => isOwn(path))) found.set(folder + path, of);
   }
   return found;
 }

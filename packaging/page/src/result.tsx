@@ -2,7 +2,7 @@
 import { Decides, Figures } from "./figures";
 import { step } from "./steps";
 import { Card, Notes, Picture, Problems, Scope, Verdict } from "./ui";
-import { isCurrent, kit, made } from "./visit";
+import { isCurrent, isForeign, kit, made } from "./visit";
 import { VolumeView } from "./volume";
 import { figure, t } from "./words";
 
@@ -26,7 +26,7 @@ export function ResultStep() {
         <p class="head">
           <Verdict of={judged.verdict} forecast />
         </p>
-        {kit.value.length > 0 && !isCurrent.value && <p class="state">{t("kit_old")}</p>}
+        {kit.value.length > 0 && !isCurrent.value && !isForeign.value && <p class="state">{t("kit_old")}</p>}
         <Scope of={judged} />
         <Decides judged={judged} />
         <Figures judged={judged} manifest={manifest} />

@@ -4,17 +4,17 @@ import { JobForm } from "./form";
 import { Grid } from "./grid";
 import { ReportPage } from "./kit";
 import { Card, Drop, Notes, Picture, Problems, Scope, Verdict } from "./ui";
-import { after, files, isCurrent, isTable, kit, measured, measuredAfter, notice, putAfter, putSecondJob, second, type Files } from "./visit";
+import { after, files, isCurrent, isForeign, isTable, isToml, kit, measured, measuredAfter, notice, putAfter, putSecondJob, second, type Files } from "./visit";
 import { withTable } from "./measured";
 import { t } from "./words";
 
 /** A job with what it names, or one table: of the job that the second measurement has, or by itself. */
 function take(dropped: Files) {
-  const jobs = [...dropped.keys()].filter((name) => /\.toml$/i.test(name));
+  const jobs = [...dropped.keys()].filter(isToml);
   const [name, content] = [...dropped][0] ?? ["", new Uint8Array()];
   if (jobs.length > 1 || (!jobs.length && dropped.size !== 1)) notice.value = t("one_second");
-  else if (jobs[0]) putSecondJob(dropped, jobs[0]);
-  else if (after.value.endsWith(".toml")) withTable(after, dropped);
+  else if (jobs[0]) notice.value = putSecondJob(dropped, jobs[0]) ? "" : t("climbs", { file: jobs[0] });
+  else if (isToml(after.value)) withTable(after, dropped);
   else if (isTable(name)) putAfter(name, content);
   else notice.value = t("not_taken", { file: name });
 }
@@ -27,7 +27,7 @@ export function SecondStep() {
   return (
     <>
       <Card wide>
-        {!isCurrent.value && <p class="state">{t("kit_old")}</p>}
+        {isForeign.value ? <p class="state">{t("kit_foreign")}</p> : !isCurrent.value && <p class="state">{t("kit_old")}</p>}
         {now?.judged ? (
           <>
             <p class="head">
@@ -56,7 +56,7 @@ export function SecondStep() {
           <ReportPage withAfter name="report-after.html" />
         </Card>
       )}
-      {after.value.endsWith(".toml") && files.value.has(after.value) && (
+      {isToml(after.value) && files.value.has(after.value) && (
         <details>
           <summary>{after.value}</summary>
           <JobForm file={after.value} problems={problems} />

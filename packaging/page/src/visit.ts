@@ -3,11 +3,11 @@ import { batch, computed, effect, signal } from "@preact/signals";
 import schema from "core:";
 import list from "core:controllers list --format json";
 import { run, type Answer } from "./core";
-import { valueOf, type Key, type Section } from "./job";
+import { sections, shown, valueOf, withValue, type Key, type Section } from "./job";
 import { problems, type Problem } from "./problems";
 import { claim, kept, look, remember } from "./storage";
 import { cells, table } from "./table";
-import { language, t } from "./words";
+import { language } from "./words";
 
 export type Files = ReadonlyMap<string, Uint8Array>;
 
@@ -38,12 +38,9 @@ export function isPlain(name: string): boolean {
   }
 }
 
-/** Stores a file; text of another encoding than UTF-8 is not changed. */
+/** Stores a file. Text of another encoding than UTF-8 is not changed: whoever offers that asks `isPlain` before. */
 export function put(name: string, content: string | Uint8Array) {
-  if (typeof content === "string" && files.value.has(name) && !isPlain(name)) {
-    notice.value = t("not_plain", { file: name });
-    return;
-  }
+  if (typeof content === "string" && files.value.has(name) && !isPlain(name)) return;
   const bytes = typeof content === "string" ? encoder.encode(content) : content;
   files.value = new Map(files.value).set(name, bytes);
 }
@@ -56,13 +53,15 @@ export function inside(folder: string, all: Iterable<[string, Uint8Array]> = fil
 export const jobText = computed(() => textOf(job.value));
 export const isReadings = computed(() => valueOf(jobText.value, "measurement", "readings") !== "");
 
-/** The tables that a job names, one or a list, as they are called here. */
-function tablesOf(name: string): string[] {
-  const text = textOf(name);
-  const named = valueOf(text, "measurement", "errors") || valueOf(text, "measurement", "readings");
-  const all = named.startsWith("[") ? [...named.matchAll(/"([^"]+)"|'([^']+)'/g)].map((one) => one[1] ?? one[2]!) : named ? [named] : [];
-  return all.map((one) => folderOf(name) + one);
+/** The tables that a job names, one or a list, relative to it. */
+function named(text: string): string[] {
+  const value = valueOf(text, "measurement", "errors") || valueOf(text, "measurement", "readings");
+  if (!value.startsWith("[")) return value ? [value] : [];
+  return [...value.matchAll(/"([^"]+)"|'([^']+)'/g)].map((one) => one[1] ?? one[2]!);
 }
+
+/** The tables of a job, as they are called here. */
+const tablesOf = (name: string) => named(textOf(name)).map((one) => folderOf(name) + one);
 
 /** With its `/`; nothing for what lies beside the job. */
 export const folderOf = (name: string) => name.slice(0, name.lastIndexOf("/") + 1);
@@ -70,29 +69,41 @@ export const folderOf = (name: string) => name.slice(0, name.lastIndexOf("/") + 
 export const controller = computed(() => valueOf(jobText.value, "compensation", "controller"));
 export const measured = computed(() => tablesOf(job.value));
 /** The tables of the second measurement. */
-export const measuredAfter = computed(() => (after.value.endsWith(".toml") ? tablesOf(after.value) : [after.value]));
+export const measuredAfter = computed(() => (isToml(after.value) ? tablesOf(after.value) : [after.value]));
 
 export const isTable = (name: string) => /\.(csv|txt|xlsx|xlsm|xls|ods)$/i.test(name);
+export const isToml = (name: string) => /\.toml$/i.test(name);
+const text = (all: Files, name: string) => decoder.decode(all.get(name));
 
-/** The jobs among these files, but for those of second measurements. */
+/** The jobs among these files; those of second measurements only where there are no others. */
 export function jobsIn(all: Files): string[] {
-  const isJob = (name: string) => name.endsWith(".toml") && /^\s*\[machine[\].]/m.test(decoder.decode(all.get(name)));
-  return [...all.keys()].filter((name) => !/(^|\/)after(-\d+)?(\.toml$|\/)/.test(name) && isJob(name));
+  const jobs = [...all.keys()].filter((name) => isToml(name) && /^\s*\[machine[\].]/m.test(text(all, name)));
+  const first = jobs.filter((name) => !/(^|\/)after(-\d+)?(\.toml$|\/)/i.test(name));
+  return first.length ? first : jobs;
 }
 
 /** Files below a folder, by their names from there on. */
 const below = (all: Files, folder: string) =>
   new Map([...all].filter(([name]) => name.startsWith(folder)).map(([name, of]) => [name.slice(folder.length), of]));
 
-/** A visit begins with this job, and what lies beside it; its second measurement is `after/…toml`, `after.toml` or a table `after`. */
+const climbs = (job: string) => named(job).some((one) => /^(\.\.[/\\]|[/\\]|[a-z]:)/i.test(one));
+
+/**
+ * A visit begins with this job and what lies beside it, or all that came along where its tables lie elsewhere. The second measurement
+ * is `after/…toml`, `after.toml` or a table `after`, but no table of the first.
+ */
 export function open(all: Files, name: string) {
-  const own = below(all, folderOf(name));
-  const names = [...own.keys()];
-  const second = [/^after\/[^/]+\.toml$/, /^after\.toml$/, /^after\.csv$/, /^after\.[a-z]+$/];
-  const found = second.map((kind) => names.find((one) => kind.test(one) && (one.endsWith(".toml") || isTable(one))));
+  const root = climbs(text(all, name)) ? "" : folderOf(name);
+  const own = below(all, root);
+  const first = name.slice(root.length);
+  const tables = named(text(all, name)).map((one) => folderOf(first) + one);
+  const isSecond = (one: string) =>
+    isToml(one) ? /^\s*\[measurement[\].]/m.test(text(own, one)) : isTable(one) && !/\.txt$/i.test(one) && !tables.includes(one);
+  const kinds = [/^after\/[^/]+\.toml$/, /^after\.toml$/, /^after\.csv$/, /^after\.[a-z]+$/];
+  const found = kinds.map((kind) => [...own.keys()].find((one) => kind.test(one) && isSecond(one)));
   batch(() => {
     files.value = own;
-    job.value = name.slice(folderOf(name).length);
+    job.value = first;
     after.value = found.find(Boolean) ?? "after.csv";
   });
 }
@@ -109,30 +120,40 @@ function free(all: Files, name: string): string {
 /** A table is the second measurement from now on. A filled one before it is kept under another name; an empty form goes. */
 export function putAfter(name: string, content: Uint8Array) {
   const all = new Map(files.value);
-  for (const old of [...all.keys()].filter((one) => /^after\.[a-z]+$/.test(one) && isTable(one))) {
+  const isBefore = (one: string) => /^after\.[a-z]+$/.test(one) && isTable(one) && !measured.value.includes(one);
+  for (const old of [...all.keys()].filter(isBefore)) {
     if (isFilled(old) && !isSame(content, all.get(old))) all.set(free(all, old), all.get(old)!);
     all.delete(old);
   }
-  const now = `after${/\.[^.]*$/.exec(name)![0].toLowerCase()}`;
+  const wanted = `after${/\.[^.]*$/.exec(name)![0].toLowerCase()}`;
+  const now = all.has(wanted) ? free(all, wanted) : wanted;
   batch(() => {
     files.value = all.set(now, content);
     after.value = now;
   });
 }
 
-/** A job with what lies beside it is the second measurement from now on, in a folder of its own, as it is. */
-export function putSecondJob(dropped: Files, name: string) {
-  const old = below(files.value, "after/");
-  const kept = free(files.value, "after/");
-  const others = [...files.value].filter(([one]) => !one.startsWith("after/"));
+/**
+ * A job with what lies beside it is the second measurement from now on, in a folder of its own, as it is; only `kit`, where none
+ * came along, is the one of this visit. Refused where its tables lie elsewhere.
+ */
+export function putSecondJob(dropped: Files, name: string): boolean {
   const own = below(dropped, folderOf(name));
+  const job = name.slice(folderOf(name).length);
+  const words = text(own, job);
+  if (climbs(words)) return false;
+  const active = sections(words).filter((one) => one.name === "measurement").flatMap((one) => one.fields);
+  const field = active.find((one) => one.key === "active_while_measuring" && !one.optional);
+  const isHere = field && shown(field.value) === kitFolder.value && ![...own.keys()].some((one) => one.startsWith(`${kitFolder.value}/`));
+  if (isHere) own.set(job, encoder.encode(withValue(words, field, JSON.stringify(`../${kitFolder.value}`))));
+  const kept = free(files.value, "after/");
+  const moved = [...files.value].map(([one, of]): [string, Uint8Array] => [one.startsWith("after/") ? kept + one.slice("after/".length) : one, of]);
   batch(() => {
-    files.value = new Map([...others, ...[...old].map(inFolder(kept)), ...[...own].map(inFolder("after/"))]);
-    after.value = `after/${name.slice(folderOf(name).length)}`;
+    files.value = new Map([...moved, ...[...own].map(([one, of]): [string, Uint8Array] => [`after/${one}`, of])]);
+    after.value = `after/${job}`;
   });
+  return true;
 }
-
-const inFolder = (folder: string) => ([name, of]: [string, Uint8Array]): [string, Uint8Array] => [folder + name, of];
 
 export function clear() {
   batch(() => {
@@ -184,6 +205,7 @@ export interface Judged {
 }
 
 export interface Manifest {
+  controller: string;
   files: { path: string; role: string }[];
   assumptions: { fact: string; value: string; consequence: string; without_effect?: string | null }[];
   tables: { term: string; direction: string | null; place: string }[];
@@ -211,16 +233,10 @@ export const working = signal(false);
 
 const json = <T,>(answer: Answer): T | null => (answer.status < 2 ? (JSON.parse(answer.out) as T) : null);
 
-/** The folder of the kit: one beside the job with a manifest of its control, but for what the job names as active while measuring. */
+/** The folder of the kit; another one where the job names `kit` as active while measuring. */
 export const kitFolder = computed(() => {
   const active = valueOf(jobText.value, "measurement", "active_while_measuring").replace(/^\.\/|\/$/g, "");
-  const isOwn = ([name, bytes]: [string, Uint8Array]) => {
-    const folder = /^([^/]+)\/manifest\.json$/.exec(name)?.[1];
-    if (!folder || folder === active || /\.previous(-\d+)?$/.test(folder)) return false;
-    return decoder.decode(bytes).includes(`"controller": ${JSON.stringify(controller.value)}`);
-  };
-  const made = [...files.value].find(isOwn);
-  return made ? folderOf(made[0]).slice(0, -1) : active === "kit" ? "kit-2" : "kit";
+  return active === "kit" ? "kit-2" : "kit";
 });
 
 async function make(): Promise<Made> {
@@ -242,6 +258,13 @@ async function make(): Promise<Made> {
 
 /** The kit of the visit, as it was made last and goes to the machine. */
 export const kit = computed(() => inside(kitFolder.value));
+/** The manifest of the kit that is there. */
+export const manifest = computed(() => {
+  const own = files.value.get(`${kitFolder.value}/manifest.json`);
+  return own ? (JSON.parse(decoder.decode(own)) as Manifest) : null;
+});
+/** Whether the kit is of another control than the job. */
+export const isForeign = computed(() => !!manifest.value && manifest.value.controller !== controller.value);
 /** Whether the kit is what the program would make now. */
 export const isCurrent = computed(() => {
   const now = new Map(made.value?.kit ?? []);
@@ -279,7 +302,7 @@ export const second = signal<Second | null>(null);
 const isEmpty = () => measuredAfter.value.length > 0 && measuredAfter.value.every((name) => files.value.has(name) && !isFilled(name));
 
 async function judge(): Promise<Second | null> {
-  if (!kit.value.length || !files.value.has(after.value) || isEmpty()) return null;
+  if (!kit.value.length || !files.value.has(after.value) || isEmpty() || measuredAfter.value.some((name) => measured.value.includes(name))) return null;
   const asked = ["verify", job.value, "--tables", kitFolder.value, "--after", after.value, "--format", "json", "--plot", "plot.svg", "--force"];
   const answer = await run(asked, files.value);
   return {

@@ -244,6 +244,10 @@ test("a new visit: what is empty is counted, a wrong cell is told at its cell, a
   assert.match(await shown(), /\d+ to fill in/);
   await pictured("2-job-new");
   // A list, key by key.
+  await type("max_deviation_um ", "1 2");
+  await settled();
+  await shows('"1 2"');
+  await type("max_deviation_um ", "10");
   await type("reserved_points ", "[]");
   assert.equal(await page.$eval('[aria-label="reserved_points "]', (one) => one.value), "[]");
   await go("measurement");
@@ -280,6 +284,8 @@ test("a new visit: what is empty is counted, a wrong cell is told at its cell, a
   await page.keyboard.type("9");
   assert.equal(await page.evaluate(() => document.activeElement.dataset.cell), `${last}:0`);
   assert.deepEqual([await cell(`${last}:0`), await cell(`${last - 1}:0`)], ["9", "z"]);
+  await page.keyboard.type("\n8\n7"); // one value too many stays one value
+  assert.equal(await cell(`${last}:0`), "7");
   await press("Remove row");
   await page.$eval(".grid", (one) => one.scrollTo(0, 0));
   await page.waitForSelector('[data-cell="4:3"]');
@@ -410,6 +416,22 @@ test("a second job lies in a folder of its own with what it names, whatever the 
   const frame = await (await page.waitForSelector("iframe")).contentFrame();
   await frame.click("a[href^='#']");
   assert.ok(await frame.$("h1"));
+});
+
+test("a first measurement called after.csv stays the first one", async () => {
+  await opened();
+  const folder = join(root, "fixtures/nine_errors_900");
+  const [job, errors] = ["generic.toml", "errors.csv"].map((name) => readFileSync(join(folder, name), "utf8"));
+  await drop([["job.toml", job.replace("errors.csv", "after.csv")], ["after.csv", errors]]);
+  await go("kit");
+  await press("Make the kit");
+  await page.waitForSelector(".file");
+  await go("second");
+  await shows("no second measurement");
+  await drop([["after.csv", errors.replaceAll(".4", ".5")]]);
+  await shows("as left");
+  const kept = unzipSync(await saved("Save the visit"));
+  assert.equal(Buffer.from(kept["visit/after.csv"]).toString(), errors);
 });
 
 test("of several jobs the person chooses; every wrong cell is marked", async () => {

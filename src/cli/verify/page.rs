@@ -171,13 +171,17 @@ impl Page<'_> {
         }
     }
 
-    /// What is asked of whoever measured, and whether the signs of the control are known.
+    /// What is asked of whoever measured first, and whether the signs of the control are known.
     fn always(&self) -> Vec<String> {
         let signs = match self.sign_shown() {
             Some(date) => vec![format!("sign shown by the second measurement{date}")],
             None => show::assumed_signs(self.assumptions(), &[]),
         };
-        show::questions(&self.verification.loaded.asked.compiled.notes).chain(signs).collect()
+        let notes = match self.second {
+            None => self.verification.loaded.asked.compiled.notes.as_slice(),
+            Some(_) => &[],
+        };
+        show::questions(notes).chain(signs).collect()
     }
 
     /// The nine errors as found, as forecast, as left.
