@@ -12,10 +12,9 @@ use crate::page::{Curves, Locale, Picture, terms};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Figure;
 use crate::read::emulate::Emulator;
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
 use crate::write::compensation::Placement;
-use crate::write::findings::TableFinding;
 use crate::write::plan::Plan;
 use std::fmt::Display;
 
@@ -265,13 +264,9 @@ pub(super) fn to_decide(assumptions: &[Assumption]) -> impl Iterator<Item = Stri
     open.map(|own| format!("DECIDE BEFORE LOADING, assumed: {}", own.words()))
 }
 
-/// What is asked of whoever measured, a line each: it stands beside the verdict.
+/// What whoever measured is asked, a line each.
 pub(super) fn questions(notes: &[Finding]) -> impl Iterator<Item = String> {
-    let asks = notes.iter().filter(|note| {
-        let kind = note.kind();
-        matches!(kind, Some(TableFinding::LoneValue { .. } | TableFinding::UnlikelyReversal { .. }))
-    });
-    asks.map(|note| format!("LOOK: {note}"))
+    of_severity(notes, Severity::Question).into_iter().map(|note| format!("LOOK: {note}"))
 }
 
 /// Notes as findings.

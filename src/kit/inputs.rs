@@ -13,7 +13,7 @@ use crate::machine::separation::table::ErrorSource;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::{Millimetres, rounded};
 use crate::read::emulate::CannotEmulate;
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, Severity};
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::{Compiled, compile};
 use crate::write::plan::{Plan, Task, plan};
@@ -190,12 +190,13 @@ pub(crate) fn cannot_emulate(reason: &CannotEmulate) -> Problems {
 }
 
 /// Terms without a table, parts of the travel that were not measured, figures that become worse,
-/// and the notes.
+/// and the notes but for questions, which stand beside the verdict.
 pub fn remarks(plan: &Plan, compiled: &Compiled, forecast: Option<&Forecast>) -> Vec<String> {
     let unmeasured = forecast.map(not_measured).unwrap_or_default();
     let worsened = forecast.map(Forecast::worsened).unwrap_or_default();
     let worsened = worsened.iter().map(|words| format!("WARNING: {words}"));
-    let notes = compiled.notes.iter().map(|note| format!("note: {note}"));
+    let notes = compiled.notes.iter().filter(|note| note.severity() != Severity::Question);
+    let notes = notes.map(|note| format!("note: {note}"));
     without_table(plan).into_iter().chain(unmeasured).chain(worsened).chain(notes).collect()
 }
 

@@ -15,6 +15,8 @@ pub enum Severity {
     Label,
     /// What whoever uses the result has to know.
     Note,
+    /// What whoever measured is asked to look at again; it stands beside the verdict.
+    Question,
     /// Why the figures may be wrong: a verdict that rests on them is at most undecided.
     Doubt,
     /// Two sources that contradict each other.

@@ -11,7 +11,7 @@ function stored(folder: string, path: string, content: Uint8Array): string {
   for (let n = 1; ; n++) {
     const free = n === 1 ? name : `${stem}-${n}${end}`;
     const old = files.value.get(folder + free);
-    if (/^after\./.test(folder + free) && !files.value.has(folder + free)) continue; // a name of the second measurement
+    if (!old && /^after\./.test(folder + free)) continue; // a name of the second measurement
     if (old && !isSame(old, content) && (isFilled(folder + free) || !/\.csv$/i.test(free))) continue;
     put(folder + free, content);
     return free;
@@ -20,14 +20,15 @@ function stored(folder: string, path: string, content: Uint8Array): string {
 
 /** `job` names this table from now on; of several a person has to choose. */
 export function withTable(job: Signal<string>, dropped: Files) {
-  const [path, content] = [...dropped][0] ?? ["", new Uint8Array()];
-  const text = textOf(job.value);
-  const fields = sections(text).filter((one) => one.name === "measurement").flatMap((one) => one.fields);
-  const field = fields.find((one) => !one.optional && /^(errors|readings)$/.test(one.key));
-  if (dropped.size !== 1) {
+  const [first] = dropped;
+  if (!first || dropped.size > 1) {
     notice.value = t("one_table");
     return;
   }
+  const [path, content] = first;
+  const text = textOf(job.value);
+  const fields = sections(text).filter((one) => one.name === "measurement").flatMap((one) => one.fields);
+  const field = fields.find((one) => !one.optional && /^(errors|readings)$/.test(one.key));
   if (!isTable(path) || !field || /^\[/.test(field.value) || !isPlain(job.value)) {
     notice.value = t("not_taken", { file: path });
     return;

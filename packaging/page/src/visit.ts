@@ -260,11 +260,17 @@ async function make(): Promise<Made> {
 export const kit = computed(() => inside(kitFolder.value));
 /** The manifest of the kit that is there. */
 export const manifest = computed(() => {
-  const own = files.value.get(`${kitFolder.value}/manifest.json`);
-  return own ? (JSON.parse(decoder.decode(own)) as Manifest) : null;
+  try {
+    return JSON.parse(textOf(`${kitFolder.value}/manifest.json`)) as Manifest;
+  } catch {
+    return null; // none, or a damaged one: the program says so
+  }
 });
-/** Whether the kit is of another control than the job. */
-export const isForeign = computed(() => !!manifest.value && manifest.value.controller !== controller.value);
+/** Whether the kit is of another control than one that the program would make now. */
+export const isForeign = computed(() => {
+  const now = made.value?.manifest;
+  return !!now && !!manifest.value && manifest.value.controller !== now.controller;
+});
 /** Whether the kit is what the program would make now. */
 export const isCurrent = computed(() => {
   const now = new Map(made.value?.kit ?? []);
@@ -382,7 +388,6 @@ const makeLatest = latest(async () => {
 
 export async function start() {
   const old = await kept();
-  addEventListener("focus", () => void look());
   if (old) {
     batch(() => {
       files.value = old.files;
@@ -395,6 +400,7 @@ export async function start() {
     makeLatest();
   });
   await claim();
+  addEventListener("focus", () => void look());
   effect(() => void remember({ files: files.value, job: job.value, after: after.value }));
   effect(() => {
     const id = controller.value;
