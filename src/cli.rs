@@ -5,6 +5,8 @@
 //! written).
 
 mod assess;
+#[cfg(feature = "disk")]
+mod batch;
 mod controllers;
 mod diagonals;
 #[cfg(feature = "disk")]
@@ -34,7 +36,10 @@ mod write;
 
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::Files;
+#[cfg(feature = "disk")]
+pub use batch::Answered;
 use clap::{CommandFactory, Parser, Subcommand};
+pub use outcome::Answer;
 use outcome::Outcome;
 use screen::spoken;
 use std::io::Write;
@@ -111,6 +116,12 @@ enum Command {
     },
     /// Print what the templates of a job's control see (always JSON)
     Context(controllers::Context),
+    /// Answer many questions: a line each (JSON), answered by a line each
+    #[cfg(feature = "disk")]
+    #[command(
+        after_help = "Exit status: 0 every answer is yes · 1 an answer is no, or a line could not be answered · 2 could not begin"
+    )]
+    Batch(batch::Options),
     /// Print completions for a shell
     Completions {
         /// The shell
@@ -171,19 +182,6 @@ mod on_disk {
     }
 }
 
-/// What a command answered.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Answer {
-    /// Exit status: 0 = done and within limits, 1 = the answer is no, 2 = could not do it.
-    pub status: u8,
-    /// What goes to standard output.
-    pub out: Vec<u8>,
-    /// What goes to standard error.
-    pub err: String,
-    /// The problems in it, where there are any; wrong usage is none.
-    pub problems: Problems,
-}
-
 /// Runs a command, e.g. `["generate", "job.toml", "-o", "kit"]`, on files wherever they are: as the program does, with
 /// the same bytes. Its outputs are among the files then.
 pub fn answer<'a>(files: &dyn Files, command: impl IntoIterator<Item = &'a str>) -> Answer {
@@ -204,9 +202,21 @@ pub fn answer<'a>(files: &dyn Files, command: impl IntoIterator<Item = &'a str>)
     }
 }
 
+/// The answer to a question of `batch`; files that it does not hold are read from this computer.
+///
+/// ```
+/// let question = r#"{"command": "squareness", "options": ["fixtures/nine_errors_900/errors.csv"]}"#;
+/// assert!(nonius::cli::asked(question).line.contains("19.166667"));
+/// ```
+#[cfg(feature = "disk")]
+pub fn asked(question: &str) -> Answered {
+    let run = |files: &dyn Files, words: &[&str]| answer(files, words.iter().copied());
+    batch::answered(question, Box::<disk::Disk>::default(), run)
+}
+
 /// What a command answers, but for its standard output.
 fn ended(command: Command, files: &dyn Files, out: &mut dyn Write) -> Answer {
-    match execute(command, files).and_then(|outcome| outcome.deliver(files, out)) {
+    match execute(command, files, out).and_then(|outcome| outcome.deliver(files, out)) {
         Ok((yes, talk)) => {
             let err = if talk.is_empty() { talk } else { spoken(&talk) };
             Answer { status: u8::from(!yes), err, ..Answer::default() }
@@ -221,8 +231,10 @@ fn ended(command: Command, files: &dyn Files, out: &mut dyn Write) -> Answer {
 /// Exit status: could not do it.
 const COULD_NOT: u8 = 2;
 
-fn execute(command: Command, files: &dyn Files) -> Result<Outcome, Problems> {
+fn execute(command: Command, files: &dyn Files, out: &mut dyn Write) -> Result<Outcome, Problems> {
     match command {
+        #[cfg(feature = "disk")]
+        Command::Batch(options) => batch::run(&options, &asked, out),
         Command::New(options) => new::run(&options, files),
         Command::Generate(options) => generate::run(&options, files),
         Command::Verify(options) => verify::run(&options, files),

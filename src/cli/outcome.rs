@@ -208,6 +208,19 @@ impl ToWrite {
     }
 }
 
+/// What a command answered.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Answer {
+    /// Exit status: 0 = done and within limits, 1 = the answer is no, 2 = could not do it.
+    pub status: u8,
+    /// What goes to standard output.
+    pub out: Vec<u8>,
+    /// What goes to standard error.
+    pub err: String,
+    /// The problems in it, where there are any; wrong usage is none.
+    pub problems: Problems,
+}
+
 /// What a command made; nothing of it is outside yet.
 pub(super) struct Outcome {
     yes: bool,

@@ -29,13 +29,34 @@ type ByName = BTreeMap<PathBuf, Vec<u8>>;
 pub struct Memory {
     all: Rc<RefCell<ByName>>,
     read: RefCell<Vec<PathBuf>>,
+    /// Where a file is looked for that is not here; nothing is written there.
+    beneath: Option<Box<dyn Files>>,
 }
 
 impl Memory {
     /// These files.
     pub fn of<'a>(files: impl IntoIterator<Item = (&'a str, &'a [u8])>) -> Memory {
         let all = files.into_iter().map(|(name, bytes)| (plain(Path::new(name)), bytes.to_vec()));
-        Memory { all: Rc::new(RefCell::new(all.collect())), read: RefCell::default() }
+        Memory { all: Rc::new(RefCell::new(all.collect())), ..Memory::default() }
+    }
+
+    /// The same, and what is not there is read beneath it.
+    #[must_use]
+    pub(crate) fn over(self, beneath: Box<dyn Files>) -> Memory {
+        Memory { beneath: Some(beneath), ..self }
+    }
+
+    /// What lies beneath, where nothing lies here.
+    fn beneath(&self, path: &Path) -> Option<&dyn Files> {
+        self.beneath.as_deref().filter(|_| self.own_kind(path).is_none())
+    }
+
+    /// What lies here at a path.
+    fn own_kind(&self, path: &Path) -> Option<Kind> {
+        let (all, place) = (self.all.borrow(), plain(path));
+        let has_inside = || all.keys().any(|path| path.starts_with(&place));
+        let file = all.contains_key(&place).then_some(Kind::File);
+        file.or_else(|| has_inside().then_some(Kind::Folder))
     }
 
     /// All files that are there now.
@@ -58,8 +79,8 @@ impl Memory {
 
     /// Refuses what is there already, and with `force` what is something else.
     fn ensure(&self, path: &Path, kind: Kind, force: bool) -> Result<(), Problems> {
-        match self.kind(path) {
-            Ok(found) if found != kind || !force => {
+        match self.own_kind(path) {
+            Some(found) if found != kind || !force => {
                 let words = format!("`{}` is there, so it is not overwritten", path.display());
                 Err(Problem::new(words)
                     .help("choose another name, or `--force` to replace it")
@@ -97,6 +118,9 @@ impl Files for Memory {
     }
 
     fn bytes(&self, path: &Path) -> Result<Vec<u8>, Problem> {
+        if let Some(beneath) = self.beneath(path) {
+            return beneath.bytes(path);
+        }
         let name = path.display();
         match self.kind(path) {
             Ok(Kind::File) => {}
@@ -133,6 +157,9 @@ impl Files for Memory {
     }
 
     fn names(&self, folder: &Path) -> std::io::Result<Vec<String>> {
+        if let Some(beneath) = self.beneath(folder) {
+            return beneath.names(folder);
+        }
         let Kind::Folder = self.kind(folder)? else {
             return Err(ErrorKind::NotADirectory.into());
         };
@@ -145,11 +172,10 @@ impl Files for Memory {
     }
 
     fn kind(&self, path: &Path) -> std::io::Result<Kind> {
-        let (all, place) = (self.all.borrow(), plain(path));
-        match all.contains_key(&place) {
-            true => Ok(Kind::File),
-            false if all.keys().any(|path| path.starts_with(&place)) => Ok(Kind::Folder),
-            false => Err(Error::from(ErrorKind::NotFound)),
+        match (self.own_kind(path), &self.beneath) {
+            (Some(kind), _) => Ok(kind),
+            (None, Some(beneath)) => beneath.kind(path),
+            (None, None) => Err(Error::from(ErrorKind::NotFound)),
         }
     }
 
