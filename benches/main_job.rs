@@ -4,7 +4,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::control::controller::builtin;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
-use nonius::kit::{Inputs, emulator, generate};
+use nonius::kit::{Inputs, emulator, forecast, generate};
 use nonius::quantity::axis::Direction;
 use nonius::quantity::units::Millimetres;
 use nonius::text::document::Source;
@@ -50,6 +50,7 @@ fn one_of_many(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("one of many, 840D sl");
     let inputs = inputs(JOB, "siemens-840d-sl");
     group.bench_function("kit", |bencher| bencher.iter(|| generate(black_box(&inputs))));
+    group.bench_function("forecast", |bencher| bencher.iter(|| forecast(black_box(&inputs))));
     for words in ["generate job.toml -o kit", "generate job.toml -o kit --format json"] {
         group.bench_function(words, |bencher| {
             bencher.iter(|| {

@@ -235,6 +235,16 @@ pub fn render(
     })
 }
 
+/// Of these the files that a control may load and no reader takes; nearly no profile has one.
+pub(crate) fn render_unread(
+    task: Task<'_>,
+    compiled: &Compiled,
+) -> Result<Vec<RenderedFile>, Problems> {
+    let instead = Instead::of_kit();
+    let emitted = Emitted::of_kit(task, compiled, &instead);
+    render_those(&Templates::default(), &emitted, EmittedFile::is_loaded_unread)
+}
+
 /// The checklist, for people: line ends of every computer, not of the control.
 pub(crate) fn render_checklist(
     task: Task<'_>,
