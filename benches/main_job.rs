@@ -4,10 +4,11 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nonius::control::controller::builtin;
 use nonius::inputs::error_table::ErrorTable;
 use nonius::inputs::job::Job;
-use nonius::kit::{Inputs, emulator, generate};
+use nonius::kit::{Inputs, emulator, forecast, generate};
 use nonius::quantity::axis::Direction;
 use nonius::quantity::units::Millimetres;
 use nonius::text::document::Source;
+use nonius::visit::memory::Memory;
 use std::hint::black_box;
 
 const JOB: &str = include_str!("../fixtures/nine_errors_900/siemens-840d-sl.toml");
@@ -44,6 +45,23 @@ fn whole_job(criterion: &mut Criterion) {
     group.finish();
 }
 
+/// One machine of many in one process: the same control, nearly the same job.
+fn one_of_many(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("one of many, 840D sl");
+    let inputs = inputs(JOB, "siemens-840d-sl");
+    group.bench_function("kit", |bencher| bencher.iter(|| generate(black_box(&inputs))));
+    group.bench_function("forecast", |bencher| bencher.iter(|| forecast(black_box(&inputs))));
+    for words in ["generate job.toml -o kit", "generate job.toml -o kit --format json"] {
+        group.bench_function(words, |bencher| {
+            bencher.iter(|| {
+                let all = [("job.toml", JOB.as_bytes()), ("errors.csv", ERRORS.as_bytes())];
+                nonius::cli::answer(&Memory::of(all), words.split(' '))
+            });
+        });
+    }
+    group.finish();
+}
+
 /// One evaluation = the correction of one output axis at one position of one base axis.
 fn emulation(criterion: &mut Criterion) {
     const POSITIONS: u32 = 10_000;
@@ -65,5 +83,5 @@ fn emulation(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, whole_job, emulation);
+criterion_group!(benches, whole_job, one_of_many, emulation);
 criterion_main!(benches);

@@ -10,6 +10,7 @@ use nonius::quantity::axis::PerAxis;
 use nonius::quantity::diagonal::Run;
 use nonius::quantity::units::Deviation;
 use nonius::text::document::Source;
+use nonius::visit::memory::Memory;
 use std::hint::black_box;
 use std::io::{BufRead, BufReader, Lines, Write};
 use std::process::{ChildStdin, ChildStdout, Command, Stdio};
@@ -92,6 +93,27 @@ fn tell(line: &str) {
     eprintln!("{line}");
 }
 
+/// From the files of a job to its answer; case B has one forward run, case D both directions.
+fn answered(criterion: &mut Criterion) {
+    let of_both = [
+        include_bytes!("../fixtures/diagonals/case_d_bidirectional/job.toml").as_slice(),
+        include_bytes!("../fixtures/diagonals/case_d_bidirectional/readings.csv"),
+    ];
+    let mut group = criterion.benchmark_group("separate in process");
+    for (case, [job, readings]) in [("B", [JOB, READINGS]), ("D", of_both)] {
+        for options in ["--trials 0", "--trials 2000", "--trials 0 -o errors.csv"] {
+            let command = format!("separate job.toml {options}");
+            group.bench_function(format!("case {case}, {options}"), |bencher| {
+                bencher.iter(|| {
+                    let files = Memory::of([("job.toml", job), ("readings.csv", readings)]);
+                    nonius::cli::answer(&files, command.split(' '))
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
 /// `benches/monte_carlo_numpy.py`, which times its own batches.
 struct Numpy {
     batches: ChildStdin,
@@ -121,5 +143,5 @@ impl Numpy {
     }
 }
 
-criterion_group!(benches, separation);
+criterion_group!(benches, separation, answered);
 criterion_main!(benches);

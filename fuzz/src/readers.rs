@@ -48,8 +48,9 @@ pub fn profile_of(bundle: &Bundle, name: Option<&str>) -> Result<Profile, Proble
     let bytes = bundle.file(name).ok_or_else(|| Problem::new("no such profile"))?;
     let own =
         |name: &str| bundle.file(name).and_then(|bytes| String::from_utf8(bytes.to_vec()).ok());
-    let template =
-        |name: &str, is_own: bool| own(name).filter(|_| is_own).or_else(|| builtin::template(name));
+    let template = |name: &str, is_own: bool| {
+        own(name).filter(|_| is_own).map(Into::into).or_else(|| builtin::template(name))
+    };
     load::profile(
         Source::from_bytes(name, bytes)?,
         ProfileSource::File(name.to_string()),

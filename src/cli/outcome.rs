@@ -135,12 +135,12 @@ impl Output {
         &self,
         files: impl IntoIterator<Item = NamedBytes<'a>>,
         manifest: Vec<u8>,
-        screen: &Screen,
+        screen: impl FnOnce() -> Screen,
         next_steps: String,
     ) -> Outcome {
         let outcome = match self.print.format {
             Format::Json => Outcome::bytes(manifest.clone()),
-            Format::Text => Outcome::text(&screen.page(self.print.detail)),
+            Format::Text => Outcome::text(&screen().page(self.print.detail)),
         };
         self.deliver_files(outcome, files, (MANIFEST, manifest), next_steps)
     }

@@ -38,9 +38,9 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         kit = kit.without_form();
     }
     let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
-    let (manifest, screen) = (kit.manifest_bytes()?, screen(&job, &profile.name, &kit));
+    let (manifest, screen) = (kit.manifest_bytes()?, || screen(&job, &profile.name, &kit));
     let next_steps = next_steps(directory, &kit, table);
-    Ok(options.output.deliver_directory(own, manifest, &screen, next_steps))
+    Ok(options.output.deliver_directory(own, manifest, screen, next_steps))
 }
 
 /// The table of readings that the job names for this run.

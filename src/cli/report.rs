@@ -4,6 +4,7 @@ use crate::cli::outcome::{Content, Outcome, Output};
 use crate::cli::screen::Screen;
 use crate::cli::{assess, standards, verify};
 use crate::control::claims::Assumption;
+use crate::control::controller::Template;
 use crate::inputs::job::{Job, UseOf};
 use crate::inputs::kind::FileKind;
 use crate::judge::conformity::Verdict;
@@ -317,10 +318,10 @@ fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {
     Texts::read(&Source::from_bytes(&name, &bytes)?, &stem)
 }
 
-fn own_template(files: &dyn Files, path: &Path) -> Result<(String, String), Problems> {
+fn own_template(files: &dyn Files, path: &Path) -> Result<Template, Problems> {
     let (name, bytes) = files.argument(path)?;
-    let text = template_text(&name, &bytes)?;
-    Ok((name, text))
+    let text = template_text(&name, &bytes)?.into();
+    Ok(Template { name, text })
 }
 
 /// How a picture begins: its signature and the head of its first chunk (PNG, ISO/IEC 15948 §5.2, §11.2.2).

@@ -5,6 +5,7 @@ mod straight;
 mod text;
 mod words;
 
+use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::{Content, Outcome, Output, Plot};
 use crate::inputs::error_table;
 use crate::machine::separation::Separation;
@@ -59,9 +60,11 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let simulated = (options.trials > 0).then(|| simulated(options, files, &separation)).flatten();
     let csv = || Content::Bytes(error_table::write(&campaign.draft(&separation)).into_bytes());
     let csv = output.is_asked_for().then(csv);
-    let document = document::separation(&separation, simulated.as_ref())?;
-    let screen = text::screen(&separation, simulated.as_ref())?;
-    let outcome = output.deliver(csv, || screen, || document, "")?;
+    let figures =
+        StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs, true)?;
+    let found = (&separation, &figures, simulated.as_ref());
+    let outcome =
+        output.deliver(csv, || text::screen(found), || document::separation(found), "")?;
     // No, where an error is not determined or something contradicts the result.
     let outcome = outcome.answering(separation.stands());
     let picture = |locale: Locale<'_>| {
@@ -81,8 +84,10 @@ fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome,
         .into());
     }
     let result = campaign.straight()?;
-    let (screen, document) = (straight::screen(&result)?, straight::document(&result)?);
-    let outcome = options.output.print.outcome(|| screen, || document)?;
+    let figures =
+        StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs, true)?;
+    let screen = || straight::screen(&result, &figures);
+    let outcome = options.output.print.outcome(screen, || straight::document(&result, &figures))?;
     Ok(outcome.answering(result.doubts.is_empty()))
 }
 
@@ -93,6 +98,9 @@ fn simulated(options: &Options, files: &dyn Files, separation: &Separation) -> O
     progress.close();
     simulated
 }
+
+/// What was separated, its diagonals by standard, and what was simulated where that was asked for.
+type Found<'a> = (&'a Separation, &'a StandardFigures, Option<&'a Simulated>);
 
 /// A bar on standard error, if that is a terminal and the simulation takes long.
 struct Progress {

@@ -30,7 +30,7 @@ pub use self::fact::{
 };
 pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
-pub use self::files::EmittedFile;
+pub use self::files::{EmittedFile, Template};
 pub use self::generic::{GenericFacts, TypedValue};
 pub use self::isg::{IsgFacts, LeverOrigin};
 pub use self::job_keys::{JobKey, JobSection};

@@ -77,6 +77,21 @@ impl<'a> Loaded<'a> {
         })
     }
 
+    /// The control of a job with its tables as they were compiled; `files`: those that no reader takes.
+    pub(super) fn compiled(asked: Asked<'a>, files: &[KitFile<'_>]) -> Loaded<'a> {
+        let (profile, compiled) = (&asked.inputs.profile, &asked.compiled);
+        let control = emulator(profile, &compiled.tables, &compiled.state);
+        Loaded {
+            unread: unread(profile, files),
+            directory: None,
+            control: control.map_err(|reason| cannot_emulate(&reason)),
+            tables: compiled.tables.clone(),
+            state: compiled.state.clone(),
+            findings: Vec::new(),
+            asked,
+        }
+    }
+
     /// What was read out of a control, judged by what it does to the job's axes.
     pub(super) fn read_out(
         asked: Asked<'a>,

@@ -15,6 +15,7 @@ use super::locale::{Locale, Shown};
 use super::picture::Picture;
 use super::svg;
 use crate::control::claims::Assumption;
+use crate::control::controller::Template;
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Grounds;
@@ -48,7 +49,7 @@ pub struct Report<'a> {
     /// The company's sign as a data URI.
     pub logo: Option<String>,
     /// A template of one's own, by its name.
-    pub template: Option<(String, String)>,
+    pub template: Option<Template>,
     /// What was measured and found.
     pub visit: &'a Visit,
 }
@@ -164,9 +165,10 @@ impl Report<'_> {
             "curves": self.curves(self.visit.is_measured),
             "parts": self.parts(),
         });
-        let own = self.template.as_ref().map(|(name, text)| (name.as_str(), text.as_str()));
-        let (name, template) = own.unwrap_or(TEMPLATE);
-        Ok(Templates::default().page(name, template, &context)?)
+        let (name, text) = TEMPLATE;
+        let usual = || Template { name: name.to_string(), text: text.into() };
+        let template = self.template.clone().unwrap_or_else(usual);
+        Ok(Templates::default().page(&template, &context)?)
     }
 
     fn t(&self, key: &str) -> String {

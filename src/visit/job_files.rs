@@ -148,11 +148,11 @@ pub(crate) fn profile(
             let mut hashes = hashes.borrow_mut();
             let is_known = hashes.iter().skip(1).any(|known| known.path == name);
             hashes.extend((!is_known).then_some(hash));
-            Some(text)
+            Some(text.into())
         }
         Err(problems) => {
             unreadable.borrow_mut().extend(problems);
-            Some(String::new())
+            Some("".into())
         }
     };
     let find = |name: &str, is_own: bool| match is_own {

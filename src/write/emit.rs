@@ -12,7 +12,7 @@ pub use crate::write::control_text::{Instead, Switch};
 pub(crate) use crate::write::family::Emitted;
 pub use templates::Templates;
 
-use crate::control::controller::{EmittedFile, Encoding, Profile, Role, builtin};
+use crate::control::controller::{EmittedFile, Encoding, Profile, Role, Template, builtin};
 use crate::inputs::error_table::SIMULATED;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::quantity::axis::Direction;
@@ -235,6 +235,16 @@ pub fn render(
     })
 }
 
+/// Of these the files that a control may load and no reader takes; nearly no profile has one.
+pub(crate) fn render_unread(
+    task: Task<'_>,
+    compiled: &Compiled,
+) -> Result<Vec<RenderedFile>, Problems> {
+    let instead = Instead::of_kit();
+    let emitted = Emitted::of_kit(task, compiled, &instead);
+    render_those(&Templates::default(), &emitted, EmittedFile::is_loaded_unread)
+}
+
 /// The checklist, for people: line ends of every computer, not of the control.
 pub(crate) fn render_checklist(
     task: Task<'_>,
@@ -250,7 +260,7 @@ pub(crate) fn render_checklist(
     let mut rendered = Vec::new();
     for file in files.filter(|file| file.role == Role::Checklist) {
         let seen = checklist_context(file, names.clone(), words.clone())?;
-        let text = templates.text(&file.template.name, &file.template.text, &seen)?;
+        let text = templates.text(&file.template, &seen)?;
         let text = plain::page(&text.replace("\r\n", "\n")).into_owned();
         rendered.push(RenderedFile {
             path: file.path.clone(),
@@ -289,8 +299,8 @@ fn no_context(error: tera::Error) -> Problem {
 pub fn filled(name: &str, context: &Value) -> Result<String, Problem> {
     let refuse = |error| Problem::new(format!("the context of `{name}` cannot be made: {error}"));
     let seen = tera::Context::from_serialize(context).map_err(refuse)?;
-    let template = builtin::template(name).unwrap_or_default();
-    Templates::default().text(name, &template, &seen)
+    let text = builtin::template(name).unwrap_or_default();
+    Templates::default().text(&Template { name: name.to_string(), text }, &seen)
 }
 
 /// Those files of the profile that are wanted, each in its place: the tables and parameters of a kit, or what stands
@@ -316,7 +326,7 @@ pub(crate) fn render_those(
             for (path, item) in problems.take(items).unwrap_or_default() {
                 seen.insert_value("item", item);
                 seen.insert("role", file.role.word());
-                let text = templates.text(&file.template.name, &file.template.text, &seen);
+                let text = templates.text(&file.template, &seen);
                 let bytes = text.and_then(|text| bytes_of(&path, &text, profile));
                 let bytes = problems.take(bytes.map_err(Problems::from));
                 files.extend(

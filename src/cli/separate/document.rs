@@ -1,12 +1,12 @@
 //! The documents of `separate --format json` (contract §5). Lengths and angles are rounded where a
 //! document is printed; here only what has no unit.
 
+use super::Found;
 use super::words::advice;
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::known;
 use crate::inputs::job::SetUp;
 use crate::machine::separation::agreement::{Agreement, LineCheck};
-use crate::machine::separation::monte_carlo::Simulated;
 use crate::machine::separation::noise::{Noise, Outlier, ReadingPlace, coverage_factor};
 use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::Turn;
@@ -14,17 +14,13 @@ use crate::machine::separation::solved::scale_sum_um_mm;
 use crate::machine::separation::{SeparatedError, Separation};
 use crate::machine::standards::Diagonals;
 use crate::quantity::axis::{Direction, Listed, PerAxis, PerTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::picometres;
 use crate::text::finding::Finding;
-use crate::text::problem::Problems;
 use serde_json::{Map, Value, json};
 
-pub(super) fn separation(
-    separation: &Separation,
-    simulated: Option<&Simulated>,
-) -> Result<Value, Problems> {
-    Ok(known([
+pub(super) fn separation((separation, figures, simulated): Found<'_>) -> Value {
+    known([
         slopes(separation),
         closure(separation),
         json!({
@@ -35,7 +31,7 @@ pub(super) fn separation(
                 "advice": open_advice(separation),
             },
             "outliers": separation.closure.outliers.iter().map(outlier).collect::<Vec<_>>(),
-            "diagonals": diagonals(separation)?,
+            "diagonals": diagonals(separation, figures),
             "noise": separation.noise.map(|found| tested_noise(separation, found)),
         }),
         separation.turn.as_ref().map_or(Value::Null, reversal),
@@ -47,7 +43,7 @@ pub(super) fn separation(
         }),
         json!(separation.silence),
         json!({ "labels": separation.labels }),
-    ]))
+    ])
 }
 
 /// The nine errors, squareness and tilts of the mirror.
@@ -188,9 +184,7 @@ pub(super) fn open_advice(separation: &Separation) -> Vec<String> {
     }
 }
 
-fn diagonals(separation: &Separation) -> Result<Value, Problems> {
-    let figures =
-        StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs, true)?;
+fn diagonals(separation: &Separation, figures: &StandardFigures) -> Value {
     let repeatability = |diagonal: Diagonal| {
         let of = |pass| repeatability_um(&separation.runs, diagonal, pass);
         json!({"forward": of(Pass::Forward), "reverse": of(Pass::Reverse)})
@@ -204,7 +198,7 @@ fn diagonals(separation: &Separation) -> Result<Value, Problems> {
             "repeatability_um": repeatability(diagonal),
         });
     }
-    Ok(all)
+    all
 }
 
 /// The figures of all four diagonals together.

@@ -11,18 +11,15 @@ use crate::machine::separation::solved::scale_sum_um_mm;
 use crate::machine::separation::straight::{ClosureTest, ClosureTests, StraightResult};
 use crate::machine::separation::uncertainty::Uncertainty;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::diagonal::{Diagonal, PathKind};
+use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{Figure, Squared};
-use crate::text::problem::Problems;
 use serde_json::{Value, json};
 
-pub(super) fn screen(result: &StraightResult) -> Result<Screen, Problems> {
-    let figures =
-        StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs, true)?;
+pub(super) fn screen(result: &StraightResult, figures: &StandardFigures) -> Screen {
     let diagonals = figures.as_read(|diagonal| result.end_um[diagonal]);
     let closure = result.closure.as_ref();
     let (open, advice) = (result.metric.undetermined(), advice(&result.metric));
-    Ok(words::screen(
+    words::screen(
         &result.doubts,
         outcome(result),
         (&open, &advice),
@@ -36,7 +33,7 @@ pub(super) fn screen(result: &StraightResult) -> Result<Screen, Problems> {
             More::part("diagonals", diagonals),
         ],
         &result.labels,
-    ))
+    )
 }
 
 fn outcome(result: &StraightResult) -> String {
@@ -122,11 +119,11 @@ fn verdict(closure: &ClosureTests) -> String {
     }
 }
 
-pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
+pub(super) fn document(result: &StraightResult, figures: &StandardFigures) -> Value {
     let metric = &result.metric;
     let u = |known: Option<Uncertainty>| known.map(|known| known.u);
     let scales = |of: &dyn Fn(Axis) -> Option<f64>| known([json!(PerAxis::from_fn(of))]);
-    Ok(known([
+    known([
         json!({
             "schema": 1,
             "squareness_um_per_m": metric.squareness_um_per_m(),
@@ -140,19 +137,17 @@ pub(super) fn document(result: &StraightResult) -> Result<Value, Problems> {
                 "undetermined": metric.undetermined(),
                 "advice": advice(metric),
             },
-            "diagonals": diagonals(result)?,
+            "diagonals": diagonals(result, figures),
             "noise": result.noise.map(noise),
             "closure_test": result.closure.as_ref().map(closure_document),
             "doubts": result.doubts,
         }),
         json!(result.silence),
         json!({ "labels": result.labels }),
-    ]))
+    ])
 }
 
-fn diagonals(result: &StraightResult) -> Result<Value, Problems> {
-    let figures =
-        StandardFigures::of(&result.volume, PathKind::Straight, &result.zeroed_runs, true)?;
+fn diagonals(result: &StraightResult, figures: &StandardFigures) -> Value {
     let mut all = diagonal_totals(&figures.all, &result.volume, &result.end_um);
     for (diagonal, end_um) in result.end_um.iter() {
         let entry = &mut all[diagonal.name()];
@@ -166,7 +161,7 @@ fn diagonals(result: &StraightResult) -> Result<Value, Problems> {
             entry["closure_end_um"] = json!(test.end_um);
         }
     }
-    Ok(all)
+    all
 }
 
 /// The closure test of a diagonal with the larger difference of its two directions.

@@ -1,6 +1,7 @@
 //! What `separate` prints for people: what was determined and what not, then the figures; behind
 //! them the closure, disturbed readings, the reversal at a turn and repeated runs.
 
+use super::Found;
 use super::document::open_advice;
 use super::words::{self, SQUARENESS_SIGN, expanded, freedom};
 use crate::cli::diagonals::StandardFigures;
@@ -20,16 +21,10 @@ use crate::machine::separation::reversal::{Estimate, Turn};
 use crate::machine::separation::solved::naive_squareness;
 use crate::machine::separation::{SeparatedError, Separation};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
+use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Figure;
-use crate::text::problem::Problems;
 
-pub(super) fn screen(
-    separation: &Separation,
-    simulated: Option<&Simulated>,
-) -> Result<Screen, Problems> {
-    let figures =
-        StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs, true)?;
+pub(super) fn screen((separation, figures, simulated): Found<'_>) -> Screen {
     let outliers = &separation.closure.outliers;
     let more = vec![
         More::part("directions", directions(separation)),
@@ -37,7 +32,7 @@ pub(super) fn screen(
         More::part("set-up", setup(separation)),
         More::part("closure", closure(separation)),
         More::part("reversal", reversal(separation)),
-        More::part("diagonals", diagonals(separation, &figures)),
+        More::part("diagonals", diagonals(separation, figures)),
         More::part("repeatability", repeatability(separation)),
         More::part("Monte Carlo", simulated.map_or_else(String::new, monte_carlo)),
     ];
@@ -50,7 +45,7 @@ pub(super) fn screen(
         &separation.labels,
     );
     screen.findings = outliers.iter().map(disturbed).collect();
-    Ok(screen)
+    screen
 }
 
 /// What was determined, in one line, and what no U holds.

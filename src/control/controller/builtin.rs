@@ -3,6 +3,8 @@
 use crate::control::controller::{Profile, ProfileSource, load};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, nearest, shown};
+use std::borrow::Cow;
+use std::sync::OnceLock;
 
 macro_rules! embed {
     ($folder:literal, $($name:literal),+ $(,)?) => {
@@ -80,22 +82,33 @@ pub fn ids() -> Vec<&'static str> {
 
 /// The TOML page of a built-in profile, or of one that others build on.
 pub fn page(id: &str) -> Option<&'static str> {
-    let pages = PROFILES.iter().chain(BASES);
-    pages.into_iter().find(|(file, _)| file.trim_end_matches(".toml") == id).map(|(_, text)| *text)
+    Some(placed(id)?.1)
+}
+
+/// The same with its place among all pages.
+fn placed(id: &str) -> Option<(usize, &'static str)> {
+    let mut pages = PROFILES.iter().chain(BASES).enumerate();
+    let found = pages.find(|(_, (file, _))| file.trim_end_matches(".toml") == id);
+    found.map(|(place, (_, text))| (place, *text))
 }
 
 /// The text of a built-in template.
-pub fn template(name: &str) -> Option<String> {
-    TEMPLATES.iter().find(|(file, _)| *file == name).map(|(_, text)| (*text).to_string())
+pub fn template(name: &str) -> Option<Cow<'static, str>> {
+    TEMPLATES.iter().find(|(file, _)| *file == name).map(|(_, text)| Cow::Borrowed(*text))
 }
 
-/// A built-in profile by its id.
+/// A built-in profile by its id; its page is read once in a process.
 pub fn profile(id: &str) -> Result<Profile, Problems> {
-    let Some(text) = page(id) else {
+    static READ: [OnceLock<Result<Profile, Problems>>; PROFILES.len() + BASES.len()] =
+        [const { OnceLock::new() }; PROFILES.len() + BASES.len()];
+    let Some((place, text)) = placed(id) else {
         return Err(unknown(id).into());
     };
-    let source = Source::from_bytes(&format!("controllers/{id}.toml"), text.as_bytes())?;
-    load::profile(source, ProfileSource::BuiltIn, &|name, _| template(name), &page)
+    let read = || {
+        let source = Source::from_bytes(&format!("controllers/{id}.toml"), text.as_bytes())?;
+        load::profile(source, ProfileSource::BuiltIn, &|name, _| template(name), &page)
+    };
+    READ[place].get_or_init(read).clone()
 }
 
 fn unknown(word: &str) -> Problem {

@@ -4,14 +4,15 @@ use crate::control::controller::fact::{Mechanism, Role, TableForm};
 use crate::text::document::{Section, section};
 use crate::text::problem::shown;
 use crate::text::words::Word;
+use std::borrow::Cow;
 
-/// A template that a page names.
+/// A template, such as a page names it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Template {
     /// Its name.
     pub name: String,
-    /// Its text.
-    pub text: String,
+    /// Its text; that of a built-in one is borrowed.
+    pub text: Cow<'static, str>,
 }
 
 section! {
@@ -72,7 +73,7 @@ impl EmittedFile {
 
 /// Finds the text of a template by its name, for the page itself (`true`) or for one that it builds on, whose
 /// templates are built in.
-pub type TemplateFinder<'a> = &'a dyn Fn(&str, bool) -> Option<String>;
+pub type TemplateFinder<'a> = &'a dyn Fn(&str, bool) -> Option<Cow<'static, str>>;
 
 /// The templates that a page may name, and what its files can prove.
 #[derive(Clone, Copy)]

@@ -194,7 +194,7 @@ fn render(
     let seen = tera::Context::from_serialize(context).map_err(|error| {
         Problem::new(format!("the context of the program cannot be made: {error}"))
     })?;
-    let text = templates.text(&facts.template.name, &facts.template.text, &seen)?;
+    let text = templates.text(&facts.template, &seen)?;
     let path = format!("{stem}.{}", facts.extension);
     let bytes = bytes_of(&path, &text, profile)?;
     Ok(ProgramFile { path, role: FileRole::Program, bytes })

@@ -1,77 +1,105 @@
 //! The templates of a profile, each parsed once. The only user of Tera beside its contexts.
 
+use crate::control::controller::Template;
 use crate::text::document::LARGEST_FILE_MIB;
 use crate::text::problem::{Place, Problem};
 use crate::write::emit::layout::{Layout, Wrong};
+use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::io::{Error, Result as Written, Write};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 /// Bytes of one file.
 const MOST_BYTES: u64 = LARGEST_FILE_MIB << 20;
 /// Tags that one file executes; nearly every one writes a byte.
 const MOST_TAGS: u64 = LARGEST_FILE_MIB << 20;
 
-/// The templates of one profile, in which a name always means the same text.
-pub struct Templates {
-    /// What all of them have: the filters and functions of Tera.
-    without_any: tera::Tera,
-    /// Those that were asked for; each stands alone and sees nothing of the others.
-    parsed: RefCell<BTreeMap<String, (tera::Tera, Layout)>>,
+/// What all templates have: the filters and functions of Tera.
+static WITHOUT_ANY: LazyLock<tera::Tera> = LazyLock::new(|| {
+    let mut without_any = tera::Tera::default();
+    without_any.autoescape_on(Vec::<&'static str>::new());
+    without_any
+});
+
+/// A template that stands alone and sees nothing of others.
+struct Parsed {
+    name: String,
+    alone: tera::Tera,
+    layout: Layout,
 }
 
-impl Default for Templates {
-    fn default() -> Templates {
-        let mut without_any = tera::Tera::default();
-        without_any.autoescape_on(Vec::<&'static str>::new());
-        Templates { without_any, parsed: RefCell::default() }
+impl Parsed {
+    fn of(Template { name, text }: &Template) -> Result<Arc<Parsed>, Problem> {
+        let mut alone = WITHOUT_ANY.clone();
+        let refuse = |error: tera::Error| template_problem(name, text, &error);
+        alone.add_raw_template(name, text).map_err(refuse)?;
+        let layout = Layout::of(text).map_err(|wrong| no_layout(name, text, wrong))?;
+        Ok(Arc::new(Parsed { name: name.clone(), alone, layout }))
     }
+}
+
+/// The templates of the program that were asked for, by their texts: parsed once in a process.
+static BUILT_IN: Mutex<BTreeMap<&str, Arc<Parsed>>> = Mutex::new(BTreeMap::new());
+
+/// The templates of one profile, in which a name always means the same text.
+#[derive(Default)]
+pub struct Templates {
+    /// Those of a user that were asked for, by their names.
+    own: RefCell<BTreeMap<String, Arc<Parsed>>>,
 }
 
 impl Templates {
     /// A page of what a document holds.
     pub(crate) fn page(
         &self,
-        name: &str,
-        template: &str,
+        template: &Template,
         document: &serde_json::Value,
     ) -> Result<String, Problem> {
         let context = tera::Context::from_serialize(document)
             .map_err(|error| Problem::new(format!("the page cannot be made: {error}")))?;
-        self.text(name, template, &context)
+        self.text(template, &context)
+    }
+
+    fn parsed(&self, template: &Template) -> Result<Arc<Parsed>, Problem> {
+        fn found<K: Ord>(
+            entry: Entry<'_, K, Arc<Parsed>>,
+            of: &Template,
+        ) -> Result<Arc<Parsed>, Problem> {
+            Ok(Arc::clone(match entry {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(new) => new.insert(Parsed::of(of)?),
+            }))
+        }
+        match &template.text {
+            Cow::Borrowed(text) => {
+                let mut parsed = BUILT_IN.lock().unwrap_or_else(PoisonError::into_inner);
+                found(parsed.entry(text), template)
+            }
+            Cow::Owned(_) => found(self.own.borrow_mut().entry(template.name.clone()), template),
+        }
     }
 
     /// One file as text with `\n` line ends.
     pub(super) fn text(
         &self,
-        name: &str,
-        template: &str,
+        template: &Template,
         context: &tera::Context,
     ) -> Result<String, Problem> {
-        let refuse = |error: tera::Error| template_problem(name, template, &error);
-        let mut parsed = self.parsed.borrow_mut();
-        let (alone, layout) = match parsed.entry(name.to_string()) {
-            Entry::Occupied(known) => known.into_mut(),
-            Entry::Vacant(new) => {
-                let mut alone = self.without_any.clone();
-                alone.add_raw_template(name, template).map_err(refuse)?;
-                let layout = Layout::of(template);
-                let layout = layout.map_err(|wrong| no_layout(name, template, wrong))?;
-                new.insert((alone, layout))
-            }
-        };
-        if layout.work(context) > MOST_TAGS {
+        let Template { name, text: source } = template;
+        let parsed = self.parsed(template)?;
+        if parsed.layout.work(context) > MOST_TAGS {
             let what =
                 format!("executes more than {MOST_TAGS} tags, counted from the lists of its loops");
             return Err(too_much(name, &what));
         }
         let mut text = Bounded { bytes: Vec::new(), most: MOST_BYTES, is_full: false };
-        let rendered = alone.render_to(name, context, &mut text);
+        let rendered = parsed.alone.render_to(&parsed.name, context, &mut text);
         if text.is_full {
             return Err(too_much(name, &format!("writes more than {LARGEST_FILE_MIB} MiB")));
         }
-        rendered.map_err(refuse)?;
+        rendered.map_err(|error| template_problem(name, source, &error))?;
         String::from_utf8(text.bytes)
             .map_err(|_| Problem::new(format!("template `{name}` does not write text")))
     }
@@ -140,7 +168,7 @@ fn template_problem(name: &str, template: &str, error: &tera::Error) -> Problem 
 
 #[cfg(test)]
 mod tests {
-    use super::Templates;
+    use super::{Template, Templates};
     use crate::text::plain::tests::texts_of;
     use crate::text::problem::Problems;
     use proptest::prelude::*;
@@ -149,12 +177,16 @@ mod tests {
     #[test]
     fn a_template_sees_nothing_of_those_rendered_before() {
         let (templates, nothing) = (Templates::default(), tera::Context::new());
-        let first = templates.text("first", "one line\n", &nothing);
-        assert_eq!(first.expect("it is text"), "one line\n");
-        let including = "{% include \"first\" %}";
-        assert!(templates.text("second", including, &nothing).is_err());
-        let again = templates.text("first", "one line\n", &nothing);
-        assert_eq!(again.expect("it is text"), "one line\n");
+        let first = named("first", "one line\n");
+        assert_eq!(templates.text(&first, &nothing).expect("it is text"), "one line\n");
+        let including = named("second", "{% include \"first\" %}");
+        assert!(templates.text(&including, &nothing).is_err());
+        assert_eq!(templates.text(&first, &nothing).expect("it is text"), "one line\n");
+    }
+
+    /// One of a user.
+    fn named(name: &str, text: &str) -> Template {
+        Template { name: name.to_string(), text: text.to_string().into() }
     }
 
     /// A context with a list of tables, each with its points.
@@ -168,7 +200,7 @@ mod tests {
     }
 
     fn said(template: &str, context: &tera::Context) -> Result<String, String> {
-        let rendered = Templates::default().text("own.tera", template, context);
+        let rendered = Templates::default().text(&named("own.tera", template), context);
         rendered.map_err(|problem| Problems::from(problem).render())
     }
 
