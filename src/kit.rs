@@ -38,10 +38,9 @@ pub(crate) use inputs::{Asked, cannot_emulate};
 pub use inputs::{Inputs, remarks};
 pub use loaded::Loaded;
 use loaded::named_backlash;
-pub use made::{Forecasted, forecast};
 use made::{Made, as_read};
 use serde_json::json;
-pub use verification::{Verification, verify, verify_read_out};
+pub use verification::{Verification, forecast, verify, verify_read_out};
 
 /// A complete kit.
 #[derive(Clone, Debug)]

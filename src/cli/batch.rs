@@ -9,6 +9,7 @@
 //! and nowhere else, so a line that is answered again changes nothing. Files that it does not hold are read from disk.
 
 use crate::cli::outcome::{Answer, Outcome};
+use crate::quantity::units::Figure;
 use crate::text::document::{LARGEST_FILE_MIB, sha256};
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, not_put_out, plain_words, printed};
@@ -302,7 +303,7 @@ fn table(name: &str, columns: &Map<String, Value>) -> Result<String, Problem> {
     let cell = |value: &Value| match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),
-        other => other.to_string(),
+        other => other.as_f64().map_or_else(|| other.to_string(), |it| Figure(it).to_string()),
     };
     let names: Vec<&str> = columns.keys().map(String::as_str).collect();
     let rows = (0..rows).map(|row| {

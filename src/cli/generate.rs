@@ -3,12 +3,13 @@
 use crate::cli::outcome::{Outcome, Output, Plot, Print};
 use crate::cli::screen::{More, Screen, paragraphs, shell_word, table, wrapped};
 use crate::cli::show;
+use crate::cli::verify::Page;
 use crate::control::controller::Role;
 use crate::inputs::job::{BacklashPolicy, one_for_all, policies_as_stated};
 use crate::judge::conformity::Verdict;
 use crate::kit::alternatives::{Compared, compare};
 use crate::kit::manifest::MANIFEST;
-use crate::kit::{Inputs, Kit, cannot_emulate, emulator, generate, remarks};
+use crate::kit::{self, Inputs, Kit, cannot_emulate, emulator, generate, remarks};
 use crate::page::{Locale, Picture};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
@@ -20,7 +21,7 @@ use std::path::{Path, PathBuf};
 
 // Options of `generate`.
 #[derive(Args, Debug)]
-#[command(mut_arg("output", |arg| arg.required_unless_present("compare").value_name("DIR")
+#[command(mut_arg("output", |arg| arg.required_unless_present_any(["compare", "dry_run"]).value_name("DIR")
     .help("Directory of the kit; must not exist yet, or must be empty")))]
 pub(super) struct Options {
     /// The job (TOML); `-` = standard input
@@ -28,6 +29,9 @@ pub(super) struct Options {
     /// Write nothing: what each backlash policy and spacing would leave, a line for each
     #[arg(long, conflicts_with = "output")]
     compare: bool,
+    /// Write nothing: what `verify` will say of the kit, by its tables alone
+    #[arg(long, conflicts_with_all = ["output", "compare"])]
+    dry_run: bool,
     #[command(flatten)]
     output: Output,
     #[command(flatten)]
@@ -37,6 +41,13 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     if options.compare {
         return side_by_side(&inputs::read(files, &options.job)?, options.output.print);
+    }
+    if options.dry_run {
+        let inputs = inputs::read(files, &options.job)?;
+        let page = Page::of(kit::forecast(&inputs)?, None);
+        let outcome = options.output.print.outcome(|| page.screen(), || page.document())?;
+        let outcome = outcome.answering(page.verdict() == Verdict::Pass);
+        return options.plot.beside(outcome, options.output.force, |locale| page.picture(locale));
     }
     let directory = options.output.free_directory(files)?;
     let inputs = inputs::read(files, &options.job)?;

@@ -43,13 +43,16 @@ impl Made<'_> {
         let own_state = (asked.compiled.state.clone(), Vec::new());
         let loaded = Loaded::files(asked, &as_read(&files), own_state).map_err(not_read_back)?;
         ensure_same(&loaded)?;
-        let Forecasted { forecast, verdict, doubts } = Forecasted::of(&loaded)?;
+        let forecast = loaded.forecast(loaded.control()?);
+        let forecast = forecast.map_err(|reason| cannot_emulate(&reason))?;
         let Loaded { asked: Asked { plan, mut compiled, .. }, tables, .. } = loaded;
         compiled.notes.extend(loaded.findings);
         if inputs.profile.comments.value.are_allowed() {
             let names = emit::other_letters(&inputs.job, &inputs.profile.name);
             compiled.notes.extend(names);
         }
+        let doubts = [doubts(inputs), loaded.unread.into_iter().collect()].concat();
+        let verdict = judged(&forecast, inputs, &doubts);
         Ok(Made { inputs, plan, compiled, templates, files, tables, forecast, verdict, doubts })
     }
 
@@ -61,37 +64,6 @@ impl Made<'_> {
     pub(crate) fn axes(&self, axis: Axis) -> String {
         format!("{axis} ({})", self.plan.names[axis].join(" and "))
     }
-}
-
-/// What tables will leave, judged.
-#[derive(Clone, Debug)]
-pub struct Forecasted {
-    /// What they will leave.
-    pub forecast: Forecast,
-    /// The forecast against the acceptance of the job; undecided at most where there are doubts.
-    pub verdict: Verdict,
-    /// Why the measured errors are doubtful.
-    pub doubts: Vec<Finding>,
-}
-
-impl Forecasted {
-    fn of(loaded: &Loaded<'_>) -> Result<Forecasted, Problems> {
-        let inputs = loaded.asked.inputs;
-        let forecast = loaded.forecast(loaded.control()?);
-        let forecast = forecast.map_err(|reason| cannot_emulate(&reason))?;
-        let doubts = [doubts(inputs), loaded.unread.iter().cloned().collect()].concat();
-        let verdict = judged(&forecast, inputs, &doubts);
-        Ok(Forecasted { forecast, verdict, doubts })
-    }
-}
-
-/// What the tables of a job will leave, judged as in its kit. No file is made and nothing is read back: the tables
-/// are those as compiled, which [`generate`](super::generate) refuses to write unless its files read back to exactly
-/// them.
-pub fn forecast(inputs: &Inputs) -> Result<Forecasted, Problems> {
-    let asked = Asked::of(inputs)?;
-    let files = emit::render_unread(inputs.task(), &asked.compiled)?;
-    Forecasted::of(&Loaded::compiled(asked, &as_read(&files)))
 }
 
 /// Why the measured errors that the job asks for are doubtful.
@@ -146,39 +118,4 @@ fn ensure_same(loaded: &Loaded<'_>) -> Result<(), Problems> {
 /// A file as the readers take it.
 pub(crate) fn as_kit_file(file: &RenderedFile) -> KitFile<'_> {
     KitFile { path: &file.path, role: file.role, bytes: &file.bytes }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::{Forecasted, Inputs, forecast};
-    use crate::control::controller::builtin;
-    use crate::inputs::error_table::ErrorTable;
-    use crate::inputs::job::Job;
-    use crate::kit::generate;
-    use crate::text::document::Source;
-    use std::path::Path;
-
-    fn source(path: &Path) -> Source {
-        Source::from_bytes("", &std::fs::read(path).unwrap()).unwrap()
-    }
-
-    /// To the last bit: a number is shown with all its digits.
-    #[test]
-    fn the_forecast_without_files_is_that_of_the_kit() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
-        let errors = ErrorTable::read(source(&folder.join("errors.csv"))).unwrap();
-        let all = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-        let jobs: Vec<_> = all.filter(|path| path.extension().unwrap() == "toml").collect();
-        assert!(jobs.len() >= 10);
-        for path in jobs {
-            let job = Job::read(source(&path)).unwrap();
-            let profile = builtin::profile(&job.compensation.controller).unwrap();
-            let inputs = Inputs::new(job, profile, &errors, Vec::new()).unwrap();
-            let kit = generate(&inputs).unwrap();
-            let (figures, doubts) = (kit.forecast, kit.manifest.doubts);
-            let of_kit = Forecasted { forecast: figures, verdict: kit.verdict, doubts };
-            let alone = forecast(&inputs).unwrap();
-            assert_eq!(format!("{alone:?}"), format!("{of_kit:?}"), "{}", path.display());
-        }
-    }
 }

@@ -2,7 +2,7 @@
 
 use super::inputs::{Asked, cannot_emulate, judged};
 use super::loaded::Loaded;
-use super::made::doubts;
+use super::made::{as_read, doubts};
 use super::{Inputs, field};
 use crate::judge::active::ActiveControl;
 use crate::judge::conformity::Verdict;
@@ -11,6 +11,7 @@ use crate::judge::forecast::Forecast;
 use crate::read::{KitFile, emulator};
 use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
+use crate::write::emit;
 
 /// What `verify` finds.
 pub struct Verification<'a> {
@@ -53,6 +54,14 @@ pub fn verify_read_out<'a>(
     let loaded = Loaded::read_out(Asked::of(inputs)?, control)?;
     let findings = loaded.findings.clone();
     Ok(Verification::of(loaded, findings))
+}
+
+/// Judges the tables of a job as those of its kit are. No file is made for the control and nothing is read back: the tables are
+/// those as compiled, which [`generate`](super::generate) refuses to write unless its files read back to exactly them.
+pub fn forecast(inputs: &Inputs) -> Result<Verification<'_>, Problems> {
+    let asked = Asked::of(inputs)?;
+    let files = emit::render_unread(inputs.task(), &asked.compiled)?;
+    Ok(Verification::of(Loaded::compiled(asked, &as_read(&files)), Vec::new()))
 }
 
 impl<'a> Verification<'a> {
@@ -98,5 +107,40 @@ impl<'a> Verification<'a> {
     /// What acts in addition to the tables.
     pub(crate) fn beside(&self) -> Vec<Finding> {
         of_severity(&self.findings, Severity::Doubt)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Inputs, forecast};
+    use crate::control::controller::builtin;
+    use crate::inputs::error_table::ErrorTable;
+    use crate::inputs::job::Job;
+    use crate::kit::generate;
+    use crate::text::document::Source;
+    use std::path::Path;
+
+    fn source(path: &Path) -> Source {
+        Source::from_bytes("", &std::fs::read(path).unwrap()).unwrap()
+    }
+
+    /// To the last bit: a number is shown with all its digits.
+    #[test]
+    fn the_forecast_without_files_is_that_of_the_kit() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/nine_errors_900");
+        let errors = ErrorTable::read(source(&folder.join("errors.csv"))).unwrap();
+        let all = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+        let jobs: Vec<_> = all.filter(|path| path.extension().unwrap() == "toml").collect();
+        assert!(jobs.len() >= 10);
+        for path in jobs {
+            let job = Job::read(source(&path)).unwrap();
+            let profile = builtin::profile(&job.compensation.controller).unwrap();
+            let inputs = Inputs::new(job, profile, &errors, Vec::new()).unwrap();
+            let kit = generate(&inputs).unwrap();
+            let of_kit = (Some(kit.forecast), kit.verdict, kit.manifest.doubts);
+            let alone = forecast(&inputs).unwrap();
+            let alone = (alone.forecast, alone.verdict, alone.doubts);
+            assert_eq!(format!("{alone:?}"), format!("{of_kit:?}"), "{}", path.display());
+        }
     }
 }

@@ -103,6 +103,10 @@ impl From<&ComparedLine> for Line {
     }
 }
 
+fn read_from(directory: &str) -> String {
+    format!("tables read from {}", printed(Path::new(directory)))
+}
+
 impl Page<'_> {
     pub(in crate::cli) fn verdict(&self) -> Verdict {
         self.look().map_or(self.verification.verdict, |look| look.verdict)
@@ -146,7 +150,7 @@ impl Page<'_> {
     }
 
     /// The verdict, then what the data say of the causes.
-    pub(super) fn screen(&self) -> Screen {
+    pub(in crate::cli) fn screen(&self) -> Screen {
         let (compiled, own) =
             (&self.verification.loaded.asked.compiled, &self.verification.notes());
         let forecast = self.verification.forecast.as_ref();
@@ -239,9 +243,13 @@ impl Page<'_> {
 
     fn head(&self) -> Vec<String> {
         let disagreements = self.verification.disagreements();
-        let agreement = match disagreements.as_slice() {
-            [] => "job and tables agree".to_string(),
-            differences => list("job and tables DISAGREE:", differences),
+        let directory = self.verification.loaded.directory.as_deref();
+        let (agreement, tables) = match (directory, disagreements.as_slice()) {
+            (None, _) => (None, "its tables by this job, in no file".to_string()),
+            (Some(from), []) => (Some("job and tables agree".to_string()), read_from(from)),
+            (Some(from), differences) => {
+                (Some(list("job and tables DISAGREE:", differences)), read_from(from))
+            }
         };
         let verdict = show::verdict(
             self.verdict(),
@@ -250,17 +258,13 @@ impl Page<'_> {
             !disagreements.is_empty(),
             self.doubts(),
         );
-        let heading = format!(
-            "{} - {}, tables read from {}",
-            self.inputs.job.machine.name,
-            self.inputs.profile.name,
-            printed(Path::new(self.verification.loaded.directory.as_deref().unwrap_or_default()))
-        );
+        let heading =
+            format!("{} - {}, {tables}", self.inputs.job.machine.name, self.inputs.profile.name,);
         let mut lines: Vec<String> = self.rehearsal().into_iter().collect();
         lines.push(verdict);
         lines.extend(self.decides.as_ref().map(ToString::to_string));
         lines.extend(self.look().into_iter().flat_map(explanation));
-        lines.extend([agreement, heading]);
+        lines.extend(agreement.into_iter().chain([heading]));
         lines.extend(self.second.as_ref().map(|(second, _)| second.files_words()));
         lines
     }

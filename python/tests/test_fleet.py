@@ -1,0 +1,80 @@
+"""Fleets: one function on pandas, Dask and in parts; what it says is what the program says of each machine."""
+
+import json
+from functools import partial
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import nonius
+from nonius import fleet
+
+YEARS = pd.to_datetime(["2023-01-01", "2024-01-01", "2025-01-01", "2026-01-01"])
+
+
+@pytest.fixture
+def machines(errors):
+    """Three machines whose errors grow by different shares each year, in a row each visit."""
+    growth = {"a": 0.05, "b": 0.0, "c": 0.2}
+    shape = {name: list(errors[name]) for name in ("axis", "position_mm")}
+    rows = [
+        {"machine": machine, "date": date, **shape}
+        | {name: errors[name] * (1 + share * year) for name in ("ex_um", "ey_um", "ez_um")}
+        for machine, share in growth.items()
+        for year, date in enumerate(YEARS)
+    ]
+    return pd.DataFrame(rows)
+
+
+def test_a_visit_of_a_fleet_is_that_visit(machines, job, errors):
+    results = fleet.judge(machines, job, limit_um=50)
+    assert list(results.columns) == list(fleet.COLUMNS) and len(results) == 12
+    first = results.iloc[0]
+    alone = nonius.Visit(job | {"measurement": {**job["measurement"], "date": "2023-01-01"}}, errors=errors)
+    assert first["verdict"] == alone.forecast().verdict == "pass"
+    assert first["va_um"] == alone.assess().va_um == pytest.approx(36.854726)
+    assert first["EXX_found_um"] == 18.0 and np.isnan(first["EXX_u95_um"]) and np.isnan(first["va_drift_um"])
+    assert results.iloc[1]["EXX_drift_um"] == pytest.approx(0.9)
+    assert results.iloc[1]["xy_drift_um_per_m"] == pytest.approx(0.05 * 19.166667)
+
+
+def test_the_day_of_service_follows_from_the_trend(machines, job):
+    last = fleet.judge(machines, job, limit_um=50).groupby("machine").last()
+    # VA of a is 36.85 µm and grows by 1.84 µm a year: 50 µm after 7.13 years, of c (7.37 µm a year) after 1.78: in the past.
+    assert abs((last.loc["a", "due"] - pd.Timestamp("2023-01-01")).days - 7.133 * 365.25) < 12
+    assert last.loc["a", "due_earliest"] <= last.loc["a", "due"] <= last.loc["a", "due_latest"]
+    assert pd.isna(last.loc["b", "due"]) and last.loc["c", "due"] == YEARS[-1]
+
+
+def test_noise_widens_the_interval():
+    va = pd.Series([30.0, 32.5, 31.0, 34.0])
+    due = fleet._due(pd.Series(YEARS), va, 40.0)
+    assert due["due_earliest"] < due["due"] and pd.isna(due["due_latest"])
+
+
+def test_a_machine_that_cannot_be_judged_costs_its_own_row(machines, job):
+    machines.at[5, "ex_um"] = [np.nan, *machines.at[5, "ex_um"][1:]]
+    results = fleet.judge(machines, job)
+    assert (results["problem"] != "").sum() == 1 and "is empty in one row of axis X" in results.loc[5, "problem"]
+    assert results.loc[6, "va_drift_um"] == 0.0, "the drift is that since the last visit that could be judged"
+
+
+def test_one_frame_in_parts_and_packed_is_the_same(machines, job):
+    whole = fleet.judge(machines, job, 50)
+    parts = [machines[:3], machines[3:4], machines[4:11], machines[11:]]
+    pd.testing.assert_frame_equal(pd.concat(fleet.judge_parts(parts, job, 50), ignore_index=True), whole)
+    values = machines.explode([name for name in machines if name not in ("machine", "date")])
+    pd.testing.assert_frame_equal(fleet.judge(fleet.packed(values), job, 50), whole)
+    assert len(fleet.judge(machines[:0], job)) == 0
+
+
+def test_dask_says_the_same(machines, job, tmp_path):
+    dask = pytest.importorskip("dask")
+    frames = pytest.importorskip("dask.dataframe")
+    machines.to_parquet(tmp_path / "fleet.parquet", row_group_size=4)
+    with dask.config.set({"dataframe.convert-string": False}):
+        read = frames.read_parquet(tmp_path / "fleet.parquet", split_row_groups=True)
+        assert read.npartitions == 3
+        found = read.map_partitions(fleet.judge, job, limit_um=50, meta=fleet.META).compute(scheduler="processes", num_workers=2)
+    pd.testing.assert_frame_equal(found.reset_index(drop=True), fleet.judge(machines, job, 50))
