@@ -22,7 +22,10 @@ import pandas as pd
 
 from . import _core
 from ._answers import Problem
+from ._page import report
 from ._visit import Visit
+
+__all__ = ["COLUMNS", "META", "SCHEMA", "judge", "judge_parts", "packed", "report"]
 
 TERMS = ("EXX", "EYX", "EZX", "EXY", "EYY", "EZY", "EXZ", "EYZ", "EZZ")
 PLANES = ("xy", "xz", "yz")

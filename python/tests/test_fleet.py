@@ -78,3 +78,11 @@ def test_dask_says_the_same(machines, job, tmp_path):
         assert read.npartitions == 3
         found = read.map_partitions(fleet.judge, job, limit_um=50, meta=fleet.META).compute(scheduler="processes", num_workers=2)
     pd.testing.assert_frame_equal(found.reset_index(drop=True), fleet.judge(machines, job, 50))
+
+
+def test_the_page_of_a_fleet(machines, job):
+    machines.at[5, "ex_um"] = [np.nan, *machines.at[5, "ex_um"][1:]]
+    page = fleet.report(fleet.judge(machines, job, 50), "Plant <2>", 50)
+    assert "Plant &lt;2&gt;" in page and "<script" not in page and "http" not in page.replace("http://www.w3.org/2000/svg", "")
+    assert page.count("<svg") == 1 and "3 machines, 12 visits, 2023-01-01 to 2026-01-01" in page
+    assert "is empty in one row" in page and "2026-01-01" in page

@@ -138,7 +138,7 @@ impl Texts {
     }
 
     /// The language of whatever stands on no page.
-    pub(crate) fn english() -> Result<Texts, Problems> {
+    pub fn english() -> Result<Texts, Problems> {
         let [(name, page), ..] = LANGUAGES;
         Texts::read(&Source::from_bytes(name, page.as_bytes())?, name)
     }
