@@ -312,3 +312,66 @@ fn table(name: &str, columns: &Map<String, Value>) -> Result<String, Problem> {
     });
     Ok(std::iter::once(names.join(",")).chain(rows).map(|row| row + "\n").collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::{Answered, Options, head, run};
+    use std::path::PathBuf;
+
+    fn answered(question: &str) -> Answered {
+        let status = if question == "bad" { 2 } else { 0 };
+        Answered { status, line: format!("{{\"of\":\"{question}\"}}") }
+    }
+
+    fn batch(questions: &str, output: Option<&PathBuf>, resume: bool) -> Result<String, String> {
+        let folder = tempfile::tempdir().unwrap();
+        let questions_file = folder.path().join("questions");
+        std::fs::write(&questions_file, questions).unwrap();
+        let output = output.cloned();
+        let options = Options { questions: questions_file, output, resume, jobs: 2 };
+        let mut out = Vec::new();
+        run(&options, &answered, &mut out).map_err(|problems| problems.render())?;
+        Ok(String::from_utf8(out).unwrap())
+    }
+
+    fn expected(questions: &[&str]) -> String {
+        let line = |(index, question): (usize, &&str)| {
+            format!("{}{}\n", head(index + 1, question), &answered(question).line[1..])
+        };
+        questions.iter().enumerate().map(line).collect()
+    }
+
+    #[test]
+    fn answers_come_in_the_order_of_the_questions() {
+        let many: Vec<String> = (0..1000).map(|number| number.to_string()).collect();
+        let many: Vec<&str> = many.iter().map(String::as_str).collect();
+        assert_eq!(batch(&(many.join("\n") + "\r\n"), None, false), Ok(expected(&many)));
+        assert_eq!(batch("1\n\nbad", None, false), Ok(expected(&["1", "", "bad"])));
+    }
+
+    /// Whatever a killed run left: no whole line, half a line, all lines.
+    #[test]
+    fn a_run_that_was_interrupted_goes_on_with_the_same_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("answers");
+        let whole = expected(&["a", "b", "bad", "d"]);
+        for length in 0..=whole.len() {
+            std::fs::write(&place, &whole[..length]).unwrap();
+            assert_eq!(batch("a\nb\nbad\nd\n", Some(&place), true), Ok(String::new()));
+            assert_eq!(std::fs::read_to_string(&place).unwrap(), whole, "{length}");
+        }
+    }
+
+    #[test]
+    fn answers_to_other_questions_are_never_gone_on_with_or_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let place = folder.path().join("answers");
+        let old = expected(&["a", "b"]);
+        std::fs::write(&place, &old).unwrap();
+        let said = batch("a\nc\nd\n", Some(&place), true).unwrap_err();
+        assert!(said.contains("line 2") && said.contains("answers another question"), "{said}");
+        assert!(batch("a\n", Some(&place), true).is_err(), "more answers than questions");
+        assert!(batch("a\nb\n", Some(&place), false).unwrap_err().contains("--resume"));
+        assert_eq!(std::fs::read_to_string(&place).unwrap(), old);
+    }
+}
