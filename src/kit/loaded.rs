@@ -68,7 +68,10 @@ impl<'a> Loaded<'a> {
             unread: unread(profile, files),
             directory: None,
             control: found
-                .and_then(|_| emulator(profile, &read.tables, &state))
+                .and_then(|found| match state == asked.compiled.state {
+                    true => Ok(found),
+                    false => emulator(profile, &read.tables, &state),
+                })
                 .map_err(|reason| cannot_emulate(&reason)),
             tables: read.tables,
             state,

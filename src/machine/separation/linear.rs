@@ -116,7 +116,17 @@ impl Row {
 
     /// The figure of these entries.
     pub(super) fn dot(&self, z: &[f64]) -> f64 {
-        self.0.iter().fold(0.0, |sum, (place, weight)| sum + weight * z[*place])
+        let [figure] = self.dots(z.as_chunks().0);
+        figure
+    }
+
+    /// Of several lists of entries side by side, each with the bits that it has by itself.
+    pub(super) fn dots<const N: usize>(&self, z: &[[f64; N]]) -> [f64; N] {
+        let mut sums = [0.0; N];
+        for (place, weight) in &self.0 {
+            sums.iter_mut().zip(&z[*place]).for_each(|(sum, z)| *sum += weight * z);
+        }
+        sums
     }
 }
 
@@ -424,12 +434,22 @@ impl CurveRows {
 
     /// The values for these entries; `line_um`: the line at the high end, which need not be linear in z.
     pub(super) fn values(&self, z: &[f64], line_um: f64) -> Vec<f64> {
+        self.values_of(z.as_chunks().0, [line_um]).into_flattened()
+    }
+
+    /// Of several lists of entries side by side.
+    pub(super) fn values_of<const N: usize>(
+        &self,
+        z: &[[f64; N]],
+        line_um: [f64; N],
+    ) -> Vec<[f64; N]> {
         let last = self.steps.len().max(1) as f64;
-        let mut sum = self.start.dot(z);
-        let mut values = vec![sum];
+        let mut sums = self.start.dots(z);
+        let mut values = vec![sums];
         for (index, step) in self.steps.iter().enumerate() {
-            sum += step.dot(z);
-            values.push(sum + line_um * (index + 1) as f64 / last);
+            sums.iter_mut().zip(step.dots(z)).for_each(|(sum, own)| *sum += own);
+            let of = |k: usize| sums[k] + line_um[k] * (index + 1) as f64 / last;
+            values.push(std::array::from_fn(of));
         }
         values
     }

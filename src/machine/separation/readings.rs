@@ -35,10 +35,11 @@ pub(super) fn pass_of(group: Group, diagonal: Diagonal, axis: Axis) -> Pass {
 pub fn walks(runs: &[Run]) -> Vec<Walk> {
     let all = Pass::BOTH.into_iter().flat_map(|pass| Diagonal::ALL.map(|d| (d, pass)));
     let walk = |(diagonal, pass)| {
-        let nodes = by_node(runs, (diagonal, pass), 1)?;
-        let count = of(runs, diagonal, pass).map(|_| 1.0).sum();
-        let um = nodes.into_iter().map(|readings| mean(readings.into_iter())).collect();
-        Some(Walk { diagonal, pass, runs: count, um })
+        let walks = of(runs, diagonal, pass);
+        let nodes = 0..walks.clone().next()?.deviations.len();
+        let of_node = |node: usize| mean(walks.clone().map(|run| run.deviations[node].um()));
+        let um = nodes.map(of_node).collect();
+        Some(Walk { diagonal, pass, runs: walks.map(|_| 1.0).sum(), um })
     };
     all.filter_map(walk).collect()
 }

@@ -107,9 +107,12 @@ impl<'a> Budget<'a> {
         let mut noise: Vec<f64> = self.start.counts().iter().map(|runs| noise / runs).collect();
         noise.resize(layout.len(), 0.0);
         let scaled = |part: Part, um_per_m: &dyn Fn(Diagonal) -> PerAxis<f64>| {
-            let column = layout.column(|_, d, node| {
-                let start = volume.inside_mm(d, kind, 0);
-                um_per_m(d).dot(volume.inside_mm(d, kind, node).minus(start)) / 1000.0
+            let each = PerDiagonal::from_fn(|d| (um_per_m(d), volume.inside_mm(d, kind, 0)));
+            let column = layout.column(|_, d, node| match each[d] {
+                (um_per_m, _) if um_per_m == PerAxis::default() => 0.0,
+                (um_per_m, start) => {
+                    um_per_m.dot(volume.inside_mm(d, kind, node).minus(start)) / 1000.0
+                }
             });
             Cause { part, column, variance: 1.0, of_beam: 0.0 }
         };

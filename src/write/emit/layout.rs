@@ -81,12 +81,14 @@ impl Layout {
     /// Tags that rendering executes, at most: all branches count, and each list is as long as the longest of
     /// its name.
     pub(super) fn work(&self, context: &tera::Context) -> u64 {
-        let mut longest = BTreeMap::new();
-        for (root, _) in self.tags.iter().flatten() {
-            let value = context.get(root).filter(|_| !longest.contains_key(root.as_str()));
+        let loops = self.tags.iter().flatten();
+        let names = loops.clone().flat_map(|(root, list)| [root.as_str(), list.as_str(), ANY]);
+        let mut longest: BTreeMap<&str, Option<u64>> = names.map(|name| (name, None)).collect();
+        for (root, _) in loops {
+            let value = context.get(root).filter(|_| longest[root.as_str()].is_none());
             value.into_iter().for_each(|value| measure(root, value, &mut longest));
         }
-        let length = |list: &str| longest.get(list).or(longest.get(ANY)).map_or(1, |n| 1.max(*n));
+        let length = |list: &str| longest[list].or(longest[ANY]).map_or(1, |n| 1.max(n));
         let turns = |loops: &Vec<(String, String)>| {
             loops.iter().map(|(_, list)| length(list)).fold(1, u64::saturating_mul)
         };
@@ -97,12 +99,13 @@ impl Layout {
 /// The name of lists that have none of their own, and the longest of all.
 const ANY: &str = "";
 
-/// Notes the longest list, map or text of each name in a value.
-fn measure<'a>(name: &'a str, value: &'a tera::Value, longest: &mut BTreeMap<&'a str, u64>) {
-    let length = value.len().unwrap_or(0) as u64;
+/// Notes the longest list, map or text of each of these names in a value.
+fn measure(name: &str, value: &tera::Value, longest: &mut BTreeMap<&str, Option<u64>>) {
+    let length = value.len().map(|length| length as u64).or(Some(0));
     for name in [name, ANY] {
-        let known = longest.entry(name).or_default();
-        *known = length.max(*known);
+        if let Some(known) = longest.get_mut(name) {
+            *known = length.max(*known);
+        }
     }
     for item in value.as_array().into_iter().flatten() {
         measure(ANY, item, longest);
