@@ -58,7 +58,8 @@ def simulate(options):
     words = ["--machine", "truth.csv", "--errors", "--without-tables", "--noise-um", "0.3", "-o", "shown.csv", "--seed"]
     with open(options.file + ".questions", "w") as file:
         for seed in range(options.count):
-            job = JOB | {"measurement": JOB["measurement"] | {"errors": "truth.csv"}}
+            # A term of some machines is small by chance; that it was not typed in mm is stated by its noise.
+            job = JOB | {"measurement": JOB["measurement"] | {"errors": "truth.csv", "uncertainty": {"noise_um": 0.001}}}
             question = {"command": "simulate", "job": job, "options": [*words, str(seed)], "files": {"truth.csv": truth(seed)}}
             file.write(json.dumps(question) + "\n")
     subprocess.run([PROGRAM, "batch", file.name, "-o", options.file + ".answers"], check=True)

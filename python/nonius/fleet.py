@@ -54,6 +54,8 @@ META = pd.DataFrame({name: pd.Series(dtype=kind) for name, kind in _TYPES.items(
 SCHEMA = ", ".join(
     f"{name} {'string' if name in WORDS else 'timestamp_ntz' if name in DATES else 'double'}" for name in COLUMNS
 )
+#: Nodes of the volume at which VA is found, as `assess --grid` takes them; "nodes" = those of the table, four times as long.
+GRID = "11,11,11"
 #: Days ahead in which a trend is followed.
 HORIZON_DAYS = 3650
 
@@ -64,36 +66,38 @@ def packed(values: pd.DataFrame) -> pd.DataFrame:
     return values.groupby(["machine", "date"], sort=True)[names].agg(list).reset_index()
 
 
-def judge(frame: pd.DataFrame, job: JobOf, limit_um: float | None = None) -> pd.DataFrame:
+def judge(frame: pd.DataFrame, job: JobOf, limit_um: float | None = None, grid: str = GRID) -> pd.DataFrame:
     """The results of all visits of some machines.
 
     `limit_um` = VA at which a machine is due for service: `due` is the day on which the straight line through its VA
     (three visits or more) reaches it, `due_earliest` and `due_latest` are those of the band in which the line lies with
-    95 %; empty = not within ten years. A visit that cannot be judged has its reason in `problem`.
+    95 %; empty = not within ten years. `grid`: nodes of the volume for VA. A visit that cannot be judged has its reason in `problem`.
     """
     frame = frame.assign(date=pd.to_datetime(frame["date"]).astype(_TYPES["date"])).sort_values(["machine", "date"])
     if frame.empty:
         return META.copy()
     names = [name for name in frame.columns if name not in ("machine", "date")]
-    visits = pd.DataFrame([_visit(row, names, job) for row in frame.to_dict("records")])
+    visits = pd.DataFrame([_visit(row, names, job, grid) for row in frame.to_dict("records")])
     machines = [_machine(own, limit_um) for _, own in visits.groupby("machine", sort=False)]
     return pd.concat(machines).reindex(columns=list(COLUMNS)).astype(_TYPES).reset_index(drop=True)
 
 
-def judge_parts(frames: Iterable[pd.DataFrame], job: JobOf, limit_um: float | None = None) -> Iterator[pd.DataFrame]:
+def judge_parts(
+    frames: Iterable[pd.DataFrame], job: JobOf, limit_um: float | None = None, grid: str = GRID
+) -> Iterator[pd.DataFrame]:
     """The same of frames that come one after the other, sorted by machine: a machine may lie in several."""
     rest = pd.DataFrame()
     for frame in frames:
         rest = pd.concat([rest, frame], ignore_index=True)
         is_last = rest["machine"] == rest["machine"].iloc[-1] if len(rest) else pd.Series(dtype=bool)
         if not is_last.all():
-            yield judge(rest[~is_last], job, limit_um)
+            yield judge(rest[~is_last], job, limit_um, grid)
             rest = rest[is_last]
     if len(rest):
-        yield judge(rest, job, limit_um)
+        yield judge(rest, job, limit_um, grid)
 
 
-def _visit(row: dict[str, Any], names: list[str], job: JobOf) -> dict[str, Any]:
+def _visit(row: dict[str, Any], names: list[str], job: JobOf, grid: str) -> dict[str, Any]:
     """One visit by itself."""
     machine, date = str(row["machine"]), row["date"]
     own = dict(job(machine) if callable(job) else job)
@@ -103,7 +107,7 @@ def _visit(row: dict[str, Any], names: list[str], job: JobOf) -> dict[str, Any]:
     result = {"machine": machine, "date": date, "verdict": "", "problem": ""}
     try:
         judged = visit.forecast()
-        result["va_um"] = visit.assess().va_um
+        result["va_um"] = visit.assess("--grid", grid).va_um
     except Problem as problem:
         return result | {"problem": str(problem)}
     result |= {"verdict": judged.verdict, "at_most_um": judged.document["max_residual_at_most_um"]}
