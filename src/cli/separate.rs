@@ -99,9 +99,6 @@ fn simulated(options: &Options, files: &dyn Files, separation: &Separation) -> O
     simulated
 }
 
-/// What was separated, its diagonals by standard, and what was simulated where that was asked for.
-type Found<'a> = (&'a Separation, &'a StandardFigures, Option<&'a Simulated>);
-
 /// A bar on standard error, if that is a terminal and the simulation takes long.
 struct Progress {
     done: usize,

@@ -12,11 +12,9 @@ const INSTEAD: char = '\u{fffd}';
 /// or take no room (Unicode: Default_Ignorable_Code_Point without the two joiners, which some scripts need).
 #[inline]
 pub fn is_unseen(c: char) -> bool {
-    if c.is_ascii() { c.is_ascii_control() } else { is_unseen_elsewhere(c) }
-}
-
-/// The same of a character that is not in ASCII.
-fn is_unseen_elsewhere(c: char) -> bool {
+    if c.is_ascii() {
+        return c.is_ascii_control();
+    }
     let turns = matches!(c, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     let ends_a_line = matches!(c, '\u{2028}' | '\u{2029}');
     let takes_no_room = matches!(c, '\u{ad}' | '\u{34f}' | '\u{115f}' | '\u{1160}' | '\u{17b4}' | '\u{17b5}' | '\u{180b}'..='\u{180f}'

@@ -1,8 +1,7 @@
 //! The documents of `separate --format json` (contract §5). Lengths and angles are rounded where a
 //! document is printed; here only what has no unit.
 
-use super::Found;
-use super::words::advice;
+use super::words::{Found, advice};
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::known;
 use crate::inputs::job::SetUp;

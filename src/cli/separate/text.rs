@@ -1,9 +1,8 @@
 //! What `separate` prints for people: what was determined and what not, then the figures; behind
 //! them the closure, disturbed readings, the reversal at a turn and repeated runs.
 
-use super::Found;
 use super::document::open_advice;
-use super::words::{self, SQUARENESS_SIGN, expanded, freedom};
+use super::words::{self, Found, SQUARENESS_SIGN, expanded, freedom};
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::um;

@@ -1,14 +1,20 @@
 //! What both pages of `separate` show: numbers, what is open and how to determine it, linear axes and
 //! beams against the diagonals.
 
+use crate::cli::diagonals::StandardFigures;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show::um;
+use crate::machine::separation::Separation;
 use crate::machine::separation::agreement::Agreement;
 use crate::machine::separation::findings::CHECK;
 use crate::machine::separation::metric::Metric;
+use crate::machine::separation::monte_carlo::Simulated;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
 use crate::text::finding::{Finding, Severity};
+
+/// What was separated, its diagonals by standard, and what was simulated where that was asked for.
+pub(super) type Found<'a> = (&'a Separation, &'a StandardFigures, Option<&'a Simulated>);
 
 /// More degrees of freedom than these need no exact number: k is 2.00.
 const MANY: f64 = 1000.0;

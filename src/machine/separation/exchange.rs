@@ -123,6 +123,8 @@ struct Trial<'a> {
     others: Vec<Tried>,
     /// ν of each.
     freedom: f64,
+    /// Q/σ² that is believed at most.
+    believed: f64,
     /// n − 1.
     intervals: f64,
     /// σ where repeats or the job give it, µm.
@@ -165,8 +167,9 @@ impl<'a> Trial<'a> {
         }
         let (recorded, intervals) = (others.remove(0).1, budget.volume().steps_f64() - 1.0);
         let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
-        let trial = Trial { budget, raw_runs, recorded, others, freedom, intervals, sigma_um };
-        (freedom > 0.0).then_some(trial)
+        let spread = ChiSquared::new(freedom).ok()?;
+        let believed = spread.inverse_cdf(BELIEVED);
+        Some(Trial { budget, raw_runs, recorded, others, freedom, believed, intervals, sigma_um })
     }
 
     /// What scatters less than the last digit of a reading is as good as nothing.
@@ -180,9 +183,7 @@ impl<'a> Trial<'a> {
         let Some(sigma_um) = self.sigma_um else {
             return self.freedom * self.ratio(worse, better).ln();
         };
-        let spread = ChiSquared::new(self.freedom);
-        let spread = spread.map_or(self.freedom, |spread| spread.inverse_cdf(BELIEVED));
-        (worse - better) / sigma_um.squared().max(better / spread)
+        (worse - better) / sigma_um.squared().max(better / self.believed)
     }
 
     /// m, where `best` leaves this over.
