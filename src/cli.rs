@@ -205,11 +205,11 @@ pub fn answer<'a>(files: &dyn Files, command: impl IntoIterator<Item = &'a str>)
 /// The answer to a question of `batch`; files that it does not hold are read from this computer.
 ///
 /// ```
-/// let question = r#"{"command": "squareness", "options": ["fixtures/nine_errors_900/errors.csv"]}"#;
-/// assert!(nonius::cli::asked(question).line.contains("19.166667"));
+/// let question = r#"{"command": "assess", "options": ["fixtures/nine_errors_900/errors.csv"]}"#;
+/// assert!(nonius::cli::asked(question.as_bytes()).json().contains("19.166667"));
 /// ```
 #[cfg(feature = "disk")]
-pub fn asked(question: &str) -> Answered {
+pub fn asked(question: &[u8]) -> Answered {
     let run = |files: &dyn Files, words: &[&str]| answer(files, words.iter().copied());
     batch::answered(question, Box::<disk::Disk>::default(), run)
 }

@@ -7,7 +7,7 @@
 
 Positions in mm, deviations and U in µm, angles in µrad, squareness in µm/m. Deviation = actual − commanded, tool
 relative to workpiece. A value that nobody measured is NaN in an array and None in a document, never 0. Tables have the
-columns of docs/interface.md §2, documents the keys of its §5. The program computes; here is only its dress.
+columns of docs/interface.md §2, documents the keys of its §5. The program computes; this package only wraps it.
 """
 
 from ._answers import Answer, Assessment, Figures, Judgement, Kit, Problem, Separation, Standards, Table

@@ -42,7 +42,7 @@ class Problem(ValueError):
         return (Problem, (str(self.args[0]), self.all))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Answer:
     """An answer of the program: `status` 0 = yes, 1 = the answer is no; the document; the files that it made."""
 
@@ -51,18 +51,21 @@ class Answer:
     files: Mapping[str, bytes]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Table(Mapping[str, "NDArray[Any]"]):
-    """Columns by their names: words as `str`, numbers as float64 of one length, NaN = not measured."""
+    """Columns by their names: words as `str`, numbers as float64 of one length, NaN = not measured. `remarks` are the comments
+    of the file: what the values rest on, which the program reads again."""
 
     columns: Mapping[str, NDArray[Any]]
+    remarks: tuple[str, ...] = field(default=(), repr=False)
 
     @staticmethod
     def from_csv(text: str) -> Table:
         """A table that the program wrote: comments (`#`), a header, rows."""
-        lines = csv.reader(line for line in text.splitlines() if not line.startswith("#"))
-        header, *rows = lines
-        return Table({name: _column(cells) for name, cells in zip(header, zip(*rows))})
+        lines = text.splitlines()
+        header, *rows = csv.reader(line for line in lines if not line.startswith("#"))
+        remarks = tuple(line[1:].strip() for line in lines if line.startswith("#"))
+        return Table({name: _column(cells) for name, cells in zip(header, zip(*rows))}, remarks)
 
     def __getitem__(self, name: str) -> NDArray[Any]:
         return self.columns[name]
@@ -74,10 +77,12 @@ class Table(Mapping[str, "NDArray[Any]"]):
         return len(self.columns)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The same as a data frame."""
+        """The same as a data frame; the remarks are its `attrs["remarks"]`."""
         import pandas
 
-        return pandas.DataFrame(dict(self.columns))
+        frame = pandas.DataFrame(dict(self.columns))
+        frame.attrs["remarks"] = list(self.remarks)
+        return frame
 
     def _repr_html_(self) -> str:
         return str(self.to_pandas().to_html(index=False))
@@ -90,7 +95,7 @@ def _column(cells: tuple[str, ...]) -> NDArray[Any]:
         return np.array(cells)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Figures(Mapping[str, Document]):
     """Figures of the nine terms, or of the diagonals, in the program's order.
 
@@ -110,7 +115,9 @@ class Figures(Mapping[str, Document]):
         return len(self.by_name)
 
     def array(self, figure: str) -> NDArray[np.float64]:
-        """One figure of all."""
+        """One figure of all; KeyError where none has it."""
+        if not any(figure in line for line in self.by_name.values()):
+            raise KeyError(figure)
         return np.array([line.get(figure) for line in self.by_name.values()], dtype=float)
 
     def to_pandas(self) -> pandas.DataFrame:
@@ -127,7 +134,7 @@ def _figures(document: Document, key: str) -> Figures:
     return Figures(document.get(key) or {})
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Judgement:
     """What `verify` says (docs/interface.md §5): the forecast, and with a second measurement the machine as left.
 
@@ -158,7 +165,7 @@ def _judgement(answer: Answer, page: Callable[[], str]) -> Judgement:
     return Judgement(document["verdict"], document["scope"], *kinds, document, page)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Kit:
     """The files for the control, by their names, with the manifest as a document.
 
@@ -190,18 +197,17 @@ class Kit:
         return _framed(self.visit.report(self))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Separation:
-    """The nine errors of readings: `errors` as columns (axis, position_mm, ex_um, u_ex_um …) and as the error table
-    (`csv`, with what it rests on in comments); `squareness_um_per_m` of xy, xz, yz; the document of `separate`.
+    """The nine errors of readings: `errors` as columns (axis, position_mm, ex_um, u_ex_um …) with what they rest on
+    (`remarks`); `squareness_um_per_m` of xy, xz, yz; the document of `separate`.
 
-    `is_consistent` is False where something contradicts the result (`document["doubts"]`).
+    `stands` is False where an error is not determined or something contradicts the result (`document["doubts"]`).
     """
 
     errors: Table = field(repr=False)
-    csv: str = field(repr=False)
     squareness_um_per_m: Mapping[str, float | None]
-    is_consistent: bool
+    stands: bool
     document: Document = field(repr=False)
     page: Callable[[], str] = field(repr=False, compare=False)
 
@@ -213,7 +219,7 @@ class Separation:
         return _framed(self.page())
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Assessment:
     """What the errors do in the volume: `va_um` (volumetric accuracy: the largest difference of two error vectors),
     `length_um` (the largest error of a distance of two places), `terms`; the document of `assess`."""
@@ -230,7 +236,7 @@ class Assessment:
         return pandas.DataFrame(self.document["contributions"])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Standards:
     """Figures by standard (ISO 230-2 and VDI/DGQ 3441 of one axis, ISO 230-6 of diagonals): the document of `standards`."""
 

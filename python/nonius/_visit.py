@@ -2,43 +2,50 @@
 
 from __future__ import annotations
 
+import copy
+import decimal
 import json
-import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, Union
 
 from . import _core
-from ._answers import Answer, Assessment, Judgement, Kit, Problem, Separation, Standards, Table, _figures, _judgement
+from ._answers import Answer, Assessment, Judgement, Kit, Problem, Separation, Standards, Table, _figures, _framed, _judgement
 
 TableLike = Union[Mapping[str, Any], str, os.PathLike[str], Any]
 JobLike = Union[Mapping[str, Any], str, os.PathLike[str]]
-KIT = "kit"
+# Folders of the files that a question holds; nobody calls one of his own so.
+KIT, AFTER, MADE = ".nonius/kit", ".nonius/after", ".nonius/made"
 
 
 def ask(command: str, *options: str, job: JobLike | None = None, files: Mapping[str, Any] | None = None) -> Answer:
-    """Any command of the program that prints JSON. `files` by name: text, columns, or the sections of a job; what is not
-    among them is read from disk. What the command writes is in the answer alone. `Problem` where it could not do it."""
-    question = {"command": command, "options": list(options), "files": dict(files or {})}
+    """Any command of the program that prints JSON. `files` by name: text, bytes, a table, or the sections of a job; what is
+    not among them is read from disk. What the command writes is in the answer alone. `Problem` where it could not do it."""
+    held = {name: _held(name, content) for name, content in (files or {}).items()}
+    question = {"command": command, "options": list(options), "files": held}
     if job is not None:
         question["job"] = dict(job) if isinstance(job, Mapping) else os.fspath(job)
-    answer = json.loads(_core.ask(json.dumps(question, default=_plain)))
+    answer = json.loads(_core.ask(json.dumps(question, default=_plain, allow_nan=False)))
     if answer["status"] == 2:
         raise Problem(answer.get("said", ""), answer["problems"])
     made = {name: text.encode() if isinstance(text, str) else bytes(text) for name, text in answer["files"].items()}
     return Answer(answer["status"], answer["document"], made)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Visit:
     """A visit: `job` as a dict (sections and keys of docs/interface.md §2.3) or the path of a job.
 
     A job as a dict takes its measurement as `errors` (columns axis, position_mm, ex_um …, §2.1) or `readings` (diagonal,
-    node, moved, deviation_um …, §2.2): a data frame of pandas or Polars, a table of Arrow, a mapping of arrays of shape
-    (n,), a structured array, or the path of a CSV. NaN or None = an empty cell. `files` by name: further files that the
-    job names. Paths are relative to the current folder, those in a job on disk to the job.
+    node, moved, deviation_um …, §2.2): the path of a CSV, a data frame of pandas or Polars, a table of Arrow, a mapping of
+    arrays of shape (n,), or a structured array. NaN, NA and None are empty cells. What a table says of itself in comments
+    (doubts, what was not stated, degrees of freedom) decides a verdict: it comes along with a path, a `Table`, with
+    `frame.attrs["remarks"]` or a column `remarks` of a mapping (a list of lines). `files` by name: further files that the job
+    names. Paths are relative to the current folder, those in a job on disk to the job. Later changes of what was given
+    change nothing.
     """
 
     job: JobLike
@@ -46,18 +53,28 @@ class Visit:
     readings: TableLike | None = field(default=None, repr=False)
     files: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
+    def __post_init__(self) -> None:
+        given = {key: table for key in ("errors", "readings") if (table := getattr(self, key)) is not None}
+        if given and not isinstance(self.job, Mapping):
+            raise TypeError("a job on disk names its tables itself; give the job as a dict (tomllib.load)")
+        job = copy.deepcopy(self.job)
+        files = {name: _held(name, content) for name, content in self.files.items()}
+        for key, table in given.items():
+            files[f"{key}.csv"] = _columns(table)
+            job["measurement"] = {**job.get("measurement", {}), key: f"{key}.csv"}
+        object.__setattr__(self, "job", job)
+        object.__setattr__(self, "files", files)
+
     def ask(self, command: str, *options: str, files: Mapping[str, Any] | None = None) -> Answer:
         """A command of the program on this visit."""
-        job, own = self._named("")
-        return ask(command, *options, job=job, files={**own, **(files or {})})
+        return ask(command, *options, job=self.job, files={**self.files, **(files or {})})
 
     def separate(self, trials: int = 2000, seed: int = 1) -> Separation:
-        """The nine errors of the readings; `trials` of the Monte Carlo simulation of ranges and straightness."""
-        answer = self.ask("separate", "--trials", str(trials), "--seed", str(seed), "-o", "errors.csv")
-        text = answer.files["errors.csv"].decode()
+        """The nine errors of the readings; `trials` of the Monte Carlo simulation of ranges and straightness, 0 = none."""
+        answer = self.ask("separate", "--trials", str(trials), "--seed", str(seed), "-o", f"{MADE}/errors.csv")
+        table = Table.from_csv(answer.files[f"{MADE}/errors.csv"].decode())
         squareness = answer.document["squareness_um_per_m"]
-        table = Table.from_csv(text)
-        return Separation(table, text, squareness, answer.status == 0, answer.document, self.report)
+        return Separation(table, squareness, answer.status == 0, answer.document, self.report)
 
     def generate(self) -> Kit:
         """The files for the control."""
@@ -73,7 +90,7 @@ class Visit:
         """Reads the files of a kit, or of a folder, back and judges them; `after` = a measurement with them active: an
         error table, or a visit (a path is that of either)."""
         options, files = _beside(kit, after)
-        return _judgement(self.ask("verify", *options, files=files), lambda: self.report(kit, after))
+        return _judgement(self.ask("verify", *options, files=files), partial(self.report, kit, after))
 
     def assess(self, *options: str) -> Assessment:
         """What the errors do in the volume; `options` of `assess`, e.g. "--grid", "5,5,5"."""
@@ -90,28 +107,11 @@ class Visit:
     ) -> str:
         """The page that is handed over (HTML); `language` = en, de, zh or the path of a file of texts."""
         options, files = _beside(kit, after)
-        answer = self.ask("report", *options, "--language", language, "-o", "report.html", files=files)
-        return answer.files["report.html"].decode()
+        answer = self.ask("report", *options, "--language", language, "-o", f"{MADE}/report.html", files=files)
+        return answer.files[f"{MADE}/report.html"].decode()
 
     def _repr_html_(self) -> str:
-        from ._answers import _framed
-
         return _framed(self.report())
-
-    def _named(self, folder: str) -> tuple[JobLike, dict[str, Any]]:
-        """The job, and its files by the names that it has for them, in a folder of their own."""
-        tables = {"errors": self.errors, "readings": self.readings}
-        given = {key: table for key, table in tables.items() if table is not None}
-        own = {f"{folder}{name}": content for name, content in self.files.items()}
-        if not isinstance(self.job, Mapping):
-            if given:
-                raise TypeError("a job on disk names its tables itself; give the job as a dict (tomllib.load)")
-            return self.job, own
-        job = dict(self.job)
-        for key, table in given.items():
-            own[f"{folder}{key}.csv"] = _columns(table)
-            job["measurement"] = {**job.get("measurement", {}), key: f"{key}.csv"}
-        return job, own
 
 
 def _beside(kit: Kit | str | os.PathLike[str] | None, after: TableLike | Visit | None) -> tuple[list[str], dict[str, Any]]:
@@ -120,48 +120,78 @@ def _beside(kit: Kit | str | os.PathLike[str] | None, after: TableLike | Visit |
     files: dict[str, Any] = {}
     if isinstance(kit, Kit):
         options += ["--tables", KIT]
-        files.update({f"{KIT}/{name}": _text(content) for name, content in kit.files.items()})
+        files.update({f"{KIT}/{name}": content for name, content in kit.files.items()})
     elif kit is not None:
         options += ["--tables", os.fspath(kit)]
-    if isinstance(after, Visit):
-        job, own = after._named("after/")
-        if isinstance(job, Mapping):
-            own["after/job.toml"] = job
-            job = "after/job.toml"
-        files.update(own)
-        options += ["--after", os.fspath(job)]
+    if isinstance(after, Visit) and isinstance(after.job, Mapping):
+        files.update({f"{AFTER}/{name}": content for name, content in after.files.items()})
+        files[f"{AFTER}/job.toml"] = after.job
+        options += ["--after", f"{AFTER}/job.toml"]
+    elif isinstance(after, Visit):
+        options += ["--after", os.fspath(after.job)]
     elif isinstance(after, (str, os.PathLike)):
         options += ["--after", os.fspath(after)]
     elif after is not None:
-        files["after.csv"] = _columns(after)
-        options += ["--after", "after.csv"]
+        files[f"{AFTER}/errors.csv"] = _columns(after)
+        options += ["--after", f"{AFTER}/errors.csv"]
     return options, files
+
+
+def _held(name: str, content: Any) -> Any:
+    """A file that a question holds."""
+    if isinstance(content, bytes):
+        return _text(content)
+    return content if isinstance(content, str) or name.endswith(".toml") else _columns(content)
 
 
 def _text(content: bytes) -> str | list[int]:
     try:
         return content.decode()
     except UnicodeDecodeError:
-        return list(content)
+        return list(content)  # the program says what is wrong with it
 
 
 def _columns(table: TableLike) -> Any:
-    """Columns as lists by their names; a path becomes the text of its file."""
+    """Columns as lists by their names; a path becomes what its file holds."""
     if isinstance(table, (str, os.PathLike)):
-        return Path(table).read_text(encoding="utf-8-sig")
+        return _text(Path(table).read_bytes())
+    if isinstance(table, list):
+        return table  # bytes of a file
     names = getattr(getattr(table, "dtype", None), "names", None) or getattr(table, "column_names", None)
-    names = names or getattr(table, "columns", None)
-    if isinstance(table, Mapping) or names is None:
+    if isinstance(table, Mapping) or not (names or hasattr(table, "columns")):
         names = table.keys()
-    return {str(name): _plain(table[name]) for name in names}
+    names = [str(name) for name in (table.columns if names is None else names)]
+    if len(set(names)) < len(names):
+        raise TypeError("a table has two columns of one name")
+    remarks = getattr(table, "remarks", None) or getattr(table, "attrs", {}).get("remarks")
+    return {name: _list(table[name]) for name in names} | ({"remarks": list(remarks)} if remarks else {})
+
+
+def _list(values: Any) -> Any:
+    """A column as JSON has it: None = empty."""
+    for method in ("to_pylist", "tolist", "to_list"):
+        if hasattr(values, method):
+            values = getattr(values, method)()
+            break
+    if not isinstance(values, (list, tuple)):
+        return values  # no list: the program says so
+    return [None if _is_missing(cell) else cell.decode() if isinstance(cell, bytes) else cell for cell in values]
+
+
+def _is_missing(cell: Any) -> bool:
+    """None, NaN of any kind, NA and NaT of pandas."""
+    return cell is None or type(cell).__name__ in ("NAType", "NaTType") or bool(cell != cell)
 
 
 def _plain(value: Any) -> Any:
     """A value as JSON has it."""
-    for method in ("to_pylist", "tolist", "to_list", "isoformat"):
+    if isinstance(value, decimal.Decimal):
+        return float(value)
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    for method in ("tolist", "isoformat"):
         if hasattr(value, method):
-            value = getattr(value, method)()
-            break
-    if isinstance(value, Sequence) and not isinstance(value, str):
-        return [None if isinstance(cell, float) and math.isnan(cell) else cell for cell in value]
-    return value
+            return getattr(value, method)()
+    if isinstance(value, Mapping):
+        return dict(value)
+    raise TypeError(f"a question cannot hold a {type(value).__name__}")

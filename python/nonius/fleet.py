@@ -47,7 +47,7 @@ _OF_MACHINE = (
 )
 #: The columns of a result. U (u95) of a drift takes the two visits as independent of each other; NaN = not known.
 COLUMNS = ("machine", "date", "verdict", *_OF_VISIT, *_OF_MACHINE, "due", "due_earliest", "due_latest", "problem")
-_TYPES = {name: "str" if name in WORDS else "datetime64[us]" if name in DATES else "float64" for name in COLUMNS}
+_TYPES = {name: "object" if name in WORDS else "datetime64[us]" if name in DATES else "float64" for name in COLUMNS}
 #: A result without rows, for Dask.
 META = pd.DataFrame({name: pd.Series(dtype=kind) for name, kind in _TYPES.items()})
 #: The columns of a result, for Spark.

@@ -15,7 +15,7 @@ mod _core {
     /// The answer to a question, while other threads of the interpreter go on.
     #[pyfunction]
     fn ask(python: Python<'_>, question: &str) -> String {
-        python.detach(|| nonius::cli::asked(question).line)
+        python.detach(|| nonius::cli::asked(question.as_bytes()).json())
     }
 
     /// k with which U = k·u holds the true value in 95.45 % of all cases (Student; GUM, annex G).

@@ -8,10 +8,10 @@
 //! A question is answered as the program answers its command with `--format json`. Whatever it writes is in its answer
 //! and nowhere else, so a line that is answered again changes nothing. Files that it does not hold are read from disk.
 
-use crate::cli::outcome::{Answer, Outcome};
+use crate::cli::outcome::{Answer, Outcome, is_reader_gone};
 use crate::quantity::units::Figure;
 use crate::text::document::{LARGEST_FILE_MIB, sha256};
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::{Problem, Problems, shown};
 use crate::visit::files::{Files, not_put_out, plain_words, printed};
 use crate::visit::memory::Memory;
 use clap::Args;
@@ -46,20 +46,29 @@ const AT_ONCE: usize = 32;
 /// Answers every question.
 pub(super) fn run(
     options: &Options,
-    answered: &(dyn Fn(&str) -> Answered + Sync),
+    answered: &(dyn Fn(&[u8]) -> Answered + Sync),
     out: &mut dyn Write,
 ) -> Result<Outcome, Problems> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(options.jobs).build();
     let pool = pool.map_err(|error| Problem::new(format!("cannot work at once: {error}")))?;
     let mut questions = Questions::open(&options.questions)?;
-    let mut file = match &options.output {
-        Some(place) if options.resume => Some(resumed(place, &mut questions)?),
+    let mut all_yes = true;
+    let place = options.output.as_deref().filter(|place| *place != Path::new("-"));
+    let mut file = match place {
+        Some(place) if options.resume => {
+            let (file, were_yes) = resumed(place, &mut questions)?;
+            all_yes = were_yes;
+            Some(file)
+        }
+        None if options.resume => {
+            let words = "answers on standard output cannot be gone on with";
+            return Err(Problem::new(words).help("name their file with `-o`").into());
+        }
         Some(place) => Some(File::create_new(place).map_err(|e| {
             at(place, &e).help("choose another name, or `--resume` where the run was interrupted")
         })?),
         None => None,
     };
-    let mut all_yes = true;
     loop {
         let asked = questions.take(AT_ONCE * pool.current_num_threads())?;
         if asked.is_empty() {
@@ -71,19 +80,24 @@ pub(super) fn run(
         let mut lines = Vec::new();
         for ((number, question), answer) in asked.iter().zip(answers) {
             all_yes &= answer.status == 0;
-            lines.extend(head(*number, question).bytes());
-            lines.extend(answer.line.bytes().skip(1).chain(*b"\n"));
+            let (head, Answered { status, line }) = (head(*number, question), answer);
+            lines.extend(format!("{head}{status},{line}\n").bytes());
         }
         match &mut file {
             Some(file) => file.write_all(&lines).map_err(|e| not_put_out(&e))?,
-            None => out.write_all(&lines).map_err(|e| not_put_out(&e))?,
+            None => match out.write_all(&lines).and_then(|()| out.flush()) {
+                Err(error) if is_reader_gone(&error) => {
+                    return Ok(Outcome::bytes(Vec::new()).answering(all_yes));
+                }
+                written => written.map_err(|e| not_put_out(&e))?,
+            },
         }
     }
 }
 
-/// How the answer to a question begins.
-fn head(number: usize, question: &str) -> String {
-    format!("{{\"line\":{number},\"question\":\"{}\",", sha256(question.as_bytes()))
+/// How the answer to a question begins: its exit status follows.
+fn head(number: usize, question: &[u8]) -> String {
+    format!("{{\"line\":{number},\"question\":\"{}\",\"status\":", sha256(question))
 }
 
 fn at(path: &Path, error: &std::io::Error) -> Problem {
@@ -95,6 +109,8 @@ struct Questions {
     name: PathBuf,
     lines: Box<dyn BufRead>,
     read: usize,
+    /// One that is asked again.
+    again: Option<Asked>,
     progress: ProgressBar,
 }
 
@@ -107,55 +123,73 @@ impl Questions {
                 (file.metadata().map_or(0, |of| of.len()), Box::new(BufReader::new(file)))
             }
         };
-        Ok(Questions {
-            name: path.to_path_buf(),
-            lines,
-            read: 0,
-            progress: ProgressBar::new(bytes),
-        })
+        let (name, progress) = (path.to_path_buf(), ProgressBar::new(bytes));
+        Ok(Questions { name, lines, read: 0, again: None, progress })
     }
 
-    /// The next one with its number.
-    fn next(&mut self) -> Result<Option<(usize, String)>, Problem> {
+    /// The next one with its number; of one that is too long the beginning.
+    fn next(&mut self) -> Result<Option<Asked>, Problem> {
+        let refuse = |error| at(&self.name, &error);
         let mut line = Vec::new();
-        let longest = LARGEST_FILE_MIB << 20;
-        let read = (&mut self.lines).take(longest).read_until(b'\n', &mut line);
-        let bytes = read.map_err(|error| at(&self.name, &error))? as u64;
-        self.read += 1;
-        if bytes == longest {
-            let words = format!("line {} holds {LARGEST_FILE_MIB} MiB or more", self.read);
-            return Err(Problem::new(words).help("a question is one line"));
+        let mut bytes =
+            (&mut self.lines).take(LONGEST).read_until(b'\n', &mut line).map_err(refuse)? as u64;
+        if bytes == LONGEST && !line.ends_with(b"\n") {
+            bytes += self.lines.skip_until(b'\n').map_err(refuse)? as u64;
         }
+        self.read += 1;
         self.progress.inc(bytes);
-        let text = String::from_utf8_lossy(&line);
-        Ok((bytes > 0).then(|| (self.read, text.trim_end_matches(['\n', '\r']).to_string())))
+        let begin = if self.read == 1 { "\u{feff}".as_bytes() } else { b"" };
+        let line = line.strip_prefix(begin).unwrap_or(&line).trim_ascii_end();
+        Ok((bytes > 0).then(|| (self.read, line.to_vec())))
     }
 
-    fn take(&mut self, most: usize) -> Result<Vec<(usize, String)>, Problem> {
+    fn take(&mut self, most: usize) -> Result<Vec<Asked>, Problem> {
+        let again = self.again.take().map(Ok);
         let next = std::iter::from_fn(|| self.next().transpose());
-        next.take(most).collect()
+        again.into_iter().chain(next).take(most).collect()
     }
 }
 
-/// The file of an interrupted run, behind its last whole line: whose question has to be the one that is asked.
-fn resumed(place: &Path, questions: &mut Questions) -> Result<File, Problem> {
+/// A question and the number of its line.
+type Asked = (usize, Vec<u8>);
+
+/// Bytes of a question.
+const LONGEST: u64 = LARGEST_FILE_MIB << 20;
+
+/// The file of an interrupted run, behind its last whole line, and whether all its answers are yes. Each line has to answer the
+/// question that is asked; behind them stands at most a part of the next.
+fn resumed(place: &Path, questions: &mut Questions) -> Result<(File, bool), Problem> {
     let refuse = |error: std::io::Error| at(place, &error);
-    let options = File::options().read(true).write(true).open(place);
+    let options = File::options().read(true).write(true).create(true).truncate(false).open(place);
     let mut old = BufReader::new(options.map_err(refuse)?);
-    let (mut line, mut whole) = (Vec::new(), 0);
-    while old.read_until(b'\n', &mut line).map_err(refuse)? > 0 && line.ends_with(b"\n") {
-        let asked = questions.next()?.map(|(number, question)| head(number, &question));
-        if !asked.as_ref().is_some_and(|head| line.starts_with(head.as_bytes())) {
+    let (mut whole, mut all_yes, mut next) = (0, true, None);
+    loop {
+        let mut line = Vec::new();
+        old.read_until(b'\n', &mut line).map_err(refuse)?;
+        if line.is_empty() {
+            break;
+        }
+        next = questions.next()?;
+        let begins = next.as_ref().is_some_and(|(number, question)| {
+            let head = head(*number, question);
+            line.starts_with(head.as_bytes()) || head.as_bytes().starts_with(&line)
+        });
+        if !begins {
             let number = questions.read;
             let words = format!("line {number} of `{}` answers another question", printed(place));
             return Err(Problem::new(words).help("name the file that this run wrote, or a new one"));
         }
+        if !line.ends_with(b"\n") {
+            break;
+        }
+        let status = next.take().map(|(number, question)| head(number, &question).len());
+        all_yes &= status.and_then(|at| line.get(at)) == Some(&b'0');
         whole += line.len() as u64;
-        line.clear();
     }
+    questions.again = next;
     let mut file = old.into_inner();
     file.set_len(whole).and_then(|()| file.seek(SeekFrom::Start(whole))).map_err(refuse)?;
-    Ok(file)
+    Ok((file, all_yes))
 }
 
 #[derive(Deserialize)]
@@ -189,7 +223,6 @@ enum Page {
 struct Line<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     id: Option<Value>,
-    status: u8,
     document: Value,
     #[serde(flatten)]
     problems: &'a Problems,
@@ -198,23 +231,33 @@ struct Line<'a> {
     files: BTreeMap<String, Value>,
 }
 
-/// An answer, and its exit status.
+/// An answer.
 pub struct Answered {
     /// Exit status of the command.
     pub status: u8,
-    /// The answer (JSON).
-    pub line: String,
+    /// The rest of the answer (JSON, behind `"status"`).
+    line: String,
+}
+
+impl Answered {
+    /// The answer as JSON.
+    pub fn json(&self) -> String {
+        format!("{{\"status\":{},{}", self.status, self.line)
+    }
 }
 
 /// How a command is run on files.
 type Run = fn(&dyn Files, &[&str]) -> Answer;
 
 /// The answer to one question; what it does not hold is read beneath.
-pub(super) fn answered(question: &str, beneath: Box<dyn Files>, run: Run) -> Answered {
-    let read = serde_json::from_str(question).map_err(|error| {
-        let words = format!("this is no question: {error}");
-        Problem::new(words).help("see `nonius batch` in docs/interface.md")
-    });
+pub(super) fn answered(question: &[u8], beneath: Box<dyn Files>, run: Run) -> Answered {
+    let help = "a question is one line of JSON; see `nonius batch` in docs/interface.md";
+    let read = match question.len() as u64 >= LONGEST {
+        true => Err(format!("the line holds {LARGEST_FILE_MIB} MiB or more")),
+        false => serde_json::from_slice(question)
+            .map_err(|error| format!("this is not a question: {error}")),
+    };
+    let read = read.map_err(|words| Problem::new(words).help(help));
     let (id, asked) = match read {
         Ok(Question { id, command, job, options, files }) => {
             (id, memory(job, files).map(|(memory, job)| (command, job, options, memory)))
@@ -226,7 +269,10 @@ pub(super) fn answered(question: &str, beneath: Box<dyn Files>, run: Run) -> Ans
             let given = memory.all();
             let memory = memory.over(beneath);
             let words = std::iter::once(&command).chain(&job).chain(&options);
-            let words: Vec<&str> = words.map(String::as_str).chain(["--format", "json"]).collect();
+            let format = ["--format", "json"].into_iter();
+            let format =
+                format.filter(|_| !options.iter().any(|word| word.starts_with("--format")));
+            let words: Vec<&str> = words.map(String::as_str).chain(format).collect();
             let answer = run(&memory, &words);
             let mut made = memory.all();
             made.retain(|name, bytes| given.get(name) != Some(bytes));
@@ -250,13 +296,13 @@ fn line(id: Option<Value>, answer: &Answer, files: BTreeMap<String, Vec<u8>>) ->
     let said = if answer.status == 2 { answer.err.as_str() } else { "" };
     let line = Line {
         id,
-        status: answer.status,
         document: document.unwrap_or_else(|_| text(answer.out.clone())),
         problems: &answer.problems,
         said,
         files: files.into_iter().map(|(name, bytes)| (name, text(bytes))).collect(),
     };
-    let line = serde_json::to_string(&line).unwrap_or_default();
+    // What is derived has only keys that are words.
+    let line = serde_json::to_string(&line).unwrap_or_default().split_off(1);
     Answered { status: answer.status, line }
 }
 
@@ -268,7 +314,10 @@ fn memory(
     let path = match job {
         Some(Page::Text(path)) => Some(path),
         Some(sections) => {
-            files.insert(JOB.to_string(), sections);
+            if files.insert(JOB.to_string(), sections).is_some() {
+                let words = format!("`{JOB}` is `job`, and stands among `files`, too");
+                return Err(Problem::new(words).help("call the other one differently"));
+            }
             Some(JOB.to_string())
         }
         None => None,
@@ -289,54 +338,78 @@ fn memory(
     Ok((Memory::of(held), path))
 }
 
-/// Columns as a table (CSV); `null` = an empty cell.
+/// Columns as a table (CSV); `null` = an empty cell. `remarks` are its comments.
 fn table(name: &str, columns: &Map<String, Value>) -> Result<String, Problem> {
     let wrong = |what: &str| Problem::new(format!("`{name}`: {what}"));
-    let lists = columns.values().map(|values| {
-        values.as_array().ok_or_else(|| wrong("every column is a list of numbers or words"))
-    });
-    let lists = lists.collect::<Result<Vec<_>, _>>()?;
-    let rows = lists.first().map_or(0, |list| list.len());
+    let mut text = String::new();
+    let (mut names, mut lists) = (Vec::new(), Vec::new());
+    for (column, values) in columns {
+        let values = values.as_array();
+        let values = values.ok_or_else(|| wrong("every column is a list of numbers or words"))?;
+        let cells = values.iter().map(|value| match value {
+            Value::Null => String::new(),
+            Value::String(text) => text.clone(),
+            other => other.as_f64().map_or_else(|| other.to_string(), |it| Figure(it).to_string()),
+        });
+        let cells: Vec<String> = cells.collect();
+        if column == REMARKS {
+            let lines = cells.iter().flat_map(|remark| remark.lines());
+            text.extend(lines.map(|line| format!("# {line}\n")));
+            continue;
+        }
+        let is_odd = |cell: &&String| cell.contains([',', ';', '"', '#', '\n', '\r']);
+        if let Some(cell) = cells.iter().chain([column]).find(is_odd) {
+            return Err(wrong(&format!("`{}` cannot stand in a cell", shown(cell))));
+        }
+        names.push(column.as_str());
+        lists.push(cells);
+    }
+    let rows = lists.first().map_or(0, Vec::len);
     if lists.iter().any(|list| list.len() != rows) {
         return Err(wrong("its columns are not of one length"));
     }
-    let cell = |value: &Value| match value {
-        Value::Null => String::new(),
-        Value::String(text) => text.clone(),
-        other => other.as_f64().map_or_else(|| other.to_string(), |it| Figure(it).to_string()),
-    };
-    let names: Vec<&str> = columns.keys().map(String::as_str).collect();
-    let rows = (0..rows).map(|row| {
-        let cells = lists.iter().map(|list| cell(&list[row]));
-        cells.collect::<Vec<_>>().join(",")
-    });
-    Ok(std::iter::once(names.join(",")).chain(rows).map(|row| row + "\n").collect())
+    text += &(names.join(",") + "\n");
+    for row in 0..rows {
+        let cells: Vec<&str> = lists.iter().map(|list| list[row].as_str()).collect();
+        text += &(cells.join(",") + "\n");
+    }
+    Ok(text)
 }
+
+/// The column that holds the comments of a table, a line each.
+const REMARKS: &str = "remarks";
 
 #[cfg(test)]
 mod tests {
     use super::{Answered, Options, head, run};
+    use crate::visit::memory::Memory;
     use std::path::PathBuf;
 
-    fn answered(question: &str) -> Answered {
-        let status = if question == "bad" { 2 } else { 0 };
-        Answered { status, line: format!("{{\"of\":\"{question}\"}}") }
+    fn answered(question: &[u8]) -> Answered {
+        let status = if question == b"bad" { 2 } else { 0 };
+        Answered { status, line: format!("\"of\":{}}}", question.len()) }
     }
 
-    fn batch(questions: &str, output: Option<&PathBuf>, resume: bool) -> Result<String, String> {
+    fn batch(
+        questions: &str,
+        output: Option<&PathBuf>,
+        resume: bool,
+    ) -> Result<(bool, String), String> {
         let folder = tempfile::tempdir().unwrap();
         let questions_file = folder.path().join("questions");
         std::fs::write(&questions_file, questions).unwrap();
         let output = output.cloned();
         let options = Options { questions: questions_file, output, resume, jobs: 2 };
         let mut out = Vec::new();
-        run(&options, &answered, &mut out).map_err(|problems| problems.render())?;
-        Ok(String::from_utf8(out).unwrap())
+        let outcome = run(&options, &answered, &mut out).map_err(|problems| problems.render())?;
+        let (yes, _) = outcome.deliver(&Memory::default(), &mut Vec::new()).unwrap();
+        Ok((yes, String::from_utf8(out).unwrap()))
     }
 
     fn expected(questions: &[&str]) -> String {
         let line = |(index, question): (usize, &&str)| {
-            format!("{}{}\n", head(index + 1, question), &answered(question).line[1..])
+            let (question, answer) = (question.as_bytes(), answered(question.as_bytes()));
+            format!("{}{},{}\n", head(index + 1, question), answer.status, answer.line)
         };
         questions.iter().enumerate().map(line).collect()
     }
@@ -345,8 +418,8 @@ mod tests {
     fn answers_come_in_the_order_of_the_questions() {
         let many: Vec<String> = (0..1000).map(|number| number.to_string()).collect();
         let many: Vec<&str> = many.iter().map(String::as_str).collect();
-        assert_eq!(batch(&(many.join("\n") + "\r\n"), None, false), Ok(expected(&many)));
-        assert_eq!(batch("1\n\nbad", None, false), Ok(expected(&["1", "", "bad"])));
+        assert_eq!(batch(&(many.join("\n") + "\r\n"), None, false), Ok((true, expected(&many))));
+        assert_eq!(batch("1\n\nbad", None, false), Ok((false, expected(&["1", "", "bad"]))));
     }
 
     /// Whatever a killed run left: no whole line, half a line, all lines.
@@ -357,7 +430,7 @@ mod tests {
         let whole = expected(&["a", "b", "bad", "d"]);
         for length in 0..=whole.len() {
             std::fs::write(&place, &whole[..length]).unwrap();
-            assert_eq!(batch("a\nb\nbad\nd\n", Some(&place), true), Ok(String::new()));
+            assert_eq!(batch("a\nb\nbad\nd\n", Some(&place), true), Ok((false, String::new())));
             assert_eq!(std::fs::read_to_string(&place).unwrap(), whole, "{length}");
         }
     }
@@ -373,5 +446,7 @@ mod tests {
         assert!(batch("a\n", Some(&place), true).is_err(), "more answers than questions");
         assert!(batch("a\nb\n", Some(&place), false).unwrap_err().contains("--resume"));
         assert_eq!(std::fs::read_to_string(&place).unwrap(), old);
+        std::fs::write(&place, "no answers, and no end of a line").unwrap();
+        assert!(batch("a\n", Some(&place), true).is_err(), "a file of something else");
     }
 }

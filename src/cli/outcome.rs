@@ -320,12 +320,16 @@ impl Data {
             Data::Long(mut long) => std::io::copy(&mut long, out).map(|_| ()),
         };
         match printed.and_then(|()| out.flush()) {
-            Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-            // ERROR_NO_DATA and ERROR_PIPE_NOT_CONNECTED of Windows; no other system has errors of these numbers.
-            Err(error) if matches!(error.raw_os_error(), Some(232 | 233)) => Ok(()),
+            Err(error) if is_reader_gone(&error) => Ok(()),
             printed => printed,
         }
     }
+}
+
+/// Whether whoever reads the output went away (`| head`), which is no failure.
+pub(super) fn is_reader_gone(error: &std::io::Error) -> bool {
+    // ERROR_NO_DATA and ERROR_PIPE_NOT_CONNECTED of Windows; no other system has errors of these numbers.
+    error.kind() == ErrorKind::BrokenPipe || matches!(error.raw_os_error(), Some(232 | 233))
 }
 
 /// The option of every command that can draw.

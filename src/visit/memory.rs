@@ -46,7 +46,7 @@ impl Memory {
         Memory { beneath: Some(beneath), ..self }
     }
 
-    /// What lies beneath, where nothing lies here.
+    /// What lies beneath, where nothing lies here: a folder that is here hides one beneath it.
     fn beneath(&self, path: &Path) -> Option<&dyn Files> {
         self.beneath.as_deref().filter(|_| self.own_kind(path).is_none())
     }
@@ -119,6 +119,7 @@ impl Files for Memory {
 
     fn bytes(&self, path: &Path) -> Result<Vec<u8>, Problem> {
         if let Some(beneath) = self.beneath(path) {
+            self.read.borrow_mut().push(plain(path));
             return beneath.bytes(path);
         }
         let name = path.display();
@@ -153,6 +154,10 @@ impl Files for Memory {
     }
 
     fn long(&self, path: &Path) -> Result<(String, Box<dyn Long>), Problem> {
+        if let Some(beneath) = self.beneath(path) {
+            self.read.borrow_mut().push(plain(path));
+            return beneath.long(path);
+        }
         Ok((path.display().to_string(), Box::new(Cursor::new(self.bytes(path)?))))
     }
 
