@@ -66,10 +66,12 @@ def simulate(options):
     writer, rows = None, []
     with open(options.file + ".answers") as answers:
         for seed, line in enumerate(answers):
-            lines = [row for row in json.loads(line)["files"]["shown.csv"].splitlines() if not row.startswith("#")]
-            table = dict(zip(lines[0].split(","), zip(*(row.split(",") for row in lines[1:]))))
+            own = json.loads(line)["files"]["shown.csv"].splitlines()
+            remarks = [row[1:].strip() for row in own if row.startswith("#")]
+            lines = [row.split(",") for row in own if not row.startswith("#")]
+            table = dict(zip(lines[0], zip(*lines[1:])))
             numbers = {name: [float(cell) for cell in cells] for name, cells in table.items() if name != "axis"}
-            rows.append({"machine": f"m{seed:07}", "date": "2026-11-20", "axis": list(table["axis"]), **numbers})
+            rows.append({"machine": f"m{seed:07}", "date": "2026-11-20", "remarks": remarks, "axis": list(table["axis"]), **numbers})
             if len(rows) == PART or seed + 1 == options.count:
                 group = pa.Table.from_pylist(rows)
                 writer = writer or pq.ParquetWriter(options.file, group.schema)
@@ -123,8 +125,9 @@ def process(frame, options):
         began = time.perf_counter()
         for line in questions(frame):
             question = json.loads(line)
-            rows = zip(*question["files"]["errors.csv"].values())
-            table = "".join(",".join(map(str, row)) + "\n" for row in [question["files"]["errors.csv"], *rows])
+            columns = question["files"]["errors.csv"]
+            table = "".join(f"# {line}\n" for line in columns.pop("remarks"))
+            table += "".join(",".join(map(str, row)) + "\n" for row in [columns, *zip(*columns.values())])
             Path(folder, "errors.csv").write_text(table)
             Path(folder, "job.toml").write_text(toml(question["job"]))
             subprocess.run([PROGRAM, "generate", f"{folder}/job.toml", "--dry-run", "--format", "json"], stdout=subprocess.DEVNULL, check=False)
@@ -139,8 +142,8 @@ def toml(section, path=""):
 
 
 def numpy(frame, options):
-    """The same figures by NumPy alone, of one process: tables in counts of a nanometre, what they leave between and at the
-    measured places, squareness, diagonals; no text, no documents, no checks, no emulator."""
+    """The core of the work by NumPy alone, in one process: tables in counts of a nanometre, what they leave between and at the
+    measured places, a squareness, diagonals; no U, no verdict, no text, no documents, no checks, no emulator."""
     began = time.perf_counter()
     for row in frame.to_dict("records"):
         axis, mm = np.array(row["axis"]), np.array(row["position_mm"])

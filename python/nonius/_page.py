@@ -12,30 +12,28 @@ from . import _core
 
 #: Machines that are due within so many days of the last visit of all are listed.
 SOON_DAYS = 365
-WORST = 10
 
 
 def report(results: pd.DataFrame, title: str, limit_um: float | None = None) -> str:
     """One self-contained page (HTML) of what `fleet.judge` said: verdicts, distribution of VA, VA over time, the worst ten,
     machines due within a year of the last visit, what could not be judged. VA is that found at a visit, µm; `limit_um` is drawn."""
-    results = results.sort_values(["machine", "date"])
-    judged = results[results["problem"] == ""]
+    results = results.assign(problem=results["problem"].fillna("")).sort_values(["machine", "date"])
     last = results.groupby("machine", sort=False).tail(1)
-    known = judged.groupby("machine", sort=False).tail(1)
+    known = last[last["problem"] == ""]
     counts = known["verdict"].value_counts()
     verdicts = ", ".join(f"{counts.get(word, 0)} {word}" for word in ("pass", "fail", "undecided"))
-    head = f"{results['machine'].nunique()} machines, {len(results)} visits, {_day(results['date'].min())} to {_day(results['date'].max())}"
-    due = last[last["due_earliest"] <= results["date"].max() + pd.Timedelta(days=SOON_DAYS)].sort_values("due")
-    worst = known.nlargest(WORST, "va_um")
+    head = f"{len(last)} machines, {len(results)} visits, {_day(results['date'].min())} to {_day(results['date'].max())}"
+    due = results[results["due"] <= results["date"].max() + pd.Timedelta(days=SOON_DAYS)].sort_values("due")
+    worst = known.nlargest(10, "va_um")
     wrong = results[results["problem"] != ""]
     parts = [
         f"<header><h1>{escape(title)}</h1><p>{head}</p></header>",
-        f"<p>Last visit of each machine: {verdicts}, with the tables that its job would have now; not judged: {len(last) - len(known[known['date'].isin(last['date'])])}.</p>",
-        _pictures(title, known["va_um"].dropna(), judged, limit_um),
+        f"<p>Last visit of each machine: {verdicts}, with the tables that its job would have now; not judged: {len(last) - len(known)}.</p>",
+        _pictures(title, known["va_um"].dropna(), results.dropna(subset=["va_um", "date"]), limit_um),
         _table("Largest volumetric accuracy", worst, {"va_um": "VA/µm", "va_drift_um": "since the visit before/µm", "verdict": "verdict"}),
         _table(f"Due for service within {SOON_DAYS} days", due, {"due": "due", "due_earliest": "earliest", "due_latest": "latest", "va_um": "VA/µm"}),
         _table("Not judged", wrong, {"problem": "why"}),
-        '<p class="note">VA: the largest difference of two error vectors in the volume, as found. Due: the straight line through the VA of a machine reaches the limit; earliest and latest: the band in which that line lies with 95 %.</p>',
+        '<p class="note">VA: the largest difference of two error vectors in the volume, as found. Due: the straight line through the VA of a machine reaches the limit; earliest and latest: the band in which that line lies with 95 %, as far as the scatter of these visits tells.</p>',
     ]
     return (
         f'<!DOCTYPE html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title><style>{_core.STYLE}'
@@ -76,6 +74,6 @@ def _pictures(title: str, va_um: pd.Series, judged: pd.DataFrame, limit_um: floa
     top = max([high for _, _, high in band] + [limit_um or 0.0])
     panels = [
         ("machines by VA at their last visit", ("VA / µm", float(edges[0]), float(edges[-1])), ("machines", 0.0, float(heights.max())), [("bars", bars)]),
-        ("VA of all visits: median, 10 to 90 %", ("year", float(years.index.min()), float(years.index.max()) or 1.0), ("VA / µm", 0.0, top), [("band", band), ("line", line), *limit]),
+        ("VA of all visits: median, 10 to 90 %", ("year", float(years.index.min()) - 0.5, float(years.index.max()) + 0.5), ("VA / µm", 0.0, top), [("band", band), ("line", line), *limit]),
     ]
     return _core.picture(title, panels)

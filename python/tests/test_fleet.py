@@ -1,8 +1,5 @@
 """Fleets: one function on pandas, Dask and in parts; what it says is what the program says of each machine."""
 
-import json
-from functools import partial
-
 import numpy as np
 import pandas as pd
 import pytest
@@ -32,32 +29,86 @@ def test_a_visit_of_a_fleet_is_that_visit(machines, job, errors):
     assert list(results.columns) == list(fleet.COLUMNS) and len(results) == 12
     first = results.iloc[0]
     alone = nonius.Visit(job | {"measurement": {**job["measurement"], "date": "2023-01-01"}}, errors=errors)
-    assert first["verdict"] == alone.forecast().verdict == "pass"
+    assert first["verdict"] == alone.forecast().verdict == "pass" and "every term within 10 µm" in first["scope"]
     assert first["va_um"] == alone.assess("--grid", fleet.GRID).va_um == pytest.approx(36.85, abs=0.05)
     assert first["EXX_found_um"] == 18.0 and np.isnan(first["EXX_u95_um"]) and np.isnan(first["va_drift_um"])
     assert results.iloc[1]["EXX_drift_um"] == pytest.approx(0.9)
     assert results.iloc[1]["xy_drift_um_per_m"] == pytest.approx(0.05 * 19.166667)
 
 
+def one(machines, **columns):
+    """The visits of machine b, whose errors stay as they are, with other columns."""
+    return machines[machines["machine"] == "b"].reset_index(drop=True).assign(**columns)
+
+
 def test_the_day_of_service_follows_from_the_trend(machines, job):
     last = fleet.judge(machines, job, limit_um=50).groupby("machine").last()
-    # VA of a is 36.85 µm and grows by 1.84 µm a year: 50 µm after 7.13 years, of c (7.37 µm a year) after 1.78: in the past.
+    # VA of a is 36.85 µm and grows by 1.84 µm a year: 50 µm after 7.13 years; c is beyond it at its last visit.
     assert abs((last.loc["a", "due"] - pd.Timestamp("2023-01-01")).days - 7.133 * 365.25) < 12
     assert last.loc["a", "due_earliest"] <= last.loc["a", "due"] <= last.loc["a", "due_latest"]
     assert pd.isna(last.loc["b", "due"]) and last.loc["c", "due"] == YEARS[-1]
+    assert fleet.judge(machines[:1], job, 30)["due"][0] == YEARS[0], "one visit beyond the limit is due"
 
 
 def test_noise_widens_the_interval():
-    va = pd.Series([30.0, 32.5, 31.0, 34.0])
-    due = fleet._due(pd.Series(YEARS), va, 40.0)
-    assert due["due_earliest"] < due["due"] and pd.isna(due["due_latest"])
+    visits = [{"date": date, "va_um": va} for date, va in zip(YEARS, [30.0, 32.5, 31.0, 34.0])]
+    due = fleet._due(visits, 40.0)
+    # By hand: slope 1.05 µm a year, 34.0 is 0.55 above the line at the last visit: (40 - 33.45) / 1.05 = 6.24 years on.
+    assert abs((due["due"] - YEARS[-1]).days - 6.24 * 365.25) < 4
+    assert due["due_earliest"] < due["due"] and "due_latest" not in due
+
+
+def test_a_turned_sign_is_a_drift(machines, job, errors):
+    frame = one(machines)
+    frame.at[1, "ex_um"] = -errors["ex_um"]
+    results = fleet.judge(frame, job)
+    assert results["EXX_drift_um"].tolist()[1:] == pytest.approx([-36.0, 36.0, 0.0])
+
+
+def test_u_of_a_drift_is_that_of_its_two_visits(machines, job):
+    u = [[1.0] * 93, None, [1.0] * 93, [0.5] * 93]
+    results = fleet.judge(one(machines, u_ex_um=u), job)
+    assert np.isnan(results["EXX_drift_u95_um"][:3]).all()
+    assert results["EXX_drift_u95_um"][3] == pytest.approx(2 * np.sqrt(2 * 1 + 2 * 0.25))
+
+
+def test_tables_loaded_between_visits_begin_anew(machines, job):
+    results = fleet.judge(one(machines, since=["", "", "2025", "2025"]), job, 50)
+    assert np.isnan(results["va_drift_um"][2]) and results["va_drift_um"][3] == 0
+
+
+def test_an_incomplete_visit_is_not_compared_as_if_it_were_whole(machines, job):
+    frame = one(machines)
+    frame.at[1, "ez_um"] = None
+    results = fleet.judge(frame, job)
+    assert "EZX" in results["missing"][1] and results["va_drift_um"].isna().tolist() == [True, True, True, False]
+    assert np.isnan(results["EZX_found_um"][1]) and results["EXX_drift_um"][1] == 0
+
+
+@pytest.mark.parametrize("date", [20230101, None, "03.04.2024", "soon", pd.NaT])
+def test_what_is_no_date_costs_its_own_row(machines, job, date):
+    frame = one(machines).astype({"date": object})
+    frame.at[0, "date"] = date
+    results = fleet.judge(frame, job)
+    assert (results["problem"] != "").sum() == 1 and results["va_drift_um"].notna().sum() == 2
+
+
+def test_dates_of_every_kind_are_days(machines, job):
+    dates = ["2023-01-01", pd.Timestamp("2024-01-01 23:30", tz="Asia/Tokyo"), np.datetime64("2025-01-01"), YEARS[3].date()]
+    assert fleet.judge(one(machines, date=pd.Series(dates, dtype=object)), job)["date"].tolist() == YEARS.tolist()
 
 
 def test_a_machine_that_cannot_be_judged_costs_its_own_row(machines, job):
     machines.at[5, "ex_um"] = [np.nan, *machines.at[5, "ex_um"][1:]]
-    results = fleet.judge(machines, job)
-    assert (results["problem"] != "").sum() == 1 and "is empty in one row of axis X" in results.loc[5, "problem"]
+    machines.at[0, "ey_um"] = "0;1;2"
+    results = fleet.judge(machines, lambda name: job if name != "c" else {}["no job"])
+    assert (results["problem"] != "").sum() == 2 + 4 and "is empty in one row of axis X" in results.loc[5, "problem"]
     assert results.loc[6, "va_drift_um"] == 0.0, "the drift is that since the last visit that could be judged"
+
+
+def test_remarks_of_a_table_reach_the_verdict(machines, job):
+    results = fleet.judge(one(machines, remarks=[["doubt: a loose mirror"]] * 4), job)
+    assert set(results["verdict"]) == {"undecided"}
 
 
 def test_one_frame_in_parts_and_packed_is_the_same(machines, job):
@@ -67,6 +118,8 @@ def test_one_frame_in_parts_and_packed_is_the_same(machines, job):
     values = machines.explode([name for name in machines if name not in ("machine", "date")])
     pd.testing.assert_frame_equal(fleet.judge(fleet.packed(values), job, 50), whole)
     assert len(fleet.judge(machines[:0], job)) == 0
+    with pytest.raises(ValueError, match="do not lie together"):
+        list(fleet.judge_parts([machines[:2], machines[4:6], machines[2:4]], job))
 
 
 def test_dask_says_the_same(machines, job, tmp_path):
