@@ -29,7 +29,7 @@ def report(results: pd.DataFrame, title: str, limit_um: float | None = None) -> 
     parts = [
         f"<header><h1>{escape(title)}</h1><p>{head}</p></header>",
         f"<p>Last visit of each machine: {verdicts}, with the tables that its job would have now; not judged: {len(last) - len(known)}.</p>",
-        _pictures(title, known["va_um"].dropna(), results.dropna(subset=["va_um", "date"]), limit_um),
+        _pictures(known["va_um"].dropna(), results.dropna(subset=["va_um", "date"]), limit_um),
         _table("Largest volumetric accuracy", worst, {"va_um": "VA/µm", "va_drift_um": "since the visit before/µm", "verdict": "verdict"}),
         _table(f"Due for service within {SOON_DAYS} days", due, {"due": "due", "due_earliest": "earliest", "due_latest": "latest", "va_um": "VA/µm"}),
         _table("Not judged", wrong, {"problem": "why"}),
@@ -61,7 +61,7 @@ def _table(title: str, rows: pd.DataFrame, columns: dict[str, str]) -> str:
     return f"<h2>{escape(title)}</h2><table><tr>{''.join(f'<th>{name}</th>' for name in names.values())}</tr>{body}</table>"
 
 
-def _pictures(title: str, va_um: pd.Series, judged: pd.DataFrame, limit_um: float | None) -> str:
+def _pictures(va_um: pd.Series, judged: pd.DataFrame, limit_um: float | None) -> str:
     """How VA is distributed at the last visits, and its tenth, middle and ninetieth percentile in each year."""
     if va_um.empty:
         return ""
@@ -76,4 +76,4 @@ def _pictures(title: str, va_um: pd.Series, judged: pd.DataFrame, limit_um: floa
         ("machines by VA at their last visit", ("VA / µm", float(edges[0]), float(edges[-1])), ("machines", 0.0, float(heights.max())), [("bars", bars)]),
         ("VA of all visits: median, 10 to 90 %", ("year", float(years.index.min()) - 0.5, float(years.index.max()) + 0.5), ("VA / µm", 0.0, top), [("band", band), ("line", line), *limit]),
     ]
-    return _core.picture(title, panels)
+    return _core.picture("Volumetric accuracy (VA) as found", panels)
