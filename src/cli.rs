@@ -231,6 +231,10 @@ fn ended(command: Command, files: &dyn Files, out: &mut dyn Write) -> Answer {
 /// Exit status: could not do it.
 const COULD_NOT: u8 = 2;
 
+#[cfg_attr(
+    not(feature = "disk"),
+    expect(unused_variables, reason = "batch alone answers while it works")
+)]
 fn execute(command: Command, files: &dyn Files, out: &mut dyn Write) -> Result<Outcome, Problems> {
     match command {
         #[cfg(feature = "disk")]

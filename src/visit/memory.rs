@@ -42,7 +42,7 @@ impl Memory {
 
     /// The same, and what is not there is read beneath it.
     #[must_use]
-    pub(crate) fn over(self, beneath: Box<dyn Files>) -> Memory {
+    pub fn over(self, beneath: Box<dyn Files>) -> Memory {
         Memory { beneath: Some(beneath), ..self }
     }
 
