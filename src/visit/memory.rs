@@ -163,6 +163,7 @@ impl Files for Memory {
 
     fn names(&self, folder: &Path) -> std::io::Result<Vec<String>> {
         if let Some(beneath) = self.beneath(folder) {
+            self.read.borrow_mut().push(plain(folder));
             return beneath.names(folder);
         }
         let Kind::Folder = self.kind(folder)? else {

@@ -259,7 +259,7 @@ impl Page<'_> {
             self.doubts(),
         );
         let heading =
-            format!("{} - {}, {tables}", self.inputs.job.machine.name, self.inputs.profile.name,);
+            format!("{} - {}, {tables}", self.inputs.job.machine.name, self.inputs.profile.name);
         let mut lines: Vec<String> = self.rehearsal().into_iter().collect();
         lines.push(verdict);
         lines.extend(self.decides.as_ref().map(ToString::to_string));
