@@ -7,6 +7,7 @@ use crate::control::controller::{Evidence, JobKey, Profile, ProfileSource, State
 use crate::inputs::error_table::ErrorTable;
 use crate::inputs::job::Job;
 use crate::kit::{Inputs, generate, program_kit, template_context};
+use crate::read::check_examples;
 use crate::text::document::Source;
 use crate::text::problem::Problems;
 use crate::visit::files::{Files, printed};
@@ -132,6 +133,8 @@ fn profile_json(profile: &Profile) -> Value {
     document["files"] = files.collect();
     document["program"] = json!(program);
     document["job"] = json!(profile.job_keys);
+    let sources = profile.examples.iter().map(|own| own.source.as_str());
+    document["examples"] = sources.collect();
     document
 }
 
@@ -151,6 +154,8 @@ fn profile_text(profile: &Profile) -> String {
         ));
         parts.extend(program.statements.iter().map(statement_text));
     }
+    parts.extend(profile.examples.iter().map(|own| format!("example: {}", own.source)));
+    parts.extend(profile.no_example.iter().map(|why| format!("no example: {why}")));
     if !profile.job_keys.is_empty() {
         parts.push("keys of a job (nonius new):".to_string());
         parts.extend(profile.job_keys.iter().map(job_key_text));
@@ -203,9 +208,14 @@ fn check(files: &dyn Files, file: &Path, print: Print) -> Result<Outcome, Proble
     if profile.program.is_some() {
         program_kit::make(&job, &profile, &[])?;
     }
+    check_examples(&profile)?;
     let kit = generate(&Inputs::new(job, profile.clone(), &table, Vec::new())?)?;
+    let examples = match profile.examples.len() {
+        0 => "no example shows that it reads files of the control".to_string(),
+        count => format!("its examples ({count}) are read as stated"),
+    };
     let valid = format!(
-        "`{path}` is a valid profile: {} ({}); its templates made {} files of a sample machine",
+        "`{path}` is a valid profile: {} ({}); its templates made {} files of a sample machine; {examples}",
         profile.name,
         profile.id,
         kit.files.len()

@@ -7,6 +7,7 @@
 
 pub mod builtin;
 mod declared;
+mod example;
 pub(crate) mod fact;
 mod families;
 mod family;
@@ -23,6 +24,7 @@ pub mod program;
 mod siemens;
 
 pub use self::declared::{BesideTable, DeclaredFacts, Order, Size, ValueForm};
+pub use self::example::{Added, Example, ExampleAxis, ExampleFile};
 pub(crate) use self::fact::RULE;
 pub use self::fact::{
     Comments, ControlUnit, Evidence, Fact, Mechanism, NumberRange, Outside, Role, Statement,
@@ -36,8 +38,8 @@ pub use self::isg::{IsgFacts, LeverOrigin};
 pub use self::job_keys::{JobKey, JobSection};
 pub use self::klipper::KlipperFacts;
 pub use self::linuxcnc::{CrossTerms, LinuxcncFacts};
-pub(crate) use self::pattern::Field;
 pub use self::pattern::Pattern;
+pub(crate) use self::pattern::{Field, Said};
 pub use self::siemens::{MultiplyMode, SiemensFacts};
 
 use self::fact::Facts;
@@ -152,6 +154,10 @@ pub struct Profile {
     pub checklist: Vec<Step>,
     /// The display that shows the correction that acts on an axis; `None` = none is known.
     pub display: Option<Fact<String>>,
+    /// Files of others, and what the control adds for them.
+    pub examples: Vec<Example>,
+    /// Why there is none.
+    pub no_example: Option<String>,
     /// How its part programs are written; `None` = no program can be written for it.
     pub program: Option<program::ProgramFacts>,
     /// All facts in words, in the order of the program's questions.

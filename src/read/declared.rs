@@ -3,7 +3,8 @@
 //! ```text
 //!   line ─┬ blank, comment ──────────────────────────→ nothing
 //!         ├ axis, base, output ──→ the pair of axes that the lines below are for
-//!         ├ start, spacing, count, last ──→ of the table of that pair
+//!         ├ table ──→ the table of that name, until a line with base or output says of which pair it is
+//!         ├ start, spacing, count, last ──→ of the table
 //!         ├ unit ──→ has to be that of the profile
 //!         └ point, position, value, forward, reverse ──→ a point of it
 //! ```
@@ -13,9 +14,9 @@
 mod control;
 mod table;
 
-use self::table::Draft;
+use self::table::{Draft, Whose};
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Comments, DeclaredFacts, Field, Pattern, Size};
+use crate::control::controller::{Comments, DeclaredFacts, Field, Pattern, Said, Size};
 use crate::control::table::Tables;
 use crate::control::table::declared::{DeclaredTable, DeclaredTables};
 use crate::read::emulate::{Emulated, Emulator};
@@ -126,7 +127,7 @@ impl Axes {
         let name = name.rsplit(['/', '\\']).next().unwrap_or(name);
         let mut axes = Axes::default();
         let found = facts.file_name.value.iter().find_map(|own| own.take(name));
-        for (field, span) in found.into_iter().flatten() {
+        for (field, span) in found.into_iter().flatten().flatten() {
             axes.set(field, &name[span]);
         }
         axes
@@ -143,9 +144,10 @@ impl Axes {
         }
     }
 
-    fn pair(&self) -> Option<[&String; 2]> {
+    fn pair(&self) -> Option<[String; 2]> {
         let base = self.base.as_ref().or(self.axis.as_ref())?;
-        Some([base, self.output.as_ref().or(self.axis.as_ref())?])
+        let output = self.output.as_ref().or(self.axis.as_ref())?;
+        Some([base.clone(), output.clone()])
     }
 }
 
@@ -153,7 +155,7 @@ impl Axes {
 fn unit_of_comment<'a>(
     patterns: impl Iterator<Item = &'a Pattern>,
     line: &str,
-) -> Option<Vec<(Field, Range<usize>)>> {
+) -> Option<Vec<Said>> {
     let mut of_unit = patterns.filter(|own| own.fields().any(|field| field == Field::Unit));
     of_unit.find_map(|own| own.take(line))
 }
@@ -192,20 +194,46 @@ impl Reading<'_> {
             let help = "the patterns of the profile (`lines`) say what a line can be; what the control makes of another one is not known";
             return self.complain(span, "no pattern of the profile takes this line", help);
         };
-        let mut fields = Vec::new();
-        for (field, part) in found {
-            let part = span.start + part.start..span.start + part.end;
+        for said in found {
+            self.say(text, &span, said);
+        }
+    }
+
+    /// Takes what a line says of one table.
+    fn say(&mut self, text: &str, line: &Range<usize>, said: Said) {
+        let (mut name, mut fields, mut names_axes) = (None, Vec::new(), false);
+        for (field, part) in said {
+            let part = line.start + part.start..line.start + part.end;
             match field {
                 Field::Axis | Field::Base | Field::Output => {
+                    names_axes = true;
                     self.axes.set(field, text[part].trim());
                 }
+                Field::Table => name = Some(text[part].to_string()),
                 Field::Unit => self.check_unit(text, part),
                 _ => fields.push((field, part)),
             }
         }
-        if !fields.is_empty() {
-            self.take(text, span, fields);
+        if fields.is_empty() && name.is_none() {
+            return;
         }
+        let axes = match name.is_none() || names_axes {
+            true => self.axes.pair(),
+            false => None,
+        };
+        if name.is_none() && axes.is_none() {
+            let help = "a line before it, or the line itself, has to name the axis";
+            return self.complain(line.clone(), "a value, and no line says of which axis", help);
+        }
+        let own = Whose { name, axes };
+        let at = self.drafts.iter().position(|draft| draft.is_of(&own));
+        let at = at.unwrap_or(self.drafts.len());
+        if at == self.drafts.len() {
+            self.drafts.push(Draft::new(line.clone()));
+        }
+        let most = self.facts.points.value as usize;
+        let taken = self.drafts[at].take(text, (line, own), fields, most);
+        self.complaints.extend(taken.err());
     }
 
     /// A comment that names a unit says it as the profile does: one that begins with the word, or holds it beside a size.
@@ -230,24 +258,6 @@ impl Reading<'_> {
             let message = format!("the file is in `{}`, the profile is not", shown(word));
             let help = "`value_size` of the profile says the unit of the values: a file in another one is not read";
             self.complain(span, message, help);
-        }
-    }
-
-    /// Takes the numbers of a line into the table of its axes.
-    fn take(&mut self, text: &str, line: Range<usize>, fields: Vec<(Field, Range<usize>)>) {
-        let Some([base, output]) = self.axes.pair() else {
-            let help = "a line before it, or the line itself, has to name the axis";
-            return self.complain(line, "a value, and no line says of which axis", help);
-        };
-        let at = self.drafts.iter().position(|own| own.is_for(base, output));
-        let at = at.unwrap_or_else(|| {
-            let draft = Draft::new(base, output, line.clone());
-            self.drafts.push(draft);
-            self.drafts.len() - 1
-        });
-        let most = self.facts.points.value as usize;
-        if let Err(complaint) = self.drafts[at].take(text, line, fields, most) {
-            self.complaints.push(complaint);
         }
     }
 }

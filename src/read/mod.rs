@@ -9,6 +9,7 @@
 
 pub mod declared;
 pub mod emulate;
+mod example;
 mod family;
 pub mod fanuc;
 mod findings;
@@ -21,6 +22,7 @@ mod pairs;
 pub mod program;
 pub mod siemens;
 
+pub use self::example::check_examples;
 pub use self::family::{
     FileData, KitFile, ReadBack, emulator, is_whole, read, read_apart, read_out_text,
 };

@@ -231,6 +231,7 @@ fn the_emulated_stages_stand_where_they_should() {
         }
         let half = match &profile.dialect {
             Dialect::Declared(facts) => support::count_um(facts) / 2.0,
+            _ if support::needs_unit(id) => UNIT_UM / 2.0,
             _ => HALF_COUNT_UM,
         };
         let (_, kit) = support::generate(&job(&stages, id, "two-tables"), &errors_csv(&stages));

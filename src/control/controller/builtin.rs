@@ -6,74 +6,9 @@ use crate::text::problem::{Problem, Problems, nearest, shown};
 use std::borrow::Cow;
 use std::sync::OnceLock;
 
-macro_rules! embed {
-    ($folder:literal, $($name:literal),+ $(,)?) => {
-        &[$(($name, include_str!(concat!("../../../", $folder, "/", $name)))),+]
-    };
-}
-
-/// Built-in profiles, a profile after those it builds on.
-const PROFILES: &[(&str, &str)] = embed!(
-    "controllers",
-    "siemens-840d-sl.toml",
-    "siemens-828d.toml",
-    "fanuc-30i.toml",
-    "fanuc-0i-f.toml",
-    "fanuc-16i.toml",
-    "linuxcnc.toml",
-    "linuxcnc-hal.toml",
-    "weihong.toml",
-    "isg-volcomp.toml",
-    "aerotech.toml",
-    "isg-axis.toml",
-    "fagor-8055.toml",
-    "fagor-8065.toml",
-    "heidenhain-com.toml",
-    "gsk.toml",
-    "klipper-skew.toml",
-    "generic.toml",
-);
-
-/// Pages that profiles build on and that are no control by themselves.
-const BASES: &[(&str, &str)] = embed!("controllers/base", "declared.toml");
-
-const TEMPLATES: &[(&str, &str)] = embed!(
-    "templates",
-    "siemens-eec.mpf.tera",
-    "siemens-cec.mpf.tera",
-    "siemens-eec.ini.tera",
-    "siemens-cec.ini.tera",
-    "siemens-memory.txt.tera",
-    "siemens-enable.mpf.tera",
-    "siemens-disable.mpf.tera",
-    "siemens-rollback.mpf.tera",
-    "siemens-program.mpf.tera",
-    "fanuc-parameters.txt.tera",
-    "fanuc-points.txt.tera",
-    "fanuc-program.nc.tera",
-    "linuxcnc.comp.tera",
-    "linuxcnc.ini.tera",
-    "linuxcnc.hal.tera",
-    "linuxcnc-program.ngc.tera",
-    "weihong.dat.tera",
-    "isg.lis.tera",
-    "isg.csv.tera",
-    "aerotech.cal.tera",
-    "isg-axis.lis.tera",
-    "fagor-8055.txt.tera",
-    "fagor-8065.mp.tera",
-    "heidenhain.com.tera",
-    "heidenhain.cma.tera",
-    "klipper.cfg.tera",
-    "checklist.md.tera",
-    "checklist.html.tera",
-    "job.toml.tera",
-    "after.toml.tera",
-    "generic.csv.tera",
-    "generic.json.tera",
-    "generic-typed.csv.tera",
-    "generic-tables.html.tera",
-);
+// PROFILES, BASES, which profiles build on and that are no control by themselves, and TEMPLATES: name and text of
+// every file of their folders, by name (build.rs).
+include!(concat!(env!("OUT_DIR"), "/built_in.rs"));
 
 /// Ids of the built-in profiles, in the order of `controllers list`.
 pub fn ids() -> Vec<&'static str> {

@@ -4,6 +4,7 @@
 //! then read once. Whether a page is ours or a user's makes no difference.
 
 use crate::control::checklist::steps;
+use crate::control::controller::example::Example;
 use crate::control::controller::fact::{Facts, origin};
 use crate::control::controller::families::{FAMILIES, Known, proved};
 use crate::control::controller::files::{Templates, files};
@@ -47,12 +48,13 @@ fn text_of(page: &str, key: &str) -> Option<String> {
 }
 
 /// What a page takes of the one below: what it does not state. Facts are taken one by one, whole;
-/// `mechanism`, which says what a fact belongs to, also by itself. Its `steps` stand before the own ones.
+/// `mechanism`, which says what a fact belongs to, also by itself. Its `steps` stand before the own ones; its examples
+/// hold with its own facts only.
 fn lay_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
     for (key, value) in below {
         let name: &str = key.get_ref();
         match own.get_mut(name).map(toml::Spanned::get_mut) {
-            None if matches!(name, "schema" | "id" | "name") => {}
+            None if matches!(name, "schema" | "id" | "name" | "example" | "no_example") => {}
             None => {
                 own.insert(key, value);
             }
@@ -122,6 +124,8 @@ fn read_profile(
     let job_keys = job_keys(root);
     let checklist = steps(root);
     let display = root.sub("display", display);
+    let examples = root.subs("example", Example::read);
+    let no_example = root.text("no_example");
     let common = common?;
     check_axis_names(&facts.as_ref()?.section, &common.axis_names.value);
     Some(Profile {
@@ -139,6 +143,8 @@ fn read_profile(
         job_keys,
         checklist,
         display,
+        examples,
+        no_example,
         program,
         statements: facts?.statements.into_inner(),
     })

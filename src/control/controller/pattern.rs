@@ -17,6 +17,8 @@ words! {
         Base = "base",
         /// The axis that is corrected.
         Output = "output",
+        /// The name of a table, where its lines are told apart by it.
+        Table = "table",
         /// Number of a point.
         Point = "point",
         /// Where it lies.
@@ -45,8 +47,19 @@ words! {
 pub struct Pattern {
     text: String,
     regex: Regex,
-    fields: Vec<Field>,
+    fields: Vec<Group>,
 }
+
+/// A named group: its place among all groups, what it says, and of which table of the line.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    place: usize,
+    field: Field,
+    table: u8,
+}
+
+/// What a line says of one of its tables: each field with its bytes in the line.
+pub(crate) type Said = Vec<(Field, Range<usize>)>;
 
 impl PartialEq for Pattern {
     fn eq(&self, other: &Pattern) -> bool {
@@ -80,15 +93,17 @@ impl Pattern {
         if regex.is_match("") {
             return Err("takes an empty line, which means nothing".to_string());
         }
-        let names = regex.group_info().pattern_names(PatternID::ZERO).flatten();
-        let fields = names.map(field).collect::<Result<Vec<Field>, String>>()?;
+        let names = regex.group_info().pattern_names(PatternID::ZERO).enumerate();
+        let named = names.filter_map(|(place, name)| Some(group(place, name?)));
+        let mut fields = named.collect::<Result<Vec<Group>, String>>()?;
+        fields.sort_by_key(|group| group.table);
         let text = text.to_string();
         Ok(Pattern { text, regex, fields })
     }
 
     /// The fields that it can have.
     pub(crate) fn fields(&self) -> impl Iterator<Item = Field> {
-        self.fields.iter().copied()
+        self.fields.iter().map(|group| group.field)
     }
 
     /// Whether a line of it says anything.
@@ -96,18 +111,24 @@ impl Pattern {
         !self.fields.is_empty()
     }
 
-    /// What a line says, if it is of this pattern: each field with its bytes in the line.
-    pub(crate) fn take(&self, line: &str) -> Option<Vec<(Field, Range<usize>)>> {
+    /// What a line says, if it is of this pattern, of each table that it names.
+    pub(crate) fn take(&self, line: &str) -> Option<Vec<Said>> {
         let mut found = self.regex.create_captures();
         self.regex.captures(line, &mut found);
-        let part = |field: Field| Some((field, found.get_group_by_name(field.word())?.range()));
-        found.is_match().then(|| self.fields().filter_map(part).collect())
+        let part = |group: &Group| Some((group.field, found.get_group(group.place)?.range()));
+        let tables = self.fields.chunk_by(|a, b| a.table == b.table);
+        let said = tables.map(|own| own.iter().filter_map(part).collect());
+        found.is_match().then(|| said.filter(|own: &Said| !own.is_empty()).collect())
     }
 }
 
-fn field(name: &str) -> Result<Field, String> {
-    let known = Field::WORDS.iter().find(|(word, _)| *word == name);
-    known.map(|(_, field)| *field).ok_or_else(|| {
+/// A field by its name, behind which the second and the third table of a line have their number: `base2`.
+fn group(place: usize, name: &str) -> Result<Group, String> {
+    let mut numbered = [(2, '2'), (3, '3')].into_iter();
+    let numbered = numbered.find_map(|(table, digit)| Some((table, name.strip_suffix(digit)?)));
+    let (table, word) = numbered.unwrap_or((1, name));
+    let known = Field::WORDS.iter().find(|(known, _)| *known == word);
+    known.map(|(_, field)| Group { place, field: *field, table }).ok_or_else(|| {
         let words = Field::WORDS.iter().map(|(word, _)| *word);
         let near = nearest(name, words.clone()).map(|near| format!(", did you mean `{near}`?"));
         let list: Vec<&str> = words.collect();
@@ -164,15 +185,28 @@ mod tests {
     fn a_pattern_takes_a_whole_line_and_says_where_its_fields_stand() {
         let own = pattern(r"(?<position>\S+), *(?<value>\S+)").expect("a pattern");
         let found = own.take("10.5,  -2").expect("a line");
-        assert_eq!(found, [(Field::Position, 0..4), (Field::Value, 7..9)]);
+        assert_eq!(found, [[(Field::Position, 0..4), (Field::Value, 7..9)]]);
         assert_eq!(own.take("10.5,  -2 x"), None);
+    }
+
+    #[test]
+    fn a_line_of_several_tables_says_what_it_says_of_each() {
+        let own =
+            pattern(r"(?<output>\d)=(?<base>\d)(?<table>[A-Z])(?:\+(?<base2>\d)(?<table2>[A-Z]))?");
+        let own = own.expect("a pattern");
+        let [first, second] = &own.take("0=0A+1B").expect("a line")[..] else {
+            panic!("two tables");
+        };
+        assert_eq!(first[..], [(Field::Output, 0..1), (Field::Base, 2..3), (Field::Table, 3..4)]);
+        assert_eq!(second[..], [(Field::Base, 5..6), (Field::Table, 6..7)]);
+        assert_eq!(own.take("0=0A").expect("a line").len(), 1);
     }
 
     #[test]
     fn a_pattern_takes_letters_and_no_part_of_one() {
         let letter = pattern("(?<axis>.).*").expect("a pattern");
-        assert_eq!(letter.take("äX.mp"), Some(vec![(Field::Axis, 0..2)]));
-        assert_eq!(letter.take("加工中心"), Some(vec![(Field::Axis, 0..3)]));
+        assert_eq!(letter.take("äX.mp"), Some(vec![vec![(Field::Axis, 0..2)]]));
+        assert_eq!(letter.take("加工中心"), Some(vec![vec![(Field::Axis, 0..3)]]));
         assert!(pattern(r"(?-u:(?<axis>\xC3)).*").is_err());
         let long = r"\w".repeat(600);
         assert_eq!(pattern(&long).err(), Some("has 1200 bytes, expected at most 1024".into()));

@@ -28,10 +28,16 @@ impl Row {
     }
 }
 
+/// Which table a line is about: by its name, its base and output axis, or both.
+#[derive(Default)]
+pub(super) struct Whose {
+    pub(super) name: Option<String>,
+    pub(super) axes: Option<[String; 2]>,
+}
+
 /// A table while its lines are read.
 pub(super) struct Draft {
-    base: String,
-    output: String,
+    own: Whose,
     line: Range<usize>,
     /// Start, spacing, count, last.
     header: Vec<(Field, Placed)>,
@@ -39,28 +45,35 @@ pub(super) struct Draft {
 }
 
 impl Draft {
-    pub(super) fn new(base: &str, output: &str, line: Range<usize>) -> Draft {
-        Draft {
-            base: base.to_string(),
-            output: output.to_string(),
-            line,
-            header: Vec::new(),
-            rows: Vec::new(),
+    pub(super) fn new(line: Range<usize>) -> Draft {
+        Draft { own: Whose::default(), line, header: Vec::new(), rows: Vec::new() }
+    }
+
+    /// Whether a line is about it: a name counts before axes.
+    pub(super) fn is_of(&self, line: &Whose) -> bool {
+        match (&line.name, &line.axes, &self.own.axes) {
+            (Some(_), ..) => line.name == self.own.name,
+            (None, Some(one), Some(own)) => is_same(one, own),
+            _ => false,
         }
     }
 
-    pub(super) fn is_for(&self, base: &str, output: &str) -> bool {
-        self.base.eq_ignore_ascii_case(base) && self.output.eq_ignore_ascii_case(output)
-    }
-
-    /// Takes the fields of a line, up to one point more than the control takes.
+    /// Takes the fields of a line that is about it, up to one point more than the control takes.
     pub(super) fn take(
         &mut self,
         text: &str,
-        line: Range<usize>,
+        (line, whose): (&Range<usize>, Whose),
         fields: Vec<(Field, Range<usize>)>,
         most: usize,
     ) -> Result<(), Complaint> {
+        if let (Some(one), Some(own)) = (&whose.axes, &self.own.axes)
+            && !is_same(one, own)
+        {
+            let message = "a second pair of axes for this table";
+            return Err(Complaint::new(line.clone(), message, "a table is for one pair of axes"));
+        }
+        self.own.name = self.own.name.take().or(whose.name);
+        self.own.axes = self.own.axes.take().or(whose.axes);
         let mut number = None;
         let mut of_point = Vec::new();
         for (field, span) in fields {
@@ -82,7 +95,7 @@ impl Draft {
             return Ok(()); // the point before it is refused in the end
         }
         if at == self.rows.len() {
-            self.rows.push(Row { line, number, fields: Vec::new() });
+            self.rows.push(Row { line: line.clone(), number, fields: Vec::new() });
         }
         for (field, placed) in of_point {
             put(&mut self.rows[at].fields, field, placed)?;
@@ -97,29 +110,32 @@ impl Draft {
 
     /// The table, once all lines are read.
     pub(super) fn table(self, facts: &DeclaredFacts) -> Result<DeclaredTable, Complaint> {
-        let is_own = self.base.eq_ignore_ascii_case(&self.output);
-        self.check_size(facts, is_own)?;
+        let Some([base, output]) = self.own.axes.clone() else {
+            let name = self.own.name.as_deref().map_or(String::new(), shown);
+            let message = format!("no line says which axes the table `{name}` is for");
+            return Err(Complaint::new(self.line, message, "take the whole file"));
+        };
+        let is_own = base.eq_ignore_ascii_case(&output);
+        let what = name(&base, &output);
+        self.check_size(facts, is_own, &what)?;
         let mut points: Vec<Point> = Vec::new();
         for (index, row) in self.rows.iter().enumerate() {
-            self.check_number(facts, index, row)?;
+            self.check_number(facts, index, row, &what)?;
             let position = self.position(facts, index, row)?;
             check_order(facts, points.last().map(|last| last.position), position, row)?;
             points.push(point(facts.value_fields(is_own), position, row)?);
         }
-        Ok(DeclaredTable { base: self.base, output: self.output, points })
+        Ok(DeclaredTable { base, output, points })
     }
 
     /// As many points as the file and the control say.
-    fn check_size(&self, facts: &DeclaredFacts, is_own: bool) -> Result<(), Complaint> {
+    fn check_size(&self, facts: &DeclaredFacts, is_own: bool, what: &str) -> Result<(), Complaint> {
         let (rows, most) = (self.rows.len(), facts.points.value as usize);
         let wrong = |span: &Range<usize>, message: String, help: &str| {
             Err(Complaint::new(span.clone(), message, help))
         };
         if !is_own && facts.cross_terms.value == 0 {
-            let message = format!(
-                "a {}, and this control corrects an axis by itself only",
-                name(&self.base, &self.output)
-            );
+            let message = format!("a {what}, and this control corrects an axis by itself only");
             return wrong(&self.line, message, "`cross_terms` of the profile says so");
         }
         if rows > most {
@@ -127,10 +143,7 @@ impl Draft {
             return wrong(&self.rows[most].line, message, "use a larger spacing");
         }
         if rows < 2 {
-            let message = format!(
-                "the {} has {rows} points, expected at least 2",
-                name(&self.base, &self.output)
-            );
+            let message = format!("the {what} has {rows} points, expected at least 2");
             return wrong(&self.line, message, "take the whole file");
         }
         let last = facts.first_point.value as usize + rows - 1;
@@ -152,6 +165,7 @@ impl Draft {
         facts: &DeclaredFacts,
         index: usize,
         row: &Row,
+        what: &str,
     ) -> Result<(), Complaint> {
         let expected = f64::from(facts.first_point.value) + index as f64;
         let is_numbered = self.rows[0].number.is_some();
@@ -160,10 +174,7 @@ impl Draft {
             Some(number) if (number - expected).abs() < 0.5 => Ok(()),
             _ => Err(Complaint::new(
                 row.line.clone(),
-                format!(
-                    "the point {expected} of the {} was expected here",
-                    name(&self.base, &self.output)
-                ),
+                format!("the point {expected} of the {what} was expected here"),
                 "points follow each other without a gap",
             )),
         }
@@ -186,6 +197,10 @@ impl Draft {
             }
         }
     }
+}
+
+fn is_same([base, output]: &[String; 2], [other_base, other_output]: &[String; 2]) -> bool {
+    base.eq_ignore_ascii_case(other_base) && output.eq_ignore_ascii_case(other_output)
 }
 
 /// Each point lies behind the one before.

@@ -116,6 +116,33 @@ fn places_are_counted_from_the_start_and_the_axis_stands_in_the_name() {
     assert!(refused(&facts, "start 0 step 1\n1 2\n3 4\n").contains("no line says of which axis"));
 }
 
+/// ACS SPiiPlus: values by the name of their table, its axes in a formula that sums up to three.
+#[test]
+fn a_table_is_told_by_its_name() {
+    let Dialect::Declared(facts) = builtin::profile("acs-spiiplus").unwrap().dialect else {
+        panic!("it is declared");
+    };
+    let text = "GLOBAL REAL A(2)\nA(0) = 0.001\nA(1) = 0.002\nGLOBAL REAL B(2)\nB(0) = 0\nB(1) = -0.003\n\
+                CONNECT RPOS(0) = APOS(0) + MAP(APOS(0), A, -10, 5) + MAP(APOS(1), B, 0, 2.5)\nSTOP\n";
+    let found = read(&[("m.prg", text)], &facts).unwrap().tables;
+    let seen = found.iter().map(|own| (own.name(), own.points[1].position, own.points[1].forward));
+    let expected = [("table of 0", -5.0, 0.002), ("table of 0 by 1", 2.5, -0.003)];
+    let expected = expected.map(|(name, place, value)| (name.to_string(), place, value));
+    assert_eq!(seen.collect::<Vec<_>>(), expected);
+    let again = "STOP\nCONNECT RPOS(1) = APOS(1) + MAP(APOS(1), A, -10, 5)";
+    for (from, to, says) in [
+        (", B, 0", ", C, 0", "no line says which axes the table `B` is for"),
+        (", B, 0", ", C, 0", "the table of 0 by 1 has 0 points"),
+        ("APOS(1), B", "APOS(0), B", "holds another table of 0"),
+        ("STOP", again, "file.dat:9:1"),
+        ("STOP", again, "a second pair of axes for this table"),
+        ("B(2)", "B(3)", "the file says 3 here, its points make it 2"),
+    ] {
+        let words = refused(&facts, &text.replace(from, to));
+        assert!(words.contains(says), "{to}\n{words}");
+    }
+}
+
 #[test]
 fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
     for (fact, value, says) in [
