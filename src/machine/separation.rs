@@ -48,7 +48,7 @@ pub mod straight;
 pub mod table;
 pub mod uncertainty;
 
-pub use self::campaign::{Campaign, MeasuredLine, corrected};
+pub use self::campaign::{Campaign, MeasuredLine};
 pub use self::linear::Part;
 pub(crate) use self::separate::{Instrument, expected};
 pub use self::separate::{Separation, separate};

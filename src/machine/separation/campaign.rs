@@ -72,11 +72,11 @@ pub struct MeasuredLine {
 }
 
 /// The readings less expansion of the scales and angular effects.
-pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<Run> {
+pub(super) fn corrected(campaign: &Campaign<'_>, mut runs: Vec<Run>) -> Vec<Run> {
     let measurement = campaign.measurement;
     let material = measurement.material.as_ref();
     let material = material.filter(|material| !material.material_corrected);
-    let correct = |run: &Run| {
+    for run in &mut runs {
         let (volume, kind) = (&measurement.volume, measurement.kind);
         let effect = campaign.angles.of(run.diagonal, run.pass);
         let reading = |(node, deviation): (usize, &Deviation)| {
@@ -84,12 +84,13 @@ pub fn corrected(campaign: &Campaign<'_>, runs: &[Run]) -> Vec<Run> {
             let effect = effect.map_or(0.0, |effect| effect[node]);
             Deviation::from_um(deviation.um() - expansion - effect)
         };
-        Run { deviations: run.deviations.iter().enumerate().map(reading).collect(), ..run.clone() }
-    };
-    runs.iter().map(correct).collect()
+        run.deviations = run.deviations.iter().enumerate().map(reading).collect();
+    }
+    runs
 }
 
 /// The runs of a measurement and what they say by themselves.
+#[derive(Clone)]
 pub(super) struct Start {
     /// Expansion of the scales at the mean of the recorded temperatures.
     pub(super) material: Option<Material>,
@@ -111,7 +112,7 @@ impl Start {
     pub(super) fn new(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Start {
         let material = campaign.measurement.material;
         let material = material.map(|material| recorded(&material, raw_runs));
-        Start::of(campaign, corrected(campaign, raw_runs), material)
+        Start::of(campaign, corrected(campaign, raw_runs.to_vec()), material)
     }
 
     /// Of corrected runs.

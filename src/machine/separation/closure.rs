@@ -162,13 +162,13 @@ pub(super) fn large_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Optio
 }
 
 /// The closure of mean readings, with or without the first and last intervals, which a missing overrun spoils; `causes`:
-/// what stated angles do to the readings.
+/// what stated angles do to the readings. And its least-squares problem; `None` where that is singular.
 pub(super) fn closure(
     steps: &Steps<'_>,
     start: &Start,
     skip_ends: bool,
     causes: Option<&Model>,
-) -> Closure {
+) -> (Closure, Option<Patterns>) {
     let (z, counts) = (start.means(), start.counts());
     let w = |axis, at| steps.mean(|group| steps.closure(group, axis, at)).dot(&z);
     let by_interval: PerAxis<Vec<f64>> =
@@ -182,19 +182,16 @@ pub(super) fn closure(
         freedom: 0,
         outliers: start.outliers.clone(),
     };
-    let Some(mut patterns) = Patterns::new(steps, start, skip_ends) else { return closure };
-    // Disturbed readings with the ramps left free; then the ramps without those readings.
-    let mut beside_ramps = patterns.clone();
-    beside_ramps.leave_out_ramps();
-    let found = beside_ramps.name_outliers(start.noise.map(|noise| noise.sigma_um));
-    patterns.leave_out_readings(found.iter().filter_map(|outlier| outlier.readings.first()));
-    closure.outliers.extend(found);
+    let Some(mut patterns) = Patterns::new(steps, start, skip_ends) else {
+        return (closure, None);
+    };
+    closure.outliers.extend(patterns.name_outliers(start.noise.map(|noise| noise.sigma_um)));
     closure.ramps = patterns.ramps(start.noise, causes);
     if closure.ramps.as_ref().is_some_and(Ramps::is_no_noise) {
         patterns.leave_out_ramps();
     }
     (closure.weighted_square, closure.freedom) = patterns.scatter();
-    closure
+    (closure, Some(patterns))
 }
 
 /// Standard deviation of one w, mean of the groups, for readings of 1 µm.

@@ -24,12 +24,13 @@
 //! so neither a machine that tells no names apart is accused, nor one that leaves a single pair open
 //! (docs/accuracy.md §8, tests/studies/exchanged.rs).
 
-use super::campaign::Start;
+use super::campaign::{Start, corrected};
 use super::closure::{Closure, closure};
 use super::findings::SeparationFinding;
 use super::linear::Model;
 use super::noise::{DIGIT_UM, Outlier, UNRESOLVED_UM, float};
 use super::patterns::Patterns;
+use super::readings::walks;
 use super::uncertainty::Budget;
 use crate::inputs::job::SetUp;
 use crate::quantity::axis::Axis;
@@ -52,17 +53,15 @@ const SURE: f64 = 0.95;
 const BELIEVED: f64 = 0.999;
 
 /// Compares the recorded names with every other way to share them out: a doubt where another assignment is clearly
-/// likelier, else a note of slips that these readings would hardly show. `closure`: under the recorded names; `causes`:
-/// what stated angles do.
-pub(super) fn names(
-    budget: &Budget<'_>,
-    raw_runs: &[Run],
-    closure: &Closure,
-    causes: &Model,
-) -> Option<Finding> {
-    let trial = Trial::new(budget, raw_runs, causes)?;
+/// likelier, else a note of slips that these readings would hardly show.
+pub(super) fn names(budget: &Budget<'_>, raw_runs: &[Run], found: Recorded<'_>) -> Option<Finding> {
+    let closure = found.0;
+    let trial = Trial::new(budget, raw_runs, found)?;
     trial.likelier(closure).or_else(|| trial.hardly_shown()).map(Finding::from)
 }
+
+/// What was found under the recorded names, and the least-squares problem of its closure.
+pub(super) type Recorded<'a> = (&'a Closure, &'a Model, Patterns);
 
 /// Under which diagonal's name the readings of a file belong: by the name in the file.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,31 +138,35 @@ fn renamed(budget: &Budget<'_>, raw_runs: &[Run], naming: &Naming) -> Start {
     for place in outliers.iter_mut().flat_map(|o| &mut o.readings) {
         place.diagonal = naming.0[place.diagonal];
     }
-    Start { outliers, noise: budget.start.noise, ..Start::new(budget.campaign, &runs) }
+    let walks = walks(&corrected(budget.campaign, runs));
+    Start { outliers, walks, ..budget.start.clone() }
 }
 
 impl<'a> Trial<'a> {
     /// `None` where the closure has no degrees of freedom.
-    fn new(budget: &'a Budget<'a>, raw_runs: &'a [Run], causes: &Model) -> Option<Trial<'a>> {
+    fn new(budget: &'a Budget<'a>, raw_runs: &'a [Run], found: Recorded<'_>) -> Option<Self> {
+        let (_, causes, mut patterns) = found;
         // Of 24 ways the best leaves less than noise: a stated σ that these readings do not contradict tells.
         let stated_um = budget.campaign.stated.noise_um;
         let stated_um =
             stated_um.filter(|um| budget.noise.is_some_and(|found| !found.contradicts(*um)));
         let known_um = budget.start.noise.map(|noise| noise.sigma_um).or(stated_um);
-        // Ways that share counts and disturbed readings share the least-squares problem.
-        let mut shared: Option<(Vec<f64>, Vec<Outlier>, Patterns)> = None;
-        let (mut others, mut freedom) = (Vec::new(), 0.0);
+        // Ways that share counts and disturbed readings share the least-squares problem. What stated angles do belongs
+        // to no other name.
+        patterns.restart(&budget.start.outliers, causes);
+        let (mut others, freedom) = (Vec::new(), float(patterns.scatter().1));
+        let mut shared = (budget.start.counts(), budget.start.outliers.clone());
         for naming in Naming::all() {
-            let start = &renamed(budget, raw_runs, &naming);
-            let (counts, outliers) = (start.counts(), &start.outliers);
-            if !shared.as_ref().is_some_and(|(c, o, _)| *c == counts && o == outliers) {
-                let mut left = Patterns::new(&budget.steps(), start, budget.skips_ends())?;
-                // What stated angles do belongs to no other name.
-                left.leave_out_angles(causes);
-                freedom = if shared.is_none() { float(left.scatter().1) } else { freedom };
-                shared = Some((counts, outliers.clone(), left));
+            let start = renamed(budget, raw_runs, &naming);
+            let own = (start.counts(), start.outliers.clone());
+            if own.0 != shared.0 {
+                patterns = Patterns::new(&budget.steps(), &start, budget.skips_ends())?;
             }
-            others.push((naming, shared.as_ref()?.2.square_of(&start.means())));
+            if own != shared {
+                patterns.restart(&start.outliers, causes);
+            }
+            others.push((naming, patterns.square_of(&start.means())));
+            shared = own;
         }
         let (recorded, intervals) = (others.remove(0).1, budget.volume().steps_f64() - 1.0);
         let sigma_um = known_um.map(|um| um.max(DIGIT_UM));
@@ -222,7 +225,7 @@ impl<'a> Trial<'a> {
     fn judged(&self, naming: &Naming) -> Option<Closure> {
         let budget = self.budget;
         let start = renamed(budget, self.raw_runs, naming);
-        let closure = closure(&budget.steps(), &start, budget.skips_ends(), None);
+        let (closure, _) = closure(&budget.steps(), &start, budget.skips_ends(), None);
         let noise = start.noise.or_else(|| closure.noise());
         let doubts = closure.doubts(noise, budget.volume(), SetUp::Solve);
         doubts.is_empty().then_some(closure)

@@ -20,7 +20,7 @@ use crate::quantity::diagonal::{Diagonal, Pass, Volume};
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
-use std::borrow::Borrow;
+use std::sync::Arc;
 
 /// Parts of a variance below this share of it are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -48,12 +48,8 @@ impl Layout {
     /// Which mean reading stands at a place.
     pub(super) fn place(self, index: usize) -> ReadingPlace {
         let (line, node) = (index / self.nodes, index % self.nodes);
-        ReadingPlace {
-            diagonal: Diagonal::ALL[line % 4],
-            pass: Pass::BOTH[line / 4],
-            run: None,
-            node,
-        }
+        let (diagonal, pass) = (Diagonal::ALL[line % 4], Pass::BOTH[line / 4]);
+        ReadingPlace { diagonal, pass, run: None, node }
     }
 
     /// Place of a linear axis or beam.
@@ -66,12 +62,11 @@ impl Layout {
         self.line(self.lines) + equation
     }
 
-    /// A column by what a cause does to a reading.
-    pub(super) fn column(self, of: impl Fn(Pass, Diagonal, usize) -> f64) -> Vec<f64> {
-        let passes = Pass::BOTH.into_iter().take(self.passes);
-        let walks = passes.flat_map(|pass| Diagonal::ALL.map(|d| (pass, d)));
-        let nodes = walks.flat_map(|(pass, d)| (0..self.nodes).map(move |node| (pass, d, node)));
-        let mut column: Vec<f64> = nodes.map(|(pass, d, node)| of(pass, d, node)).collect();
+    /// A column by what a cause does to a reading at a node, the same in both passes.
+    pub(super) fn column(self, of: impl Fn(Diagonal, usize) -> f64) -> Vec<f64> {
+        let walks = Diagonal::ALL.repeat(self.passes).into_iter();
+        let nodes = walks.flat_map(|d| (0..self.nodes).map(move |node| (d, node)));
+        let mut column: Vec<f64> = nodes.map(|(d, node)| of(d, node)).collect();
         column.resize(self.len(), 0.0);
         column
     }
@@ -92,16 +87,16 @@ impl Row {
     }
 
     /// Adds another figure so many times.
-    pub(super) fn add(&mut self, times: f64, other: &Row) {
+    pub(super) fn add(&mut self, times: f64, other: impl AsRef<[(usize, f64)]>) {
         if times != 0.0 {
-            self.0.extend(other.0.iter().map(|(place, weight)| (*place, times * weight)));
+            self.0.extend(other.as_ref().iter().map(|(place, weight)| (*place, times * weight)));
         }
     }
 
     /// The sum of figures, each so many times.
-    pub(super) fn sum<R: Borrow<Row>>(of: impl IntoIterator<Item = (f64, R)>) -> Row {
+    pub(super) fn sum<R: AsRef<[(usize, f64)]>>(of: impl IntoIterator<Item = (f64, R)>) -> Row {
         let mut sum = Row::default();
-        of.into_iter().for_each(|(times, row)| sum.add(times, row.borrow()));
+        of.into_iter().for_each(|(times, row)| sum.add(times, row));
         sum
     }
 
@@ -130,6 +125,15 @@ impl Row {
     }
 }
 
+impl AsRef<[(usize, f64)]> for Row {
+    fn as_ref(&self) -> &[(usize, f64)] {
+        &self.0
+    }
+}
+
+/// One reading less another.
+type Difference = [(usize, f64); 2];
+
 /// Formulas (1) and (2) as rows over what was measured. The slopes hold the tilt of the mirror.
 #[derive(Clone, Copy)]
 pub(super) struct Steps<'a> {
@@ -149,18 +153,17 @@ impl Steps<'_> {
     }
 
     /// m: the reading at the end of a step less that at its beginning.
-    fn increment(&self, group: Group, d: Diagonal, axis: Axis, interval: usize) -> Row {
-        let step = self.volume.interval(d, axis, interval);
+    fn increment(&self, group: Group, d: Diagonal, axis: Axis, at: usize) -> Difference {
+        let step = self.volume.interval(d, axis, at);
         let is_turn = self.turned && step + 1 == self.volume.steps;
         let pass = if is_turn { Pass::Forward } else { pass_of(group, d, axis) };
         self.moved(pass, d, axis, step)
     }
 
     /// The reading of a pass at the far end of a step less that at the near one.
-    pub(super) fn moved(&self, pass: Pass, d: Diagonal, axis: Axis, step: usize) -> Row {
-        let node = self.volume.node_after(axis, step);
-        let at = |node| self.layout.reading(pass, d, node);
-        Row(vec![(at(node), 1.0), (at(node - 1), -1.0)])
+    pub(super) fn moved(&self, pass: Pass, d: Diagonal, axis: Axis, step: usize) -> Difference {
+        let far = self.layout.reading(pass, d, self.volume.node_after(axis, step));
+        [(far, 1.0), (far - 1, -1.0)]
     }
 
     /// J: the reverse less the forward increment of the last step of an axis.
@@ -187,12 +190,14 @@ impl Steps<'_> {
 
     /// The mean of the groups.
     pub(super) fn mean(&self, of: impl Fn(Group) -> Row) -> Row {
-        let groups = self.groups();
-        Row::sum(groups.iter().map(|group| (1.0 / groups.len() as f64, of(*group))))
+        match self.groups() {
+            [only] => of(*only),
+            all => Row::sum(all.iter().map(|group| (1.0 / all.len() as f64, of(*group)))),
+        }
     }
 
     /// δ of each interval of a term, mean of the groups.
-    pub(super) fn mean_of(&self, term: ErrorTerm) -> Vec<Row> {
+    pub(super) fn mean_of(&self, term: ErrorTerm) -> Arc<[Row]> {
         let interval = |at| self.mean(|group| self.of(term, group, at));
         (0..self.volume.steps).map(interval).collect()
     }
@@ -269,6 +274,9 @@ pub enum Part {
     Stated,
 }
 
+/// What each entry of z, then a unit of each cause makes of a figure.
+pub(super) struct Weights(Vec<f64>, Vec<f64>);
+
 /// u² of a figure.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Variance {
@@ -317,18 +325,14 @@ impl Model {
         (self.noise[one] + self.noise[other] + self.by_causes(&effects, &effects, |_| true)).sqrt()
     }
 
-    /// A row with each entry once.
-    fn dense(&self, row: &Row) -> Vec<f64> {
+    /// What each entry of z and a unit of each cause make of a figure.
+    pub(super) fn weights(&self, row: &Row) -> Weights {
         let mut dense = vec![0.0; self.layout.len()];
         row.0.iter().for_each(|(place, weight)| dense[*place] += weight);
-        dense
-    }
-
-    /// What a unit of each cause makes of a figure.
-    fn effects(&self, dense: &[f64]) -> Vec<f64> {
         let entries = dense.iter().copied().enumerate().filter(|(_, weight)| *weight != 0.0);
         let row = Row(entries.collect());
-        self.causes.iter().map(|cause| row.dot(&cause.column)).collect()
+        let effects = self.causes.iter().map(|cause| row.dot(&cause.column)).collect();
+        Weights(dense, effects)
     }
 
     /// cov of two figures by some of the causes, without angles.
@@ -338,19 +342,16 @@ impl Model {
     }
 
     /// cov of two figures without unmeasured angles, and the part of the causes common to all set-ups in it.
-    pub(super) fn covariance(&self, one: &Row, other: &Row) -> (f64, f64) {
-        let (one, other) = (self.dense(one), self.dense(other));
-        let own: f64 = self.by_entries(&one, &other).iter().sum();
-        let (one, other) = (self.effects(&one), self.effects(&other));
-        let common = self.by_causes(&one, &other, Cause::is_common);
-        (own + common + self.by_causes(&one, &other, |cause| !cause.is_common()), common)
+    pub(super) fn covariance(&self, one: &Weights, other: &Weights) -> (f64, f64) {
+        let own: f64 = self.by_entries(&one.0, &other.0).iter().sum();
+        let common = self.by_causes(&one.1, &other.1, Cause::is_common);
+        (own + common + self.by_causes(&one.1, &other.1, |cause| !cause.is_common()), common)
     }
 
     /// u² of a figure.
     pub(super) fn variance(&self, row: &Row) -> Variance {
-        let row = self.dense(row);
-        let by_entries = self.by_entries(&row, &row);
-        self.combined(by_entries, &self.effects(&row))
+        let Weights(row, effects) = self.weights(row);
+        self.combined(self.by_entries(&row, &row), &effects)
     }
 
     /// cov of two figures by noise, and by lines and what is neglected.
@@ -402,7 +403,7 @@ pub(super) struct CurveRows {
     /// At the low end.
     pub(super) start: Row,
     /// Over each interval.
-    pub(super) steps: Vec<Row>,
+    pub(super) steps: Arc<[Row]>,
     /// Straight line from 0 at the low end to this at the high one.
     pub(super) line: Row,
 }
@@ -411,25 +412,15 @@ impl CurveRows {
     /// The same with so many times another curve beside it, from its low end on.
     pub(super) fn beside(&self, times: f64, other: &CurveRows) -> CurveRows {
         let sum = |own: &Row, other: &Row| Row::sum([(1.0, own), (times, other)]).merged();
-        CurveRows {
-            start: self.start.clone(),
-            steps: self
-                .steps
-                .iter()
-                .zip(&other.steps)
-                .map(|(own, other)| sum(own, other))
-                .collect(),
-            line: sum(&self.line, &other.line),
-        }
+        let steps = self.steps.iter().zip(other.steps.iter());
+        let steps = steps.map(|(own, other)| sum(own, other)).collect();
+        CurveRows { start: self.start.clone(), steps, line: sum(&self.line, &other.line) }
     }
 
     /// The same with each entry of a row once.
     pub(super) fn merged(&self) -> CurveRows {
-        CurveRows {
-            start: self.start.merged(),
-            steps: self.steps.iter().map(Row::merged).collect(),
-            line: self.line.merged(),
-        }
+        let steps = self.steps.iter().map(Row::merged).collect();
+        CurveRows { start: self.start.merged(), steps, line: self.line.merged() }
     }
 
     /// The values for these entries; `line_um`: the line at the high end, which need not be linear in z.
@@ -456,14 +447,13 @@ impl CurveRows {
 
     /// u² of each value.
     pub(super) fn variances(&self, model: &Model) -> Vec<Variance> {
-        let line = model.dense(&self.line);
-        let line_effects = model.effects(&line);
+        let Weights(line, line_effects) = model.weights(&self.line);
         let of_line = model.by_entries(&line, &line);
         // By entries: of the sum of the steps, and of it with the line.
-        let mut sum = model.dense(&self.start);
+        let Weights(mut sum, mut sum_effects) = model.weights(&self.start);
         let mut of_sum = model.by_entries(&sum, &sum);
         let mut with_line = model.by_entries(&sum, &line);
-        let mut sum_effects = model.effects(&sum);
+        let mut effects = sum_effects.clone();
         let last = self.steps.len().max(1) as f64;
         (0..=self.steps.len())
             .map(|index| {
@@ -484,8 +474,8 @@ impl CurveRows {
                     // What is left of parts that cancel is rounding.
                     if all > ROUNDING * (of_sum[i] + line) { all } else { 0.0 }
                 });
-                let both = sum_effects.iter().zip(&line_effects);
-                let effects: Vec<f64> = both.map(|(sum, line)| sum + share * line).collect();
+                let both = effects.iter_mut().zip(sum_effects.iter().zip(&line_effects));
+                both.for_each(|(both, (sum, line))| *both = sum + share * line);
                 model.combined(by_entries, &effects)
             })
             .collect()

@@ -25,7 +25,7 @@
 
 use super::campaign::MeasuredLine;
 use super::findings::SeparationFinding;
-use super::linear::{Model, Row};
+use super::linear::{Model, Row, Weights};
 use super::noise::Noise;
 use super::uncertainty::Uncertainty;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
@@ -286,7 +286,8 @@ impl Equations {
         let mut of_diagonals = 0.0;
         for ((place, mut row), given) in rows.into_iter().enumerate().zip(given.chain(beside)) {
             let (direction, nominal, value, known) = given;
-            let (variance, common) = model.covariance(&row, &row);
+            let weights = model.weights(&row);
+            let (variance, common) = model.covariance(&weights, &weights);
             // What is not known is weighed: a diagonal by 1 µm/m, a line like a diagonal.
             let least = match (place < 4, known) {
                 (true, false) => variance - common + WEIGHT_UM_PER_M.squared(),
@@ -296,16 +297,17 @@ impl Equations {
             let own = (variance - common).max(least);
             let entry = model.layout.neglected(place);
             model.other[entry] = own - (variance - common);
-            row.add(1.0, &Row::of(entry));
+            row.add(1.0, Row::of(entry));
             of_diagonals += if place < 4 { own } else { 0.0 };
             all.push(Equation { direction, nominal, value, row, own, known });
         }
         // A line that is only weighed shares nothing: it would carry its weight where it has no part.
         let shares = |k: usize| k < 4 || all[k].known;
+        let weights: Vec<Weights> = all.iter().map(|one| model.weights(&one.row)).collect();
         let covariance = |i: usize, j: usize| {
             let own = if i == j { all[i].own } else { 0.0 };
             let is_shared = shares(i) && shares(j);
-            if is_shared { model.covariance(&all[i].row, &all[j].row).0 - own } else { 0.0 }
+            if is_shared { model.covariance(&weights[i], &weights[j]).0 - own } else { 0.0 }
         };
         let shared = DMatrix::from_fn(all.len(), all.len(), covariance);
         Equations::of(all, shared)

@@ -16,7 +16,6 @@ use crate::quantity::units::Squared;
 use nalgebra::{DVector, Matrix3, Vector3};
 
 /// The least-squares problem of all w.
-#[derive(Clone)]
 pub(super) struct Patterns {
     layout: Layout,
     /// K.
@@ -29,6 +28,8 @@ pub(super) struct Patterns {
     effects: Vec<Vec<(usize, f64)>>,
     /// What is left out so far.
     basis: Vec<DVector<f64>>,
+    /// How much of it is the constants of the axes.
+    constants: usize,
     /// P w.
     left: DVector<f64>,
 }
@@ -105,8 +106,10 @@ impl Patterns {
         let constants = over(&|_| 1.0);
         let w = of_column(&rows, &start.means());
         let (basis, left) = (Vec::new(), factor.solve(&w));
-        let mut patterns = Patterns { layout, rows, w, factor, ramps, effects, basis, left };
+        let mut patterns =
+            Patterns { layout, rows, w, factor, ramps, effects, basis, constants: 0, left };
         patterns.leave_out(&constants);
+        patterns.constants = patterns.basis.len();
         patterns.leave_out_readings(start.outliers.iter().flat_map(|outlier| &outlier.readings));
         Some(patterns)
     }
@@ -116,6 +119,12 @@ impl Patterns {
         let mut left = self.factor.solve(x);
         self.basis.iter().for_each(|base| left.axpy(-base.dot(x), base, 1.0));
         left
+    }
+
+    /// Leaves out no more than so many patterns.
+    fn keep(&mut self, count: usize) {
+        self.basis.truncate(count);
+        self.left = self.projected(&self.w);
     }
 
     fn leave_out<'a>(&mut self, patterns: impl IntoIterator<Item = &'a DVector<f64>>) {
@@ -138,8 +147,10 @@ impl Patterns {
         }
     }
 
-    /// Leaves out what stated angles do.
-    pub(super) fn leave_out_angles(&mut self, causes: &Model) {
+    /// Nothing but the constants, these disturbed readings and what stated angles do is left out from now on.
+    pub(super) fn restart(&mut self, outliers: &[Outlier], causes: &Model) {
+        self.keep(self.constants);
+        self.leave_out_readings(outliers.iter().flat_map(|outlier| &outlier.readings));
         for cause in causes.angles.iter().flatten() {
             let pattern = of_column(&self.rows, &causes.causes[*cause].column);
             self.leave_out([&pattern]);
@@ -203,15 +214,20 @@ impl Patterns {
         })
     }
 
-    /// Names disturbed readings one by one, the largest first, until none stands out, and leaves
-    /// them out.
+    /// Names disturbed readings one by one, the largest first, until none stands out, with the ramps left free; leaves
+    /// these readings out, and nothing else.
     pub(super) fn name_outliers(&mut self, known_sigma_um: Option<f64>) -> Vec<Outlier> {
+        let before = self.basis.len();
+        self.leave_out_ramps();
         let next = || {
             let found = self.largest(known_sigma_um)?;
             self.leave_out_readings(found.readings.iter().take(1));
             Some(found)
         };
-        std::iter::from_fn(next).take(MOST_OUTLIERS).collect()
+        let found: Vec<Outlier> = std::iter::from_fn(next).take(MOST_OUTLIERS).collect();
+        self.keep(before);
+        self.leave_out_readings(found.iter().filter_map(|outlier| outlier.readings.first()));
+        found
     }
 
     fn largest(&self, known_sigma_um: Option<f64>) -> Option<Outlier> {
@@ -259,12 +275,11 @@ fn of_column(rows: &[Row], column: &[f64]) -> DVector<f64> {
 }
 
 /// The Cholesky factor of a symmetric, positive definite matrix with entries near its diagonal only.
-#[derive(Clone)]
 struct Banded {
     /// How far below the diagonal entries lie.
     reach: usize,
-    /// Its lower half, row by row, each from so far before the diagonal on.
-    lower: Vec<Vec<f64>>,
+    /// Its lower half, row after row, each from so far before the diagonal on.
+    lower: Vec<f64>,
 }
 
 impl Banded {
@@ -274,17 +289,20 @@ impl Banded {
         (size, reach): (usize, usize),
         entries: impl Iterator<Item = (usize, usize, f64)>,
     ) -> Option<Banded> {
-        let mut found = Banded { reach, lower: vec![vec![0.0; reach + 1]; size] };
+        let mut found = Banded { reach, lower: vec![0.0; (reach + 1) * size] };
         for (row, column, value) in entries.filter(|(row, column, _)| column <= row) {
-            found.lower[row][reach + column - row] += value;
+            let at = found.at(row, column);
+            found.lower[at] += value;
         }
         for row in 0..size {
             let first = row.saturating_sub(reach);
             for column in first..=row {
-                let known = (first..column).map(|k| found.at(row, k) * found.at(column, k));
-                let rest = found.at(row, column) - known.sum::<f64>();
-                found.lower[row][reach + column - row] = match column < row {
-                    true => rest / found.at(column, column),
+                let of = |row| &found.lower[found.at(row, first)..found.at(row, column)];
+                let known = of(row).iter().zip(of(column)).map(|(a, b)| a * b);
+                let at = found.at(row, column);
+                let rest = found.lower[at] - known.sum::<f64>();
+                found.lower[at] = match column < row {
+                    true => rest / found.lower[found.at(column, column)],
                     false => Some(rest.sqrt()).filter(|_| rest > 0.0)?,
                 };
             }
@@ -292,22 +310,25 @@ impl Banded {
         Some(found)
     }
 
-    fn at(&self, row: usize, column: usize) -> f64 {
-        self.lower[row][self.reach + column - row]
+    /// Where an entry stands.
+    fn at(&self, row: usize, column: usize) -> usize {
+        row * self.reach + self.reach + column
     }
 
     /// The solution of matrix · x = `right`.
     fn solve(&self, right: &DVector<f64>) -> DVector<f64> {
-        let mut x = right.clone();
+        let (mut x, lower) = (right.clone(), &self.lower);
         for row in 0..x.len() {
-            let before = row.saturating_sub(self.reach)..row;
-            let known: f64 = before.map(|k| self.at(row, k) * x[k]).sum();
-            x[row] = (x[row] - known) / self.at(row, row);
+            let (first, own) = (row.saturating_sub(self.reach), self.at(row, row));
+            let before = lower[self.at(row, first)..own].iter().zip(&x.as_slice()[first..]);
+            let known: f64 = before.map(|(by, x)| by * x).sum();
+            x[row] = (x[row] - known) / lower[own];
         }
         for row in (0..x.len()).rev() {
-            let behind = row + 1..x.len().min(row + self.reach + 1);
-            let known: f64 = behind.map(|k| self.at(k, row) * x[k]).sum();
-            x[row] = (x[row] - known) / self.at(row, row);
+            let (own, behind) = (self.at(row, row), x.as_slice()[row + 1..].iter());
+            let column = lower[own..].iter().step_by(self.reach.max(1)).skip(1);
+            let known: f64 = column.zip(behind.take(self.reach)).map(|(by, x)| by * x).sum();
+            x[row] = (x[row] - known) / lower[own];
         }
         x
     }

@@ -35,11 +35,10 @@ pub(super) fn pass_of(group: Group, diagonal: Diagonal, axis: Axis) -> Pass {
 pub fn walks(runs: &[Run]) -> Vec<Walk> {
     let all = Pass::BOTH.into_iter().flat_map(|pass| Diagonal::ALL.map(|d| (d, pass)));
     let walk = |(diagonal, pass)| {
-        let walks = of(runs, diagonal, pass);
-        let nodes = 0..walks.clone().next()?.deviations.len();
-        let of_node = |node: usize| mean(walks.clone().map(|run| run.deviations[node].um()));
-        let um = nodes.map(of_node).collect();
-        Some(Walk { diagonal, pass, runs: walks.map(|_| 1.0).sum(), um })
+        let own: Vec<&Run> = of(runs, diagonal, pass).collect();
+        let of_node = |node: usize| mean(own.iter().map(|run| run.deviations[node].um()));
+        let um = (0..own.first()?.deviations.len()).map(of_node).collect();
+        Some(Walk { diagonal, pass, runs: own.len() as f64, um })
     };
     all.filter_map(walk).collect()
 }

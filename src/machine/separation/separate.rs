@@ -16,6 +16,7 @@ use super::labels;
 use super::linear::{Layout, Model};
 use super::metric::Metric;
 use super::noise::{Noise, NoiseSource, ReadingPlace};
+use super::patterns::Patterns;
 use super::reversal::{Turn, contradictions, hidden_reversal_um, ran_over};
 use super::solved::{NineErrors, SeparatedError, Solved, Tilt};
 use super::uncertainty::{Budget, of_length_ppm, rolls};
@@ -135,12 +136,12 @@ impl Separation {
 /// Separates a complete measurement of step diagonals.
 pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
     let start = Start::new(campaign, raw_runs);
-    let mut found = of_start(campaign, &start);
+    let (mut found, patterns) = of_start(campaign, &start);
     // What remains to be said: the names of the diagonals, noise, lines and reversals.
     let budget = Budget { campaign, start: &start, noise: found.noise, overrun: found.overrun };
-    let names = names(&budget, raw_runs, &found.closure, &found.model);
-    let turn = found.turn.iter();
-    let turn = turn.flat_map(|turn| contradictions(turn, &campaign.reversals));
+    let recorded = patterns.map(|patterns| (&found.closure, &found.model, patterns));
+    let names = recorded.and_then(|recorded| names(&budget, raw_runs, recorded));
+    let turn = found.turn.iter().flat_map(|turn| contradictions(turn, &campaign.reversals));
     found.doubts.extend(large_noise(found.noise, campaign.stated.noise_um).into_iter().chain(turn));
     match names {
         Some(names) if names.severity() > Severity::Note => found.doubts.insert(0, names),
@@ -150,15 +151,15 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
 }
 
 /// What the runs say together.
-pub(super) fn of_start(campaign: &Campaign<'_>, start: &Start) -> Separation {
+fn of_start(campaign: &Campaign<'_>, start: &Start) -> (Separation, Option<Patterns>) {
     let budget = Budget { campaign, start, noise: None, overrun: overrun(campaign, start) };
-    let (skip_ends, causes) = (budget.skips_ends(), budget.model());
-    let closure = closure(&budget.steps(), start, skip_ends, Some(&causes));
+    let model = budget.model();
+    let (closure, patterns) = closure(&budget.steps(), start, budget.skips_ends(), Some(&model));
     let noise = noise_of(campaign, start, &closure);
-    let mut separation = evaluated(&Budget { noise, ..budget }, closure);
+    let mut separation = evaluated(&Budget { noise, ..budget }, closure, model);
     let notes = of_noise(start.noise, noise, campaign.stated.noise_um);
     separation.labels.extend(notes.map(Finding::from));
-    separation
+    (separation, patterns)
 }
 
 /// What speaks against the noise of repeated runs, and against the stated one.
@@ -226,10 +227,10 @@ fn anomalies(
 }
 
 /// What readings say.
-fn evaluated(budget: &Budget<'_>, closure: Closure) -> Separation {
+fn evaluated(budget: &Budget<'_>, closure: Closure, model: Model) -> Separation {
     let Budget { campaign, start, noise, overrun } = *budget;
     let (volume, turned) = (budget.volume(), budget.turned());
-    let mut solved = Solved::new(budget);
+    let mut solved = Solved::new(budget, model);
     let agreement = solved.judged();
     let turn = turned.then(|| solved.turn()).flatten();
     let reversals = if turned { LinearReversals::default() } else { campaign.reversals.clone() };
@@ -283,7 +284,7 @@ fn overrun(campaign: &Campaign<'_>, start: &Start) -> Option<bool> {
     let budget = Budget { campaign, start, noise: None, overrun: None };
     let judged = || {
         let steps = budget.steps();
-        let noise = start.noise.or_else(|| closure(&steps, start, true, None).noise());
+        let noise = start.noise.or_else(|| closure(&steps, start, true, None).0.noise());
         ran_over(&steps, &start.means(), &start.counts(), noise?)
     };
     let stated = campaign.measurement.overrun;
@@ -316,7 +317,7 @@ pub(crate) fn expected(
     start.noise = start.noise.map(|noise| Noise { sigma_um: noise_um, ..noise });
     start.expected_um = Some(noise_um);
     start.change_um.clone_from(change_um);
-    of_start(campaign, &start)
+    of_start(campaign, &start).0
 }
 
 /// What a laser does wherever it measures.

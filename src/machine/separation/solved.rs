@@ -14,6 +14,7 @@ use super::uncertainty::{Budget, Uncertainty};
 use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
+use std::sync::Arc;
 
 /// Seconds of arc in one radian.
 const ARCSEC_PER_RADIAN: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
@@ -26,7 +27,7 @@ pub(super) struct Solved<'a> {
     pub(super) z: Vec<f64>,
     pub(super) steps: Steps<'a>,
     /// Increments of the mean curves over each interval.
-    mean_steps: PerTerm<Vec<Row>>,
+    mean_steps: PerTerm<Arc<[Row]>>,
     /// Slopes of the increments, µm/m.
     pub(super) naive: PerTerm<f64>,
     /// Displacement per commanded unit: q_dk = s_dk (V_k/R + n m̄_dk/V_k), without dimension.
@@ -51,9 +52,10 @@ pub fn scale_sum_um_mm(volume: &Volume, ends_um: &PerDiagonal<f64>) -> f64 {
 }
 
 impl<'a> Solved<'a> {
-    pub(super) fn new(budget: &'a Budget<'a>) -> Solved<'a> {
+    /// `model`: of the causes; the noise of the readings is that of the budget.
+    pub(super) fn new(budget: &'a Budget<'a>, mut model: Model) -> Solved<'a> {
         let (campaign, volume) = (budget.campaign, budget.volume());
-        let mut model = budget.model();
+        model.noise = budget.by_noise(model.layout);
         let mut z = budget.start.means();
         z.extend(campaign.lines.iter().map(|line| line.slope_um_per_m));
         z.resize(model.layout.len(), 0.0);
@@ -77,7 +79,7 @@ impl<'a> Solved<'a> {
         let mut lines = campaign.lines.clone();
         for (index, line) in lines.iter_mut().enumerate() {
             let mut row = Row::of(model.layout.line(index));
-            row.add(-1.0, &shapes_in(volume, &mean_steps, line));
+            row.add(-1.0, shapes_in(volume, &mean_steps, line));
             line.slope_um_per_m = row.dot(&z);
             rows.push(row);
         }
@@ -135,9 +137,9 @@ impl<'a> Solved<'a> {
         let mut line = Row::default();
         // A separated slope stays as it is.
         if own < 1.0 {
-            let rise = |term: ErrorTerm| Row::sum(self.mean_steps[term].iter().map(|s| (1.0, s)));
-            line.add(own - 1.0, &rise(term));
-            line.add(of_twin * metres / self.metres(twin), &rise(twin));
+            for (times, of) in [(own - 1.0, term), (of_twin * metres / self.metres(twin), twin)] {
+                self.mean_steps[of].iter().for_each(|step| line.add(times, step));
+            }
             line.add(share * metres, &found.row);
         }
         let line_um = (slope - self.naive[term]) * metres;
@@ -249,7 +251,7 @@ pub(crate) fn naive_squareness(slopes_um_per_m: &PerTerm<f64>, plane: Plane) -> 
 
 /// What the separated shapes contribute to a line between its own ends, µm/m. Between places x₁ and x₂ of
 /// each axis k, Σ_jk v_j (D_j(k)(x₂) − D_j(k)(x₁)) = L·vᵀhv + that of the shapes.
-fn shapes_in(volume: &Volume, steps: &PerTerm<Vec<Row>>, line: &MeasuredLine) -> Row {
+fn shapes_in(volume: &Volume, steps: &PerTerm<Arc<[Row]>>, line: &MeasuredLine) -> Row {
     let Some([from, to]) = line.ends else {
         return Row::default();
     };

@@ -107,12 +107,9 @@ pub fn straight(
 fn rows(volume: &Volume, layout: Layout) -> Vec<Row> {
     let share = 1000.0 / volume.diagonal_mm() / layout.passes as f64;
     let total = |d: Diagonal| {
-        let passes = Pass::BOTH.into_iter().take(layout.passes);
-        let ends = passes.flat_map(|pass| {
-            let at = |node| layout.reading(pass, d, node);
-            [(at(layout.nodes - 1), share), (at(0), -share)]
-        });
-        Row(ends.collect())
+        let at = |pass, node| layout.reading(pass, d, node);
+        let ends = |pass| [(at(pass, layout.nodes - 1), share), (at(pass, 0), -share)];
+        Row(Pass::BOTH.into_iter().take(layout.passes).flat_map(ends).collect())
     };
     let lines = (0..layout.lines).map(|index| Row::of(layout.line(index)));
     Diagonal::ALL.map(total).into_iter().chain(lines).collect()

@@ -92,6 +92,14 @@ impl<'a> Budget<'a> {
         self.start.layout(self.campaign.lines.len())
     }
 
+    /// Variance of each entry of z by the noise of the readings.
+    pub(super) fn by_noise(&self, layout: Layout) -> Vec<f64> {
+        let square = self.noise.map_or(0.0, |noise| noise.sigma_um.squared());
+        let mut noise: Vec<f64> = self.start.counts().iter().map(|runs| square / runs).collect();
+        noise.resize(layout.len(), 0.0);
+        noise
+    }
+
     /// The linear model of the readings of a campaign.
     pub(super) fn model(&self) -> Model {
         let (campaign, stated) = (self.campaign, self.campaign.stated);
@@ -103,18 +111,14 @@ impl<'a> Budget<'a> {
             let u_um_per_m = line.u_um_per_m.unwrap_or(0.0).hypot(setup_ppm);
             other[layout.line(index)] = u_um_per_m.squared();
         }
-        let noise = self.noise.map_or(0.0, |noise| noise.sigma_um.squared());
-        let mut noise: Vec<f64> = self.start.counts().iter().map(|runs| noise / runs).collect();
-        noise.resize(layout.len(), 0.0);
+        let moved = PerDiagonal::from_fn(|d| -> Vec<PerAxis<f64>> {
+            let inside = |node| volume.inside_mm(d, kind, node);
+            (0..layout.nodes).map(|node| inside(node).minus(inside(0))).collect()
+        });
         let scaled = |part: Part, um_per_m: &dyn Fn(Diagonal) -> PerAxis<f64>| {
-            let each = PerDiagonal::from_fn(|d| (um_per_m(d), volume.inside_mm(d, kind, 0)));
-            let column = layout.column(|_, d, node| match each[d] {
-                (um_per_m, _) if um_per_m == PerAxis::default() => 0.0,
-                (um_per_m, start) => {
-                    um_per_m.dot(volume.inside_mm(d, kind, node).minus(start)) / 1000.0
-                }
-            });
-            Cause { part, column, variance: 1.0, of_beam: 0.0 }
+            let each = PerDiagonal::from_fn(um_per_m);
+            let of = |d: Diagonal, node: usize| each[d].dot(moved[d][node]) / 1000.0;
+            Cause { part, column: layout.column(of), variance: 1.0, of_beam: 0.0 }
         };
         let strain = |part: Part, strain: PerAxis<f64>| {
             scaled(part, &|d| {
@@ -142,16 +146,8 @@ impl<'a> Budget<'a> {
         }));
         let angles = unmeasured(campaign, layout, &mut causes);
         let evidence = campaign.angles.evidence.clone();
-        Model {
-            layout,
-            noise,
-            other,
-            of_setup: setup_ppm.squared(),
-            causes,
-            laser,
-            angles,
-            evidence,
-        }
+        let (noise, of_setup) = (self.by_noise(layout), setup_ppm.squared());
+        Model { layout, noise, other, of_setup, causes, laser, angles, evidence }
     }
 }
 
@@ -283,7 +279,7 @@ fn of_rotation(
             1000.0 * rise / to.minus(from).length()
         };
         let readings = PerDiagonal::from_fn(|d| of_rotations(ray, d, at));
-        let mut column = layout.column(|_, d, node| readings[d][node]);
+        let mut column = layout.column(|d, node| readings[d][node]);
         let lines = column[layout.line(0)..].iter_mut().zip(&campaign.lines);
         lines.for_each(|(um_per_m, of)| *um_per_m = line(of));
         Cause { part: Part::Angle(rotation), column, variance: 1.0, of_beam: 0.0 }
