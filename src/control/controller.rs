@@ -13,6 +13,7 @@ mod families;
 mod family;
 mod fanuc;
 mod files;
+mod form;
 mod generic;
 mod isg;
 mod job_keys;
@@ -23,7 +24,7 @@ mod pattern;
 pub mod program;
 mod siemens;
 
-pub use self::declared::{BesideTable, DeclaredFacts, Order, Size, ValueForm};
+pub use self::declared::{BesideTable, DeclaredFacts, Size};
 pub use self::example::{Added, Example, ExampleAxis, ExampleFile};
 pub(crate) use self::fact::RULE;
 pub use self::fact::{
@@ -33,11 +34,14 @@ pub use self::fact::{
 pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::files::{EmittedFile, Template};
+pub(crate) use self::form::Listed;
+pub use self::form::{Form, Order, ValueForm};
 pub use self::generic::{GenericFacts, TypedValue};
 pub use self::isg::{IsgFacts, LeverOrigin};
 pub use self::job_keys::{JobKey, JobSection};
 pub use self::klipper::KlipperFacts;
-pub use self::linuxcnc::{CrossTerms, LinuxcncFacts};
+pub(crate) use self::linuxcnc::MOST_JOINTS;
+pub use self::linuxcnc::{Columns, CrossTerms, LinuxcncFacts};
 pub use self::pattern::Pattern;
 pub(crate) use self::pattern::{Field, Said};
 pub use self::siemens::{MultiplyMode, SiemensFacts};

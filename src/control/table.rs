@@ -4,12 +4,11 @@
 //! (`read`) have in common. Values stand here exactly as in the file: in the
 //! control's own unit, sense and numbering. A point that no file writes is missing (`None`).
 
-pub mod declared;
 pub mod fanuc;
 pub mod generic;
 pub mod isg;
 pub mod klipper;
-pub mod linuxcnc;
+pub mod listed;
 pub mod siemens;
 
 use std::any::Any;
@@ -23,10 +22,8 @@ pub enum Tables {
     Fanuc(fanuc::FanucMemory),
     /// The rows of the generic table.
     Generic(generic::GenericTable),
-    /// Tables of a control whose profile declares its files.
-    Declared(declared::DeclaredTables),
-    /// LinuxCNC tables of joints.
-    Linuxcnc(linuxcnc::LinuxcncTables),
+    /// Tables whose points stand one by one, of LinuxCNC and of a control whose profile declares its files.
+    Listed(listed::ListedTables),
     /// Parameters of an ISG volumetric compensation.
     Isg(isg::IsgTables),
     /// The factors of a Klipper skew correction.
@@ -40,8 +37,7 @@ impl Tables {
             Tables::Siemens(own) => own,
             Tables::Fanuc(own) => own,
             Tables::Generic(own) => own,
-            Tables::Declared(own) => own,
-            Tables::Linuxcnc(own) => own,
+            Tables::Listed(own) => own,
             Tables::Isg(own) => own,
             Tables::Klipper(own) => own,
         };

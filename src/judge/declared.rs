@@ -2,26 +2,27 @@
 
 use crate::control::controller::DeclaredFacts;
 use crate::control::table::Tables;
-use crate::control::table::declared::{DeclaredTable, DeclaredTables, Point};
+use crate::control::table::listed::{ListedTable, ListedTables};
 use crate::judge::active::{Found, ReadOutReader};
 use crate::judge::before::{Before, Old};
-use crate::judge::disagreement::entries::{Entries, Entry, Item, Value};
+use crate::judge::disagreement::entries::Entries;
 use crate::judge::family::{Family, Side};
 use crate::judge::findings::InControl;
+use crate::judge::listed;
 use crate::read::declared::read;
 use crate::text::problem::Problems;
 
 impl Family for DeclaredFacts {
     fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
         let mut found = read(reading.texts, self)?;
-        let held = Tables::Declared(found.clone());
+        let held = Tables::Listed(found.clone());
         tell_others(reading, &mut found);
-        Ok(Found { tables: Tables::Declared(found), ..Found::all(held) })
+        Ok(Found { tables: Tables::Listed(found), ..Found::all(held) })
     }
 
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
-        let (old, new) = (own(old), own(new));
-        let stays = |table: &&DeclaredTable| {
+        let (old, new) = (listed::own(old), listed::own(new));
+        let stays = |table: &&ListedTable| {
             let mut new = new.iter();
             !new.any(|new| new.is_for(&table.base, &table.output))
         };
@@ -29,18 +30,7 @@ impl Family for DeclaredFacts {
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {
-        let of_table = |table: &DeclaredTable| {
-            let told = side.tells(&table.base, &table.output);
-            let name = table.name();
-            let entry = move |(index, point): (u32, &Point)| {
-                let numbers = vec![Some(point.position), Some(point.forward), point.reverse];
-                let key = (name.clone(), Item::Point(index));
-                (key, Entry::of(Value::Numbers(numbers), told, told))
-            };
-            let points = (self.first_point.value..).zip(&table.points);
-            points.map(entry).collect::<Vec<_>>()
-        };
-        own(side.tables).iter().flat_map(of_table).collect()
+        listed::entries(self, side, self.first_point.value)
     }
 
     /// The files that were read out are the rollback.
@@ -49,15 +39,9 @@ impl Family for DeclaredFacts {
     }
 }
 
-/// The tables of a memory; a memory of another family holds none.
-fn own(tables: &Tables) -> &[DeclaredTable] {
-    tables.own().map_or(&[], |own: &DeclaredTables| &own.tables)
-}
-
 /// Tables of axes that the job does not have; one that moves an axis of the job is told as such.
-fn tell_others(reading: &mut ReadOutReader<'_>, found: &mut DeclaredTables) {
-    let axes = |table: &DeclaredTable| [table.base.clone(), table.output.clone()];
-    for table in reading.take_others(&mut found.tables, axes) {
+fn tell_others(reading: &mut ReadOutReader<'_>, found: &mut ListedTables) {
+    for table in listed::take_others(reading, found) {
         let what = format!("the {}", table.name());
         let moving = table.base.clone();
         reading.tell(match reading.has(&table.output) {

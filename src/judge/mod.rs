@@ -8,6 +8,7 @@ mod generic;
 mod isg;
 mod klipper;
 mod linuxcnc;
+mod listed;
 mod siemens;
 
 pub mod active;

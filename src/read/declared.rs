@@ -11,44 +11,33 @@
 //! With `point` the fields of one point may stand in several lines; without it each line is a point. A line that
 //! no pattern takes is refused: what the control makes of it is not known.
 
-mod control;
 mod table;
 
 use self::table::{Draft, Whose};
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Comments, DeclaredFacts, Field, Pattern, Said, Size};
 use crate::control::table::Tables;
-use crate::control::table::declared::{DeclaredTable, DeclaredTables};
+use crate::control::table::listed::{ListedTable, ListedTables};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
+use crate::read::listed;
 use crate::text::problem::{Problem, Problems, shown};
 use std::ops::Range;
 
 impl Family for DeclaredFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
         let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
-        Ok(Tables::Declared(read(&texts, self)?).into())
+        Ok(Tables::Listed(read(&texts, self)?).into())
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
-        Ok(Box::new(control::control(own(tables)?, self, state)?))
+        Ok(Box::new(listed::control(own(tables)?, self, state)?))
     }
 
     /// A pair of axes has one table.
     fn load(&self, held: &mut Tables, file: Tables) {
-        match (held, file) {
-            (Tables::Declared(held), Tables::Declared(file)) => {
-                let is_new = |own: &DeclaredTable| {
-                    let mut new = file.tables.iter();
-                    new.any(|new| new.is_for(&own.base, &own.output))
-                };
-                held.tables.retain(|table| !is_new(table));
-                let kept = std::mem::take(&mut held.tables);
-                *held = DeclaredTables::of([kept, file.tables].concat());
-            }
-            (held, file) => *held = file,
-        }
+        listed::load(held, file, |own, new| own.is_for(&new.base, &new.output));
     }
 
     fn may_obey(&self, text: &str) -> bool {
@@ -63,9 +52,9 @@ impl Family for DeclaredFacts {
 pub(crate) fn read(
     texts: &[(&str, &str)],
     facts: &DeclaredFacts,
-) -> Result<DeclaredTables, Problems> {
+) -> Result<ListedTables, Problems> {
     let mut problems = Problems::none();
-    let mut all: Vec<DeclaredTable> = Vec::new();
+    let mut all: Vec<ListedTable> = Vec::new();
     for (name, text) in texts {
         for table in problems.take(file(name, text, facts)).into_iter().flatten() {
             if all.iter().any(|own| own.is_for(&table.base, &table.output)) {
@@ -82,11 +71,11 @@ pub(crate) fn read(
         let help = "compare the files with the patterns of the profile (`lines`)";
         problems.push(Problem::new(message).help(help));
     }
-    problems.or_ok(DeclaredTables::of(all))
+    problems.or_ok(ListedTables::of(all))
 }
 
 /// The tables of one file.
-fn file(name: &str, text: &str, facts: &DeclaredFacts) -> Result<Vec<DeclaredTable>, Problems> {
+fn file(name: &str, text: &str, facts: &DeclaredFacts) -> Result<Vec<ListedTable>, Problems> {
     let mut reading = Reading {
         facts,
         axes: Axes::of_name(name, facts),

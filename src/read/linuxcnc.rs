@@ -9,7 +9,6 @@
 //! the C source and the runs named in docs/linuxcnc.md §0; of HAL files the form of a kit is read, no other.
 
 mod comp;
-mod control;
 mod hal;
 mod ini;
 pub(super) mod program;
@@ -18,12 +17,13 @@ pub(crate) use self::ini::Joint;
 
 use self::ini::Ini;
 use crate::control::control_state::ControlState;
-use crate::control::controller::{ControlUnit, CrossTerms, LinuxcncFacts};
+use crate::control::controller::{Columns, ControlUnit, CrossTerms, LinuxcncFacts};
 use crate::control::table::Tables;
-use crate::control::table::linuxcnc::{Columns, CompTable, CrossTable, LinuxcncTables};
+use crate::control::table::listed::{ListedTable, ListedTables, Point};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::findings::ReadFinding;
+use crate::read::listed;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
 use std::collections::BTreeMap;
@@ -33,27 +33,18 @@ impl Family for LinuxcncFacts {
         let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
         let read = read(&texts, self)?;
         let notes = read.not_named();
-        Ok(ReadBack { notes, ..Tables::Linuxcnc(read.tables).into() })
+        Ok(ReadBack { notes, ..Tables::Listed(read.tables).into() })
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
-        Ok(Box::new(control::control(own(tables)?, self, state)?))
+        Ok(Box::new(listed::control(own(tables)?, self, state)?))
     }
 
     /// A joint has one table; a HAL file takes the place of another.
     fn load(&self, held: &mut Tables, file: Tables) {
-        match (held, file) {
-            (Tables::Linuxcnc(held), Tables::Linuxcnc(file)) => {
-                let is_kept = |table: &CompTable| file.of_joint(table.joint).is_none();
-                held.joints.retain(is_kept);
-                held.joints.extend(file.joints);
-                held.joints.sort_by_key(|table| table.joint);
-                if !file.cross.is_empty() {
-                    held.cross = file.cross;
-                }
-            }
-            (held, file) => *held = file,
-        }
+        listed::load(held, file, |own, new| {
+            own.is_own() == new.is_own() && (!own.is_own() || own.output == new.output)
+        });
     }
 
     fn may_obey(&self, text: &str) -> bool {
@@ -70,7 +61,7 @@ impl Family for LinuxcncFacts {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Contents {
     /// The tables that act.
-    pub(crate) tables: LinuxcncTables,
+    pub(crate) tables: ListedTables,
     /// What the ini says of each joint.
     pub(crate) joints: BTreeMap<u32, Joint>,
     /// `[TRAJ]LINEAR_UNITS`.
@@ -107,10 +98,7 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
     };
     let ini = Ini::read(ini_name, text)?;
     let mut problems = Problems::none();
-    let mut tables = LinuxcncTables {
-        cross: problems.take(cross(&hals, facts)).unwrap_or_default(),
-        ..LinuxcncTables::default()
-    };
+    let mut tables = problems.take(cross(&hals, facts)).unwrap_or_default();
     let mut named: Vec<&str> = Vec::new();
     for (number, joint) in &ini.joints {
         let Some(path) = joint.comp_file.as_deref() else {
@@ -120,9 +108,15 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
             None => problems.push(not_there(*number, path)),
             Some((name, text)) => {
                 named.push(name);
-                let rows = problems.take(comp::rows(name, text, facts));
                 let columns = joint.columns.unwrap_or(Columns::Reached);
-                tables.joints.extend(rows.map(|rows| CompTable { joint: *number, columns, rows }));
+                let of_profile = columns == facts.columns.value;
+                let rows = problems.take(comp::rows(name, text, facts));
+                let points = rows.map(|rows| match of_profile {
+                    true => rows,
+                    false => rows.into_iter().map(in_other_columns).collect(),
+                });
+                let [base, output] = [number, number].map(ToString::to_string);
+                tables.extend(points.map(|points| ListedTable { base, output, points }));
             }
         }
     }
@@ -133,7 +127,7 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
     named.extend(hals.iter().map(|(name, _)| *name));
     let unnamed = names.filter(|name| *name != ini_name && !named.contains(name));
     problems.or_ok(Contents {
-        tables,
+        tables: ListedTables::of(tables),
         unnamed: unnamed.map(str::to_string).collect(),
         joints: ini.joints,
         unit: ini.unit,
@@ -142,7 +136,7 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
 }
 
 /// What the HAL file adds.
-fn cross(hals: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Vec<CrossTable>, Problems> {
+fn cross(hals: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Vec<ListedTable>, Problems> {
     match hals {
         [] => Ok(Vec::new()),
         [(name, text)] => hal::tables(name, text, facts),
@@ -153,6 +147,12 @@ fn cross(hals: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Vec<CrossTable>
         .help("name the file with the corrections alone; the machine's own HAL files are not read")
         .into()),
     }
+}
+
+/// A row of positions reached as one of trims, or the other way: nominal − column.
+fn in_other_columns(row: Point) -> Point {
+    let other = |column: f64| row.position - column;
+    Point { forward: other(row.forward), reverse: row.reverse.map(other), ..row }
 }
 
 /// The ini file of a machine has its kinematics, which lines for its joints do not.

@@ -18,6 +18,7 @@ pub mod isg;
 pub mod klipper;
 mod lexer;
 pub mod linuxcnc;
+mod listed;
 mod pairs;
 pub mod program;
 pub mod siemens;

@@ -11,20 +11,20 @@
 mod hal;
 
 use crate::control::claims::Precondition;
-use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{ControlUnit, CrossTerms, LinuxcncFacts, Mechanism};
-use crate::control::table::Tables;
-use crate::control::table::linuxcnc::{
-    Columns, CompTable, CrossTable, LinuxcncTables, MOST_JOINTS, Row,
+use crate::control::control_state::ControlState;
+use crate::control::controller::{
+    Columns, ControlUnit, CrossTerms, LinuxcncFacts, Listed, MOST_JOINTS, Mechanism,
 };
+use crate::control::table::Tables;
+use crate::control::table::listed::{ListedTable, ListedTables, Point};
 use crate::inputs::job::Compensation;
 use crate::quantity::axis::{Direction, ErrorTerm};
-use crate::quantity::units::{Deviation, power_of_ten, rounded};
 use crate::text::problem::Problems;
-use crate::write::compiled::{Compiled, Placement, column, control_state};
+use crate::write::compiled::Compiled;
 use crate::write::control_text::{fixed, trimmed};
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
+use crate::write::listed;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 use serde_json::{Value, json};
@@ -72,57 +72,31 @@ impl Family for LinuxcncFacts {
     }
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
-        let state = control_state(task, plan, |_| 0.0);
-        let mut joints: Vec<CompTable> = Vec::new();
-        let names = plan.tables.iter().map(|planned| (planned, &plan.names[planned.term.of]));
-        let own = names.clone().filter(|(p, _)| p.term.is_positioning());
-        for (planned, output) in own.flat_map(|(p, all)| all.iter().map(move |o| (p, o))) {
-            let joint = output.parse().unwrap_or(MOST_JOINTS); // `expected_name` let it through
-            if joints.iter().all(|table| table.joint != joint) {
-                let axis = state.axis(output);
-                joints.push(self.table(task, plan, joint, (planned, axis)));
-            }
-        }
-        joints.sort_by_key(|table| table.joint);
-        let cross = self.cross_tables(task, plan, |table| table.values.clone());
-        self.check_curves(task, &cross)?;
-        let count_um = self.count_um(task);
-        let placed =
-            names.map(|(planned, all)| Placement::of(planned, place(plan, planned, all), count_um));
-        Ok(Compiled {
-            placements: placed.collect(),
-            preconditions: preconditions(task, &joints, &cross),
-            stale: Vec::new(),
-            tables: Tables::Linuxcnc(LinuxcncTables { joints, cross }),
-            state,
-            assumptions: Vec::new(),
-            notes: Vec::new(),
-        })
+        let compiled = listed::compile(self, task, plan, |planned| {
+            place(plan, planned, &plan.names[planned.term.of])
+        })?;
+        self.check_curves(task, tables_of(&compiled.tables))?;
+        let preconditions = preconditions(task, tables_of(&compiled.tables));
+        Ok(Compiled { preconditions, ..compiled })
     }
 
     fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
-        match (mechanism, tables) {
-            (Mechanism::Comp, Tables::Linuxcnc(tables)) => !tables.joints.is_empty(),
-            (Mechanism::Hal, Tables::Linuxcnc(tables)) => !tables.cross.is_empty(),
-            _ => true,
-        }
+        listed::uses([Mechanism::Comp, Mechanism::Hal], mechanism, tables)
     }
 
     fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
-        let tables: &LinuxcncTables = emitted.tables.own()?;
-        let joints = tables.joints.iter().map(|table| self.seen(table));
-        let mut seen = self.hal_context(&tables.cross);
-        seen["joints"] = joints.collect::<Vec<Value>>().into();
+        let unit = emitted.task.job.compensation.control_unit;
+        let (own, cross) = sorted(tables_of(emitted.tables));
+        let mut seen = self.hal_context(&cross);
+        seen["joints"] = own.into_iter().map(|table| self.seen(table, unit)).collect();
         seen["controller_reference"] = emitted.task.reference_text().into();
         Some(seen)
     }
 
     fn displayed(&self, tables: &Tables, state: &ControlState) -> Vec<String> {
-        let Tables::Linuxcnc(tables) = tables else {
-            return Vec::new();
-        };
-        let joints = tables.joints.iter().map(|table| self.shown(table, state));
-        joints.chain(self.corrections(&tables.cross, state)).collect()
+        let (own, cross) = sorted(tables_of(tables));
+        let joints = own.into_iter().map(|table| self.shown(table, state));
+        joints.chain(self.corrections(&cross, state)).collect()
     }
 
     fn has(&self, mechanism: Mechanism) -> bool {
@@ -133,110 +107,57 @@ impl Family for LinuxcncFacts {
         table.term.is_cross() == (mechanism == Mechanism::Hal)
     }
 
-    /// Both columns of every joint of the term have the bump, so that the two sides of a gantry move alike.
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
-        let kit: &LinuxcncTables = proof.kit.own()?;
-        if proof.mechanism == Mechanism::Hal {
-            let cross = self.cross_tables(proof.task, proof.plan, |table| {
-                proof.deviations(table.term == proof.term, table.values.len())
-            });
-            let joints = Vec::new();
-            return Some(Tables::Linuxcnc(LinuxcncTables { joints, cross }));
-        }
-        let own = &proof.plan.names[proof.term.of];
-        let of_kit = kit.joints.iter().map(|table| {
-            let has_bump = own.contains(&table.joint.to_string());
-            let deviations = proof.deviations(has_bump, table.rows.len());
-            let rows = table.rows.iter().zip(deviations);
-            let row = |(row, d): (&Row, Deviation)| self.row(proof.task, row.nominal, [d, d]);
-            CompTable { rows: rows.map(row).collect(), ..table.clone() }
-        });
-        let (joints, cross) = (of_kit.collect(), Vec::new());
-        Some(Tables::Linuxcnc(LinuxcncTables { joints, cross }))
+        Some(listed::proof_tables(self, proof, |planned| self.belongs(proof.mechanism, planned)))
     }
 }
 
+/// The tables of a memory; a memory of another family holds none.
+fn tables_of(tables: &Tables) -> &[ListedTable] {
+    tables.own().map_or(&[], |own: &ListedTables| &own.tables)
+}
+
+/// Those of joints for themselves, and those of joints by others.
+fn sorted(tables: &[ListedTable]) -> (Vec<&ListedTable>, Vec<&ListedTable>) {
+    tables.iter().partition(|table| table.is_own())
+}
+
 impl LinuxcncFacts {
-    /// The last decimal of a trim, µm.
-    fn count_um(&self, task: Task<'_>) -> f64 {
-        task.um_per_unit() / power_of_ten(self.value_decimals.value)
-    }
-
-    /// Decimals of columns 2 and 3.
-    fn column_decimals(&self) -> u32 {
-        match self.columns.value {
-            Columns::Trims => self.value_decimals.value,
-            Columns::Reached => self.value_decimals.value.max(self.position_decimals.value),
-        }
-    }
-
-    /// The table of a joint from all that is planned for its axis.
-    fn table(
-        &self,
-        task: Task<'_>,
-        plan: &Plan,
-        joint: u32,
-        (planned, axis): (&PlannedTable, Option<&AxisState>),
-    ) -> CompTable {
-        let columns = Direction::BOTH.map(|way| column(plan, planned.term, axis, way));
-        let grid = &planned.grid;
-        let row = |(at, deviations): (i64, (Deviation, Deviation))| {
-            self.row(task, grid.written(at), [deviations.0, deviations.1])
-        };
-        let [up, down] = columns;
-        let rows = (grid.first..=grid.last).zip(up.into_iter().zip(down));
-        CompTable { joint, columns: self.columns.value, rows: rows.map(row).collect() }
-    }
-
-    /// A row that cancels a deviation for travel up, and one for travel down; rounded here, once.
-    fn row(&self, task: Task<'_>, nominal: f64, deviations: [Deviation; 2]) -> Row {
-        let decimals = self.value_decimals.value;
-        let column = |deviation: Deviation| {
-            let um = self.trim_sign.value.table_um(deviation);
-            let trim = rounded(um / task.um_per_unit(), decimals);
-            match self.columns.value {
-                Columns::Trims => trim + 0.0, // −0 is 0
-                Columns::Reached => rounded(nominal - trim, self.column_decimals()) + 0.0,
-            }
-        };
-        let [forward, reverse] = deviations.map(column);
-        Row { nominal, forward, reverse }
-    }
-
     /// What templates see of a table.
-    fn seen(&self, table: &CompTable) -> Value {
+    fn seen(&self, table: &ListedTable, unit: ControlUnit) -> Value {
+        let decimals = self.form(true, unit).decimals();
         let position = |number: f64| fixed(number, self.position_decimals.value);
-        let column = |number: f64| fixed(number, self.column_decimals());
-        let row = |row: &Row| {
+        let row = |point: &Point| {
             json!({
-                "nominal": position(row.nominal),
-                "forward": column(row.forward),
-                "reverse": column(row.reverse),
+                "nominal": position(point.position),
+                "forward": fixed(point.forward, decimals),
+                "reverse": fixed(point.reverse.unwrap_or(point.forward), decimals),
             })
         };
-        let ends = [table.rows.first(), table.rows.last()];
-        let [first, last] = ends.map(|row| row.map_or(String::new(), |row| position(row.nominal)));
+        let ends = [table.points.first(), table.points.last()];
+        let [first, last] = ends.map(|own| own.map_or(String::new(), |own| position(own.position)));
         json!({
-            "number": table.joint.to_string(),
-            "type": table.columns.number().to_string(),
+            "number": table.output,
+            "type": self.columns.value.number().to_string(),
             "first": first,
             "last": last,
-            "count": table.rows.len().to_string(),
-            "rows": table.rows.iter().map(row).collect::<Vec<Value>>(),
+            "count": table.points.len().to_string(),
+            "rows": table.points.iter().map(row).collect::<Vec<Value>>(),
         })
     }
 
     /// `joint.0.backlash-corr: -0.018 mm at 900 mm moving up; …`, where the table holds most.
-    fn shown(&self, table: &CompTable, state: &ControlState) -> String {
-        let trim = |row: &Row| match table.columns {
-            Columns::Trims => row.forward,
-            Columns::Reached => row.nominal - row.forward,
+    fn shown(&self, table: &ListedTable, state: &ControlState) -> String {
+        let trim = |point: &Point| match self.columns.value {
+            Columns::Trims => point.forward,
+            Columns::Reached => point.position - point.forward,
         };
-        let by_size = |a: &&Row, b: &&Row| trim(a).abs().total_cmp(&trim(b).abs());
-        let largest = table.rows.iter().max_by(by_size);
-        let [value, place] = [largest.map_or(0.0, trim), largest.map_or(0.0, |row| row.nominal)]
-            .map(|number| trimmed(number, self.column_decimals()));
-        let (joint, unit) = (table.joint, state.unit.word());
+        let by_size = |a: &&Point, b: &&Point| trim(a).abs().total_cmp(&trim(b).abs());
+        let largest = table.points.iter().max_by(by_size);
+        let decimals = self.form(true, state.unit).decimals();
+        let [value, place] = [largest.map_or(0.0, trim), largest.map_or(0.0, |own| own.position)]
+            .map(|number| trimmed(number, decimals));
+        let (joint, unit) = (&table.output, state.unit.word());
         format!(
             "joint.{joint}.backlash-corr: {value} {unit} at {place} {unit}, having come there moving up; 0 at the reference point, having come there as homing does"
         )
@@ -261,7 +182,8 @@ fn place(plan: &Plan, planned: &PlannedTable, joints: &[String]) -> String {
 /// Where these facts were seen.
 const SEEN: &str = "LinuxCNC 2.9.0~pre1, seen: docs/linuxcnc.md §2";
 
-fn preconditions(task: Task<'_>, joints: &[CompTable], cross: &[CrossTable]) -> Vec<Precondition> {
+fn preconditions(task: Task<'_>, tables: &[ListedTable]) -> Vec<Precondition> {
+    let (joints, cross) = sorted(tables);
     let unit = task.job.compensation.control_unit.word();
     let mut list = vec![Precondition::new(
         "[TRAJ]LINEAR_UNITS",
@@ -271,17 +193,17 @@ fn preconditions(task: Task<'_>, joints: &[CompTable], cross: &[CrossTable]) -> 
     ).dangerous()];
     list.extend(joints.iter().map(|table| {
         Precondition::new(
-            format!("BACKLASH of [{}]", table.name()),
+            format!("BACKLASH of [JOINT_{}]", table.output),
             "removed",
             "a joint with a COMP_FILE ignores it: the table holds the whole reversal that is corrected",
             SEEN,
         )
     }));
-    let has_step =
-        |table: &&CompTable| table.rows.iter().any(|row| (row.forward - row.reverse).abs() > 0.0);
+    let is_step = |own: &Point| own.reverse.is_some_and(|down| (own.forward - down).abs() > 0.0);
+    let has_step = |table: &&&ListedTable| table.points.iter().any(is_step);
     list.extend(joints.iter().filter(has_step).map(|table| {
         Precondition::new(
-            format!("STEPGEN_MAXACCEL of [{}], where there is one", table.name()),
+            format!("STEPGEN_MAXACCEL of [JOINT_{}], where there is one", table.output),
             "1.5 to 2 times MAX_ACCELERATION",
             "at a reversal the table is added to the move within a few milliseconds; without headroom a following error stops the machine",
             "LinuxCNC documentation, INI Configuration (from memory)",

@@ -15,6 +15,7 @@ mod generic;
 mod isg;
 mod klipper;
 mod linuxcnc;
+mod listed;
 pub mod siemens;
 
 pub mod compensation;

@@ -5,7 +5,7 @@ use crate::inputs::job::{AxisSettings, Job, MachineAxis};
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::{Deviation, UM_PER_MM};
+use crate::quantity::units::Deviation;
 use crate::text::finding::Finding;
 use crate::write::control_text::trimmed;
 use crate::write::grid::Grid;
@@ -26,11 +26,6 @@ impl Task<'_> {
     /// Settings and machine data of an axis that moves or is corrected.
     pub fn axis(&self, axis: Axis) -> Option<(MachineAxis, &AxisSettings)> {
         Some((self.job.machine.axes[axis]?, self.job.compensation.axes[axis].as_ref()?))
-    }
-
-    /// Micrometres in the unit of the control.
-    pub(crate) fn um_per_unit(&self) -> f64 {
-        self.job.compensation.control_unit.in_mm() * UM_PER_MM
     }
 
     /// The detection unit of an axis, µm, where it is stated.

@@ -2,7 +2,7 @@
 use crate::support::{self, um_at};
 use nonius::control::controller::{Role, builtin};
 use nonius::control::table::Tables;
-use nonius::control::table::linuxcnc::{CrossTable, Point};
+use nonius::control::table::listed::{ListedTable, Point};
 use nonius::kit;
 use nonius::quantity::axis::Direction;
 use nonius::read::{KitFile, read};
@@ -10,11 +10,11 @@ use nonius::read::{KitFile, read};
 /// Two curves of X, one of 3 and one of 2 points, correct Y (joint 1). Written by hand.
 const FILE: &str = include_str!("by_hand.hal");
 
-fn tables(text: &str) -> Result<Vec<CrossTable>, String> {
+fn tables(text: &str) -> Result<Vec<ListedTable>, String> {
     let profile = builtin::profile("linuxcnc-hal").unwrap();
     let file = KitFile { path: "m.hal", role: Role::Table, bytes: text.as_bytes() };
     match read(&profile, &[file]).map_err(|p| p.render())?.tables {
-        Tables::Linuxcnc(tables) => Ok(tables.cross),
+        Tables::Listed(tables) => Ok(tables.tables),
         other => panic!("{other:?}"),
     }
 }
@@ -23,11 +23,10 @@ fn tables(text: &str) -> Result<Vec<CrossTable>, String> {
 fn a_file_written_by_hand_is_read() {
     let found = tables(FILE).unwrap();
     assert_eq!(found.len(), 1);
-    assert_eq!((found[0].base, found[0].output), (0, 1));
-    let curves =
-        [vec![(-100.0, 0.001), (0.0, 0.0), (100.0, -0.002)], vec![(100.0, 0.0), (150.0, 0.004)]];
-    let pairs = |piece: &Vec<Point>| piece.iter().map(|p| (p.position, p.value)).collect();
-    assert_eq!(found[0].pieces.iter().map(pairs).collect::<Vec<Vec<_>>>(), curves);
+    assert_eq!((&*found[0].base, &*found[0].output), ("0", "1"));
+    let sum = |point: &Point| (point.position, point.forward);
+    let expected = [(-100.0, 0.001), (0.0, 0.0), (100.0, -0.002), (150.0, 0.002)];
+    assert_eq!(found[0].points.iter().map(sum).collect::<Vec<_>>(), expected);
 }
 
 /// Words of [`FILE`] (¶ = the end of a line), what stands there instead, and what is said of it.

@@ -8,11 +8,12 @@
 //!   how a line is read  lines, file_name, comments; their fields say how points lie, and whether a value has two directions
 //! ```
 
-use super::fact::{Comments, Fact, Facts, Mechanism, Outside, Stated, TableSign};
+use super::fact::{Comments, ControlUnit, Fact, Facts, Mechanism, Outside, Stated, TableSign};
 use super::family::{Family, Proof};
+use super::form::{Form, Listed, Order, ValueForm};
 use super::pattern::{Field, Pattern};
 use crate::control::table::Tables;
-use crate::control::table::declared::DeclaredTables;
+use crate::control::table::listed::{ListedTables, name};
 use crate::text::delimited::LengthUnit;
 use crate::text::document::{Section, section};
 use crate::text::words::words;
@@ -22,7 +23,7 @@ pub(super) static FAMILY: Family = Family {
     backlash_parameter: "backlash parameter",
     between: "linear",
     outside: &[Outside::Hold, Outside::Zero, Outside::Unknown],
-    no_tables: Tables::Declared(DeclaredTables { tables: Vec::new() }),
+    no_tables: Tables::Listed(ListedTables::NONE),
     off: "removed",
     restarts: true,
     off_by_hand: ", see to it by hand",
@@ -42,28 +43,6 @@ pub(super) static FAMILY: Family = Family {
         },
     ],
 };
-
-words! {
-    /// In which form a number of a table says what it says.
-    pub enum ValueForm {
-        /// Error or correction itself.
-        Amount = "amount",
-        /// The position that error or correction leads to.
-        Position = "position",
-        /// Its change from the point before.
-        Increment = "increment",
-    }
-}
-
-words! {
-    /// The order of the points in a file.
-    pub enum Order {
-        /// From − to +.
-        Ascending = "ascending",
-        /// From + to −.
-        Descending = "descending",
-    }
-}
 
 words! {
     /// What the backlash parameter of an axis does beside a table of the axis.
@@ -174,7 +153,8 @@ impl DeclaredFacts {
         [
             (
                 "position_size",
-                self.millimetre_decimals().is_some() || self.is_inch(),
+                self.millimetre_decimals().is_some()
+                    || self.form(true, ControlUnit::Millimetre).is_inch(),
                 "`mm`, `um`, `inch`, or a power of ten of a micrometre",
             ),
             (
@@ -204,11 +184,6 @@ impl DeclaredFacts {
                 "`false`, or the sign that begins a comment in quotes",
             ),
         ]
-    }
-
-    /// Positions are in inch.
-    pub(crate) fn is_inch(&self) -> bool {
-        (self.position_size.value.um - LengthUnit::In.um()).abs() < f64::EPSILON
     }
 
     /// The decimals of a millimetre that positions have; `None` where they are no such fractions.
@@ -275,5 +250,33 @@ impl DeclaredFacts {
             let help = "`axis` in a line before the values, in each line, or in `file_name`";
             facts.section.problem("lines", message, help);
         }
+    }
+}
+
+impl Listed for DeclaredFacts {
+    fn form(&self, is_own: bool, _unit: ControlUnit) -> Form {
+        Form {
+            sign: self.sign(is_own).value,
+            value: self.value_form.value,
+            value_um: self.value_size.value.um,
+            value_decimals: self.value_decimals.value,
+            largest: self.largest_value.value,
+            position_um: self.position_size.value.um,
+            position_decimals: self.position_decimals.value,
+            order: self.order.value,
+            has_two: is_own && self.has_two(),
+            outside: self.outside.value,
+            beyond_travel: self.points_beyond_travel.value,
+            zero_reverse_is_forward: self.zero_reverse_is_forward.value,
+            is_float: false,
+        }
+    }
+
+    fn replaces_parameter(&self) -> bool {
+        self.backlash.value == BesideTable::Replaced
+    }
+
+    fn table_name(&self, base: &str, output: &str) -> String {
+        name(base, output)
     }
 }

@@ -169,6 +169,19 @@ words! {
     }
 }
 
+impl Outside {
+    /// Why a table may not end inside the travel where the end value is not held.
+    pub(crate) const fn why(self) -> &'static str {
+        match self {
+            Outside::Hold => "the value at its end is held",
+            Outside::Zero => {
+                "this control adds nothing outside a table: the correction would jump at its end"
+            }
+            Outside::Unknown => "what this control adds outside a table is not known",
+        }
+    }
+}
+
 /// Whether the files of a control may carry comments.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Comments {

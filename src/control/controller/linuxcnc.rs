@@ -1,18 +1,23 @@
 //! LinuxCNC: facts of the tables that `COMP_FILE` names, and of the HAL file for cross terms (docs/linuxcnc.md).
 
-use super::fact::{Fact, Facts, Mechanism, Outside, TableSign};
+use super::fact::{ControlUnit, Fact, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
+use super::form::{Form, Listed, Order, ValueForm};
 use crate::control::table::Tables;
-use crate::control::table::linuxcnc::{Columns, LinuxcncTables};
+use crate::control::table::listed::ListedTables;
+use crate::quantity::units::UM_PER_MM;
 use crate::text::document::section;
-use crate::text::words::{Word, words};
+use crate::text::words::words;
+
+/// Most joints of a machine (`EMCMOT_MAX_JOINTS` of 2.9); they are numbered from 0.
+pub(crate) const MOST_JOINTS: u32 = 16;
 
 pub(super) static FAMILY: Family = Family {
     word: "linuxcnc",
     backlash_parameter: "BACKLASH of the ini file",
     between: "linear",
     outside: &[Outside::Hold],
-    no_tables: Tables::Linuxcnc(LinuxcncTables { joints: Vec::new(), cross: Vec::new() }),
+    no_tables: Tables::Listed(ListedTables::NONE),
     off: "removed",
     restarts: true,
     off_by_hand: ": take COMP_FILE and COMP_FILE_TYPE out of their sections",
@@ -41,9 +46,24 @@ pub(super) static LANGUAGE: LanguageFacts = LanguageFacts {
     ]],
 };
 
-impl Word for Columns {
-    const WORDS: &'static [(&'static str, Columns)] =
-        &[("reached", Columns::Reached), ("trims", Columns::Trims)];
+words! {
+    /// What the second and the third number of a row hold (`COMP_FILE_TYPE`).
+    pub enum Columns {
+        /// 0: the position that is reached; the trim is nominal − column.
+        Reached = "reached",
+        /// 1: the trim, which the control adds.
+        Trims = "trims",
+    }
+}
+
+impl Columns {
+    /// The number of `COMP_FILE_TYPE`.
+    pub(crate) const fn number(self) -> u32 {
+        match self {
+            Columns::Reached => 0,
+            Columns::Trims => 1,
+        }
+    }
 }
 
 words! {
@@ -80,5 +100,43 @@ section! {
         pub personalities: Fact<u32> = within(2.., "at least 2"), must;
         /// Most curves of a HAL file.
         pub curves: Fact<u32> = stated(), must;
+    }
+}
+
+impl Listed for LinuxcncFacts {
+    fn form(&self, is_own: bool, unit: ControlUnit) -> Form {
+        let um = unit.in_mm() * UM_PER_MM;
+        let (sign, value) = match (is_own, self.columns.value) {
+            (false, _) => (self.sum_sign.value, ValueForm::Amount),
+            (true, Columns::Trims) => (self.trim_sign.value, ValueForm::Amount),
+            (true, Columns::Reached) => (self.trim_sign.value.turned(), ValueForm::Position),
+        };
+        Form {
+            sign,
+            value,
+            value_um: um,
+            value_decimals: self.value_decimals.value,
+            largest: f64::INFINITY,
+            position_um: um,
+            position_decimals: self.position_decimals.value,
+            order: Order::Ascending,
+            has_two: is_own,
+            outside: Outside::Hold,
+            beyond_travel: true,
+            zero_reverse_is_forward: false,
+            is_float: is_own,
+        }
+    }
+
+    fn replaces_parameter(&self) -> bool {
+        true
+    }
+
+    /// A joint for itself by its section of the ini file.
+    fn table_name(&self, base: &str, output: &str) -> String {
+        match base == output {
+            true => format!("table of JOINT_{output}"),
+            false => format!("correction of joint {output} by joint {base}"),
+        }
     }
 }

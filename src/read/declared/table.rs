@@ -1,7 +1,7 @@
 //! A table while its lines are read, and what it has to hold in the end.
 
 use crate::control::controller::{DeclaredFacts, Field, Order};
-use crate::control::table::declared::{DeclaredTable, Point, name};
+use crate::control::table::listed::{ListedTable, Point, name};
 use crate::quantity::units::rounded;
 use crate::read::lexer::Complaint;
 use crate::text::problem::shown;
@@ -109,7 +109,7 @@ impl Draft {
     }
 
     /// The table, once all lines are read.
-    pub(super) fn table(self, facts: &DeclaredFacts) -> Result<DeclaredTable, Complaint> {
+    pub(super) fn table(self, facts: &DeclaredFacts) -> Result<ListedTable, Complaint> {
         let Some([base, output]) = self.own.axes.clone() else {
             let name = self.own.name.as_deref().map_or(String::new(), shown);
             let message = format!("no line says which axes the table `{name}` is for");
@@ -125,7 +125,7 @@ impl Draft {
             check_order(facts, points.last().map(|last| last.position), position, row)?;
             points.push(point(facts.value_fields(is_own), position, row)?);
         }
-        Ok(DeclaredTable { base, output, points })
+        Ok(ListedTable { base, output, points })
     }
 
     /// As many points as the file and the control say.

@@ -1,6 +1,6 @@
 use super::*;
 use crate::control::controller::{Dialect, ProfileSource, builtin, load};
-use crate::control::table::declared::Point;
+use crate::control::table::listed::Point;
 use crate::text::document::Source;
 
 fn weihong() -> DeclaredFacts {

@@ -5,7 +5,7 @@
 //! refused at that place: nobody meant it.
 
 use crate::control::controller::LinuxcncFacts;
-use crate::control::table::linuxcnc::Row;
+use crate::control::table::listed::Point;
 use crate::read::lexer::{Complaint, Cursor, lines, located};
 use crate::text::problem::Problems;
 use std::ops::Range;
@@ -17,8 +17,8 @@ const LONGEST_LINE: usize = 253;
 const LONGEST: f64 = 1e6;
 
 /// The rows of a file.
-pub(super) fn rows(file: &str, text: &str, facts: &LinuxcncFacts) -> Result<Vec<Row>, Problems> {
-    let mut rows: Vec<Row> = Vec::new();
+pub(super) fn rows(file: &str, text: &str, facts: &LinuxcncFacts) -> Result<Vec<Point>, Problems> {
+    let mut rows: Vec<Point> = Vec::new();
     let mut stop: Option<Range<usize>> = None;
     for span in lines(text) {
         let row = row(text, &span);
@@ -51,13 +51,10 @@ pub(super) fn begins_with_a_row(text: &str) -> bool {
 }
 
 /// The three numbers that a line begins with.
-fn row(text: &str, span: &Range<usize>) -> Option<Row> {
+fn row(text: &str, span: &Range<usize>) -> Option<Point> {
     let mut cursor = Cursor::new(text, span.clone(), &[' ', '\t']);
-    Some(Row {
-        nominal: number(&mut cursor)?,
-        forward: number(&mut cursor)?,
-        reverse: number(&mut cursor)?,
-    })
+    let [position, forward] = [number(&mut cursor)?, number(&mut cursor)?];
+    Some(Point { position, forward, reverse: Some(number(&mut cursor)?) })
 }
 
 /// A number as `scanf` takes it; what stands behind it is left.
@@ -84,22 +81,22 @@ fn number(cursor: &mut Cursor<'_>) -> Option<f64> {
 }
 
 /// What is wrong with a row behind those before it.
-fn wrong(before: &[Row], row: Row, span: &Range<usize>, most: u32) -> Option<Complaint> {
+fn wrong(before: &[Point], row: Point, span: &Range<usize>, most: u32) -> Option<Complaint> {
     let is_length = |number: f64| number.abs() < LONGEST;
     let complaint = |message: String, help: &str| Some(Complaint::new(span.clone(), message, help));
     if span.len() > LONGEST_LINE {
         let message = format!("a line of {} characters, LinuxCNC takes {LONGEST_LINE}", span.len());
         return complaint(message, "write three numbers in a line");
     }
-    if ![row.nominal, row.forward, row.reverse].into_iter().all(is_length) {
+    if ![row.position, row.forward].into_iter().chain(row.reverse).all(is_length) {
         let message = "a number beyond every machine".to_string();
         return complaint(message, "write positions and values in the machine unit");
     }
-    let last = before.last().map(|last| last.nominal);
-    if let Some(last) = last.filter(|last| row.nominal <= *last) {
+    let last = before.last().map(|last| last.position);
+    if let Some(last) = last.filter(|last| row.position <= *last) {
         let message = format!(
             "position {} does not lie above {last} of the row before: LinuxCNC drops the row",
-            row.nominal
+            row.position
         );
         return complaint(message, "rows ascend, each position once");
     }

@@ -6,8 +6,9 @@
 //! ```
 //! A line that differs is refused, because it could add something: LinuxCNC itself has executed this form alone.
 
-use crate::control::controller::LinuxcncFacts;
-use crate::control::table::linuxcnc::{CrossTable, MOST_JOINTS, Point};
+use crate::control::controller::{LinuxcncFacts, MOST_JOINTS};
+use crate::control::table::listed::{ListedTable, Point};
+use crate::quantity::units::rounded;
 use crate::read::lexer::{Complaint, Words, lines, located, words};
 use crate::text::problem::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};
@@ -26,7 +27,7 @@ pub(super) fn tables(
     file: &str,
     text: &str,
     facts: &LinuxcncFacts,
-) -> Result<Vec<CrossTable>, Problems> {
+) -> Result<Vec<ListedTable>, Problems> {
     read(text, facts).map_err(|complaint| located(file, text, vec![complaint]))
 }
 
@@ -52,11 +53,11 @@ struct Curve {
     points: usize,
 }
 
-fn read(text: &str, facts: &LinuxcncFacts) -> Result<Vec<CrossTable>, Complaint> {
+fn read(text: &str, facts: &LinuxcncFacts) -> Result<Vec<ListedTable>, Complaint> {
     let lines: Vec<Words<'_>> = statements(text).collect();
     let curves = curves(&lines, facts)?;
     let mut numbers = numbers(text, &lines[1..], &form(&curves))?.into_iter();
-    let mut tables = BTreeMap::new();
+    let mut tables: BTreeMap<(u32, u32), Vec<Vec<Point>>> = BTreeMap::new();
     for Curve { base, output, points } in curves {
         let mut piece: Vec<Point> = Vec::new();
         while piece.len() < points
@@ -65,12 +66,42 @@ fn read(text: &str, facts: &LinuxcncFacts) -> Result<Vec<CrossTable>, Complaint>
             if piece.last().is_some_and(|last| position <= last.position) {
                 return Err(Complaint::new(at, "the points of a curve do not ascend", HELP));
             }
-            piece.push(Point { position, value });
+            piece.push(Point { position, forward: value, reverse: None });
         }
-        let new = CrossTable { base, output, pieces: Vec::new() };
-        tables.entry((output, base)).or_insert(new).pieces.push(piece);
+        tables.entry((output, base)).or_default().push(piece);
     }
-    Ok(tables.into_values().collect())
+    let table = |((output, base), pieces): ((u32, u32), Vec<Vec<Point>>)| {
+        let [base, output] = [base, output].map(|joint| joint.to_string());
+        ListedTable { base, output, points: added_up(&pieces) }
+    };
+    Ok(tables.into_iter().map(table).collect())
+}
+
+/// The sum of curves at the points of all of them, each straight between its points and held outside.
+fn added_up(pieces: &[Vec<Point>]) -> Vec<Point> {
+    /// Sums are freed from binary dust below every decimal of a file.
+    const DUST_DECIMALS: u32 = 12;
+    let mut places: Vec<f64> = pieces.iter().flatten().map(|point| point.position).collect();
+    places.sort_by(f64::total_cmp);
+    places.dedup_by(|a, b| a.total_cmp(b).is_eq());
+    let sum = |position: f64| {
+        let value: f64 = pieces.iter().map(|piece| at(piece, position)).sum();
+        Point { position, forward: rounded(value, DUST_DECIMALS) + 0.0, reverse: None }
+    };
+    places.into_iter().map(sum).collect()
+}
+
+fn at(points: &[Point], place: f64) -> f64 {
+    let above = points.partition_point(|point| point.position <= place);
+    let (below, above) = (above.checked_sub(1).map(|below| points[below]), points.get(above));
+    match (below, above) {
+        (Some(low), Some(high)) => {
+            let share = (place - low.position) / (high.position - low.position);
+            low.forward + share * (high.forward - low.forward)
+        }
+        (Some(end), None) => end.forward,
+        (None, first) => first.map_or(0.0, |first| first.forward),
+    }
 }
 
 /// The numbers of lines that are all those of the form, with their places.

@@ -3,8 +3,7 @@
 //! Of two sections of one name LinuxCNC reads the first only, and of two settings of one name the first; a
 //! value goes to the end of its line. `#` and `;` begin a comment where a line begins.
 
-use crate::control::controller::ControlUnit;
-use crate::control::table::linuxcnc::{Columns, MOST_JOINTS};
+use crate::control::controller::{Columns, ControlUnit, MOST_JOINTS};
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::text::problem::{Problems, shown};
 use std::collections::{BTreeMap, BTreeSet};

@@ -1,7 +1,9 @@
 //! What LinuxCNC does with these texts, as it was seen doing it (docs/linuxcnc.md §2).
 use super::{Contents, read};
 use crate::control::controller::{ControlUnit, Dialect, LinuxcncFacts, builtin};
-use crate::control::table::linuxcnc::{Columns, Row};
+use crate::control::table::listed::Point;
+
+mod control;
 
 fn facts() -> LinuxcncFacts {
     match builtin::profile("linuxcnc").unwrap().dialect {
@@ -22,8 +24,8 @@ fn refused(texts: &[(&str, &str)]) -> String {
 
 fn rows(comp: &str) -> Vec<(f64, f64, f64)> {
     let found = found(&[("m.ini", INI), ("x.comp", comp)]);
-    let row = |row: &Row| (row.nominal, row.forward, row.reverse);
-    found.tables.joints[0].rows.iter().map(row).collect()
+    let row = |row: &Point| (row.position, row.forward, row.reverse.unwrap());
+    found.tables.tables[0].points.iter().map(row).collect()
 }
 
 #[test]
@@ -61,8 +63,9 @@ fn a_table_that_loses_rows_is_refused_at_the_place() {
 #[test]
 fn without_a_type_the_columns_hold_positions() {
     let ini = INI.replace("COMP_FILE_TYPE = 1\n", "");
-    let found = found(&[("m.ini", &ini), ("x.comp", "0 0 0\n")]);
-    assert_eq!(found.tables.joints[0].columns, Columns::Reached);
+    let found = found(&[("m.ini", &ini), ("x.comp", "10 10.25 9.5\n")]);
+    let trims = Point { position: 10.0, forward: -0.25, reverse: Some(0.5) };
+    assert_eq!(found.tables.tables[0].points, [trims]);
 }
 
 #[test]
@@ -74,7 +77,7 @@ fn of_two_settings_the_first_counts_and_comments_begin_a_line() {
     let joint = &found.joints[&2];
     assert_eq!((joint.backlash, joint.home_offset), (Some(0.25), None));
     assert_eq!(joint.comp_file, None);
-    assert!(found.tables.joints.is_empty());
+    assert!(found.tables.tables.is_empty());
 }
 
 #[test]
@@ -110,7 +113,7 @@ fn the_ini_of_the_machine_counts_alone() {
     let lines = ("joints.ini", INI);
     let found = found(&[("m.ini", machine), lines, table, other]);
     assert_eq!(found.joints[&0].home_offset, Some(5.0));
-    assert_eq!(found.tables.joints[0].columns, Columns::Reached);
+    assert_eq!(found.tables.tables[0].output, "0");
     assert_eq!(found.unnamed, ["joints.ini", "y.comp"]);
     for second in [("n.ini", machine), ("n.ini", INI)] {
         let first = if second.1 == INI { INI } else { machine };

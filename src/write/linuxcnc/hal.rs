@@ -12,53 +12,25 @@
 use crate::control::claims::Precondition;
 use crate::control::control_state::ControlState;
 use crate::control::controller::LinuxcncFacts;
-use crate::control::table::linuxcnc::{CrossTable, Point};
-use crate::quantity::units::{Deviation, rounded};
+use crate::control::table::listed::{ListedTable, Point};
+use crate::quantity::units::rounded;
 use crate::text::problem::Problem;
 use crate::write::control_text::{fixed, trimmed};
-use crate::write::task::{Plan, PlannedTable, Task};
+use crate::write::task::Task;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 impl LinuxcncFacts {
-    /// The tables of all planned cross terms, with the deviations that each cancels.
-    pub(super) fn cross_tables<'p>(
-        &self,
-        task: Task<'_>,
-        plan: &'p Plan,
-        deviations: impl Fn(&PlannedTable) -> Vec<Deviation>,
-    ) -> Vec<CrossTable> {
-        let cross = plan.tables.iter().filter(|table| table.term.is_cross());
-        let of_outputs = |table: &'p PlannedTable| {
-            let outputs = plan.names[table.term.of].iter();
-            outputs.map(move |output| (table, output))
-        };
-        let mut tables: Vec<CrossTable> = cross
-            .flat_map(of_outputs)
-            .filter_map(|(table, output)| {
-                Some(CrossTable {
-                    base: plan.base_of(table.term, output).parse().ok()?,
-                    output: output.parse().ok()?,
-                    pieces: self.pieces(&self.points(task, table, deviations(table))),
-                })
-            })
-            .collect();
-        tables.sort_by_key(|table| (table.output, table.base));
-        self.pad(&mut tables);
-        tables
-    }
-
-    /// The points of a table; rounded here, once.
-    fn points(&self, task: Task<'_>, table: &PlannedTable, values: Vec<Deviation>) -> Vec<Point> {
-        let grid = &table.grid;
-        let point = |(at, deviation): (i64, Deviation)| {
-            let units = self.sum_sign.value.table_um(deviation) / task.um_per_unit();
-            Point {
-                position: grid.written(at),
-                value: rounded(units, self.value_decimals.value) + 0.0, // −0 is 0
-            }
-        };
-        (grid.first..=grid.last).zip(values).map(point).collect()
+    /// The curves of all tables, in their order.
+    fn curves_of(&self, tables: &[&ListedTable]) -> Vec<Curve> {
+        let mut curves: Vec<Curve> = Vec::new();
+        for table in tables {
+            let pieces = self.pieces(&table.points).into_iter();
+            let axes = [&table.base, &table.output].map(Clone::clone);
+            curves.extend(pieces.map(|points| Curve { axes: axes.clone(), points }));
+        }
+        self.pad(&mut curves);
+        curves
     }
 
     /// Curves of few points whose sum is the curve of all.
@@ -67,9 +39,9 @@ impl LinuxcncFacts {
         let starts = (0..points.len().saturating_sub(1)).step_by(sections);
         let piece = |start: usize| {
             let end = points.len().min(start + sections + 1);
-            let base = if start == 0 { 0.0 } else { points[start].value };
+            let base = if start == 0 { 0.0 } else { points[start].forward };
             let above = |point: &Point| Point {
-                value: rounded(point.value - base, self.value_decimals.value) + 0.0,
+                forward: rounded(point.forward - base, self.value_decimals.value) + 0.0,
                 ..*point
             };
             points[start..end].iter().map(above).collect()
@@ -78,19 +50,17 @@ impl LinuxcncFacts {
     }
 
     /// The numbers of points repeat when there are more curves than numbers: then all curves have as many.
-    fn pad(&self, tables: &mut [CrossTable]) {
-        if count(tables) <= self.personalities.value as usize {
+    fn pad(&self, curves: &mut [Curve]) {
+        if curves.len() <= self.personalities.value as usize {
             return;
         }
-        for piece in tables.iter_mut().flat_map(|table| &mut table.pieces) {
-            while let [.., before, last] = piece[..]
-                && piece.len() < self.curve_points.value as usize
+        for Curve { points, .. } in curves {
+            while let [.., before, last] = points[..]
+                && points.len() < self.curve_points.value as usize
             {
                 let beyond = last.position + (last.position - before.position);
-                piece.push(Point {
-                    position: rounded(beyond, self.position_decimals.value),
-                    ..last
-                });
+                let position = rounded(beyond, self.position_decimals.value);
+                points.push(Point { position, ..last });
             }
         }
     }
@@ -99,9 +69,10 @@ impl LinuxcncFacts {
     pub(super) fn check_curves(
         &self,
         task: Task<'_>,
-        tables: &[CrossTable],
+        tables: &[ListedTable],
     ) -> Result<(), Problem> {
-        let (curves, most) = (count(tables), self.curves.value as usize);
+        let cross: Vec<&ListedTable> = tables.iter().filter(|table| !table.is_own()).collect();
+        let (curves, most) = (self.curves_of(&cross).len(), self.curves.value as usize);
         if curves <= most {
             return Ok(());
         }
@@ -118,31 +89,28 @@ impl LinuxcncFacts {
     /// `nonius-1-correction: -0.018 mm with joint 0 at 900 mm …`, where each table holds most.
     pub(super) fn corrections(
         &self,
-        tables: &[CrossTable],
+        tables: &[&ListedTable],
         state: &ControlState,
     ) -> impl Iterator<Item = String> {
         let unit = state.unit.word();
         tables.iter().filter_map(move |table| {
-            let totals = totals(&table.pieces);
-            let most = totals.max_by(|a, b| a.value.abs().total_cmp(&b.value.abs()))?;
-            let [value, place] = [most.value, most.position].map(|n| trimmed(n, self.value_decimals.value));
-            let CrossTable { base, output, .. } = table;
+            let by_size = |a: &&Point, b: &&Point| a.forward.abs().total_cmp(&b.forward.abs());
+            let most = table.points.iter().max_by(by_size)?;
+            let [value, place] = [most.forward, most.position].map(|n| trimmed(n, self.value_decimals.value));
+            let ListedTable { base, output, .. } = table;
             Some(format!("nonius-{output}-correction: {value} {unit} with joint {base} at {place} {unit} and the other joints at their reference points; 0 with all joints there"))
         })
     }
 
     /// What templates see: `curves`, `sums`, `nets`, `personality`; the lists are empty without cross terms.
-    pub(super) fn hal_context(&self, tables: &[CrossTable]) -> Value {
+    pub(super) fn hal_context(&self, tables: &[&ListedTable]) -> Value {
+        let curves = self.curves_of(tables);
         let mut netlist = Netlist::default();
-        let by_output = tables.chunk_by(|a, b| a.output == b.output);
-        for of_output in by_output {
+        for of_output in curves.chunk_by(|a, b| a.axes[1] == b.axes[1]) {
             netlist.add_joint(self, of_output);
         }
-        let points = tables.iter().flat_map(|table| &table.pieces);
-        let lengths: Vec<String> = points
-            .map(|piece| piece.len().to_string())
-            .take(self.personalities.value as usize)
-            .collect();
+        let lengths = curves.iter().map(|curve| curve.points.len().to_string());
+        let lengths: Vec<String> = lengths.take(self.personalities.value as usize).collect();
         json!({
             "personality": lengths.join(","),
             "curve_count": netlist.curves.len().to_string(),
@@ -154,20 +122,10 @@ impl LinuxcncFacts {
     }
 }
 
-/// The sum of pieces at each of their points: a piece begins where the one before holds its last value.
-fn totals(pieces: &[Vec<Point>]) -> impl Iterator<Item = Point> {
-    let mut before = 0.0;
-    pieces.iter().flat_map(move |piece| {
-        let base = before;
-        before += piece.last().map_or(0.0, |last| last.value);
-        let total = move |point: &Point| Point { value: base + point.value, ..*point };
-        piece.iter().map(total)
-    })
-}
-
-/// Curves of all tables.
-fn count(tables: &[CrossTable]) -> usize {
-    tables.iter().map(|table| table.pieces.len()).sum()
+/// Some of the points of a table: base and output joint, and what is added at each point.
+struct Curve {
+    axes: [String; 2],
+    points: Vec<Point>,
 }
 
 /// Components in the order in which they run, and the pins of each signal.
@@ -180,25 +138,23 @@ struct Netlist {
 
 impl Netlist {
     /// Everything that corrects one joint.
-    fn add_joint(&mut self, facts: &LinuxcncFacts, tables: &[CrossTable]) {
-        let [CrossTable { output: joint, .. }, ..] = tables else {
+    fn add_joint(&mut self, facts: &LinuxcncFacts, curves: &[Curve]) {
+        let [Curve { axes: [_, joint], .. }, ..] = curves else {
             return;
         };
         let own = |name: &str| format!("nonius-{joint}-{name}");
-        let (last, correction) = (count(tables) - 1, own("correction"));
-        let pieces =
-            tables.iter().flat_map(|table| table.pieces.iter().map(|piece| (table.base, piece)));
+        let (last, correction) = (curves.len() - 1, own("correction"));
         let mut before: Option<String> = None;
-        for (number, (base, piece)) in pieces.enumerate() {
+        for (number, Curve { axes: [base, _], points }) in curves.iter().enumerate() {
             let sum = match number == last {
                 true => correction.clone(),
                 false => own(&format!("sum-{number}")),
             };
             match before.replace(sum.clone()) {
-                None => self.add_curve(facts, (base, sum), piece),
+                None => self.add_curve(facts, (base, sum), points),
                 Some(before) => {
                     let curve = own(&format!("curve-{number}"));
-                    self.add_curve(facts, (base, curve.clone()), piece);
+                    self.add_curve(facts, (base, curve.clone()), points);
                     self.add_sum([&before, &curve, &sum], "1");
                 }
             }
@@ -209,7 +165,12 @@ impl Netlist {
         self.link(&own("feedback"), format!("joint.{joint}.motor-pos-fb"));
     }
 
-    fn add_curve(&mut self, facts: &LinuxcncFacts, (base, output): (u32, String), piece: &[Point]) {
+    fn add_curve(
+        &mut self,
+        facts: &LinuxcncFacts,
+        (base, output): (&str, String),
+        piece: &[Point],
+    ) {
         let number = self.curves.len();
         let input = format!("nonius-{base}-position");
         if !self.nets.contains_key(&input) {
@@ -221,7 +182,7 @@ impl Netlist {
             json!({
                 "index": format!("{index:02}"),
                 "position": fixed(point.position, facts.position_decimals.value),
-                "value": fixed(point.value, facts.value_decimals.value),
+                "value": fixed(point.forward, facts.value_decimals.value),
             })
         };
         let points: Vec<Value> = piece.iter().enumerate().map(point).collect();

@@ -1,5 +1,7 @@
 use super::*;
-use crate::control::controller::{ControlUnit, Dialect, Fact, Size, TableSign, builtin};
+use crate::control::controller::{
+    BesideTable, ControlUnit, DeclaredFacts, Dialect, Fact, Size, TableSign, builtin,
+};
 use crate::quantity::axis::Direction;
 use crate::read::emulate::Emulator;
 
@@ -19,7 +21,7 @@ fn set<T>(fact: &mut Fact<T>, value: T) {
     fact.value = value;
 }
 
-fn table(points: &[(f64, f64, Option<f64>)]) -> DeclaredTables {
+fn table(points: &[(f64, f64, Option<f64>)]) -> ListedTables {
     let point = |(position, forward, reverse): &(f64, f64, Option<f64>)| Point {
         position: *position,
         forward: *forward,
@@ -27,7 +29,7 @@ fn table(points: &[(f64, f64, Option<f64>)]) -> DeclaredTables {
     };
     let points = points.iter().map(point).collect();
     let (base, output) = ("X".to_string(), "X".to_string());
-    DeclaredTables { tables: vec![DeclaredTable { base, output, points }] }
+    ListedTables { tables: vec![ListedTable { base, output, points }] }
 }
 
 /// X from 0 to 1000 mm, its reference at 10 mm, 4 µm in the backlash parameter.
@@ -50,7 +52,7 @@ fn state() -> ControlState {
 }
 
 /// What X gets at places while it moves in + and in −.
-fn um(facts: &DeclaredFacts, tables: &DeclaredTables, places: &[f64]) -> Vec<[f64; 2]> {
+fn um(facts: &DeclaredFacts, tables: &ListedTables, places: &[f64]) -> Vec<[f64; 2]> {
     let control = control(tables, facts, &state()).unwrap();
     let ways = Direction::BOTH.map(|way| control.response("x", "X", way).unwrap());
     let at = |place: &f64| {

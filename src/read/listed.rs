@@ -1,4 +1,4 @@
-//! What a control adds to an axis, as its profile declares it.
+//! What a control adds to an axis whose tables list their points one by one.
 //!
 //! ```text
 //!   value → error or correction at each point (amount, position − point, sum of increments, zero at the
@@ -6,8 +6,9 @@
 //! ```
 
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::controller::{BesideTable, DeclaredFacts, Outside, ValueForm};
-use crate::control::table::declared::{DeclaredTable, DeclaredTables, Point};
+use crate::control::controller::{Form, Listed, Outside, ValueForm};
+use crate::control::table::Tables;
+use crate::control::table::listed::{ListedTable, ListedTables, Point};
 use crate::quantity::units::{Correction, Figure, Millimetres, UM_PER_MM, power_of_ten};
 use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable, Response};
 use crate::read::pairs::{Pair, PairControl, known_axis};
@@ -18,34 +19,55 @@ use crate::read::pairs::{Pair, PairControl, known_axis};
 /// the profile does not say what is added outside, or says nothing is and the table does not end with nothing, and
 /// if it goes beyond the travel and the profile says that the control uses no such point
 pub(super) fn control(
-    tables: &DeclaredTables,
-    facts: &DeclaredFacts,
+    tables: &ListedTables,
+    own: &impl Listed,
     state: &ControlState,
 ) -> Emulated<PairControl> {
-    let load = |table: &DeclaredTable| load(table, facts, known_axis(state, &table.base)?);
+    let load = |table: &ListedTable| {
+        let name = own.table_name(&table.base, &table.output);
+        let form = own.form(table.is_own(), state.unit);
+        load_table(table, (&name, &form), known_axis(state, &table.base)?)
+    };
     let pairs = tables.tables.iter().map(load).collect::<Result<_, _>>()?;
-    let replaces_backlash = facts.backlash.value == BesideTable::Replaced;
-    PairControl::new(pairs, replaces_backlash, state)
+    PairControl::new(pairs, own.replaces_parameter(), state)
 }
 
-fn load(table: &DeclaredTable, facts: &DeclaredFacts, base: &AxisState) -> Emulated<Pair> {
+/// The tables of a file take the places of those held that they replace; the others stay.
+pub(super) fn load(
+    held: &mut Tables,
+    file: Tables,
+    replaces: impl Fn(&ListedTable, &ListedTable) -> bool,
+) {
+    match (held, file) {
+        (Tables::Listed(held), Tables::Listed(file)) => {
+            let stays = |own: &ListedTable| !file.tables.iter().any(|new| replaces(own, new));
+            held.tables.retain(stays);
+            let kept = std::mem::take(&mut held.tables);
+            *held = ListedTables::of([kept, file.tables].concat());
+        }
+        (held, file) => *held = file,
+    }
+}
+
+fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emulated<Pair> {
+    let (name, form) = own;
     let mut points = table.points.clone();
     points.sort_by(|a, b| a.position.total_cmp(&b.position));
     let way = |value: fn(&Point) -> f64| {
-        let column = OneWay { points: &points, value, facts };
-        let response = column.response(table, base.reference);
-        response.ok_or_else(|| CannotEmulate(format!("the {} has no point", table.name())))
+        let column = OneWay { points: &points, value, form };
+        let response = column.response(base.reference);
+        response.ok_or_else(|| CannotEmulate(format!("the {name} has no point")))
     };
-    let copies = facts.zero_reverse_is_forward.value
-        && points.iter().all(|point| point.reverse == Some(0.0));
+    let copies =
+        form.zero_reverse_is_forward && points.iter().all(|point| point.reverse == Some(0.0));
     let reverse = match copies {
         true => |point: &Point| point.forward,
         false => |point: &Point| point.reverse.unwrap_or(point.forward),
     };
     let mut ways = [way(|point| point.forward)?, way(reverse)?];
-    let places = facts.places_mm(&points);
-    meets_travel(table, &places, facts, base, &ways)?;
-    if facts.outside.value == Outside::Zero {
+    let places = places_mm(form, &points);
+    meets_travel(own, &places, base, &ways)?;
+    if form.outside == Outside::Zero {
         for way in &mut ways {
             nothing_outside(&places, way);
         }
@@ -56,14 +78,12 @@ fn load(table: &DeclaredTable, facts: &DeclaredFacts, base: &AxisState) -> Emula
 /// Whether ascending places cover the travel of the axis that is looked up and do not go beyond it, where a control
 /// needs that, but for the rounding of a position.
 fn meets_travel(
-    table: &DeclaredTable,
+    (name, form): (&str, &Form),
     places: &[f64],
-    facts: &DeclaredFacts,
     base: &AxisState,
     ways: &[Response; 2],
 ) -> Emulated<()> {
-    let digit_mm = facts.position_size.value.um / UM_PER_MM;
-    let digit_mm = digit_mm / power_of_ten(facts.position_decimals.value);
+    let digit_mm = form.position_um / UM_PER_MM / power_of_ten(form.position_decimals);
     let (Some(first), Some(last)) = (places.first(), places.last()) else {
         return Ok(());
     };
@@ -72,7 +92,7 @@ fn meets_travel(
         let um = |way: &Response| way.correction(Millimetres::new(*at)).um().abs();
         ways.iter().all(|way| um(way) <= NOTHING_UM)
     };
-    let may_end = |at: &f64| match facts.outside.value {
+    let may_end = |at: &f64| match form.outside {
         Outside::Hold => true,
         Outside::Zero => is_nothing(at),
         Outside::Unknown => false,
@@ -81,18 +101,13 @@ fn meets_travel(
     let covers = covers_low && (*last >= high - digit_mm || may_end(last));
     let (lowest, highest) = (base.ends.0.mm(), base.ends.1.mm());
     let is_beyond = *first < lowest - digit_mm || *last > highest + digit_mm;
-    let why = match facts.outside.value {
-        _ if is_beyond && !facts.points_beyond_travel.value => {
-            "this control does not use points beyond the travel"
-        }
-        _ if covers => return Ok(()),
-        Outside::Zero => {
-            "this control adds nothing outside a table: the correction would jump at its end"
-        }
-        _ => "what this control adds outside a table is not known",
+    let why = match is_beyond && !form.beyond_travel {
+        true => "this control does not use points beyond the travel",
+        false if covers => return Ok(()),
+        false => form.outside.why(),
     };
     let [first, last, low, high] = [*first, *last, low, high].map(Figure);
-    let (name, axis) = (table.name(), &base.name);
+    let axis = &base.name;
     Err(CannotEmulate(format!(
         "the {name} covers {first:.3} mm to {last:.3} mm, the travel of {axis} with its reference point is {low:.3} mm to {high:.3} mm, and {why}"
     )))
@@ -101,30 +116,25 @@ fn meets_travel(
 /// A correction that is none, µm (a picometre).
 const NOTHING_UM: f64 = 1e-6;
 
-impl DeclaredFacts {
-    /// Where points lie.
-    fn places_mm(&self, points: &[Point]) -> Vec<f64> {
-        let unit_mm = |point: &Point| point.position * self.position_size.value.um / UM_PER_MM;
-        points.iter().map(unit_mm).collect()
-    }
+/// Where points lie.
+fn places_mm(form: &Form, points: &[Point]) -> Vec<f64> {
+    points.iter().map(|point| point.position * form.position_um / UM_PER_MM).collect()
 }
 
 /// The values of a table for one direction.
 struct OneWay<'a> {
     points: &'a [Point],
     value: fn(&Point) -> f64,
-    facts: &'a DeclaredFacts,
+    form: &'a Form,
 }
 
 impl OneWay<'_> {
-    fn response(&self, table: &DeclaredTable, reference: Millimetres) -> Option<Response> {
-        let sign = self.facts.sign(table.is_own()).value;
-        let value_um = self.facts.value_size.value.um;
-        let mm = self.facts.places_mm(self.points);
-        let correction = |amount: &f64| sign.correction(amount * value_um);
+    fn response(&self, reference: Millimetres) -> Option<Response> {
+        let mm = places_mm(self.form, self.points);
+        let correction = |amount: &f64| self.form.sign.correction(amount * self.form.value_um);
         let values: Vec<Correction> = self.amounts().iter().map(correction).collect();
         let mut response = Response::straight(&mm, &values)?;
-        if self.facts.value_form.value == ValueForm::Increment {
+        if self.form.value == ValueForm::Increment {
             let there = response.correction(reference);
             response.shift(Correction::from_um(0.0 - there.um()));
         }
@@ -137,14 +147,21 @@ impl OneWay<'_> {
         let amount = |point: &Point| {
             let value = (self.value)(point);
             sum += value;
-            match self.facts.value_form.value {
+            let amount = match self.form.value {
                 ValueForm::Amount => value,
                 ValueForm::Position => value - point.position,
                 ValueForm::Increment => sum,
-            }
+            };
+            if self.form.is_float { as_float(amount) } else { amount }
         };
         self.points.iter().map(amount).collect()
     }
+}
+
+/// A number as the control holds it in a C float.
+#[allow(clippy::cast_possible_truncation, reason = "the control rounds so")]
+fn as_float(number: f64) -> f64 {
+    f64::from(number as f32)
 }
 
 /// A step to nothing before the first place and behind the last one.

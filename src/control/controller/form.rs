@@ -1,0 +1,91 @@
+//! What the numbers of tables say whose points stand one by one, whichever control holds them.
+
+use super::fact::{ControlUnit, Outside, TableSign};
+use crate::text::delimited::LengthUnit;
+use crate::text::words::words;
+
+words! {
+    /// In which form a number of a table says what it says.
+    pub enum ValueForm {
+        /// Error or correction itself.
+        Amount = "amount",
+        /// The position that error or correction leads to.
+        Position = "position",
+        /// Its change from the point before.
+        Increment = "increment",
+    }
+}
+
+words! {
+    /// The order of the points in a file.
+    pub enum Order {
+        /// From − to +.
+        Ascending = "ascending",
+        /// From + to −.
+        Descending = "descending",
+    }
+}
+
+/// What the numbers of a table mean. One that writes a table and one that emulates it share nothing else.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Form {
+    /// Sense of the values.
+    pub sign: TableSign,
+    /// In which form a number says it.
+    pub value: ValueForm,
+    /// Size of 1 of a value, µm.
+    pub value_um: f64,
+    /// Decimals of values; one count is the last decimal.
+    pub value_decimals: u32,
+    /// Largest number that the control takes, either sign, as in the file.
+    pub largest: f64,
+    /// Size of 1 of a position, µm.
+    pub position_um: f64,
+    /// Decimals of positions.
+    pub position_decimals: u32,
+    /// Order of the points.
+    pub order: Order,
+    /// A column for each direction of travel.
+    pub has_two: bool,
+    /// What the control adds outside the table.
+    pub outside: Outside,
+    /// Whether a point may lie behind the end of the travel.
+    pub beyond_travel: bool,
+    /// A column for − that is zero everywhere stands for that for +.
+    pub zero_reverse_is_forward: bool,
+    /// The control holds what it adds as a C float.
+    pub is_float: bool,
+}
+
+impl Form {
+    /// Decimals of the numbers of a table.
+    pub(crate) fn decimals(&self) -> u32 {
+        match self.value {
+            ValueForm::Position => self.value_decimals.max(self.position_decimals),
+            ValueForm::Amount | ValueForm::Increment => self.value_decimals,
+        }
+    }
+
+    /// Positions are in inch.
+    pub(crate) fn is_inch(&self) -> bool {
+        (self.position_um - LengthUnit::In.um()).abs() < f64::EPSILON
+    }
+
+    /// The last decimal of a value, µm.
+    pub(crate) fn count_um(&self) -> f64 {
+        self.value_um / crate::quantity::units::power_of_ten(self.value_decimals)
+    }
+}
+
+/// A control whose tables list their points one by one.
+pub(crate) trait Listed {
+    /// What the numbers mean of the table of an axis for itself, or of one that follows another, on a control with
+    /// this unit.
+    fn form(&self, is_own: bool, unit: ControlUnit) -> Form;
+
+    /// Whether the table of an axis for itself stands in place of its backlash parameter.
+    fn replaces_parameter(&self) -> bool;
+
+    /// What people call the table of `output` by `base`.
+    fn table_name(&self, base: &str, output: &str) -> String;
+}

@@ -1,0 +1,223 @@
+//! Tables that list their points one by one: a plan into the numbers of any such control ([`Form`]).
+//!
+//! * One table for each pair of axes, with a column for each direction where its form has two.
+//! * Values are rounded to the last decimal once; increments are differences of rounded values, so that rounding
+//!   never adds up.
+
+use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, ValueForm};
+use crate::control::table::Tables;
+use crate::control::table::listed::{ListedTable, ListedTables, Point};
+use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, rounded};
+use crate::text::problem::Problems;
+use crate::write::compiled::{Compiled, Placement, backlash_text, column, control_state};
+use crate::write::control_text::fixed;
+use crate::write::family::ProofOf;
+use crate::write::task::{Plan, PlannedTable, Task};
+
+/// A plan in the numbers of a control, without preconditions and notes.
+pub(super) fn compile(
+    own: &impl Listed,
+    task: Task<'_>,
+    plan: &Plan,
+    place: impl Fn(&PlannedTable) -> String,
+) -> Result<Compiled, Problems> {
+    let unit = task.job.compensation.control_unit;
+    let backlash_um = |axis| match own.replaces_parameter() {
+        true => 0.0,
+        false => plan.backlash_um[axis].map_or(0.0, |um| backlash_text(um).1),
+    };
+    let state = control_state(task, plan, backlash_um);
+    let cancels = |planned: &PlannedTable, way| {
+        let replaced = own.replaces_parameter() && planned.term.is_positioning();
+        let axis = plan.names[planned.term.of].first().and_then(|own| state.axis(own));
+        column(plan, planned.term, axis.filter(|_| replaced), way)
+    };
+    let form = |planned: &PlannedTable| own.form(planned.term.is_positioning(), unit);
+    let tables = tables(plan, form, |_| true, cancels);
+    check(own, task, &tables)?;
+    check_ends(task, plan, form, cancels)?;
+    let placed = plan.tables.iter();
+    let placed = placed.map(|own| Placement::of(own, place(own), form(own).count_um()));
+    Ok(Compiled {
+        placements: placed.collect(),
+        preconditions: Vec::new(),
+        stale: Vec::new(),
+        tables: Tables::Listed(ListedTables::of(tables)),
+        state,
+        assumptions: Vec::new(),
+        notes: Vec::new(),
+    })
+}
+
+/// Whether a kit uses the mechanism of tables of axes for themselves, or that of tables that follow another axis.
+pub(super) fn uses([own, cross]: [Mechanism; 2], mechanism: Mechanism, tables: &Tables) -> bool {
+    let Tables::Listed(held) = tables else {
+        return true;
+    };
+    let mut tables = held.tables.iter();
+    match mechanism {
+        it if it == own => tables.any(ListedTable::is_own),
+        it if it == cross => tables.any(|table| !table.is_own()),
+        _ => true,
+    }
+}
+
+/// The tables of one mechanism; both columns of those of the term have the bump.
+pub(super) fn proof_tables(
+    own: &impl Listed,
+    proof: &ProofOf<'_>,
+    belongs: impl Fn(&PlannedTable) -> bool,
+) -> Tables {
+    let unit = proof.task.job.compensation.control_unit;
+    let form = |planned: &PlannedTable| own.form(planned.term.is_positioning(), unit);
+    let bump = |planned: &PlannedTable, _| {
+        proof.deviations(planned.term == proof.term, planned.values.len())
+    };
+    Tables::Listed(ListedTables::of(tables(proof.plan, form, belongs, bump)))
+}
+
+/// The tables of some of a plan, one for each pair of axes, from what each column cancels.
+fn tables(
+    plan: &Plan,
+    form: impl Fn(&PlannedTable) -> Form,
+    is_wanted: impl Fn(&PlannedTable) -> bool,
+    cancels: impl Fn(&PlannedTable, Direction) -> Vec<Deviation>,
+) -> Vec<ListedTable> {
+    let mut tables: Vec<ListedTable> = Vec::new();
+    for planned in plan.tables.iter().filter(|own| is_wanted(own)) {
+        for output in &plan.names[planned.term.of] {
+            let base = plan.base_of(planned.term, output);
+            if tables.iter().any(|own| own.is_for(base, output)) {
+                continue; // of two directions the first wrote both columns
+            }
+            let ways = Direction::BOTH.map(|way| cancels(planned, way));
+            tables.push(ListedTable {
+                base: base.to_string(),
+                output: output.clone(),
+                points: points(&form(planned), planned, ways),
+            });
+        }
+    }
+    tables
+}
+
+/// The points of a table in the order of the file; rounded here, once.
+fn points(form: &Form, planned: &PlannedTable, ways: [Vec<Deviation>; 2]) -> Vec<Point> {
+    let grid = &planned.grid;
+    let place = |at: i64| file_place(form, grid.written(at));
+    let places: Vec<f64> = (grid.first..=grid.last).map(place).collect();
+    let [forward, reverse] = ways.map(|values| numbers(form, &places, &values));
+    let rows = places.iter().zip(forward).zip(reverse);
+    let point = |((position, forward), reverse): ((&f64, f64), f64)| Point {
+        position: *position,
+        forward,
+        reverse: form.has_two.then_some(reverse),
+    };
+    let mut points: Vec<Point> = rows.map(point).collect();
+    if form.order == Order::Descending {
+        points.reverse();
+    }
+    points
+}
+
+/// A place of a grid in the unit of the file.
+fn file_place(form: &Form, written: f64) -> f64 {
+    let unit_um = if form.is_inch() { form.position_um } else { UM_PER_MM };
+    rounded(written * (unit_um / form.position_um), form.position_decimals) + 0.0
+}
+
+/// The numbers of a column that cancels deviations.
+fn numbers(form: &Form, places: &[f64], deviations: &[Deviation]) -> Vec<f64> {
+    let mut before: Option<f64> = None;
+    let value = |(place, deviation): (&f64, &Deviation)| {
+        let um = form.sign.table_um(*deviation);
+        let amount = rounded(um / form.value_um, form.value_decimals);
+        let last = before.replace(amount).unwrap_or(amount);
+        0.0 + match form.value {
+            ValueForm::Amount => amount,
+            ValueForm::Position => rounded(place + amount, form.decimals()),
+            ValueForm::Increment => rounded(amount - last, form.value_decimals),
+        }
+    };
+    places.iter().zip(deviations).map(value).collect()
+}
+
+/// What the control does not take, or does not say what it does with.
+fn check(own: &impl Listed, task: Task<'_>, tables: &[ListedTable]) -> Result<(), Problems> {
+    let mut problems = Problems::none();
+    let unit = task.job.compensation.control_unit;
+    for table in tables {
+        let form = own.form(table.is_own(), unit);
+        let most = form.largest;
+        let numbers = table.points.iter().flat_map(|point| [Some(point.forward), point.reverse]);
+        let largest = numbers.flatten().fold(0.0_f64, |most, number| most.max(number.abs()));
+        if largest > most {
+            let largest = fixed(largest, form.decimals());
+            let message = format!(
+                "the {} would hold {largest}, the control takes {most} at most",
+                own.table_name(&table.base, &table.output)
+            );
+            let problem = task.job.problem_at("compensation.axes", message);
+            problems.push(
+                problem
+                    .help("`largest_value` of the profile; with increments use a smaller spacing"),
+            );
+        }
+    }
+    problems.or_ok(())
+}
+
+/// Tables that end inside the travel, where what the control adds outside is not known, or nothing and the value at the
+/// end is something.
+fn check_ends(
+    task: Task<'_>,
+    plan: &Plan,
+    form: impl Fn(&PlannedTable) -> Form,
+    cancels: impl Fn(&PlannedTable, Direction) -> Vec<Deviation>,
+) -> Result<(), Problems> {
+    let mut problems = Problems::none();
+    for axis in Axis::ALL {
+        let Some(machine) = task.job.machine.axes[axis] else {
+            continue;
+        };
+        let is_short = |planned: &&PlannedTable| {
+            let ways = Direction::BOTH.map(|way| cancels(planned, way));
+            planned.term.along == axis
+                && ends_short(planned, [machine.low, machine.high], &form(planned), &ways)
+        };
+        let Some(planned) = plan.tables.iter().find(is_short) else {
+            continue;
+        };
+        let key = format!("compensation.axes.{}", axis.key());
+        let why = form(planned).outside.why();
+        let message = format!("the table of axis {axis} ends inside the travel, and {why}");
+        let problem = task.job.problem_at(&key, message);
+        problems.push(
+            problem.help("leave out `start_mm` and `end_mm`: the table then covers the travel"),
+        );
+    }
+    problems.or_ok(())
+}
+
+fn ends_short(
+    planned: &PlannedTable,
+    [low, high]: [Millimetres; 2],
+    form: &Form,
+    ways: &[Vec<Deviation>; 2],
+) -> bool {
+    /// A table may end short of the travel by this much (rounding of positions), mm.
+    const END_MM: f64 = 1e-3;
+    let is_nothing = |value: Option<&Deviation>| {
+        let counts = value.map_or(0.0, |own| own.um() / form.count_um());
+        rounded(counts, 0).abs() < 1.0
+    };
+    let may_end = |end: fn(&[Deviation]) -> Option<&Deviation>| match form.outside {
+        Outside::Hold => true,
+        Outside::Zero => ways.iter().all(|own| is_nothing(end(own))),
+        Outside::Unknown => false,
+    };
+    let (from, to) = planned.grid.range();
+    from.mm() > low.mm() + END_MM && !may_end(<[Deviation]>::first)
+        || to.mm() < high.mm() - END_MM && !may_end(<[Deviation]>::last)
+}
