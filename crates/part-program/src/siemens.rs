@@ -3,13 +3,14 @@
 //! It becomes the same block as a line of another control, so all that follows is the same: `CR` is the letter R, the
 //! words are G words by their number in [`codes`](super::codes).
 
-use crate::inputs::nc::block::{Block, CycleCall};
-use crate::inputs::nc::codes::{SIEMENS_CYCLES, named_word};
-use crate::inputs::nc::expression::Reader;
-use crate::inputs::nc::flow::{Statement, behind_number, set};
-use crate::inputs::nc::grammar::SIEMENS;
-use crate::inputs::nc::scan::{Counts, Word, Wrong};
-use crate::inputs::nc::variables::Variables;
+use crate::block::{Block, CycleCall};
+use crate::codes::{SIEMENS_CYCLES, named_word};
+use crate::expression::Reader;
+use crate::flow::{Statement, behind_number, set};
+use crate::grammar::SIEMENS;
+use crate::scan::{Counts, Word};
+use crate::variables::Variables;
+use crate::wrong::Wrong;
 
 /// Arguments of a call; CYCLE83 has twelve that are executed.
 const MOST_ARGUMENTS: usize = 40;

@@ -3,12 +3,11 @@
 //! Blanks may stand anywhere, even inside a number; letters in either case. Comments `( … )` and
 //! `; …` are ignored. Numbers keep the full precision of what is written.
 
-pub use crate::inputs::nc::wrong::Wrong;
-use crate::inputs::nc::wrong::refuse_long_number;
+use crate::wrong::{Wrong, refuse_long_number};
 
-use crate::inputs::nc::expression::Reader;
-use crate::inputs::nc::grammar::ISO;
-use crate::inputs::nc::variables::Variables;
+use crate::expression::Reader;
+use crate::grammar::ISO;
+use crate::variables::Variables;
 
 /// A letter with its number, or one of the signs `%` and `/`.
 #[derive(Clone, Copy, Debug, PartialEq)]

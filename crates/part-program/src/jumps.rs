@@ -1,10 +1,10 @@
 //! Where lines lead to: subprograms, loops and labels, found by an index of the text that is made when the first one is
 //! asked for.
 
-use crate::inputs::nc::flow::{Label, begin as begin_of, label};
-use crate::inputs::nc::lines::{Mark, Text, without_mark};
-use crate::inputs::nc::scan::words;
-use crate::text::problem::Problem;
+use crate::flow::{Label, begin as begin_of, label};
+use crate::lines::{Mark, Text, without_mark};
+use crate::scan::words;
+use crate::wrong::Refused;
 use std::collections::BTreeMap;
 
 /// Labels in a file.
@@ -23,7 +23,7 @@ pub(super) struct Index {
 
 impl Index {
     /// Reads the whole text; it stands anywhere then.
-    pub(super) fn read(text: &mut dyn Text) -> Result<Index, Problem> {
+    pub(super) fn read(text: &mut dyn Text) -> Result<Index, Refused> {
         text.go_to(Mark::default())?;
         let mut index = Index::default();
         loop {
@@ -41,11 +41,11 @@ impl Index {
         }
     }
 
-    fn add(&mut self, label: Label, place: Mark, line: usize) -> Result<(), Problem> {
+    fn add(&mut self, label: Label, place: Mark, line: usize) -> Result<(), Refused> {
         let places = self.labels.entry(label.clone()).or_default();
         if let Label::Program(number) = label {
             if !places.is_empty() {
-                return Err(Problem::new(format!(
+                return Err(Refused::new(format!(
                     "program O{number} is given twice in the file, again in line {line}"
                 ))
                 .help("give one of them another number"));
@@ -54,7 +54,7 @@ impl Index {
         }
         places.push(place);
         if self.labels.values().map(Vec::len).sum::<usize>() > MOST_LABELS {
-            return Err(Problem::new(format!(
+            return Err(Refused::new(format!(
                 "the file holds more than {MOST_LABELS} subprograms and loops"
             )));
         }
@@ -85,7 +85,7 @@ impl Index {
         text: &mut dyn Text,
         number: u32,
         here: Mark,
-    ) -> Result<(Option<Mark>, usize), Problem> {
+    ) -> Result<(Option<Mark>, usize), Refused> {
         let count = self.programs.partition_point(|begin| begin.bytes < here.bytes);
         let begin = self.programs[..count].last().copied().unwrap_or_default();
         let end = self.programs.get(count).map_or(u64::MAX, |next| next.bytes);
@@ -103,7 +103,7 @@ impl Index {
             }
             let line = line.number;
             if found.replace(mark).is_some() {
-                return Err(Problem::new(format!(
+                return Err(Refused::new(format!(
                     "the program goes to N{number}, which is given twice, again in line {line}"
                 ))
                 .help("give one of the blocks another number"));

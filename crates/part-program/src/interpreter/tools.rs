@@ -1,9 +1,9 @@
 //! Which tool is in, and how long it is: G43 and H, or D of Siemens.
 
 use super::{AXES, Interpreter};
-use crate::inputs::nc::block::{Block, Span, TOOL_CHANGE};
-use crate::inputs::nc::scan::Wrong;
-use crate::inputs::nc::{G43WithoutH, Plane};
+use crate::block::{Block, Span, TOOL_CHANGE};
+use crate::wrong::Wrong;
+use crate::{G43WithoutH, Plane};
 
 impl Interpreter<'_> {
     /// T names a tool, M6 changes it in.

@@ -108,15 +108,6 @@ fn straight(from: Place, to: Place, part: f64) -> Place {
     std::array::from_fn(|k| if part >= 1.0 { to[k] } else { from[k] + (to[k] - from[k]) * part })
 }
 
-/// Why a move cannot be followed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused {
-    /// What was found and what was expected.
-    pub message: String,
-    /// What to do next.
-    pub help: String,
-}
-
 /// How far the end of an arc misses the circle in programs that are right, mm: where `u` is the last
 /// decimal, start, end and centre are rounded by u/2 along both axes, so the two radii differ by up to
 /// 2·√2·u, 0.003 mm with three decimals.

@@ -11,11 +11,11 @@
 //! G91) of the block that drills, as in RS274/NGC: their numbers are modal, their meaning is not.
 
 use super::{AXES, Interpreter, Reach, named, unknown_system};
-use crate::inputs::nc::block::{Block, CodeWord, Span};
-use crate::inputs::nc::codes::{Cycle, Depth, Level, Once};
-use crate::inputs::nc::scan::Wrong;
-use crate::inputs::nc::setup::Offsets;
-use crate::inputs::nc::{Place, Shape, system_name};
+use crate::block::{Block, CodeWord, Span};
+use crate::codes::{Cycle, Depth, Level, Once};
+use crate::setup::Offsets;
+use crate::wrong::Wrong;
+use crate::{Place, Shape, system_name};
 
 /// Holes of one block.
 const MOST_REPEATS: u32 = 9999;

@@ -6,21 +6,20 @@
 
 mod calls;
 
-use crate::inputs::nc::block::{Block, CALL, Span};
-use crate::inputs::nc::flow::{self, Statement};
-use crate::inputs::nc::interpreter::{Flow, Interpreter};
-use crate::inputs::nc::jumps::Index;
-use crate::inputs::nc::lines::{Line, Mark, Text, without_mark};
-use crate::inputs::nc::notes::notes;
-use crate::inputs::nc::scan::Wrong;
-use crate::inputs::nc::siemens;
-use crate::inputs::nc::variables::Variables;
-use crate::inputs::nc::{Language, Move, Refused, Setup};
-use crate::text::finding::Finding;
-use crate::text::problem::{Place, Problem, Problems};
+use crate::block::{Block, CALL, Span};
+use crate::flow::{self, Statement};
+use crate::interpreter::{Flow, Interpreter};
+use crate::jumps::Index;
+use crate::lines::{Line, Mark, Text, without_mark};
+use crate::notes::notes;
+use crate::siemens;
+use crate::variables::Variables;
+use crate::wrong::Excerpt;
+use crate::wrong::Wrong;
+use crate::{Language, Move, Refused, Setup};
 use std::collections::BTreeSet;
 
-/// Problems that are told of one program.
+/// Vec<Refused> that are told of one program.
 const MOST_PROBLEMS: usize = 20;
 /// Calls inside each other; controls have 4 to 10.
 const DEEPEST_CALLS: usize = 16;
@@ -43,22 +42,20 @@ pub struct Ran {
     /// Holes of canned cycles.
     pub holes: u64,
     /// What a person has to know of how the program was understood.
-    pub notes: Vec<Finding>,
+    pub notes: Vec<String>,
 }
 
 /// Executes a program; `follow` gets every move. All problems are given, up to a number; after
 /// one of them the moves are those of the blocks that could be executed.
 pub fn run(
     text: &mut dyn Text,
-    name: &str,
     setup: &Setup,
     mut follow: impl FnMut(&Move) -> Result<(), Refused>,
-) -> Result<Ran, Problems> {
+) -> Result<Ran, Vec<Refused>> {
     let mut control = Control {
-        name,
         setup,
         interpreter: Interpreter::new(setup),
-        problems: Problems::none(),
+        problems: Vec::new(),
         found: BTreeSet::new(),
         calls: Vec::new(),
         index: None,
@@ -71,8 +68,8 @@ pub fn run(
         begun: false,
         entered: false,
     };
-    control.execute(text, &mut follow)?;
-    control.close()
+    let ended = control.execute(text, &mut follow);
+    control.close(ended)
 }
 
 /// A call that is being executed.
@@ -87,10 +84,9 @@ struct Call {
 }
 
 struct Control<'s> {
-    name: &'s str,
     setup: &'s Setup,
     interpreter: Interpreter<'s>,
-    problems: Problems,
+    problems: Vec<Refused>,
     /// Lines and bytes at which something is wrong.
     found: BTreeSet<(usize, usize)>,
     calls: Vec<Call>,
@@ -111,8 +107,8 @@ struct Control<'s> {
 /// What a line asks of the text.
 enum Next {
     Line,
-    Call(u32, u32, Place),
-    Statement(Statement, Place),
+    Call(u32, u32, Excerpt),
+    Statement(Statement, Excerpt),
     Return,
     /// M2, M30.
     End,
@@ -123,7 +119,7 @@ enum Next {
 type Follow<'f> = &'f mut dyn FnMut(&Move) -> Result<(), Refused>;
 
 impl Control<'_> {
-    fn execute(&mut self, text: &mut dyn Text, follow: Follow<'_>) -> Result<(), Problems> {
+    fn execute(&mut self, text: &mut dyn Text, follow: Follow<'_>) -> Result<(), Refused> {
         let mut block = Block::new();
         while self.found.len() < MOST_PROBLEMS {
             let Some(line) = text.next_line()? else {
@@ -152,7 +148,7 @@ impl Control<'_> {
         line: Line<'_>,
         block: &mut Block,
         follow: Follow<'_>,
-    ) -> Result<Next, Problems> {
+    ) -> Result<Next, Refused> {
         self.blocks += 1;
         if let Some(at) = self.statement_at(line.bytes) {
             return self.statement(line, at);
@@ -180,12 +176,13 @@ impl Control<'_> {
         let holes = self.interpreter.tally.holes;
         let flow = self.interpreter.block(block, line.number);
         if let Some(wrong) = self.interpreter.turning.take() {
-            return Err(self.problem(line, &wrong).into()); // what else was found follows from it
+            self.problems.clear(); // what else was found follows from it
+            return Err(Control::problem(line, &wrong));
         }
         self.follow(block, holes, line.number, follow)?;
         for wrong in &block.wrong {
             if self.found.insert((line.number, wrong.start)) {
-                self.problems.push(self.problem(line, wrong));
+                self.problems.push(Control::problem(line, wrong));
             }
         }
         Ok(match flow {
@@ -194,7 +191,7 @@ impl Control<'_> {
             Flow::End => Next::End,
             Flow::Call { program, times } => {
                 let span = block.m_word(CALL).map_or((0, 1), |word| word.span);
-                Next::Call(program, times, self.place(line, span))
+                Next::Call(program, times, Control::place(line, span))
             }
         })
     }
@@ -217,7 +214,7 @@ impl Control<'_> {
     }
 
     /// Executes a line that sets variables or decides what comes next.
-    fn statement(&mut self, line: Line<'_>, at: usize) -> Result<Next, Problems> {
+    fn statement(&mut self, line: Line<'_>, at: usize) -> Result<Next, Refused> {
         if line.bytes.trim_ascii_start().first() == Some(&b'/') {
             self.deletable += 1;
             if self.setup.skip_deletable {
@@ -234,11 +231,11 @@ impl Control<'_> {
         };
         match executed {
             Ok(statement) => {
-                let place = self.place(line, (at, line.bytes.len()));
+                let place = Control::place(line, (at, line.bytes.len()));
                 Ok(Next::Statement(statement, place))
             }
             // What follows would be judged by a value that is not known, and a loop might not end.
-            Err(wrong) => Err(self.all(self.problem(line, &wrong))),
+            Err(wrong) => Err(Control::problem(line, &wrong)),
         }
     }
 
@@ -255,7 +252,7 @@ impl Control<'_> {
         holes: u64,
         line: usize,
         follow: Follow<'_>,
-    ) -> Result<(), Problems> {
+    ) -> Result<(), Refused> {
         let holes = self.interpreter.tally.holes - holes;
         let repeats = self.is_repeated() || holes > 1;
         let mut length_mm = 0.0;
@@ -265,7 +262,7 @@ impl Control<'_> {
             }
             if let Err(refused) = follow(&step) {
                 if block.wrong.is_empty() {
-                    let wrong = Wrong::new(span, refused.message, refused.help);
+                    let wrong = Wrong::new(span, refused.message, refused.help.unwrap_or_default());
                     block.wrong.push(wrong); // else it may follow from what is wrong already
                 }
                 break;
@@ -277,7 +274,7 @@ impl Control<'_> {
         Ok(())
     }
 
-    fn count(&mut self, holes: u64, length_mm: f64, line: usize) -> Result<(), Problems> {
+    fn count(&mut self, holes: u64, length_mm: f64, line: usize) -> Result<(), Refused> {
         self.repeated += 1.0 + holes as f64 + length_mm;
         if self.repeated <= MOST_REPEATED {
             return Ok(());
@@ -287,55 +284,47 @@ impl Control<'_> {
             "the repeats of subprograms, loops and cycles make more than {MOST_REPEATED} blocks and mm; the last of them begin in line {line}"
         );
         let help = "check the numbers of repeats (L and P of M98, K and L of cycles), and the conditions of loops";
-        Err(self.all(Problem::new(message).help(help)))
+        Err(Refused::new(message).help(help))
     }
 
     /// The text is over.
-    fn ended(&mut self) -> Result<(), Problems> {
+    fn ended(&mut self) -> Result<(), Refused> {
         let Some(call) = self.calls.last() else {
             return Ok(());
         };
         let message = format!("subprogram O{} ends without M99", call.program);
         let help = "end it with M99, before the text or `%` ends it";
-        Err(self.all(Problem::new(message).help(help)))
+        Err(Refused::new(message).help(help))
     }
 
-    /// The problems so far, and one that ends the run.
-    fn all(&mut self, problem: Problem) -> Problems {
-        let mut problems = std::mem::take(&mut self.problems);
-        problems.push(problem);
-        problems
-    }
-
-    fn close(mut self) -> Result<Ran, Problems> {
+    fn close(mut self, ended: Result<(), Refused>) -> Result<Ran, Vec<Refused>> {
+        self.problems.extend(ended.err());
         if self.found.len() >= MOST_PROBLEMS {
-            self.problems.push(Problem::new(format!(
+            self.problems.push(Refused::new(format!(
                 "reading stopped after {MOST_PROBLEMS} problems; there may be more"
             )));
         }
+        if !self.problems.is_empty() {
+            return Err(self.problems);
+        }
         let tally = &self.interpreter.tally;
-        self.problems.or_ok(Ran {
-            blocks: self.blocks,
-            holes: tally.holes,
-            notes: notes(tally, self.deletable, self.setup),
-        })
+        let notes = notes(tally, self.deletable, self.setup);
+        Ok(Ran { blocks: self.blocks, holes: tally.holes, notes })
     }
 
-    fn problem(&self, line: Line<'_>, wrong: &Wrong) -> Problem {
-        Problem::new(wrong.message.clone())
-            .at(self.place(line, (wrong.start, wrong.end)))
+    fn problem(line: Line<'_>, wrong: &Wrong) -> Refused {
+        Refused::new(wrong.message.clone())
+            .at(Control::place(line, (wrong.start, wrong.end)))
             .help(wrong.help.clone())
     }
 
-    /// The place of bytes of a line; bytes that are no UTF-8 (comments) are shown as such.
-    fn place(&self, line: Line<'_>, (start, end): Span) -> Place {
-        let text = String::from_utf8_lossy(line.bytes);
+    /// Bytes of a line; those that are no UTF-8 (comments) are shown as such.
+    fn place(line: Line<'_>, (start, end): Span) -> Excerpt {
         let length = |bytes: usize| {
             let part = line.bytes.get(..bytes).unwrap_or(line.bytes);
             String::from_utf8_lossy(part).len()
         };
-        let mut place = Place::in_text(self.name, &text, length(start), length(end));
-        place.line = line.number;
-        place
+        let text = String::from_utf8_lossy(line.bytes).into_owned();
+        Excerpt { line: line.number, text, span: (length(start), length(end)) }
     }
 }

@@ -5,30 +5,26 @@
 //!   machine = program + system (G54 …) + local (G52) + shift (G92) + tool length in Z (G43)
 //! ```
 
-use crate::inputs::nc::moves::Place;
-use crate::text::words::words;
+use crate::moves::Place;
 use std::collections::BTreeMap;
 
-words! {
-    /// How coordinates without a decimal point are meant.
-    pub enum WithoutPoint {
-        /// `X100` = 100 mm (or inches), "calculator type".
-        Unit = "unit",
-        /// `X100` = 100 least input increments: 0.001 mm, or 0.0001 in.
-        Increment = "increment",
-    }
+/// How coordinates without a decimal point are meant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WithoutPoint {
+    /// `X100` = 100 mm (or inches), "calculator type".
+    Unit,
+    /// `X100` = 100 least input increments: 0.001 mm, or 0.0001 in.
+    Increment,
 }
 
-words! {
-    /// In which words a program is written.
-    #[derive(Default)]
-    pub enum Language {
-        /// Of Fanuc-like controls and LinuxCNC (ISO 6983).
-        #[default]
-        Iso = "iso",
-        /// Of SINUMERIK 840D and 828D.
-        Siemens = "siemens",
-    }
+/// In which words a program is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Language {
+    /// Of Fanuc-like controls and LinuxCNC (ISO 6983).
+    #[default]
+    Iso,
+    /// Of SINUMERIK 840D and 828D.
+    Siemens,
 }
 
 impl Language {
@@ -41,18 +37,16 @@ impl Language {
     }
 }
 
-words! {
-    /// Which tool offset G43 without H takes.
-    #[derive(Default)]
-    pub enum G43WithoutH {
-        /// Refused.
-        #[default]
-        Refuse = "refuse",
-        /// That of the last H.
-        LastH = "last-h",
-        /// The one with the number of the tool that the last M6 changed in.
-        Tool = "tool",
-    }
+/// Which tool offset G43 without H takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum G43WithoutH {
+    /// Refused.
+    #[default]
+    Refuse,
+    /// That of the last H.
+    LastH,
+    /// The one with the number of the tool that the last M6 changed in.
+    Tool,
 }
 
 /// What the control knows before the program starts.
@@ -108,7 +102,7 @@ impl Setup {
 /// The number of a coordinate system by its name, `G54` … `G59.3`, `G54.1 P7`.
 ///
 /// ```
-/// use nonius::inputs::nc::system_number;
+/// use part_program::system_number;
 /// assert_eq!(system_number("G55"), Some(2));
 /// assert_eq!(system_number("g59.2"), Some(8));
 /// assert_eq!(system_number("G54.1 P48"), Some(148));

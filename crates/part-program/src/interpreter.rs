@@ -5,14 +5,14 @@ mod functions;
 mod motion;
 mod tools;
 
-use crate::inputs::nc::block::{Block, CALL, CodeWord, Span};
-use crate::inputs::nc::codes::{
+use crate::MM_PER_INCH;
+use crate::block::{Block, CALL, CodeWord, Span};
+use crate::codes::{
     Code, Cycle, Drill, GROUPS, Level, Motion, Once, code, is_call, siemens_code, why_not,
 };
-use crate::inputs::nc::scan::Wrong;
-use crate::inputs::nc::setup::Offsets;
-use crate::inputs::nc::{EXTENDED, Language, Move, Place, Plane, Setup};
-use crate::quantity::units::MM_PER_INCH;
+use crate::setup::Offsets;
+use crate::wrong::Wrong;
+use crate::{EXTENDED, Language, Move, Place, Plane, Setup};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) const AXES: [u8; 3] = *b"XYZ";

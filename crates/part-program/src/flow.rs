@@ -7,10 +7,10 @@
 //!
 //! limits  words behind `O…` (loops, conditions and subprograms of LinuxCNC) are refused
 
-use crate::inputs::nc::expression::{Reader, whole};
-use crate::inputs::nc::grammar::{Grammar, ISO};
-use crate::inputs::nc::variables::Variables;
-use crate::inputs::nc::wrong::Wrong;
+use crate::expression::{Reader, whole};
+use crate::grammar::{Grammar, ISO};
+use crate::variables::Variables;
+use crate::wrong::Wrong;
 
 /// A place of the text that lines go to.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]

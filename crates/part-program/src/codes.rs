@@ -1,6 +1,6 @@
 //! The G and M words that are known, the groups of which a block takes one, and what a cycle remembers.
 
-use crate::inputs::nc::Plane;
+use crate::Plane;
 
 /// What a modal motion word asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,9 +6,9 @@
 //! The pecks of CYCLE83 go the same way again, so the hole is fed once here.
 
 use super::{AXES, Interpreter};
-use crate::inputs::nc::block::{Block, CycleCall};
-use crate::inputs::nc::codes::Drill;
-use crate::inputs::nc::scan::Wrong;
+use crate::block::{Block, CycleCall};
+use crate::codes::Drill;
+use crate::wrong::Wrong;
 
 impl Interpreter<'_> {
     /// A cycle of the block, or the one that MCALL drills behind its move.

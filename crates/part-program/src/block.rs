@@ -1,8 +1,9 @@
 //! One block: its words sorted by letter, its G and M words by what they do.
 
-use crate::inputs::nc::codes::{NAMED_FROM, name_of};
-use crate::inputs::nc::scan::{Counts, Word, Wrong, words_with};
-use crate::inputs::nc::variables::Variables;
+use crate::codes::{NAMED_FROM, name_of};
+use crate::scan::{Counts, Word, words_with};
+use crate::variables::Variables;
+use crate::wrong::Wrong;
 
 /// First and last byte (exclusive) in the line.
 pub(super) type Span = (usize, usize);

@@ -1,9 +1,9 @@
 //! Expressions: numbers, variables, brackets, operators and functions of one argument, as a grammar has them. What has
 //! no value is refused with its place.
 
-use crate::inputs::nc::grammar::{Function, Grammar, Operator, ROUNDING, applied, evaluated};
-use crate::inputs::nc::variables::{Name, Variables};
-use crate::inputs::nc::wrong::{Wrong, refuse_long_number};
+use crate::grammar::{Function, Grammar, Operator, ROUNDING, applied, evaluated};
+use crate::variables::{Name, Variables};
+use crate::wrong::{Wrong, refuse_long_number};
 
 /// Brackets inside each other.
 const DEEPEST: usize = 32;

@@ -1,12 +1,12 @@
 //! Blocks that move: where their words lead, lines, arcs and the start of cycles.
 
 use super::{AXES, Interpreter, Reach, turning, unknown_system};
-use crate::inputs::nc::block::{Block, Span};
-use crate::inputs::nc::codes::{Cycle, Motion};
-use crate::inputs::nc::moves::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
-use crate::inputs::nc::scan::Wrong;
-use crate::inputs::nc::{Arc, Language, Move, Place, Shape, WithoutPoint, system_name};
-use crate::quantity::units::MM_PER_INCH;
+use crate::MM_PER_INCH;
+use crate::block::{Block, Span};
+use crate::codes::{Cycle, Motion};
+use crate::moves::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
+use crate::wrong::Wrong;
+use crate::{Arc, Language, Move, Place, Shape, WithoutPoint, system_name};
 
 const ABSOLUTE_CENTRE: &str = "the centre fits if it counts from the program's zero: write G90.1 before, if the control is set so";
 const CENTRES: [u8; 3] = *b"IJK";
@@ -115,7 +115,7 @@ impl Interpreter<'_> {
         }
     }
 
-    pub(in crate::inputs::nc) fn base(&mut self) -> Result<Place, Wrong> {
+    pub(crate) fn base(&mut self) -> Result<Place, Wrong> {
         match self.offsets.base {
             Some(base) => Ok(base),
             None => Err(self.lose(self.span, self.offsets.active)),
@@ -136,7 +136,7 @@ impl Interpreter<'_> {
 
     /// A length word in mm, as the units and the decimal point say.
     #[inline]
-    pub(in crate::inputs::nc) fn length(&mut self, block: &mut Block, letter: u8) -> Option<f64> {
+    pub(crate) fn length(&mut self, block: &mut Block, letter: u8) -> Option<f64> {
         let value = block.value(letter)?;
         let unit = if self.inch { MM_PER_INCH } else { 1.0 };
         if block.has_point(letter) {
@@ -268,7 +268,7 @@ impl Interpreter<'_> {
 
     /// Makes a move, and stands at its end.
     #[inline]
-    pub(in crate::inputs::nc) fn go(&mut self, to: Place, shape: Shape, rapid: bool) {
+    pub(crate) fn go(&mut self, to: Place, shape: Shape, rapid: bool) {
         let step = Move {
             from: self.at,
             to,

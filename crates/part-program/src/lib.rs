@@ -22,17 +22,26 @@ mod lines;
 mod moves;
 mod notes;
 mod run;
-pub mod scan;
+mod scan;
 mod setup;
 mod siemens;
 mod variables;
 mod wrong;
 
-pub use self::moves::{Arc, Move, Place, Plane, Refused, Shape};
+pub use self::moves::{Arc, Move, Place, Plane, Shape};
+pub use self::scan::{Counts, Word, Words, words};
 pub(crate) use self::setup::{EXTENDED, system_name};
 pub use self::setup::{G43WithoutH, Language, Setup, WithoutPoint, system_number};
+pub use self::wrong::{Excerpt, Refused, Wrong};
 #[cfg(test)]
 mod tests;
 
+/// Millimetres of an inch.
+pub(crate) const MM_PER_INCH: f64 = 25.4;
+
 pub use self::lines::{Line, Mark, Text};
 pub use self::run::{Ran, run};
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

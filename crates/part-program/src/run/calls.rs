@@ -1,17 +1,17 @@
 //! Which line comes next: calls, returns, conditions and loops.
 
 use super::{Call, Control, DEEPEST_CALLS, JUMP, PASSED};
-use crate::inputs::nc::flow::{Label, Statement};
-use crate::inputs::nc::jumps::Index;
-use crate::inputs::nc::lines::{Mark, Text};
-use crate::text::problem::{Place, Problem, Problems};
+use crate::flow::{Label, Statement};
+use crate::jumps::Index;
+use crate::lines::{Mark, Text};
+use crate::wrong::{Excerpt, Refused};
 
 impl Control<'_> {
     /// The index of the text, which is read where this is asked for the first time.
-    fn index(&mut self, text: &mut dyn Text) -> Result<&mut Index, Problems> {
+    fn index(&mut self, text: &mut dyn Text) -> Result<&mut Index, Refused> {
         let index = match self.index.take() {
             Some(index) => index,
-            None => Index::read(text).map_err(|problem| self.all(problem))?,
+            None => Index::read(text)?,
         };
         Ok(self.index.insert(index))
     }
@@ -21,20 +21,20 @@ impl Control<'_> {
         text: &mut dyn Text,
         program: u32,
         times: u32,
-        place: Place,
-    ) -> Result<(), Problems> {
+        place: Excerpt,
+    ) -> Result<(), Refused> {
         if self.calls.len() == DEEPEST_CALLS {
             let message = format!("more than {DEEPEST_CALLS} subprograms call each other");
             let help = "a subprogram must not call itself without end";
-            return Err(self.all(Problem::new(message).at(place).help(help)));
+            return Err(Refused::new(message).at(place).help(help));
         }
         let back = text.mark();
         let Some(begin) = self.index(text)?.first(&Label::Program(program)) else {
             text.go_to(back)?;
-            if self.found.insert((place.line, place.column)) {
+            if self.found.insert((place.line, place.span.0)) {
                 let message = format!("there is no subprogram O{program} in the file");
                 let help = "put the subprograms behind the main program, each from `O…` to M99";
-                self.problems.push(Problem::new(message).at(place).help(help));
+                self.problems.push(Refused::new(message).at(place).help(help));
             }
             return Ok(());
         };
@@ -45,7 +45,7 @@ impl Control<'_> {
         Ok(())
     }
 
-    pub(super) fn go_back(&mut self, text: &mut dyn Text) -> Result<(), Problem> {
+    pub(super) fn go_back(&mut self, text: &mut dyn Text) -> Result<(), Refused> {
         self.repeated += JUMP;
         let Some(call) = self.calls.last_mut() else {
             return Ok(());
@@ -65,14 +65,14 @@ impl Control<'_> {
         &mut self,
         text: &mut dyn Text,
         statement: Statement,
-        place: Place,
-    ) -> Result<(), Problems> {
+        place: Excerpt,
+    ) -> Result<(), Refused> {
         let here = text.mark();
         let to = match statement {
             Statement::Done => return Ok(()),
             Statement::GoTo(number) => {
                 let found = self.index(text)?.block(text, number, here);
-                let (to, passed) = found.map_err(|problem| self.all(problem))?;
+                let (to, passed) = found?;
                 self.repeated += passed as f64 * PASSED;
                 to.ok_or(format!("N{number}"))
             }
@@ -92,18 +92,18 @@ impl Control<'_> {
         &mut self,
         text: &mut dyn Text,
         to: Result<Mark, String>,
-        place: Place,
-    ) -> Result<(), Problems> {
+        place: Excerpt,
+    ) -> Result<(), Refused> {
         match to {
             Ok(mark) => {
                 self.jumped |= mark.lines < place.line; // what follows may be executed again
                 self.repeated += JUMP;
-                Ok(text.go_to(mark)?)
+                text.go_to(mark)
             }
             Err(missing) => {
                 let message = format!("{missing} is not in the program");
                 let help = "write it into the same program, or remove what leads to it";
-                Err(self.all(Problem::new(message).at(place).help(help)))
+                Err(Refused::new(message).at(place).help(help))
             }
         }
     }
