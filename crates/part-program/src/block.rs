@@ -1,205 +1,165 @@
 //! One block: its words sorted by letter, its G and M words by what they do.
 
+use crate::Language;
 use crate::codes::{NAMED_FROM, name_of};
-use crate::scan::{Counts, Word, words_with};
+use crate::expression::natural;
+use crate::lexer::{Counts, Lexer, Word};
 use crate::variables::Variables;
-use crate::wrong::Wrong;
-
-/// First and last byte (exclusive) in the line.
-pub(super) type Span = (usize, usize);
+use crate::wrong::{Span, Wrong, refuse};
 
 /// M98.
-pub(super) const CALL: u16 = 980;
+pub(crate) const CALL: u16 = 980;
 /// M6.
-pub(super) const TOOL_CHANGE: u16 = 60;
+pub(crate) const TOOL_CHANGE: u16 = 60;
 /// G or M words in one block; a control takes fewer.
 const MOST_CODES: usize = 16;
 
 /// A call of a cycle; `MCALL` makes it modal, and alone ends that.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct CycleCall {
-    pub(super) modal: bool,
+pub(crate) struct CycleCall {
+    pub(crate) modal: bool,
     /// 81, 82 or 83, with its arguments.
-    pub(super) cycle: Option<(u16, Vec<Option<f64>>)>,
-    pub(super) span: (usize, usize),
+    pub(crate) cycle: Option<(u16, Vec<Option<f64>>)>,
+    pub(crate) span: Span,
 }
 
 /// A G or M word: its number in tenths (`G54.1` = 541), and where it stands.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct CodeWord {
-    pub(super) tenths: u16,
-    pub(super) span: Span,
+pub(crate) struct CodeWord {
+    pub(crate) tenths: u16,
+    pub(crate) span: Span,
 }
 
 impl CodeWord {
     /// As it is written in manuals.
-    pub(super) fn name(self, letter: char) -> String {
-        if let Some(name) = name_of(self.tenths) {
-            return name.to_string();
-        }
-        match self.tenths % 10 {
-            0 => format!("{letter}{}", self.tenths / 10),
-            part => format!("{letter}{}.{part}", self.tenths / 10),
-        }
+    pub(crate) fn name(self, letter: char) -> String {
+        let plain = || format!("{letter}{}", f64::from(self.tenths) / 10.0);
+        name_of(self.tenths).map_or_else(plain, str::to_string)
     }
 }
 
 /// The words of a line.
-#[derive(Clone, Debug)]
-pub(super) struct Block {
-    values: [f64; 26],
-    spans: [Span; 26],
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Block {
+    words: [Word; 26],
     /// Bit per letter: it stands in the block.
     present: u32,
-    /// Bit per letter: its number has a decimal point.
-    points: u32,
     /// Bit per letter: somebody asked for it.
     used: u32,
-    /// Bits per letter: `AC( )`, `IC( )`.
-    absolute: u32,
-    incremental: u32,
     /// Siemens: a cycle, the name of a tool, how far ADIS lets the control leave the path.
-    pub(super) cycle: Option<CycleCall>,
-    pub(super) tool_name: Option<(String, Span)>,
-    pub(super) adis: Option<f64>,
-    pub(super) g: Vec<CodeWord>,
-    pub(super) m: Vec<CodeWord>,
-    pub(super) percent: bool,
-    pub(super) delete: bool,
-    pub(super) wrong: Vec<Wrong>,
+    pub(crate) cycle: Option<CycleCall>,
+    pub(crate) tool_name: Option<(String, Span)>,
+    pub(crate) adis: Option<f64>,
+    pub(crate) g: Vec<CodeWord>,
+    pub(crate) m: Vec<CodeWord>,
+    pub(crate) percent: bool,
+    pub(crate) delete: bool,
+    pub(crate) wrong: Vec<Wrong>,
+}
+
+fn index(letter: u8) -> usize {
+    usize::from(letter - b'A')
 }
 
 fn bit(letter: u8) -> u32 {
-    1 << (letter - b'A')
+    1 << index(letter)
 }
 
 impl Block {
-    pub(super) fn new() -> Block {
-        Block {
-            values: [0.0; 26],
-            spans: [(0, 0); 26],
-            present: 0,
-            points: 0,
-            used: 0,
-            absolute: 0,
-            incremental: 0,
-            cycle: None,
-            tool_name: None,
-            adis: None,
-            g: Vec::with_capacity(MOST_CODES),
-            m: Vec::with_capacity(MOST_CODES),
-            percent: false,
-            delete: false,
-            wrong: Vec::new(),
+    /// Takes the words of a line in place of the former ones; of Siemens those to the first that is wrong.
+    pub(crate) fn read(&mut self, line: &[u8], language: Language, variables: &Variables) {
+        self.forget();
+        let line = line.strip_suffix(b"\r").unwrap_or(line);
+        if let Some(at) = line.iter().position(|byte| *byte == b'\r') {
+            let message = "a carriage return inside a line: blocks have to end with a line feed";
+            let help = "save the program with line ends LF or CR LF";
+            return self.wrong.push(Wrong::new((at, at + 1), message, help));
         }
-    }
-
-    /// Takes the words of a line in place of the former ones.
-    pub(super) fn read(&mut self, line: &[u8], variables: &Variables) {
-        let Some(line) = self.begin(line) else { return };
-        for word in words_with(line, variables) {
-            match word {
-                Ok(word) => self.take(word),
-                Err(wrong) => self.wrong.push(wrong),
+        let variables = Some(variables);
+        let mut words = Lexer { line, language, variables, ..Lexer::default() };
+        while let Some(word) = words.next() {
+            let taken = match language {
+                Language::Iso => word.map(|word| self.take(word)),
+                Language::Siemens => word.and_then(|word| words.item(word, self)),
+            };
+            if let Err(wrong) = taken {
+                self.wrong.push(wrong);
+                if language == Language::Siemens {
+                    return;
+                }
             }
         }
     }
 
-    /// Forgets the former words; the line without its end, unless that stands inside.
-    pub(super) fn begin<'a>(&mut self, line: &'a [u8]) -> Option<&'a [u8]> {
-        (self.present, self.points, self.used) = (0, 0, 0);
-        (self.absolute, self.incremental) = (0, 0);
+    fn forget(&mut self) {
+        (self.present, self.used) = (0, 0);
         (self.cycle, self.tool_name, self.adis) = (None, None, None);
         self.g.clear();
         self.m.clear();
         self.wrong.clear();
         (self.percent, self.delete) = (false, false);
-        let line = line.strip_suffix(b"\r").unwrap_or(line);
-        let Some(at) = line.iter().position(|byte| *byte == b'\r') else {
-            return Some(line);
-        };
-        self.wrong.push(Wrong::new(
-            (at, at + 1),
-            "a carriage return inside a line: blocks have to end with a line feed",
-            "save the program with line ends LF or CR LF",
-        ));
-        None
     }
 
-    pub(super) fn take(&mut self, word: Word) {
-        let span = (word.start, word.end);
+    /// Takes a word; what is wrong with it goes into the list.
+    pub(crate) fn take(&mut self, word: Word) {
+        if let Err(wrong) = self.put(word) {
+            self.wrong.push(wrong);
+        }
+    }
+
+    fn put(&mut self, word: Word) -> Result<(), Wrong> {
         match word.letter {
-            b'G' | b'M' => self.take_code(word, span),
-            b'%' if self.is_empty() && self.present == 0 => self.percent = true,
-            b'%' => self.wrong.push(Wrong::new(
-                span,
-                "`%` inside a block, expected it at the beginning of a line",
-                "put it into a line of its own",
-            )),
-            b'/' if self.is_empty() => self.delete = true,
-            b'/' => self.wrong.push(Wrong::new(
-                span,
-                "`/` inside a block is not executed, expected it at the beginning of the line",
-                "put `/` first, or write the optional words in a line of their own",
-            )),
-            letter => self.take_value(letter, word, span),
+            b'G' | b'M' => self.take_code(word),
+            b'%' if self.is_empty() && self.present == 0 => {
+                self.percent = true;
+                Ok(())
+            }
+            b'%' => {
+                let message = "`%` inside a block, expected it at the beginning of a line";
+                refuse(word.span, message, "put it into a line of its own")
+            }
+            b'/' if self.is_empty() => {
+                self.delete = true;
+                Ok(())
+            }
+            b'/' => {
+                let message =
+                    "`/` inside a block is not executed, expected it at the beginning of the line";
+                let help = "put `/` first, or write the optional words in a line of their own";
+                refuse(word.span, message, help)
+            }
+            letter if self.has(letter) => {
+                let message = format!("`{}` is given twice in the block", char::from(letter));
+                refuse(word.span, message, "keep one of the two")
+            }
+            letter => {
+                self.words[index(letter)] = word;
+                self.present |= bit(letter);
+                Ok(())
+            }
         }
     }
 
-    fn take_value(&mut self, letter: u8, word: Word, span: Span) {
-        if self.present & bit(letter) != 0 {
-            let letter = char::from(letter);
-            self.wrong.push(Wrong::new(
-                span,
-                format!("`{letter}` is given twice in the block"),
-                "keep one of the two",
-            ));
-            return;
-        }
-        let index = usize::from(letter - b'A');
-        self.values[index] = word.value;
-        self.spans[index] = span;
-        self.present |= bit(letter);
-        if word.has_point {
-            self.points |= bit(letter);
-        }
-        match word.counts {
-            Counts::AsActive => {}
-            Counts::Absolute => self.absolute |= bit(letter),
-            Counts::Incremental => self.incremental |= bit(letter),
-        }
-    }
-
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "the number is checked to lie in the range before it is used"
-    )]
-    fn take_code(&mut self, word: Word, span: Span) {
-        let letter = char::from(word.letter);
-        let tenths = word.value * 10.0;
-        let whole = tenths.round();
-        if !(0.0..=9999.0).contains(&whole) || (tenths - whole).abs() > 1e-6 {
-            self.wrong.push(Wrong::new(
-                span,
-                format!("there is no `{letter}{}`", word.value),
-                "expected a number from 0 to 999 with at most one decimal",
-            ));
-            return;
-        }
+    fn take_code(&mut self, word: Word) -> Result<(), Wrong> {
+        let (letter, tenths) = (char::from(word.letter), word.value * 10.0);
+        let whole = natural(tenths.round()).and_then(|whole| u16::try_from(whole).ok());
+        let whole = whole.filter(|whole| *whole <= 9999);
+        let Some(tenths) = whole.filter(|whole| (tenths - f64::from(*whole)).abs() <= 1e-6) else {
+            let message = format!("there is no `{letter}{}`", word.value);
+            let help = "expected a number from 0 to 999 with at most one decimal";
+            return refuse(word.span, message, help);
+        };
         let codes = if word.letter == b'G' { &mut self.g } else { &mut self.m };
         if codes.len() == MOST_CODES {
-            self.wrong.push(Wrong::new(
-                span,
-                format!("the block has more than {MOST_CODES} {letter} words"),
-                "split the block",
-            ));
-            return;
+            let message = format!("the block has more than {MOST_CODES} {letter} words");
+            return refuse(word.span, message, "split the block");
         }
-        codes.push(CodeWord { tenths: whole as u16, span });
+        codes.push(CodeWord { tenths, span: word.span });
+        Ok(())
     }
 
     /// A word with a name (`TRANS`), which stands as a G word.
-    pub(super) fn take_named(&mut self, index: u16, span: Span) {
+    pub(crate) fn take_named(&mut self, index: u16, span: Span) {
         let tenths = NAMED_FROM + index;
         if self.g.len() < MOST_CODES {
             self.g.push(CodeWord { tenths, span });
@@ -207,85 +167,80 @@ impl Block {
     }
 
     /// Whether a coordinate counts from the present place, where `active` is what the modes say.
-    pub(super) fn is_incremental(&self, letter: u8, active: bool) -> bool {
-        active && self.absolute & bit(letter) == 0 || self.incremental & bit(letter) != 0
+    pub(crate) fn is_incremental(&self, letter: u8, active: bool) -> bool {
+        match self.word(letter).map_or(Counts::AsActive, |word| word.counts) {
+            Counts::AsActive => active,
+            counts => counts == Counts::Incremental,
+        }
     }
 
     /// Whether nothing was written before (a sequence number does not count).
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.g.is_empty() && self.m.is_empty() && self.present & !bit(b'N') == 0 && !self.delete
     }
 
-    pub(super) fn has(&self, letter: u8) -> bool {
+    pub(crate) fn has(&self, letter: u8) -> bool {
         self.present & bit(letter) != 0
     }
 
     /// Whether any of the letters stands in the block.
-    pub(super) fn has_any(&self, letters: &[u8]) -> bool {
+    pub(crate) fn has_any(&self, letters: &[u8]) -> bool {
         letters.iter().any(|letter| self.has(*letter))
     }
 
+    fn word(&self, letter: u8) -> Option<&Word> {
+        self.has(letter).then(|| &self.words[index(letter)])
+    }
+
     /// The number of a letter, which then counts as used.
-    pub(super) fn value(&mut self, letter: u8) -> Option<f64> {
+    pub(crate) fn value(&mut self, letter: u8) -> Option<f64> {
         self.used |= bit(letter);
-        self.has(letter).then(|| self.values[usize::from(letter - b'A')])
+        self.word(letter).map(|word| word.value)
     }
 
     /// Whether the number of a letter has a decimal point.
-    pub(super) fn has_point(&self, letter: u8) -> bool {
-        self.points & bit(letter) != 0
+    pub(crate) fn has_point(&self, letter: u8) -> bool {
+        self.word(letter).is_some_and(|word| word.has_point)
     }
 
-    pub(super) fn span(&self, letter: u8) -> Span {
-        self.spans[usize::from(letter - b'A')]
+    /// Where a letter of the block stands.
+    pub(crate) fn span(&self, letter: u8) -> Span {
+        self.words[index(letter)].span
     }
 
     /// A whole number from 0, which then counts as used.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "the number is checked to lie in the range before it is used"
-    )]
-    pub(super) fn whole(&mut self, letter: u8) -> Result<Option<u32>, Wrong> {
+    pub(crate) fn whole(&mut self, letter: u8) -> Result<Option<u32>, Wrong> {
         let Some(value) = self.value(letter) else {
             return Ok(None);
         };
-        if (0.0..=99_999_999.0).contains(&value) && (value - value.round()).abs() < 1e-9 {
-            return Ok(Some(value.round() as u32));
+        let near = natural(value).filter(|_| (value - value.round()).abs() < 1e-9);
+        if let Some(number) = near.and(natural(value.round())) {
+            return Ok(Some(number));
         }
-        let letter_shown = char::from(letter);
-        Err(Wrong::new(
-            self.span(letter),
-            format!("`{letter_shown}` is {value}, expected a whole number from 0"),
-            "write it without sign and decimals",
-        ))
-    }
-
-    /// The same of a letter that an M98 of the block does not need for itself.
-    pub(super) fn whole_if_free(&mut self, letter: u8) -> Result<Option<u32>, Wrong> {
-        if self.m_word(CALL).is_some() { Ok(None) } else { self.whole(letter) }
+        let message =
+            format!("`{}` is {value}, expected a whole number from 0", char::from(letter));
+        refuse(self.span(letter), message, "write it without sign and decimals")
     }
 
     /// Whether a letter stands in the block that nobody asked for; it then counts as used.
-    pub(super) fn takes(&mut self, letter: u8) -> bool {
+    pub(crate) fn takes(&mut self, letter: u8) -> bool {
         let free = self.present & !self.used & bit(letter) != 0;
         self.used |= bit(letter);
         free
     }
 
     /// Words that nobody asked for.
-    pub(super) fn unused(&self) -> impl Iterator<Item = (char, Span)> + '_ {
+    pub(crate) fn unused(&self) -> impl Iterator<Item = Word> + '_ {
         let left = self.present & !self.used;
-        (b'A'..=b'Z')
-            .filter(move |letter| left & bit(*letter) != 0)
-            .map(|letter| (char::from(letter), self.span(letter)))
+        (b'A'..=b'Z').filter(move |letter| left & bit(*letter) != 0).map(|l| self.words[index(l)])
+    }
+
+    pub(crate) fn nothing_unused(&self) -> bool {
+        self.present & !self.used == 0
     }
 
     /// The first of the M words with this number.
-    pub(super) fn m_word(&self, tenths: u16) -> Option<CodeWord> {
+    pub(crate) fn m_word(&self, tenths: u16) -> Option<CodeWord> {
         self.m.iter().find(|word| word.tenths == tenths).copied()
-    }
-
-    pub(super) fn nothing_unused(&self) -> bool {
-        self.present & !self.used == 0
     }
 }

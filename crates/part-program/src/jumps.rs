@@ -1,9 +1,11 @@
 //! Where lines lead to: subprograms, loops and labels, found by an index of the text that is made when the first one is
 //! asked for.
 
-use crate::flow::{Label, begin as begin_of, label};
+use crate::Language;
+use crate::expression::natural;
+use crate::flow::{Flow, Label, begin, loop_label};
+use crate::lexer::words;
 use crate::lines::{Mark, Text, without_mark};
-use crate::scan::words;
 use crate::wrong::Refused;
 use std::collections::BTreeMap;
 
@@ -12,9 +14,10 @@ const MOST_LABELS: usize = 10_000;
 
 /// The labels of a text.
 #[derive(Debug, Default)]
-pub(super) struct Index {
+pub(crate) struct Index {
     /// Where the lines with a label begin; of `END` where the next one does.
     labels: BTreeMap<Label, Vec<Mark>>,
+    count: usize,
     /// Where the programs begin, ascending.
     programs: Vec<Mark>,
     /// Blocks that were gone to, by the beginning of their program and their N.
@@ -23,64 +26,73 @@ pub(super) struct Index {
 
 impl Index {
     /// Reads the whole text; it stands anywhere then.
-    pub(super) fn read(text: &mut dyn Text) -> Result<Index, Refused> {
+    pub(crate) fn read(text: &mut dyn Text) -> Result<Index, Refused> {
         text.go_to(Mark::default())?;
         let mut index = Index::default();
         loop {
-            let begin = text.mark();
+            let start = text.mark();
             let Some(line) = text.next_line()? else {
                 return Ok(index);
             };
-            let number = line.number;
-            let bytes = without_mark(line).bytes;
-            let program = || program_number(bytes).filter(|_| begin_of(bytes).is_none());
-            let label = label(bytes).or_else(|| program().map(Label::Program));
+            let (bytes, number) = (without_mark(line).bytes, line.number);
+            let label = match begin(bytes, Language::Iso) {
+                Some(at) => loop_label(bytes, at),
+                None => numbered(bytes, b"OoNn:", b'N', b'O').map(|number| (b'O', number)),
+            };
             let Some(label) = label else { continue };
-            let place = if matches!(label, Label::End(_)) { text.mark() } else { begin };
+            let place = if label.0 == b'E' { text.mark() } else { start };
             index.add(label, place, number)?;
         }
     }
 
     fn add(&mut self, label: Label, place: Mark, line: usize) -> Result<(), Refused> {
-        let places = self.labels.entry(label.clone()).or_default();
-        if let Label::Program(number) = label {
+        let places = self.labels.entry(label).or_default();
+        if let (b'O', number) = label {
             if !places.is_empty() {
-                return Err(Refused::new(format!(
-                    "program O{number} is given twice in the file, again in line {line}"
-                ))
-                .help("give one of them another number"));
+                let message =
+                    format!("program O{number} is given twice in the file, again in line {line}");
+                return Err(Refused::new(message).help("give one of them another number"));
             }
             self.programs.push(place);
         }
         places.push(place);
-        if self.labels.values().map(Vec::len).sum::<usize>() > MOST_LABELS {
-            return Err(Refused::new(format!(
-                "the file holds more than {MOST_LABELS} subprograms and loops"
-            )));
+        self.count += 1;
+        if self.count > MOST_LABELS {
+            let message = format!("the file holds more than {MOST_LABELS} subprograms and loops");
+            return Err(Refused::new(message));
         }
         Ok(())
     }
 
-    /// The only one, or the first, of its kind.
-    pub(super) fn first(&self, label: &Label) -> Option<Mark> {
-        self.labels.get(label)?.first().copied()
-    }
-
-    /// The first one behind a place; `END` by its end.
-    pub(super) fn after(&self, label: &Label, here: Mark) -> Option<Mark> {
-        let places = self.labels.get(label)?;
-        places.get(places.partition_point(|place| place.bytes <= here.bytes)).copied()
-    }
-
-    /// The last one before a place.
-    pub(super) fn before(&self, label: &Label, here: Mark) -> Option<Mark> {
-        let places = self.labels.get(label)?;
-        let count = places.partition_point(|place| place.bytes < here.bytes);
-        places[..count].last().copied()
+    /// Where a line leads that stands before `here`, and how many lines were read to find it; else what is missing.
+    pub(crate) fn target(
+        &mut self,
+        flow: Flow,
+        text: &mut dyn Text,
+        here: Mark,
+    ) -> Result<(Result<Mark, String>, usize), Refused> {
+        let places = |label: Label| self.labels.get(&label).map_or(&[][..], Vec::as_slice);
+        let (found, missing) = match flow {
+            Flow::GoTo(number) => {
+                let (found, passed) = self.block(text, number, here)?;
+                return Ok((found.ok_or(format!("N{number}")), passed));
+            }
+            Flow::Call(program, _) => (places((b'O', program)).first(), format!("O{program}")),
+            Flow::Repeat(number) => {
+                let mut before = places((b'D', number)).iter().rev();
+                (before.find(|place| place.bytes < here.bytes), format!("DO{number}"))
+            }
+            Flow::Leave(number) => {
+                let mut behind = places((b'E', number)).iter();
+                (behind.find(|place| place.bytes > here.bytes), format!("END{number}"))
+            }
+            Flow::Next | Flow::Return | Flow::End | Flow::TextEnd => (None, String::new()),
+        };
+        Ok((found.copied().ok_or(missing), 0))
     }
 
     /// The block N… of the program that holds a place, and how many lines were read for it.
-    pub(super) fn block(
+    fn block(
         &mut self,
         text: &mut dyn Text,
         number: u32,
@@ -98,15 +110,15 @@ impl Index {
             let mark = text.mark();
             let Some(line) = text.next_line()? else { break };
             lines += 1;
-            if sequence_number(without_mark(line).bytes) != Some(number) {
+            if numbered(without_mark(line).bytes, b"Nn/", b'/', b'N') != Some(number) {
                 continue;
             }
             let line = line.number;
             if found.replace(mark).is_some() {
-                return Err(Refused::new(format!(
+                let message = format!(
                     "the program goes to N{number}, which is given twice, again in line {line}"
-                ))
-                .help("give one of the blocks another number"));
+                );
+                return Err(Refused::new(message).help("give one of the blocks another number"));
             }
         }
         self.blocks.insert((begin.bytes, number), found);
@@ -114,28 +126,12 @@ impl Index {
     }
 }
 
-/// The number of a line that begins with `O` or `:`.
-fn program_number(line: &[u8]) -> Option<u32> {
-    numbered(line, b"OoNn:", b'N', b'O')
-}
-
-fn sequence_number(line: &[u8]) -> Option<u32> {
-    numbered(line, b"Nn/", b'/', b'N')
-}
-
 /// The number of the first word behind those of a letter, where it has the wanted one; a line with another first
 /// letter is passed over at once.
 fn numbered(line: &[u8], first: &[u8], behind: u8, wanted: u8) -> Option<u32> {
     let letter = line.iter().find(|byte| !byte.is_ascii_whitespace())?;
-    let mut words = first.contains(letter).then(|| words(line).filter_map(Result::ok))?;
+    let mut words =
+        first.contains(letter).then(|| words(line, Language::Iso).filter_map(Result::ok))?;
     let word = words.find(|word| word.letter != behind)?;
-    number_of(word.letter == wanted, word.value)
-}
-
-#[allow(
-    clippy::cast_possible_truncation,
-    reason = "the number is checked to lie in the range before it is used"
-)]
-fn number_of(is_one: bool, value: f64) -> Option<u32> {
-    (is_one && (0.0..=99_999_999.0).contains(&value)).then_some(value as u32)
+    natural(word.value).filter(|_| word.letter == wanted)
 }

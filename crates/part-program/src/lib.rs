@@ -1,7 +1,7 @@
 //! Part programs: the moves that a control makes of G-code, in machine coordinates.
 //!
 //! ```text
-//!   line ─→ scan: words with places ─→ block ─→ Interpreter: modal state ─→ Move, Move, …
+//!   line ─→ lexer: words with places ─→ block ─→ Interpreter: modal state ─→ Move, Move, …
 //!              ▲                                       │
 //!            Text (a line at a time) ←─ run: M98, M99 ─┘
 //! ```
@@ -18,23 +18,21 @@ mod flow;
 mod grammar;
 mod interpreter;
 mod jumps;
+mod lexer;
 mod lines;
 mod moves;
 mod notes;
 mod run;
-mod scan;
 mod setup;
 mod siemens;
 mod variables;
 mod wrong;
 
+pub use self::lexer::{Counts, NAME, Word, words};
 pub use self::moves::{Arc, Move, Place, Plane, Shape};
-pub use self::scan::{Counts, Word, Words, words};
 pub(crate) use self::setup::{EXTENDED, system_name};
 pub use self::setup::{G43WithoutH, Language, Setup, WithoutPoint, system_number};
 pub use self::wrong::{Excerpt, Refused, Wrong};
-#[cfg(test)]
-mod tests;
 
 /// Millimetres of an inch.
 pub(crate) const MM_PER_INCH: f64 = 25.4;
@@ -45,3 +43,5 @@ pub use self::run::{Ran, run};
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
+#[cfg(test)]
+mod tests;

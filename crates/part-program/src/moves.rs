@@ -6,9 +6,10 @@ use std::f64::consts::TAU;
 pub type Place = [f64; 3];
 
 /// G17, G18, G19: the two axes of the plane in the order of positive rotation, and the third one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Plane {
     /// G17.
+    #[default]
     Xy,
     /// G18.
     Zx,

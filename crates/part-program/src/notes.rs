@@ -3,6 +3,7 @@
 use crate::interpreter::{RoughArcs, Tally};
 use crate::moves::USUAL_MISS_MM;
 use crate::{Setup, WithoutPoint};
+use std::collections::BTreeSet;
 
 pub(super) fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String> {
     let what = if setup.skip_deletable { "left out" } else { "executed" };
@@ -16,7 +17,10 @@ pub(super) fn notes(tally: &Tally, deletable: u64, setup: &Setup) -> Vec<String>
     });
     let blend = tally.blend.map(|(mm, line)| format!("G64 (ADIS and CYCLE832 of Siemens too) lets the control leave the path by up to {mm:.3} mm (the first so in line {line}): the path is followed as it is written"));
     let other_mode = tally.other_mode.map(|line| format!("G90 or G91 was changed inside a cycle in line {line}: R and Z are read as they were written, in the mode of the block that drills; some controls keep the levels"));
-    let words = tally.m.iter().map(|(m, count)| format!("M{m}{} ({count})", tally.with_words(*m)));
+    let beside =
+        |letters: &BTreeSet<char>| letters.iter().map(|l| format!(" {l}")).collect::<String>();
+    let words =
+        tally.m.iter().map(|(m, (count, letters))| format!("M{m}{} ({count})", beside(letters)));
     let words: Vec<String> = words.collect();
     let without_motion =
         (!words.is_empty()).then(|| format!("taken to be without motion: {}", words.join(", ")));

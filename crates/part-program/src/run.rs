@@ -6,33 +6,25 @@
 
 mod calls;
 
-use crate::block::{Block, CALL, Span};
-use crate::flow::{self, Statement};
-use crate::interpreter::{Flow, Interpreter};
+use crate::block::{Block, CALL};
+use crate::flow::{Flow, begin, statement};
+use crate::interpreter::Interpreter;
 use crate::jumps::Index;
 use crate::lines::{Line, Mark, Text, without_mark};
 use crate::notes::notes;
-use crate::siemens;
 use crate::variables::Variables;
-use crate::wrong::Excerpt;
-use crate::wrong::Wrong;
-use crate::{Language, Move, Refused, Setup};
+use crate::wrong::{Excerpt, Refused, Span, Wrong};
+use crate::{Move, Setup};
 use std::collections::BTreeSet;
 
-/// Vec<Refused> that are told of one program.
+/// Problems that are told of one program.
 const MOST_PROBLEMS: usize = 20;
-/// Calls inside each other; controls have 4 to 10.
-const DEEPEST_CALLS: usize = 16;
 /// Work that a program asks for beyond its own lines: blocks of subprograms, holes that a cycle repeats (K, L),
 /// and the millimetres that both go, as a path is followed in such steps. The lines of a file end by themselves,
 /// however large it is; this many blocks are hours of a control (a thousand in a second are many) and
 /// seconds here. The largest programs seen have 60 MB, three million blocks and 10 km, and may stand in
 /// a subprogram as a whole.
 const MOST_REPEATED: f64 = 2e7;
-/// What a line counts that is passed over in search of a block.
-const PASSED: f64 = 0.1;
-/// What a call and a return count: the text is taken up again elsewhere, which takes as long as this many blocks.
-const JUMP: f64 = 10.0;
 
 /// What was executed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -52,22 +44,8 @@ pub fn run(
     setup: &Setup,
     mut follow: impl FnMut(&Move) -> Result<(), Refused>,
 ) -> Result<Ran, Vec<Refused>> {
-    let mut control = Control {
-        setup,
-        interpreter: Interpreter::new(setup),
-        problems: Vec::new(),
-        found: BTreeSet::new(),
-        calls: Vec::new(),
-        index: None,
-        variables: Variables::default(),
-        jumped: false,
-        blocks: 0,
-        repeated: 0.0,
-        deletable: 0,
-        percent: false,
-        begun: false,
-        entered: false,
-    };
+    let interpreter = Interpreter::new(setup);
+    let mut control = Control { interpreter, ..Control::default() };
     let ended = control.execute(text, &mut follow);
     control.close(ended)
 }
@@ -83,9 +61,9 @@ struct Call {
     left: u32,
 }
 
-struct Control<'s> {
-    setup: &'s Setup,
-    interpreter: Interpreter<'s>,
+#[derive(Default)]
+struct Control {
+    interpreter: Interpreter,
     problems: Vec<Refused>,
     /// Lines and bytes at which something is wrong.
     found: BTreeSet<(usize, usize)>,
@@ -104,66 +82,50 @@ struct Control<'s> {
     entered: bool,
 }
 
-/// What a line asks of the text.
-enum Next {
-    Line,
-    Call(u32, u32, Excerpt),
-    Statement(Statement, Excerpt),
-    Return,
-    /// M2, M30.
-    End,
-    /// The second `%`.
-    TextEnd,
-}
-
 type Follow<'f> = &'f mut dyn FnMut(&Move) -> Result<(), Refused>;
 
-impl Control<'_> {
+impl Control {
     fn execute(&mut self, text: &mut dyn Text, follow: Follow<'_>) -> Result<(), Refused> {
-        let mut block = Block::new();
+        let mut block = Block::default();
         while self.found.len() < MOST_PROBLEMS {
             let Some(line) = text.next_line()? else {
                 return self.ended();
             };
-            match self.line(without_mark(line), &mut block, follow)? {
-                Next::Line => {}
-                Next::End => return Ok(()),
-                Next::TextEnd => return self.ended(),
-                Next::Return if self.calls.is_empty() => return Ok(()),
-                Next::Return => self.go_back(text)?,
-                Next::Call(_, 0, _) => {}
-                Next::Call(program, times, place) => {
-                    self.call(text, program, times, place)?;
-                }
-                Next::Statement(statement, place) => self.go(text, statement, place)?,
+            let (flow, place) = self.line(without_mark(line), &mut block, follow)?;
+            match flow {
+                Flow::Next => {}
+                Flow::End => return Ok(()),
+                Flow::TextEnd => return self.ended(),
+                Flow::Return if self.calls.is_empty() => return Ok(()),
+                Flow::Return => self.go_back(text)?,
+                _ => self.go(text, flow, place)?,
             }
         }
         Ok(())
     }
 
-    /// Executes a line.
+    /// Executes a line; where it leads elsewhere, with the place that says so.
     #[inline]
     fn line(
         &mut self,
         line: Line<'_>,
         block: &mut Block,
         follow: Follow<'_>,
-    ) -> Result<Next, Refused> {
+    ) -> Result<(Flow, Option<Excerpt>), Refused> {
         self.blocks += 1;
-        if let Some(at) = self.statement_at(line.bytes) {
-            return self.statement(line, at);
+        let language = self.interpreter.setup.language;
+        if let Some(at) = begin(line.bytes, language) {
+            let flow = self.statement(line, at)?;
+            return Ok((flow, Some(excerpt(line, (at, line.bytes.len())))));
         }
-        self.read(line.bytes, block);
+        block.read(line.bytes, language, &self.variables);
         if block.percent {
             // The first `%` begins the text, the next one ends it.
             let is_end = self.begun || std::mem::replace(&mut self.percent, true);
-            return Ok(if is_end { Next::TextEnd } else { Next::Line });
+            return Ok((if is_end { Flow::TextEnd } else { Flow::Next }, None));
         }
-        if block.delete {
-            self.deletable += 1;
-            if self.setup.skip_deletable {
-                return Ok(Next::Line);
-            }
+        if block.delete && self.is_left_out() {
+            return Ok((Flow::Next, None));
         }
         if std::mem::take(&mut self.entered) {
             block.value(b'O');
@@ -177,66 +139,37 @@ impl Control<'_> {
         let flow = self.interpreter.block(block, line.number);
         if let Some(wrong) = self.interpreter.turning.take() {
             self.problems.clear(); // what else was found follows from it
-            return Err(Control::problem(line, &wrong));
+            return Err(refused(line, &wrong));
         }
         self.follow(block, holes, line.number, follow)?;
         for wrong in &block.wrong {
-            if self.found.insert((line.number, wrong.start)) {
-                self.problems.push(Control::problem(line, wrong));
+            if self.found.insert((line.number, wrong.span.0)) {
+                self.problems.push(refused(line, wrong));
             }
         }
-        Ok(match flow {
-            Flow::Next => Next::Line,
-            Flow::Return => Next::Return,
-            Flow::End => Next::End,
-            Flow::Call { program, times } => {
-                let span = block.m_word(CALL).map_or((0, 1), |word| word.span);
-                Next::Call(program, times, Control::place(line, span))
-            }
-        })
+        let call = block.m_word(CALL).filter(|_| matches!(flow, Flow::Call(..)));
+        Ok((flow, call.map(|word| excerpt(line, word.span))))
     }
 
-    /// Where a line begins that is none of words.
-    #[inline]
-    fn statement_at(&self, line: &[u8]) -> Option<usize> {
-        match self.setup.language {
-            Language::Iso => flow::begin(line),
-            Language::Siemens => siemens::begin(line),
-        }
-    }
-
-    #[inline]
-    fn read(&self, line: &[u8], block: &mut Block) {
-        match self.setup.language {
-            Language::Iso => block.read(line, &self.variables),
-            Language::Siemens => siemens::read(block, line, &self.variables),
-        }
+    /// Counts a line that begins with `/`; whether it is left out.
+    fn is_left_out(&mut self) -> bool {
+        self.deletable += 1;
+        self.interpreter.setup.skip_deletable
     }
 
     /// Executes a line that sets variables or decides what comes next.
-    fn statement(&mut self, line: Line<'_>, at: usize) -> Result<Next, Refused> {
-        if line.bytes.trim_ascii_start().first() == Some(&b'/') {
-            self.deletable += 1;
-            if self.setup.skip_deletable {
-                return Ok(Next::Line);
-            }
+    fn statement(&mut self, line: Line<'_>, at: usize) -> Result<Flow, Refused> {
+        if line.bytes.trim_ascii_start().first() == Some(&b'/') && self.is_left_out() {
+            return Ok(Flow::Next);
         }
         self.begun = true;
         if self.is_repeated() {
             self.count(0, 0.0, line.number)?;
         }
-        let executed = match self.setup.language {
-            Language::Iso => flow::statement(line.bytes, at, &mut self.variables),
-            Language::Siemens => siemens::statement(line.bytes, at, &mut self.variables),
-        };
-        match executed {
-            Ok(statement) => {
-                let place = Control::place(line, (at, line.bytes.len()));
-                Ok(Next::Statement(statement, place))
-            }
-            // What follows would be judged by a value that is not known, and a loop might not end.
-            Err(wrong) => Err(Control::problem(line, &wrong)),
-        }
+        // Where it is wrong, what follows would be judged by a value that is not known, and a loop might not end.
+        let executed =
+            statement(line.bytes, at, self.interpreter.setup.language, &mut self.variables);
+        executed.map_err(|wrong| refused(line, &wrong))
     }
 
     fn is_repeated(&self) -> bool {
@@ -262,8 +195,8 @@ impl Control<'_> {
             }
             if let Err(refused) = follow(&step) {
                 if block.wrong.is_empty() {
-                    let wrong = Wrong::new(span, refused.message, refused.help.unwrap_or_default());
-                    block.wrong.push(wrong); // else it may follow from what is wrong already
+                    let help = refused.help.unwrap_or_default();
+                    block.wrong.push(Wrong::new(span, refused.message, help)); // else it may follow from what is wrong already
                 }
                 break;
             }
@@ -288,43 +221,40 @@ impl Control<'_> {
     }
 
     /// The text is over.
-    fn ended(&mut self) -> Result<(), Refused> {
+    fn ended(&self) -> Result<(), Refused> {
         let Some(call) = self.calls.last() else {
             return Ok(());
         };
         let message = format!("subprogram O{} ends without M99", call.program);
-        let help = "end it with M99, before the text or `%` ends it";
-        Err(Refused::new(message).help(help))
+        Err(Refused::new(message).help("end it with M99, before the text or `%` ends it"))
     }
 
     fn close(mut self, ended: Result<(), Refused>) -> Result<Ran, Vec<Refused>> {
         self.problems.extend(ended.err());
         if self.found.len() >= MOST_PROBLEMS {
-            self.problems.push(Refused::new(format!(
-                "reading stopped after {MOST_PROBLEMS} problems; there may be more"
-            )));
+            let message =
+                format!("reading stopped after {MOST_PROBLEMS} problems; there may be more");
+            self.problems.push(Refused::new(message));
         }
         if !self.problems.is_empty() {
             return Err(self.problems);
         }
         let tally = &self.interpreter.tally;
-        let notes = notes(tally, self.deletable, self.setup);
+        let notes = notes(tally, self.deletable, &self.interpreter.setup);
         Ok(Ran { blocks: self.blocks, holes: tally.holes, notes })
     }
+}
 
-    fn problem(line: Line<'_>, wrong: &Wrong) -> Refused {
-        Refused::new(wrong.message.clone())
-            .at(Control::place(line, (wrong.start, wrong.end)))
-            .help(wrong.help.clone())
-    }
+fn refused(line: Line<'_>, wrong: &Wrong) -> Refused {
+    Refused::new(&*wrong.message).at(excerpt(line, wrong.span)).help(&*wrong.help)
+}
 
-    /// Bytes of a line; those that are no UTF-8 (comments) are shown as such.
-    fn place(line: Line<'_>, (start, end): Span) -> Excerpt {
-        let length = |bytes: usize| {
-            let part = line.bytes.get(..bytes).unwrap_or(line.bytes);
-            String::from_utf8_lossy(part).len()
-        };
-        let text = String::from_utf8_lossy(line.bytes).into_owned();
-        Excerpt { line: line.number, text, span: (length(start), length(end)) }
-    }
+/// Bytes of a line; those that are no UTF-8 (comments) are shown as such.
+fn excerpt(line: Line<'_>, (start, end): Span) -> Excerpt {
+    let length = |bytes: usize| {
+        let part = line.bytes.get(..bytes).unwrap_or(line.bytes);
+        String::from_utf8_lossy(part).len()
+    };
+    let text = String::from_utf8_lossy(line.bytes).into_owned();
+    Excerpt { line: line.number, text, span: (length(start), length(end)) }
 }

@@ -1,5 +1,8 @@
 //! What is wrong: in a line, and of a whole program.
 
+/// First and last byte (exclusive) in the line.
+pub(crate) type Span = (usize, usize);
+
 /// What cannot be read or executed in a line, and where.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wrong {
@@ -7,29 +10,36 @@ pub struct Wrong {
     pub message: String,
     /// What to do next.
     pub help: String,
-    /// First byte in the line.
-    pub start: usize,
-    /// Byte behind the last one.
-    pub end: usize,
+    /// First byte in the line, and the byte behind the last one.
+    pub span: (usize, usize),
 }
 
 impl Wrong {
     /// Something wrong at bytes of a line.
-    pub fn new(span: (usize, usize), message: impl Into<String>, help: impl Into<String>) -> Wrong {
-        Wrong { message: message.into(), help: help.into(), start: span.0, end: span.1 }
+    pub(crate) fn new(span: Span, message: impl Into<String>, help: impl Into<String>) -> Wrong {
+        Wrong { message: message.into(), help: help.into(), span }
     }
+}
+
+/// The same as a result.
+pub(crate) fn refuse<T>(
+    span: Span,
+    message: impl Into<String>,
+    help: impl Into<String>,
+) -> Result<T, Wrong> {
+    Err(Wrong::new(span, message, help))
 }
 
 /// Digits of one number; nobody writes more, and `f64` holds 17.
 const MOST_DIGITS: usize = 40;
 
 /// Refuses a number of more digits than anybody writes.
-pub(super) fn refuse_long_number(span: (usize, usize), digits: usize) -> Result<(), Wrong> {
+pub(crate) fn refuse_long_number(span: Span, digits: usize) -> Result<(), Wrong> {
     if digits <= MOST_DIGITS {
         return Ok(());
     }
     let message = format!("a number has {digits} digits, expected at most {MOST_DIGITS}");
-    Err(Wrong::new(span, message, "write the number with as many digits as the control reads"))
+    refuse(span, message, "write the number with as many digits as the control reads")
 }
 
 /// Why a program, or a move of it, cannot be followed.

@@ -192,7 +192,7 @@ impl Walker<'_> {
         self.here = Some(place);
     }
 
-    fn dwell(&mut self, seconds: f64, block: Option<u32>) {
+    fn dwell(&mut self, seconds: f64, block: Option<f64>) {
         let rows = self.rows;
         let Some(row) = rows.get(self.read) else {
             return self.find("a standstill that belongs to no reading");
@@ -201,7 +201,7 @@ impl Walker<'_> {
         if seconds < wanted - 1e-3 {
             self.find(format!("the standstill is {seconds} s, expected {wanted} s"));
         }
-        if block != Some(row.block) {
+        if block.is_none_or(|block| (block - f64::from(row.block)).abs() > 0.0) {
             let number = row.block;
             self.find(format!("the block of reading {number} has another number"));
         }

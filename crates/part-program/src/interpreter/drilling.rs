@@ -8,9 +8,9 @@
 use super::{AXES, Interpreter};
 use crate::block::{Block, CycleCall};
 use crate::codes::Drill;
-use crate::wrong::Wrong;
+use crate::wrong::{Wrong, refuse};
 
-impl Interpreter<'_> {
+impl Interpreter {
     /// A cycle of the block, or the one that MCALL drills behind its move.
     pub(super) fn drills(&mut self, block: &mut Block, moves: bool) -> Result<(), Wrong> {
         if let Some(call) = block.cycle.take() {
@@ -27,41 +27,44 @@ impl Interpreter<'_> {
         }
     }
 
-    fn drill(&mut self, drill: Drill) -> Result<(), Wrong> {
+    fn drill(&mut self, (number, levels): Drill) -> Result<(), Wrong> {
         let base = self.base()?[self.plane.axes()[2]];
-        let [back, retract, bottom] = drill.levels.map(|mm| base + mm);
-        self.hole(drill.number, self.at, [retract, bottom, back]);
+        let [back, retract, bottom] = levels.map(|mm| base + mm);
+        self.hole(number, self.at, [retract, bottom, back]);
         Ok(())
     }
 
     fn drill_of(&self, call: &CycleCall) -> Result<Option<Drill>, Wrong> {
-        let refuse = |message: &str, help: &str| Err(Wrong::new(call.span, message, help));
         let Some((number, arguments)) = &call.cycle else {
             return Ok(None);
         };
-        if self.inch {
-            return refuse(
+        let argument = |index: usize| arguments.get(index).copied().flatten();
+        // Safety and DPR are stated without a sign; where DP and DPR stand, the control takes DPR.
+        let safety = argument(2).unwrap_or(0.0).abs();
+        let depth = |reference: f64| argument(4).map(|depth| reference - depth.abs());
+        let levels = argument(0)
+            .zip(argument(1))
+            .map(|(back, reference)| (back, reference, depth(reference).or(argument(3))));
+        let (message, help) = match levels {
+            _ if self.inch => (
                 "a cycle with G70 or G700 is not executed",
                 "controls differ in the unit of its arguments: write it in millimetres",
-            );
-        }
-        let argument = |index: usize| arguments.get(index).copied().flatten();
-        let (Some(back), Some(reference)) = (argument(0), argument(1)) else {
-            return refuse("the cycle lacks RTP or RFP", "write its first two arguments");
+            ),
+            None => ("the cycle lacks RTP or RFP", "write its first two arguments"),
+            Some((_, _, None)) => ("the cycle lacks its depth", "write DP or DPR"),
+            Some((back, reference, Some(bottom)))
+                if back < reference + safety || bottom >= reference =>
+            {
+                (
+                    "the levels of the cycle are not in the order RTP, RFP + SDIS, depth",
+                    "check its first five arguments",
+                )
+            }
+            Some((back, reference, Some(bottom))) => {
+                let levels = [back, reference + safety, bottom];
+                return Ok(Some((*number, levels)));
+            }
         };
-        // Both are stated without a sign; where DP and DPR stand, the control takes DPR.
-        let safety = argument(2).unwrap_or(0.0).abs();
-        let bottom = argument(4).map(|depth| reference - depth.abs()).or(argument(3));
-        let Some(bottom) = bottom else {
-            return refuse("the cycle lacks its depth", "write DP or DPR");
-        };
-        let retract = reference + safety;
-        if back < retract || bottom >= reference {
-            return refuse(
-                "the levels of the cycle are not in the order RTP, RFP + SDIS, depth",
-                "check its first five arguments",
-            );
-        }
-        Ok(Some(Drill { number: *number, levels: [back, retract, bottom] }))
+        refuse(call.span, message, help)
     }
 }

@@ -11,72 +11,50 @@
 //! G91) of the block that drills, as in RS274/NGC: their numbers are modal, their meaning is not.
 
 use super::{AXES, Interpreter, Reach, named, unknown_system};
-use crate::block::{Block, CodeWord, Span};
-use crate::codes::{Cycle, Depth, Level, Once};
+use crate::block::{Block, CALL, CodeWord};
+use crate::codes::{ATRANS, Cycle, Depth, TRANS};
 use crate::setup::Offsets;
-use crate::wrong::Wrong;
+use crate::wrong::{Span, Wrong, refuse};
 use crate::{Place, Shape, system_name};
 
 /// Holes of one block.
 const MOST_REPEATS: u32 = 9999;
 
-impl Interpreter<'_> {
+impl Interpreter {
     /// A block whose axis words are not those of a motion.
-    pub(super) fn once(
-        &mut self,
-        block: &mut Block,
-        once: Once,
-        word: CodeWord,
-    ) -> Result<(), Wrong> {
-        match once {
-            Once::Dwell => {
+    pub(super) fn once(&mut self, block: &mut Block, word: CodeWord) -> Result<(), Wrong> {
+        match word.tenths {
+            40 => {
                 for letter in *b"PXU" {
                     block.value(letter);
                 }
                 Ok(())
             }
-            Once::SetOffset => self.set_offset(block, word.span),
-            Once::Reference => self.go_home(block, word.span, self.setup.reference),
-            Once::SecondReference => self.go_second(block, word.span),
-            Once::Local => {
-                self.each_word(block, |offsets, axis, _, mm| offsets.set_local(axis, mm))
-            }
-            Once::Translate(add) => self.translate(block, add),
-            Once::Shift => {
-                self.base()?;
-                self.each_word(block, |offsets, axis, at, mm| offsets.call(axis, at, mm))
-            }
-            Once::CancelShift => {
-                self.offsets.cancel_shift();
-                Ok(())
-            }
-            Once::LookAhead => self.look_ahead(block, word),
+            100 => self.set_offset(block, word.span),
+            280 => self.go_home(block, word.span, self.setup.reference),
+            300 => self.go_second(block, word.span),
+            520 | 920 | 921 | TRANS | ATRANS => self.move_zero(block, word.tenths),
+            _ => self.look_ahead(block, word),
         }
     }
 
-    /// Changes the zero by each axis word of the block: its axis, where that stands, its value in mm.
-    fn each_word(
-        &mut self,
-        block: &mut Block,
-        change: impl Fn(&mut Offsets, usize, f64, f64),
-    ) -> Result<(), Wrong> {
-        for (axis, word) in self.axis_words(block).into_iter().enumerate() {
-            if let Some(mm) = word {
-                change(&mut self.offsets, axis, self.at[axis], mm);
+    /// G52 and TRANS put the zero, ATRANS moves it further, G92 says where the axes are; TRANS those of all axes,
+    /// also of those that it does not name. G92.1 takes back what G92 did.
+    fn move_zero(&mut self, block: &mut Block, tenths: u16) -> Result<(), Wrong> {
+        let base = if tenths == 920 { self.base()? } else { [0.0; 3] };
+        let words = if tenths == 921 { [None; 3] } else { self.axis_words(block) };
+        let Offsets { local, shift, .. } = &mut self.offsets;
+        for axis in 0..3 {
+            match (tenths, words[axis]) {
+                (921, _) => shift[axis] = 0.0,
+                (920, Some(mm)) => shift[axis] += self.at[axis] - (base[axis] + mm),
+                (ATRANS, Some(mm)) => local[axis] += mm,
+                (520, Some(mm)) => local[axis] = mm,
+                (TRANS, mm) => local[axis] = mm.unwrap_or(0.0),
+                _ => {}
             }
         }
-        Ok(())
-    }
-
-    /// TRANS puts the zero of all axes, also of those that it does not name; ATRANS moves it further.
-    fn translate(&mut self, block: &mut Block, add: bool) -> Result<(), Wrong> {
-        for (axis, word) in self.axis_words(block).into_iter().enumerate() {
-            let mm = word.unwrap_or(0.0);
-            match add {
-                true => self.offsets.add_local(axis, mm),
-                false => self.offsets.set_local(axis, mm),
-            }
-        }
+        self.offsets.update();
         Ok(())
     }
 
@@ -92,13 +70,11 @@ impl Interpreter<'_> {
         let number = named(block, letter, word.span, &name)?;
         if number != 0 && number != on {
             let letter = char::from(letter);
-            return Err(Wrong::new(
-                word.span,
-                format!(
-                    "`{name} {letter}{number}` is not executed, expected {letter}{on} or {letter}0 (look-ahead)"
-                ),
-                "splines and smoothing change the path: let the CAM system write short lines without them",
-            ));
+            let message = format!(
+                "`{name} {letter}{number}` is not executed, expected {letter}{on} or {letter}0 (look-ahead)"
+            );
+            let help = "splines and smoothing change the path: let the CAM system write short lines without them";
+            return refuse(word.span, message, help);
         }
         self.tally.look_ahead += u64::from(number != 0);
         Ok(())
@@ -107,21 +83,17 @@ impl Interpreter<'_> {
     /// G10 L2 P… X… Y… Z…
     fn set_offset(&mut self, block: &mut Block, span: Span) -> Result<(), Wrong> {
         if named(block, b'L', span, "G10")? != 2 {
-            return Err(Wrong::new(
-                block.span(b'L'),
-                "`G10` is executed with L2 only (zero of a coordinate system)",
-                "state other data in the job, and remove the block",
-            ));
+            let message = "`G10` is executed with L2 only (zero of a coordinate system)";
+            let help = "state other data in the job, and remove the block";
+            return refuse(block.span(b'L'), message, help);
         }
         let number = named(block, b'P', span, "G10 L2")?;
         if !(1..=9).contains(&number) {
-            return Err(Wrong::new(
-                block.span(b'P'),
-                format!(
-                    "`G10 L2 P{number}` is not executed: expected a coordinate system, P1 (G54) … P9 (G59.3); P0 moves all systems on some controls, on others the active one"
-                ),
-                "write the number of the system, or state its zero in the job",
-            ));
+            let message = format!(
+                "`G10 L2 P{number}` is not executed: expected a coordinate system, P1 (G54) … P9 (G59.3); P0 moves all systems on some controls, on others the active one"
+            );
+            let help = "write the number of the system, or state its zero in the job";
+            return refuse(block.span(b'P'), message, help);
         }
         let words = self.axis_words(block);
         if self.offsets.set_system(number, words, self.incremental) {
@@ -132,18 +104,12 @@ impl Interpreter<'_> {
 
     fn go_second(&mut self, block: &mut Block, span: Span) -> Result<(), Wrong> {
         if block.whole(b'P')?.is_some_and(|number| number != 2) {
-            return Err(Wrong::new(
-                block.span(b'P'),
-                "only the second reference point (`G30`, `G30 P2`) is known",
-                "write the move with G53",
-            ));
+            let message = "only the second reference point (`G30`, `G30 P2`) is known";
+            return refuse(block.span(b'P'), message, "write the move with G53");
         }
         let Some(place) = self.setup.second_reference else {
-            return Err(Wrong::new(
-                span,
-                "the second reference point is not known",
-                "add `second_reference_mm = { x = …, y = …, z = … }` to [path] of the job",
-            ));
+            let help = "add `second_reference_mm = { x = …, y = …, z = … }` to [path] of the job";
+            return refuse(span, "the second reference point is not known", help);
         };
         self.go_home(block, span, place)
     }
@@ -151,11 +117,8 @@ impl Interpreter<'_> {
     /// G28, G30: through a place to a reference point, with the axes that are named.
     fn go_home(&mut self, block: &mut Block, span: Span, home: Place) -> Result<(), Wrong> {
         if !block.has_any(&AXES) {
-            return Err(Wrong::new(
-                span,
-                "no axis is named",
-                "write the axes that go to the reference point, e.g. `G91 G28 Z0`",
-            ));
+            let help = "write the axes that go to the reference point, e.g. `G91 G28 Z0`";
+            return refuse(span, "no axis is named", help);
         }
         let named = AXES.map(|letter| block.has(letter));
         let through = self.target(block, Reach::Home)?;
@@ -164,9 +127,7 @@ impl Interpreter<'_> {
         self.go(end, Shape::Line, true);
         Ok(())
     }
-}
 
-impl Interpreter<'_> {
     /// A block while a cycle is active.
     pub(super) fn cycle_block(&mut self, block: &mut Block, number: u16) -> Result<(), Wrong> {
         let drills = block.has_any(&AXES) || block.has(b'R');
@@ -175,7 +136,9 @@ impl Interpreter<'_> {
         }
         let times = match block.whole(b'K')? {
             Some(times) => times,
-            None => block.whole_if_free(b'L')?.unwrap_or(1),
+            // An M98 of the block needs L for itself.
+            None if block.m_word(CALL).is_some() => 1,
+            None => block.whole(b'L')?.unwrap_or(1),
         };
         if times > MOST_REPEATS {
             let message = format!("{times} repeats of a cycle, expected at most {MOST_REPEATS}");
@@ -199,23 +162,23 @@ impl Interpreter<'_> {
         let span = self.span;
         let third = self.plane.axes()[2];
         let incremental = self.incremental;
-        let depth = |mm| Depth { mm, incremental };
-        let written =
-            (self.length(block, b'R').map(depth), self.length(block, AXES[third]).map(depth));
+        let written = [b'R', AXES[third]].map(|letter| self.length(block, letter));
+        let [above, below] = written.map(|depth| depth.map(|mm| (mm, incremental)));
         let Some(cycle) = self.cycle.as_mut() else {
             return Err(Wrong::new(span, "no cycle is active", "write G81 … G89"));
         };
-        cycle.retract = written.0.or(cycle.retract);
-        cycle.bottom = written.1.or(cycle.bottom);
+        cycle.retract = above.or(cycle.retract);
+        cycle.bottom = below.or(cycle.bottom);
         let cycle = *cycle;
         let (Some(retract), Some(bottom)) = (cycle.retract, cycle.bottom) else {
-            return Err(Wrong::new(
+            let message = "the cycle has no R level or no bottom";
+            return refuse(
                 span,
-                "the cycle has no R level or no bottom",
+                message,
                 "write R and the depth in the block that calls the cycle",
-            ));
+            );
         };
-        if [retract, bottom].iter().any(|depth| depth.incremental != incremental) {
+        if retract.1 != incremental || bottom.1 != incremental {
             self.tally.other_mode.get_or_insert(self.line);
         }
         self.check_initial(&cycle)?;
@@ -228,23 +191,21 @@ impl Interpreter<'_> {
     fn level_of(&mut self, depth: Depth, from: f64) -> Result<f64, Wrong> {
         let third = self.plane.axes()[2];
         let zero = if self.incremental { from } else { self.base()?[third] };
-        Ok(zero + depth.mm)
+        Ok(zero + depth.0)
     }
 
     /// Controls differ in where the initial level is after a change of zero or length.
     fn check_initial(&self, cycle: &Cycle) -> Result<(), Wrong> {
         let third = self.plane.axes()[2];
         let zero = self.offsets.base.map(|base| base[third]);
-        let counts = self.level == Level::Initial || self.incremental;
+        let counts = !self.retracts || self.incremental;
         let pending = self.incremental && third == 2 && self.offsets.pending_z.abs() > 0.0;
         if !pending && (!counts || zero == cycle.zero) {
             return Ok(());
         }
-        Err(Wrong::new(
-            self.span,
-            "the zero or the tool length changed, and the cycle counts from the initial level: controls differ in where that is now",
-            "end the cycle with G80, position with G0 in G90, and call it again",
-        ))
+        let message = "the zero or the tool length changed, and the cycle counts from the initial level: controls differ in where that is now";
+        let help = "end the cycle with G80, position with G0 in G90, and call it again";
+        refuse(self.span, message, help)
     }
 
     /// Where the hole is, and the step from one repeat to the next.
@@ -281,7 +242,7 @@ impl Interpreter<'_> {
         self.hole = None;
         let feeds_out = matches!(number, 84 | 85 | 89);
         reach(self, retract, !feeds_out);
-        if self.level == Level::Initial && (initial - retract) * (retract - bottom) > 0.0 {
+        if !self.retracts && (initial - retract) * (retract - bottom) > 0.0 {
             reach(self, initial, true);
         }
         if third == 2 {

@@ -1,11 +1,11 @@
 //! Blocks that move: where their words lead, lines, arcs and the start of cycles.
 
-use super::{AXES, Interpreter, Reach, turning, unknown_system};
+use super::{AXES, Interpreter, Reach, unknown_system};
 use crate::MM_PER_INCH;
-use crate::block::{Block, Span};
+use crate::block::Block;
 use crate::codes::{Cycle, Motion};
 use crate::moves::{INCH_MISS_MM, USUAL_MISS_MM, around, centre_of_radius};
-use crate::wrong::Wrong;
+use crate::wrong::{Span, Wrong, refuse};
 use crate::{Arc, Language, Move, Place, Shape, WithoutPoint, system_name};
 
 const ABSOLUTE_CENTRE: &str = "the centre fits if it counts from the program's zero: write G90.1 before, if the control is set so";
@@ -16,14 +16,14 @@ const FARTHEST_MM: f64 = 1e6;
 const INCREMENT_MM: f64 = 0.001;
 const INCREMENT_IN: f64 = 0.0001;
 
-impl Interpreter<'_> {
+impl Interpreter {
     pub(super) fn set_motion(&mut self, motion: Motion) {
         if !matches!(motion, Motion::Cycle(_)) {
             self.cycle = None;
         } else if !matches!(self.motion, Some(Motion::Cycle(_))) {
             let third = self.plane.axes()[2];
             let zero = self.offsets.base.map(|base| base[third]);
-            self.cycle = Some(Cycle::new(self.at[third], zero));
+            self.cycle = Some(Cycle { initial: self.at[third], zero, ..Cycle::default() });
         }
         self.motion = Some(motion);
     }
@@ -82,11 +82,8 @@ impl Interpreter<'_> {
         if to.iter().all(|mm| mm.abs() <= FARTHEST_MM) {
             return Ok(to);
         }
-        Err(Wrong::new(
-            self.span,
-            "the move leads farther than a kilometre",
-            "check the coordinate and its decimal point",
-        ))
+        let message = "the move leads farther than a kilometre";
+        refuse(self.span, message, "check the coordinate and its decimal point")
     }
 
     /// Whether an incremental move takes a change of the zero in depends on a setting of a Siemens control.
@@ -94,13 +91,10 @@ impl Interpreter<'_> {
         let is_open = self.setup.language == Language::Siemens && self.offsets.moved[axis];
         if is_incremental && is_open {
             let letter = char::from(AXES[axis]);
-            return Err(Wrong::new(
-                self.span,
-                format!(
-                    "an incremental {letter} after the zero changed: setting data 42440 decides whether the change is moved too"
-                ),
-                "position the axis absolutely first",
-            ));
+            let message = format!(
+                "an incremental {letter} after the zero changed: setting data 42440 decides whether the change is moved too"
+            );
+            return refuse(self.span, message, "position the axis absolutely first");
         }
         self.offsets.moved[axis] = false;
         Ok(())
@@ -163,18 +157,15 @@ impl Interpreter<'_> {
         let centre = if block.has(b'R') {
             let radius = self.length(block, b'R').unwrap_or(0.0);
             if block.has_any(&CENTRES) {
-                return Err(Wrong::new(
-                    block.span(b'R'),
-                    "the arc has a radius and a centre",
-                    "keep one of them",
-                ));
+                let message = "the arc has a radius and a centre";
+                return refuse(block.span(b'R'), message, "keep one of them");
             }
             centre_of_radius(self.plane, clockwise, ends, radius, tolerance_mm).map_err(in_words)?
         } else {
             self.centre(block)?
         };
         if self.is_turning_arc(block) {
-            self.turning = Some(turning(block.span(b'K'), "an arc with K, but without G18,"));
+            self.turns(block.span(b'K'), "an arc with K, but without G18,");
         }
         match around(self.plane, clockwise, ends, centre, tolerance_mm) {
             Ok(arc) => {
@@ -241,11 +232,8 @@ impl Interpreter<'_> {
         let [first, second, _] = self.plane.axes();
         let words = [first, second].map(|axis| (axis, self.length(block, CENTRES[axis])));
         if words.iter().all(|(_, word)| word.is_none()) {
-            return Err(Wrong::new(
-                self.span,
-                "the arc has neither a centre in its plane nor a radius",
-                "write two of I, J, K, or R",
-            ));
+            let message = "the arc has neither a centre in its plane nor a radius";
+            return refuse(self.span, message, "write two of I, J, K, or R");
         }
         let absolute =
             [first, second].map(|axis| !block.is_incremental(CENTRES[axis], !self.absolute_centre));
@@ -254,11 +242,7 @@ impl Interpreter<'_> {
             _ => self.base()?,
         };
         if self.absolute_centre && words.iter().any(|(_, word)| word.is_none()) {
-            return Err(Wrong::new(
-                self.span,
-                "with G90.1 both centre words are needed",
-                "write both",
-            ));
+            return refuse(self.span, "with G90.1 both centre words are needed", "write both");
         }
         let from = |k: usize, axis: usize| {
             if absolute[k] { base[axis] } else { self.at[axis] }

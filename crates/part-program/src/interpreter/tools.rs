@@ -1,60 +1,57 @@
 //! Which tool is in, and how long it is: G43 and H, or D of Siemens.
 
 use super::{AXES, Interpreter};
-use crate::block::{Block, Span, TOOL_CHANGE};
-use crate::wrong::Wrong;
+use crate::block::{Block, TOOL_CHANGE};
+use crate::expression::natural;
+use crate::wrong::{Span, Wrong, refuse};
 use crate::{G43WithoutH, Plane};
 
-impl Interpreter<'_> {
+impl Interpreter {
     /// T names a tool, M6 changes it in.
-    #[allow(
-        clippy::cast_possible_truncation,
-        reason = "the number is checked to lie in the range before it is used"
-    )]
     pub(super) fn change_tool(&mut self, block: &mut Block) {
-        let whole = |number: &f64| (0.0..=99_999_999.0).contains(number) && number.fract() <= 0.0;
-        let called = block.value(b'T').filter(whole);
+        let called = block.value(b'T').filter(|number| number.fract() <= 0.0).and_then(natural);
         let named = block.tool_name.as_ref().and_then(|(name, _)| self.setup.tool_names.get(name));
-        let called = called.map(|number| number as u32).or(named.copied());
-        self.called_tool = called.or(self.called_tool);
+        self.called_tool = called.or(named.copied()).or(self.called_tool);
         if block.m_word(TOOL_CHANGE).is_some() {
             self.spindle_tool = self.called_tool;
         }
     }
 
     /// The number of the tool offset where G43 stands without H.
-    fn number_without_h(&self) -> Result<u32, (&'static str, &'static str)> {
-        match self.setup.g43_without_h {
-            G43WithoutH::Refuse => Err((
-                "`G43` without H: controls differ in which tool offset is meant",
-                "write H with the number of the tool offset, e.g. `G43 H1`; or state `g43_without_h = \"last-h\"` (the last H) or `\"tool\"` (the tool in the spindle) in [path]",
-            )),
-            G43WithoutH::LastH => self.tool_number.ok_or((
-                "`G43` without H: no tool offset was named yet",
-                "write H with the number of the tool offset, e.g. `G43 H1`",
-            )),
-            G43WithoutH::Tool => self.spindle_tool.ok_or((
-                "`G43` without H: no T and M6 changed a tool in before",
-                "write H with the number of the tool offset, e.g. `G43 H1`",
-            )),
-        }
+    fn number_without_h(&mut self, span: Span) -> Result<u32, Wrong> {
+        let asked = self.setup.g43_without_h;
+        let (known, why) = match asked {
+            G43WithoutH::Refuse => (None, "controls differ in which tool offset is meant"),
+            G43WithoutH::LastH => (self.tool_number, "no tool offset was named yet"),
+            G43WithoutH::Tool => (self.spindle_tool, "no T and M6 changed a tool in before"),
+        };
+        self.is_lost |= known.is_none();
+        let more = match asked {
+            G43WithoutH::Refuse => {
+                "; or state `g43_without_h = \"last-h\"` (the last H) or `\"tool\"` (the tool in the spindle) in [path]"
+            }
+            _ => "",
+        };
+        known.ok_or_else(|| {
+            let help = "write H with the number of the tool offset, e.g. `G43 H1`";
+            Wrong::new(span, format!("`G43` without H: {why}"), format!("{help}{more}"))
+        })
     }
 
     pub(super) fn use_tool(&mut self, span: Span, written: Option<u32>) -> Result<(), Wrong> {
-        let number = written.map_or_else(|| self.number_without_h(), Ok);
-        let number = number.map_err(|(message, help)| {
-            self.is_lost = true;
-            Wrong::new(span, message, help)
-        })?;
-        if self.offsets.use_tool(number) {
-            return Ok(());
+        let number = written.map_or_else(|| self.number_without_h(span), Ok)?;
+        self.use_length(span, number, &format!("offset H{number}"))
+    }
+
+    /// Switches the length of a tool on that the program names so.
+    fn use_length(&mut self, span: Span, number: u32, tool: &str) -> Result<(), Wrong> {
+        // H0 is no length, on every control.
+        let length = if number == 0 { Some(0.0) } else { self.setup.tools.get(&number).copied() };
+        if length.is_none() {
+            return Err(self.no_length(span, tool, &format!("number = {number}")));
         }
-        self.is_lost = true;
-        Err(Wrong::new(
-            span,
-            format!("the length of tool offset H{number} is not known"),
-            format!("add `[[path.tool]]` with `number = {number}` and `length_mm` to the job"),
-        ))
+        self.offsets.change_tool(length);
+        Ok(())
     }
 
     /// M6 changes the tool in with its edge D1; D1 and D0 switch its length on and off.
@@ -68,47 +65,30 @@ impl Interpreter<'_> {
         let has_length = self.offsets.tool.is_some_and(|mm| mm.abs() > 0.0);
         let moves = block.has_any(&AXES) || block.cycle.is_some();
         if has_length && self.plane != Plane::Xy && moves {
-            return Err(Wrong::new(
-                self.span,
-                "a tool length with G18 or G19 is not executed: it acts along Y or X there",
-                "write G17, or D0",
-            ));
+            let message =
+                "a tool length with G18 or G19 is not executed: it acts along Y or X there";
+            return refuse(self.span, message, "write G17, or D0");
         }
         let change = block.m_word(TOOL_CHANGE).map(|word| word.span);
         let edge = block.whole(b'D')?;
-        let span = match (edge, change) {
-            (Some(_), _) => block.span(b'D'),
-            (None, Some(span)) => span,
-            (None, None) => return Ok(()),
+        let Some(span) = edge.map(|_| block.span(b'D')).or(change) else {
+            return Ok(());
         };
-        match edge.unwrap_or(1) {
-            0 => self.offsets.no_tool(),
-            1 => self.use_edge(span)?,
-            other => {
-                return Err(Wrong::new(
-                    span,
-                    format!(
-                        "`D{other}` is not executed: the job states one length of a tool, its D1"
-                    ),
-                    "give the tool of this length a number of its own",
-                ));
+        match (edge.unwrap_or(1), self.spindle_tool) {
+            (0, _) => self.offsets.change_tool(None),
+            (1, Some(number)) => self.use_length(span, number, &format!("T{number}"))?,
+            (1, None) => {
+                let help = "write T and M6 before, as the machine does it";
+                return refuse(span, "no T and M6 changed a tool in before", help);
+            }
+            (other, _) => {
+                let message = format!(
+                    "`D{other}` is not executed: the job states one length of a tool, its D1"
+                );
+                return refuse(span, message, "give the tool of this length a number of its own");
             }
         }
         Ok(())
-    }
-
-    fn use_edge(&mut self, span: Span) -> Result<(), Wrong> {
-        let Some(number) = self.spindle_tool else {
-            return Err(Wrong::new(
-                span,
-                "no T and M6 changed a tool in before",
-                "write T and M6 before, as the machine does it",
-            ));
-        };
-        if self.offsets.use_tool(number) {
-            return Ok(());
-        }
-        Err(self.no_length(span, &format!("T{number}"), &format!("number = {number}")))
     }
 
     fn no_length(&mut self, span: Span, tool: &str, key: &str) -> Wrong {

@@ -1,110 +1,84 @@
 //! Which line comes next: calls, returns, conditions and loops.
 
-use super::{Call, Control, DEEPEST_CALLS, JUMP, PASSED};
-use crate::flow::{Label, Statement};
+use super::{Call, Control};
+use crate::flow::Flow;
 use crate::jumps::Index;
-use crate::lines::{Mark, Text};
+use crate::lines::Text;
 use crate::wrong::{Excerpt, Refused};
 
-impl Control<'_> {
-    /// The index of the text, which is read where this is asked for the first time.
-    fn index(&mut self, text: &mut dyn Text) -> Result<&mut Index, Refused> {
-        let index = match self.index.take() {
-            Some(index) => index,
-            None => Index::read(text)?,
-        };
-        Ok(self.index.insert(index))
-    }
+/// Calls inside each other; controls have 4 to 10.
+const DEEPEST_CALLS: usize = 16;
+/// What a line counts that is passed over in search of a block.
+const PASSED: f64 = 0.1;
+/// What a call and a return count: the text is taken up again elsewhere, which takes as long as this many blocks.
+const JUMP: f64 = 10.0;
 
-    pub(super) fn call(
+impl Control {
+    /// Goes where a line leads; `place` says so.
+    pub(super) fn go(
         &mut self,
         text: &mut dyn Text,
-        program: u32,
-        times: u32,
-        place: Excerpt,
+        flow: Flow,
+        place: Option<Excerpt>,
     ) -> Result<(), Refused> {
-        if self.calls.len() == DEEPEST_CALLS {
+        let (Some(place), false) = (place, matches!(flow, Flow::Call(_, 0))) else {
+            return Ok(());
+        };
+        if matches!(flow, Flow::Call(..)) && self.calls.len() == DEEPEST_CALLS {
             let message = format!("more than {DEEPEST_CALLS} subprograms call each other");
             let help = "a subprogram must not call itself without end";
             return Err(Refused::new(message).at(place).help(help));
         }
         let back = text.mark();
-        let Some(begin) = self.index(text)?.first(&Label::Program(program)) else {
-            text.go_to(back)?;
-            if self.found.insert((place.line, place.span.0)) {
-                let message = format!("there is no subprogram O{program} in the file");
-                let help = "put the subprograms behind the main program, each from `O…` to M99";
-                self.problems.push(Refused::new(message).at(place).help(help));
-            }
-            return Ok(());
+        let index = match self.index.take() {
+            Some(index) => index,
+            None => Index::read(text)?,
         };
-        text.go_to(begin)?;
-        self.entered = true;
-        self.repeated += JUMP;
-        self.calls.push(Call { program, line: place.line, begin, back, left: times - 1 });
-        Ok(())
-    }
-
-    pub(super) fn go_back(&mut self, text: &mut dyn Text) -> Result<(), Refused> {
-        self.repeated += JUMP;
-        let Some(call) = self.calls.last_mut() else {
-            return Ok(());
-        };
-        if call.left > 0 {
-            call.left -= 1;
-            self.entered = true;
-            return text.go_to(call.begin);
-        }
-        let back = call.back;
-        self.calls.pop();
-        text.go_to(back)
-    }
-
-    /// Goes where a statement leads.
-    pub(super) fn go(
-        &mut self,
-        text: &mut dyn Text,
-        statement: Statement,
-        place: Excerpt,
-    ) -> Result<(), Refused> {
-        let here = text.mark();
-        let to = match statement {
-            Statement::Done => return Ok(()),
-            Statement::GoTo(number) => {
-                let found = self.index(text)?.block(text, number, here);
-                let (to, passed) = found?;
-                self.repeated += passed as f64 * PASSED;
-                to.ok_or(format!("N{number}"))
+        let (to, passed) = self.index.insert(index).target(flow, text, back)?;
+        self.repeated += passed as f64 * PASSED;
+        match (to, flow) {
+            (Ok(begin), Flow::Call(program, times)) => {
+                self.entered = true;
+                self.calls.push(Call { program, line: place.line, begin, back, left: times - 1 });
+                self.jump(text, begin)
             }
-            Statement::Leave(number) => {
-                let end = self.index(text)?.after(&Label::End(number), here);
-                end.ok_or(format!("END{number}"))
-            }
-            Statement::End(number) => {
-                let begin = self.index(text)?.before(&Label::Do(number), here);
-                begin.ok_or(format!("DO{number}"))
-            }
-        };
-        self.jump(text, to, place)
-    }
-
-    fn jump(
-        &mut self,
-        text: &mut dyn Text,
-        to: Result<Mark, String>,
-        place: Excerpt,
-    ) -> Result<(), Refused> {
-        match to {
-            Ok(mark) => {
+            (Ok(mark), _) => {
                 self.jumped |= mark.lines < place.line; // what follows may be executed again
-                self.repeated += JUMP;
-                text.go_to(mark)
+                self.jump(text, mark)
             }
-            Err(missing) => {
+            (Err(missing), Flow::Call(..)) => {
+                if self.found.insert((place.line, place.span.0)) {
+                    let message = format!("there is no subprogram {missing} in the file");
+                    let help = "put the subprograms behind the main program, each from `O…` to M99";
+                    self.problems.push(Refused::new(message).at(place).help(help));
+                }
+                text.go_to(back)
+            }
+            (Err(missing), _) => {
                 let message = format!("{missing} is not in the program");
                 let help = "write it into the same program, or remove what leads to it";
                 Err(Refused::new(message).at(place).help(help))
             }
         }
+    }
+
+    fn jump(&mut self, text: &mut dyn Text, to: crate::Mark) -> Result<(), Refused> {
+        self.repeated += JUMP;
+        text.go_to(to)
+    }
+
+    /// M99: the subprogram once more, or on behind its call.
+    pub(super) fn go_back(&mut self, text: &mut dyn Text) -> Result<(), Refused> {
+        let Some(mut call) = self.calls.pop() else {
+            return Ok(());
+        };
+        if call.left == 0 {
+            return self.jump(text, call.back);
+        }
+        call.left -= 1;
+        self.entered = true;
+        let begin = call.begin;
+        self.calls.push(call);
+        self.jump(text, begin)
     }
 }
