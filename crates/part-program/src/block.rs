@@ -1,10 +1,9 @@
 //! One block: its words sorted by letter, its G and M words by what they do.
 
 use crate::Language;
-use crate::codes::{NAMED_FROM, name_of};
-use crate::expression::natural;
+use crate::codes::name_of;
+use crate::expression::{Variables, natural};
 use crate::lexer::{Counts, Lexer, Word};
-use crate::variables::Variables;
 use crate::wrong::{Span, Wrong, refuse};
 
 /// M98.
@@ -41,7 +40,8 @@ impl CodeWord {
 /// The words of a line.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Block {
-    words: [Word; 26],
+    /// Those of letters, `%` and `/`.
+    words: [Word; 28],
     /// Bit per letter: it stands in the block.
     present: u32,
     /// Bit per letter: somebody asked for it.
@@ -52,13 +52,15 @@ pub(crate) struct Block {
     pub(crate) adis: Option<f64>,
     pub(crate) g: Vec<CodeWord>,
     pub(crate) m: Vec<CodeWord>,
-    pub(crate) percent: bool,
-    pub(crate) delete: bool,
     pub(crate) wrong: Vec<Wrong>,
 }
 
 fn index(letter: u8) -> usize {
-    usize::from(letter - b'A')
+    match letter {
+        b'%' => 26,
+        b'/' => 27,
+        letter => usize::from(letter - b'A'),
+    }
 }
 
 fn bit(letter: u8) -> u32 {
@@ -71,9 +73,9 @@ impl Block {
         self.forget();
         let line = line.strip_suffix(b"\r").unwrap_or(line);
         if let Some(at) = line.iter().position(|byte| *byte == b'\r') {
-            let message = "a carriage return inside a line: blocks have to end with a line feed";
+            let what = "a carriage return inside a line: blocks have to end with a line feed";
             let help = "save the program with line ends LF or CR LF";
-            return self.wrong.push(Wrong::new((at, at + 1), message, help));
+            return self.wrong.push(Wrong::new((at, at + 1), what, help));
         }
         let variables = Some(variables);
         let mut words = Lexer { line, language, variables, ..Lexer::default() };
@@ -97,7 +99,6 @@ impl Block {
         self.g.clear();
         self.m.clear();
         self.wrong.clear();
-        (self.percent, self.delete) = (false, false);
     }
 
     /// Takes a word; what is wrong with it goes into the list.
@@ -110,27 +111,19 @@ impl Block {
     fn put(&mut self, word: Word) -> Result<(), Wrong> {
         match word.letter {
             b'G' | b'M' => self.take_code(word),
-            b'%' if self.is_empty() && self.present == 0 => {
-                self.percent = true;
-                Ok(())
+            b'%' if self.present != 0 || !self.is_empty() => {
+                let what = "`%` inside a block, expected it at the beginning of a line";
+                refuse(word.span, what, "put it into a line of its own")
             }
-            b'%' => {
-                let message = "`%` inside a block, expected it at the beginning of a line";
-                refuse(word.span, message, "put it into a line of its own")
-            }
-            b'/' if self.is_empty() => {
-                self.delete = true;
-                Ok(())
-            }
-            b'/' => {
-                let message =
+            b'/' if !self.is_empty() => {
+                let what =
                     "`/` inside a block is not executed, expected it at the beginning of the line";
                 let help = "put `/` first, or write the optional words in a line of their own";
-                refuse(word.span, message, help)
+                refuse(word.span, what, help)
             }
             letter if self.has(letter) => {
-                let message = format!("`{}` is given twice in the block", char::from(letter));
-                refuse(word.span, message, "keep one of the two")
+                let what = format!("`{}` is given twice in the block", char::from(letter));
+                refuse(word.span, what, "keep one of the two")
             }
             letter => {
                 self.words[index(letter)] = word;
@@ -145,25 +138,22 @@ impl Block {
         let whole = natural(tenths.round()).and_then(|whole| u16::try_from(whole).ok());
         let whole = whole.filter(|whole| *whole <= 9999);
         let Some(tenths) = whole.filter(|whole| (tenths - f64::from(*whole)).abs() <= 1e-6) else {
-            let message = format!("there is no `{letter}{}`", word.value);
+            let what = format!("there is no `{letter}{}`", word.value);
             let help = "expected a number from 0 to 999 with at most one decimal";
-            return refuse(word.span, message, help);
+            return refuse(word.span, what, help);
         };
-        let codes = if word.letter == b'G' { &mut self.g } else { &mut self.m };
-        if codes.len() == MOST_CODES {
-            let message = format!("the block has more than {MOST_CODES} {letter} words");
-            return refuse(word.span, message, "split the block");
-        }
-        codes.push(CodeWord { tenths, span: word.span });
-        Ok(())
+        self.add(word.letter, CodeWord { tenths, span: word.span })
     }
 
-    /// A word with a name (`TRANS`), which stands as a G word.
-    pub(crate) fn take_named(&mut self, index: u16, span: Span) {
-        let tenths = NAMED_FROM + index;
-        if self.g.len() < MOST_CODES {
-            self.g.push(CodeWord { tenths, span });
+    /// A G or M word, also one with a name (`TRANS`).
+    pub(crate) fn add(&mut self, letter: u8, code: CodeWord) -> Result<(), Wrong> {
+        let codes = if letter == b'G' { &mut self.g } else { &mut self.m };
+        if codes.len() == MOST_CODES {
+            let what = format!("the block has more than {MOST_CODES} {} words", char::from(letter));
+            return refuse(code.span, what, "split the block");
         }
+        codes.push(code);
+        Ok(())
     }
 
     /// Whether a coordinate counts from the present place, where `active` is what the modes say.
@@ -176,7 +166,7 @@ impl Block {
 
     /// Whether nothing was written before (a sequence number does not count).
     pub(crate) fn is_empty(&self) -> bool {
-        self.g.is_empty() && self.m.is_empty() && self.present & !bit(b'N') == 0 && !self.delete
+        self.g.is_empty() && self.m.is_empty() && self.present & !bit(b'N') == 0
     }
 
     pub(crate) fn has(&self, letter: u8) -> bool {
@@ -217,9 +207,8 @@ impl Block {
         if let Some(number) = near.and(natural(value.round())) {
             return Ok(Some(number));
         }
-        let message =
-            format!("`{}` is {value}, expected a whole number from 0", char::from(letter));
-        refuse(self.span(letter), message, "write it without sign and decimals")
+        let what = format!("`{}` is {value}, expected a whole number from 0", char::from(letter));
+        refuse(self.span(letter), what, "write it without sign and decimals")
     }
 
     /// Whether a letter stands in the block that nobody asked for; it then counts as used.
@@ -231,12 +220,16 @@ impl Block {
 
     /// Words that nobody asked for.
     pub(crate) fn unused(&self) -> impl Iterator<Item = Word> + '_ {
-        let left = self.present & !self.used;
+        let left = self.unused_letters();
         (b'A'..=b'Z').filter(move |letter| left & bit(*letter) != 0).map(|l| self.words[index(l)])
     }
 
     pub(crate) fn nothing_unused(&self) -> bool {
-        self.present & !self.used == 0
+        self.unused_letters() == 0
+    }
+
+    fn unused_letters(&self) -> u32 {
+        self.present & !self.used & !bit(b'/')
     }
 
     /// The first of the M words with this number.

@@ -8,9 +8,7 @@ pub(crate) enum Motion {
     Rapid,
     Straight,
     /// G2 (true) or G3.
-    Arc {
-        clockwise: bool,
-    },
+    Arc(bool),
     /// G73, G81 … G89 by its number.
     Cycle(u16),
     /// None: G80 ended it.
@@ -51,8 +49,8 @@ pub(crate) fn code(tenths: u16) -> Option<(usize, Code)> {
     Some(match tenths {
         0 => (0, Code::Motion(Motion::Rapid)),
         10 => (0, Code::Motion(Motion::Straight)),
-        20 => (0, Code::Motion(Motion::Arc { clockwise: true })),
-        30 => (0, Code::Motion(Motion::Arc { clockwise: false })),
+        20 => (0, Code::Motion(Motion::Arc(true))),
+        30 => (0, Code::Motion(Motion::Arc(false))),
         730 | 810 | 820 | 830 | 840 | 850 | 860 | 880 | 890 => {
             (0, Code::Motion(Motion::Cycle(tenths / 10)))
         }
@@ -113,7 +111,7 @@ const NAMED: [(&str, usize, Code); 18] = [
 /// The number of a word with a name.
 pub(crate) fn named_word(name: &str) -> Option<u16> {
     let index = NAMED.iter().position(|(known, ..)| *known == name)?;
-    u16::try_from(index).ok()
+    u16::try_from(index).ok().map(|index| NAMED_FROM + index)
 }
 
 fn named(tenths: u16) -> Option<&'static (&'static str, usize, Code)> {

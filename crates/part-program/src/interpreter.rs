@@ -1,6 +1,5 @@
 //! The modal state of a control, and what one block makes of it.
 
-mod drilling;
 mod functions;
 mod motion;
 mod tools;
@@ -12,7 +11,7 @@ use crate::flow::Flow;
 use crate::lexer::Word;
 use crate::setup::Offsets;
 use crate::wrong::{Span, Wrong, refuse};
-use crate::{EXTENDED, Language, Move, Place, Plane, Setup};
+use crate::{EXTENDED, Language, Move, Place, Plane, Setup, system_name};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) const AXES: [u8; 3] = *b"XYZ";
@@ -50,17 +49,6 @@ pub(super) struct RoughArcs {
     pub(super) allowed_mm: f64,
 }
 
-/// Where the axis words of a block count from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reach {
-    /// The program's zero.
-    Program,
-    /// G53: the machine's.
-    Machine,
-    /// The program's, on the way to a reference point (G28, G30).
-    Home,
-}
-
 /// Words of a block beside the axes.
 #[derive(Clone, Copy, Default)]
 struct Asked {
@@ -78,8 +66,8 @@ struct Asked {
 #[derive(Default)]
 pub(super) struct Interpreter {
     pub(super) setup: Setup,
-    /// The moves of the block, each with the place of its words.
-    pub(super) moves: Vec<(Move, Span)>,
+    /// The moves of the block.
+    pub(super) moves: Vec<Move>,
     /// The first axis word of the block, or its centre.
     pub(super) span: Span,
     pub(super) at: Place,
@@ -90,9 +78,14 @@ pub(super) struct Interpreter {
     /// G99: a cycle ends at R, else (G98) at the initial level.
     pub(super) retracts: bool,
     pub(super) offsets: Offsets,
-    pub(super) cycle: Option<Cycle>,
+    /// Of the cycle that is active, or begins next.
+    pub(super) cycle: Cycle,
     pub(super) tally: Tally,
     pub(super) line: usize,
+    /// G53: the block counts from the machine's zero.
+    in_machine: bool,
+    /// Holes that were drilled before the block.
+    pub(super) holes_before: u64,
     motion: Option<Motion>,
     inch: bool,
     absolute_centre: bool,
@@ -125,7 +118,7 @@ impl Interpreter {
 
     /// Executes a block; what is wrong goes into its list.
     pub(super) fn block(&mut self, block: &mut Block, line: usize) -> Flow {
-        self.line = line;
+        (self.line, self.holes_before) = (line, self.tally.holes);
         self.span = first_span(block);
         let asked = if block.g.is_empty() { Asked::default() } else { self.modes(block) };
         self.change_tool(block);
@@ -156,6 +149,7 @@ impl Interpreter {
     }
 
     fn moved(&mut self, block: &mut Block, asked: Asked) -> Result<(), Wrong> {
+        self.in_machine = asked.machine.is_some();
         if let Some(span) = asked.machine {
             let ended = asked.end_cycle.map(|_| Motion::Ended);
             let motion = asked.motion.or(ended).or(self.motion);
@@ -175,7 +169,7 @@ impl Interpreter {
         }
         match asked.once {
             Some(word) => self.once(block, word),
-            None => self.motion(block, asked.machine.is_some()),
+            None => self.motion(block),
         }
     }
 
@@ -190,19 +184,19 @@ impl Interpreter {
                 Language::Siemens => siemens_code,
             };
             let Some((group, code)) = code(word.tenths) else {
-                let message = format!("`{}` is not executed", word.name('G'));
-                block.wrong.push(Wrong::new(word.span, message, why_not(word.tenths)));
+                let what = format!("`{}` is not executed", word.name('G'));
+                block.wrong.push(Wrong::new(word.span, what, why_not(word.tenths)));
                 continue;
             };
             let group = &mut groups[group];
             if let Some(other) = group.filter(|other| other.tenths != word.tenths) {
-                let message = format!(
+                let what = format!(
                     "`{}` and `{}` stand in one block, but exclude each other",
                     other.name('G'),
                     word.name('G')
                 );
                 let help = "keep one of them, or split the block";
-                block.wrong.push(Wrong::new(word.span, message, help));
+                block.wrong.push(Wrong::new(word.span, what, help));
             }
             *group = Some(word);
             if word.tenths == SPINDLE_LIMIT && block.has_any(b"SXZUW") {
@@ -211,8 +205,8 @@ impl Interpreter {
             self.mode(code, word, &mut asked);
         }
         if let (Some(end), Some(Motion::Cycle(_))) = (asked.end_cycle, asked.motion) {
-            let message = "`G80` ends a cycle that the same block begins";
-            block.wrong.push(Wrong::new(end.span, message, "split the block"));
+            let what = "`G80` ends a cycle that the same block begins";
+            block.wrong.push(Wrong::new(end.span, what, "split the block"));
         }
         asked
     }
@@ -239,11 +233,11 @@ impl Interpreter {
 
     /// What shows that the program is one for turning.
     fn turns(&mut self, span: Span, what: &str) {
-        let message = format!(
+        let what = format!(
             "{what} stands in turning programs, in which X is a diameter: `path` follows milling programs of X, Y and Z"
         );
         let help = "take a milling program; if this is one, remove the word: the path of the milling tool does not depend on it";
-        self.turning = Some(Wrong::new(span, message, help));
+        self.turning = Some(Wrong::new(span, what, help));
     }
 
     /// G64 P… Q…: how far the control may leave the path, in the program's unit.
@@ -273,13 +267,11 @@ impl Interpreter {
         }
         let number = block.whole(b'H')?;
         self.tool_number = number.or(self.tool_number);
-        match (asked.tool, number) {
+        let span = number.map(|_| block.span(b'H'));
+        match (asked.tool, span) {
             (Some((false, _)), _) => self.offsets.change_tool(None),
-            (Some((true, span)), None) => self.use_tool(span, None)?,
-            (Some((true, _)), Some(_)) => self.use_tool(block.span(b'H'), number)?,
-            (None, Some(_)) if self.offsets.tool.is_some() => {
-                self.use_tool(block.span(b'H'), number)?;
-            }
+            (Some((true, own)), span) => self.use_tool(span.unwrap_or(own), number)?,
+            (None, Some(span)) if self.offsets.tool.is_some() => self.use_tool(span, number)?,
             _ => {}
         }
         Ok(())
@@ -304,16 +296,15 @@ impl Interpreter {
                 20 | 300 => Flow::End,
                 SUB_END if self.setup.language == Language::Siemens => Flow::Return,
                 CALL | 990 if self.setup.language == Language::Siemens => {
-                    let message =
-                        format!("`{}` is not executed in Siemens programs", word.name('M'));
-                    return refuse(word.span, message, "M17 and RET end a subprogram");
+                    let what = format!("`{}` is not executed in Siemens programs", word.name('M'));
+                    return refuse(word.span, what, "M17 and RET end a subprogram");
                 }
                 CALL => call(block, word.span)?,
                 990 => Flow::Return,
                 tenths if CALLS.contains(&tenths) || tenths % 10 != 0 => {
-                    let message = format!("`{}` is not executed", word.name('M'));
+                    let what = format!("`{}` is not executed", word.name('M'));
                     let help = "M98 and M99 call and end subprograms of the same file";
-                    return refuse(word.span, message, help);
+                    return refuse(word.span, what, help);
                 }
                 tenths => {
                     self.tally_m(block, tenths / 10);
@@ -347,12 +338,13 @@ fn named(block: &mut Block, letter: u8, span: Span, word: &str) -> Result<u32, W
     number.ok_or_else(|| Wrong::new(span, format!("`{word}` needs `{letter}`"), help()))
 }
 
-fn unknown_system(span: Span, name: &str) -> Wrong {
-    let message = format!("the zero of {name} in machine coordinates is not known");
+fn unknown_system(span: Span, system: u32) -> Wrong {
+    let name = system_name(system);
+    let what = format!("the zero of {name} in machine coordinates is not known");
     let help = format!(
         "add `[[path.offset]]` with `system = \"{name}\"`, `x_mm`, `y_mm`, `z_mm` to the job (zeros, if the program is in machine coordinates)"
     );
-    Wrong::new(span, message, help)
+    Wrong::new(span, what, help)
 }
 
 /// The first axis word of a block, or its centre.
@@ -367,7 +359,7 @@ fn refuse_unused(block: &mut Block, motion: Option<Motion>) {
     let unused: Vec<Word> = block.unused().collect();
     for word in unused {
         let letter = char::from(word.letter);
-        let (message, help) = match letter {
+        let (what, help) = match letter {
             'A' | 'B' | 'C' | 'U' | 'V' | 'W' | 'E' => (
                 format!("axis `{letter}` is not executed: the model has X, Y and Z"),
                 "let the CAM system write a program of three axes",
@@ -376,7 +368,7 @@ fn refuse_unused(block: &mut Block, motion: Option<Motion>) {
                 "`O` begins a program before the one above ended".to_string(),
                 "end a program with M30, a subprogram with M99",
             ),
-            'I' | 'J' | 'K' | 'R' if !matches!(motion, Some(Motion::Arc { .. })) => (
+            'I' | 'J' | 'K' | 'R' if !matches!(motion, Some(Motion::Arc(_))) => (
                 format!("`{letter}` without an arc or a cycle"),
                 "write G2 or G3, or remove the word",
             ),
@@ -385,6 +377,6 @@ fn refuse_unused(block: &mut Block, motion: Option<Motion>) {
                 "remove it, or write the word that it belongs to",
             ),
         };
-        block.wrong.push(Wrong::new(word.span, message, help));
+        block.wrong.push(Wrong::new(word.span, what, help));
     }
 }

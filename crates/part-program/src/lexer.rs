@@ -5,7 +5,7 @@
 //! `; …` are ignored. Numbers keep the full precision of what is written.
 
 use crate::Language;
-use crate::variables::Variables;
+use crate::expression::Variables;
 use crate::wrong::{Span, Wrong, refuse, refuse_long_number};
 
 /// The letter of a [`Word`] that is a name (`TRANS`).
@@ -18,7 +18,7 @@ const NUMBERS: &str =
 pub struct Word {
     /// Capital letter, `%`, `/` or [`NAME`]; `O` for `:0100`, too.
     pub letter: u8,
-    /// Its number; 0 after `%`, after `/` without one, and of a name.
+    /// Its number; 0 after `%` and `/`, and of a name.
     pub value: f64,
     /// Whether the number is written with a decimal point.
     pub has_point: bool,
@@ -63,8 +63,6 @@ pub fn words(line: &[u8], language: Language) -> impl Iterator<Item = Result<Wor
 
 impl Iterator for Lexer<'_> {
     type Item = Result<Word, Wrong>;
-
-    #[inline]
     fn next(&mut self) -> Option<Self::Item> {
         let is_iso = self.language == Language::Iso;
         loop {
@@ -87,8 +85,7 @@ impl Iterator for Lexer<'_> {
                 b':' if is_iso && self.line.get(self.at + 1).is_some_and(u8::is_ascii_digit) => {
                     self.word(b'O') // the program number of ISO tapes
                 }
-                b'/' => Ok(self.slash(is_iso)),
-                b'%' => Ok(self.percent()),
+                b'/' | b'%' => Ok(self.sign(byte, is_iso)),
                 _ => Err(self.unknown(byte)),
             });
         }
@@ -132,9 +129,9 @@ impl Lexer<'_> {
     }
 
     /// Something wrong with the next byte.
-    pub(crate) fn wrong(&self, message: impl Into<String>, help: &str) -> Wrong {
+    pub(crate) fn wrong(&self, what: impl Into<String>, help: &str) -> Wrong {
         let start = self.at.min(self.line.len().saturating_sub(1));
-        Wrong::new((start, start + 1), message, help)
+        Wrong::new((start, start + 1), what, help)
     }
 
     /// Passes over a comment in brackets.
@@ -142,22 +139,52 @@ impl Lexer<'_> {
         let start = self.at;
         let length = self.line[start..].iter().position(|byte| *byte == b')');
         self.at = length.map_or(self.line.len(), |length| start + length + 1);
-        match length {
-            Some(_) => Ok(()),
-            None => {
-                let message = "the comment is not closed in its line";
-                refuse((start, self.at), message, "close it with `)`")
-            }
+        if length.is_some() {
+            return Ok(());
         }
+        refuse((start, self.at), "the comment is not closed in its line", "close it with `)`")
     }
 
-    #[inline]
+    /// Of ISO: a letter with its number, whose digits blanks may part, or with an expression.
     fn word(&mut self, letter: u8) -> Result<Word, Wrong> {
         let start = self.at;
-        self.at += 1;
-        let (value, has_point) = self.number_of_word(start)?;
-        let counts = Counts::AsActive;
-        Ok(Word { letter, value, has_point, counts, span: (start, self.at) })
+        let (mut digits, mut signed, mut has_point, mut has_blank) = (0, false, false, false);
+        let mut end = start + 1;
+        for (at, byte) in self.line.iter().enumerate().skip(end) {
+            match byte {
+                b'0'..=b'9' => digits += 1,
+                b'.' if !has_point => has_point = true,
+                b'+' | b'-' if !signed && digits == 0 && !has_point => signed = true,
+                b' ' | b'\t' => continue,
+                _ => break,
+            }
+            has_blank |= at > end;
+            end = at + 1;
+        }
+        self.at = end;
+        let word = Word { letter, has_point, span: (start, end), ..Word::default() };
+        if digits == 0 {
+            return self.with_expression(word);
+        }
+        refuse_long_number(word.span, digits)?;
+        let text = String::from_utf8_lossy(&self.line[start + 1..end]);
+        let number = if has_blank { text.replace([' ', '\t'], "").parse() } else { text.parse() };
+        number.map(|value| Word { value, ..word }).map_err(|_| self.no_number(word.span))
+    }
+
+    /// A variable or an expression in brackets, from its sign on: its value is in the program's unit.
+    fn with_expression(&mut self, word: Word) -> Result<Word, Wrong> {
+        let (start, end) = word.span;
+        let next = self.line[end..].iter().find(|byte| !byte.is_ascii_whitespace());
+        if self.variables.is_none() || word.has_point || !matches!(next, Some(b'[' | b'#')) {
+            return Err(self.no_number(word.span));
+        }
+        (self.at, self.in_word) = (start + 1, true);
+        let value = self.primary();
+        if value.is_err() {
+            (self.at, self.depth) = (self.line.len(), 0); // the rest is one expression
+        }
+        value.map(|value| Word { value, has_point: true, span: (start, self.at), ..word })
     }
 
     /// Of Siemens: a name, a letter with its number, or one before `=`.
@@ -179,8 +206,8 @@ impl Lexer<'_> {
                 word.span.1 = self.at;
             }
             _ => {
-                let message = format!("`{}` has no number", char::from(letter));
-                return refuse(word.span, message, "write it like `X10.5` or `X=R1+5`");
+                let what = format!("`{}` has no number", char::from(letter));
+                return refuse(word.span, what, "write it like `X10.5` or `X=R1+5`");
             }
         }
         Ok(word)
@@ -192,80 +219,17 @@ impl Lexer<'_> {
         self.run_of(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'$'))
     }
 
-    /// `/`, with the number of its switch.
-    fn slash(&mut self, is_iso: bool) -> Word {
-        let start = self.at;
-        let digits = self.line[start + 1..].iter().take(if is_iso { 1 } else { usize::MAX });
+    /// `/` with the number of its switch, or `%` with the name of a tape behind it.
+    fn sign(&mut self, letter: u8, is_iso: bool) -> Word {
+        let (start, most) = (self.at, if is_iso { 1 } else { usize::MAX });
         let is_switch = |byte: &&u8| byte.is_ascii_digit() && !(is_iso && **byte == b'0');
-        let digits = digits.take_while(is_switch).count();
-        let value = self.line.get(start + 1).filter(|_| digits == 1);
-        let value = value.map_or(0.0, |digit| f64::from(digit - b'0'));
-        self.at += 1 + digits;
-        let end = if is_iso { self.at } else { start + 1 };
-        Word { letter: b'/', value, span: (start, end), ..Word::default() }
+        let digits = self.line[start + 1..].iter().take(most).take_while(is_switch).count();
+        self.at = if letter == b'/' { start + 1 + digits } else { self.line.len() };
+        let end = if is_iso && letter == b'/' { self.at } else { start + 1 };
+        Word { letter, span: (start, end), ..Word::default() }
     }
 
-    /// What stands behind `%` in its line is the name of a tape.
-    fn percent(&mut self) -> Word {
-        let start = self.at;
-        self.at = self.line.len();
-        Word { letter: b'%', span: (start, start + 1), ..Word::default() }
-    }
-
-    /// The number of an ISO word, and whether it has a decimal point.
-    #[inline]
-    fn number_of_word(&mut self, start: usize) -> Result<(f64, bool), Wrong> {
-        let (mut digits, mut signed, mut point) = (0_usize, false, false);
-        let first = self.at;
-        let mut end = first;
-        let mut has_blank = false;
-        while let Some(byte) = self.line.get(self.at) {
-            match byte {
-                b'0'..=b'9' => digits += 1,
-                b'.' if !point => point = true,
-                b'+' | b'-' if !signed && digits == 0 && !point => signed = true,
-                b' ' | b'\t' => {
-                    self.at += 1;
-                    continue;
-                }
-                _ => break,
-            }
-            has_blank |= self.at > end;
-            self.at += 1;
-            end = self.at;
-        }
-        if digits == 0 {
-            return self.expression_of_word((start, first, end), point);
-        }
-        refuse_long_number((start, end), digits)?;
-        self.at = end;
-        let written = String::from_utf8_lossy(&self.line[first..end]);
-        let number = match has_blank {
-            true => written.replace([' ', '\t'], "").parse(),
-            false => written.parse(),
-        };
-        number.map(|number| (number, point)).map_err(|_| self.no_number(start, end))
-    }
-
-    /// A variable or an expression in brackets, from its sign on: its value is in the program's unit.
-    fn expression_of_word(
-        &mut self,
-        (start, first, end): (usize, usize, usize),
-        point: bool,
-    ) -> Result<(f64, bool), Wrong> {
-        let next = self.line[end..].iter().find(|byte| !byte.is_ascii_whitespace());
-        if self.variables.is_none() || point || !matches!(next, Some(b'[' | b'#')) {
-            return Err(self.no_number(start, end));
-        }
-        (self.at, self.in_word) = (first, true);
-        let value = self.primary();
-        if value.is_err() {
-            (self.at, self.depth) = (self.line.len(), 0); // the rest is one expression
-        }
-        value.map(|value| (value, true))
-    }
-
-    fn no_number(&mut self, start: usize, end: usize) -> Wrong {
+    fn no_number(&mut self, (start, end): Span) -> Wrong {
         let letter = char::from(self.line[start]);
         let next = self.line[end..].iter().find(|byte| !byte.is_ascii_whitespace());
         let help = match next {
@@ -291,7 +255,7 @@ impl Lexer<'_> {
             b',' => "write numbers with a point, like `X10.5`",
             _ => "text belongs into `( … )`",
         };
-        let span: Span = (start, start + 1);
+        let span = (start, start + 1);
         Wrong::new(span, "a sign that begins no word, expected a letter", help)
     }
 }
@@ -312,7 +276,7 @@ mod tests {
     fn tricky_lines_are_words() {
         assert_eq!(read("n10g1 x1.5y-.25"), [('N', 10.0), ('G', 1.0), ('X', 1.5), ('Y', -0.25)]);
         assert_eq!(read("X 1 0 . 5 (X99) Y+2.;Z3"), [('X', 10.5), ('Y', 2.0)]);
-        assert_eq!(read("/1 G 54.1 P 7"), [('/', 1.0), ('G', 54.1), ('P', 7.0)]);
+        assert_eq!(read("/1 G 54.1 P 7"), [('/', 0.0), ('G', 54.1), ('P', 7.0)]);
         assert_eq!(read("% tape 7"), [('%', 0.0)]);
         assert_eq!(read("X12000.123456789012345"), [('X', 12_000.123_456_789_012)]);
         assert_eq!(read("X12000.123Y0.1"), [('X', 12000.123), ('Y', 0.1)]);

@@ -15,9 +15,7 @@ mod block;
 mod codes;
 mod expression;
 mod flow;
-mod grammar;
 mod interpreter;
-mod jumps;
 mod lexer;
 mod lines;
 mod moves;
@@ -25,7 +23,6 @@ mod notes;
 mod run;
 mod setup;
 mod siemens;
-mod variables;
 mod wrong;
 
 pub use self::lexer::{Counts, NAME, Word, words};

@@ -77,36 +77,30 @@ pub struct Move {
 impl Move {
     /// The place at a part of the move, 0 … 1.
     pub fn at(&self, part: f64) -> Place {
-        match self.shape {
-            Shape::Line => straight(self.from, self.to, part),
-            Shape::Arc(arc) => {
-                let mut place = straight(self.from, self.to, part);
-                let [first, second, _] = self.plane.axes();
-                let angle = arc.from_rad + arc.sweep_rad * part;
-                let radius = arc.radius[0] + (arc.radius[1] - arc.radius[0]) * part;
-                place[first] = arc.centre[0] + radius * angle.cos();
-                place[second] = arc.centre[1] + radius * angle.sin();
-                place
-            }
+        let (from, to) = (self.from, self.to);
+        let between = |k: usize| from[k] + (to[k] - from[k]) * part;
+        let mut place = std::array::from_fn(|k| if part >= 1.0 { to[k] } else { between(k) });
+        if let Shape::Arc(arc) = self.shape {
+            let [first, second, _] = self.plane.axes();
+            let angle = arc.from_rad + arc.sweep_rad * part;
+            let radius = arc.radius[0] + (arc.radius[1] - arc.radius[0]) * part;
+            place[first] = arc.centre[0] + radius * angle.cos();
+            place[second] = arc.centre[1] + radius * angle.sin();
         }
+        place
     }
 
     /// Length, mm (of an arc with its mean radius).
     pub fn length_mm(&self) -> f64 {
-        let square = |value: f64| value * value;
+        let along = |k: usize| self.to[k] - self.from[k];
         match self.shape {
-            Shape::Line => (0..3).map(|k| square(self.to[k] - self.from[k])).sum::<f64>().sqrt(),
+            Shape::Line => (0..3).map(|k| along(k) * along(k)).sum::<f64>().sqrt(),
             Shape::Arc(arc) => {
-                let third = self.plane.axes()[2];
                 let around = arc.sweep_rad * f64::midpoint(arc.radius[0], arc.radius[1]);
-                around.hypot(self.to[third] - self.from[third])
+                around.hypot(along(self.plane.axes()[2]))
             }
         }
     }
-}
-
-fn straight(from: Place, to: Place, part: f64) -> Place {
-    std::array::from_fn(|k| if part >= 1.0 { to[k] } else { from[k] + (to[k] - from[k]) * part })
 }
 
 /// How far the end of an arc misses the circle in programs that are right, mm: where `u` is the last
@@ -123,66 +117,67 @@ const SMALLEST_RADIUS_MM: f64 = 1e-6;
 /// centre, mm: a thousandth of what a program can say.
 const SAME_DIRECTION_MM: f64 = 1e-6;
 
-/// The arc around a centre; a full circle where the end lies in the direction of the start. What is
-/// wrong comes back in words.
-pub(super) fn around(
-    plane: Plane,
-    clockwise: bool,
-    (from, to): (Place, Place),
-    centre: [f64; 2],
-    tolerance_mm: f64,
-) -> Result<Arc, String> {
-    let [first, second, _] = plane.axes();
-    let start = [from[first] - centre[0], from[second] - centre[1]];
-    let end = [to[first] - centre[0], to[second] - centre[1]];
-    let radius = [start[0].hypot(start[1]), end[0].hypot(end[1])];
-    if radius[0] < SMALLEST_RADIUS_MM || radius[0] > LARGEST_RADIUS_MM {
-        return Err(format!("the arc has a radius of {:.6} mm", radius[0]));
-    }
-    if (radius[1] - radius[0]).abs() > tolerance_mm {
-        return Err(format!(
-            "the end of the arc lies {:.4} mm from the centre, its start {:.4} mm; expected the same within {tolerance_mm} mm (`arc_mm` in [path])",
-            radius[1], radius[0]
-        ));
-    }
-    let from_rad = start[1].atan2(start[0]);
-    let forward = (end[1].atan2(end[0]) - from_rad).rem_euclid(TAU);
-    let closed = forward.min(TAU - forward) * radius[0] < SAME_DIRECTION_MM;
-    let turn = match (closed, clockwise) {
-        (true, _) => TAU,
-        (false, true) => TAU - forward,
-        (false, false) => forward,
-    };
-    Ok(Arc { centre, from_rad, sweep_rad: if clockwise { -turn } else { turn }, radius })
+/// What a block says of an arc beside its centre.
+#[derive(Clone, Copy)]
+pub(crate) struct Turn {
+    pub(crate) plane: Plane,
+    pub(crate) clockwise: bool,
+    pub(crate) from: Place,
+    pub(crate) to: Place,
+    pub(crate) tolerance_mm: f64,
 }
 
-/// The centre of an arc with a radius; a negative radius takes the long way (over 180°).
-pub(super) fn centre_of_radius(
-    plane: Plane,
-    clockwise: bool,
-    (from, to): (Place, Place),
-    radius: f64,
-    tolerance_mm: f64,
-) -> Result<[f64; 2], String> {
-    let [first, second, _] = plane.axes();
-    let chord = [to[first] - from[first], to[second] - from[second]];
-    let length = chord[0].hypot(chord[1]);
-    if length < SAME_DIRECTION_MM {
-        return Err("the arc with a radius ends where it begins".to_string());
+impl Turn {
+    /// The arc around a centre; a full circle where the end lies in the direction of the start. What is
+    /// wrong comes back in words.
+    pub(crate) fn around(self, centre: [f64; 2]) -> Result<Arc, String> {
+        let [first, second, _] = self.plane.axes();
+        let [start, end] =
+            [self.from, self.to].map(|at| [at[first] - centre[0], at[second] - centre[1]]);
+        let radius = [start[0].hypot(start[1]), end[0].hypot(end[1])];
+        if radius[0] < SMALLEST_RADIUS_MM || radius[0] > LARGEST_RADIUS_MM {
+            return Err(format!("the arc has a radius of {:.6} mm", radius[0]));
+        }
+        if (radius[1] - radius[0]).abs() > self.tolerance_mm {
+            return Err(format!(
+                "the end of the arc lies {:.4} mm from the centre, its start {:.4} mm; expected the same within {} mm (`arc_mm` in [path])",
+                radius[1], radius[0], self.tolerance_mm
+            ));
+        }
+        let from_rad = start[1].atan2(start[0]);
+        let forward = (end[1].atan2(end[0]) - from_rad).rem_euclid(TAU);
+        let closed = forward.min(TAU - forward) * radius[0] < SAME_DIRECTION_MM;
+        let sweep_rad = match (closed, self.clockwise) {
+            (true, true) => -TAU,
+            (true, false) => TAU,
+            (false, true) => -(TAU - forward),
+            (false, false) => forward,
+        };
+        Ok(Arc { centre, from_rad, sweep_rad, radius })
     }
-    let half = length / 2.0;
-    let size = radius.abs();
-    if size + tolerance_mm < half {
-        return Err(format!(
-            "the radius {size} mm does not reach: start and end are {length:.4} mm apart"
-        ));
+
+    /// The centre of an arc with a radius; a negative radius takes the long way (over 180°).
+    pub(crate) fn centre_of_radius(self, radius: f64) -> Result<[f64; 2], String> {
+        let [from, to] = [self.from, self.to].map(|at| {
+            let [first, second, _] = self.plane.axes();
+            [at[first], at[second]]
+        });
+        let chord = [to[0] - from[0], to[1] - from[1]];
+        let length = chord[0].hypot(chord[1]);
+        if length < SAME_DIRECTION_MM {
+            return Err("the arc with a radius ends where it begins".to_string());
+        }
+        let (half, size) = (length / 2.0, radius.abs());
+        if size + self.tolerance_mm < half {
+            return Err(format!(
+                "the radius {size} mm does not reach: start and end are {length:.4} mm apart"
+            ));
+        }
+        let height = (size * size - half * half).max(0.0).sqrt();
+        // The centre of a short counter-clockwise arc lies to the left of the chord.
+        let left = if self.clockwise == (radius < 0.0) { 1.0 } else { -1.0 };
+        let part = left * height / length;
+        let [along, across] = chord;
+        Ok([from[0] + along / 2.0 - across * part, from[1] + across / 2.0 + along * part])
     }
-    let height = (size * size - half * half).max(0.0).sqrt();
-    // The centre of a short counter-clockwise arc lies to the left of the chord.
-    let left = if clockwise == (radius < 0.0) { 1.0 } else { -1.0 };
-    let part = left * height / length;
-    Ok([
-        from[first] + chord[0] / 2.0 - chord[1] * part,
-        from[second] + chord[1] / 2.0 + chord[0] * part,
-    ])
 }

@@ -2,17 +2,15 @@
 //!
 //! The main program begins with the text and ends with M2, M30, M99, a second `%` or the text; a
 //! subprogram that `%` or the end of the text breaks off is a problem.
-//! Subprograms follow it, each from `O…` to M99. Jumps go to lines by the index of [`jumps`](super::jumps).
-
-mod calls;
+//! Subprograms follow it, each from `O…` to M99. Jumps go to lines by the index of [`flow`](super::flow).
 
 use crate::block::{Block, CALL};
-use crate::flow::{Flow, begin, statement};
+use crate::expression::Variables;
+use crate::flow::{Flow, Index, begin};
 use crate::interpreter::Interpreter;
-use crate::jumps::Index;
+use crate::lexer::Lexer;
 use crate::lines::{Line, Mark, Text, without_mark};
 use crate::notes::notes;
-use crate::variables::Variables;
 use crate::wrong::{Excerpt, Refused, Span, Wrong};
 use crate::{Move, Setup};
 use std::collections::BTreeSet;
@@ -25,6 +23,13 @@ const MOST_PROBLEMS: usize = 20;
 /// seconds here. The largest programs seen have 60 MB, three million blocks and 10 km, and may stand in
 /// a subprogram as a whole.
 const MOST_REPEATED: f64 = 2e7;
+
+/// Calls inside each other; controls have 4 to 10.
+const DEEPEST_CALLS: usize = 16;
+/// What a line counts that is passed over in search of a block.
+const PASSED: f64 = 0.1;
+/// What a call and a return count: the text is taken up again elsewhere, which takes as long as this many blocks.
+const JUMP: f64 = 10.0;
 
 /// What was executed.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -82,6 +87,8 @@ struct Control {
     entered: bool,
 }
 
+/// What comes after a line, and the place that says so where it leads elsewhere.
+type Next = (Flow, Option<Excerpt>);
 type Follow<'f> = &'f mut dyn FnMut(&Move) -> Result<(), Refused>;
 
 impl Control {
@@ -91,27 +98,26 @@ impl Control {
             let Some(line) = text.next_line()? else {
                 return self.ended();
             };
-            let (flow, place) = self.line(without_mark(line), &mut block, follow)?;
-            match flow {
+            let next = self.line(without_mark(line), &mut block, follow)?;
+            match next.0 {
                 Flow::Next => {}
                 Flow::End => return Ok(()),
                 Flow::TextEnd => return self.ended(),
                 Flow::Return if self.calls.is_empty() => return Ok(()),
                 Flow::Return => self.go_back(text)?,
-                _ => self.go(text, flow, place)?,
+                _ => self.go(text, next)?,
             }
         }
         Ok(())
     }
 
     /// Executes a line; where it leads elsewhere, with the place that says so.
-    #[inline]
     fn line(
         &mut self,
         line: Line<'_>,
         block: &mut Block,
         follow: Follow<'_>,
-    ) -> Result<(Flow, Option<Excerpt>), Refused> {
+    ) -> Result<Next, Refused> {
         self.blocks += 1;
         let language = self.interpreter.setup.language;
         if let Some(at) = begin(line.bytes, language) {
@@ -119,12 +125,12 @@ impl Control {
             return Ok((flow, Some(excerpt(line, (at, line.bytes.len())))));
         }
         block.read(line.bytes, language, &self.variables);
-        if block.percent {
+        if block.has(b'%') {
             // The first `%` begins the text, the next one ends it.
             let is_end = self.begun || std::mem::replace(&mut self.percent, true);
             return Ok((if is_end { Flow::TextEnd } else { Flow::Next }, None));
         }
-        if block.delete && self.is_left_out() {
+        if block.has(b'/') && self.is_left_out() {
             return Ok((Flow::Next, None));
         }
         if std::mem::take(&mut self.entered) {
@@ -135,19 +141,18 @@ impl Control {
             self.begun =
                 block.value(b'O').is_some() || block.has_any(b"XYZ") || !block.g.is_empty();
         }
-        let holes = self.interpreter.tally.holes;
         let flow = self.interpreter.block(block, line.number);
         if let Some(wrong) = self.interpreter.turning.take() {
             self.problems.clear(); // what else was found follows from it
             return Err(refused(line, &wrong));
         }
-        self.follow(block, holes, line.number, follow)?;
+        self.follow(block, follow)?;
         for wrong in &block.wrong {
             if self.found.insert((line.number, wrong.span.0)) {
                 self.problems.push(refused(line, wrong));
             }
         }
-        let call = block.m_word(CALL).filter(|_| matches!(flow, Flow::Call(..)));
+        let call = block.m_word(CALL).filter(|_| !matches!(flow, Flow::Call(_, 0)));
         Ok((flow, call.map(|word| excerpt(line, word.span))))
     }
 
@@ -167,9 +172,12 @@ impl Control {
             self.count(0, 0.0, line.number)?;
         }
         // Where it is wrong, what follows would be judged by a value that is not known, and a loop might not end.
-        let executed =
-            statement(line.bytes, at, self.interpreter.setup.language, &mut self.variables);
-        executed.map_err(|wrong| refused(line, &wrong))
+        let language = self.interpreter.setup.language;
+        let variables = Some(&self.variables);
+        let lexer = Lexer { line: line.bytes, at, language, variables, ..Lexer::default() };
+        let (flow, values) = lexer.statement().map_err(|wrong| refused(line, &wrong))?;
+        self.variables.extend(values);
+        Ok(flow)
     }
 
     fn is_repeated(&self) -> bool {
@@ -178,31 +186,24 @@ impl Control {
 
     /// Follows the moves of a block to the first one that is refused. They count where the block is one
     /// of a subprogram or repeats holes.
-    #[inline]
-    fn follow(
-        &mut self,
-        block: &mut Block,
-        holes: u64,
-        line: usize,
-        follow: Follow<'_>,
-    ) -> Result<(), Refused> {
-        let holes = self.interpreter.tally.holes - holes;
+    fn follow(&mut self, block: &mut Block, follow: Follow<'_>) -> Result<(), Refused> {
+        let holes = self.interpreter.tally.holes - self.interpreter.holes_before;
         let repeats = self.is_repeated() || holes > 1;
         let mut length_mm = 0.0;
-        for (step, span) in self.interpreter.moves.drain(..) {
+        for step in self.interpreter.moves.drain(..) {
             if repeats {
                 length_mm += step.length_mm();
             }
             if let Err(refused) = follow(&step) {
                 if block.wrong.is_empty() {
                     let help = refused.help.unwrap_or_default();
-                    block.wrong.push(Wrong::new(span, refused.message, help)); // else it may follow from what is wrong already
+                    block.wrong.push(Wrong::new(self.interpreter.span, refused.message, help)); // else it may follow from what is wrong already
                 }
                 break;
             }
         }
         if repeats {
-            self.count(holes, length_mm, line)?;
+            self.count(holes, length_mm, self.interpreter.line)?;
         }
         Ok(())
     }
@@ -213,11 +214,76 @@ impl Control {
             return Ok(());
         }
         let line = self.calls.first().map_or(line, |call| call.line);
-        let message = format!(
+        let what = format!(
             "the repeats of subprograms, loops and cycles make more than {MOST_REPEATED} blocks and mm; the last of them begin in line {line}"
         );
         let help = "check the numbers of repeats (L and P of M98, K and L of cycles), and the conditions of loops";
-        Err(Refused::new(message).help(help))
+        Err(Refused::new(what).help(help))
+    }
+
+    /// Goes where a line leads.
+    fn go(&mut self, text: &mut dyn Text, (flow, place): Next) -> Result<(), Refused> {
+        let (label, place) = match (flow, place) {
+            (Flow::Call(program, _), Some(place)) => (("O", program), place),
+            (Flow::To(label), Some(place)) => (label, place),
+            _ => return Ok(()),
+        };
+        if matches!(flow, Flow::Call(..)) && self.calls.len() == DEEPEST_CALLS {
+            let what = format!("more than {DEEPEST_CALLS} subprograms call each other");
+            let help = "a subprogram must not call itself without end";
+            return Err(Refused::new(what).at(place).help(help));
+        }
+        let back = text.mark();
+        let index = match self.index.take() {
+            Some(index) => index,
+            None => Index::read(text)?,
+        };
+        let (to, passed) = self.index.insert(index).target(label, text)?;
+        self.repeated += passed as f64 * PASSED;
+        match (to, flow) {
+            (Some(begin), Flow::Call(program, times)) => {
+                self.entered = true;
+                self.calls.push(Call { program, line: place.line, begin, back, left: times - 1 });
+                self.jump(text, begin)
+            }
+            (Some(mark), _) => {
+                self.jumped |= mark.lines < place.line; // what follows may be executed again
+                self.jump(text, mark)
+            }
+            (None, Flow::Call(program, _)) => {
+                if self.found.insert((place.line, place.span.0)) {
+                    let what = format!("there is no subprogram O{program} in the file");
+                    let help = "put the subprograms behind the main program, each from `O…` to M99";
+                    self.problems.push(Refused::new(what).at(place).help(help));
+                }
+                text.go_to(back)
+            }
+            (None, _) => {
+                let what = format!("{}{} is not in the program", label.0, label.1);
+                let help = "write it into the same program, or remove what leads to it";
+                Err(Refused::new(what).at(place).help(help))
+            }
+        }
+    }
+
+    fn jump(&mut self, text: &mut dyn Text, to: Mark) -> Result<(), Refused> {
+        self.repeated += JUMP;
+        text.go_to(to)
+    }
+
+    /// M99: the subprogram once more, or on behind its call.
+    fn go_back(&mut self, text: &mut dyn Text) -> Result<(), Refused> {
+        let Some(mut call) = self.calls.pop() else {
+            return Ok(());
+        };
+        if call.left == 0 {
+            return self.jump(text, call.back);
+        }
+        call.left -= 1;
+        self.entered = true;
+        let begin = call.begin;
+        self.calls.push(call);
+        self.jump(text, begin)
     }
 
     /// The text is over.
@@ -225,16 +291,15 @@ impl Control {
         let Some(call) = self.calls.last() else {
             return Ok(());
         };
-        let message = format!("subprogram O{} ends without M99", call.program);
-        Err(Refused::new(message).help("end it with M99, before the text or `%` ends it"))
+        let what = format!("subprogram O{} ends without M99", call.program);
+        Err(Refused::new(what).help("end it with M99, before the text or `%` ends it"))
     }
 
     fn close(mut self, ended: Result<(), Refused>) -> Result<Ran, Vec<Refused>> {
         self.problems.extend(ended.err());
         if self.found.len() >= MOST_PROBLEMS {
-            let message =
-                format!("reading stopped after {MOST_PROBLEMS} problems; there may be more");
-            self.problems.push(Refused::new(message));
+            let what = format!("reading stopped after {MOST_PROBLEMS} problems; there may be more");
+            self.problems.push(Refused::new(what));
         }
         if !self.problems.is_empty() {
             return Err(self.problems);
@@ -251,10 +316,8 @@ fn refused(line: Line<'_>, wrong: &Wrong) -> Refused {
 
 /// Bytes of a line; those that are no UTF-8 (comments) are shown as such.
 fn excerpt(line: Line<'_>, (start, end): Span) -> Excerpt {
-    let length = |bytes: usize| {
-        let part = line.bytes.get(..bytes).unwrap_or(line.bytes);
-        String::from_utf8_lossy(part).len()
-    };
-    let text = String::from_utf8_lossy(line.bytes).into_owned();
-    Excerpt { line: line.number, text, span: (length(start), length(end)) }
+    let shown = |bytes| String::from_utf8_lossy(bytes).into_owned();
+    let length = |at: usize| shown(&line.bytes[..at.min(line.bytes.len())]).len();
+    let span = (length(start), length(end));
+    Excerpt { line: line.number, text: shown(line.bytes), span }
 }

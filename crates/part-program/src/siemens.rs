@@ -3,7 +3,7 @@
 //! They become the same block as those of another control, so all that follows is the same: `CR` is the letter R, the
 //! names are G words by their number in [`codes`](super::codes).
 
-use crate::block::{Block, CycleCall};
+use crate::block::{Block, CodeWord, CycleCall};
 use crate::codes::{SIEMENS_CYCLES, named_word};
 use crate::lexer::{Counts, Lexer, NAME, Word};
 use crate::wrong::{Span, Wrong, refuse};
@@ -29,9 +29,8 @@ impl Lexer<'_> {
                 };
             }
             b'L' => {
-                let message =
-                    format!("`L{}` calls a subprogram, which is not executed", word.value);
-                return refuse(word.span, message, HELP);
+                let what = format!("`L{}` calls a subprogram, which is not executed", word.value);
+                return refuse(word.span, what, HELP);
             }
             _ => block.take(word),
         }
@@ -58,7 +57,7 @@ impl Lexer<'_> {
                 return self.pass_over_call(span);
             }
             name => match named_word(name) {
-                Some(number) => block.take_named(number, span),
+                Some(tenths) => return block.add(b'G', CodeWord { tenths, span }),
                 None => return refuse(span, format!("`{name}` is not executed"), HELP),
             },
         }
@@ -70,9 +69,9 @@ impl Lexer<'_> {
         if matches!(word.letter, b'S' | b'M' | b'H') {
             return self.expression().map(|_| ());
         }
-        let message = format!("`{}{}=` is not executed", char::from(word.letter), word.value);
+        let what = format!("`{}{}=` is not executed", char::from(word.letter), word.value);
         let help = "axes are X, Y and Z; set R parameters in a line of their own";
-        refuse((word.span.0, self.at), message, help)
+        refuse((word.span.0, self.at), what, help)
     }
 
     /// What stands behind `=`.
@@ -87,9 +86,9 @@ impl Lexer<'_> {
             "IC" => Counts::Incremental,
             "AC" => Counts::Absolute,
             "DC" | "ACP" | "ACN" | "CAC" | "CIC" | "CDC" | "CACP" | "CACN" => {
-                let message =
+                let what =
                     format!("`{word}( )` is not executed: it is for rotary and indexing axes");
-                return refuse((start, self.at + word.len()), message, HELP);
+                return refuse((start, self.at + word.len()), what, HELP);
             }
             _ => Counts::AsActive,
         };
@@ -101,8 +100,8 @@ impl Lexer<'_> {
         };
         let span = (start, self.at);
         if counts != Counts::AsActive && !b"XYZIJK".contains(&letter) {
-            let message = format!("`{word}( )` is executed with X, Y, Z, I, J, K only");
-            return refuse(span, message, HELP);
+            let what = format!("`{word}( )` is executed with X, Y, Z, I, J, K only");
+            return refuse(span, what, HELP);
         }
         block.take(Word { letter, value, has_point: true, counts, span });
         Ok(())
@@ -151,9 +150,8 @@ impl Lexer<'_> {
             Some((_, number, most)) => {
                 let arguments = self.arguments()?;
                 if arguments.iter().skip(*most).any(Option::is_some) {
-                    let message =
-                        format!("`{name}` is executed with its first {most} arguments only");
-                    return refuse(span, message, "leave out what stands behind them");
+                    let what = format!("`{name}` is executed with its first {most} arguments only");
+                    return refuse(span, what, "leave out what stands behind them");
                 }
                 Some((*number, arguments))
             }

@@ -3,7 +3,7 @@
 use crate::control::controller::ControlUnit;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::read::lexer::Complaint;
-use part_program::{Language, NAME, Word, words};
+use part_program::{Language, NAME, words};
 use std::ops::Range;
 
 /// What can be active when a program begins and would falsify its moves.
@@ -129,15 +129,20 @@ pub(super) fn steps(
     vocabulary: &Vocabulary,
     own: &OwnWords<'_>,
 ) -> Result<Vec<Step>, Complaint> {
-    let mut modal = Modal::default();
+    let mut reader = Reader { vocabulary, own, modal: Modal::default() };
     let mut steps = Vec::new();
     for (start, code) in (vocabulary.blocks)(text)? {
         let span = start..start + code.len();
-        let actions = modal.block(&code, vocabulary, own);
-        let actions = actions.map_err(|message| refuse(span.clone(), message))?;
+        let actions = reader.block(&code).map_err(|message| refuse(span.clone(), message))?;
         steps.extend(actions.into_iter().map(|action| Step { action, span: span.clone() }));
     }
     Ok(steps)
+}
+
+struct Reader<'a> {
+    vocabulary: &'a Vocabulary,
+    own: &'a OwnWords<'a>,
+    modal: Modal,
 }
 
 /// Words that stay in force.
@@ -163,20 +168,14 @@ struct Said {
     actions: Vec<Action>,
 }
 
-impl Modal {
+impl Reader<'_> {
     /// What a block does, or what is wrong with it.
-    fn block(
-        &mut self,
-        code: &str,
-        vocabulary: &Vocabulary,
-        own: &OwnWords<'_>,
-    ) -> Result<Vec<Action>, String> {
-        let mut said = self.said(code, vocabulary, own)?;
+    fn block(&mut self, code: &str) -> Result<Vec<Action>, String> {
+        let mut said = self.said(code)?;
         if said.dwell {
-            said.actions.push(dwell(&said, own)?);
+            said.actions.push(self.dwell(&said)?);
         } else if !said.of_axes {
-            let needs_machine = vocabulary.language == Language::Siemens;
-            let moves = self.motion(&said, needs_machine, own)?;
+            let moves = self.motion(&said)?;
             said.actions.extend(moves);
         }
         let cancels = |action: &Action| matches!(action, Action::Cancel(_));
@@ -186,37 +185,35 @@ impl Modal {
         Ok(said.actions)
     }
 
-    fn said(
-        &mut self,
-        code: &str,
-        vocabulary: &Vocabulary,
-        own: &OwnWords<'_>,
-    ) -> Result<Said, String> {
+    fn said(&mut self, code: &str) -> Result<Said, String> {
         let mut said = Said::default();
         let no_word = |at: usize| format!("`{}` is no word", code[at..].trim_end());
         if let Some(at) = code.find(';') {
             return Err(no_word(at)); // a comment for some controls, the end of a block for others
         }
-        for word in words(code.as_bytes(), vocabulary.language) {
-            let Word { letter, value, span: (start, end), .. } =
-                word.map_err(|wrong| no_word(wrong.span.0))?;
-            let (written, is_name, letter) =
-                (code[start..end].trim_end(), letter == NAME, char::from(letter));
-            let name = if is_name { written.to_string() } else { format!("{letter}{value}") };
-            let mut known = vocabulary.words.iter();
-            match known.find(|(known, _)| *known == name).map(|(_, meaning)| *meaning) {
-                Some(meaning) => self.take(meaning, &mut said),
-                None if letter == 'N' => said.number = Some(value),
-                None if letter == 'F' || letter == own.seconds || own.axis(letter).is_some() => {
-                    if said.numbers.iter().any(|(known, _)| *known == letter) {
-                        return Err(format!("`{letter}` is given twice in a block"));
-                    }
-                    said.numbers.push((letter, value));
+        for word in words(code.as_bytes(), self.vocabulary.language) {
+            let word = word.map_err(|wrong| no_word(wrong.span.0))?;
+            let written = code[word.span.0..word.span.1].trim_end();
+            let letter = char::from(word.letter);
+            let name = match word.letter {
+                NAME => written.to_string(),
+                _ => format!("{letter}{}", word.value),
+            };
+            let known = self.vocabulary.words.iter().find(|(known, _)| *known == name);
+            let is_number = letter == 'F' || letter == self.own.seconds;
+            if let Some((_, meaning)) = known {
+                self.take(*meaning, &mut said);
+            } else if letter == 'N' {
+                said.number = Some(word.value);
+            } else if is_number || self.own.axis(letter).is_some() {
+                if said.numbers.iter().any(|(known, _)| *known == letter) {
+                    return Err(format!("`{letter}` is given twice in a block"));
                 }
-                None if is_name && !written.bytes().all(|byte| byte.is_ascii_alphabetic()) => {
-                    return Err(no_word(start));
-                }
-                None => return Err(format!("`{written}` is not a word of a measuring run")),
+                said.numbers.push((letter, word.value));
+            } else if written.starts_with('$') {
+                return Err(no_word(word.span.0));
+            } else {
+                return Err(format!("`{written}` is not a word of a measuring run"));
             }
         }
         Ok(said)
@@ -225,11 +222,11 @@ impl Modal {
     fn take(&mut self, meaning: Meaning, said: &mut Said) {
         match meaning {
             Meaning::Neutral => {}
-            Meaning::Rapid | Meaning::Feed => self.feeds = Some(meaning == Meaning::Feed),
-            Meaning::FeedPerMinute => self.per_minute = true,
-            Meaning::Absolute => self.incremental = Some(false),
-            Meaning::Incremental => self.incremental = Some(true),
-            Meaning::Unit(unit) => self.unit_mm = Some(unit.in_mm()),
+            Meaning::Rapid | Meaning::Feed => self.modal.feeds = Some(meaning == Meaning::Feed),
+            Meaning::FeedPerMinute => self.modal.per_minute = true,
+            Meaning::Absolute => self.modal.incremental = Some(false),
+            Meaning::Incremental => self.modal.incremental = Some(true),
+            Meaning::Unit(unit) => self.modal.unit_mm = Some(unit.in_mm()),
             Meaning::Machine => said.machine = true,
             Meaning::Dwell => said.dwell = true,
             Meaning::Cancel(what) => said.actions.push(Action::Cancel(what)),
@@ -242,22 +239,16 @@ impl Modal {
         }
     }
 
-    /// Increments need the word for machine coordinates in their block too, or must not have it.
-    fn motion(
-        &mut self,
-        said: &Said,
-        needs_machine: bool,
-        own: &OwnWords<'_>,
-    ) -> Result<Option<Action>, String> {
+    fn motion(&mut self, said: &Said) -> Result<Option<Action>, String> {
         let mut place = PerAxis::<Option<f64>>::default();
         for (letter, value) in &said.numbers {
             let mm = |what| {
-                let mm = self.unit_mm.map(|unit| value * unit);
+                let mm = self.modal.unit_mm.map(|unit| value * unit);
                 mm.ok_or_else(|| format!("a {what} before mm or inch is chosen"))
             };
-            match own.axis(*letter) {
+            match self.own.axis(*letter) {
                 Some(axis) => place[axis] = Some(mm("position")?),
-                None if *letter == 'F' => self.feed = Some(mm("feed")?),
+                None if *letter == 'F' => self.modal.feed = Some(mm("feed")?),
                 None => return Err(format!("`{letter}` names no axis and stands in no dwell")),
             }
         }
@@ -267,10 +258,12 @@ impl Modal {
                 false => Ok(None),
             };
         }
-        match (self.feeds, self.incremental, said.machine) {
+        // Siemens goes by increments from machine coordinates where `SUPA` stands in their block too.
+        let with_increments = self.vocabulary.language == Language::Siemens;
+        match (self.modal.feeds, self.modal.incremental, said.machine) {
             (Some(false), Some(false), true) => Ok(Some(Action::ToMachine(place))),
-            (Some(true), Some(true), machine) if machine == needs_machine => {
-                let feed = self.feed.filter(|_| self.per_minute);
+            (Some(true), Some(true), machine) if machine == with_increments => {
+                let feed = self.modal.feed.filter(|_| self.modal.per_minute);
                 let feed = feed.ok_or("a move without a feed per minute")?;
                 let by = PerAxis::from_fn(|axis| place[axis].unwrap_or(0.0));
                 Ok(Some(Action::By(by, feed)))
@@ -278,13 +271,16 @@ impl Modal {
             _ => Err("a measuring run moves to machine coordinates at rapid traverse, then by increments at a feed; this is neither".to_string()),
         }
     }
-}
 
-fn dwell(said: &Said, own: &OwnWords<'_>) -> Result<Action, String> {
-    match said.numbers.as_slice() {
-        [(letter, seconds)] if *letter == own.seconds && *seconds > 0.0 => {
-            Ok(Action::Dwell(*seconds, said.number))
+    fn dwell(&self, said: &Said) -> Result<Action, String> {
+        match said.numbers.as_slice() {
+            [(letter, seconds)] if *letter == self.own.seconds && *seconds > 0.0 => {
+                Ok(Action::Dwell(*seconds, said.number))
+            }
+            _ => {
+                let seconds = self.own.seconds;
+                Err(format!("a dwell names its seconds as `{seconds}` and nothing else"))
+            }
         }
-        _ => Err(format!("a dwell names its seconds as `{}` and nothing else", own.seconds)),
     }
 }

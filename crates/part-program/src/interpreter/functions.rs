@@ -7,15 +7,18 @@
 //! G85, G89 and G84 leave the hole at the feed, the others at rapid. Pecks of G73 and G83 go the same
 //! way again, so the hole is fed once here.
 //!
+//! The drilling cycles of Siemens, CYCLE81, CYCLE82 and CYCLE83, make the same moves from RFP + SDIS to DP (or RFP − DPR)
+//! and RTP.
+//!
 //! R and Z stay as they were written. What they count from, zero or the level above, is the mode (G90,
 //! G91) of the block that drills, as in RS274/NGC: their numbers are modal, their meaning is not.
 
-use super::{AXES, Interpreter, Reach, named, unknown_system};
-use crate::block::{Block, CALL, CodeWord};
-use crate::codes::{ATRANS, Cycle, Depth, TRANS};
+use super::{AXES, Interpreter, named, unknown_system};
+use crate::block::{Block, CALL, CodeWord, CycleCall};
+use crate::codes::{ATRANS, Cycle, Drill, TRANS};
 use crate::setup::Offsets;
 use crate::wrong::{Span, Wrong, refuse};
-use crate::{Place, Shape, system_name};
+use crate::{Place, Shape};
 
 /// Holes of one block.
 const MOST_REPEATS: u32 = 9999;
@@ -70,11 +73,11 @@ impl Interpreter {
         let number = named(block, letter, word.span, &name)?;
         if number != 0 && number != on {
             let letter = char::from(letter);
-            let message = format!(
+            let what = format!(
                 "`{name} {letter}{number}` is not executed, expected {letter}{on} or {letter}0 (look-ahead)"
             );
             let help = "splines and smoothing change the path: let the CAM system write short lines without them";
-            return refuse(word.span, message, help);
+            return refuse(word.span, what, help);
         }
         self.tally.look_ahead += u64::from(number != 0);
         Ok(())
@@ -83,29 +86,29 @@ impl Interpreter {
     /// G10 L2 P… X… Y… Z…
     fn set_offset(&mut self, block: &mut Block, span: Span) -> Result<(), Wrong> {
         if named(block, b'L', span, "G10")? != 2 {
-            let message = "`G10` is executed with L2 only (zero of a coordinate system)";
+            let what = "`G10` is executed with L2 only (zero of a coordinate system)";
             let help = "state other data in the job, and remove the block";
-            return refuse(block.span(b'L'), message, help);
+            return refuse(block.span(b'L'), what, help);
         }
         let number = named(block, b'P', span, "G10 L2")?;
         if !(1..=9).contains(&number) {
-            let message = format!(
+            let what = format!(
                 "`G10 L2 P{number}` is not executed: expected a coordinate system, P1 (G54) … P9 (G59.3); P0 moves all systems on some controls, on others the active one"
             );
             let help = "write the number of the system, or state its zero in the job";
-            return refuse(block.span(b'P'), message, help);
+            return refuse(block.span(b'P'), what, help);
         }
         let words = self.axis_words(block);
         if self.offsets.set_system(number, words, self.incremental) {
             return Ok(());
         }
-        Err(unknown_system(span, &system_name(number)))
+        Err(unknown_system(span, number))
     }
 
     fn go_second(&mut self, block: &mut Block, span: Span) -> Result<(), Wrong> {
         if block.whole(b'P')?.is_some_and(|number| number != 2) {
-            let message = "only the second reference point (`G30`, `G30 P2`) is known";
-            return refuse(block.span(b'P'), message, "write the move with G53");
+            let what = "only the second reference point (`G30`, `G30 P2`) is known";
+            return refuse(block.span(b'P'), what, "write the move with G53");
         }
         let Some(place) = self.setup.second_reference else {
             let help = "add `second_reference_mm = { x = …, y = …, z = … }` to [path] of the job";
@@ -121,7 +124,7 @@ impl Interpreter {
             return refuse(span, "no axis is named", help);
         }
         let named = AXES.map(|letter| block.has(letter));
-        let through = self.target(block, Reach::Home)?;
+        let through = self.target(block, false)?;
         self.go(through, Shape::Line, true);
         let end = std::array::from_fn(|k| if named[k] { home[k] } else { self.at[k] });
         self.go(end, Shape::Line, true);
@@ -141,8 +144,8 @@ impl Interpreter {
             None => block.whole(b'L')?.unwrap_or(1),
         };
         if times > MOST_REPEATS {
-            let message = format!("{times} repeats of a cycle, expected at most {MOST_REPEATS}");
-            return Err(Wrong::new(self.span, message, "check K or L"));
+            let what = format!("{times} repeats of a cycle, expected at most {MOST_REPEATS}");
+            return Err(Wrong::new(self.span, what, "check K or L"));
         }
         if !drills {
             return Ok(());
@@ -159,39 +162,27 @@ impl Interpreter {
 
     /// R, Z and the initial level in machine coordinates.
     fn levels(&mut self, block: &mut Block) -> Result<[f64; 3], Wrong> {
-        let span = self.span;
         let third = self.plane.axes()[2];
         let incremental = self.incremental;
         let written = [b'R', AXES[third]].map(|letter| self.length(block, letter));
         let [above, below] = written.map(|depth| depth.map(|mm| (mm, incremental)));
-        let Some(cycle) = self.cycle.as_mut() else {
-            return Err(Wrong::new(span, "no cycle is active", "write G81 … G89"));
-        };
+        let cycle = &mut self.cycle;
         cycle.retract = above.or(cycle.retract);
         cycle.bottom = below.or(cycle.bottom);
         let cycle = *cycle;
         let (Some(retract), Some(bottom)) = (cycle.retract, cycle.bottom) else {
-            let message = "the cycle has no R level or no bottom";
-            return refuse(
-                span,
-                message,
-                "write R and the depth in the block that calls the cycle",
-            );
+            let help = "write R and the depth in the block that calls the cycle";
+            return refuse(self.span, "the cycle has no R level or no bottom", help);
         };
         if retract.1 != incremental || bottom.1 != incremental {
             self.tally.other_mode.get_or_insert(self.line);
         }
         self.check_initial(&cycle)?;
-        let retract = self.level_of(retract, cycle.initial)?;
-        let bottom = self.level_of(bottom, retract)?;
+        // In G91 each depth counts from the level above.
+        let zero = if incremental { None } else { Some(self.base()?[third]) };
+        let retract = zero.unwrap_or(cycle.initial) + retract.0;
+        let bottom = zero.unwrap_or(retract) + bottom.0;
         Ok([retract, bottom, cycle.initial])
-    }
-
-    /// The machine coordinate of a depth; in G91 it counts from a level.
-    fn level_of(&mut self, depth: Depth, from: f64) -> Result<f64, Wrong> {
-        let third = self.plane.axes()[2];
-        let zero = if self.incremental { from } else { self.base()?[third] };
-        Ok(zero + depth.0)
     }
 
     /// Controls differ in where the initial level is after a change of zero or length.
@@ -203,9 +194,9 @@ impl Interpreter {
         if !pending && (!counts || zero == cycle.zero) {
             return Ok(());
         }
-        let message = "the zero or the tool length changed, and the cycle counts from the initial level: controls differ in where that is now";
+        let what = "the zero or the tool length changed, and the cycle counts from the initial level: controls differ in where that is now";
         let help = "end the cycle with G80, position with G0 in G90, and call it again";
-        refuse(self.span, message, help)
+        refuse(self.span, what, help)
     }
 
     /// Where the hole is, and the step from one repeat to the next.
@@ -248,5 +239,62 @@ impl Interpreter {
         if third == 2 {
             self.offsets.pending_z = 0.0; // Z stands where the depths say
         }
+    }
+
+    /// A cycle of the block, or the one that MCALL drills behind its move.
+    pub(super) fn drills(&mut self, block: &mut Block, moves: bool) -> Result<(), Wrong> {
+        if let Some(call) = block.cycle.take() {
+            let drill = self.drill_of(&call)?;
+            if call.modal {
+                self.modal_drill = drill;
+                return Ok(());
+            }
+            return drill.map_or(Ok(()), |drill| self.drill(drill));
+        }
+        match self.modal_drill.filter(|_| moves && block.has_any(&AXES)) {
+            Some(drill) => self.drill(drill),
+            None => Ok(()),
+        }
+    }
+
+    fn drill(&mut self, (number, levels): Drill) -> Result<(), Wrong> {
+        let base = self.base()?[self.plane.axes()[2]];
+        let [back, retract, bottom] = levels.map(|mm| base + mm);
+        self.hole(number, self.at, [retract, bottom, back]);
+        Ok(())
+    }
+
+    fn drill_of(&self, call: &CycleCall) -> Result<Option<Drill>, Wrong> {
+        let Some((number, arguments)) = &call.cycle else {
+            return Ok(None);
+        };
+        let argument = |index: usize| arguments.get(index).copied().flatten();
+        // Safety and DPR are stated without a sign; where DP and DPR stand, the control takes DPR.
+        let safety = argument(2).unwrap_or(0.0).abs();
+        let depth = |reference: f64| argument(4).map(|depth| reference - depth.abs());
+        let levels = argument(0)
+            .zip(argument(1))
+            .map(|(back, reference)| (back, reference, depth(reference).or(argument(3))));
+        let (what, help) = match levels {
+            _ if self.inch => (
+                "a cycle with G70 or G700 is not executed",
+                "controls differ in the unit of its arguments: write it in millimetres",
+            ),
+            None => ("the cycle lacks RTP or RFP", "write its first two arguments"),
+            Some((_, _, None)) => ("the cycle lacks its depth", "write DP or DPR"),
+            Some((back, reference, Some(bottom)))
+                if back < reference + safety || bottom >= reference =>
+            {
+                (
+                    "the levels of the cycle are not in the order RTP, RFP + SDIS, depth",
+                    "check its first five arguments",
+                )
+            }
+            Some((back, reference, Some(bottom))) => {
+                let levels = [back, reference + safety, bottom];
+                return Ok(Some((*number, levels)));
+            }
+        };
+        refuse(call.span, what, help)
     }
 }

@@ -65,9 +65,8 @@ impl Interpreter {
         let has_length = self.offsets.tool.is_some_and(|mm| mm.abs() > 0.0);
         let moves = block.has_any(&AXES) || block.cycle.is_some();
         if has_length && self.plane != Plane::Xy && moves {
-            let message =
-                "a tool length with G18 or G19 is not executed: it acts along Y or X there";
-            return refuse(self.span, message, "write G17, or D0");
+            let what = "a tool length with G18 or G19 is not executed: it acts along Y or X there";
+            return refuse(self.span, what, "write G17, or D0");
         }
         let change = block.m_word(TOOL_CHANGE).map(|word| word.span);
         let edge = block.whole(b'D')?;
@@ -82,10 +81,10 @@ impl Interpreter {
                 return refuse(span, "no T and M6 changed a tool in before", help);
             }
             (other, _) => {
-                let message = format!(
+                let what = format!(
                     "`D{other}` is not executed: the job states one length of a tool, its D1"
                 );
-                return refuse(span, message, "give the tool of this length a number of its own");
+                return refuse(span, what, "give the tool of this length a number of its own");
             }
         }
         Ok(())
