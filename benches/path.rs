@@ -104,8 +104,7 @@ fn whole_program(criterion: &mut Criterion) {
         bencher.iter(|| {
             let mut profile = Profile::new(&map, limits(1.0));
             let mut bytes = Bytes { text: text.as_bytes(), mark: Mark::default() };
-            run(&mut bytes, &setup, |step| profile.follow(step, &mut |_| {}))
-                .expect("a program");
+            run(&mut bytes, &setup, |step| profile.follow(step, &mut |_| {})).expect("a program");
             profile.summary()
         });
     });

@@ -21,9 +21,7 @@ use nonius::read::{
 use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;
 use nonius::text::problem::{Problem, Problems};
-use part_program::{
-    G43WithoutH, Language, Line, Mark, Refused, Setup, Text, WithoutPoint, run,
-};
+use part_program::{G43WithoutH, Language, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
 use std::sync::OnceLock;
 
 /// What a reader answered, in words.

@@ -219,17 +219,10 @@ impl Block {
     }
 
     /// Words that nobody asked for.
-    pub(crate) fn unused(&self) -> impl Iterator<Item = Word> + '_ {
-        let left = self.unused_letters();
-        (b'A'..=b'Z').filter(move |letter| left & bit(*letter) != 0).map(|l| self.words[index(l)])
-    }
-
-    pub(crate) fn nothing_unused(&self) -> bool {
-        self.unused_letters() == 0
-    }
-
-    fn unused_letters(&self) -> u32 {
-        self.present & !self.used & !bit(b'/')
+    pub(crate) fn unused(&self) -> Vec<Word> {
+        let left = self.present & !self.used & !bit(b'/');
+        let letters = if left == 0 { b""[..].iter() } else { b"ABCDEFGHIJKLMNOPQRSTUVWXYZ".iter() };
+        letters.filter(|l| left & bit(**l) != 0).map(|l| self.words[index(*l)]).collect()
     }
 
     /// The first of the M words with this number.

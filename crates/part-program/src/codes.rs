@@ -1,6 +1,6 @@
 //! The G and M words that are known, the groups of which a block takes one, and what a cycle remembers.
 
-use crate::Plane;
+use crate::{Language, Plane};
 
 /// What a modal motion word asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,7 +44,10 @@ pub(crate) enum Code {
 }
 
 /// The group of a G word by its number in tenths, of which a block takes one word, and what it does.
-pub(crate) fn code(tenths: u16) -> Option<(usize, Code)> {
+pub(crate) fn code(tenths: u16, language: Language) -> Option<(usize, Code)> {
+    if language == Language::Siemens {
+        return siemens_code(tenths);
+    }
     let number = u32::from(tenths);
     Some(match tenths {
         0 => (0, Code::Motion(Motion::Rapid)),
@@ -129,13 +132,15 @@ pub(crate) const SIEMENS_CYCLES: [(&str, u16, usize); 3] =
     [("CYCLE81", 81, 5), ("CYCLE82", 82, 6), ("CYCLE83", 83, 12)];
 
 /// The same as [`code`] in the language of Siemens.
-pub(crate) fn siemens_code(tenths: u16) -> Option<(usize, Code)> {
+fn siemens_code(tenths: u16) -> Option<(usize, Code)> {
     if let Some((_, group, code)) = named(tenths) {
         return Some((*group, *code));
     }
     let number = u32::from(tenths / 10);
     Some(match tenths {
-        0..=30 | 170 | 180 | 190 | 900 | 910 | 40 | 90 | 400 | 940 | 950 | 970 => code(tenths)?,
+        0..=30 | 170 | 180 | 190 | 900 | 910 | 40 | 90 | 400 | 940 | 950 | 970 => {
+            code(tenths, Language::Iso)?
+        }
         700 | 7000 => (2, Code::Inch(true)),
         710 | 7100 => (2, Code::Inch(false)),
         540 | 550 | 560 | 570 => (5, Code::System(Some(number - 53))),

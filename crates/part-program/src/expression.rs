@@ -49,7 +49,11 @@ impl Lexer<'_> {
         let levels = OPERATORS.iter().enumerate().skip(least).rev();
         let mut all =
             levels.flat_map(|(level, signs)| signs.iter().map(move |sign| (*sign, level)));
-        all.find(|(sign, _)| self.language.has_operator(sign) && self.is_next(sign))
+        let first = self.peek()?;
+        let is_own = |sign: &str, language: Language| {
+            sign.as_bytes()[0] == first && language.has_operator(sign)
+        };
+        all.find(|(sign, _)| is_own(sign, self.language) && self.is_next(sign))
     }
 
     /// A number, a variable, brackets or a function, with its sign.
@@ -101,10 +105,10 @@ impl Lexer<'_> {
 
     fn number(&mut self) -> Value {
         let start = self.at;
-        let written = self.run_of(|byte| byte.is_ascii_digit() || *byte == b'.');
-        self.at += written.len();
-        let place = (start, self.at);
-        refuse_long_number(place, written.bytes().filter(u8::is_ascii_digit).count())?;
+        self.at += self.length_of(|byte| byte.is_ascii_digit() || *byte == b'.');
+        let (place, bytes) = ((start, self.at), &self.line[start..self.at]);
+        refuse_long_number(place, bytes.iter().filter(|byte| byte.is_ascii_digit()).count())?;
+        let written = String::from_utf8_lossy(bytes);
         let what = || format!("`{written}` is no number");
         written.parse().map_err(|_| Wrong::new(place, what(), "write it like `10.5`"))
     }

@@ -66,6 +66,7 @@ fn is_word_of_linuxcnc(rest: &[u8]) -> bool {
 }
 
 /// Where the statement of a line begins; `None` for one of words.
+#[inline]
 pub(crate) fn begin(line: &[u8], language: Language) -> Option<usize> {
     let at = behind_number(line);
     let rest = &line[at..];
@@ -144,7 +145,7 @@ impl Lexer<'_> {
 
     /// `#1 = 5 #2 = 6`: a block that reads what it sets is refused, as controls differ in the order.
     fn set(&mut self) -> Result<Values, Wrong> {
-        let mut values = Values::new();
+        let mut values = Vec::new();
         while self.peek() == Some(self.language.variable()) {
             let start = self.at;
             let name = self.name()?;
@@ -162,11 +163,11 @@ impl Lexer<'_> {
             if self.set.contains(&name) {
                 return wrong(format!("`{name}` is set twice in the block"));
             }
-            values.push((name.clone(), value));
+            values.push(value);
             self.set.push(name);
         }
         self.ended()?;
-        Ok(values)
+        Ok(std::mem::take(&mut self.set).into_iter().zip(values).collect())
     }
 
     fn condition(&mut self) -> Result<bool, Wrong> {

@@ -6,9 +6,8 @@ mod tools;
 
 use crate::MM_PER_INCH;
 use crate::block::{Block, CALL, CodeWord};
-use crate::codes::{Code, Cycle, Drill, GROUPS, Motion, code, siemens_code, why_not};
+use crate::codes::{Code, Cycle, Drill, GROUPS, Motion, code, why_not};
 use crate::flow::Flow;
-use crate::lexer::Word;
 use crate::setup::Offsets;
 use crate::wrong::{Span, Wrong, refuse};
 use crate::{EXTENDED, Language, Move, Place, Plane, Setup, system_name};
@@ -131,20 +130,16 @@ impl Interpreter {
         let done = self.select(block, asked);
         let done = done.and_then(|()| self.moved(block, asked));
         let done = done.and_then(|()| self.drills(block, asked.once.is_none()));
-        match done.and(self.programs(block)) {
-            Ok(flow) => {
-                let flow = if asked.returns { Flow::Return } else { flow };
-                if !block.nothing_unused() && block.wrong.is_empty() {
-                    refuse_unused(block, self.motion);
-                }
-                flow
+        let flow = done.and(self.programs(block));
+        if block.wrong.is_empty() {
+            match &flow {
+                Ok(_) => refuse_unused(block, self.motion),
+                Err(wrong) => block.wrong.push(wrong.clone()), // else it may follow from what is wrong already
             }
-            Err(wrong) => {
-                if block.wrong.is_empty() {
-                    block.wrong.push(wrong); // else it may follow from what is wrong already
-                }
-                Flow::Next
-            }
+        }
+        match flow {
+            Ok(_) if asked.returns => Flow::Return,
+            flow => flow.unwrap_or(Flow::Next),
         }
     }
 
@@ -179,11 +174,7 @@ impl Interpreter {
         let mut groups: [Option<CodeWord>; GROUPS] = [None; GROUPS];
         for index in 0..block.g.len() {
             let word = block.g[index];
-            let code = match self.setup.language {
-                Language::Iso => code,
-                Language::Siemens => siemens_code,
-            };
-            let Some((group, code)) = code(word.tenths) else {
+            let Some((group, code)) = code(word.tenths, self.setup.language) else {
                 let what = format!("`{}` is not executed", word.name('G'));
                 block.wrong.push(Wrong::new(word.span, what, why_not(word.tenths)));
                 continue;
@@ -290,21 +281,22 @@ impl Interpreter {
     /// M words: calls, ends, and those without effect on the path.
     fn programs(&mut self, block: &mut Block) -> Result<Flow, Wrong> {
         let mut flow = Flow::Next;
+        let is_siemens = self.setup.language == Language::Siemens;
         for index in 0..block.m.len() {
             let word = block.m[index];
+            let refused = |of: &str, help: &str| {
+                refuse(word.span, format!("`{}` is not executed{of}", word.name('M')), help)
+            };
             let next = match word.tenths {
                 20 | 300 => Flow::End,
-                SUB_END if self.setup.language == Language::Siemens => Flow::Return,
-                CALL | 990 if self.setup.language == Language::Siemens => {
-                    let what = format!("`{}` is not executed in Siemens programs", word.name('M'));
-                    return refuse(word.span, what, "M17 and RET end a subprogram");
+                SUB_END if is_siemens => Flow::Return,
+                CALL | 990 if is_siemens => {
+                    return refused(" in Siemens programs", "M17 and RET end a subprogram");
                 }
                 CALL => call(block, word.span)?,
                 990 => Flow::Return,
                 tenths if CALLS.contains(&tenths) || tenths % 10 != 0 => {
-                    let what = format!("`{}` is not executed", word.name('M'));
-                    let help = "M98 and M99 call and end subprograms of the same file";
-                    return refuse(word.span, what, help);
+                    return refused("", "M98 and M99 call and end subprograms of the same file");
                 }
                 tenths => {
                     self.tally_m(block, tenths / 10);
@@ -356,8 +348,7 @@ fn first_span(block: &Block) -> Span {
 
 /// Words that nothing in the block takes.
 fn refuse_unused(block: &mut Block, motion: Option<Motion>) {
-    let unused: Vec<Word> = block.unused().collect();
-    for word in unused {
+    for word in block.unused() {
         let letter = char::from(word.letter);
         let (what, help) = match letter {
             'A' | 'B' | 'C' | 'U' | 'V' | 'W' | 'E' => (

@@ -63,6 +63,7 @@ pub fn words(line: &[u8], language: Language) -> impl Iterator<Item = Result<Wor
 
 impl Iterator for Lexer<'_> {
     type Item = Result<Word, Wrong>;
+    #[inline]
     fn next(&mut self) -> Option<Self::Item> {
         let is_iso = self.language == Language::Iso;
         loop {
@@ -122,10 +123,15 @@ impl Lexer<'_> {
         is_next
     }
 
+    /// How many of these bytes stand next.
+    pub(crate) fn length_of(&self, is_in: fn(&u8) -> bool) -> usize {
+        self.line[self.at..].iter().take_while(|byte| is_in(byte)).count()
+    }
+
     /// What stands next of these bytes, in capitals; it stays.
     pub(crate) fn run_of(&self, is_in: fn(&u8) -> bool) -> String {
-        let run = self.line[self.at..].iter().take_while(|byte| is_in(byte));
-        run.map(|byte| char::from(byte.to_ascii_uppercase())).collect()
+        let run = &self.line[self.at..self.at + self.length_of(is_in)];
+        String::from_utf8_lossy(run).to_ascii_uppercase()
     }
 
     /// Something wrong with the next byte.
@@ -146,6 +152,7 @@ impl Lexer<'_> {
     }
 
     /// Of ISO: a letter with its number, whose digits blanks may part, or with an expression.
+    #[inline]
     fn word(&mut self, letter: u8) -> Result<Word, Wrong> {
         let start = self.at;
         let (mut digits, mut signed, mut has_point, mut has_blank) = (0, false, false, false);

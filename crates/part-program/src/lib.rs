@@ -11,6 +11,8 @@
 //! The language is that of Fanuc-like controls (ISO 6983); docs/path.md lists the words, and what
 //! a control may do differently.
 
+#![doc = include_str!("../README.md")]
+
 mod block;
 mod codes;
 mod expression;
@@ -37,8 +39,5 @@ pub(crate) const MM_PER_INCH: f64 = 25.4;
 pub use self::lines::{Line, Mark, Text};
 pub use self::run::{Ran, run};
 
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
 #[cfg(test)]
 mod tests;

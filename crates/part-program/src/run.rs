@@ -122,7 +122,8 @@ impl Control {
         let language = self.interpreter.setup.language;
         if let Some(at) = begin(line.bytes, language) {
             let flow = self.statement(line, at)?;
-            return Ok((flow, Some(excerpt(line, (at, line.bytes.len())))));
+            let leads = flow != Flow::Next;
+            return Ok((flow, leads.then(|| excerpt(line, (at, line.bytes.len())))));
         }
         block.read(line.bytes, language, &self.variables);
         if block.has(b'%') {
@@ -186,6 +187,7 @@ impl Control {
 
     /// Follows the moves of a block to the first one that is refused. They count where the block is one
     /// of a subprogram or repeats holes.
+    #[inline]
     fn follow(&mut self, block: &mut Block, follow: Follow<'_>) -> Result<(), Refused> {
         let holes = self.interpreter.tally.holes - self.interpreter.holes_before;
         let repeats = self.is_repeated() || holes > 1;

@@ -28,16 +28,6 @@ pub enum Language {
     Siemens,
 }
 
-impl Language {
-    /// The coordinate system that is active at the start: G54, or G500.
-    fn first_system(self) -> u32 {
-        match self {
-            Language::Iso => 1,
-            Language::Siemens => 0,
-        }
-    }
-}
-
 /// Which tool offset G43 without H takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum G43WithoutH {
@@ -159,7 +149,7 @@ impl Offsets {
     pub(super) fn new(setup: &Setup) -> Offsets {
         let mut offsets = Offsets {
             systems: setup.systems.clone(),
-            active: setup.language.first_system(),
+            active: u32::from(setup.language == Language::Iso), // G54, or G500
             ..Offsets::default()
         };
         offsets.update();
@@ -191,11 +181,8 @@ impl Offsets {
         let Some(old) = known.or(complete.then_some([0.0; 3])) else {
             return false;
         };
-        let new = std::array::from_fn(|k| match words[k] {
-            Some(value) if add => old[k] + value,
-            Some(value) => value,
-            None => old[k],
-        });
+        let new = |k: usize| words[k].map_or(old[k], |mm| if add { old[k] + mm } else { mm });
+        let new = std::array::from_fn(new);
         self.systems.insert(system, new);
         self.update();
         true

@@ -52,6 +52,7 @@ impl Interpreter {
 
     /// Where the axis words of a block lead; `plainly` = not by G53, G28 or G30, whose increments take no change of
     /// the length in.
+    #[inline]
     pub(super) fn target(&mut self, block: &mut Block, plainly: bool) -> Result<Place, Wrong> {
         let words = self.axis_words(block);
         let incremental = AXES.map(|letter| block.is_incremental(letter, self.incremental));
@@ -119,6 +120,7 @@ impl Interpreter {
     }
 
     /// A length word in mm, as the units and the decimal point say.
+    #[inline]
     pub(crate) fn length(&mut self, block: &mut Block, letter: u8) -> Option<f64> {
         let value = block.value(letter)?;
         let unit = if self.inch { MM_PER_INCH } else { 1.0 };
@@ -208,6 +210,7 @@ impl Interpreter {
     }
 
     /// Makes a move, and stands at its end.
+    #[inline]
     pub(crate) fn go(&mut self, to: Place, shape: Shape, rapid: bool) {
         let step = Move {
             from: self.at,
