@@ -1,9 +1,8 @@
 //! Benchmarks of `nonius path`: the error at points of a path, and a program from end to end.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use nonius::inputs::nc::{Line, Mark, Move, Plane, Setup, Shape, Text, run};
-use nonius::text::problem::Problem;
 use nonius::volume::tool_path::{PathMap, Profile, ProfileLimits};
+use part_program::{Line, Mark, Move, Plane, Refused, Setup, Shape, Text, run};
 use std::fmt::Write;
 use std::hint::black_box;
 
@@ -50,7 +49,7 @@ struct Bytes<'a> {
 }
 
 impl Text for Bytes<'_> {
-    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem> {
+    fn next_line(&mut self) -> Result<Option<Line<'_>>, Refused> {
         let rest = &self.text
             [usize::try_from(self.mark.bytes).unwrap_or(usize::MAX).min(self.text.len())..];
         let Some(end) = rest.iter().position(|byte| *byte == b'\n') else {
@@ -63,7 +62,7 @@ impl Text for Bytes<'_> {
     fn mark(&self) -> Mark {
         self.mark
     }
-    fn go_to(&mut self, mark: Mark) -> Result<(), Problem> {
+    fn go_to(&mut self, mark: Mark) -> Result<(), Refused> {
         self.mark = mark;
         Ok(())
     }
@@ -105,8 +104,7 @@ fn whole_program(criterion: &mut Criterion) {
         bencher.iter(|| {
             let mut profile = Profile::new(&map, limits(1.0));
             let mut bytes = Bytes { text: text.as_bytes(), mark: Mark::default() };
-            run(&mut bytes, "part.nc", &setup, |step| profile.follow(step, &mut |_| {}))
-                .expect("a program");
+            run(&mut bytes, &setup, |step| profile.follow(step, &mut |_| {})).expect("a program");
             profile.summary()
         });
     });

@@ -29,7 +29,7 @@
 //! In the volume: model ─→ volume_model: 21 errors, any chain ─→ space ─→ definitions, assessment
 //! (without and with the emulated tables).
 //!
-//! Along a tool path: part program ─→ nc: moves ─→ tool_path: error along them.
+//! Along a tool path: part program ─→ crate part_program: moves ─→ tool_path: error along them.
 //!
 //! Separately: runs.csv ─→ target_runs ─→ standards, the positioning figures of one axis.
 //!

@@ -1,14 +1,16 @@
 //! `cargo run --release --manifest-path fuzz/Cargo.toml -- ARGUMENTS`: builds the engine with coverage counters in
-//! `nonius` and runs it with the same arguments.
+//! `nonius` and its members and runs it with the same arguments.
 //!
 //! Cargo on stable Rust has no way to give flags to one dependency only. So this program names itself as the
-//! compiler's wrapper: called by cargo with the compiler and its arguments, it adds the flags for the crate `nonius`.
+//! compiler's wrapper: called by cargo with the compiler and its arguments, it adds the flags for `nonius` and the
+//! members of its workspace.
 //! Where that build fails (another compiler, no such pass), the engine is built without counters and only mutates.
 
 mod planted;
 
 use std::env;
 use std::ffi::OsString;
+use std::path::Path;
 use std::process::{Command, ExitCode};
 
 /// Set for the compiler's wrapper, which is this program too.
@@ -48,19 +50,23 @@ fn main() -> ExitCode {
     status(cargo("run", &arguments, false))
 }
 
-/// The compiler with its arguments, and the counters where the crate is `nonius`.
+/// The compiler with its arguments, and the counters where the crate is one of the program's.
 fn compile(arguments: &[OsString]) -> ExitCode {
     let Some((compiler, arguments)) = arguments.split_first() else {
         return ExitCode::from(2);
     };
     let mut command = Command::new(compiler);
     command.args(arguments);
-    let is_nonius =
-        arguments.windows(2).any(|pair| pair[0] == "--crate-name" && pair[1] == "nonius");
-    if is_nonius {
+    if env::var_os("CARGO_MANIFEST_DIR").is_some_and(|folder| is_member(Path::new(&folder))) {
         command.args(COUNTERS);
     }
     status(command.status().is_ok_and(|status| status.success()))
+}
+
+/// Whether a crate is `nonius` or a member of its workspace.
+fn is_member(folder: &Path) -> bool {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent();
+    root.is_some_and(|root| folder == root || folder.starts_with(root.join("crates")))
 }
 
 /// Runs cargo for the engine.

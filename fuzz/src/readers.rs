@@ -12,9 +12,7 @@ use nonius::inputs::import::{
     Component, Measurement, encoding_word, import as import_file, measured_runs,
 };
 use nonius::inputs::job::{Job, UseOf};
-use nonius::inputs::nc::{
-    G43WithoutH, Language, Line, Mark, Refused, Setup, Text, WithoutPoint, run,
-};
+use nonius::inputs::part_program::problems;
 use nonius::inputs::target_runs::{Runs, Stated as StatedRuns, Values};
 use nonius::machine::standards::{iso_230_2, vdi_3441};
 use nonius::read::{
@@ -23,6 +21,7 @@ use nonius::read::{
 use nonius::text::delimited::LengthUnit;
 use nonius::text::document::Source;
 use nonius::text::problem::{Problem, Problems};
+use part_program::{G43WithoutH, Language, Line, Mark, Refused, Setup, Text, WithoutPoint, run};
 use std::sync::OnceLock;
 
 /// What a reader answered, in words.
@@ -284,12 +283,13 @@ pub fn nc(input: &[u8]) -> Answer {
     };
     let (mut length, mut moves) = (0.0, 0);
     let mut lines = Lines { bytes: input, at: Mark::default(), left: 20_000 };
-    let ran = run(&mut lines, "x.nc", &setup, |step| {
+    let ran = run(&mut lines, &setup, |step| {
         moves += 1;
         length += step.length_mm() + step.at(0.5)[0].abs();
-        let enough = || Refused { message: "enough moves".to_string(), help: "stop".to_string() };
+        let enough = || Refused::new("enough moves").help("stop");
         if moves > 5000 { Err(enough()) } else { Ok(()) }
-    })?;
+    })
+    .map_err(|refused| problems("x.nc", refused))?;
     Ok(format!("{length} {ran:?}"))
 }
 
@@ -304,7 +304,7 @@ struct Lines<'a> {
 }
 
 impl Text for Lines<'_> {
-    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem> {
+    fn next_line(&mut self) -> Result<Option<Line<'_>>, Refused> {
         let rest = &self.bytes[(self.at.bytes as usize).min(self.bytes.len())..];
         if rest.is_empty() || self.left == 0 {
             return Ok(None);
@@ -312,7 +312,7 @@ impl Text for Lines<'_> {
         let end = rest.iter().position(|byte| *byte == b'\n');
         let line = &rest[..end.unwrap_or(rest.len())];
         if line.len() > LONGEST_LINE {
-            return Err(Problem::new("a longer line than `path` reads"));
+            return Err(Refused::new("a longer line than `path` reads"));
         }
         self.at.bytes += end.map_or(rest.len(), |end| end + 1) as u64;
         self.at.lines += 1;
@@ -324,7 +324,7 @@ impl Text for Lines<'_> {
         self.at
     }
 
-    fn go_to(&mut self, mark: Mark) -> Result<(), Problem> {
+    fn go_to(&mut self, mark: Mark) -> Result<(), Refused> {
         self.at = mark;
         Ok(())
     }

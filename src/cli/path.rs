@@ -5,7 +5,7 @@ mod samples;
 
 use crate::cli::outcome::{Outcome, Output, Plot};
 use crate::cli::tables::AskedTables;
-use crate::inputs::nc::{Line, Mark, Text, run as run_program};
+use crate::inputs::part_program::problems;
 use crate::kit::Inputs;
 use crate::page::{Ink, Trace};
 use crate::text::problem::{Problem, Problems};
@@ -15,6 +15,7 @@ use crate::volume::tool_path::{PathMap, Profile, limits, path_map};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
 use page::{After, Followed, Page};
+use part_program::{Line, Mark, Refused, Text, run as run_program};
 use samples::{Holes, Points};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -72,7 +73,7 @@ fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), 
     let mut holes = Holes::default();
     let mut traces = vec![Trace::new(Ink::AsFound)];
     traces.extend(after_map.map(|_| Trace::new(Ink::Forecast)));
-    let ran = run_program(&mut text, &program, &inputs.job.path.setup, |step| {
+    let ran = run_program(&mut text, &inputs.job.path.setup, |step| {
         before.follow(step, &mut |sample| {
             holes.take(sample, after_map);
             for trace in &mut traces {
@@ -90,7 +91,8 @@ fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), 
             Some(after) => after.follow(step, &mut |_| {}),
             None => Ok(()),
         }
-    })?;
+    })
+    .map_err(|refused| problems(&program, refused))?;
     let before = Followed::of(before, &program)?;
     let after = after.map(|profile| Followed::of(profile, &program));
     let after = after.transpose()?.zip(tables);
@@ -140,12 +142,12 @@ impl ProgramText {
     }
 }
 
-fn failed(name: &str, error: &std::io::Error) -> Problem {
-    Problem::new(format!("`{name}` cannot be read: {}", plain_words(error)))
+fn failed(name: &str, error: &std::io::Error) -> Refused {
+    Refused::new(format!("`{name}` cannot be read: {}", plain_words(error)))
 }
 
 impl Text for ProgramText {
-    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem> {
+    fn next_line(&mut self) -> Result<Option<Line<'_>>, Refused> {
         self.line.clear();
         let mut part = (&mut self.reader).take(LONGEST_LINE);
         let read =
@@ -156,7 +158,7 @@ impl Text for ProgramText {
         let ended = self.line.last() == Some(&b'\n');
         if !ended && self.line.len() as u64 == LONGEST_LINE {
             let number = self.mark.lines + 1;
-            return Err(Problem::new(format!(
+            return Err(Refused::new(format!(
                 "line {number} of `{}` has more than {LONGEST_LINE} characters, expected the blocks of a part program",
                 self.name
             ))
@@ -172,7 +174,7 @@ impl Text for ProgramText {
         self.mark
     }
 
-    fn go_to(&mut self, mark: Mark) -> Result<(), Problem> {
+    fn go_to(&mut self, mark: Mark) -> Result<(), Refused> {
         let by = i64::try_from(mark.bytes).ok();
         let here = i64::try_from(self.mark.bytes).ok();
         // What is in the buffer is not read again.

@@ -24,16 +24,3 @@ fn zeros(zeros_um: &[(Diagonal, f64)]) -> String {
     let of = |(diagonal, um): &(Diagonal, f64)| format!("{diagonal} {:.3} µm", Figure(*um));
     zeros_um.iter().map(of).collect::<Vec<_>>().join(", ")
 }
-
-findings! {
-    /// How a part program was understood.
-    PathFinding {
-        WithoutPoint { count: u64, line: usize, meaning: &'static str } => Note, "coordinates without a decimal point: {count}, the first in line {line}; taken as {meaning}; see `without_point` in [path]";
-        Deletable { count: u64, what: &'static str } => Note, "lines with `/`: {count}, {what}; see `block_delete` in [path]";
-        LookAhead { count: u64 } => Note, "look-ahead (G5, G5.1, G8) is switched on {count} times: taken not to change the path";
-        Blend { mm: f64, line: usize } => Note, "G64 (ADIS and CYCLE832 of Siemens too) lets the control leave the path by up to {mm:.3} mm (the first so in line {line}): the path is followed as it is written";
-        RoughArcs { usual_mm: f64, count: u64, most_mm: f64, line: usize, allowed_mm: f64 } => Note, "arcs whose end misses the circle by more than {usual_mm} mm: {count}, most by {most_mm:.4} mm in line {line}; taken up to {allowed_mm:.3} mm, see `arc_mm` in [path]";
-        OtherMode { line: usize } => Note, "G90 or G91 was changed inside a cycle in line {line}: R and Z are read as they were written, in the mode of the block that drills; some controls keep the levels";
-        WithoutMotion { words: Vec<String> } => Note, "taken to be without motion: {}", words.join(", ");
-    }
-}

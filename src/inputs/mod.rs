@@ -5,7 +5,7 @@ pub mod findings;
 pub mod import;
 pub mod job;
 pub mod kind;
-pub mod nc;
+pub mod part_program;
 pub mod readings;
 mod table;
 pub mod target_runs;

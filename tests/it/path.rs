@@ -1,7 +1,7 @@
 //! `nonius path` through the program, and its scanner against one by others.
 
 use crate::support::{Entry, Ran, Visit, fixtures, number, refusals};
-use nonius::inputs::nc::scan;
+use part_program::{Language, Word, words};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -249,8 +249,8 @@ fn a_datum_stands_in_the_headline_and_two_ways_to_the_tool_are_told() {
 
 /// Letters and numbers of a line, as this crate reads them; `None` where it refuses the line.
 fn own(line: &str) -> Option<Vec<(char, f64)>> {
-    let word = |word: scan::Word| (char::from(word.letter), word.value);
-    scan::words(line.as_bytes()).map(|read| read.map(word).ok()).collect()
+    let word = |word: Word| (char::from(word.letter), word.value);
+    words(line.as_bytes(), Language::Iso).map(|read| read.map(word).ok()).collect()
 }
 
 /// The same as the crate `gcode` reads them (numbers of single precision).

@@ -4,7 +4,6 @@ use super::samples::{Hole, Holes};
 use crate::cli::outcome::joined;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
-use crate::inputs::nc::Ran;
 use crate::kit::Inputs;
 use crate::page::{Ink, Picture, Trace, path};
 use crate::quantity::axis::Axis;
@@ -14,6 +13,7 @@ use crate::visit::tables::Corrected;
 use crate::volume::space::cloud::longest;
 use crate::volume::tool_path::{Channel, Extreme, Outside, Profile, Summary};
 use crate::volume::volume_model::VolumeModel;
+use part_program::Ran;
 use serde_json::{Map, Value, json};
 
 /// What is printed.
@@ -280,7 +280,7 @@ fn outside_sentences(page: &Page) -> Vec<String> {
 fn remarks(page: &Page) -> Vec<String> {
     let path = &page.inputs.job.path;
     let s = &page.before.summary;
-    let mut notes: Vec<String> = page.ran.notes.iter().map(ToString::to_string).collect();
+    let mut notes: Vec<String> = page.ran.notes.clone();
     let mut unstated = Vec::new();
     if !path.has_start {
         unstated.push("`start_mm` (the axes start at the reference)");

@@ -1,12 +1,12 @@
 //! `[path]`: what the control knows before a part program starts, and how its path is followed.
 
 use crate::inputs::job::machine::{Axes, inside_travel};
-use crate::inputs::nc::{G43WithoutH, Language, Place, Setup, WithoutPoint, system_number};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::document::Section;
 use crate::text::document::keys::Places;
 use crate::text::problem::shown;
 use crate::text::words::Word;
+use part_program::{G43WithoutH, Language, Place, Setup, WithoutPoint, system_number};
 use std::collections::BTreeMap;
 
 /// `[path]`.
@@ -38,6 +38,24 @@ const MOST_TOOL_NUMBER: u32 = 9999;
 const LONGEST_TOOL_MM: f64 = 10_000.0;
 /// Beyond a tenth of a millimetre the arc is not the one that was meant.
 const COARSEST_ARC_MM: f64 = 0.1;
+
+impl Word for Language {
+    const WORDS: &'static [(&'static str, Language)] =
+        &[("iso", Language::Iso), ("siemens", Language::Siemens)];
+}
+
+impl Word for WithoutPoint {
+    const WORDS: &'static [(&'static str, WithoutPoint)] =
+        &[("unit", WithoutPoint::Unit), ("increment", WithoutPoint::Increment)];
+}
+
+impl Word for G43WithoutH {
+    const WORDS: &'static [(&'static str, G43WithoutH)] = &[
+        ("refuse", G43WithoutH::Refuse),
+        ("last-h", G43WithoutH::LastH),
+        ("tool", G43WithoutH::Tool),
+    ];
+}
 
 const COORDINATES: PerAxis<&str> = PerAxis { x: "x_mm", y: "y_mm", z: "z_mm" };
 

@@ -3,19 +3,18 @@
 use crate::control::controller::ControlUnit;
 use crate::read::lexer::{Complaint, lines};
 use crate::read::program::blocks::Meaning::{self, *};
-use crate::read::program::blocks::{
-    Cancelled::*, Code, Motion as Way, Vocabulary, refuse, without_comments,
-};
+use crate::read::program::blocks::{Cancelled::*, Code, Vocabulary, refuse, without_comments};
+use part_program::Language;
 
 /// Its language (B-64484EN, G-code system of a machining centre).
 pub(in crate::read) const VOCABULARY: Vocabulary =
-    Vocabulary { words: &WORDS, increments_need_machine: false, blocks };
+    Vocabulary { language: Language::Iso, words: &WORDS, blocks };
 
 /// G17, G61 and G64 (exact stop, cutting) do not change where the axes go.
 const WORDS: [(&str, Meaning); 20] = [
-    ("G00", Motion(Way::Rapid)),
-    ("G01", Motion(Way::Feed)),
-    ("G04", Dwell),
+    ("G0", Rapid),
+    ("G1", Feed),
+    ("G4", Dwell),
     ("G17", Neutral),
     ("G61", Neutral),
     ("G64", Neutral),
@@ -31,7 +30,7 @@ const WORDS: [(&str, Meaning); 20] = [
     ("G80", Cancel(Cycle)),
     ("G90", Absolute),
     ("G91", Incremental),
-    ("M00", Stop),
+    ("M0", Stop),
     ("M30", End),
 ];
 

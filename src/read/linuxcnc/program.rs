@@ -3,18 +3,17 @@
 use crate::control::controller::ControlUnit;
 use crate::read::lexer::{Complaint, lines};
 use crate::read::program::blocks::Meaning::{self, *};
-use crate::read::program::blocks::{
-    Cancelled::*, Code, Motion as Way, Vocabulary, refuse, without_comments,
-};
+use crate::read::program::blocks::{Cancelled::*, Code, Vocabulary, refuse, without_comments};
+use part_program::Language;
 
 /// Its language (LinuxCNC documentation, G-Code; RS274NGC).
 pub(in crate::read) const VOCABULARY: Vocabulary =
-    Vocabulary { words: &WORDS, increments_need_machine: false, blocks };
+    Vocabulary { language: Language::Iso, words: &WORDS, blocks };
 
 /// G17 and G61.1 (exact stop) do not change where the axes go.
 const WORDS: [(&str, Meaning); 17] = [
-    ("G0", Motion(Way::Rapid)),
-    ("G1", Motion(Way::Feed)),
+    ("G0", Rapid),
+    ("G1", Feed),
     ("G4", Dwell),
     ("G17", Neutral),
     ("G61.1", Neutral),

@@ -2,7 +2,8 @@
 
 use crate::control::controller::ControlUnit;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::lexer::{Complaint, Cursor};
+use crate::read::lexer::Complaint;
+use part_program::{Language, NAME, words};
 use std::ops::Range;
 
 /// What can be active when a program begins and would falsify its moves.
@@ -40,7 +41,7 @@ pub enum Action {
     /// Goes by an increment at a feed, mm/min.
     By(PerAxis<f64>, f64),
     /// Stands still for some seconds, in the block with this number.
-    Dwell(f64, Option<u32>),
+    Dwell(f64, Option<f64>),
     /// Ends.
     End,
 }
@@ -71,19 +72,13 @@ impl OwnWords<'_> {
     }
 }
 
-/// How a block moves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::read) enum Motion {
-    Rapid,
-    Feed,
-}
-
 /// What a word of a vocabulary means here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::read) enum Meaning {
     /// Named and without effect on these moves (planes, exact stop).
     Neutral,
-    Motion(Motion),
+    Rapid,
+    Feed,
     /// Feeds are per minute, not per turn of a spindle.
     FeedPerMinute,
     Absolute,
@@ -105,28 +100,21 @@ pub(in crate::read) type Code = (usize, String);
 
 /// The words of a language of part programs.
 pub(in crate::read) struct Vocabulary {
-    /// Names, and addresses with their number as written.
+    /// How words are written.
+    pub(in crate::read) language: Language,
+    /// Names, and addresses with their number.
     pub(in crate::read) words: &'static [(&'static str, Meaning)],
-    /// Whether increments need the word for machine coordinates in their block too.
-    pub(in crate::read) increments_need_machine: bool,
     /// The blocks of a program.
     pub(in crate::read) blocks: fn(&str) -> Result<Vec<Code>, Complaint>,
 }
 
 /// A line without its comments in brackets; `None` where their brackets do not match.
 pub(in crate::read) fn without_comments(line: &str) -> Option<String> {
-    let mut code = String::new();
-    let mut inside = false;
-    for letter in line.chars() {
-        match (letter, inside) {
-            ('(', false) => inside = true,
-            (')', true) => inside = false,
-            ('(' | ')', _) => return None,
-            (_, true) => {}
-            (_, false) => code.push(letter),
-        }
-    }
-    (!inside).then_some(code)
+    let mut parts = line.split(')');
+    let last = parts.next_back().filter(|last| !last.contains('('))?;
+    let code = parts.map(|part| part.split_once('(').filter(|(_, rest)| !rest.contains('(')));
+    let code: Option<String> = code.map(|part| part.map(|(code, _)| code)).collect();
+    Some(code? + last)
 }
 
 /// What is wrong with a part of a program.
@@ -141,23 +129,29 @@ pub(super) fn steps(
     vocabulary: &Vocabulary,
     own: &OwnWords<'_>,
 ) -> Result<Vec<Step>, Complaint> {
-    let mut modal = Modal::default();
+    let mut reader = Reader { vocabulary, own, modal: Modal::default() };
     let mut steps = Vec::new();
     for (start, code) in (vocabulary.blocks)(text)? {
         let span = start..start + code.len();
-        let actions = modal.block(&code, vocabulary, own);
-        let actions = actions.map_err(|message| refuse(span.clone(), message))?;
+        let actions = reader.block(&code).map_err(|message| refuse(span.clone(), message))?;
         steps.extend(actions.into_iter().map(|action| Step { action, span: span.clone() }));
     }
     Ok(steps)
 }
 
+struct Reader<'a> {
+    vocabulary: &'a Vocabulary,
+    own: &'a OwnWords<'a>,
+    modal: Modal,
+}
+
 /// Words that stay in force.
 #[derive(Default)]
 struct Modal {
-    motion: Option<Motion>,
+    /// G1, else G0.
+    feeds: Option<bool>,
     incremental: Option<bool>,
-    unit: Option<ControlUnit>,
+    unit_mm: Option<f64>,
     feed: Option<f64>,
     per_minute: bool,
 }
@@ -165,7 +159,7 @@ struct Modal {
 /// What one block says.
 #[derive(Default)]
 struct Said {
-    number: Option<u32>,
+    number: Option<f64>,
     /// The numbers of axes, feed and seconds, by their address.
     numbers: Vec<(char, f64)>,
     machine: bool,
@@ -174,19 +168,14 @@ struct Said {
     actions: Vec<Action>,
 }
 
-impl Modal {
+impl Reader<'_> {
     /// What a block does, or what is wrong with it.
-    fn block(
-        &mut self,
-        code: &str,
-        vocabulary: &Vocabulary,
-        own: &OwnWords<'_>,
-    ) -> Result<Vec<Action>, String> {
-        let mut said = self.said(code, vocabulary, own)?;
+    fn block(&mut self, code: &str) -> Result<Vec<Action>, String> {
+        let mut said = self.said(code)?;
         if said.dwell {
-            said.actions.push(dwell(&said, own)?);
+            said.actions.push(self.dwell(&said)?);
         } else if !said.of_axes {
-            let moves = self.motion(&said, vocabulary, own)?;
+            let moves = self.motion(&said)?;
             said.actions.extend(moves);
         }
         let cancels = |action: &Action| matches!(action, Action::Cancel(_));
@@ -196,31 +185,35 @@ impl Modal {
         Ok(said.actions)
     }
 
-    fn said(
-        &mut self,
-        code: &str,
-        vocabulary: &Vocabulary,
-        own: &OwnWords<'_>,
-    ) -> Result<Said, String> {
+    fn said(&mut self, code: &str) -> Result<Said, String> {
         let mut said = Said::default();
-        let mut cursor = Cursor::new(code, 0..code.len(), &[' ', '\t']);
-        while cursor.peek_word().is_some() {
-            let (written, address) = word(&mut cursor)?;
-            let known = vocabulary.words.iter().find(|(word, _)| *word == written);
-            match (known, address) {
-                (Some((_, meaning)), _) => self.take(*meaning, &mut said),
-                (None, Some(('N', number))) => said.number = number.parse().ok(),
-                (None, Some((letter, number)))
-                    if letter == 'F' || letter == own.seconds || own.axis(letter).is_some() =>
-                {
-                    let value = number.parse().ok().filter(|v: &f64| v.is_finite());
-                    let value = value.ok_or("a number cannot be read")?;
-                    if said.numbers.iter().any(|(known, _)| *known == letter) {
-                        return Err(format!("`{letter}` is given twice in a block"));
-                    }
-                    said.numbers.push((letter, value));
+        let no_word = |at: usize| format!("`{}` is no word", code[at..].trim_end());
+        if let Some(at) = code.find(';') {
+            return Err(no_word(at)); // a comment for some controls, the end of a block for others
+        }
+        for word in words(code.as_bytes(), self.vocabulary.language) {
+            let word = word.map_err(|wrong| no_word(wrong.span.0))?;
+            let written = code[word.span.0..word.span.1].trim_end();
+            let letter = char::from(word.letter);
+            let name = match word.letter {
+                NAME => written.to_string(),
+                _ => format!("{letter}{}", word.value),
+            };
+            let known = self.vocabulary.words.iter().find(|(known, _)| *known == name);
+            let is_number = letter == 'F' || letter == self.own.seconds;
+            if let Some((_, meaning)) = known {
+                self.take(*meaning, &mut said);
+            } else if letter == 'N' {
+                said.number = Some(word.value);
+            } else if is_number || self.own.axis(letter).is_some() {
+                if said.numbers.iter().any(|(known, _)| *known == letter) {
+                    return Err(format!("`{letter}` is given twice in a block"));
                 }
-                _ => return Err(format!("`{written}` is not a word of a measuring run")),
+                said.numbers.push((letter, word.value));
+            } else if written.starts_with('$') {
+                return Err(no_word(word.span.0));
+            } else {
+                return Err(format!("`{written}` is not a word of a measuring run"));
             }
         }
         Ok(said)
@@ -229,11 +222,11 @@ impl Modal {
     fn take(&mut self, meaning: Meaning, said: &mut Said) {
         match meaning {
             Meaning::Neutral => {}
-            Meaning::Motion(motion) => self.motion = Some(motion),
-            Meaning::FeedPerMinute => self.per_minute = true,
-            Meaning::Absolute => self.incremental = Some(false),
-            Meaning::Incremental => self.incremental = Some(true),
-            Meaning::Unit(unit) => self.unit = Some(unit),
+            Meaning::Rapid | Meaning::Feed => self.modal.feeds = Some(meaning == Meaning::Feed),
+            Meaning::FeedPerMinute => self.modal.per_minute = true,
+            Meaning::Absolute => self.modal.incremental = Some(false),
+            Meaning::Incremental => self.modal.incremental = Some(true),
+            Meaning::Unit(unit) => self.modal.unit_mm = Some(unit.in_mm()),
             Meaning::Machine => said.machine = true,
             Meaning::Dwell => said.dwell = true,
             Meaning::Cancel(what) => said.actions.push(Action::Cancel(what)),
@@ -246,24 +239,16 @@ impl Modal {
         }
     }
 
-    fn motion(
-        &mut self,
-        said: &Said,
-        vocabulary: &Vocabulary,
-        own: &OwnWords<'_>,
-    ) -> Result<Option<Action>, String> {
-        let unit_mm = self.unit.map(ControlUnit::in_mm);
+    fn motion(&mut self, said: &Said) -> Result<Option<Action>, String> {
         let mut place = PerAxis::<Option<f64>>::default();
         for (letter, value) in &said.numbers {
-            match own.axis(*letter) {
-                Some(axis) => {
-                    let unit = unit_mm.ok_or("a position before mm or inch is chosen")?;
-                    place[axis] = Some(value * unit);
-                }
-                None if *letter == 'F' => {
-                    let unit = unit_mm.ok_or("a feed before mm or inch is chosen")?;
-                    self.feed = Some(value * unit);
-                }
+            let mm = |what| {
+                let mm = self.modal.unit_mm.map(|unit| value * unit);
+                mm.ok_or_else(|| format!("a {what} before mm or inch is chosen"))
+            };
+            match self.own.axis(*letter) {
+                Some(axis) => place[axis] = Some(mm("position")?),
+                None if *letter == 'F' => self.modal.feed = Some(mm("feed")?),
                 None => return Err(format!("`{letter}` names no axis and stands in no dwell")),
             }
         }
@@ -273,12 +258,12 @@ impl Modal {
                 false => Ok(None),
             };
         }
-        match (self.motion, self.incremental, said.machine) {
-            (Some(Motion::Rapid), Some(false), true) => Ok(Some(Action::ToMachine(place))),
-            (Some(Motion::Feed), Some(true), machine)
-                if machine == vocabulary.increments_need_machine =>
-            {
-                let feed = self.feed.filter(|_| self.per_minute);
+        // Siemens goes by increments from machine coordinates where `SUPA` stands in their block too.
+        let with_increments = self.vocabulary.language == Language::Siemens;
+        match (self.modal.feeds, self.modal.incremental, said.machine) {
+            (Some(false), Some(false), true) => Ok(Some(Action::ToMachine(place))),
+            (Some(true), Some(true), machine) if machine == with_increments => {
+                let feed = self.modal.feed.filter(|_| self.modal.per_minute);
                 let feed = feed.ok_or("a move without a feed per minute")?;
                 let by = PerAxis::from_fn(|axis| place[axis].unwrap_or(0.0));
                 Ok(Some(Action::By(by, feed)))
@@ -286,32 +271,16 @@ impl Modal {
             _ => Err("a measuring run moves to machine coordinates at rapid traverse, then by increments at a feed; this is neither".to_string()),
         }
     }
-}
 
-fn dwell(said: &Said, own: &OwnWords<'_>) -> Result<Action, String> {
-    match said.numbers.as_slice() {
-        [(letter, seconds)] if *letter == own.seconds && *seconds > 0.0 => {
-            Ok(Action::Dwell(*seconds, said.number))
+    fn dwell(&self, said: &Said) -> Result<Action, String> {
+        match said.numbers.as_slice() {
+            [(letter, seconds)] if *letter == self.own.seconds && *seconds > 0.0 => {
+                Ok(Action::Dwell(*seconds, said.number))
+            }
+            _ => {
+                let seconds = self.own.seconds;
+                Err(format!("a dwell names its seconds as `{seconds}` and nothing else"))
+            }
         }
-        _ => Err(format!("a dwell names its seconds as `{}` and nothing else", own.seconds)),
-    }
-}
-
-/// A word as written; of an address its letter and number. Two or more letters are a name, one letter is the
-/// address of the number behind it.
-type Word<'a> = (&'a str, Option<(char, &'a str)>);
-
-fn word<'a>(cursor: &mut Cursor<'a>) -> Result<Word<'a>, String> {
-    let start = cursor.at;
-    let rest = cursor.text(cursor.rest());
-    let name = cursor.take(|c| c.is_ascii_alphabetic());
-    let number = cursor.take(|c| c.is_ascii_digit() || "+-.".contains(c));
-    let mut letters = name.chars();
-    match (letters.next(), letters.next()) {
-        (Some(_), Some(_)) if number.is_empty() => Ok((name, None)),
-        (Some(letter), None) if number.parse::<f64>().is_ok() => {
-            Ok((cursor.text(start..cursor.at), Some((letter, number))))
-        }
-        _ => Err(format!("`{rest}` is no word")),
     }
 }

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// What a program has to keep.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Bounds {
     /// Travel of each axis, mm.
     pub travel: PerAxis<(f64, f64)>,
@@ -43,21 +43,7 @@ pub fn walk(
     rows: &[Position],
     bounds: &Bounds,
 ) -> Result<Walked, Problems> {
-    let mut walker = Walker {
-        rows,
-        bounds,
-        here: None,
-        approached: PerAxis::default(),
-        heading: PerAxis::default(),
-        since: Vec::new(),
-        turned: PerAxis::default(),
-        read: 0,
-        ended: false,
-        cancelled: BTreeSet::new(),
-        reach: None,
-        found: Vec::new(),
-        at: 0..0,
-    };
+    let mut walker = Walker { rows, bounds: bounds.clone(), ..Walker::default() };
     for step in steps {
         walker.at = step.span.clone();
         walker.step(&step.action);
@@ -71,9 +57,10 @@ pub fn walk(
     })
 }
 
+#[derive(Default)]
 struct Walker<'a> {
     rows: &'a [Position],
-    bounds: &'a Bounds,
+    bounds: Bounds,
     /// Where the axes are, once all three have gone to machine coordinates.
     here: Option<PerAxis<f64>>,
     /// Axes that have gone to machine coordinates.
@@ -192,7 +179,7 @@ impl Walker<'_> {
         self.here = Some(place);
     }
 
-    fn dwell(&mut self, seconds: f64, block: Option<u32>) {
+    fn dwell(&mut self, seconds: f64, block: Option<f64>) {
         let rows = self.rows;
         let Some(row) = rows.get(self.read) else {
             return self.find("a standstill that belongs to no reading");
@@ -201,7 +188,7 @@ impl Walker<'_> {
         if seconds < wanted - 1e-3 {
             self.find(format!("the standstill is {seconds} s, expected {wanted} s"));
         }
-        if block != Some(row.block) {
+        if block.is_none_or(|block| (block - f64::from(row.block)).abs() > 0.0) {
             let number = row.block;
             self.find(format!("the block of reading {number} has another number"));
         }

@@ -3,16 +3,17 @@
 use crate::control::controller::ControlUnit;
 use crate::read::lexer::{Complaint, lines};
 use crate::read::program::blocks::Meaning::{self, *};
-use crate::read::program::blocks::{Cancelled::*, Code, Motion as Way, Vocabulary};
+use crate::read::program::blocks::{Cancelled::*, Code, Vocabulary};
+use part_program::Language;
 
 /// Its language (Programming Manual).
 pub(in crate::read) const VOCABULARY: Vocabulary =
-    Vocabulary { words: &WORDS, increments_need_machine: true, blocks };
+    Vocabulary { language: Language::Siemens, words: &WORDS, blocks };
 
 /// G17 and G60 (exact stop) do not change where the axes go.
 const WORDS: [(&str, Meaning); 21] = [
-    ("G0", Motion(Way::Rapid)),
-    ("G1", Motion(Way::Feed)),
+    ("G0", Rapid),
+    ("G1", Feed),
     ("G4", Dwell),
     ("G17", Neutral),
     ("G60", Neutral),

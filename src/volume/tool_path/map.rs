@@ -2,11 +2,11 @@
 //! nodes of each axis.
 
 use crate::inputs::job::Job;
-use crate::inputs::nc::Place;
 use crate::quantity::axis::Axis;
 use crate::quantity::curve::{Interpolation, JUMP_MM};
 use crate::volume::space::pair::cross;
 use crate::volume::volume_model::VolumeModel;
+use part_program::Place;
 
 /// µrad × mm = 10⁻³ µm.
 const PER_M: f64 = 1e-3;

@@ -4,11 +4,11 @@ use super::cloud::Cloud;
 use super::extremes::{Channel, Range, squares, through, turning_points};
 use super::map::PathMap;
 use crate::inputs::job::Job;
-use crate::inputs::nc::{Move, Place, Plane, Refused, Shape};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
 use crate::volume::space::pair::{dot, minus};
 use crate::volume::volume_model::VolumeModel;
+use part_program::{Move, Place, Plane, Refused, Shape};
 
 /// Samples of one move: a kilometre in steps of a micrometre.
 const MOST_STEPS: f64 = 2e9;
@@ -377,14 +377,11 @@ impl<'m> Profile<'m> {
             let Some((low, high)) = *travel else { continue };
             let at = place[axis];
             if at < low - TRAVEL_TOLERANCE_MM || at > high + TRAVEL_TOLERANCE_MM {
-                return Err(Refused {
-                    message: format!(
+                return Err(Refused::new(format!(
                         "the move leads to {} = {:.3} mm in machine coordinates, outside the travel {low} … {high} mm",
                         Axis::ALL[axis],
                         Figure(at)
-                    ),
-                    help: "check the zero of the coordinate system ([[path.offset]]), the tool length and `travel_mm`".to_string(),
-                });
+                    )).help("check the zero of the coordinate system ([[path.offset]]), the tool length and `travel_mm`"));
             }
         }
         Ok(())
@@ -400,14 +397,11 @@ impl<'m> Profile<'m> {
                     continue;
                 }
                 if self.limits.refuse_outside {
-                    return Err(Refused {
-                        message: format!(
+                    return Err(Refused::new(format!(
                             "the path is at {} = {:.3} mm, outside the measured range {low} … {high} mm",
                             Axis::ALL[axis],
                             Figure(at)
-                        ),
-                        help: "measure there, or write `outside = \"hold\"` in [path]".to_string(),
-                    });
+                        )).help("measure there, or write `outside = \"hold\"` in [path]"));
                 }
                 self.note_outside(axis, at, stretch.line);
             }

@@ -1,6 +1,6 @@
 //! The extremes of a path against what is found by dense sampling.
 use super::*;
-use crate::inputs::nc::{Arc, Move, Place, Plane, Shape};
+use part_program::{Arc, Move, Place, Plane, Shape};
 use proptest::prelude::*;
 
 /// Three axes with nodes at 0, 10 … 40 and values from a list.

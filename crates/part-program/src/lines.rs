@@ -1,6 +1,6 @@
 //! The text of a program, line by line.
 
-use crate::text::problem::Problem;
+use crate::wrong::Refused;
 
 /// The bytes that some editors put before a text (UTF-8).
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -26,11 +26,11 @@ pub struct Mark {
 /// A program that is read line by line and can be taken up again at a place.
 pub trait Text {
     /// The next line; `None` at the end.
-    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem>;
+    fn next_line(&mut self) -> Result<Option<Line<'_>>, Refused>;
     /// Where the next line begins.
     fn mark(&self) -> Mark;
     /// Goes on at a mark.
-    fn go_to(&mut self, mark: Mark) -> Result<(), Problem>;
+    fn go_to(&mut self, mark: Mark) -> Result<(), Refused>;
 }
 
 /// The first line without the mark that some editors put before it.

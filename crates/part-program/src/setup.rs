@@ -5,58 +5,43 @@
 //!   machine = program + system (G54 …) + local (G52) + shift (G92) + tool length in Z (G43)
 //! ```
 
-use crate::inputs::nc::moves::Place;
-use crate::text::words::words;
+use crate::moves::Place;
 use std::collections::BTreeMap;
 
-words! {
-    /// How coordinates without a decimal point are meant.
-    pub enum WithoutPoint {
-        /// `X100` = 100 mm (or inches), "calculator type".
-        Unit = "unit",
-        /// `X100` = 100 least input increments: 0.001 mm, or 0.0001 in.
-        Increment = "increment",
-    }
+/// How coordinates without a decimal point are meant.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum WithoutPoint {
+    /// `X100` = 100 mm (or inches), "calculator type".
+    #[default]
+    Unit,
+    /// `X100` = 100 least input increments: 0.001 mm, or 0.0001 in.
+    Increment,
 }
 
-words! {
-    /// In which words a program is written.
-    #[derive(Default)]
-    pub enum Language {
-        /// Of Fanuc-like controls and LinuxCNC (ISO 6983).
-        #[default]
-        Iso = "iso",
-        /// Of SINUMERIK 840D and 828D.
-        Siemens = "siemens",
-    }
+/// In which words a program is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Language {
+    /// Of Fanuc-like controls and LinuxCNC (ISO 6983).
+    #[default]
+    Iso,
+    /// Of SINUMERIK 840D and 828D.
+    Siemens,
 }
 
-impl Language {
-    /// The coordinate system that is active at the start: G54, or G500.
-    fn first_system(self) -> u32 {
-        match self {
-            Language::Iso => 1,
-            Language::Siemens => 0,
-        }
-    }
-}
-
-words! {
-    /// Which tool offset G43 without H takes.
-    #[derive(Default)]
-    pub enum G43WithoutH {
-        /// Refused.
-        #[default]
-        Refuse = "refuse",
-        /// That of the last H.
-        LastH = "last-h",
-        /// The one with the number of the tool that the last M6 changed in.
-        Tool = "tool",
-    }
+/// Which tool offset G43 without H takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum G43WithoutH {
+    /// Refused.
+    #[default]
+    Refuse,
+    /// That of the last H.
+    LastH,
+    /// The one with the number of the tool that the last M6 changed in.
+    Tool,
 }
 
 /// What the control knows before the program starts.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Setup {
     /// In which words the program is written.
     pub language: Language,
@@ -88,27 +73,14 @@ pub struct Setup {
 impl Setup {
     /// A control whose axes stand at the reference, which knows no zero and no tool.
     pub fn at(reference: Place) -> Setup {
-        Setup {
-            language: Language::Iso,
-            start: reference,
-            reference,
-            second_reference: None,
-            systems: BTreeMap::new(),
-            tools: BTreeMap::new(),
-            tool_names: BTreeMap::new(),
-            inch: false,
-            without_point: WithoutPoint::Unit,
-            g43_without_h: G43WithoutH::Refuse,
-            arc_mm: None,
-            skip_deletable: false,
-        }
+        Setup { start: reference, reference, ..Setup::default() }
     }
 }
 
 /// The number of a coordinate system by its name, `G54` … `G59.3`, `G54.1 P7`.
 ///
 /// ```
-/// use nonius::inputs::nc::system_number;
+/// use part_program::system_number;
 /// assert_eq!(system_number("G55"), Some(2));
 /// assert_eq!(system_number("g59.2"), Some(8));
 /// assert_eq!(system_number("G54.1 P48"), Some(148));
@@ -154,13 +126,15 @@ const SIEMENS_SYSTEMS: std::ops::RangeInclusive<u32> = 505..=599;
 const MOST_EXTENDED: u32 = 300;
 
 /// Zeros and tool lengths while a program is executed.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Offsets {
-    systems: BTreeMap<u32, Place>,
-    tools: BTreeMap<u32, f64>,
+    /// Those of the job, and what G10 made of them.
+    pub(super) systems: BTreeMap<u32, Place>,
     pub(super) active: u32,
-    local: Place,
-    shift: Place,
+    /// G52, TRANS: the zero of the program within its system.
+    pub(super) local: Place,
+    /// G92.
+    pub(super) shift: Place,
     pub(super) tool: Option<f64>,
     /// What the tool length changed since Z was last positioned.
     pub(super) pending_z: f64,
@@ -175,22 +149,15 @@ impl Offsets {
     pub(super) fn new(setup: &Setup) -> Offsets {
         let mut offsets = Offsets {
             systems: setup.systems.clone(),
-            tools: setup.tools.clone(),
-            active: setup.language.first_system(),
-            local: [0.0; 3],
-            shift: [0.0; 3],
-            tool: None,
-            pending_z: 0.0,
-            zero: None,
-            moved: [false; 3],
-            base: None,
+            active: u32::from(setup.language == Language::Iso), // G54, or G500
+            ..Offsets::default()
         };
         offsets.update();
         offsets.moved = [false; 3];
         offsets
     }
 
-    fn update(&mut self) {
+    pub(super) fn update(&mut self) {
         let system = self.systems.get(&self.active);
         let zero: Option<Place> =
             system.map(|system| std::array::from_fn(|k| system[k] + self.local[k] + self.shift[k]));
@@ -207,11 +174,6 @@ impl Offsets {
         self.update();
     }
 
-    /// Whether the coordinate system is in the table (or was set by G10).
-    pub(super) fn knows(&self, system: u32) -> bool {
-        self.systems.contains_key(&system)
-    }
-
     /// G10 L2: sets words of a system; of one that is not known all three are needed.
     pub(super) fn set_system(&mut self, system: u32, words: [Option<f64>; 3], add: bool) -> bool {
         let known = self.systems.get(&system).copied();
@@ -219,58 +181,15 @@ impl Offsets {
         let Some(old) = known.or(complete.then_some([0.0; 3])) else {
             return false;
         };
-        let new = std::array::from_fn(|k| match words[k] {
-            Some(value) if add => old[k] + value,
-            Some(value) => value,
-            None => old[k],
-        });
+        let new = |k: usize| words[k].map_or(old[k], |mm| if add { old[k] + mm } else { mm });
+        let new = std::array::from_fn(new);
         self.systems.insert(system, new);
         self.update();
         true
     }
 
-    /// G52: the zero of the program within its system.
-    pub(super) fn set_local(&mut self, axis: usize, value: f64) {
-        self.local[axis] = value;
-        self.update();
-    }
-
-    /// ATRANS: moves it further.
-    pub(super) fn add_local(&mut self, axis: usize, value: f64) {
-        self.local[axis] += value;
-        self.update();
-    }
-
-    /// G92: the place `at` is called `value` from now on.
-    pub(super) fn call(&mut self, axis: usize, at: f64, value: f64) {
-        if let Some(base) = self.base {
-            self.shift[axis] += at - (base[axis] + value);
-            self.update();
-        }
-    }
-
-    /// G92.1.
-    pub(super) fn cancel_shift(&mut self) {
-        self.shift = [0.0; 3];
-        self.update();
-    }
-
-    /// G43 H: false if the length is not in the table.
-    pub(super) fn use_tool(&mut self, number: u32) -> bool {
-        // H0 is no length, on every control.
-        let length = if number == 0 { Some(0.0) } else { self.tools.get(&number).copied() };
-        if let Some(length) = length {
-            self.change_tool(Some(length));
-        }
-        length.is_some()
-    }
-
-    /// G49.
-    pub(super) fn no_tool(&mut self) {
-        self.change_tool(None);
-    }
-
-    fn change_tool(&mut self, length: Option<f64>) {
+    /// G43, G49: what the length is from now on.
+    pub(super) fn change_tool(&mut self, length: Option<f64>) {
         self.pending_z += length.unwrap_or(0.0) - self.tool.unwrap_or(0.0);
         self.tool = length;
         self.update();

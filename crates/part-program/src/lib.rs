@@ -1,7 +1,7 @@
 //! Part programs: the moves that a control makes of G-code, in machine coordinates.
 //!
 //! ```text
-//!   line ─→ scan: words with places ─→ block ─→ Interpreter: modal state ─→ Move, Move, …
+//!   line ─→ lexer: words with places ─→ block ─→ Interpreter: modal state ─→ Move, Move, …
 //!              ▲                                       │
 //!            Text (a line at a time) ←─ run: M98, M99 ─┘
 //! ```
@@ -11,28 +11,33 @@
 //! The language is that of Fanuc-like controls (ISO 6983); docs/path.md lists the words, and what
 //! a control may do differently.
 
+#![doc = include_str!("../README.md")]
+
 mod block;
 mod codes;
 mod expression;
 mod flow;
-mod grammar;
 mod interpreter;
-mod jumps;
+mod lexer;
 mod lines;
 mod moves;
 mod notes;
 mod run;
-pub mod scan;
 mod setup;
 mod siemens;
-mod variables;
 mod wrong;
 
-pub use self::moves::{Arc, Move, Place, Plane, Refused, Shape};
+pub use self::lexer::{Counts, NAME, Word, words};
+pub use self::moves::{Arc, Move, Place, Plane, Shape};
 pub(crate) use self::setup::{EXTENDED, system_name};
 pub use self::setup::{G43WithoutH, Language, Setup, WithoutPoint, system_number};
-#[cfg(test)]
-mod tests;
+pub use self::wrong::{Excerpt, Refused, Wrong};
+
+/// Millimetres of an inch.
+pub(crate) const MM_PER_INCH: f64 = 25.4;
 
 pub use self::lines::{Line, Mark, Text};
 pub use self::run::{Ran, run};
+
+#[cfg(test)]
+mod tests;

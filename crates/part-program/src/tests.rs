@@ -2,9 +2,6 @@
 mod language;
 
 use super::*;
-use crate::inputs::findings::PathFinding;
-use crate::text::plain::tests::texts_of;
-use crate::text::problem::{Problem, Problems};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
 
@@ -15,7 +12,7 @@ struct Lines<'a> {
 }
 
 impl Text for Lines<'_> {
-    fn next_line(&mut self) -> Result<Option<Line<'_>>, Problem> {
+    fn next_line(&mut self) -> Result<Option<Line<'_>>, Refused> {
         let start = usize::try_from(self.mark.bytes).expect("a short text");
         let rest = &self.text[start.min(self.text.len())..];
         if rest.is_empty() {
@@ -29,7 +26,7 @@ impl Text for Lines<'_> {
     fn mark(&self) -> Mark {
         self.mark
     }
-    fn go_to(&mut self, mark: Mark) -> Result<(), Problem> {
+    fn go_to(&mut self, mark: Mark) -> Result<(), Refused> {
         self.mark = mark;
         Ok(())
     }
@@ -56,10 +53,10 @@ fn control() -> Setup {
     }
 }
 
-fn run_with(setup: &Setup, program: &str) -> Result<(Vec<Move>, Ran), Problems> {
+fn run_with(setup: &Setup, program: &str) -> Result<(Vec<Move>, Ran), Vec<Refused>> {
     let mut moves = Vec::new();
     let mut text = Lines { text: program.as_bytes(), mark: Mark::default() };
-    let ran = run(&mut text, "p.nc", setup, |step| {
+    let ran = run(&mut text, setup, |step| {
         moves.push(*step);
         Ok(())
     })?;
@@ -79,9 +76,13 @@ fn ends(program: &str) -> Vec<String> {
     moves(program).iter().map(show).collect()
 }
 
+/// Line and column.
+fn place(refused: &Refused) -> Option<(usize, usize)> {
+    refused.place.as_ref().map(|place| (place.line, place.text[..place.span.0].chars().count() + 1))
+}
+
 fn refused(program: &str) -> Vec<(usize, usize)> {
     let problems = run_with(&control(), program).expect_err("it is refused");
-    let place = |problem: &Problem| problem.place.as_ref().map(|place| (place.line, place.column));
     problems.iter().filter_map(place).collect()
 }
 
@@ -226,7 +227,7 @@ fn depths_of_a_cycle_are_read_in_the_mode_of_the_block_that_drills() {
     let bottoms: Vec<f64> =
         steps.iter().filter(|step| step.hole.is_some()).map(|step| step.to[2]).collect();
     assert_eq!(bottoms, [-118.0, -120.0]);
-    assert!(ran.notes.iter().any(|note| note.kind() == Some(&PathFinding::OtherMode { line: 3 })));
+    assert!(ran.notes.iter().any(|note| note.contains("inside a cycle in line 3")));
 }
 
 #[test]
@@ -236,8 +237,7 @@ fn a_chip_breaking_cycle_is_fed_once() {
 
 fn notes(setup: &Setup, program: &str) -> String {
     let (_, ran) = run_with(setup, program).expect("a program");
-    let notes: Vec<String> = ran.notes.iter().map(ToString::to_string).collect();
-    notes.join("\n")
+    ran.notes.join("\n")
 }
 
 #[test]
@@ -304,7 +304,7 @@ fn turning_programs_are_refused_with_one_message() {
 fn centres_that_fit_as_absolute_ones_are_told() {
     let problems =
         run_with(&control(), "G1 X10. Y5.\nG3 X0 Y15. I0 J5.").expect_err("it is refused");
-    let help = problems.iter().next().and_then(|p| p.help.clone());
+    let help = problems.first().and_then(|p| p.help.clone());
     assert!(help.is_some_and(|help| help.contains("G90.1")));
 }
 
@@ -360,8 +360,6 @@ fn coordinates_without_a_point_are_told() {
     let (steps, ran) = run_with(&increments, "G1 X100\nY1.").expect("a program");
     assert!(near(steps[1].to, [0.1, 1.0, 0.0]));
     assert!(
-        ran.notes[0]
-            .to_string()
-            .starts_with("coordinates without a decimal point: 1, the first in line 1; ")
+        ran.notes[0].starts_with("coordinates without a decimal point: 1, the first in line 1; ")
     );
 }

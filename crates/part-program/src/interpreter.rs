@@ -1,61 +1,42 @@
 //! The modal state of a control, and what one block makes of it.
 
-mod drilling;
 mod functions;
 mod motion;
 mod tools;
 
-use crate::inputs::nc::block::{Block, CALL, CodeWord, Span};
-use crate::inputs::nc::codes::{
-    Code, Cycle, Drill, GROUPS, Level, Motion, Once, code, is_call, siemens_code, why_not,
-};
-use crate::inputs::nc::scan::Wrong;
-use crate::inputs::nc::setup::Offsets;
-use crate::inputs::nc::{EXTENDED, Language, Move, Place, Plane, Setup};
-use crate::quantity::units::MM_PER_INCH;
+use crate::MM_PER_INCH;
+use crate::block::{Block, CALL, CodeWord};
+use crate::codes::{Code, Cycle, Drill, GROUPS, Motion, code, why_not};
+use crate::flow::Flow;
+use crate::setup::Offsets;
+use crate::wrong::{Span, Wrong, refuse};
+use crate::{EXTENDED, Language, Move, Place, Plane, Setup, system_name};
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) const AXES: [u8; 3] = *b"XYZ";
 /// G50: with S or a coordinate that of turning.
 const SPINDLE_LIMIT: u16 = 500;
+/// M words that call programs or move axes on their own.
+const CALLS: [u16; 6] = [960, 970, 1960, 1970, 1980, 1990];
 /// M17 of Siemens.
 const SUB_END: u16 = 170;
-
-/// What comes after a block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Flow {
-    Next,
-    Call { program: u32, times: u32 },
-    Return,
-    End,
-}
 
 /// What was ignored or understood in a way that a person should know.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Tally {
-    /// M words without motion, with how often they stand.
-    pub(super) m: BTreeMap<u16, u64>,
+    /// M words without motion, with how often they stand and the letters beside them.
+    pub(super) m: BTreeMap<u16, (u64, BTreeSet<char>)>,
     /// Coordinates without a decimal point, and the first line with one.
     pub(super) without_point: u64,
     pub(super) first_without_point: usize,
     pub(super) holes: u64,
     /// G5, G5.1, G8.
     pub(super) look_ahead: u64,
-    /// Letters that stood beside M words.
-    pub(super) m_letters: BTreeMap<u16, BTreeSet<char>>,
     /// Largest P or Q of G64 in mm, and its line.
     pub(super) blend: Option<(f64, usize)>,
     pub(super) rough_arcs: Option<RoughArcs>,
     /// First line that drills in another mode (G90, G91) than R and Z were written in.
     pub(super) other_mode: Option<usize>,
-}
-
-impl Tally {
-    /// The letters that stood beside an M word.
-    pub(super) fn with_words(&self, m: u16) -> String {
-        let letters = self.m_letters.get(&m).into_iter().flatten();
-        letters.map(|letter| format!(" {letter}")).collect()
-    }
 }
 
 /// Arcs whose end misses the circle by more than usual.
@@ -67,42 +48,25 @@ pub(super) struct RoughArcs {
     pub(super) allowed_mm: f64,
 }
 
-/// Where the axis words of a block count from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reach {
-    /// The program's zero.
-    Program,
-    /// G53: the machine's.
-    Machine,
-    /// The program's, on the way to a reference point (G28, G30).
-    Home,
-}
-
 /// Words of a block beside the axes.
 #[derive(Clone, Copy, Default)]
 struct Asked {
     motion: Option<Motion>,
     end_cycle: Option<CodeWord>,
     machine: Option<Span>,
-    once: Option<(Once, CodeWord)>,
+    once: Option<CodeWord>,
     system: Option<(Option<u32>, Span)>,
     tool: Option<(bool, Span)>,
     blend: bool,
     returns: bool,
 }
 
-impl Asked {
-    /// The motion word of the block; G80 ends a cycle.
-    fn motion(self) -> Option<Motion> {
-        self.motion.or(self.end_cycle.map(|_| Motion::Ended))
-    }
-}
-
 /// A control while it executes a program.
-pub(super) struct Interpreter<'s> {
-    setup: &'s Setup,
-    /// The moves of the block, each with the place of its words.
-    pub(super) moves: Vec<(Move, Span)>,
+#[derive(Default)]
+pub(super) struct Interpreter {
+    pub(super) setup: Setup,
+    /// The moves of the block.
+    pub(super) moves: Vec<Move>,
     /// The first axis word of the block, or its centre.
     pub(super) span: Span,
     pub(super) at: Place,
@@ -110,11 +74,17 @@ pub(super) struct Interpreter<'s> {
     /// G17, G18 or G19 stood in the program.
     has_plane: bool,
     pub(super) incremental: bool,
-    pub(super) level: Level,
+    /// G99: a cycle ends at R, else (G98) at the initial level.
+    pub(super) retracts: bool,
     pub(super) offsets: Offsets,
-    pub(super) cycle: Option<Cycle>,
+    /// Of the cycle that is active, or begins next.
+    pub(super) cycle: Cycle,
     pub(super) tally: Tally,
     pub(super) line: usize,
+    /// G53: the block counts from the machine's zero.
+    in_machine: bool,
+    /// Holes that were drilled before the block.
+    pub(super) holes_before: u64,
     motion: Option<Motion>,
     inch: bool,
     absolute_centre: bool,
@@ -134,37 +104,20 @@ pub(super) struct Interpreter<'s> {
     is_lost: bool,
 }
 
-impl<'s> Interpreter<'s> {
-    pub(super) fn new(setup: &'s Setup) -> Interpreter<'s> {
+impl Interpreter {
+    pub(super) fn new(setup: &Setup) -> Interpreter {
         Interpreter {
-            setup,
-            moves: Vec::new(),
-            span: (0, 1),
             at: setup.start,
-            plane: Plane::Xy,
-            has_plane: false,
-            incremental: false,
-            level: Level::Initial,
-            offsets: Offsets::new(setup),
-            cycle: None,
-            tally: Tally::default(),
-            line: 0,
-            motion: None,
             inch: setup.inch,
-            absolute_centre: false,
-            tool_number: None,
-            called_tool: None,
-            spindle_tool: None,
-            turning: None,
-            modal_drill: None,
-            hole: None,
-            is_lost: false,
+            offsets: Offsets::new(setup),
+            setup: setup.clone(),
+            ..Interpreter::default()
         }
     }
 
     /// Executes a block; what is wrong goes into its list.
     pub(super) fn block(&mut self, block: &mut Block, line: usize) -> Flow {
-        self.line = line;
+        (self.line, self.holes_before) = (line, self.tally.holes);
         self.span = first_span(block);
         let asked = if block.g.is_empty() { Asked::default() } else { self.modes(block) };
         self.change_tool(block);
@@ -177,45 +130,41 @@ impl<'s> Interpreter<'s> {
         let done = self.select(block, asked);
         let done = done.and_then(|()| self.moved(block, asked));
         let done = done.and_then(|()| self.drills(block, asked.once.is_none()));
-        match done.and(self.programs(block)) {
-            Ok(flow) => {
-                let flow = if asked.returns { Flow::Return } else { flow };
-                if !block.nothing_unused() && block.wrong.is_empty() {
-                    refuse_unused(block, self.motion);
-                }
-                flow
+        let flow = done.and(self.programs(block));
+        if block.wrong.is_empty() {
+            match &flow {
+                Ok(_) => refuse_unused(block, self.motion),
+                Err(wrong) => block.wrong.push(wrong.clone()), // else it may follow from what is wrong already
             }
-            Err(wrong) => {
-                if block.wrong.is_empty() {
-                    block.wrong.push(wrong); // else it may follow from what is wrong already
-                }
-                Flow::Next
-            }
+        }
+        match flow {
+            Ok(_) if asked.returns => Flow::Return,
+            flow => flow.unwrap_or(Flow::Next),
         }
     }
 
     fn moved(&mut self, block: &mut Block, asked: Asked) -> Result<(), Wrong> {
+        self.in_machine = asked.machine.is_some();
         if let Some(span) = asked.machine {
-            let motion = asked.motion().or(self.motion);
+            let ended = asked.end_cycle.map(|_| Motion::Ended);
+            let motion = asked.motion.or(ended).or(self.motion);
             let is_straight = matches!(motion, Some(Motion::Rapid | Motion::Straight));
             let fits = is_straight && !self.incremental && asked.once.is_none();
             if !fits || !block.has_any(&AXES) {
-                return Err(Wrong::new(
+                let help = "write it in a block of its own, e.g. `G90 G53 G0 Z0`";
+                return refuse(
                     span,
                     "`G53` is executed with G90, G0 or G1, and an axis only",
-                    "write it in a block of its own, e.g. `G90 G53 G0 Z0`",
-                ));
+                    help,
+                );
             }
         }
-        if let Some(motion) = asked.end_cycle.map(|_| Motion::Ended) {
-            self.set_motion(motion);
-        }
-        if let Some(motion) = asked.motion {
+        for motion in asked.end_cycle.map(|_| Motion::Ended).into_iter().chain(asked.motion) {
             self.set_motion(motion);
         }
         match asked.once {
-            Some((once, word)) => self.once(block, once, word),
-            None => self.motion(block, asked.machine.is_some()),
+            Some(word) => self.once(block, word),
+            None => self.motion(block),
         }
     }
 
@@ -225,40 +174,30 @@ impl<'s> Interpreter<'s> {
         let mut groups: [Option<CodeWord>; GROUPS] = [None; GROUPS];
         for index in 0..block.g.len() {
             let word = block.g[index];
-            let code = match self.setup.language {
-                Language::Iso => code,
-                Language::Siemens => siemens_code,
-            };
-            let Some((group, code)) = code(word.tenths) else {
-                let message = format!("`{}` is not executed", word.name('G'));
-                block.wrong.push(Wrong::new(word.span, message, why_not(word.tenths)));
+            let Some((group, code)) = code(word.tenths, self.setup.language) else {
+                let what = format!("`{}` is not executed", word.name('G'));
+                block.wrong.push(Wrong::new(word.span, what, why_not(word.tenths)));
                 continue;
             };
             let group = &mut groups[group];
             if let Some(other) = group.filter(|other| other.tenths != word.tenths) {
-                let message = format!(
+                let what = format!(
                     "`{}` and `{}` stand in one block, but exclude each other",
                     other.name('G'),
                     word.name('G')
                 );
-                block.wrong.push(Wrong::new(
-                    word.span,
-                    message,
-                    "keep one of them, or split the block",
-                ));
+                let help = "keep one of them, or split the block";
+                block.wrong.push(Wrong::new(word.span, what, help));
             }
             *group = Some(word);
             if word.tenths == SPINDLE_LIMIT && block.has_any(b"SXZUW") {
-                self.turning = Some(turning(word.span, "`G50` with S or a coordinate"));
+                self.turns(word.span, "`G50` with S or a coordinate");
             }
             self.mode(code, word, &mut asked);
         }
         if let (Some(end), Some(Motion::Cycle(_))) = (asked.end_cycle, asked.motion) {
-            block.wrong.push(Wrong::new(
-                end.span,
-                "`G80` ends a cycle that the same block begins",
-                "split the block",
-            ));
+            let what = "`G80` ends a cycle that the same block begins";
+            block.wrong.push(Wrong::new(end.span, what, "split the block"));
         }
         asked
     }
@@ -267,37 +206,38 @@ impl<'s> Interpreter<'s> {
         match code {
             Code::Motion(motion) => asked.motion = Some(motion),
             Code::EndCycle => asked.end_cycle = Some(word),
-            Code::Plane(plane) => {
-                self.plane = plane;
-                self.has_plane = true;
-            }
+            Code::Plane(plane) => (self.plane, self.has_plane) = (plane, true),
             Code::Inch(inch) => self.inch = inch,
             Code::Incremental(incremental) => self.incremental = incremental,
             Code::AbsoluteCentre(absolute) => self.absolute_centre = absolute,
-            Code::Level(level) => self.level = level,
+            Code::Retract(retracts) => self.retracts = retracts,
             Code::System(system) => asked.system = Some((system, word.span)),
             Code::ToolLength(on) => asked.tool = Some((on, word.span)),
-            Code::Once(once) => asked.once = Some((once, word)),
+            Code::Once => asked.once = Some(word),
             Code::MachineCoordinates => asked.machine = Some(word.span),
             Code::Blend => asked.blend = true,
-            Code::Turning => {
-                self.turning = Some(turning(word.span, "`G96` (constant cutting speed)"))
-            }
+            Code::Turning => self.turns(word.span, "`G96` (constant cutting speed)"),
             Code::Return => asked.returns = true,
             Code::Harmless => {}
         }
+    }
+
+    /// What shows that the program is one for turning.
+    fn turns(&mut self, span: Span, what: &str) {
+        let what = format!(
+            "{what} stands in turning programs, in which X is a diameter: `path` follows milling programs of X, Y and Z"
+        );
+        let help = "take a milling program; if this is one, remove the word: the path of the milling tool does not depend on it";
+        self.turning = Some(Wrong::new(span, what, help));
     }
 
     /// G64 P… Q…: how far the control may leave the path, in the program's unit.
     fn blend(&mut self, block: &mut Block) {
         let unit = if self.inch { MM_PER_INCH } else { 1.0 };
         for value in [block.value(b'P'), block.value(b'Q'), block.adis.take()] {
-            let Some(mm) = value.map(|value| value * unit) else {
-                continue;
-            };
-            if self.tally.blend.is_none_or(|(most, _)| mm > most) {
-                self.tally.blend = Some((mm, self.line));
-            }
+            let mm = value.map(|value| value * unit);
+            let mm = mm.filter(|mm| self.tally.blend.is_none_or(|(most, _)| *mm > most));
+            self.tally.blend = mm.map(|mm| (mm, self.line)).or(self.tally.blend);
         }
     }
 
@@ -308,7 +248,7 @@ impl<'s> Interpreter<'s> {
                 Some(number) => number,
                 None => EXTENDED + named(block, b'P', span, "G54.1")?,
             };
-            if !self.offsets.knows(number) {
+            if !self.offsets.systems.contains_key(&number) {
                 return Err(self.lose(span, number));
             }
             self.offsets.select(number);
@@ -318,13 +258,11 @@ impl<'s> Interpreter<'s> {
         }
         let number = block.whole(b'H')?;
         self.tool_number = number.or(self.tool_number);
-        match (asked.tool, number) {
-            (Some((false, _)), _) => self.offsets.no_tool(),
-            (Some((true, span)), None) => self.use_tool(span, None)?,
-            (Some((true, _)), Some(_)) => self.use_tool(block.span(b'H'), number)?,
-            (None, Some(_)) if self.offsets.tool.is_some() => {
-                self.use_tool(block.span(b'H'), number)?;
-            }
+        let span = number.map(|_| block.span(b'H'));
+        match (asked.tool, span) {
+            (Some((false, _)), _) => self.offsets.change_tool(None),
+            (Some((true, own)), span) => self.use_tool(span.unwrap_or(own), number)?,
+            (None, Some(span)) if self.offsets.tool.is_some() => self.use_tool(span, number)?,
             _ => {}
         }
         Ok(())
@@ -332,41 +270,33 @@ impl<'s> Interpreter<'s> {
 
     /// An M word without motion; P, Q and L that nothing else took are its own (M19 P90).
     fn tally_m(&mut self, block: &mut Block, m: u16) {
-        *self.tally.m.entry(m).or_default() += 1;
-        if block.m_word(CALL).is_some() {
-            return; // P and L are those of the call
-        }
-        for letter in *b"PQL" {
-            if block.takes(letter) {
-                let letters = self.tally.m_letters.entry(m).or_default();
-                letters.insert(char::from(letter));
-            }
+        let (count, letters) = self.tally.m.entry(m).or_default();
+        *count += 1;
+        if block.m_word(CALL).is_none() {
+            // else P and L are those of the call
+            letters.extend(b"PQL".iter().filter(|l| block.takes(**l)).map(|l| char::from(*l)));
         }
     }
 
     /// M words: calls, ends, and those without effect on the path.
     fn programs(&mut self, block: &mut Block) -> Result<Flow, Wrong> {
         let mut flow = Flow::Next;
+        let is_siemens = self.setup.language == Language::Siemens;
         for index in 0..block.m.len() {
             let word = block.m[index];
+            let refused = |of: &str, help: &str| {
+                refuse(word.span, format!("`{}` is not executed{of}", word.name('M')), help)
+            };
             let next = match word.tenths {
                 20 | 300 => Flow::End,
-                SUB_END if self.setup.language == Language::Siemens => Flow::Return,
-                CALL | 990 if self.setup.language == Language::Siemens => {
-                    return Err(Wrong::new(
-                        word.span,
-                        format!("`{}` is not executed in Siemens programs", word.name('M')),
-                        "M17 and RET end a subprogram",
-                    ));
+                SUB_END if is_siemens => Flow::Return,
+                CALL | 990 if is_siemens => {
+                    return refused(" in Siemens programs", "M17 and RET end a subprogram");
                 }
                 CALL => call(block, word.span)?,
                 990 => Flow::Return,
-                tenths if is_call(tenths) || tenths % 10 != 0 => {
-                    return Err(Wrong::new(
-                        word.span,
-                        format!("`{}` is not executed", word.name('M')),
-                        "M98 and M99 call and end subprograms of the same file",
-                    ));
+                tenths if CALLS.contains(&tenths) || tenths % 10 != 0 => {
+                    return refused("", "M98 and M99 call and end subprograms of the same file");
                 }
                 tenths => {
                     self.tally_m(block, tenths / 10);
@@ -374,11 +304,7 @@ impl<'s> Interpreter<'s> {
                 }
             };
             if flow != Flow::Next {
-                return Err(Wrong::new(
-                    word.span,
-                    "two M words end or call a program",
-                    "keep one of them",
-                ));
+                return refuse(word.span, "two M words end or call a program", "keep one of them");
             }
             flow = next;
         }
@@ -386,47 +312,31 @@ impl<'s> Interpreter<'s> {
     }
 }
 
-/// What shows that a program is one for turning.
-fn turning(span: Span, what: &str) -> Wrong {
-    Wrong::new(
-        span,
-        format!(
-            "{what} stands in turning programs, in which X is a diameter: `path` follows milling programs of X, Y and Z"
-        ),
-        "take a milling program; if this is one, remove the word: the path of the milling tool does not depend on it",
-    )
-}
-
 /// M98 P… L…; without L the digits before the last four of P are the number of calls.
 fn call(block: &mut Block, span: Span) -> Result<Flow, Wrong> {
     let number = named(block, b'P', span, "M98")?;
     Ok(match block.whole(b'L')? {
-        Some(times) => Flow::Call { program: number, times },
-        None if number > 9999 => Flow::Call { program: number % 10_000, times: number / 10_000 },
-        None => Flow::Call { program: number, times: 1 },
+        Some(times) => Flow::Call(number, times),
+        None if number > 9999 => Flow::Call(number % 10_000, number / 10_000),
+        None => Flow::Call(number, 1),
     })
 }
 
 /// A whole number that a word needs.
 fn named(block: &mut Block, letter: u8, span: Span, word: &str) -> Result<u32, Wrong> {
-    let letter_shown = char::from(letter);
-    block.whole(letter)?.ok_or_else(|| {
-        Wrong::new(
-            span,
-            format!("`{word}` needs `{letter_shown}`"),
-            format!("write `{letter_shown}` with its number in the same block"),
-        )
-    })
+    let number = block.whole(letter)?;
+    let letter = char::from(letter);
+    let help = || format!("write `{letter}` with its number in the same block");
+    number.ok_or_else(|| Wrong::new(span, format!("`{word}` needs `{letter}`"), help()))
 }
 
-fn unknown_system(span: Span, name: &str) -> Wrong {
-    Wrong::new(
-        span,
-        format!("the zero of {name} in machine coordinates is not known"),
-        format!(
-            "add `[[path.offset]]` with `system = \"{name}\"`, `x_mm`, `y_mm`, `z_mm` to the job (zeros, if the program is in machine coordinates)"
-        ),
-    )
+fn unknown_system(span: Span, system: u32) -> Wrong {
+    let name = system_name(system);
+    let what = format!("the zero of {name} in machine coordinates is not known");
+    let help = format!(
+        "add `[[path.offset]]` with `system = \"{name}\"`, `x_mm`, `y_mm`, `z_mm` to the job (zeros, if the program is in machine coordinates)"
+    );
+    Wrong::new(span, what, help)
 }
 
 /// The first axis word of a block, or its centre.
@@ -438,9 +348,9 @@ fn first_span(block: &Block) -> Span {
 
 /// Words that nothing in the block takes.
 fn refuse_unused(block: &mut Block, motion: Option<Motion>) {
-    let unused: Vec<(char, Span)> = block.unused().collect();
-    for (letter, span) in unused {
-        let (message, help) = match letter {
+    for word in block.unused() {
+        let letter = char::from(word.letter);
+        let (what, help) = match letter {
             'A' | 'B' | 'C' | 'U' | 'V' | 'W' | 'E' => (
                 format!("axis `{letter}` is not executed: the model has X, Y and Z"),
                 "let the CAM system write a program of three axes",
@@ -449,7 +359,7 @@ fn refuse_unused(block: &mut Block, motion: Option<Motion>) {
                 "`O` begins a program before the one above ended".to_string(),
                 "end a program with M30, a subprogram with M99",
             ),
-            'I' | 'J' | 'K' | 'R' if !matches!(motion, Some(Motion::Arc { .. })) => (
+            'I' | 'J' | 'K' | 'R' if !matches!(motion, Some(Motion::Arc(_))) => (
                 format!("`{letter}` without an arc or a cycle"),
                 "write G2 or G3, or remove the word",
             ),
@@ -458,6 +368,6 @@ fn refuse_unused(block: &mut Block, motion: Option<Motion>) {
                 "remove it, or write the word that it belongs to",
             ),
         };
-        block.wrong.push(Wrong::new(span, message, help));
+        block.wrong.push(Wrong::new(word.span, what, help));
     }
 }

@@ -1,49 +1,23 @@
 //! The G and M words that are known, the groups of which a block takes one, and what a cycle remembers.
 
-use crate::inputs::nc::Plane;
+use crate::{Language, Plane};
 
 /// What a modal motion word asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Motion {
+pub(crate) enum Motion {
     Rapid,
     Straight,
     /// G2 (true) or G3.
-    Arc {
-        clockwise: bool,
-    },
+    Arc(bool),
     /// G73, G81 … G89 by its number.
     Cycle(u16),
     /// None: G80 ended it.
     Ended,
 }
 
-/// Where a canned cycle ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Level {
-    /// G98.
-    Initial,
-    /// G99.
-    Retract,
-}
-
-/// A word that takes the axis words of its block for itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Once {
-    Dwell,
-    SetOffset,
-    Reference,
-    SecondReference,
-    Local,
-    /// TRANS, and ATRANS (true).
-    Translate(bool),
-    Shift,
-    CancelShift,
-    LookAhead,
-}
-
 /// What a G word does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Code {
+pub(crate) enum Code {
     Motion(Motion),
     /// G80.
     EndCycle,
@@ -54,8 +28,10 @@ pub(super) enum Code {
     /// Number of a coordinate system; `None` = the one that P names.
     System(Option<u32>),
     ToolLength(bool),
-    Level(Level),
-    Once(Once),
+    /// G99, G98: a cycle ends at R, or at the initial level.
+    Retract(bool),
+    /// A word that takes the axis words of its block for itself (G4, G10, G28, G52, G92, TRANS, look-ahead).
+    Once,
     MachineCoordinates,
     /// G64: P and Q say how far the control may leave the path.
     Blend,
@@ -68,13 +44,16 @@ pub(super) enum Code {
 }
 
 /// The group of a G word by its number in tenths, of which a block takes one word, and what it does.
-pub(super) fn code(tenths: u16) -> Option<(usize, Code)> {
+pub(crate) fn code(tenths: u16, language: Language) -> Option<(usize, Code)> {
+    if language == Language::Siemens {
+        return siemens_code(tenths);
+    }
     let number = u32::from(tenths);
     Some(match tenths {
         0 => (0, Code::Motion(Motion::Rapid)),
         10 => (0, Code::Motion(Motion::Straight)),
-        20 => (0, Code::Motion(Motion::Arc { clockwise: true })),
-        30 => (0, Code::Motion(Motion::Arc { clockwise: false })),
+        20 => (0, Code::Motion(Motion::Arc(true))),
+        30 => (0, Code::Motion(Motion::Arc(false))),
         730 | 810 | 820 | 830 | 840 | 850 | 860 | 880 | 890 => {
             (0, Code::Motion(Motion::Cycle(tenths / 10)))
         }
@@ -88,16 +67,8 @@ pub(super) fn code(tenths: u16) -> Option<(usize, Code)> {
         541 => (5, Code::System(None)),
         591..=593 => (5, Code::System(Some(number - 591 + 7))),
         430 | 490 => (6, Code::ToolLength(tenths == 430)),
-        980 => (7, Code::Level(Level::Initial)),
-        990 => (7, Code::Level(Level::Retract)),
-        40 => (8, Code::Once(Once::Dwell)),
-        50 | 51 | 80 => (8, Code::Once(Once::LookAhead)),
-        100 => (8, Code::Once(Once::SetOffset)),
-        280 => (8, Code::Once(Once::Reference)),
-        300 => (8, Code::Once(Once::SecondReference)),
-        520 => (8, Code::Once(Once::Local)),
-        920 => (8, Code::Once(Once::Shift)),
-        921 => (8, Code::Once(Once::CancelShift)),
+        980 | 990 => (7, Code::Retract(tenths == 990)),
+        40 | 50 | 51 | 80 | 100 | 280 | 300 | 520 | 920 | 921 => (8, Code::Once),
         530 => (9, Code::MachineCoordinates),
         800 => (10, Code::EndCycle),
         90 => (11, Code::Harmless),  // exact stop in this block
@@ -114,12 +85,14 @@ pub(super) fn code(tenths: u16) -> Option<(usize, Code)> {
 }
 
 /// Numbers of words with names begin here.
-pub(super) const NAMED_FROM: u16 = 10_000;
+pub(crate) const NAMED_FROM: u16 = 10_000;
+pub(crate) const TRANS: u16 = NAMED_FROM;
+pub(crate) const ATRANS: u16 = NAMED_FROM + 1;
 
 /// The words of Siemens that have names, with their groups.
 const NAMED: [(&str, usize, Code); 18] = [
-    ("TRANS", 8, Code::Once(Once::Translate(false))),
-    ("ATRANS", 8, Code::Once(Once::Translate(true))),
+    ("TRANS", 8, Code::Once),
+    ("ATRANS", 8, Code::Once),
     ("SUPA", 9, Code::MachineCoordinates),
     ("RET", 18, Code::Return),
     ("STOPRE", 19, Code::Harmless), // no blocks are prepared in advance
@@ -139,9 +112,9 @@ const NAMED: [(&str, usize, Code); 18] = [
 ];
 
 /// The number of a word with a name.
-pub(super) fn named_word(name: &str) -> Option<u16> {
+pub(crate) fn named_word(name: &str) -> Option<u16> {
     let index = NAMED.iter().position(|(known, ..)| *known == name)?;
-    u16::try_from(index).ok()
+    u16::try_from(index).ok().map(|index| NAMED_FROM + index)
 }
 
 fn named(tenths: u16) -> Option<&'static (&'static str, usize, Code)> {
@@ -149,23 +122,25 @@ fn named(tenths: u16) -> Option<&'static (&'static str, usize, Code)> {
 }
 
 /// The name of a word by its number.
-pub(super) fn name_of(tenths: u16) -> Option<&'static str> {
+pub(crate) fn name_of(tenths: u16) -> Option<&'static str> {
     named(tenths).map(|(name, ..)| *name)
 }
 
 /// Drilling cycles of Siemens, with the number of arguments that are executed:
 /// RTP, RFP, SDIS, DP, DPR, then DTB, then FDEP, FDPR, DAM, DTB, DTS, FRF, VARI.
-pub(super) const SIEMENS_CYCLES: [(&str, u16, usize); 3] =
+pub(crate) const SIEMENS_CYCLES: [(&str, u16, usize); 3] =
     [("CYCLE81", 81, 5), ("CYCLE82", 82, 6), ("CYCLE83", 83, 12)];
 
 /// The same as [`code`] in the language of Siemens.
-pub(super) fn siemens_code(tenths: u16) -> Option<(usize, Code)> {
+fn siemens_code(tenths: u16) -> Option<(usize, Code)> {
     if let Some((_, group, code)) = named(tenths) {
         return Some((*group, *code));
     }
     let number = u32::from(tenths / 10);
     Some(match tenths {
-        0..=30 | 170 | 180 | 190 | 900 | 910 | 40 | 90 | 400 | 940 | 950 | 970 => code(tenths)?,
+        0..=30 | 170 | 180 | 190 | 900 | 910 | 40 | 90 | 400 | 940 | 950 | 970 => {
+            code(tenths, Language::Iso)?
+        }
         700 | 7000 => (2, Code::Inch(true)),
         710 | 7100 => (2, Code::Inch(false)),
         540 | 550 | 560 | 570 => (5, Code::System(Some(number - 53))),
@@ -183,10 +158,10 @@ pub(super) fn siemens_code(tenths: u16) -> Option<(usize, Code)> {
 }
 
 /// More than there are groups.
-pub(super) const GROUPS: usize = 29;
+pub(crate) const GROUPS: usize = 29;
 
 /// The next step for a G word that is not executed.
-pub(super) fn why_not(tenths: u16) -> &'static str {
+pub(crate) fn why_not(tenths: u16) -> &'static str {
     match tenths {
         410 | 420 => {
             "cutter radius compensation moves the path by the radius: let the CAM system write the path of the tool's centre"
@@ -206,40 +181,20 @@ pub(super) fn why_not(tenths: u16) -> &'static str {
     }
 }
 
-/// M words that call programs or move axes on their own.
-pub(super) fn is_call(tenths: u16) -> bool {
-    matches!(tenths, 960 | 970 | 1960 | 1970 | 1980 | 1990)
-}
-
 /// Modal values of a cycle. Its depths are kept as they are written: a change of zero or length
 /// inside the cycle moves them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Cycle {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Cycle {
     /// Where the tool stood along the third axis when the cycle was called, machine coordinate, mm.
-    pub(super) initial: f64,
+    pub(crate) initial: f64,
     /// The program's zero there at that time.
-    pub(super) zero: Option<f64>,
-    pub(super) retract: Option<Depth>,
-    pub(super) bottom: Option<Depth>,
+    pub(crate) zero: Option<f64>,
+    pub(crate) retract: Option<Depth>,
+    pub(crate) bottom: Option<Depth>,
 }
 
-impl Cycle {
-    pub(super) fn new(initial: f64, zero: Option<f64>) -> Cycle {
-        Cycle { initial, zero, retract: None, bottom: None }
-    }
-}
+/// A cycle with its levels, mm from the program's zero: RTP, RFP + SDIS, bottom.
+pub(crate) type Drill = (u16, [f64; 3]);
 
-/// A cycle with its levels, mm from the program's zero.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Drill {
-    pub(super) number: u16,
-    /// RTP, RFP + SDIS, bottom.
-    pub(super) levels: [f64; 3],
-}
-
-/// A depth as it is written, and the mode of that block.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Depth {
-    pub(super) mm: f64,
-    pub(super) incremental: bool,
-}
+/// A depth as it is written, mm, and whether that block was incremental.
+pub(crate) type Depth = (f64, bool);
