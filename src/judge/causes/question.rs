@@ -1,6 +1,7 @@
 //! What is known when a cause is asked for.
 
-use crate::judge::after::{Control, Observation, Part, before_um};
+use crate::judge::after::{Observation, Part, before_um};
+use crate::judge::field::Field;
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::Diagonal;
@@ -73,7 +74,7 @@ pub struct Question<'a> {
     /// The same readings with one slip of their records taken back; empty = none is tried.
     pub corrected: &'a [Corrected],
     /// What the loaded tables add.
-    pub control: &'a Control,
+    pub control: &'a Field,
     /// The values of the second measurement.
     pub seen: &'a [Observation],
     /// Direction of the reference return of each axis.
