@@ -19,23 +19,23 @@ pub(crate) use self::doubts::unseen_reversal;
 pub(crate) use self::ground::{ensure_same_machine, not_known, outside, same_slopes};
 pub use self::measurement::{AfterMeasurement, StraightRuns};
 pub(crate) use self::observation::observations;
-pub use self::observation::{Control, Observation, Part, before_um};
+pub use self::observation::{Observation, Part, before_um};
 
 use self::ground::ensure_common_ground;
 use crate::inputs::error_table::{Cause, Silence, Sizes};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Sigma;
+use crate::judge::field::Field;
 use crate::judge::findings::AsLeft;
 use crate::judge::forecast::{
     Basis, DiagonalForecast, Forecast, Machine, forecast, judged_ranges, range_of,
 };
 use crate::machine::model::ErrorModel;
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::smaller;
-use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
 use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::Problems;
 use crate::write::plan::Plan;
 
 /// What stands on one line of the page; `None` = not measured, or no forecast.
@@ -83,29 +83,13 @@ impl Comparison {
     }
 }
 
-/// No table at all: what is left is what was measured.
-pub(crate) struct Bare;
-
-impl Emulator for Bare {
-    fn connected_axes(&self) -> Vec<(String, String)> {
-        Vec::new()
-    }
-
-    fn response(&self, _: &str, _: &str, _: Direction) -> Emulated<Response> {
-        Ok(Response::default())
-    }
-}
-
 /// The figures of a measurement by itself, as if no table were loaded.
-pub(crate) fn alone(model: &ErrorModel, job: &Job) -> Result<Forecast, Problems> {
-    let letter = |axis: Axis| vec![axis.to_string()];
-    let no_tables = Plan { names: PerAxis::from_fn(letter), ..Plan::default() };
-    bare(model, &no_tables, job)
+pub(crate) fn alone(model: &ErrorModel, job: &Job) -> Forecast {
+    bare(model, &Plan::default(), job)
 }
 
-fn bare(model: &ErrorModel, plan: &Plan, job: &Job) -> Result<Forecast, Problems> {
-    let ranges = judged_ranges(job, model);
-    forecast(Machine::alone(model), plan, &Bare, &ranges).map_err(not_evaluated)
+fn bare(model: &ErrorModel, plan: &Plan, job: &Job) -> Forecast {
+    forecast(Machine::alone(model), plan, &Field::default(), &judged_ranges(job, model))
 }
 
 /// Puts the three beside each other; `control` = what the bytes of the tables make of the
@@ -113,16 +97,16 @@ fn bare(model: &ErrorModel, plan: &Plan, job: &Job) -> Result<Forecast, Problems
 pub fn compare(
     machine: Machine<'_>,
     plan: &Plan,
-    control: Option<&Control>,
+    control: Option<&Field>,
     expected: Option<&Forecast>,
     after: &AfterMeasurement,
     job: &Job,
 ) -> Result<Comparison, Problems> {
     let before = machine.uncompensated;
     ensure_common_ground(before, after)?;
-    let found = bare(machine.as_measured, plan, job)?;
+    let found = bare(machine.as_measured, plan, job);
     let as_left = match after {
-        AfterMeasurement::Errors(model) => bare(model, plan, job)?,
+        AfterMeasurement::Errors(model) => bare(model, plan, job),
         AfterMeasurement::Diagonals(runs) => figures(runs, job),
     };
     let mut as_left = as_left.bounded(Basis::Measured);
@@ -159,14 +143,10 @@ pub fn compare(
 }
 
 /// Largest |as left − forecast| of a term over the positions measured afterwards, µm.
-fn off_forecast_um(name: &str, control: Option<&Control>, seen: &[Observation]) -> Option<f64> {
+fn off_forecast_um(name: &str, control: Option<&Field>, seen: &[Observation]) -> Option<f64> {
     let (term, control) = (ErrorTerm::from_name(name)?, control?);
-    let left = |observation: &Observation| {
-        let added_um = observation.predicted(|part| Some(control.at(part)))?;
-        Some((observation.um - observation.found_um - added_um).abs())
-    };
     let of_term = seen.iter().filter(|o| o.is_of(term));
-    of_term.filter_map(left).reduce(f64::max)
+    of_term.map(|o| o.off_um(control).abs()).reduce(f64::max)
 }
 
 /// Probability with which no value of a right kit is named as off its forecast.
@@ -199,10 +179,6 @@ fn off_forecast(
     });
     let terms: Vec<(ErrorTerm, f64, f64)> = off.collect();
     (!terms.is_empty()).then_some(AsLeft::OffForecast { terms })
-}
-
-fn not_evaluated(reason: CannotEmulate) -> Problems {
-    Problem::new(reason.0).into()
 }
 
 /// Measured figures of straight runs.
@@ -258,7 +234,7 @@ fn line(
 fn along_run(
     line: &mut ComparedLine,
     machine: Machine<'_>,
-    control: Option<&Control>,
+    control: Option<&Field>,
     seen: &[Observation],
 ) {
     let span = |of: &dyn Fn(&Part) -> Option<f64>| {
@@ -268,6 +244,7 @@ fn along_run(
         Some(values.into_iter().reduce(f64::max)? - low)
     };
     let before = span(&|part| before_um(machine.as_measured, part));
-    let expected = span(&|part| Some(before_um(machine.uncompensated, part)? + control?.at(part)));
+    let expected =
+        span(&|part| Some(before_um(machine.uncompensated, part)? + part.added_um(control?)));
     (line.before_um, line.forecast_um) = (before, expected);
 }

@@ -1,11 +1,11 @@
-//! Why a second measurement is not what the forecast said: faults tried out on the data.
+//! Why a second measurement is not what the forecast said: hypotheses tried out on the data.
 //!
 //! ```text
-//!   as found + what the control would add with fault f  =  as left, predicted by f
-//!   as left, measured                                   ─→ misfit of f
-//!   faults that fit and are as good as the best one     ─→ the set of causes
+//!   as found + what the control would add with change h  =  as left, predicted by h
+//!   as left, measured                                    ─→ misfit of h
+//!   those that fit and are as good as the best one       ─→ the set of causes
 //! ```
-//! Every fault is played through the emulated tables. What is measured twice carries the noise of
+//! Every change is played through the emulated tables. What is measured twice carries the noise of
 //! both measurements; corrections are exact. So a value has the variance
 //!
 //! ```text
@@ -17,22 +17,22 @@
 //! chi-squared with as many degrees of freedom as there are curves, at 0.1 %. That dilutes a slope or
 //! a step, so no two values of one zero may lie farther apart than their σ allows either.
 //!
-//! One fault at a time is tried; two faults at once are `unknown` unless one explains both.
+//! One change at a time is tried; two at once are `unknown` unless one explains both.
 
-mod candidates;
+mod change;
 mod data;
 mod decide;
-mod fault;
 mod fit;
+mod hypotheses;
 mod question;
 
 pub use self::data::Basis;
 pub use self::question::{Corrected, Question, Slip};
 
-use self::candidates::{all_faults, alone, cause};
-use self::data::{Data, RISK, quantile};
+use self::change::{Change, Terms};
+use self::data::{Data, Fit, RISK, quantile};
 use self::decide::decides;
-use self::fault::{Act, Fault, Fit, Scope};
+use self::hypotheses::Hypothesis;
 use crate::judge::after::Observation;
 use crate::judge::findings::OfTerm;
 use crate::quantity::axis::ErrorTerm;
@@ -52,7 +52,7 @@ const NO_SCATTER_UM: f64 = 0.01;
 /// A unit error: mm under a heading for µm, or the other way.
 const UNIT: f64 = 1000.0;
 
-/// A fault that the data do not exclude.
+/// What the data do not exclude.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cause {
     /// Its kind, e.g. `not active`.
@@ -88,149 +88,151 @@ pub struct Diagnosis {
     pub decides: Option<String>,
 }
 
-/// Tries all faults on the data. Refused where the second measurement makes sense in another unit
+/// Tries all hypotheses on the data. Refused where the second measurement makes sense in another unit
 /// only: a slip of 1000.
 pub(crate) fn diagnose(question: &Question<'_>) -> Result<Diagnosis, Problem> {
-    let faults = all_faults(question);
-    let mut data = Data::new(question);
-    if data.is_empty() {
+    if question.seen.is_empty() {
         return Err(Problem::new("no position was measured both times")
             .help("measure the same range of the same axes again"));
     }
+    let tried = hypotheses::all(question);
+    let mut data = Data::new(question);
     if !data.has_both_uncertainties() {
-        data.settle(&all_fits(&data, &faults));
+        data.settle(&all_fits(&data, &tried));
     }
-    let forecast = data.fit(&Fault::none());
-    refuse_too_small(&data, &faults, &forecast)?;
-    let as_forecast = data.stands(&forecast);
+    let forecast = data.fit(&Change::None);
+    refuse_too_small(&data, &tried, &forecast)?;
+    let as_forecast = data.stands(&forecast, None);
     let mut found = Diagnosis {
         as_forecast,
-        hides_tables: as_forecast && hides_tables(&data, &faults),
-        shows_signs: as_forecast && shows_signs(&data, &faults),
-        off_um: data.rms(&forecast),
+        hides_tables: as_forecast && hides_tables(&data),
+        shows_signs: as_forecast && shows_signs(&data),
+        off_um: data.rms(&forecast, None),
         causes: Vec::new(),
         by_term: Vec::new(),
         decides: None,
         basis: data.basis.clone(),
     };
-    if as_forecast {
-        refuse_too_large(&data)?;
+    let standing = if as_forecast { Vec::new() } else { not_excluded(&data, &tried) };
+    if !standing.is_empty() {
+        found.decides = Some(decides(question, &standing));
+        found.causes = causes(&data, &tried, standing);
         return Ok(found);
     }
-    let fits = all_fits(&data, &faults);
-    let standing = not_excluded(&data, &faults, fits);
-    if standing.is_empty() {
-        refuse_too_large(&data)?;
-        found.by_term = term_by_term(&data);
-        return Ok(found);
+    refuse_too_large(&data)?;
+    if !as_forecast {
+        found.by_term = term_by_term(&data, &tried, &forecast);
     }
-    found.decides = Some(decides(question, &standing));
-    found.causes = causes(question, &data, &faults, standing);
     Ok(found)
 }
 
-fn all_fits(data: &Data<'_>, faults: &[Fault]) -> Vec<Fit> {
-    faults.iter().map(|fault| data.fit(fault)).collect()
+fn all_fits(data: &Data<'_>, tried: &[Hypothesis]) -> Vec<Fit> {
+    tried.iter().map(|tried| data.fit(&tried.change)).collect()
 }
 
 /// Whether as left agrees as well with tables that do not act at all.
-fn hides_tables(data: &Data<'_>, faults: &[Fault]) -> bool {
-    let inactive = faults.iter().find(|fault| fault.kind == "not active");
-    inactive.is_some_and(|fault| data.stands(&data.fit(fault)))
+fn hides_tables(data: &Data<'_>) -> bool {
+    let question = data.question;
+    let is_tabled = |term: ErrorTerm| question.control.has_table(term);
+    let acts = question.has_parameter() || question.terms().into_iter().any(is_tabled);
+    acts && data.stands(&data.fit(&Change::Inactive), None)
 }
 
 /// Whether the tables of each mechanism were seen, and would not fit with their sign turned.
-fn shows_signs(data: &Data<'_>, faults: &[Fault]) -> bool {
-    let is_shown = |scope: Scope| {
-        let turned = faults.iter().find(|fault| fault.act == Act::Times(scope, Some(-1.0)));
-        turned.is_some_and(|fault| !data.stands(&data.fit(fault)))
-    };
-    let tabled = |term: &ErrorTerm| data.question.control.has_table(*term);
-    let tabled: Vec<ErrorTerm> = ErrorTerm::ALL.into_iter().filter(tabled).collect();
-    let is_there = |scope: &Scope| tabled.iter().any(|term| scope.holds(*term));
-    !tabled.is_empty()
-        && [Scope::Positioning, Scope::Cross].into_iter().filter(is_there).all(is_shown)
+fn shows_signs(data: &Data<'_>) -> bool {
+    let has_table = |term| data.question.control.has_table(term);
+    let positioning = Terms::from_fn(|term| term.is_positioning() && has_table(term));
+    let cross = Terms::from_fn(|term| term.is_cross() && has_table(term));
+    let there = [positioning, cross].into_iter().filter(|of| of.iter().any(|(_, held)| *held));
+    let turned: Vec<Fit> = there.map(|of| data.fit(&Change::Times(of, Some(-1.0)))).collect();
+    !turned.is_empty() && turned.iter().all(|fit| !data.stands(fit, None))
 }
 
-/// Faults with their fits that fit by themselves and are as good as the best one, the usual ones
-/// first; what holds a simpler one of them as a special case is left out.
-fn not_excluded<'a>(data: &Data<'_>, faults: &'a [Fault], fits: Vec<Fit>) -> Vec<(&'a Fault, Fit)> {
-    let fits = faults.iter().zip(fits);
-    let possible = fits.filter(|(fault, fit)| data.stands(fit) && fault.is_plausible(fit));
-    let possible: Vec<(&Fault, Fit)> = possible.collect();
-    let scores: Vec<f64> = possible.iter().map(|(_, fit)| data.score(fit)).collect();
-    let best = scores.iter().copied().fold(f64::INFINITY, f64::min);
-    let limit = best + quantile(1.0 - RISK, 1.0);
-    let near = possible.into_iter().zip(scores);
-    let mut near: Vec<(f64, (&Fault, Fit))> =
-        near.filter(|(_, score)| *score <= limit).map(|(found, score)| (score, found)).collect();
-    near.sort_by(|(one, (a, _)), (other, (b, _))| {
-        a.rank().cmp(&b.rank()).then(one.total_cmp(other))
-    });
-    let simple: Vec<&Fault> = near.iter().map(|(_, (fault, _))| *fault).collect();
-    near.into_iter()
-        .map(|(_, found)| found)
-        .filter(|(fault, _)| !simple.iter().any(|other| fault.contains(other)))
-        .collect()
-}
-
-/// Faults of one kind with one prediction are one cause, the widest of them first, as they were tried.
-fn causes(
-    question: &Question<'_>,
+/// Hypotheses that fit by themselves, of one term or all.
+fn standing<'a>(
     data: &Data<'_>,
-    tried: &[Fault],
-    mut standing: Vec<(&Fault, Fit)>,
+    tried: impl Iterator<Item = &'a Hypothesis>,
+    term: Option<ErrorTerm>,
+) -> Vec<(&'a Hypothesis, Fit)> {
+    let fits = tried.map(|tried| (tried, data.fit(&tried.change)));
+    let stands = |(tried, fit): &(&Hypothesis, Fit)| {
+        data.stands(fit, term) && tried.change.is_plausible(&fit.fitted)
+    };
+    fits.filter(stands).collect()
+}
+
+/// Hypotheses with their fits that fit by themselves and are as good as the best one, the usual ones
+/// first; what holds a simpler one of them as a special case is left out.
+fn not_excluded<'a>(data: &Data<'_>, tried: &'a [Hypothesis]) -> Vec<(&'a Hypothesis, Fit)> {
+    let standing = standing(data, tried.iter(), None).into_iter();
+    let mut near: Vec<_> = standing.map(|found| (data.score(&found.1), found)).collect();
+    let best = near.iter().map(|(score, _)| *score).fold(f64::INFINITY, f64::min);
+    near.retain(|(score, _)| *score <= best + quantile(1.0 - RISK, 1.0));
+    near.sort_by(|(one, (a, _)), (other, (b, _))| {
+        a.kind.0.cmp(&b.kind.0).then(one.total_cmp(other))
+    });
+    let simple: Vec<&Hypothesis> = near.iter().map(|(_, (tried, _))| *tried).collect();
+    let is_simple = |(tried, _): &(&Hypothesis, Fit)| {
+        !simple.iter().any(|other| tried.change.contains(&other.change))
+    };
+    near.into_iter().map(|(_, found)| found).filter(is_simple).collect()
+}
+
+/// Hypotheses of one kind with one prediction are one cause, the widest of them first, as they were tried.
+fn causes(
+    data: &Data<'_>,
+    tried: &[Hypothesis],
+    mut standing: Vec<(&Hypothesis, Fit)>,
 ) -> Vec<Cause> {
-    standing.sort_by_key(|(fault, _)| tried.iter().position(|other| other == *fault));
-    let mut groups: Vec<(Vec<Fault>, Fit)> = Vec::new();
-    for (fault, fit) in standing {
-        let same = groups.iter_mut().find(|(faults, other)| {
-            faults[0].kind == fault.kind && fit.differs_from(other) < SAME_UM
+    standing.sort_by_key(|(own, _)| tried.iter().position(|other| other == *own));
+    let mut groups: Vec<(Vec<Hypothesis>, Fit)> = Vec::new();
+    for (tried, fit) in standing {
+        let same = groups.iter_mut().find(|(group, other)| {
+            group[0].kind == tried.kind && fit.differs_from(other) < SAME_UM
         });
         // The kit may hold the same tables in either scope.
-        let is_same = |other: &Fault| other.is_the_same_on(question, fault);
+        let is_same =
+            |other: &Hypothesis| other.change.is_the_same_on(data.question, &tried.change);
         match same {
-            Some((faults, _)) if faults.iter().any(is_same) => {}
-            Some((faults, _)) => faults.push(fault.clone()),
-            None => groups.push((vec![fault.clone()], fit)),
+            Some((group, _)) if group.iter().any(is_same) => {}
+            Some((group, _)) => group.push(tried.clone()),
+            None => groups.push((vec![tried.clone()], fit)),
         }
     }
     groups.sort_by(|(a, one), (b, other)| {
-        let usual = a[0].rank().cmp(&b[0].rank());
-        usual.then(data.rms(one).total_cmp(&data.rms(other)))
+        let usual = a[0].kind.0.cmp(&b[0].kind.0);
+        usual.then(data.rms(one, None).total_cmp(&data.rms(other, None)))
     });
-    let cause = |(faults, fit): (Vec<Fault>, Fit)| {
-        let uncertainty_mm = data.shift_uncertainty_mm(&faults[0], &fit);
+    let cause = |(group, fit): (Vec<Hypothesis>, Fit)| {
+        let uncertainty_mm = data.shift_uncertainty_mm(&group[0].change, &fit);
         Cause {
-            kind: faults[0].kind,
-            words: cause(question, &faults, &fit.fitted, &uncertainty_mm),
-            left_um: data.rms(&fit),
+            kind: group[0].kind.1,
+            words: hypotheses::words(data.question, &group, &fit.fitted, &uncertainty_mm),
+            left_um: data.rms(&fit, None),
             fitted: fit.fitted,
         }
     };
     groups.into_iter().map(cause).collect()
 }
 
-/// What each term looks like by itself: how far it is off, and every fault that fits, the best
-/// first.
-fn term_by_term(data: &Data<'_>) -> Vec<Finding> {
-    let forecast = data.fit(&Fault::none());
-    let alone = |term: ErrorTerm| {
-        if data.stands_alone(&forecast, term) {
-            return OfTerm::AsForecast { term }.into();
+/// What each term that was measured by itself looks like: how far it is off, and everything that fits,
+/// the best first.
+fn term_by_term(data: &Data<'_>, tried: &[Hypothesis], forecast: &Fit) -> Vec<Finding> {
+    let of = |term: ErrorTerm| {
+        let own = data.question.seen.iter().filter(|seen| seen.is_of(term));
+        let off = own.map(|seen| (seen.off_um(data.question.control), seen));
+        let (um, seen) = off.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+        if data.stands(forecast, Some(term)) {
+            return Some(OfTerm::AsForecast { term }.into());
         }
-        let off = data.farthest_off(term);
-        let off = off.map_or_else(String::new, |(um, seen)| off_forecast(um, seen));
-        let tried = alone(data.question, term);
-        let fits = tried.iter().map(|fault| (fault, data.fit(fault)));
-        let mut fits: Vec<(&Fault, Fit)> = fits
-            .filter(|(fault, fit)| data.stands_alone(fit, term) && fault.is_plausible(fit))
-            .collect();
-        fits.sort_by(|a, b| data.rms_of(&a.1, term).total_cmp(&data.rms_of(&b.1, term)));
-        let faults = fits.iter().map(|(fault, _)| fault.kind).collect();
-        OfTerm::OffForecast { term, off, faults }.into()
+        let own = tried.iter().filter(|tried| tried.is_of(term));
+        let mut found = standing(data, own, Some(term));
+        let rms = |fit: &Fit| data.rms(fit, Some(term));
+        found.sort_by(|(_, one), (_, other)| rms(one).total_cmp(&rms(other)));
+        let faults = found.iter().map(|(tried, _)| tried.kind.1).collect();
+        Some(OfTerm::OffForecast { term, off: off_forecast(um, seen), faults }.into())
     };
-    data.single_terms().into_iter().map(alone).collect()
+    ErrorTerm::ALL.into_iter().filter_map(of).collect()
 }
 
 /// Where and by how much a term is off the forecast.
@@ -243,61 +245,55 @@ fn off_forecast(um: f64, seen: &Observation) -> String {
     format!("{:+.3} µm off the forecast{place}, ", Figure(um))
 }
 
-const UNIT_HELP: &str =
-    "the unit is part of the column's name (`ex_um`, `ex_mm`); correct the column or its values";
+fn slip_of_unit(words: &str) -> Problem {
+    Problem::new(format!("the values measured afterwards are {words} a slip of their unit")).help(
+        "the unit is part of the column's name (`ex_um`, `ex_mm`); correct the column or its values",
+    )
+}
 
 fn refuse_too_large(data: &Data<'_>) -> Result<(), Problem> {
-    if data.times_found() <= SUSPICIOUS {
+    let times = data.times_found();
+    let divided = data.in_another_unit(1.0 / UNIT, 1.0 / UNIT);
+    if times <= SUSPICIOUS || !divided.stands(&divided.fit(&Change::None), None) {
         return Ok(());
     }
-    let divided = data.in_another_unit(1.0 / UNIT, 1.0 / UNIT);
-    if divided.stands(&divided.fit(&Fault::none())) {
-        return Err(Problem::new(format!(
-            "the values measured afterwards are {:.0} times those as found; divided by 1000 they agree with the forecast: a slip of their unit",
-            data.times_found()
-        ))
-        .help(UNIT_HELP));
-    }
-    Ok(())
+    Err(slip_of_unit(&format!(
+        "{times:.0} times those as found; divided by 1000 they agree with the forecast:"
+    )))
 }
 
 /// A machine that was not corrected looks perfect where its errors stand in mm under a heading for
 /// µm. Values that are the forecast itself come from a simulation without noise.
-fn refuse_too_small(data: &Data<'_>, faults: &[Fault], forecast: &Fit) -> Result<(), Problem> {
+fn refuse_too_small(data: &Data<'_>, tried: &[Hypothesis], forecast: &Fit) -> Result<(), Problem> {
     const THE_FORECAST_ITSELF: f64 = 0.1;
-    let measured_um = data.measured_rms();
-    let simulated = data.rms(forecast) <= THE_FORECAST_ITSELF * measured_um;
-    if measured_um == 0.0 || simulated || measured_um * SUSPICIOUSLY_SMALL > data.found_rms() {
+    let (measured_um, found_um) = (data.rms_of(&data.measured_um), data.rms_of(&data.found_um));
+    let simulated = data.rms(forecast, None) <= THE_FORECAST_ITSELF * measured_um;
+    if measured_um == 0.0 || simulated || measured_um * SUSPICIOUSLY_SMALL > found_um {
         return Ok(());
     }
     let why = if measured_um < NO_SCATTER_UM {
         "no laser resolves that".to_string()
-    } else if let Some(kind) = fits_in_mm(data, faults) {
+    } else if let Some(kind) = fits_in_mm(data, tried) {
         format!("1000 times as large they show {}", kind.to_uppercase())
     } else {
         return Ok(());
     };
-    Err(Problem::new(format!(
-        "the values measured afterwards are {measured_um:.6} µm (root mean square), those as found {:.3} µm: {why}; a slip of their unit",
-        data.found_rms()
-    ))
-    .help(UNIT_HELP))
+    Err(slip_of_unit(&format!(
+        "{measured_um:.6} µm (root mean square), those as found {found_um:.3} µm: {why};"
+    )))
 }
 
-/// The fault that the second measurement shows once its values are multiplied by 1000.
-fn fits_in_mm(data: &Data<'_>, faults: &[Fault]) -> Option<&'static str> {
+/// What the second measurement shows once its values are multiplied by 1000.
+fn fits_in_mm(data: &Data<'_>, tried: &[Hypothesis]) -> Option<&'static str> {
     const FAR_FROM_NOISE: f64 = 10.0;
     let mut multiplied = data.in_another_unit(UNIT, 1.0);
-    let fits = all_fits(&multiplied, faults);
     if !data.has_both_uncertainties() {
-        multiplied.settle(&fits);
+        multiplied.settle(&all_fits(&multiplied, tried));
     }
-    if multiplied.measured_rms() < FAR_FROM_NOISE * multiplied.basis.sigma_um {
+    let measured_um = multiplied.rms_of(&multiplied.measured_um);
+    if measured_um < FAR_FROM_NOISE * multiplied.basis.sigma_um {
         return None;
     }
-    let stands = |(fault, fit): &(&Fault, Fit)| multiplied.stands(fit) && fault.is_plausible(fit);
-    let mut found: Vec<&Fault> =
-        (faults.iter().zip(fits).filter(stands)).map(|(fault, _)| fault).collect();
-    found.sort_by_key(|fault| fault.rank());
-    found.first().map(|fault| fault.kind)
+    let found = standing(&multiplied, tried.iter(), None);
+    found.into_iter().map(|(tried, _)| tried.kind).min_by_key(|kind| kind.0).map(|kind| kind.1)
 }

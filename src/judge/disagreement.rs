@@ -14,11 +14,12 @@ pub use self::diagnosis::Disagreements;
 
 use self::diagnosis::holds;
 
+use crate::judge::field::Field;
 use crate::judge::findings::Difference;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, Rotation};
-use crate::quantity::units::{AT_PLACE_MM, Correction, Figure, Millimetres};
+use crate::quantity::units::{AT_PLACE_MM, Figure, MM_PER_INCH, Millimetres};
 use crate::read::emulate::{Emulator, NodeTable, Response};
-use crate::write::plan::{Plan, axis_pairs};
+use crate::write::plan::Plan;
 
 /// Two corrections closer than this are equal, µm (a picometre).
 const EQUAL_UM: f64 = 1e-6;
@@ -26,31 +27,27 @@ const EQUAL_UM: f64 = 1e-6;
 /// All disagreements; none if the tables do what the job asks for.
 pub fn compare(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Disagreements {
     let mut diagnosis = Disagreements::default();
-    let mut known = Vec::new();
-    let all = responses(plan, expected);
-    for (term, base, output, ways) in &all {
-        known.push(((*base).to_string(), (*output).to_string()));
-        let mut said: Vec<(Direction, String)> = Vec::new();
-        for (direction, wanted) in ways {
-            let words = match found.response(base, output, *direction) {
-                Ok(got) => Pair::of(wanted, &got).difference(|pair| pair.foreign(&all, *term)),
-                Err(problem) => Some(problem.0),
-            };
-            said.extend(words.map(|words| (*direction, words)));
-        }
-        let alike = matches!(said.as_slice(), [(_, plus), (_, minus)] if plus == minus);
-        let count = if alike { 1 } else { said.len() };
-        for (way, how) in said.into_iter().take(count) {
-            let effect = Difference::Effect {
-                term: *term,
-                base: (*base).to_string(),
-                output: (*output).to_string(),
-                direction: (!alike).then_some(way),
-                how,
-            };
-            diagnosis.tell(effect, base, output);
+    // An axis that the job does not have has no response, and tables for it are foreign.
+    let asked = Field::of(&plan.names, expected, |_| false).unwrap_or_default();
+    for (term, pair) in asked.pairs() {
+        let (base, output) = (&pair.base, &pair.output);
+        let [plus, minus] = Direction::BOTH.map(|way| match found.response(base, output, way) {
+            Ok(got) => Compared::of(pair.way(way), &got).difference(&others(&asked, term)),
+            Err(problem) => Some(problem.0),
+        });
+        let said = match plus == minus {
+            true => [(None, plus), (None, None)],
+            false => [(Some(Direction::Plus), plus), (Some(Direction::Minus), minus)],
+        };
+        for (direction, how) in said {
+            let Some(how) = how else { continue };
+            let (base, output) = (base.clone(), output.clone());
+            let effect = Difference::Effect { term, base, output, direction, how };
+            diagnosis.tell(effect, &pair.base, &pair.output);
         }
     }
+    let known: Vec<_> =
+        asked.pairs().map(|(_, own)| (own.base.clone(), own.output.clone())).collect();
     let connected = found.connected_axes().into_iter();
     for (base, output) in connected.filter(|(base, output)| !holds(&known, base, output)) {
         let (moving, corrected) = (base.clone(), output.clone());
@@ -73,7 +70,7 @@ fn angles(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Vec<(St
             (None, None) => None,
             (Some(_), None) => Some("missing".to_string()),
             (None, Some(_)) => Some("the job does not write it".to_string()),
-            (Some(wanted), Some(got)) => Pair::of(&wanted, &got).difference(|_| None),
+            (Some(wanted), Some(got)) => Compared::of(&wanted, &got).difference(&[]),
         };
         Some((rotation.to_string(), how?))
     };
@@ -89,123 +86,102 @@ fn angles(plan: &Plan, expected: &dyn Emulator, found: &dyn Emulator) -> Vec<(St
     all
 }
 
-/// What the job asks for of a term and a pair of moving and corrected axis, in each direction.
-type Asked<'a> = (ErrorTerm, &'a str, &'a str, Vec<(Direction, Response)>);
-
-/// What the job asks for; an axis that it does not have has no response, and tables for it are foreign.
-fn responses<'a>(plan: &'a Plan, expected: &dyn Emulator) -> Vec<Asked<'a>> {
-    let mut all = Vec::new();
-    for term in ErrorTerm::ALL {
-        for (base, output) in axis_pairs(&plan.names, term) {
-            let of = |way| Some((way, expected.response(base, output, way).ok()?));
-            let ways: Vec<_> = Direction::BOTH.into_iter().filter_map(of).collect();
-            if !ways.is_empty() {
-                all.push((term, base, output, ways));
-            }
-        }
-    }
-    all
+/// What the job asks for of the other terms.
+fn others(asked: &Field, term: ErrorTerm) -> Vec<(ErrorTerm, &Response)> {
+    let others = asked.pairs().filter(|(other, _)| *other != term);
+    others.flat_map(|(other, pair)| Direction::BOTH.map(|way| (other, pair.way(way)))).collect()
 }
 
-/// What is asked for and what was found for a pair of axes in one direction, at every node of both,
-/// each place once, and at the machine's zero.
-struct Pair<'a> {
-    wanted: &'a Response,
-    got: &'a Response,
-    places: Vec<Millimetres>,
-    /// Asked for and found there, µm.
-    um: Vec<(f64, f64)>,
-}
-
-/// Factors that come from a wrong unit.
-const UNIT_SLIPS: [(f64, &str); 4] = [
-    (1000.0, "1000 times too large (µm taken for mm?)"),
-    (0.001, "1000 times too small (mm taken for µm?)"),
-    (25.4, "25.4 times too large (inch taken for mm?)"),
-    (1.0 / 25.4, "25.4 times too small (mm taken for inch?)"),
-];
-
-/// What was done to every correction, if it is a rule by itself.
+/// What may have been done to every correction, if it is a rule by itself: its factor and words.
 const RULES: [(f64, &str); 3] = [
     (-1.0, "wrong sign: every correction is turned round, the error would double"),
     (2.0, "wrong scale: every correction is double (applied twice, or twice the magnification?)"),
     (0.0, "all corrections are zero"),
 ];
 
-impl<'a> Pair<'a> {
-    fn of(wanted: &'a Response, got: &'a Response) -> Pair<'a> {
+/// Factors that come from a wrong unit.
+const UNITS: [(f64, &str); 4] = [
+    (1000.0, "1000 times too large (µm taken for mm?)"),
+    (0.001, "1000 times too small (mm taken for µm?)"),
+    (MM_PER_INCH, "25.4 times too large (inch taken for mm?)"),
+    (1.0 / MM_PER_INCH, "25.4 times too small (mm taken for inch?)"),
+];
+
+/// What is asked for and what was found for a pair of axes in one direction, at every node of both,
+/// each place once, and at the machine's zero.
+struct Compared<'a> {
+    wanted: &'a Response,
+    got: &'a Response,
+    places: Vec<Millimetres>,
+    /// Asked for there, µm.
+    asked_um: Vec<f64>,
+    /// Found there, µm.
+    found_um: Vec<f64>,
+}
+
+impl<'a> Compared<'a> {
+    fn of(wanted: &'a Response, got: &'a Response) -> Compared<'a> {
         let tables = wanted.tables().iter().chain(got.tables());
         let mut places: Vec<Millimetres> =
             tables.flat_map(|table| table.nodes().map(|(at, _)| at)).collect();
         places.push(Millimetres::new(0.0));
         places.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
         places.dedup_by(|a, b| (a.mm() - b.mm()).abs() <= AT_PLACE_MM);
-        let at = |at: &Millimetres| (wanted.correction(*at).um(), got.correction(*at).um());
-        Pair { um: places.iter().map(at).collect(), wanted, got, places }
+        let [asked_um, found_um] = [wanted, got].map(|of| corrections(of, &places));
+        Compared { wanted, got, places, asked_um, found_um }
     }
 
-    /// What is wrong with it, if anything.
-    fn difference(&self, foreign: impl Fn(&Pair<'_>) -> Option<String>) -> Option<String> {
-        let close = |a: f64, b: f64| (a - b).abs() <= EQUAL_UM.max(1e-9 * b.abs());
-        let all = |factor: f64| self.um.iter().all(|(w, g)| close(*g, factor * w));
-        let (none_wanted, none_got) =
-            (self.wanted.tables().is_empty(), self.got.tables().is_empty());
-        if all(1.0) {
+    /// What is wrong with it, if anything: the first of the usual mistakes that explains every value.
+    fn difference(&self, others: &[(ErrorTerm, &Response)]) -> Option<String> {
+        let are = |factor: f64, off: f64| self.are(off, |w| factor * w);
+        if are(1.0, EQUAL_UM) {
             return None;
         }
-        if none_got && !none_wanted {
-            return Some("missing: the tables hold nothing for it".to_string());
-        }
-        if none_wanted {
+        if self.wanted.tables().is_empty() {
             return Some("the tables correct it, the job does not ask for it".to_string());
         }
-        let rule = RULES.into_iter().find(|(factor, _)| all(*factor));
-        rule.map(|(_, words)| words.to_string())
-            .or_else(|| self.scale())
-            .or_else(|| foreign(self))
-            .or_else(|| self.table())
-            .or_else(|| self.largest())
-    }
-
-    fn scale(&self) -> Option<String> {
-        let by_size = |a: &&(f64, f64), b: &&(f64, f64)| a.0.abs().total_cmp(&b.0.abs());
-        let (w, g) = self.um.iter().max_by(by_size)?;
-        for (factor, words) in UNIT_SLIPS {
+        if self.got.tables().is_empty() {
+            return Some("missing: the tables hold nothing for it".to_string());
+        }
+        let sizes = self.asked_um.iter().zip(&self.found_um);
+        let (w, g) = sizes.max_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()))?;
+        if let Some((_, words)) = RULES.into_iter().find(|(factor, _)| are(*factor, EQUAL_UM)) {
+            return Some(words.to_string());
+        }
+        for (factor, words) in UNITS {
+            // A scaled table was rounded once more, so a hundredth of its size is allowed.
+            let off = 0.01 * factor * w.abs();
             for (sign, turned) in [(1.0, ""), (-1.0, ", and the sign is turned")] {
-                // A scaled table was rounded once more, so a hundredth of its size is allowed.
-                let off = |(a, b): &(f64, f64)| (b - sign * factor * a).abs();
-                if self.um.iter().all(|pair| off(pair) <= 0.01 * factor * w.abs()) {
+                if are(sign * factor, off) {
                     return Some(format!("wrong scale: the corrections are {words}{turned}"));
                 }
             }
         }
-        let factor = g / w;
-        let fits = |(w, g): &(f64, f64)| (g - factor * w).abs() <= EQUAL_UM;
         // One value that differs is a value, not a scale.
-        let enough = self.um.iter().filter(|(w, _)| w.abs() > EQUAL_UM).count() > 1;
-        (enough && self.um.iter().all(fits)).then(|| {
-            format!(
-                "wrong scale: every correction is {:.3} times what the job asks for",
-                Figure(factor)
-            )
-        })
+        let enough = self.asked_um.iter().filter(|w| w.abs() > EQUAL_UM).count() > 1;
+        if enough && are(g / w, EQUAL_UM) {
+            let factor = Figure(g / w);
+            return Some(format!(
+                "wrong scale: every correction is {factor:.3} times what the job asks for"
+            ));
+        }
+        self.foreign(others).or_else(|| self.table()).or_else(|| self.largest())
+    }
+
+    /// Whether everything found is what this makes of what was asked for, but for so much, µm.
+    fn are(&self, off_um: f64, made: impl Fn(f64) -> f64) -> bool {
+        let made = self.asked_um.iter().map(|w| made(*w));
+        made.zip(&self.found_um).all(|(made, g)| (g - made).abs() <= off_um.max(1e-9 * made.abs()))
     }
 
     /// Whether the corrections of another term stand here, instead of the own ones or beside them.
-    fn foreign(&self, all: &[Asked<'_>], term: ErrorTerm) -> Option<String> {
-        let others = all.iter().filter(|(other, ..)| *other != term);
-        let others =
-            others.flat_map(|(other, .., ways)| ways.iter().map(move |way| (other, &way.1)));
-        others.into_iter().find_map(|(other, response)| {
-            let values = self.places.iter().map(|at| response.correction(*at).um());
-            let values: Vec<f64> = values.collect();
-            let is = |found: fn(&(f64, f64)) -> f64| {
-                let mut pairs = self.um.iter().zip(&values);
-                pairs.all(|(pair, value)| (found(pair) - value).abs() <= EQUAL_UM)
-            };
-            let words = if is(|(_, got)| *got) {
+    fn foreign(&self, others: &[(ErrorTerm, &Response)]) -> Option<String> {
+        others.iter().find_map(|(other, response)| {
+            let values = corrections(response, &self.places);
+            let mut all = self.asked_um.iter().zip(&self.found_um).zip(&values);
+            let words = if all.clone().all(|((_, g), um)| (g - um).abs() <= EQUAL_UM) {
                 format!("foreign axis: these are the corrections of {other}")
-            } else if is(|(wanted, got)| got - wanted) {
+            } else if all.all(|((w, g), um)| (g - w - um).abs() <= EQUAL_UM) {
                 format!("foreign axis: the corrections of {other} are added to its own")
             } else {
                 return None;
@@ -216,27 +192,25 @@ impl<'a> Pair<'a> {
 
     /// What differs between one table and one table: where it stands, its zero, its points.
     fn table(&self) -> Option<String> {
+        let lift = self.found_um.first()? - self.asked_um.first()?;
         let lifted = || {
-            let (w, g) = self.um.first()?;
-            let lift = g - w;
-            let is_lifted = |(w, g): &(f64, f64)| (g - w - lift).abs() <= EQUAL_UM;
-            self.um.iter().all(is_lifted).then(|| {
+            self.are(EQUAL_UM, |w| w + lift).then(|| {
                 let lift = Figure(lift);
                 format!("not zero at the reference: every correction is off by {lift:.3} µm")
             })
         };
-        let ([w], [g]) = (self.wanted.tables(), self.got.tables()) else {
-            return lifted();
-        };
-        moved(w, g).or_else(lifted).or_else(|| points(w, g)).or_else(|| stepped(w, g))
+        let ([w], [g]) = (self.wanted.tables(), self.got.tables()) else { return lifted() };
+        let nodes = |table: &NodeTable| table.nodes().map(|(at, um)| (at.mm(), um.um())).collect();
+        let (w, g): (Vec<Node>, Vec<Node>) = (nodes(w), nodes(g));
+        moved(&w, &g).or_else(lifted).or_else(|| points(&w, &g)).or_else(|| stepped(&w, &g))
     }
 
     fn largest(&self) -> Option<String> {
-        let off = |(w, g): &(f64, f64)| (g - w).abs();
-        let wrong = self.um.iter().filter(|pair| off(pair) > EQUAL_UM).count();
-        let places = self.places.iter().zip(&self.um);
-        let (at, (w, g)) = places.max_by(|a, b| off(a.1).total_cmp(&off(b.1)))?;
-        let (at, tables, job) = (Figure(at.mm()), micrometres(*g), micrometres(*w));
+        let off = |index: &usize| (self.found_um[*index] - self.asked_um[*index]).abs();
+        let wrong = (0..self.places.len()).filter(|index| off(index) > EQUAL_UM).count();
+        let most = (0..self.places.len()).max_by(|a, b| off(a).total_cmp(&off(b)))?;
+        let at = Figure(self.places[most].mm());
+        let [tables, job] = [&self.found_um, &self.asked_um].map(|um| micrometres(um[most]));
         let amounts =
             format!("at {at:.4} mm, where the tables correct {tables} and the job asks for {job}");
         Some(match wrong {
@@ -244,6 +218,10 @@ impl<'a> Pair<'a> {
             n => format!("other values: {n} places differ, most {amounts}"),
         })
     }
+}
+
+fn corrections(response: &Response, places: &[Millimetres]) -> Vec<f64> {
+    places.iter().map(|at| response.correction(*at).um()).collect()
 }
 
 /// Whether a correction takes enough different values to be told from a single changed point.
@@ -254,78 +232,60 @@ fn has_a_shape(mut values: Vec<f64>) -> bool {
     values.len() >= ENOUGH_VALUES
 }
 
+/// Place and correction of a point of a table, mm and µm.
+type Node = (f64, f64);
+
 /// The same values but for a constant (increments that are counted from another point give another
 /// zero), at points of another spacing or at another place.
-fn moved(w: &NodeTable, g: &NodeTable) -> Option<String> {
-    let values = |t: &NodeTable| -> Vec<f64> { t.nodes().map(|(_, c)| c.um()).collect() };
-    let (asked, found) = (values(w), values(g));
-    let mut lifts = asked.iter().zip(&found).map(|(a, b)| b - a);
-    let first = lifts.next().unwrap_or(0.0);
-    if asked.len() != found.len() || !lifts.all(|lift| (lift - first).abs() <= EQUAL_UM) {
+fn moved(w: &[Node], g: &[Node]) -> Option<String> {
+    let ([first, second, ..], [at, next, ..]) = (w, g) else { return None };
+    let is_lifted = |(w, g): (&Node, &Node)| (g.1 - w.1 - (at.1 - first.1)).abs() <= EQUAL_UM;
+    if w.len() != g.len() || !w.iter().zip(g).all(is_lifted) {
         return None;
     }
-    let (asked, found) = (spacing(w)?, spacing(g)?);
-    let shift = g.first().mm() - w.first().mm();
+    let (asked, found, shift) = (second.0 - first.0, next.0 - at.0, at.0 - first.0);
     if (found - asked).abs() > AT_PLACE_MM {
         return Some(format!(
             "other spacing: the points are {found:.4} mm apart, the job asks for {asked:.4} mm"
         ));
     }
     (shift.abs() > AT_PLACE_MM).then(|| {
-        let [shift, found, asked] = [shift, g.first().mm(), w.first().mm()].map(Figure);
+        let [shift, found, asked] = [shift, at.0, first.0].map(Figure);
         format!("shifted reference: the table stands {shift:.4} mm from where the job puts it ({found:.4} instead of {asked:.4} mm)")
     })
 }
 
-/// Distance of the nodes of a table, mm; 0 where it has but one.
-fn spacing(table: &NodeTable) -> Option<f64> {
-    let mut nodes = table.nodes();
-    let first = nodes.next()?.0;
-    Some(nodes.next().map_or(0.0, |second| (second.0 - first).mm()))
-}
-
-fn points(w: &NodeTable, g: &NodeTable) -> Option<String> {
-    let (expected, found) = (w.nodes().count(), g.nodes().count());
+fn points(w: &[Node], g: &[Node]) -> Option<String> {
+    let (expected, found) = (w.len(), g.len());
     (expected != found).then(|| {
         let word = if found < expected { "missing points" } else { "more points" };
-        let [from, to, first, last] = [g.first(), g.last(), w.first(), w.last()].map(|at| Figure(at.mm()));
+        let [from, to, first, last] = [&g[0], &g[found - 1], &w[0], &w[expected - 1]].map(|node| Figure(node.0));
         format!("{word}: {found} points from {from:.4} to {to:.4} mm, expected {expected} from {first:.4} to {last:.4} mm")
     })
 }
 
 /// One changed step: on one side of it all is as asked, beyond it all is off by the same amount.
 /// So it is with one changed increment.
-fn stepped(w: &NodeTable, g: &NodeTable) -> Option<String> {
-    let asked: Vec<(Millimetres, Correction)> = w.nodes().collect();
-    let there: Vec<(Millimetres, Correction)> = g.nodes().collect();
-    let pairs = || asked.iter().zip(&there);
-    if asked.len() != there.len() || !pairs().all(|(a, b)| (a.0 - b.0).mm().abs() <= AT_PLACE_MM) {
+fn stepped(w: &[Node], g: &[Node]) -> Option<String> {
+    let is_there = |(w, g): (&Node, &Node)| (w.0 - g.0).abs() <= AT_PLACE_MM;
+    if w.len() != g.len() || !w.iter().zip(g).all(is_there) {
         return None;
     }
-    let off: Vec<f64> = pairs().map(|((_, w), (_, g))| g.um() - w.um()).collect();
-    let differs = |pair: &[f64]| (pair[1] - pair[0]).abs() > EQUAL_UM;
-    let mut changed = (0..off.len().saturating_sub(1)).filter(|k| differs(&off[*k..*k + 2]));
-    let (step, None) = (changed.next()?, changed.next()) else {
-        return None;
-    };
-    let (lower, upper) = (Figure(asked[step].0.mm()), Figure(asked[step + 1].0.mm()));
-    let below = off[step].abs() <= EQUAL_UM;
-    let above = off[step + 1].abs() <= EQUAL_UM;
-    let (side, by, places) = match (below, above) {
-        (true, false) => (format!("from {upper:.4} mm on"), off[step + 1], off.len() - step - 1),
-        (false, true) => (format!("up to {lower:.4} mm"), off[step], step + 1),
+    let off: Vec<f64> = w.iter().zip(g).map(|(w, g)| g.1 - w.1).collect();
+    let is_changed = |upper: &usize| (off[*upper] - off[upper - 1]).abs() > EQUAL_UM;
+    let mut changed = (1..off.len()).filter(is_changed);
+    let (Some(upper), None) = (changed.next(), changed.next()) else { return None };
+    let (from, to) = (Figure(w[upper - 1].0), Figure(w[upper].0));
+    let [below, above] = [off[upper - 1], off[upper]];
+    let (side, by, places) = match [below, above].map(|um| um.abs() <= EQUAL_UM) {
+        [true, false] => (format!("from {to:.4} mm on"), above, off.len() - upper),
+        [false, true] => (format!("up to {from:.4} mm"), below, upper),
         _ => return None,
     };
-    let change = |nodes: &[(Millimetres, Correction)]| {
-        micrometres(nodes[step + 1].1.um() - nodes[step].1.um())
-    };
+    let [tables, job] = [g, w].map(|of| micrometres(of[upper].1 - of[upper - 1].1));
+    let by = micrometres(by);
     (places > 1).then(|| {
-        format!(
-            "one step is changed: from {lower:.4} to {upper:.4} mm the correction changes by {}, the job asks for {}; so every correction {side} is off by {}",
-            change(&there),
-            change(&asked),
-            micrometres(by)
-        )
+        format!("one step is changed: from {from:.4} to {to:.4} mm the correction changes by {tables}, the job asks for {job}; so every correction {side} is off by {by}")
     })
 }
 

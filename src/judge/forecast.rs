@@ -24,52 +24,39 @@ pub use self::share::{JudgedRange, Machine};
 pub(crate) use self::share::{is_whole_travel, judged_ranges, range_of, widest_gap_mm};
 
 use crate::judge::conformity::{Magnitude, Sigma, expanded_together, largest_um};
+use crate::judge::field::Field;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::{Millimetres, larger};
-use crate::read::emulate::{Emulated, Emulator, Response};
+use crate::read::emulate::Response;
 use crate::write::grid::EDGE_MM;
-use crate::write::plan::{Plan, axis_pairs};
+use crate::write::plan::Plan;
 
-/// A control that plays straight lines where the real one plays steps.
-struct Straightened<'a>(&'a dyn Emulator);
-
-impl Emulator for Straightened<'_> {
-    fn connected_axes(&self) -> Vec<(String, String)> {
-        self.0.connected_axes()
-    }
-
-    fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
-        Ok(self.0.response(base, output, direction)?.straightened())
-    }
-}
-
-/// Computes the forecast from a machine and the emulated control, over the ranges that are judged.
+/// Computes the forecast from a machine and what the control adds, over the ranges that are judged.
 pub fn forecast(
     machine: Machine<'_>,
     plan: &Plan,
-    control: &dyn Emulator,
+    control: &Field,
     ranges: &[JudgedRange],
-) -> Emulated<Forecast> {
+) -> Forecast {
     let model = machine.as_measured;
     let sigma = Sigma::with_freedom(model.remarks.degrees_of_freedom);
     let largest = model.remarks.largest.as_ref();
     let judged = share::stated(ranges);
-    let lines = Straightened(control);
-    let comparable: Option<&dyn Emulator> = machine.was_under_tables().then_some(&lines);
+    let comparable = machine.was_under_tables().then(|| control.straightened());
     let mut terms = Vec::new();
     for (term, measured) in model.measured() {
-        let left = |control| residuals(machine, plan, control, term, judged[term.along]);
-        let figures = left(control)?;
+        let left = |control| residuals(machine, control, term, judged[term.along]);
+        let figures = left(control);
         let u_um = measured.u_um();
         terms.push(TermForecast {
             term,
             change: Change {
                 before_um: measured.largest_within_um(judged[term.along]),
                 after_um: largest_um(&figures),
-                comparable_um: match comparable {
-                    Some(lines) => largest_um(&left(lines)?),
+                comparable_um: match &comparable {
+                    Some(lines) => largest_um(&left(lines)),
                     None => largest_um(&figures),
                 },
                 u_um,
@@ -84,9 +71,9 @@ pub fn forecast(
             one_way: one_way(&measured.measured),
         });
     }
-    let mut diagonals = diagonals::forecast(machine, plan, control, &judged, sigma)?;
-    if let Some(lines) = comparable {
-        let compared = diagonals::forecast(machine, plan, lines, &judged, sigma)?;
+    let mut diagonals = diagonals::forecast(machine, control, &judged, sigma);
+    if let Some(lines) = &comparable {
+        let compared = diagonals::forecast(machine, lines, &judged, sigma);
         for (own, compared) in diagonals.iter_mut().zip(compared) {
             own.change.comparable_um = compared.change.after_um;
         }
@@ -107,7 +94,7 @@ pub fn forecast(
         not_determined: not_determined.collect(),
         without_reversal_um: model.remarks.hidden_reversal_um,
     };
-    Ok(forecast.bounded(Basis::Forecast))
+    forecast.bounded(Basis::Forecast)
 }
 
 const fn one_way(measured: &Measured) -> Option<Option<Direction>> {
@@ -121,11 +108,10 @@ const fn one_way(measured: &Measured) -> Option<Option<Direction>> {
 /// What is left of a term around each of its measured positions, |deviation + correction|.
 fn residuals(
     machine: Machine<'_>,
-    plan: &Plan,
-    control: &dyn Emulator,
+    control: &Field,
     term: ErrorTerm,
     judged: Option<(Millimetres, Millimetres)>,
-) -> Emulated<Vec<Magnitude>> {
+) -> Vec<Magnitude> {
     let mut figures: Vec<(Option<Direction>, Cell, f64)> = Vec::new();
     for direction in Direction::BOTH {
         let Some((measured, curve)) = machine.curves(term, direction) else {
@@ -134,10 +120,9 @@ fn residuals(
         let range = within(measured.measured_range(), judged);
         let known = machine.as_measured.terms[term].as_ref();
         let cells = known.map_or_else(Vec::new, |known| cells(known, direction, range));
-        for (base, output) in axis_pairs(&plan.names, term) {
-            let response = control.response(base, output, direction)?;
+        for response in control.ways(term, direction) {
             for (way, cell) in &cells {
-                let um = largest_in(curve, &response, *cell);
+                let um = largest_in(curve, response, *cell);
                 let same = figures.iter_mut().find(|(w, c, _)| w == way && c == cell);
                 match same {
                     Some((_, _, largest)) => *largest = larger(*largest, um),
@@ -147,7 +132,7 @@ fn residuals(
         }
     }
     let figure = |(_, cell, um): (_, Cell, f64)| Magnitude { um, u_um: cell.u_um };
-    Ok(figures.into_iter().map(figure).collect())
+    figures.into_iter().map(figure).collect()
 }
 
 /// The stretch of a curve that a measured position stands for.

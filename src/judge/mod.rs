@@ -18,5 +18,6 @@ pub mod causes;
 pub mod conformity;
 pub mod disagreement;
 pub(crate) mod family;
+pub(crate) mod field;
 pub mod findings;
 pub mod forecast;

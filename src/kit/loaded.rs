@@ -7,13 +7,13 @@
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::table::Tables;
 use crate::judge::active::{ActiveControl, named_axis};
-use crate::judge::after::Control;
 use crate::judge::before::Before;
 use crate::judge::disagreement::{self, surroundings};
+use crate::judge::field::Field;
 use crate::judge::findings::{InControl, not_emulated};
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 use crate::kit::inputs::{Asked, Inputs, cannot_emulate};
-use crate::quantity::axis::Axis;
+use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::units::rounded;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::{KitFile, ReadBack, emulator, read, unread};
@@ -137,17 +137,21 @@ impl<'a> Loaded<'a> {
     }
 
     /// What the tables add to every term.
-    pub(super) fn effect(&self) -> Result<Control, Problems> {
+    pub(super) fn effect(&self) -> Result<Field, Problems> {
         let Asked { inputs, plan, .. } = &self.asked;
-        let effect = Control::new(&inputs.model, plan, self.control()?);
+        let is_measured = |term: ErrorTerm| inputs.model.terms[term].is_some();
+        let effect = Field::of(&plan.names, self.control()?, is_measured);
         effect.map_err(|reason| cannot_emulate(&reason))
     }
 
     /// What the tables will leave in the control.
     pub(super) fn forecast(&self, control: &dyn Emulator) -> Emulated<Forecast> {
         let Asked { inputs, plan, .. } = &self.asked;
-        let ranges = judged_ranges(&inputs.job, inputs.as_measured());
-        forecast(inputs.machine(), plan, control, &ranges)
+        let measured = inputs.as_measured();
+        let is_measured = |term: ErrorTerm| measured.terms[term].is_some();
+        let field = Field::of(&plan.names, control, is_measured)?;
+        let ranges = judged_ranges(&inputs.job, measured);
+        Ok(forecast(inputs.machine(), plan, &field, &ranges))
     }
 
     /// Where the tables come from, in words.

@@ -3,10 +3,11 @@
 use super::{Asked, Inputs, Verification};
 use crate::inputs::job::{Job, MeasuredData};
 use crate::judge::after::{
-    AfterMeasurement, Comparison, Control, Observation, compare, observations, unseen_reversal,
+    AfterMeasurement, Comparison, Observation, compare, observations, unseen_reversal,
 };
 use crate::judge::causes::{Corrected, Diagnosis, Question, diagnose};
 use crate::judge::conformity::Verdict;
+use crate::judge::field::Field;
 use crate::kit::findings::KitFinding;
 use crate::quantity::axis::{Direction, PerAxis};
 use crate::text::finding::{Finding, Severity, of_severity};
@@ -98,7 +99,7 @@ fn unseen(
 fn question<'a>(
     inputs: &'a Inputs,
     verification: &Verification<'_>,
-    control: &'a Control,
+    control: &'a Field,
     seen: &'a [Observation],
 ) -> Question<'a> {
     let axis = |axis| inputs.job.machine.axes[axis];

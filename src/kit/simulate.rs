@@ -23,7 +23,7 @@ use crate::inputs::job::{
     DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector,
 };
 use crate::judge::active::named_axis;
-use crate::judge::after::Control;
+use crate::judge::field::Field;
 use crate::judge::findings::InControl;
 use crate::kit::findings::InRehearsal;
 use crate::kit::{Asked, Inputs, Loaded};
@@ -32,7 +32,7 @@ use crate::machine::separation::campaign::angles;
 use crate::machine::separation::corrections::AngleEffects;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
-use crate::quantity::units::{Correction, Millimetres, rounded};
+use crate::quantity::units::{Millimetres, rounded};
 use crate::read::{KitFile, ReadFinding};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
@@ -44,7 +44,7 @@ use serde_json::Value;
 #[derive(Clone, Debug)]
 pub struct SimulatedMachine<'a> {
     model: &'a ErrorModel,
-    control: Option<Control>,
+    control: Field,
     references: PerAxis<Option<Millimetres>>,
     scale_um_per_m: f64,
 }
@@ -60,7 +60,7 @@ impl<'a> SimulatedMachine<'a> {
         let axes = &inputs.job.machine.axes;
         Ok(SimulatedMachine {
             model: &inputs.model,
-            control: loaded.map(Loaded::effect).transpose()?,
+            control: loaded.map(Loaded::effect).transpose()?.unwrap_or_default(),
             references: PerAxis::from_fn(|axis| axes[axis].map(|axis| axis.reference)),
             scale_um_per_m,
         })
@@ -75,9 +75,7 @@ impl<'a> SimulatedMachine<'a> {
     ) -> Option<f64> {
         let measured = self.model.terms[term].as_ref()?;
         let deviation = measured.measured.curve(direction)?.at(position);
-        let control = self.control.as_ref();
-        let correction = control
-            .map_or(Correction::ZERO, |control| control.correction(term, direction, position));
+        let correction = self.control.correction(term, direction, position);
         Some((deviation + correction).um() + self.grown_um(term, position))
     }
 
@@ -90,8 +88,7 @@ impl<'a> SimulatedMachine<'a> {
 
     /// Whether the two directions of an axis differ: measured apart, or corrected apart.
     fn is_directed(&self, along: Axis) -> bool {
-        let apart =
-            |term| self.control.as_ref().is_some_and(|control| !control.is_undirected(term));
+        let apart = |term| !self.control.is_undirected(term);
         let mut of_axis = self.model.measured().filter(|(t, _)| t.along == along);
         of_axis.any(|(term, measured)| measured.measured.has_both_ways() || apart(term))
     }

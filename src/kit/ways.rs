@@ -2,8 +2,8 @@
 //! visit, whether the control is best left as it is.
 
 use crate::inputs::job::{Acceptance, BacklashPolicy, policies_as_stated};
-use crate::judge::after::Bare;
 use crate::judge::conformity::Verdict;
+use crate::judge::field::Field;
 use crate::judge::forecast::{Forecast, Machine, forecast, judged_ranges};
 use crate::kit::alternatives::{Alternative, other_policies};
 use crate::kit::inputs::judged;
@@ -115,7 +115,7 @@ fn as_found(made: &Made<'_>) -> Option<Way> {
     inputs.under_tables.as_ref()?;
     let model = inputs.as_measured();
     let ranges = judged_ranges(&inputs.job, model);
-    let found = forecast(Machine::alone(model), &made.plan, &Bare, &ranges).ok()?;
+    let found = forecast(Machine::alone(model), &made.plan, &Field::default(), &ranges);
     let left = Left::of(&found, inputs.job.acceptance);
     (judged(&found, inputs, &made.doubts) == Verdict::Pass).then_some(Way::AsItIs { left })
 }

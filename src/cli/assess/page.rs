@@ -363,7 +363,7 @@ impl Found {
             };
             Some((plane.key(), figures))
         });
-        let terms = alone(model, job)?.terms.into_iter().map(|found| {
+        let terms = alone(model, job).terms.into_iter().map(|found| {
             let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
             (found.term, Largest { before_um, u_um, expanded_um, at_most_um })
         });

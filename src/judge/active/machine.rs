@@ -12,12 +12,13 @@ use super::reading::{ActiveControl, KEY, Origin, axis_of, problem};
 use crate::control::control_state::ControlState;
 use crate::control::controller::Profile;
 use crate::inputs::job::{BacklashPolicy, Job, NotMeasured};
+use crate::judge::field::Pair;
 use crate::judge::findings::{InControl, InSum, joined};
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
 use crate::quantity::units::{AT_PLACE_MM, Deviation, Millimetres};
-use crate::read::emulate::{CannotEmulate, Emulator, NodeTable, Response};
+use crate::read::emulate::{CannotEmulate, Emulated, Emulator, NodeTable, Response};
 use crate::read::emulator;
 use crate::text::problem::{Problem, Problems};
 use crate::write::plan::{axis_names, axis_pairs, replaces_backlash};
@@ -161,46 +162,21 @@ fn acting_state(
     state
 }
 
-/// What the old tables did to one term, moving + and −.
-struct Old([Response; 2]);
+/// Whether any correction is felt.
+fn acts(old: &Pair) -> bool {
+    let places = [old.nodes(), vec![Millimetres::new(0.0)]].concat();
+    let ways = Direction::BOTH.map(|way| old.way(way).straightened());
+    let is_off =
+        |at: &Millimetres| ways.iter().any(|way| way.correction(*at).um().abs() > NOTHING_UM);
+    places.iter().any(is_off)
+}
 
-impl Old {
-    fn way(&self, direction: Direction) -> &Response {
-        let [plus, minus] = &self.0;
-        match direction {
-            Direction::Plus => plus,
-            Direction::Minus => minus,
-        }
-    }
-
-    fn tables(&self) -> impl Iterator<Item = &NodeTable> {
-        self.0.iter().flat_map(|way| way.tables())
-    }
-
-    /// All nodes, or none where only a constant acts.
-    fn nodes(&self) -> Vec<Millimetres> {
-        let nodes = self.tables().flat_map(|table| table.nodes().map(|(at, _)| at));
-        let mut nodes: Vec<Millimetres> = nodes.collect();
-        nodes.sort_by(|a, b| a.mm().total_cmp(&b.mm()));
-        nodes.dedup_by(|a, b| (a.mm() - b.mm()).abs() < AT_PLACE_MM);
-        nodes
-    }
-
-    fn acts(&self) -> bool {
-        let places = [self.nodes(), vec![Millimetres::new(0.0)]].concat();
-        let ways = [0, 1].map(|way| self.0[way].straightened());
-        let is_off =
-            |at: &Millimetres| ways.iter().any(|way| way.correction(*at).um().abs() > NOTHING_UM);
-        places.iter().any(is_off)
-    }
-
-    fn differs(&self, other: &Old) -> bool {
-        let places = [self.nodes(), other.nodes(), vec![Millimetres::new(0.0)]].concat();
-        self.0.iter().zip(&other.0).any(|(a, b)| {
-            let off = |at: &Millimetres| (a.correction(*at).um() - b.correction(*at).um()).abs();
-            places.iter().any(|at| off(at) > NOTHING_UM)
-        })
-    }
+fn differs(one: &Pair, other: &Pair) -> bool {
+    let places = [one.nodes(), other.nodes(), vec![Millimetres::new(0.0)]].concat();
+    Direction::BOTH.into_iter().any(|way| {
+        let um = |of: &Pair, at: &Millimetres| of.way(way).correction(*at).um();
+        places.iter().any(|at| (um(one, at) - um(other, at)).abs() > NOTHING_UM)
+    })
 }
 
 /// The old correction of a term; `None` where there is none.
@@ -209,19 +185,16 @@ fn old_correction(
     term: ErrorTerm,
     pairs: &[(&str, &str)],
     control: &dyn Emulator,
-) -> Result<Option<Old>, Problems> {
+) -> Result<Option<Pair>, Problems> {
     let is_missing = |axis: &Axis| job.machine.axes[*axis].is_none();
     if [term.of, term.along].iter().any(is_missing) {
         return Ok(None); // the job has no such axis
     }
-    let mut all = Vec::new();
-    for (base, output) in pairs {
-        let way = |direction| control.response(base, output, direction);
-        let ways = way(Direction::Plus).and_then(|plus| Ok([plus, way(Direction::Minus)?]));
-        all.push(Old(ways.map_err(|reason| cannot(job, &reason))?));
-    }
+    let all = pairs.iter().map(|(base, output)| Pair::of(control, base, output));
+    let all: Emulated<Vec<Pair>> = all.collect();
+    let all = all.map_err(|reason| cannot(job, &reason))?;
     let refuse = |message: String, help: &str| Err(problem(job, message, help).into());
-    if let Some(index) = (1..all.len()).find(|index| all[0].differs(&all[*index])) {
+    if let Some(index) = (1..all.len()).find(|index| differs(&all[0], &all[*index])) {
         let (first, other) = (pairs[0].1, pairs[index].1);
         return refuse(
             format!(
@@ -230,7 +203,7 @@ fn old_correction(
             "bring the axes of the gantry to the same table first, or measure with the compensation switched off",
         );
     }
-    if all.iter().flat_map(Old::tables).any(NodeTable::is_repeating) {
+    if all.iter().flat_map(Pair::tables).any(NodeTable::is_repeating) {
         return refuse(
             format!(
                 "{term}: the active table repeats (modulo), which no table of a linear axis of this program does"
@@ -238,7 +211,7 @@ fn old_correction(
             "measure with this compensation switched off",
         );
     }
-    Ok(all.into_iter().next().filter(Old::acts))
+    Ok(all.into_iter().next().filter(acts))
 }
 
 /// The model that grows term by term.
@@ -249,7 +222,7 @@ struct Sum<'a> {
 }
 
 impl Sum<'_> {
-    fn add(&mut self, term: ErrorTerm, old: &Old, problems: &mut Problems) {
+    fn add(&mut self, term: ErrorTerm, old: &Pair, problems: &mut Problems) {
         let Some(machine) = self.job.machine.axes[term.along] else {
             return;
         };
@@ -278,7 +251,7 @@ impl Sum<'_> {
         }
     }
 
-    fn put(&mut self, term: ErrorTerm, old: &Old, zero: Deviation) {
+    fn put(&mut self, term: ErrorTerm, old: &Pair, zero: Deviation) {
         let kind = self.job.compensation.curve;
         let nodes = old.nodes();
         let held = |direction| held(old.way(direction), &nodes, zero);

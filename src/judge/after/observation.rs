@@ -1,12 +1,11 @@
 //! What each value of the second measurement sees: which deviations, where, with which weight.
 
 use super::measurement::{AfterMeasurement, StraightRuns};
+use crate::judge::field::Field;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
-use crate::quantity::axis::{Direction, ErrorTerm, PerTerm};
+use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
-use crate::quantity::units::{Correction, Millimetres, Squared};
-use crate::read::emulate::{Emulated, Emulator, Response};
-use crate::write::plan::{Plan, axis_pairs};
+use crate::quantity::units::{Millimetres, Squared};
 
 /// One deviation that a value sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,6 +18,13 @@ pub struct Part {
     pub at: Millimetres,
     /// Its share: 1 for a term by itself, the direction cosine on a diagonal.
     pub weight: f64,
+}
+
+impl Part {
+    /// The correction there, µm.
+    pub(super) fn added_um(&self, control: &Field) -> f64 {
+        control.correction(self.term, self.direction, self.at).um()
+    }
 }
 
 /// One value of the second measurement: Σ weight · deviation, less a zero of its own.
@@ -48,6 +54,12 @@ impl Observation {
         weighted(&self.parts, value)
     }
 
+    /// How far it is off what the first measurement and the tables say, µm.
+    pub(crate) fn off_um(&self, control: &Field) -> f64 {
+        let added_um = self.parts.iter().map(|part| part.weight * part.added_um(control));
+        self.um - self.found_um - added_um.sum::<f64>()
+    }
+
     /// Whether it is a value of this term by itself.
     pub(crate) fn is_of(&self, term: ErrorTerm) -> bool {
         self.diagonal.is_none() && self.parts.iter().all(|part| part.term == term)
@@ -57,82 +69,6 @@ impl Observation {
 fn weighted(parts: &[Part], value: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
     let values = parts.iter().map(|part| Some(part.weight * value(part)?));
     values.sum()
-}
-
-/// What a control adds to every term in either direction, apart by tables and constants.
-#[derive(Clone, Debug)]
-pub struct Control(PerTerm<[Response; 2]>);
-
-impl Control {
-    /// Asks an emulator for the nine terms; a term that was not measured may concern an axis that
-    /// the control does not have.
-    pub fn new(before: &ErrorModel, plan: &Plan, emulator: &dyn Emulator) -> Emulated<Control> {
-        let mut responses = PerTerm::from_fn(|_| [Response::default(), Response::default()]);
-        for term in ErrorTerm::ALL {
-            let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
-                continue;
-            };
-            for direction in Direction::BOTH {
-                match emulator.response(base, output, direction) {
-                    Ok(response) => responses[term][index(direction)] = response,
-                    Err(reason) if before.terms[term].is_some() => return Err(reason),
-                    Err(_) => {}
-                }
-            }
-        }
-        Ok(Control(responses))
-    }
-
-    /// The correction where a part looks, µm.
-    pub fn at(&self, part: &Part) -> f64 {
-        self.correction(part.term, part.direction, part.at).um()
-    }
-
-    /// The correction of a term while its axis moves in a direction.
-    pub fn correction(&self, term: ErrorTerm, direction: Direction, at: Millimetres) -> Correction {
-        self.response(term, direction).correction(at)
-    }
-
-    /// Whether a term is corrected alike in both directions.
-    pub(crate) fn is_undirected(&self, term: ErrorTerm) -> bool {
-        let [plus, minus] = &self.0[term];
-        plus == minus
-    }
-
-    /// What the tables alone add, µm.
-    pub(crate) fn tables_um(&self, term: ErrorTerm, direction: Direction, at: Millimetres) -> f64 {
-        let tables = self.response(term, direction).tables().iter();
-        tables.map(|table| table.correction(at).um()).sum()
-    }
-
-    /// What is added beside the tables (a backlash parameter), µm.
-    pub(crate) fn constant_um(&self, term: ErrorTerm, direction: Direction) -> f64 {
-        let anywhere = Millimetres::new(0.0);
-        let all = self.response(term, direction).correction(anywhere).um();
-        all - self.tables_um(term, direction, anywhere)
-    }
-
-    /// Whether a table acts on a term.
-    pub(crate) fn has_table(&self, term: ErrorTerm) -> bool {
-        self.0[term].iter().any(|way| !way.tables().is_empty())
-    }
-
-    /// Places of the nodes of a term's tables.
-    pub fn nodes(&self, term: ErrorTerm) -> Vec<Millimetres> {
-        let tables = self.0[term].iter().flat_map(|way| way.tables());
-        tables.flat_map(|table| table.nodes().map(|(at, _)| at)).collect()
-    }
-
-    fn response(&self, term: ErrorTerm, direction: Direction) -> &Response {
-        &self.0[term][index(direction)]
-    }
-}
-
-const fn index(direction: Direction) -> usize {
-    match direction {
-        Direction::Plus => 0,
-        Direction::Minus => 1,
-    }
 }
 
 /// Every value of the second measurement that the first one has an answer to.

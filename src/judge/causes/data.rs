@@ -1,6 +1,6 @@
-//! The values of the second measurement, their weights, and the misfit of a fault.
+//! The values of the second measurement, their weights, and the misfit of a change.
 
-use super::fault::{Fault, Fit, Planned};
+use super::change::Change;
 use super::question::Question;
 use crate::judge::after::{Observation, Part};
 use crate::quantity::axis::ErrorTerm;
@@ -41,78 +41,80 @@ pub struct Basis {
     pub curves: usize,
 }
 
-/// The values with everything that does not depend on the fault.
+/// A change with its numbers fitted.
+#[derive(Clone, Debug)]
+pub(super) struct Fit {
+    pub(super) fitted: Vec<f64>,
+    /// Predicted values, µm, less their own zeros.
+    predicted_um: Vec<f64>,
+    residuals_um: Vec<f64>,
+}
+
+impl Fit {
+    /// Largest difference of two predictions, µm.
+    pub(super) fn differs_from(&self, other: &Fit) -> f64 {
+        let off = minus(&self.predicted_um, &other.predicted_um);
+        off.into_iter().map(f64::abs).fold(0.0, f64::max)
+    }
+}
+
+/// What a fit leaves of a value, and σ, µm.
+type Left = (f64, f64);
+
+/// Those of one curve, or of one zero.
+type Group = Vec<Left>;
+
+/// The values with everything that does not depend on the change.
 #[derive(Clone)]
 pub(super) struct Data<'a> {
     pub(super) question: &'a Question<'a>,
     pub(super) basis: Basis,
     pub(super) measured_um: Vec<f64>,
     pub(super) found_um: Vec<f64>,
-    planned: Vec<Vec<Planned>>,
-    pub(super) sigma_um: Vec<f64>,
-    zeros: usize,
+    sigma_um: Vec<f64>,
 }
 
 impl<'a> Data<'a> {
     pub(super) fn new(question: &'a Question<'a>) -> Data<'a> {
         let seen = question.seen;
-        let planned = |o: &Observation| {
-            let parts = o.parts.iter();
-            parts.map(|part| Planned::of(question, part)).collect()
-        };
         let mut curves: Vec<usize> = seen.iter().map(|o| o.curve).collect();
         curves.sort_unstable();
         curves.dedup();
         let (sigma_um, words) = sigmas(question);
+        let sigma = root_mean_square(&sigma_um);
         Data {
             question,
-            basis: Basis {
-                values: seen.len(),
-                curves: curves.len(),
-                sigma_um: root_mean_square(&sigma_um),
-                words,
-            },
+            basis: Basis { values: seen.len(), curves: curves.len(), sigma_um: sigma, words },
             measured_um: seen.iter().map(|o| o.um).collect(),
             found_um: seen.iter().map(|o| o.found_um).collect(),
-            planned: seen.iter().map(planned).collect(),
             sigma_um,
-            zeros: seen.iter().map(|o| o.zero + 1).max().unwrap_or(0),
         }
     }
 
     /// Whether both measurements state an uncertainty.
     pub(super) fn has_both_uncertainties(&self) -> bool {
-        let after = self.question.seen.iter().all(|o| o.u_um.is_some());
-        let stated = |o: &Observation| o.found_variance > 0.0;
-        after && self.question.seen.iter().all(stated)
-    }
-
-    pub(super) fn is_empty(&self) -> bool {
-        self.measured_um.is_empty()
+        self.question.seen.iter().all(|o| o.u_um.is_some() && o.found_variance > 0.0)
     }
 
     /// Where an uncertainty is not stated: the scatter between neighbours about the best
-    /// explanation, which a fault of any smooth shape leaves out; with few values the root mean square.
+    /// explanation, which a change of any smooth shape leaves out; with few values the root mean square.
     pub(super) fn settle(&mut self, fits: &[Fit]) {
-        let forecast = self.fit(&Fault::none());
-        let floor = floor_um(self.question);
+        let forecast = self.fit(&Change::None);
+        let floor = larger(self.question.count_um / 2.0, SMALLEST_UM);
         let (least, what) = match self.least_scatter(fits, &forecast) {
             // Noise that is larger than the errors as found is no noise.
             Some(um) => {
-                let most = larger(self.found_rms(), floor);
+                let most = larger(self.rms_of(&self.found_um), floor);
                 (smaller(um, most), "the scatter between neighbouring values")
             }
-            None => {
-                let all = fits.iter().chain([&forecast]);
-                (self.bounded_rms(all, floor), "the scatter")
-            }
+            None => (self.bounded_rms(fits.iter().chain([&forecast]), floor), "the scatter"),
         };
         let sigma = larger(least, floor);
         let widest = self.widen(sigma);
         self.basis.sigma_um = root_mean_square(&self.sigma_um);
-        let unstated = match self.basis.words.is_empty() {
-            true => "no uncertainty is stated".to_string(),
-            false => format!("at least {}", self.basis.words),
+        let unstated = match self.basis.words.as_str() {
+            "" => "no uncertainty is stated".to_string(),
+            words => format!("at least {words}"),
         };
         let sums = widest.map_or_else(String::new, |um| {
             format!("; up to {um:.3} µm, as sums of steps scatter, where no U is stated")
@@ -130,6 +132,7 @@ impl<'a> Data<'a> {
     /// formula  second difference of a sum: e(i+1) − e(i), √2 σ(e); of independent values: √6 σ
     fn widen(&mut self, sigma: f64) -> Option<f64> {
         let seen = self.question.seen;
+        let is_stated = |o: &Observation| o.u_um.is_some() || o.found_variance > 0.0;
         let is_mixed = seen.iter().any(is_stated);
         let mut widest = None;
         for (observation, own) in seen.iter().zip(&mut self.sigma_um) {
@@ -149,9 +152,8 @@ impl<'a> Data<'a> {
     /// chance (F at [`RISK`]). `None` = too few values.
     fn least_scatter(&self, fits: &[Fit], forecast: &Fit) -> Option<f64> {
         let (own, count) = self.scatter(forecast)?;
-        let by_rms = |a: &&Fit, b: &&Fit| self.rms(a).total_cmp(&self.rms(b));
-        let best = fits.iter().min_by(by_rms).and_then(|fit| self.scatter(fit));
-        let best = best.map_or(own, |(um, _)| um);
+        let best = fits.iter().min_by(|a, b| self.rms(a, None).total_cmp(&self.rms(b, None)));
+        let best = best.and_then(|fit| self.scatter(fit)).map_or(own, |(um, _)| um);
         let freedom = count / DIFFERENCES_OF_A_FREEDOM;
         let ratio = FisherSnedecor::new(freedom, freedom).ok()?;
         let by_chance = ratio.inverse_cdf(1.0 - RISK).sqrt();
@@ -163,9 +165,8 @@ impl<'a> Data<'a> {
 
     /// Least root mean square of the fits, up to a share of what the tables add, µm.
     fn bounded_rms<'b>(&self, fits: impl Iterator<Item = &'b Fit>, floor: f64) -> f64 {
-        let best = fits.map(|fit| self.rms(fit)).fold(f64::INFINITY, smaller);
-        let planned = self.effects(&Fault::none(), &[]);
-        let most = MOST_SCATTER * root_mean_square(&self.less_zeros(&planned));
+        let best = fits.map(|fit| self.rms(fit, None)).fold(f64::INFINITY, smaller);
+        let most = MOST_SCATTER * self.rms_of(&self.effects(&Change::None, &[]));
         best.clamp(floor, larger(most, floor))
     }
 
@@ -174,12 +175,9 @@ impl<'a> Data<'a> {
     ///
     /// formula  σ = median |r(i−1) − 2 r(i) + r(i+1)| / (0.6745·√6): a few wild values do not move it
     fn scatter(&self, fit: &Fit) -> Option<(f64, f64)> {
-        let mut curves: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-        for (observation, left, _) in self.left(&fit.residuals_um, &|_| true).0 {
-            curves.entry(observation.curve).or_default().push(left);
-        }
-        let second = |w: &[f64]| (w[0] - 2.0 * w[1] + w[2]).abs();
-        let windows = curves.values().flat_map(|curve| curve.windows(3));
+        let second = |w: &[Left]| (w[0].0 - 2.0 * w[1].0 + w[2].0).abs();
+        let (curves, _) = self.groups(fit, None, |o| o.curve);
+        let windows = curves.iter().flat_map(|curve| curve.windows(3));
         let mut sizes: Vec<f64> = windows.map(second).collect();
         sizes.sort_by(f64::total_cmp);
         let count = sizes.len() as f64;
@@ -191,15 +189,14 @@ impl<'a> Data<'a> {
     /// The same with the second measurement in another unit; its u is that of the values, or
     /// (`u_times` = 1) right as it stands.
     pub(super) fn in_another_unit(&self, times: f64, u_times: f64) -> Data<'a> {
-        let found = |o: &Observation| o.found_variance;
-        let seen = self.question.seen.iter();
+        let rounding = rounding_variance(self.question);
         let sigma = |o: &Observation| {
             let u = o.u_um.unwrap_or(0.0) * u_times;
-            (u * u + found(o) + rounding_variance(self.question)).sqrt()
+            (u * u + o.found_variance + rounding).sqrt()
         };
         Data {
             measured_um: self.measured_um.iter().map(|um| um * times).collect(),
-            sigma_um: seen.map(sigma).collect(),
+            sigma_um: self.question.seen.iter().map(sigma).collect(),
             ..self.clone()
         }
     }
@@ -210,52 +207,42 @@ impl<'a> Data<'a> {
         largest(&self.measured_um) / largest(&self.found_um).max(SMALLEST_UM)
     }
 
-    /// Root mean square of what was measured afterwards, less its zeros, µm.
-    pub(super) fn measured_rms(&self) -> f64 {
-        root_mean_square(&self.less_zeros(&self.measured_um))
+    /// Root mean square of values less their zeros, µm.
+    pub(super) fn rms_of(&self, values_um: &[f64]) -> f64 {
+        root_mean_square(&self.less_zeros(values_um))
     }
 
-    /// Root mean square of what was found, less its zeros, µm.
-    pub(super) fn found_rms(&self) -> f64 {
-        root_mean_square(&self.less_zeros(&self.found_um))
-    }
-
-    pub(super) fn effects(&self, fault: &Fault, fitted: &[f64]) -> Vec<f64> {
-        let of = |(observation, planned): (&Observation, &Vec<Planned>)| {
-            let parts = observation.parts.iter().zip(planned);
-            let effect = |part: &Part, planned| fault.effect(self.question, fitted, part, planned);
-            let weighted = parts.map(|(part, planned)| part.weight * effect(part, *planned));
-            weighted.sum()
+    /// What each value sees of the control with a change, and beside it, µm.
+    pub(super) fn effects(&self, change: &Change, fitted: &[f64]) -> Vec<f64> {
+        let effect = |part: &Part| {
+            let [added, beside] = change.effect(self.question, fitted, part);
+            part.weight * (added + beside)
         };
-        let seen = self.question.seen.iter().zip(&self.planned);
-        seen.map(of).collect()
+        let seen = self.question.seen.iter();
+        seen.map(|observation| observation.parts.iter().map(effect).sum()).collect()
     }
 
-    pub(super) fn evaluated(&self, fault: &Fault, fitted: Vec<f64>) -> Fit {
-        let effects = self.effects(fault, &fitted);
-        let pairs = effects.iter().zip(&self.found_um);
-        let predicted: Vec<f64> = pairs.map(|(a, b)| a + b).collect();
-        let pairs = self.measured_um.iter().zip(&predicted);
-        let left: Vec<f64> = pairs.map(|(a, b)| a - b).collect();
+    /// A change with these numbers.
+    pub(super) fn evaluated(&self, change: &Change, fitted: Vec<f64>) -> Fit {
+        let predicted = plus(&self.found_um, &self.effects(change, &fitted));
         Fit {
             fitted,
+            residuals_um: self.less_zeros(&minus(&self.measured_um, &predicted)),
             predicted_um: self.less_zeros(&predicted),
-            residuals_um: self.less_zeros(&left),
         }
     }
 
     /// Values less the weighted mean of those that count from the same zero.
     pub(super) fn less_zeros(&self, values: &[f64]) -> Vec<f64> {
-        let mut sums = vec![(0.0, 0.0); self.zeros];
-        for ((observation, sigma), value) in
-            self.question.seen.iter().zip(&self.sigma_um).zip(values)
-        {
+        let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
+        let seen = self.question.seen;
+        for ((observation, sigma), value) in seen.iter().zip(&self.sigma_um).zip(values) {
             let weight = 1.0 / (sigma * sigma);
-            let sum = &mut sums[observation.zero];
+            let sum = sums.entry(observation.zero).or_default();
             *sum = (sum.0 + weight * value, sum.1 + weight);
         }
-        let seen = self.question.seen.iter().zip(values);
-        seen.map(|(o, value)| value - sums[o.zero].0 / sums[o.zero].1).collect()
+        let seen = seen.iter().zip(values);
+        seen.map(|(o, value)| value - sums[&o.zero].0 / sums[&o.zero].1).collect()
     }
 
     /// Σ (residual/σ)².
@@ -265,139 +252,115 @@ impl<'a> Data<'a> {
 
     /// Values by their σ, less what the scale of the laser may have added, whose own size stands behind them.
     pub(super) fn weighted(&self, values_um: &[f64]) -> Vec<f64> {
-        let (left, laser) = self.left(values_um, &|_| true);
-        left.into_iter().map(|(_, left, sigma)| left / sigma).chain(laser).collect()
+        let (left, laser) = self.left(values_um, None);
+        left.into_iter().map(|(_, (left, sigma))| left / sigma).chain(laser).collect()
     }
 
-    /// Observations, their values less what the scale of the laser may have added, which is one error of all positions,
-    /// axes and directions, and their σ, µm; how much of it that takes, by its own u. `None` = none is stated.
+    /// Observations (of one term, or all), their values less what the scale of the laser may have added, which is one
+    /// error of all positions, axes and directions, and their σ, µm; how much of it that takes, by its own u. `None` =
+    /// none is stated.
     ///
     /// formula  the s with least Σ ((value − s c)/σ)² + s²; c = what one standard uncertainty adds, less its zeros
     fn left(
         &self,
         values_um: &[f64],
-        of: &dyn Fn(&Observation) -> bool,
-    ) -> (Vec<(&'a Observation, f64, f64)>, Option<f64>) {
+        term: Option<ErrorTerm>,
+    ) -> (Vec<(&'a Observation, Left)>, Option<f64>) {
         let question = self.question;
-        let grown = |o: &Observation| {
-            o.predicted(|part| Some(question.grown_um(part, question.laser_um_per_m)))
-        };
+        let laser = question.laser_um_per_m;
+        let grown = |o: &Observation| o.predicted(|part| Some(question.grown_um(part, laser)));
         let grown = question.seen.iter().map(|o| grown(o).unwrap_or(0.0));
         let added = self.less_zeros(&grown.collect::<Vec<f64>>());
         let each = question.seen.iter().zip(&self.sigma_um).zip(added.iter().zip(values_um));
-        let each: Vec<_> = each.filter(|((o, _), _)| of(o)).collect();
+        let each: Vec<_> =
+            each.filter(|((o, _), _)| term.is_none_or(|term| o.is_of(term))).collect();
         let (mut share, mut known) = (0.0, 1.0);
         for ((_, sigma), (added, value)) in &each {
             share += *added * *value / sigma.squared();
             known += (*added / *sigma).squared();
         }
         let size = share / known;
-        let left = each.into_iter().map(|((o, sigma), (added, um))| (o, um - size * added, *sigma));
-        (left.collect(), (question.laser_um_per_m > 0.0).then_some(size))
+        let left = each.into_iter();
+        let left = left.map(|((o, sigma), (added, um))| (o, (um - size * added, *sigma)));
+        (left.collect(), (laser > 0.0).then_some(size))
+    }
+
+    /// What a fit leaves by curve, or by zero; and how much of the laser's scale it takes.
+    fn groups(
+        &self,
+        fit: &Fit,
+        term: Option<ErrorTerm>,
+        of: fn(&Observation) -> usize,
+    ) -> (Vec<Group>, Option<f64>) {
+        let mut groups: BTreeMap<usize, Group> = BTreeMap::new();
+        let (left, laser) = self.left(&fit.residuals_um, term);
+        for (observation, left) in left {
+            groups.entry(of(observation)).or_default().push(left);
+        }
+        (groups.into_values().collect(), laser)
     }
 
     /// Sum over the curves of the mean squared residual over σ²; that of chi-squared with as many
     /// degrees of freedom as curves where the points of a curve move together.
     pub(super) fn score(&self, fit: &Fit) -> f64 {
-        self.by_curve(fit, &|_| true).into_iter().sum()
+        self.by_curve(fit, None).into_iter().sum()
     }
 
     /// The mean of each curve; the scale of the laser is one figure more.
-    fn by_curve(&self, fit: &Fit, of: &dyn Fn(&Observation) -> bool) -> Vec<f64> {
-        let mut sums: BTreeMap<usize, (f64, f64)> = BTreeMap::new();
-        let (left, laser) = self.left(&fit.residuals_um, of);
-        for (observation, left, sigma) in left {
-            let sum = sums.entry(observation.curve).or_default();
-            *sum = (sum.0 + (left / sigma).squared(), sum.1 + 1.0);
-        }
-        let means = sums.into_values().map(|(square, count)| square / count);
+    fn by_curve(&self, fit: &Fit, term: Option<ErrorTerm>) -> Vec<f64> {
+        let (curves, laser) = self.groups(fit, term, |o| o.curve);
+        let squares = |curve: &Group| curve.iter().map(|(um, u)| (um / u).squared()).sum::<f64>();
+        let means = curves.iter().map(|curve| squares(curve) / curve.len() as f64);
         means.chain(laser.map(f64::squared)).collect()
     }
 
-    /// Whether a fit is not rejected: all curves together, each by itself, and the two values of
-    /// one zero that lie farthest apart.
-    pub(super) fn stands(&self, fit: &Fit) -> bool {
-        self.stands_of(fit, &|_| true)
-    }
-
-    /// The same for the curves of one term.
-    pub(super) fn stands_alone(&self, fit: &Fit, term: ErrorTerm) -> bool {
-        self.stands_of(fit, &|o| o.is_of(term))
-    }
-
-    fn stands_of(&self, fit: &Fit, of: &dyn Fn(&Observation) -> bool) -> bool {
-        not_rejected(&self.by_curve(fit, of)) && self.no_two_values_apart(fit, of)
+    /// Whether a fit is not rejected: all curves (of one term, or all) together, each by itself, and the
+    /// two values of one zero that lie farthest apart.
+    pub(super) fn stands(&self, fit: &Fit, term: Option<ErrorTerm>) -> bool {
+        let curves = self.by_curve(fit, term);
+        let count = curves.len() as f64;
+        let each = quantile(1.0 - RISK / count.max(1.0), 1.0);
+        let together: f64 = curves.iter().sum();
+        together <= quantile(1.0 - RISK, count)
+            && curves.iter().all(|mean| *mean <= each)
+            && self.no_two_values_apart(fit, term)
     }
 
     /// A slope, a step or one bad place is diluted in the mean of a curve: so no two values that
     /// count from one zero may differ from the prediction by more than their σ allows, at
     /// [`RISK`] shared by all pairs (Bonferroni).
-    fn no_two_values_apart(&self, fit: &Fit, of: &dyn Fn(&Observation) -> bool) -> bool {
-        let mut groups: BTreeMap<usize, Vec<(f64, f64)>> = BTreeMap::new();
-        for (observation, left, sigma) in self.left(&fit.residuals_um, of).0 {
-            let group = groups.entry(observation.zero).or_default();
-            group.push((left, sigma));
-        }
-        let pairs = |group: &Vec<(f64, f64)>| (group.len() * group.len()) as f64 / 2.0;
-        let limit = quantile(1.0 - RISK / groups.values().map(pairs).sum::<f64>(), 1.0);
-        groups.values().all(|group| {
-            let by_left = |a: &&(f64, f64), b: &&(f64, f64)| a.0.total_cmp(&b.0);
-            let ends = (group.iter().min_by(by_left), group.iter().max_by(by_left));
-            let (Some(low), Some(high)) = ends else {
-                return true;
-            };
-            (high.0 - low.0).squared() <= limit * (low.1.squared() + high.1.squared())
+    fn no_two_values_apart(&self, fit: &Fit, term: Option<ErrorTerm>) -> bool {
+        let (groups, _) = self.groups(fit, term, |o| o.zero);
+        let pairs = groups.iter().map(|group| (group.len() * group.len()) as f64 / 2.0);
+        let limit = quantile(1.0 - RISK / pairs.sum::<f64>(), 1.0);
+        groups.iter().all(|group| {
+            let by_left = |a: &&Left, b: &&Left| a.0.total_cmp(&b.0);
+            let ends = group.iter().min_by(by_left).zip(group.iter().max_by(by_left));
+            ends.is_none_or(|(low, high)| {
+                (high.0 - low.0).squared() <= limit * (low.1.squared() + high.1.squared())
+            })
         })
     }
 
-    /// Where a term lies farthest off the forecast, zero at the reference like the page; `None` =
-    /// not measured by itself.
-    pub(super) fn farthest_off(&self, term: ErrorTerm) -> Option<(f64, &Observation)> {
-        let planned = self.effects(&Fault::none(), &[]);
-        let expected = self.found_um.iter().zip(planned).map(|(a, b)| a + b);
-        let off = self.measured_um.iter().zip(expected).map(|(a, b)| a - b);
-        let of_term = off.zip(self.question.seen).filter(|(_, o)| o.is_of(term));
-        of_term.max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))
-    }
-
-    /// Terms that were measured by themselves.
-    pub(super) fn single_terms(&self) -> Vec<ErrorTerm> {
-        let seen = |term: &ErrorTerm| self.question.seen.iter().any(|o| o.is_of(*term));
-        ErrorTerm::ALL.into_iter().filter(seen).collect()
-    }
-
-    /// Root mean square of what a fit leaves of one term, µm.
-    pub(super) fn rms_of(&self, fit: &Fit, term: ErrorTerm) -> f64 {
+    /// Root mean square of what a fit leaves, of one term or all, µm.
+    pub(super) fn rms(&self, fit: &Fit, term: Option<ErrorTerm>) -> f64 {
         let seen = self.question.seen.iter().zip(&fit.residuals_um);
-        let of_term = seen.filter(|(o, _)| o.is_of(term));
-        root_mean_square(&of_term.map(|(_, um)| *um).collect::<Vec<f64>>())
-    }
-
-    /// Root mean square of what a fit leaves, µm.
-    pub(super) fn rms(&self, fit: &Fit) -> f64 {
-        root_mean_square(&fit.residuals_um)
+        let own = seen.filter(|(o, _)| term.is_none_or(|term| o.is_of(term)));
+        root_mean_square(&own.map(|(_, um)| *um).collect::<Vec<f64>>())
     }
 }
 
-fn not_rejected(curves: &[f64]) -> bool {
-    let count = curves.len() as f64;
-    let each = quantile(1.0 - RISK / count.max(1.0), 1.0);
-    let together: f64 = curves.iter().sum();
-    together <= quantile(1.0 - RISK, count) && curves.iter().all(|mean| *mean <= each)
+pub(super) fn minus(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
+
+pub(super) fn plus(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a + b).collect()
 }
 
 fn root_mean_square(values: &[f64]) -> f64 {
     let count = values.len().max(1) as f64;
     (values.iter().map(|v| v * v).sum::<f64>() / count).sqrt()
-}
-
-/// Whether the uncertainty of a value is stated in one of both measurements at least.
-fn is_stated(observation: &Observation) -> bool {
-    observation.u_um.is_some() || observation.found_variance > 0.0
-}
-
-fn floor_um(question: &Question<'_>) -> f64 {
-    larger(question.count_um / 2.0, SMALLEST_UM)
 }
 
 /// Table values are whole counts, spread evenly over one.
@@ -414,24 +377,24 @@ fn sigmas(question: &Question<'_>) -> (Vec<f64>, String) {
         let found = if found > 0.0 { found } else { left };
         (left + found + rounding).sqrt()
     };
-    let mut measured = question.before.measured();
-    let found = measured.any(|(_, m)| m.u_value_um().is_some());
+    let found = question.before.measured().any(|(_, m)| m.u_value_um().is_some());
     let left = question.seen.iter().any(|o| o.u_um.is_some());
-    let words = match (found, left) {
-        (true, true) => "u of both measurements",
-        (false, true) => {
-            "u of the second measurement; that of the first is not stated and taken as the same"
-        }
-        (true, false) => {
-            "u of the first measurement; that of the second is not stated and taken as the same"
-        }
-        (false, false) => "",
+    let one = |own, other| {
+        format!(
+            "u of the {own} measurement; that of the {other} is not stated and taken as the same"
+        )
     };
-    let laser = question.laser_um_per_m;
-    let counts = laser > 0.0 && !words.is_empty();
-    let laser = counts.then(|| format!(", and {laser:.2} µm/m of laser scale, common to all axes"));
-    let sigmas = question.seen.iter().map(sigma).collect();
-    (sigmas, format!("{words}{}", laser.unwrap_or_default()))
+    let mut words = match (found, left) {
+        (true, true) => "u of both measurements".to_string(),
+        (false, true) => one("second", "first"),
+        (true, false) => one("first", "second"),
+        (false, false) => String::new(),
+    };
+    if question.laser_um_per_m > 0.0 && !words.is_empty() {
+        let laser = question.laser_um_per_m;
+        words += &format!(", and {laser:.2} µm/m of laser scale, common to all axes");
+    }
+    (question.seen.iter().map(sigma).collect(), words)
 }
 
 /// Risk of rejecting what is right.

@@ -5,8 +5,11 @@
 //! where only a sign is in question a bump decides; where the control does as planned
 //! (temperature), a linear run; where the first readings may be filed wrongly, their records.
 
-use super::fault::{Act, Fault, Fit, Planned, number};
-use super::question::{Question, Slip};
+use super::change::{Change, number};
+use super::data::Fit;
+use super::fit::ends;
+use super::hypotheses::{CHECKS, Hypothesis};
+use super::question::Question;
 use crate::judge::after::Part;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::{Figure, Millimetres};
@@ -15,203 +18,111 @@ use crate::quantity::units::{Figure, Millimetres};
 const TOLD_APART_UM: f64 = 0.5;
 /// The last digit that is shown, µm.
 const SHOWN_UM: f64 = 0.001;
-/// Largest bump of a proof of the sign, µm.
-const BUMP_UM: u32 = 20;
+const READ_BACK: &str = "read tables and parameters out of the control and compare them with the files (`nonius verify JOB --tables DIR`), then look whether they are switched on, once";
 
-/// Corrections that act at one place, coming there moving + and moving −, µm.
+/// Hypotheses that the data do not exclude, fitted.
+type Standing<'a> = [(&'a Hypothesis, Fit)];
+
+/// What acts at one place, coming there moving + and moving −, without its sign, µm.
 type BothWays = [f64; 2];
 
-/// A place to look at, and what each fault shows there.
-struct Look {
-    term: ErrorTerm,
-    at: Millimetres,
-    shown_um: Vec<BothWays>,
-    /// Groups of faults, and of the files, that differ there.
-    groups: usize,
-    /// Smallest distance of two groups, µm.
-    gap_um: f64,
-}
-
-impl Look {
-    /// Whether no two faults show the same.
-    fn tells_all_apart(&self, told_apart_um: f64) -> bool {
-        let shown = self.shown_um.iter().enumerate();
-        let mut pairs =
-            shown.flat_map(|(at, one)| self.shown_um[at + 1..].iter().map(|o| (*one, *o)));
-        pairs.all(|(one, other)| apart_um(one, other) > told_apart_um)
-    }
-}
-
 /// The sentence.
-pub(super) fn decides(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> String {
-    let of_kind = |kind: &str| standing.iter().any(|(fault, _)| fault.kind == kind);
-    let thermal = |(fault, _): &(&Fault, Fit)| fault.kind == "temperature";
-    if standing.iter().all(thermal) {
+pub(super) fn decides(question: &Question<'_>, standing: &Standing<'_>) -> String {
+    let changes = || standing.iter().map(|(tried, _)| &tried.change);
+    if changes().all(|change| matches!(change, Change::Warmer(_))) {
         return linear_run(question, standing);
     }
-    let of_records = checks_of_records(standing);
-    if standing.iter().all(|(fault, _)| slip(fault).is_some()) {
-        return of_records.join("; ");
-    }
-    let look = match question.display {
+    let looks = !changes().all(|change| matches!(change, Change::Recorded(_)));
+    let look = looks.then(|| match question.display {
         Some(display) => by_display(question, standing, display),
-        None => format!("no display of the correction is known of this control: {}", read_back()),
+        None => format!("no display of the correction is known of this control: {READ_BACK}"),
+    });
+    let is_due = |kind: &str| {
+        let needs_bump = looks && question.display.is_none() && kind == "sign turned";
+        needs_bump || standing.iter().any(|(tried, _)| tried.kind.1 == kind)
     };
-    let mut steps = vec![look];
-    if of_kind("sign turned") || question.display.is_none() {
-        steps.push(format!(
-            "one bump of at most {BUMP_UM} µm and a dial gauge prove sign and size of what acts"
-        ));
-    }
-    if of_kind("measurement turned") {
-        steps.push("move an axis in + and look whether the laser counts in +".to_string());
-    }
-    if standing.iter().any(thermal) {
-        steps.push("read the temperatures of scales and workpiece".to_string());
-    }
-    steps.extend(of_records.into_iter().map(str::to_string));
-    steps.join("; ")
+    let checks = CHECKS.into_iter().filter(|(kind, _)| is_due(kind));
+    let steps = look.into_iter().chain(checks.map(|(_, check)| check.to_string()));
+    steps.collect::<Vec<String>>().join("; ")
 }
 
-const fn slip(fault: &Fault) -> Option<Slip> {
-    match &fault.act {
-        Act::Recorded(slip) => Some(*slip),
-        _ => None,
-    }
-}
-
-/// What to look at where the records of the first measurement may be wrong; the control does as
-/// planned then.
-fn checks_of_records(standing: &[(&Fault, Fit)]) -> Vec<&'static str> {
-    let slips = standing.iter().filter_map(|(fault, _)| slip(fault));
-    let mut checks: Vec<&str> = slips.map(Slip::check).collect();
-    checks.dedup();
-    checks
-}
-
-fn read_back() -> &'static str {
-    "read tables and parameters out of the control and compare them with the files (`nonius verify JOB --tables DIR`), then look whether they are switched on, once"
-}
-
-fn by_display(question: &Question<'_>, standing: &[(&Fault, Fit)], display: &str) -> String {
-    match best_look(question, standing) {
-        Some(look) if look.tells_all_apart(told_apart_um(question)) => {
-            display_at(question, standing, &look, display)
-        }
-        Some(look) => format!(
-            "{}; where that leaves more than one, {}",
-            display_at(question, standing, &look, display),
-            read_back()
-        ),
-        None => format!(
-            "where was measured, what {display} shows is the same for all within {:.3} µm: {}",
-            told_apart_um(question),
-            read_back()
-        ),
-    }
-}
-
-/// What a display tells apart, µm.
-fn told_apart_um(question: &Question<'_>) -> f64 {
-    TOLD_APART_UM.max(2.0 * question.count_um)
-}
-
-/// The place, among the nodes of the tables where the second measurement looked.
-fn best_look(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> Option<Look> {
-    let looked = |term: ErrorTerm| {
-        let range = question.range_mm(term.along);
-        let within = move |at: &Millimetres| {
-            range.is_some_and(|(low, high)| at.mm() >= low && at.mm() <= high)
+/// The place, among the nodes of the tables where the second measurement looked, where most of the hypotheses and
+/// the files differ, by the most. Temperature, a turned measurement and slips of its records leave the control as planned.
+fn by_display(question: &Question<'_>, standing: &Standing<'_>, display: &str) -> String {
+    let told_apart_um = TOLD_APART_UM.max(2.0 * question.count_um);
+    let places = question.terms().into_iter().flat_map(|term| {
+        let along = question.parts().filter(|part| part.term.along == term.along);
+        let (low, high) = ends(along.map(|part| part.at.mm()));
+        let nodes = question.control.nodes(term).into_iter();
+        nodes.filter(move |at| (low..=high).contains(&at.mm())).map(move |at| (term, at))
+    });
+    let looks = places.map(|(term, at)| {
+        let acting = |change: &Change, fitted: &[f64]| {
+            let part = |direction| Part { term, direction, at, weight: 1.0 };
+            Direction::BOTH.map(|way| change.effect(question, fitted, &part(way))[0].abs())
         };
-        question.control.nodes(term).into_iter().filter(within)
+        let with = standing.iter().map(|(tried, fit)| acting(&tried.change, &fit.fitted));
+        let shown: Vec<BothWays> = [acting(&Change::None, &[])].into_iter().chain(with).collect();
+        let (mut groups, mut gap_um) = (Vec::new(), f64::INFINITY);
+        for own in &shown {
+            let distances = groups.iter().map(|other| apart_um(own, other));
+            let nearest = distances.fold(f64::INFINITY, f64::min);
+            if nearest > told_apart_um {
+                groups.push(*own);
+                gap_um = gap_um.min(nearest);
+            }
+        }
+        ((groups.len(), gap_um), (term, at), shown)
+    });
+    let best = looks.reduce(|best, other| if other.0 > best.0 { other } else { best });
+    let Some((_, place, shown)) = best.filter(|((groups, _), ..)| *groups > 1) else {
+        return format!(
+            "where was measured, what {display} shows is the same for all within {told_apart_um:.3} µm: {READ_BACK}"
+        );
     };
-    let places =
-        question.terms().into_iter().flat_map(|term| looked(term).map(move |at| (term, at)));
-    let looks = places.map(|(term, at)| look(question, standing, term, at));
-    let better = |best: Look, other: Look| {
-        if (other.groups, other.gap_um) > (best.groups, best.gap_um) { other } else { best }
-    };
-    looks.reduce(better).filter(|look| look.groups > 1)
-}
-
-/// What acts at a place; temperature, a turned measurement and slips of its records leave the control as planned.
-fn acting_um(
-    question: &Question<'_>,
-    fault: &Fault,
-    fitted: &[f64],
-    (term, at): (ErrorTerm, Millimetres),
-) -> BothWays {
-    Direction::BOTH.map(|direction| {
-        let part = Part { term, direction, at, weight: 1.0 };
-        let planned = Planned::of(question, &part);
-        fault.correction(question, fitted, &part, planned)
-    })
+    let said = display_at(standing, place, &shown, display);
+    let is_near = |(at, one)| shown[at + 1..].iter().any(|o| apart_um(one, o) <= told_apart_um);
+    match shown.iter().enumerate().skip(1).any(is_near) {
+        false => said,
+        true => format!("{said}; where that leaves more than one, {READ_BACK}"),
+    }
 }
 
 /// Distance of two amounts, the larger of both directions, µm.
-fn apart_um(one: BothWays, other: BothWays) -> f64 {
-    let way = |at: usize| (one[at].abs() - other[at].abs()).abs();
+fn apart_um(one: &BothWays, other: &BothWays) -> f64 {
+    let way = |at: usize| (one[at] - other[at]).abs();
     way(0).max(way(1))
 }
 
-fn look(
-    question: &Question<'_>,
-    standing: &[(&Fault, Fit)],
-    term: ErrorTerm,
-    at: Millimetres,
-) -> Look {
-    let acting = |(fault, fit): &(&Fault, Fit)| acting_um(question, fault, &fit.fitted, (term, at));
-    let shown_um: Vec<BothWays> = standing.iter().map(acting).collect();
-    let planned = acting_um(question, &Fault::none(), &[], (term, at));
-    let told_apart = told_apart_um(question);
-    let mut groups: Vec<BothWays> = Vec::new();
-    let mut gap_um = f64::INFINITY;
-    for shown in [&planned].into_iter().chain(&shown_um) {
-        let distance = groups.iter().map(|other| apart_um(*shown, *other));
-        let nearest = distance.fold(f64::INFINITY, f64::min);
-        if nearest > told_apart {
-            groups.push(*shown);
-            gap_um = gap_um.min(nearest);
-        }
-    }
-    Look { term, at, shown_um, groups: groups.len(), gap_um }
-}
-
+/// `shown` = as planned, then with each hypothesis.
 fn display_at(
-    question: &Question<'_>,
-    standing: &[(&Fault, Fit)],
-    look: &Look,
+    standing: &Standing<'_>,
+    (term, at): (ErrorTerm, Millimetres),
+    shown: &[BothWays],
     display: &str,
 ) -> String {
-    let Look { term, at, .. } = look;
-    let planned = acting_um(question, &Fault::none(), &[], (*term, *at));
-    let mut said: Vec<(String, BothWays)> = Vec::new();
-    for ((fault, _), shown) in standing.iter().zip(&look.shown_um) {
-        let label = &fault.label;
-        match said.iter_mut().find(|(_, other)| apart_um(*shown, *other) < SHOWN_UM) {
-            Some((words, _)) => add_label(words, label),
-            None => said.push((label.clone(), *shown)),
+    let mut said: Vec<(String, &BothWays)> = Vec::new();
+    for ((tried, _), own) in standing.iter().zip(&shown[1..]) {
+        match said.iter_mut().find(|(_, other)| apart_um(own, other) < SHOWN_UM) {
+            Some((words, _)) => add_label(words, &tried.label),
+            None => said.push((tried.label.clone(), own)),
         }
     }
-    let shown = said.iter().map(|(_, shown)| *shown).chain([planned]);
-    let alike = shown.into_iter().all(|[plus, minus]| (plus.abs() - minus.abs()).abs() < SHOWN_UM);
-    let amount = |[plus, minus]: BothWays| {
-        if alike {
-            format!("{:.3} µm", plus.abs())
-        } else {
-            format!("{:.3} / {:.3} µm", plus.abs(), minus.abs())
-        }
+    let mut all = said.iter().map(|(_, own)| *own).chain([&shown[0]]);
+    let alike = all.all(|[plus, minus]| (plus - minus).abs() < SHOWN_UM);
+    let amount = |[plus, minus]: &BothWays| match alike {
+        true => format!("{plus:.3} µm"),
+        false => format!("{plus:.3} / {minus:.3} µm"),
     };
-    let cases: Vec<String> =
-        said.iter().map(|(words, shown)| format!("{} if {words}", amount(*shown))).collect();
+    let cases = said.iter().map(|(words, own)| format!("{} if {words}", amount(own)));
     let coming = if alike { "" } else { " coming there moving + / moving -," };
     format!(
         "look at {display}: {} at {} mm, the other axes at their reference points,{coming} the amount for axis {} is {} if the control does what the files say, {} (its sign on the display is not documented)",
         term.along,
         Figure(at.mm()).trimmed(3),
         term.of,
-        amount(planned),
-        cases.join(", ")
+        amount(&shown[0]),
+        cases.collect::<Vec<String>>().join(", ")
     )
 }
 
@@ -219,28 +130,23 @@ fn display_at(
 fn add_label(words: &mut String, label: &str) {
     const MOST: usize = 3;
     let joined = words.matches(" or ").count() + 1;
-    if words.contains(label) {
-        return;
-    }
-    if joined < MOST {
-        words.push_str(" or ");
-        words.push_str(label);
-    } else if !words.ends_with(" …") {
-        words.push_str(" …");
+    match words.contains(label) {
+        true => {}
+        false if joined < MOST => *words += &format!(" or {label}"),
+        false if !words.ends_with(" …") => words.push_str(" …"),
+        false => {}
     }
 }
 
 /// Temperature leaves the control alone: the axis on which the explanations differ most.
-fn linear_run(question: &Question<'_>, standing: &[(&Fault, Fit)]) -> String {
-    let slope = |axis: Axis, (fault, fit): &(&Fault, Fit)| match &fault.act {
-        Act::Warmer(places) => question.um_per_m(axis, number(&fit.fitted, places[axis])),
-        _ => 0.0,
-    };
+fn linear_run(question: &Question<'_>, standing: &Standing<'_>) -> String {
     let spread = |axis: &Axis| {
-        let slopes: Vec<f64> = standing.iter().map(|found| slope(*axis, found)).collect();
-        let high = slopes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        let low = slopes.iter().copied().fold(f64::INFINITY, f64::min);
-        if slopes.len() == 1 { high.abs() } else { high - low }
+        let slopes = standing.iter().map(|(tried, fit)| match &tried.change {
+            Change::Warmer(places) => question.um_per_m(*axis, number(&fit.fitted, places[*axis])),
+            _ => 0.0,
+        });
+        let (low, high) = ends(slopes);
+        if standing.len() == 1 { high.abs() } else { high - low }
     };
     let axis = Axis::ALL.into_iter().max_by(|a, b| spread(a).total_cmp(&spread(b)));
     let axis = axis.unwrap_or(Axis::X);

@@ -1,7 +1,7 @@
-//! The numbers of a fault, fitted: factors and slopes in closed form, shifts by search.
+//! The numbers of a change, fitted: factors and slopes in closed form, shifts by search.
 
-use super::data::{Data, quantile};
-use super::fault::{Act, Fault, Fit, Fitted};
+use super::change::Change;
+use super::data::{Data, Fit, minus, plus, quantile};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use nalgebra::{DMatrix, DVector};
 
@@ -15,58 +15,53 @@ const SAME_SQUARE: f64 = 1.0 + 1e-9;
 const COVERED: f64 = 0.95;
 
 impl Data<'_> {
-    /// The fault with its numbers fitted.
-    pub(super) fn fit(&self, fault: &Fault) -> Fit {
-        let fitted = match &fault.act {
-            Act::Shifted(places) => self.shifted(fault, places),
-            _ if fault.numbers() == 0 => Vec::new(),
-            _ => self.linear(fault, fault.numbers()),
+    /// The change with its numbers fitted.
+    pub(super) fn fit(&self, change: &Change) -> Fit {
+        let fitted = match (change, change.numbers()) {
+            (_, 0) => Vec::new(),
+            (Change::Shifted(_), count) => self.shifted(change, count),
+            (_, count) => self.linear(change, count),
         };
-        self.evaluated(fault, fitted)
+        self.evaluated(change, fitted)
     }
 
     /// Weighted least squares of numbers that act in proportion.
-    fn linear(&self, fault: &Fault, count: usize) -> Vec<f64> {
+    fn linear(&self, change: &Change, count: usize) -> Vec<f64> {
         let weighted = |values: Vec<f64>| self.weighted(&self.less_zeros(&values));
-        let base = self.effects(fault, &vec![0.0; count]);
+        let mut numbers = vec![0.0; count];
+        let base = self.effects(change, &numbers);
+        let left = minus(&self.measured_um, &plus(&self.found_um, &base));
+        let left = DVector::from_vec(weighted(left));
         let mut columns = Vec::new();
         for index in 0..count {
-            let mut unit = vec![0.0; count];
-            unit[index] = 1.0;
-            let effects = self.effects(fault, &unit);
-            let pairs = effects.iter().zip(&base);
-            columns.extend(weighted(pairs.map(|(a, b)| a - b).collect()));
+            numbers[index] = 1.0;
+            columns.extend(weighted(minus(&self.effects(change, &numbers), &base)));
+            numbers[index] = 0.0;
         }
-        let known = self.found_um.iter().zip(&base).map(|(a, b)| a + b);
-        let left = self.measured_um.iter().zip(known).map(|(a, b)| a - b);
-        let left = DVector::from_vec(weighted(left.collect()));
         let matrix = DMatrix::from_vec(left.len(), count, columns);
         let solved = matrix.svd(true, true).solve(&left, NEGLIGIBLE);
-        solved.map_or(vec![0.0; count], |found| found.iter().copied().collect())
+        solved.map_or(numbers, |found| found.iter().copied().collect())
     }
 
     /// A shift acts through the shape of the tables: searched on a grid, then narrowed. Axes are
     /// searched one after the other; twice where they meet on a diagonal.
-    fn shifted(&self, fault: &Fault, places: &Fitted) -> Vec<f64> {
-        let mut fitted = vec![0.0; fault.numbers()];
+    fn shifted(&self, change: &Change, count: usize) -> Vec<f64> {
+        let mut fitted = vec![0.0; count];
         let meet = self.question.seen.iter().any(|o| o.diagonal.is_some());
-        let rounds = if meet && fitted.len() > 1 { 2 } else { 1 };
-        for _ in 0..rounds {
-            for (axis, place) in places.iter() {
-                if let Some(place) = *place {
-                    let of = |mm| self.square(&self.with(fault, &fitted, place, mm));
-                    fitted[place] = self.search(axis, of);
-                }
+        for _ in 0..if meet && count > 1 { 2 } else { 1 } {
+            for (axis, place) in change.shifts() {
+                let of = |mm| self.square(&self.with(change, &fitted, place, mm));
+                fitted[place] = self.search(axis, of);
             }
         }
         fitted
     }
 
-    /// A fault with one of its numbers changed.
-    fn with(&self, fault: &Fault, fitted: &[f64], place: usize, number: f64) -> Fit {
+    /// A change with one of its numbers changed.
+    fn with(&self, change: &Change, fitted: &[f64], place: usize, number: f64) -> Fit {
         let mut tried = fitted.to_vec();
         tried[place] = number;
-        self.evaluated(fault, tried)
+        self.evaluated(change, tried)
     }
 
     fn search(&self, axis: Axis, square: impl Fn(f64) -> f64) -> f64 {
@@ -92,29 +87,29 @@ impl Data<'_> {
     /// Half the length of the tables along an axis, mm; 0 without tables.
     fn longest_shift(&self, axis: Axis) -> f64 {
         let along = ErrorTerm::ALL.into_iter().filter(|term| term.along == axis);
-        let nodes: Vec<f64> =
-            along.flat_map(|term| self.question.control.nodes(term)).map(|at| at.mm()).collect();
-        let low = nodes.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = nodes.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let nodes = along.flat_map(|term| self.question.control.nodes(term));
+        let (low, high) = ends(nodes.map(|at| at.mm()));
         ((high - low) / 2.0).max(0.0)
     }
 
     /// How far a fitted shift may lie from the true one, mm: to the farther end of the shifts
     /// whose score is within that of 95 % (one degree of freedom), one number for each.
-    pub(super) fn shift_uncertainty_mm(&self, fault: &Fault, fit: &Fit) -> Vec<f64> {
-        let Act::Shifted(places) = &fault.act else {
-            return Vec::new();
-        };
+    pub(super) fn shift_uncertainty_mm(&self, change: &Change, fit: &Fit) -> Vec<f64> {
         let limit = self.score(fit) + quantile(COVERED, 1.0);
-        let of = |(axis, place): (Axis, &Option<usize>)| {
-            let place = (*place)?;
+        let of = |(axis, place): (Axis, usize)| {
             let best = fit.fitted[place];
-            let score = |mm: f64| self.score(&self.with(fault, &fit.fitted, place, mm));
+            let score = |mm: f64| self.score(&self.with(change, &fit.fitted, place, mm));
             let (low, high) = interval(best, self.longest_shift(axis), score, limit);
-            Some((high - best).max(best - low))
+            (high - best).max(best - low)
         };
-        places.iter().filter_map(of).collect()
+        change.shifts().into_iter().map(of).collect()
     }
+}
+
+/// Smallest and largest of some numbers; (∞, −∞) of none.
+pub(super) fn ends(numbers: impl Iterator<Item = f64>) -> (f64, f64) {
+    let none = (f64::INFINITY, f64::NEG_INFINITY);
+    numbers.fold(none, |(low, high), number| (low.min(number), high.max(number)))
 }
 
 /// The stretch around `best` on which `of` stays within `limit`, to `most` on either side. Where a
@@ -124,19 +119,13 @@ fn interval(best: f64, most: f64, of: impl Fn(f64) -> f64, limit: f64) -> (f64, 
     const ROUNDS: usize = 20;
     let edge = |sign: f64| {
         let within = |mm: f64| of(best + sign * mm) <= limit;
-        let mut inside = 0.0;
-        let mut outside = FIRST_MM;
+        let (mut inside, mut outside) = (0.0, FIRST_MM);
         while outside < most && within(outside) {
-            inside = outside;
-            outside *= 2.0;
+            (inside, outside) = (outside, 2.0 * outside);
         }
         for _ in 0..ROUNDS {
             let middle = f64::midpoint(inside, outside);
-            if within(middle) {
-                inside = middle;
-            } else {
-                outside = middle;
-            }
+            *if within(middle) { &mut inside } else { &mut outside } = middle;
         }
         best + sign * inside
     };

@@ -1,10 +1,10 @@
 //! What is known when a cause is asked for.
 
-use crate::judge::after::{Control, Observation, Part, before_um};
+use crate::judge::after::{Observation, Part, before_um};
+use crate::judge::field::Field;
 use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::Diagonal;
-use crate::quantity::units::Deviation;
 
 /// A correction that no laser resolves is none, µm.
 const SMALLEST_UM: f64 = 0.01;
@@ -32,18 +32,6 @@ impl Slip {
         let others = Axis::ORDERS.into_iter().filter(|order| *order != recorded);
         pairs.chain(others.map(Slip::Order)).collect()
     }
-
-    /// What settles it.
-    pub(super) const fn check(self) -> &'static str {
-        match self {
-            Slip::Names(..) => {
-                "compare the names in the file of the first readings with the programs that were run, or run one of the two diagonals again"
-            }
-            Slip::Order(_) => {
-                "compare the order in the job of the first measurement with the programs that were run"
-            }
-        }
-    }
 }
 
 /// What the first readings are once a slip is taken back.
@@ -53,13 +41,6 @@ pub struct Corrected {
     pub slip: Slip,
     /// The machine without tables, from the same readings, filed right.
     pub before: ErrorModel,
-}
-
-impl Corrected {
-    /// What a part was as found beyond what the records say, µm; `None` = not measured there.
-    pub(super) fn beyond_um(&self, question: &Question<'_>, part: &Part) -> Option<f64> {
-        Some(before_um(&self.before, part)? - before_um(question.before, part)?)
-    }
 }
 
 /// What is known when a cause is asked for.
@@ -73,7 +54,7 @@ pub struct Question<'a> {
     /// The same readings with one slip of their records taken back; empty = none is tried.
     pub corrected: &'a [Corrected],
     /// What the loaded tables add.
-    pub control: &'a Control,
+    pub control: &'a Field,
     /// The values of the second measurement.
     pub seen: &'a [Observation],
     /// Direction of the reference return of each axis.
@@ -91,28 +72,25 @@ pub struct Question<'a> {
 }
 
 impl Question<'_> {
-    /// The terms that the second measurement sees.
-    pub fn terms(&self) -> Vec<ErrorTerm> {
-        let seen = |term: &ErrorTerm| {
-            let mut parts = self.seen.iter().flat_map(|o| &o.parts);
-            parts.any(|part| part.term == *term)
-        };
+    /// The deviations that the second measurement sees.
+    pub(super) fn parts(&self) -> impl Iterator<Item = &Part> {
+        self.seen.iter().flat_map(|observation| &observation.parts)
+    }
+
+    /// The terms that it sees.
+    pub(super) fn terms(&self) -> Vec<ErrorTerm> {
+        let seen = |term: &ErrorTerm| self.parts().any(|part| part.term == *term);
         ErrorTerm::ALL.into_iter().filter(seen).collect()
     }
 
-    /// As found, as it was measured.
-    pub(super) fn found(&self) -> &ErrorModel {
-        self.under_tables.unwrap_or(self.before)
-    }
-
     /// What the tables that were active while measuring added where a part looks, µm; where one
-    /// way was measured only, what they added then. `None` = none were active, or the term was not
-    /// measured.
-    pub(super) fn old_um(&self, part: &Part) -> Option<f64> {
-        let under = self.under_tables?;
-        let old = |part: &Part| Some(before_um(under, part)? - before_um(self.before, part)?);
+    /// way was measured only, what they added then; 0 where none were active or nothing is known.
+    pub(super) fn old_um(&self, part: &Part) -> f64 {
+        let old = |part: &Part| {
+            Some(before_um(self.under_tables?, part)? - before_um(self.before, part)?)
+        };
         let other_way = Part { direction: part.direction.opposite(), ..*part };
-        old(part).or_else(|| old(&other_way))
+        old(part).or_else(|| old(&other_way)).unwrap_or(0.0)
     }
 
     /// Growth of a scale that is this much warmer, µm/m.
@@ -126,85 +104,25 @@ impl Question<'_> {
         if part.term.is_positioning() { um_per_m * from_zero / 1000.0 } else { 0.0 }
     }
 
-    /// Whether the second measurement sees the positions of an axis whose scale grows.
-    pub(super) fn shows_growth(&self, axis: Axis) -> bool {
-        self.alpha_per_k[axis] > 0.0 && self.terms().contains(&ErrorTerm::positioning(axis))
-    }
-
-    /// Where the second measurement looked along an axis, mm.
-    pub(super) fn range_mm(&self, axis: Axis) -> Option<(f64, f64)> {
-        let parts = self.seen.iter().flat_map(|o| &o.parts);
-        let along = parts.filter(|part| part.term.along == axis);
-        along.map(|part| part.at.mm()).fold(None, |range, mm| {
-            let (low, high) = range.unwrap_or((mm, mm));
-            Some((mm.min(low), mm.max(high)))
-        })
-    }
-
-    pub(super) fn has_two_tables(&self) -> bool {
-        ErrorTerm::ALL.into_iter().any(|term| self.is_directed(term))
-    }
-
-    /// Whether the tables for + and − of a term differ.
-    fn is_directed(&self, term: ErrorTerm) -> bool {
-        self.control.nodes(term).into_iter().any(|at| {
-            let um = Direction::BOTH.map(|way| self.control.tables_um(term, way, at));
-            (um[0] - um[1]).abs() > SMALLEST_UM
-        })
-    }
-
+    /// Whether the kit sets a backlash parameter.
     pub(super) fn has_parameter(&self) -> bool {
-        ErrorTerm::ALL.into_iter().any(|term| self.has_constant(term))
+        let um = |term, way| self.control.constant_um(term, way).abs();
+        let is_set = |term| Direction::BOTH.into_iter().any(|way| um(term, way) > SMALLEST_UM);
+        ErrorTerm::ALL.into_iter().any(is_set)
     }
 
-    fn has_constant(&self, term: ErrorTerm) -> bool {
-        let ways = Direction::BOTH.map(|way| self.control.constant_um(term, way));
-        ways.into_iter().any(|um| um.abs() > SMALLEST_UM)
-    }
-
-    /// Whether a backlash parameter of the kit acts on an axis (`None` = on any).
-    pub(super) fn sets_parameter(&self, axis: Option<Axis>) -> bool {
-        of_any(axis, |axis| self.has_constant(ErrorTerm::positioning(axis)))
-    }
-
-    /// Whether an axis (`None` = any) has tables of its own for + and −.
-    pub(super) fn corrects_each_way(&self, axis: Option<Axis>) -> bool {
-        of_any(axis, |axis| self.is_directed(ErrorTerm::positioning(axis)))
-    }
-
-    /// What a backlash parameter of −B as found adds: it acts away from the reference direction.
-    pub(super) fn parameter_um(&self, axis: Axis, direction: Direction) -> f64 {
-        let reversal_um = self.reversal_um(axis).unwrap_or(0.0);
-        match direction {
-            own if own == self.homing[axis] => 0.0,
-            Direction::Minus => reversal_um,
-            Direction::Plus => (-Deviation::from_um(reversal_um)).um(),
+    /// What a backlash parameter of −B as found adds to a positioning error, µm: it acts away from the
+    /// reference direction; 0 where B was not measured.
+    pub(super) fn parameter_um(&self, part: &Part) -> f64 {
+        let axis = part.term.along;
+        let measured = self.before.terms[ErrorTerm::positioning(axis)].as_ref();
+        let reversal = measured.and_then(|term| term.reversal());
+        match (reversal, part.direction) {
+            (Some(reversal), way) if way != self.homing[axis] => match way {
+                Direction::Minus => reversal.um(),
+                Direction::Plus => (-reversal).um(),
+            },
+            _ => 0.0,
         }
-    }
-
-    /// B of an axis as found, µm.
-    pub(super) fn reversal_um(&self, axis: Axis) -> Option<f64> {
-        let measured = self.before.terms[ErrorTerm::positioning(axis)].as_ref()?;
-        Some(measured.reversal()?.um())
-    }
-
-    /// Whether the data see an axis (`None` = any) in both directions, and it had a reversal.
-    pub(super) fn shows_reversal(&self, axis: Option<Axis>) -> bool {
-        of_any(axis, |axis| {
-            let term = ErrorTerm::positioning(axis);
-            let sees = |way: Direction| {
-                let mut values = self.seen.iter();
-                values.any(|o| o.parts.iter().any(|p| p.term == term && p.direction == way))
-            };
-            self.reversal_um(axis).is_some() && Direction::BOTH.into_iter().all(sees)
-        })
-    }
-}
-
-/// Whether it holds for this axis, or where none is named for any.
-fn of_any(axis: Option<Axis>, holds: impl Fn(Axis) -> bool) -> bool {
-    match axis {
-        Some(axis) => holds(axis),
-        None => Axis::ALL.into_iter().any(holds),
     }
 }

@@ -6,7 +6,7 @@
 //! are compared alike.
 
 use super::diagnosis::Disagreements;
-use super::entries::{Entries, Item, Value};
+use super::entries::{Entries, Entry, Item, Value};
 use crate::control::controller::Profile;
 use crate::control::table::Tables;
 use crate::judge::before::Before;
@@ -68,83 +68,75 @@ pub(crate) fn surroundings(before: &Before<'_>) -> Vec<Finding> {
 
 /// What is surplus of a table, missing, and other; with `all` also the latter two.
 fn differences(wanted: &Entries, found: &Entries, all: bool) -> Vec<Difference> {
-    let surplus = found.iter().filter(|(key, e)| e.alone && !wanted.contains_key(key));
-    let surplus = by_table(surplus.map(|(key, e)| (key, &e.value)), wanted).into_iter();
+    let surplus = by_table(found, wanted, |entry| entry.alone).into_iter();
     let surplus = surplus.map(|(what, items)| Difference::Surplus { what, items });
     let mut differences: Vec<Difference> = surplus.collect();
     if !all {
         return differences;
     }
-    let missing = wanted.iter().filter(|(key, e)| e.differing && !found.contains_key(key));
-    let missing = by_table(missing.map(|(key, e)| (key, &e.value)), found).into_iter();
+    let missing = by_table(wanted, found, |entry| entry.differing).into_iter();
     differences.extend(missing.map(|(what, items)| Difference::Missing { what, items }));
     let differing = wanted.iter().filter_map(|(key, own)| {
         let got = found.get(key).filter(|got| !got.value.is(&own.value))?;
-        (own.differing && got.differing).then_some((key, &got.value, &own.value))
+        (own.differing && got.differing).then(|| (key, [got, own].map(|of| of.value.words())))
     });
     let differing: Vec<_> = differing.collect();
-    for same in differing.chunk_by(|((a, _), ..), ((b, _), ..)| a == b) {
-        let named = same.iter().filter_map(|((_, item), got, own)| match item {
-            Item::Name(name) => {
-                Some(format!("{name} is {}, the job writes {}", got.words(), own.words()))
-            }
-            Item::Point(_) => None,
-        });
-        let mut values: Vec<String> = named.collect();
-        let points = same.iter().filter_map(|((_, item), got, own)| match item {
-            Item::Point(point) => Some((*point, (got, own))),
-            Item::Name(_) => None,
-        });
-        let (points, both): (Vec<u32>, Vec<_>) = points.unzip();
-        if let (Some(first), Some((got, own))) = (points.first(), both.first()) {
-            let (points, got, own) = (runs(&points), got.words(), own.words());
-            values.push(format!(
-                "{points}: other values (point {first} is {got}, the job writes {own})"
-            ));
-        }
-        let table = same[0].0.0.clone();
-        differences.push(Difference::OtherValues { table, values });
+    for same in differing.chunk_by(|((a, _), _), ((b, _), _)| a == b) {
+        let (names, points) = parted(same.iter().map(|((_, item), both)| (item, both)));
+        let named = |(name, [got, own]): &(&str, &[String; 2])| {
+            format!("{name} is {got}, the job writes {own}")
+        };
+        let mut values: Vec<String> = names.iter().map(named).collect();
+        values.extend(points.first().map(|(first, [got, own])| {
+            let points = runs(&points);
+            format!("{points}: other values (point {first} is {got}, the job writes {own})")
+        }));
+        differences.push(Difference::OtherValues { table: same[0].0.0.clone(), values });
     }
     differences
 }
 
 /// What only one side has, and how many: a whole table, or some of its items.
-fn by_table<'a>(
-    alone: impl Iterator<Item = (&'a (String, Item), &'a Value)>,
-    others: &Entries,
-) -> Vec<(String, usize)> {
+fn by_table(own: &Entries, others: &Entries, told: fn(&Entry) -> bool) -> Vec<(String, usize)> {
+    let alone = own.iter().filter(|(key, entry)| told(entry) && !others.contains_key(key));
     let alone: Vec<_> = alone.collect();
-    let of_table = |same: &[(&(String, Item), &Value)]| {
+    let of_table = |same: &[(&(String, Item), &Entry)]| {
         let block = &same[0].0.0;
         if !block.is_empty() && !others.keys().any(|(other, _)| other == block) {
             return (block.clone(), 1);
         }
-        let (mut names, mut points) = (Vec::new(), Vec::new());
-        for ((_, item), value) in same {
-            match item {
-                Item::Name(name) => names.push(format!("{name} = {}", value.words())),
-                Item::Point(point) => points.push(*point),
-            }
-        }
-        let names = (!names.is_empty()).then(|| listed(&names));
+        let (names, points) = parted(same.iter().map(|((_, item), entry)| (item, &entry.value)));
+        let name = |(name, value): &(&str, &Value)| format!("{name} = {}", value.words());
+        let names: Vec<String> = names.iter().map(name).collect();
+        let block = (!block.is_empty()).then(|| block.clone()).into_iter();
         let points = (!points.is_empty()).then(|| runs(&points));
-        let block = (!block.is_empty()).then(|| block.clone());
-        let what: Vec<String> = block.into_iter().chain(points).chain(names).collect();
-        (what.join(", "), same.len())
+        let names = (!names.is_empty()).then(|| listed(&names));
+        (block.chain(points).chain(names).collect::<Vec<String>>().join(", "), same.len())
     };
     let tables = alone.chunk_by(|((a, _), _), ((b, _), _)| a == b);
     tables.map(of_table).collect()
 }
 
+/// Names and points of a table, each with its own.
+type Parted<'a, T> = (Vec<(&'a str, T)>, Vec<(u32, T)>);
+
+fn parted<'a, T>(items: impl Iterator<Item = (&'a Item, T)>) -> Parted<'a, T> {
+    let (mut names, mut points) = (Vec::new(), Vec::new());
+    for (item, own) in items {
+        match item {
+            Item::Name(name) => names.push((name.as_str(), own)),
+            Item::Point(point) => points.push((*point, own)),
+        }
+    }
+    (names, points)
+}
+
 /// Ascending numbers as `point 7` or `points 3, 1200 to 1205`.
-fn runs(numbers: &[u32]) -> String {
-    let runs: Vec<String> = numbers
-        .chunk_by(|a, b| a + 1 == *b)
-        .map(|run| match run {
-            [one] => one.to_string(),
-            run => format!("{} to {}", run[0], run[run.len() - 1]),
-        })
-        .collect();
-    let word = if numbers.len() == 1 { "point" } else { "points" };
-    format!("{word} {}", listed(&runs))
+fn runs<T>(points: &[(u32, T)]) -> String {
+    let runs = points.chunk_by(|(a, _), (b, _)| a + 1 == *b).map(|run| match run {
+        [(one, _)] => one.to_string(),
+        run => format!("{} to {}", run[0].0, run[run.len() - 1].0),
+    });
+    let word = if points.len() == 1 { "point" } else { "points" };
+    format!("{word} {}", listed(&runs.collect::<Vec<String>>()))
 }

@@ -5,13 +5,13 @@
 
 use super::{DiagonalForecast, Machine, within};
 use crate::judge::conformity::Sigma;
+use crate::judge::field::Field;
 use crate::machine::model::{ErrorModel, Measured, MeasuredTerm, PointUncertainty};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::{AT_PLACE_MM, Millimetres, Squared, larger};
-use crate::read::emulate::{Emulated, Emulator, Response};
-use crate::write::plan::{Plan, axis_pairs};
+use crate::read::emulate::Response;
 
 /// The measured box: low corner and size of each axis, mm.
 struct MeasuredBox {
@@ -68,21 +68,20 @@ impl MeasuredBox {
 /// The four diagonals; none where a term or a direction of it was not measured.
 pub(super) fn forecast(
     machine: Machine<'_>,
-    plan: &Plan,
-    control: &dyn Emulator,
+    control: &Field,
     judged: &PerAxis<Option<(Millimetres, Millimetres)>>,
     sigma: Sigma,
-) -> Emulated<Vec<DiagonalForecast>> {
+) -> Vec<DiagonalForecast> {
     let model = machine.as_measured;
     let Some(measured_box) = MeasuredBox::of(model, judged) else {
-        return Ok(Vec::new());
+        return Vec::new();
     };
     let one_way = |(_, m): (ErrorTerm, &MeasuredTerm)| matches!(m.measured, Measured::OneWay(..));
     if model.measured().count() < ErrorTerm::ALL.len() || model.measured().any(one_way) {
         // A diagonal travels some axis in the direction that was not measured.
-        return Ok(Vec::new());
+        return Vec::new();
     }
-    let travels = travels(machine, plan, control, &measured_box)?;
+    let travels = travels(machine, control, &measured_box);
     let of_diagonal = |diagonal: Diagonal| {
         let (mut before, mut after) = (Extent::default(), Extent::default());
         let [forward, reverse] =
@@ -101,7 +100,7 @@ pub(super) fn forecast(
         DiagonalForecast::new(diagonal.name(), before, after, sigma, &u_um, scale_um)
             .drawn(largest_um, doubtful_um)
     };
-    Ok(Diagonal::ALL.into_iter().map(of_diagonal).collect())
+    Diagonal::ALL.into_iter().map(of_diagonal).collect()
 }
 
 /// One term while its axis travels one way: its curves, its correction and where they bend.
@@ -110,7 +109,7 @@ struct Travel<'a> {
     measured: &'a ErrorCurve,
     /// Without tables; absent where none was active while measuring.
     uncompensated: Option<&'a ErrorCurve>,
-    response: Response,
+    response: &'a Response,
     /// Places inside the measured box where a curve or the correction bends or jumps, mm.
     bends: Vec<Vec<f64>>,
 }
@@ -118,21 +117,19 @@ struct Travel<'a> {
 /// Every measured term both ways; the four diagonals share them.
 fn travels<'a>(
     machine: Machine<'a>,
-    plan: &Plan,
-    control: &dyn Emulator,
+    control: &'a Field,
     measured_box: &MeasuredBox,
-) -> Emulated<Vec<(ErrorTerm, Direction, Travel<'a>)>> {
+) -> Vec<(ErrorTerm, Direction, Travel<'a>)> {
     let mut travels = Vec::new();
     for (term, _) in machine.as_measured.measured() {
         for direction in Direction::BOTH {
             let Some((measured, uncompensated)) = machine.curves(term, direction) else {
                 continue;
             };
-            let Some((base, output)) = axis_pairs(&plan.names, term).first().copied() else {
+            let Some(response) = control.ways(term, direction).next() else {
                 continue;
             };
             let uncompensated = (!std::ptr::eq(measured, uncompensated)).then_some(uncompensated);
-            let response = control.response(base, output, direction)?;
             let (low, high) = measured_box.ends(term.along);
             let knots = |curve: &ErrorCurve| curve.knots().iter().map(|x| x.mm()).collect();
             let of_curves = [Some(measured), uncompensated].into_iter().flatten().map(knots);
@@ -141,7 +138,7 @@ fn travels<'a>(
             travels.push((term, direction, travel));
         }
     }
-    Ok(travels)
+    travels
 }
 
 /// Standard uncertainty of the deviation along the beam, µm, wherever an axis stands at one of its

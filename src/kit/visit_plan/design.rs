@@ -325,5 +325,5 @@ fn forecast_of(job: &Job, expected: &Separation) -> Result<Forecast, Problems> {
     let draft = table::draft(expected, job, Vec::new());
     let source = Source::from_bytes("expected errors", write(&draft).as_bytes())?;
     let model = ErrorModel::build(job, &ErrorTable::read(source)?)?;
-    alone(&model, job)
+    Ok(alone(&model, job))
 }
