@@ -98,16 +98,9 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
         let judged = Judged { job, errors, model, figures, expected: None };
         manifest.what_decides = judged.what_decides();
     }
-    manifest.doubts = made.doubts;
-    Ok(Kit {
-        plan: made.plan,
-        compiled: made.compiled,
-        files: made.files,
-        forecast: made.forecast,
-        verdict: made.verdict,
-        ways,
-        manifest,
-    })
+    let Made { plan, compiled, files, forecast, verdict, doubts, .. } = made;
+    manifest.doubts = doubts;
+    Ok(Kit { plan, compiled, files, forecast, verdict, ways, manifest })
 }
 
 fn build_manifest(made: &Made<'_>) -> Manifest {
@@ -125,10 +118,8 @@ fn build_manifest(made: &Made<'_>) -> Manifest {
         files: files
             .iter()
             .map(|file| HashedFile {
-                path: file.path.clone(),
                 role: Some(file.role.word()),
-                sha256: sha256(&file.bytes),
-                through: None,
+                ..hashed(&file.path, &file.bytes)
             })
             .collect(),
         assumptions: compiled.assumptions.clone(),

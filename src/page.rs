@@ -21,7 +21,7 @@ pub use curves::{Curves, separated, terms};
 pub use locale::{Locale, Shown, Texts};
 pub use path::{HoleErrors, Trace, path};
 pub use picture::{Ink, Picture};
-pub use report::{Report, Visit, linear_document};
+pub use report::{Placed, Report, Visit, linear_document};
 pub use scale::bin_um;
 pub use targets::targets;
 pub use volume::{Side, volume};

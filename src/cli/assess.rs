@@ -164,13 +164,9 @@ fn page_of_job(
     let others: Vec<&VolumeModel> =
         corrected.iter().map(|corrected| &corrected.volume).chain(&bare).collect();
     let nodes = Grid::of(grid, &volume, &others)?;
-    let after = |corrected: Corrected| {
-        Ok::<After, Problem>(After {
-            from: corrected.from,
-            assessment: assess(&corrected.volume, &nodes, request)?,
-            volume: corrected.volume,
-            disagreements: corrected.disagreements,
-        })
+    let after = |Corrected { from, volume, disagreements, .. }| {
+        let assessment = assess(&volume, &nodes, request)?;
+        Ok::<After, Problem>(After { from, assessment, volume, disagreements })
     };
     let mut basis = Basis::of_job(inputs, &volume);
     basis.labels.extend(corrected.iter().flat_map(|corrected| corrected.notes.clone()));

@@ -1,7 +1,7 @@
 //! `nonius controllers list|show|check`, and `nonius context`: what is known of a control, and what its
 //! templates see.
 
-use crate::cli::outcome::{Format, Outcome, Print};
+use crate::cli::outcome::{Format, Outcome, Print, joined};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::control::controller::{Evidence, JobKey, Profile, ProfileSource, Statement, builtin};
 use crate::inputs::error_table::ErrorTable;
@@ -127,15 +127,16 @@ fn profile_json(profile: &Profile) -> Value {
             "facts": program.statements,
         })
     });
-    let mut document = summary_json(profile);
-    document["schema"] = json!(1);
-    document["facts"] = json!(profile.statements);
-    document["files"] = files.collect();
-    document["program"] = json!(program);
-    document["job"] = json!(profile.job_keys);
-    let sources = profile.examples.iter().map(|own| own.source.as_str());
-    document["examples"] = sources.collect();
-    document
+    let examples = profile.examples.iter().map(|own| own.source.as_str());
+    let more = json!({
+        "schema": 1,
+        "facts": profile.statements,
+        "files": files.collect::<Value>(),
+        "program": program,
+        "job": profile.job_keys,
+        "examples": examples.collect::<Value>(),
+    });
+    joined([summary_json(profile), more])
 }
 
 fn profile_text(profile: &Profile) -> String {

@@ -52,12 +52,6 @@ impl StandardFigures {
         targets(locale, heading, across, &named)
     }
 
-    /// Every figure of a diagonal by its name in the standards.
-    pub(super) fn document(&self, diagonal: Diagonal) -> Value {
-        let found = self.each().find(|(name, ..)| *name == diagonal.name());
-        found.map_or(Value::Null, |(_, runs, of)| diagonal_json(runs, of))
-    }
-
     /// Every figure of every diagonal; what no diagonal has gets no column.
     pub(super) fn table(&self) -> String {
         let diagonals = &self.all.diagonals;

@@ -1,6 +1,6 @@
 //! `nonius generate JOB -o DIR`, or `--compare`
 
-use crate::cli::outcome::{Outcome, Output, Plot, Print};
+use crate::cli::outcome::{Outcome, Output, Plot, Print, joined};
 use crate::cli::screen::{More, Screen, paragraphs, shell_word, table, wrapped};
 use crate::cli::show;
 use crate::cli::verify::Page;
@@ -232,20 +232,18 @@ fn document(inputs: &Inputs, compared: &[Compared]) -> Value {
 
 fn entry(compared: &Compared) -> Value {
     let backlash = PerAxis::from_fn(|axis| compared.backlash[axis].map(|p| p.word()));
-    let spacing = compared.spacing.word();
-    match &compared.result {
+    let left = match &compared.result {
         Err(problems) => {
             let refused: Vec<&String> = problems.iter().map(|problem| &problem.message).collect();
-            json!({ "backlash": backlash, "spacing": spacing, "refused": refused })
+            json!({ "refused": refused })
         }
         Ok(made) => json!({
-            "backlash": backlash,
-            "spacing": spacing,
             "tables": made.tables,
             "points": made.points,
             "verdict": made.verdict.word(),
             "term": made.worst_term(),
             "diagonal": made.worst_diagonal(),
         }),
-    }
+    };
+    joined([json!({ "backlash": backlash, "spacing": compared.spacing.word() }), left])
 }

@@ -11,7 +11,7 @@ use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, Measured, Vi
 use crate::quantity::axis::PerAxis;
 use crate::quantity::units::{Figure, MM_PER_INCH};
 use crate::text::document::{LONGEST_MM, Source};
-use crate::text::finding::Severity;
+use crate::text::finding::{Severity, joined};
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, Kind, printed, with_slashes};
 use crate::visit::inputs::{errors, of_control};
@@ -19,7 +19,6 @@ use crate::visit::job_files::{JobFiles, folder_of, profile, read_page};
 use crate::write::plan::axis_names;
 use clap::Args;
 use serde_json::json;
-use std::fmt;
 use std::path::{Component, Path, PathBuf};
 
 // Options of `new`.
@@ -88,7 +87,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let tables = begun.tables.iter().map(|(name, text)| (name.as_str(), text.as_bytes()));
     let names: Vec<&str> =
         std::iter::once(JOB).chain(begun.tables.iter().map(|(name, _)| name.as_str())).collect();
-    let next: Vec<&String> = stages.iter().flat_map(|stage| &stage.commands).collect();
+    let next: Vec<&String> = stages.iter().flat_map(|(_, commands)| commands).collect();
     let document = json!({ "schema": 1, "controller": profile.id, "files": names,
         "steps": begun.steps, "next": next });
     let screen = Screen {
@@ -99,9 +98,11 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         always: words,
         ..Screen::default()
     };
-    let stages: Vec<String> = stages.iter().map(Stage::to_string).collect();
+    let stages = stages.iter();
+    let stages = stages.map(|(words, all)| format!("{words}\n    {}", all.join("\n    ")));
+    let stages: Vec<String> = stages.collect();
     let (place, names) = (printed(directory), names.join(", "));
-    let talk = format!("wrote {place}: {names}\nthen:\n{}", stages.join("\n"));
+    let talk = format!("wrote {place}: {names}\nthen:\n  {}", stages.join("\n  "));
     let outcome = options.output.print.outcome(|| screen, || document)?;
     let job = (JOB, begun.job.into_bytes());
     Ok(options.output.deliver_files(outcome, tables, job, talk))
@@ -211,26 +212,14 @@ fn travel_words(visit: &Visit<'_>) -> String {
     let ends = visit.travel.iter();
     let ends =
         ends.map(|(axis, (low, high))| format!("{axis} {} … {} mm", Figure(*low), Figure(*high)));
-    let ends: Vec<String> = ends.collect();
     format!(
         "travel in machine coordinates: {}; compare it with the machine (an axis that counts from another zero: `--travel` with LOW:HIGH)",
-        ends.join(", ")
+        joined(ends)
     )
 }
 
 /// What a person does, and the commands that follow it.
-struct Stage {
-    words: String,
-    commands: Vec<String>,
-}
-
-impl fmt::Display for Stage {
-    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(out, "  {}", self.words)?;
-        let mut commands = self.commands.iter();
-        commands.try_for_each(|command| write!(out, "\n    {command}"))
-    }
-}
+type Stage = (String, Vec<String>);
 
 /// The whole visit.
 fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
@@ -240,7 +229,6 @@ fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
     let table = begun.measured;
     let tables = format!("{job} --tables {kit}");
     let after = format!("{tables} --after {}", place(begun.after()));
-    let stage = |words: String, commands: Vec<String>| Stage { words, commands };
     let programs = begun.programs;
     let programs = programs.then(|| format!("nonius program {job} -o {}", place("programs")));
     let planned = [format!("nonius plan {job}")].into_iter().chain(programs);
@@ -248,17 +236,17 @@ fn stages(begun: &Begun, directory: &Path) -> Vec<Stage> {
     let generate = format!("nonius generate {job} -o {kit}");
     let before = "before measuring: what the run will determine, its part programs".to_string();
     let again = if begun.readings { format!("{AFTER} and {AFTER_JOB}") } else { AFTER.to_string() };
-    let before = begun.readings.then(|| stage(before, planned.collect()));
+    let before = begun.readings.then(|| (before, planned.collect()));
     let others = [
-        stage(
+        (
             format!("measure, fill in {table} and the rest of {JOB}: files for the control"),
             separate.into_iter().chain([generate]).collect(),
         ),
-        stage(
+        (
             format!("before loading, which {checklist} leads through"),
             vec![format!("nonius verify {tables}")],
         ),
-        stage(
+        (
             format!(
                 "measure again, fill in {again}: the residual errors, and the page to hand over"
             ),

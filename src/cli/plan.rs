@@ -58,8 +58,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 /// `--format json` (contract §5).
 fn document(page: &Page<'_>) -> Value {
     let (design, found) = (page.design, page.found);
-    let (instrument, times) = (design.instrument, design.times);
-    let (acceptance, u) = (design.acceptance(), design.u_um_per_m(&found.visits[0]));
+    let (instrument, acceptance) = (design.instrument, design.acceptance());
     let visits = found.visits.iter().enumerate();
     let visits = visits.map(|(index, visit)| of_visit(page, index, visit));
     json!({
@@ -69,9 +68,9 @@ fn document(page: &Page<'_>) -> Value {
                         "max_diagonal_um": acceptance.max_diagonal_um },
         "noise_um": instrument.noise_um,
         "noise_is_assumed": instrument.stated.noise_um.is_none(),
-        "set_up_min": { "diagonal": times.diagonal_min, "linear": times.linear_min },
+        "set_up_min": design.times,
         "linear_named": keys(&design.axes_named()),
-        "linear_u_um_per_m": { "x": u.x, "y": u.y, "z": u.z },
+        "linear_u_um_per_m": design.u_um_per_m(&found.visits[0]),
         "best": found.forecast.map(letter),
         "best_second": found.second.map(letter),
         "decides": found.decides,
@@ -82,7 +81,6 @@ fn document(page: &Page<'_>) -> Value {
 
 fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
     let (run, expected) = (&visit.variant.run, &visit.expected);
-    let missing = expected.missing().into_iter();
     json!({
         "name": letter(index),
         "change": visit.variant.change(&page.design.described),
@@ -93,7 +91,7 @@ fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
         "linear": keys(&visit.variant.linear),
         "angles": visit.variant.angles.iter().map(ToString::to_string).collect::<Vec<_>>(),
         "target_spacing_mm": visit.variant.target_spacing_mm(),
-        "spacing_mm": page.design.other_grid(&visit.variant).map(|mm| json!({ "x": mm.x, "y": mm.y, "z": mm.z })),
+        "spacing_mm": page.design.other_grid(&visit.variant),
         "minutes": (10.0 * visit.minutes).round() / 10.0,
         "set_ups": Diagonal::ALL.len() + visit.variant.linear.len() + visit.variant.angles.len(),
         "mirror_circle_mm": visit.mirror.map(|mirror| mirror.circle_mm),
@@ -101,7 +99,7 @@ fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
         "squareness_expanded_um_per_m": PerPlane::from_fn(|plane| expected.metric.squareness(plane).expanded_um_per_m()),
         "together_expanded_um": visit.at_most_um(),
         "second_passes": visit.chance,
-        "not_determined": missing.map(|term| term.to_string()).collect::<Vec<_>>(),
+        "not_determined": expected.missing(),
         "reversal_of": keys(&visit.reversals()),
         "reached": visit.reaches(page.design.acceptance()),
         "shortcomings": visit.shortcomings(),

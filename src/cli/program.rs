@@ -155,17 +155,10 @@ fn mirror(kit: &ProgramKit) -> String {
     let Some(size) = kit.run.mirror else {
         return String::new();
     };
-    [
-        format!(
-            "sideways on the mirror: {:.1} mm after the first move, {:.1} mm after the second, {:.1} mm at most with preload and overrun",
-            size.excursion_mm[0], size.excursion_mm[1], size.farthest_mm
-        ),
-        format!(
-            "mirror: a circle of {:.1} mm and the diameter of the beam around it",
-            size.circle_mm
-        ),
-    ]
-    .join("\n")
+    let ([first, second], farthest, circle) = (size.excursion_mm, size.farthest_mm, size.circle_mm);
+    format!(
+        "sideways on the mirror: {first:.1} mm after the first move, {second:.1} mm after the second, {farthest:.1} mm at most with preload and overrun\nmirror: a circle of {circle:.1} mm and the diameter of the beam around it"
+    )
 }
 
 fn next_steps(directory: &Path, kit: &ProgramKit, table: Option<Table>) -> String {

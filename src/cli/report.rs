@@ -13,14 +13,15 @@ use crate::kit::manifest::{MANIFEST, rounded};
 use crate::kit::{self, Inputs, cannot_emulate, generate, hashed};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
-use crate::page::{Curves, Locale, Report, Shown, Texts, Visit, linear_document, terms};
+use crate::page::{Curves, Locale, Placed, Report, Shown, Texts, Visit, linear_document, terms};
 use crate::text::document::{Source, template_text};
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, joined};
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, Kind, file_name};
 use crate::visit::inputs;
 use crate::visit::job_files::{folder_of, read_page};
 use clap::{Args, ValueEnum};
+use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -76,7 +77,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
             Unit::Inch => Shown::Inch,
         },
     };
-    let mut visit = visit(options, files, locale)?;
+    let (job, mut visit) = visit(options, files, locale)?;
     for file in &options.linear {
         visit.add_linear(files, locale, file)?;
     }
@@ -84,6 +85,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         locale,
         logo: options.logo.as_deref().map(|path| logo(files, path)).transpose()?,
         template: options.template.as_deref().map(|path| own_template(files, path)).transpose()?,
+        job: &job,
         visit: &visit,
     };
     let content = Content::Bytes(report.html()?.into_bytes());
@@ -106,8 +108,11 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 /// What stands for the verdict where there are no tables.
 const AS_FOUND: &str = "as-found";
 
+/// A job, and what was measured and found of it.
+type OfJob = (Job, Visit);
+
 /// With the tables of a directory or of the job; as found where neither are there.
-fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<Visit, Problems> {
+fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJob, Problems> {
     let (name, bytes) = files.argument(&options.job)?;
     let without_tables = options.tables.is_none();
     if without_tables && FileKind::of(&name, &bytes) == FileKind::Table {
@@ -116,7 +121,11 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<Vis
     let is_found = without_tables && !states_tables(options, files, &name, &bytes)?;
     let use_of = UseOf::with(!is_found);
     let (inputs, _) = inputs::read_job(files, None, (&options.job, &name, &bytes), use_of)?;
-    if is_found { of_job(locale, &inputs) } else { with_tables(options, files, locale, &inputs) }
+    let visit = match is_found {
+        true => of_job(locale, &inputs)?,
+        false => with_tables(options, files, locale, &inputs)?,
+    };
+    Ok((inputs.job, visit))
 }
 
 /// Whether the job says how the points of any axis are chosen.
@@ -132,12 +141,12 @@ fn states_tables(
 }
 
 /// An error table alone, as found.
-fn of_table(locale: Locale<'_>, path: &Path, name: &str, bytes: &[u8]) -> Result<Visit, Problems> {
+fn of_table(locale: Locale<'_>, path: &Path, name: &str, bytes: &[u8]) -> Result<OfJob, Problems> {
     let (mut job, model, page) = assess::of_table_for_report(name, bytes)?;
     job.machine.name.clear();
     let mut visit = Visit::found(locale, &job, &model, Machine::alone(&model), &page)?;
     visit.inputs = vec![hashed(&file_name(path), bytes)];
-    Ok(visit)
+    Ok((job, visit))
 }
 
 /// The measurement of a job without tables, as found.
@@ -159,7 +168,7 @@ fn with_tables(
     locale: Locale<'_>,
     inputs: &Inputs,
 ) -> Result<Visit, Problems> {
-    let mut visit = Visit::of(&inputs.job);
+    let mut visit = Visit::default();
     let page = match options.tables.as_deref() {
         None => of_own_tables(&mut visit, inputs)?,
         Some(directory) => of_files(&mut visit, options, files, inputs, directory)?,
@@ -178,10 +187,9 @@ fn with_tables(
     visit.grounds = page.grounds();
     visit.decides.clone_from(&page.decides);
     visit.inputs.clone_from(&inputs.hashes);
-    visit.documents.push(("verify".to_string(), rounded(&page.document())?));
-    visit.pictures.push(("curves", page.picture(locale)?));
+    visit.add("verify", &page.document(), ("curves", page.picture(locale)?))?;
     match assess::for_report(inputs, Some(&page.verification.loaded)) {
-        Ok(page) => add_volume(&mut visit, locale, &page)?,
+        Ok(page) => visit.add("assess", &page, ("volume", page.picture(locale)))?,
         Err(problems) => visit.without_volume = problems.iter().map(words).collect(),
     }
     add_readings(&mut visit, locale, inputs)?;
@@ -203,12 +211,12 @@ impl Visit {
         machine: Machine<'_>,
         page: &assess::Page,
     ) -> Result<Visit, Problems> {
-        let mut visit = Visit::of(job);
-        visit.is_rehearsal = model.remarks.simulated().next().is_some();
         let doubts = page.doubts().iter().cloned();
         let doubts = doubts.chain(model.doubts(|_| true));
         let doubts = doubts.map(|doubt| doubt.to_string());
-        visit.doubts = doubts.collect::<BTreeSet<_>>().into_iter().collect();
+        let doubts = doubts.collect::<BTreeSet<_>>().into_iter().collect();
+        let is_rehearsal = model.remarks.simulated().next().is_some();
+        let mut visit = Visit { is_rehearsal, doubts, ..Visit::default() };
         let curves = Curves {
             machine,
             loaded: None,
@@ -218,8 +226,15 @@ impl Visit {
         let heading = format!("{}: {}", page.name, locale.words("nine_errors_found"));
         let curves = terms(locale, &heading, &curves).map_err(|reason| cannot_emulate(&reason))?;
         visit.pictures.push(("curves", curves));
-        add_volume(&mut visit, locale, page)?;
+        visit.add("assess", page, ("volume", page.picture(locale)))?;
         Ok(visit)
+    }
+
+    /// What a command says, under its name, and the picture of it with the part that it stands in.
+    fn add(&mut self, name: &str, of: &impl Serialize, drawn: Placed) -> Result<(), Problem> {
+        self.documents.push((name.to_string(), rounded(of)?));
+        self.pictures.push(drawn);
+        Ok(())
     }
 
     /// Runs of one axis by standard.
@@ -233,8 +248,7 @@ impl Visit {
         let (document, picture) = standards::of_axis(locale, &name, &bytes)?;
         self.linear.push(file_name(file));
         let name = linear_document(self.linear.len());
-        self.documents.push((name, rounded(&document)?));
-        self.pictures.push(("linear", picture));
+        self.add(&name, &document, ("linear", picture))?;
         self.inputs.push(hashed(&file_name(file), &bytes));
         Ok(())
     }
@@ -283,22 +297,12 @@ fn sizes(files: &dyn Files, directory: &Path, manifest: &Value) -> Vec<(String, 
     listed.filter_map(size).collect()
 }
 
-fn add_volume(visit: &mut Visit, locale: Locale<'_>, page: &assess::Page) -> Result<(), Problems> {
-    let document = rounded(page)?;
-    visit.documents.push(("assess".to_string(), document));
-    visit.pictures.push(("volume", page.picture(locale)));
-    Ok(())
-}
-
 fn add_readings(visit: &mut Visit, locale: Locale<'_>, inputs: &Inputs) -> Result<(), Problems> {
     let ErrorSource::Separated { separation, readings, .. } = &inputs.errors else {
         return Ok(());
     };
     let (document, picture) = standards::of_separation(locale, readings, separation)?;
-    let document = rounded(&document)?;
-    visit.documents.push(("standards".to_string(), document));
-    visit.pictures.push(("readings", picture));
-    Ok(())
+    Ok(visit.add("standards", &document, ("readings", picture))?)
 }
 
 fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {
@@ -307,9 +311,8 @@ fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {
     }
     let path = Path::new(language);
     if !files.is(Kind::File, path) {
-        let shipped: Vec<&str> = Texts::languages().collect();
-        let help =
-            format!("expected one of {}, or a file of texts (docs/report.md)", shipped.join(", "));
+        let shipped = joined(Texts::languages());
+        let help = format!("expected one of {shipped}, or a file of texts (docs/report.md)");
         return Err(Problem::new(format!("there are no texts `{language}`")).help(help).into());
     }
     let (name, bytes) = files.argument(path)?;

@@ -12,7 +12,7 @@ use crate::page::{Curves, Locale, Picture, terms};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Figure;
 use crate::read::emulate::Emulator;
-use crate::text::finding::{Finding, Severity, of_severity};
+use crate::text::finding::{Finding, Severity, joined, of_severity};
 use crate::text::problem::Problems;
 use crate::write::compensation::Placement;
 use crate::write::plan::Plan;
@@ -38,10 +38,10 @@ pub(super) fn um(um: Option<f64>) -> String {
 }
 
 /// `what`, then all of them; nothing without any.
-fn named(what: &str, all: &[String]) -> String {
-    match all {
-        [] => String::new(),
-        all => format!("{what}: {}", all.join(", ")),
+fn named(what: &str, all: impl Iterator<Item = String>) -> String {
+    match joined(all) {
+        none if none.is_empty() => none,
+        all => format!("{what}: {all}"),
     }
 }
 
@@ -105,11 +105,10 @@ fn places(placements: &[Placement], term: ErrorTerm, compensated: bool) -> Strin
         Some(direction) => format!("{} ({})", p.place, direction.symbol()),
     };
     let own = placements.iter().filter(|p| p.term == term);
-    let own: Vec<String> = own.map(place).collect();
-    match (compensated, own.is_empty()) {
-        (false, _) => "none".to_string(),
-        (true, true) => "yes".to_string(),
-        (true, false) => own.join(", "),
+    match joined(own.map(place)) {
+        _ if !compensated => "none".to_string(),
+        none if none.is_empty() => "yes".to_string(),
+        own => own,
     }
 }
 
@@ -141,8 +140,7 @@ pub(super) fn slopes(model: &ErrorModel) -> String {
     let slopes = cross.map(|(term, measured)| {
         format!("{term} {:+.3}", Figure(measured.end_point_slope_um_per_m()))
     });
-    let slopes: Vec<String> = slopes.collect();
-    named("slopes of the cross terms (end points), µm/m", &slopes)
+    named("slopes of the cross terms (end points), µm/m", slopes)
 }
 
 /// Squareness where both terms of a pair were measured, and reversal where both directions were.
@@ -152,15 +150,14 @@ pub(super) fn squareness_and_reversals(model: &ErrorModel) -> String {
         let slope = Figure(model.squareness_um_per_m(a, b)?);
         Some(format!("{}{} {slope:+.3}", a.key(), b.key()))
     });
-    let mut squareness = named("squareness, µm/m", &squareness.collect::<Vec<_>>());
+    let mut squareness = named("squareness, µm/m", squareness);
     if !squareness.is_empty() {
         squareness += " (positive: less than 90° between the positive axes)";
     }
     let reversals = model.measured().filter_map(|(term, measured)| {
         Some(format!("{term} {:+.3}", Figure(measured.reversal()?.um())))
     });
-    let reversals: Vec<String> = reversals.collect();
-    let reversals = named("reversal B (mean moving + minus mean moving -), µm", &reversals);
+    let reversals = named("reversal B (mean moving + minus mean moving -), µm", reversals);
     [squareness, reversals].join("\n").trim().to_string()
 }
 
@@ -206,55 +203,54 @@ fn limits(job: &Job, grounds: &Grounds) -> String {
     let deviation = deviation.map(|um| format!("{} within {um} µm", terms_words(&grounds.terms)));
     let diagonal = acceptance.max_diagonal_um;
     let diagonal = diagonal.map(|um| format!("max - min of every body diagonal within {um} µm"));
-    let limits: Vec<String> = deviation.into_iter().chain(diagonal).collect();
-    limits.join(", ")
+    joined(deviation.into_iter().chain(diagonal))
+}
+
+/// A heading with lines; nothing without any.
+fn headed(heading: &str, lines: impl Iterator<Item = String>) -> String {
+    lines.fold(String::new(), |text, line| match text.is_empty() {
+        true => format!("{heading}\n{line}"),
+        false => format!("{text}\n{line}"),
+    })
 }
 
 /// Assumed facts with their consequence; behind them those that cannot matter for this kit.
 pub(super) fn assumptions(assumptions: &[Assumption]) -> More {
     let (matter, idle): (Vec<_>, Vec<_>) =
         assumptions.iter().partition(|a| a.without_effect.is_none());
-    let mut lines = Vec::new();
-    if !matter.is_empty() {
-        lines.push("assumed, not shown by any control yet:".to_string());
-    }
-    for a in &matter {
-        lines.push(format!("  {} = {}", a.fact, a.value));
-        lines.push(format!("      if wrong: {}", a.consequence));
-    }
-    if !idle.is_empty() {
-        lines.push("assumed too, without effect on this kit:".to_string());
-    }
-    for a in &idle {
-        let why = a.without_effect.unwrap_or_default();
-        lines.push(format!("  {} = {}: {why}", a.fact, a.value));
-    }
-    More::new(matter.len(), ["assumption", "assumptions"], lines.join("\n"))
+    let count = matter.len();
+    let matter = matter
+        .iter()
+        .map(|a| format!("  {} = {}\n      if wrong: {}", a.fact, a.value, a.consequence));
+    let idle = idle
+        .iter()
+        .map(|a| format!("  {} = {}: {}", a.fact, a.value, a.without_effect.unwrap_or_default()));
+    let all = [
+        headed("assumed, not shown by any control yet:", matter),
+        headed("assumed too, without effect on this kit:", idle),
+    ];
+    More::new(count, ["assumption", "assumptions"], all.join("\n").trim_matches('\n').to_string())
 }
 
 /// What a person has to see to, one sentence each; axes of which the same is asked share one.
 pub(super) fn preconditions(preconditions: &[Precondition]) -> More {
-    let mut lines = Vec::new();
-    if !preconditions.is_empty() {
-        lines.push("preconditions on the control, to be checked manually:".to_string());
-    }
     let shared = shared(preconditions);
-    for (what, p) in &shared {
-        lines.push(format!("  {what} must be {}:", p.value));
-        lines.push(format!("      {} [{}]", p.why, p.source));
-    }
-    More::new(shared.len(), ["precondition", "preconditions"], lines.join("\n"))
+    let lines = shared
+        .iter()
+        .map(|(what, p)| format!("  {what} must be {}:\n      {} [{}]", p.value, p.why, p.source));
+    let text = headed("preconditions on the control, to be checked manually:", lines);
+    More::new(shared.len(), ["precondition", "preconditions"], text)
 }
 
 /// The signs that are only assumed, in one line, with what proves them.
 pub(super) fn assumed_signs(assumptions: &[Assumption], proofs: &[&str]) -> Vec<String> {
     let signs = assumptions.iter().filter(|a| a.is_sign());
-    let signs: Vec<String> = signs.map(|a| format!("{} = {}", a.fact, a.value)).collect();
+    let signs = joined(signs.map(|a| format!("{} = {}", a.fact, a.value)));
     let proof = match proofs {
         [] => "prove it with one small bump before use".to_string(),
         files => format!("prove it first: {} (checklist)", files.join(", ")),
     };
-    let line = format!("SIGN ASSUMED, not seen on a control: {}; {proof}", signs.join(", "));
+    let line = format!("SIGN ASSUMED, not seen on a control: {signs}; {proof}");
     (!signs.is_empty()).then_some(line).into_iter().collect()
 }
 

@@ -126,32 +126,23 @@ fn tables<'a>(
     files: &dyn Files,
     inputs: &'a Inputs,
 ) -> Result<(Option<Loaded<'a>>, SimulationSource), Problems> {
-    let mut origin = SimulationSource {
-        tables: "without tables".to_string(),
-        table_files: Vec::new(),
-        scale_um_per_m: options.scale_um_per_m,
-        notes: Vec::new(),
-    };
-    if options.without_tables {
-        return Ok((None, origin));
-    }
     let hashes = |files: &[KitFile<'_>]| files.iter().map(|f| hashed(f.path, f.bytes)).collect();
-    let loaded = match &options.tables {
+    let (tables, table_files, loaded) = match &options.tables {
+        _ if options.without_tables => ("without tables".to_string(), Vec::new(), None),
         None => {
             let kit = generate(inputs)?;
-            origin.table_files = hashes(&kit.kit_files());
-            origin.tables = "with the tables that generate makes from it".to_string();
-            rehearsed(inputs, &kit.kit_files(), None)?
+            let (words, files) = ("with the tables that generate makes from it", kit.kit_files());
+            (words.to_string(), hashes(&files), Some(rehearsed(inputs, &files, None)?))
         }
         Some(directory) => {
             let found = read_directory(files, inputs, directory)?;
-            origin.table_files = hashes(&found.kit_files());
-            origin.tables = format!("with the tables in {}", file_name(directory));
-            found.rehearse(inputs)?
+            let words = format!("with the tables in {}", file_name(directory));
+            (words, hashes(&found.kit_files()), Some(found.rehearse(inputs)?))
         }
     };
-    origin.notes.extend(loaded.findings.iter().cloned());
-    Ok((Some(loaded), origin))
+    let notes = loaded.iter().flat_map(|loaded| loaded.findings.clone()).collect();
+    let scale_um_per_m = options.scale_um_per_m;
+    Ok((loaded, SimulationSource { tables, table_files, scale_um_per_m, notes }))
 }
 
 /// What the simulated machine inherits from the measurement it rests on.

@@ -44,12 +44,8 @@ pub struct Worst {
 impl Worst {
     fn of(all: impl Iterator<Item = (String, Change)>) -> Option<Worst> {
         let (name, change) = all.reduce(|a, b| if b.1.after_um > a.1.after_um { b } else { a })?;
-        Some(Worst {
-            name,
-            before_um: change.before_um,
-            after_um: change.after_um,
-            expanded_um: change.expanded_um,
-        })
+        let Change { before_um, after_um, expanded_um, .. } = change;
+        Some(Worst { name, before_um, after_um, expanded_um })
     }
 }
 

@@ -53,15 +53,12 @@ impl Directory {
         manifest: Option<&[u8]>,
     ) -> Result<Directory, Problem> {
         let profile = &inputs.profile;
-        let files = files.into_iter();
-        let mut found = Directory {
-            path,
-            files: files
-                .map(|(name, bytes)| (role_of(profile, &name), name, bytes))
-                .map(|(role, name, bytes)| (name, role, bytes))
-                .collect(),
-            ..Directory::default()
+        let named = |(name, bytes): (String, _)| {
+            let role = role_of(profile, &name);
+            (name, role, bytes)
         };
+        let files = files.into_iter().map(named).collect();
+        let mut found = Directory { path, files, ..Directory::default() };
         let Some(manifest) = manifest else {
             found.ensure_holds_no_input(inputs)?;
             return Ok(found);
@@ -84,12 +81,11 @@ impl Directory {
     /// The folder of a visit is no kit: with a file that the tables are made from among them, every file would be
     /// complained of.
     fn ensure_holds_no_input(&self, inputs: &Inputs) -> Result<(), Problem> {
-        let is_input = |bytes: &[u8]| {
+        let is_input = |(.., bytes): &&NamedFile| {
             let own = sha256(bytes);
             inputs.hashes.iter().any(|input| input.sha256 == own)
         };
-        let mut files = self.files.iter();
-        let Some((name, ..)) = files.find(|(_, _, bytes)| is_input(bytes)) else {
+        let Some((name, ..)) = self.files.iter().find(is_input) else {
             return Ok(());
         };
         let words = format!(
@@ -217,12 +213,9 @@ impl Directory {
 
     /// A file with a name that a kit's file for the control has.
     fn called_as_a_kit(&self, profile: &Profile) -> Option<&str> {
-        let own = |name: &str| {
-            let mut files = profile.files.iter().filter(|f| f.role.is_read_back());
-            files.any(|file| file.is_called(name))
-        };
-        let mut names = self.files.iter().map(|(name, _, _)| name.as_str());
-        names.find(|name| own(name))
+        let own = profile.files.iter().filter(|file| file.role.is_read_back());
+        let mut names = self.files.iter().map(|(name, ..)| name.as_str());
+        names.find(|name| own.clone().any(|file| file.is_called(name)))
     }
 
     /// The name of a file that was read out of the control as a whole.
@@ -335,33 +328,26 @@ pub fn faults<'a>(
     bytes_of: impl Fn(&str) -> Result<Option<Bytes<'a>>, Problem>,
 ) -> Vec<Fault> {
     let mut seen = std::collections::BTreeMap::<&str, usize>::new();
-    let mut faults = Vec::new();
-    for (path, entry) in listed(document) {
-        let file = shown(path);
-        let mut found = |kind, role| faults.push(Fault { kind, role });
-        let times = seen.entry(path).or_default();
+    let fault = |(path, entry): (_, &Value)| {
+        let (file, times) = (shown(path), seen.entry(path).or_default());
         *times += 1;
-        if *times == 2 {
-            found(FileFault::ListedTwice { file: file.clone() }, None);
-        }
-        if *times > 1 {
-            continue;
-        }
-        if !is_plain_name(path) {
-            found(FileFault::NoPlainName { file }, None);
-            continue;
-        }
         let role = entry["role"].as_str().and_then(Role::of_word);
-        match bytes_of(path) {
-            Err(Problem { message, .. }) => found(FileFault::NotReadable { message }, None),
-            Ok(None) => found(FileFault::Missing { file }, role),
-            Ok(Some((known, bytes))) if Some(&*sha256(&bytes)) != entry["sha256"].as_str() => {
-                found(FileFault::Changed { file }, known.or(role));
-            }
-            Ok(Some(_)) => {}
-        }
-    }
-    faults
+        let (kind, role) = match *times {
+            1 if !is_plain_name(path) => (FileFault::NoPlainName { file }, None),
+            1 => match bytes_of(path) {
+                Err(Problem { message, .. }) => (FileFault::NotReadable { message }, None),
+                Ok(None) => (FileFault::Missing { file }, role),
+                Ok(Some((_, bytes))) if Some(&*sha256(&bytes)) == entry["sha256"].as_str() => {
+                    return None;
+                }
+                Ok(Some((known, _))) => (FileFault::Changed { file }, known.or(role)),
+            },
+            2 => (FileFault::ListedTwice { file }, None),
+            _ => return None,
+        };
+        Some(Fault { kind, role })
+    };
+    listed(document).filter_map(fault).collect()
 }
 
 /// A manifest lists files of its own directory and nothing else.

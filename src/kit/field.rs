@@ -98,15 +98,13 @@ pub(super) fn differences(
             let proof = wanted.iter().find(|p| Some(p.of.mechanism) == mechanism);
             let names: Vec<&str> = files.iter().map(|file| file.path).collect();
             let file = names.join("`, `");
-            let unwritten = read.unwritten.iter().cloned().map(|parameter| {
-                let file = file.clone();
-                FieldFault::NotWritten { file, parameter }.into()
-            });
-            let unwritten: Vec<Finding> = unwritten.collect();
             if proof.is_none_or(|p| p.tables != read.tables) || sets_machine_data(&read) {
-                found.push(FieldFault::OtherProof { file }.into());
+                found.push(FieldFault::OtherProof { file: file.clone() }.into());
             }
-            found.extend(unwritten);
+            found.extend(read.unwritten.iter().map(|parameter| {
+                let (file, parameter) = (file.clone(), parameter.clone());
+                FieldFault::NotWritten { file, parameter }.into()
+            }));
         }
     }
     found.extend(rollback::differences(asked, files)?.map(Finding::from));
@@ -146,11 +144,8 @@ fn head(made: &Made<'_>, misses: &[Miss]) -> Vec<Paragraph> {
     let simulated = remarks.simulated().map(|note| format!("**{note}**"));
     let doubts = made.doubts.iter();
     let doubts = doubts.map(|doubt| format!("**DOUBTFUL:** {doubt}"));
-    simulated
-        .chain(doubts)
-        .map(|text| paragraph(text, Vec::new()))
-        .chain([verdict(made, misses)])
-        .collect()
+    let alone = simulated.chain(doubts).map(|text| Paragraph { text, items: Vec::new() });
+    alone.chain([verdict(made, misses)]).collect()
 }
 
 /// What was printed when the kit was made, for the person who has only this page; it stands in the annex.
@@ -167,30 +162,21 @@ fn misses(made: &Made<'_>) -> Vec<Miss> {
     misses
 }
 
-fn paragraph(text: impl Into<String>, items: Vec<String>) -> Paragraph {
-    let text = text.into();
-    Paragraph { text, items }
-}
-
 fn verdict(made: &Made<'_>, misses: &[Miss]) -> Paragraph {
-    let nothing_asked = made.inputs.job.acceptance.asks_nothing();
-    match made.verdict {
-        Verdict::Pass if nothing_asked => {
-            let sentence =
-                "Verdict: no acceptance is stated in the job, so there is nothing to judge.";
-            paragraph(sentence, Vec::new())
-        }
-        verdict => {
-            let sentence = format!(
-                "Verdict of the forecast against the acceptance of the job, {}: **{}**.",
-                made.forecast.range_words(),
-                verdict.word()
-            );
-            let worst = misses.iter().take(MOST).map(ToString::to_string);
-            let more = misses.len().saturating_sub(MOST);
-            let more = (more > 0).then(|| format!("{more} more: annex"));
-            paragraph(sentence, worst.chain(more).collect())
-        }
+    if made.verdict == Verdict::Pass && made.inputs.job.acceptance.asks_nothing() {
+        let text = "Verdict: no acceptance is stated in the job, so there is nothing to judge.";
+        return Paragraph { text: text.to_string(), items: Vec::new() };
+    }
+    let worst = misses.iter().take(MOST).map(ToString::to_string);
+    let more = misses.len().saturating_sub(MOST);
+    let more = (more > 0).then(|| format!("{more} more: annex"));
+    Paragraph {
+        text: format!(
+            "Verdict of the forecast against the acceptance of the job, {}: **{}**.",
+            made.forecast.range_words(),
+            made.verdict.word()
+        ),
+        items: worst.chain(more).collect(),
     }
 }
 

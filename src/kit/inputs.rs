@@ -216,17 +216,15 @@ fn without_table(plan: &Plan) -> Vec<String> {
 }
 
 fn not_measured(forecast: &Forecast) -> Vec<String> {
-    let sentence = |axis: Axis, (from, to): &(Millimetres, Millimetres)| {
-        let shown = |at: &Millimetres| rounded(at.mm(), 6);
-        format!(
-            "not measured: {axis} from {} to {} mm; the table holds the end value there",
-            shown(from),
-            shown(to)
-        )
+    let parts = forecast
+        .unmeasured
+        .iter()
+        .flat_map(|(axis, parts)| parts.iter().map(move |part| (axis, part)));
+    let sentence = |(axis, (from, to)): (Axis, &(Millimetres, Millimetres))| {
+        let [from, to] = [from, to].map(|at| rounded(at.mm(), 6));
+        format!("not measured: {axis} from {from} to {to} mm; the table holds the end value there")
     };
-    let of_axis =
-        |axis: Axis| forecast.unmeasured[axis].iter().map(move |part| sentence(axis, part));
-    Axis::ALL.into_iter().flat_map(of_axis).collect()
+    parts.map(sentence).collect()
 }
 
 /// Forecast against the acceptance; doubtful errors decide nothing in favour.

@@ -166,46 +166,29 @@ fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
 }
 
 fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
-    let mut list = vec![
-        Precondition::new(
-            "all axes",
-            "referenced",
-            "machine coordinates exist only after the reference return",
-            "docs/program.md §3",
-        ),
-        Precondition::new(
-            "tool offset",
-            "none active before cycle start",
-            "cancelling it could move an axis",
-            "docs/program.md §3",
-        ),
+    const PAGE: &str = "docs/program.md §3";
+    let zero = "machine coordinates exist only after the reference return";
+    let own = [
+        ["all axes", "referenced", zero, PAGE],
+        ["tool offset", "none active before cycle start", "cancelling it could move an axis", PAGE],
     ];
-    let of_language = facts.language.facts().preconditions.iter();
-    list.extend(
-        of_language
-            .map(|[what, value, why, source]| Precondition::new(*what, *value, *why, *source)),
-    );
     let wanted = [
         (Cancelled::Rotation, "rotation"),
         (Cancelled::Scaling, "scaling"),
         (Cancelled::Mirroring, "mirroring"),
     ];
-    for (what, name) in wanted {
-        if !walked.iter().all(|walked| walked.cancelled.contains(&what)) {
-            list.push(Precondition::new(
-                name,
-                "off",
-                "the profile's `cancel` does not switch it off",
-                "facts of [program] in the profile",
-            ));
-        }
-    }
-    list
+    let is_open =
+        |(what, _): &(Cancelled, _)| !walked.iter().all(|own| own.cancelled.contains(what));
+    let (why, source) =
+        ("the profile's `cancel` does not switch it off", "facts of [program] in the profile");
+    let open = wanted.into_iter().filter(is_open).map(|(_, name)| [name, "off", why, source]);
+    let all =
+        own.into_iter().chain(facts.language.facts().preconditions.iter().copied()).chain(open);
+    all.map(|[what, value, why, source]| Precondition::new(what, value, why, source)).collect()
 }
 
 fn manifest(profile: &Profile, kit: &ProgramKit, inputs: &[HashedFile]) -> Value {
     let (run, request) = (&kit.run, &kit.request);
-    let readings: usize = run.programs.iter().map(|p| p.readings.len()).sum();
     let files: Vec<Value> = kit
         .files
         .iter()
@@ -225,7 +208,7 @@ fn manifest(profile: &Profile, kit: &ProgramKit, inputs: &[HashedFile]) -> Value
         "overrun": request.runs_over(),
         "inputs": inputs,
         "files": files,
-        "readings": readings,
+        "readings": kit.readings(),
         "duration_s": run.duration_s(request).round(),
         "reach_mm": reach.collect::<serde_json::Map<_, _>>(),
         "mirror_mm": run.mirror.map(mirror),

@@ -14,13 +14,15 @@ pub use self::again::{Earlier, Measured};
 
 use crate::control::controller::{JobKey, JobSection, Profile};
 use crate::inputs::job::keys;
-use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::pitch;
 use crate::quantity::units::{Figure, Millimetres};
+use crate::text::finding::joined;
 use crate::text::problem::{Problem, Problems};
 use crate::write::emit::{TOOL, filled};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// The name of the job.
 pub const JOB: &str = "job.toml";
@@ -164,7 +166,8 @@ impl Visit<'_> {
                 "compensation": self.lines(JobSection::CompensationAxes, Some(axis)),
             })
         });
-        let mut context = json!({
+        let [start, size] = if self.readings { self.box_of_run()? } else { Default::default() };
+        let context = json!({
             "tool": TOOL,
             "words": words(),
             "controller": { "name": self.profile.name, "quoted": quoted(self.controller) },
@@ -177,10 +180,9 @@ impl Visit<'_> {
             "axes": axes,
             "steps": self.steps().to_string(),
             "points": (self.steps() + 1).to_string(),
+            "start": start,
+            "size": size,
         });
-        if self.readings {
-            self.describe_box(&mut context)?;
-        }
         Ok(filled("job.toml.tera", &context)?)
     }
 
@@ -203,8 +205,8 @@ impl Visit<'_> {
         format!("{value:<COMMENTS$} # {text}")
     }
 
-    /// The box of the diagonals: the largest with equal steps that keeps the margin.
-    fn describe_box(&self, context: &mut Value) -> Result<(), Problem> {
+    /// Start and size of the box of the diagonals: the largest with equal steps that keeps the margin.
+    fn box_of_run(&self) -> Result<[String; 2], Problem> {
         let steps = f64::from(self.steps());
         let step = |axis| {
             let length = self.length(axis);
@@ -218,13 +220,9 @@ impl Visit<'_> {
         }
         let size = |axis| step(axis) * steps;
         let start = |axis| self.travel[axis].0 + (self.length(axis) - size(axis)) / 2.0;
-        let place = |of: &dyn Fn(Axis) -> f64| {
-            let parts = Axis::ALL.map(|axis| format!("{} = {}", axis.key(), millimetres(of(axis))));
-            parts.join(", ")
-        };
-        context["start"] = json!(place(&start));
-        context["size"] = json!(place(&size));
-        Ok(())
+        let one = |axis: Axis, mm| format!("{} = {}", axis.key(), millimetres(mm));
+        let place = |of: &dyn Fn(Axis) -> f64| joined(Axis::ALL.map(|axis| one(axis, of(axis))));
+        Ok([place(&start), place(&size)])
     }
 
     /// The table with its values empty.
@@ -236,22 +234,15 @@ impl Visit<'_> {
     }
 
     fn positions(&self) -> String {
-        let mut text = ERRORS.to_string();
-        let (column, directions) = match self.both_directions {
-            true => (",direction", vec![",+", ",-"]),
-            false => ("", vec![""]),
+        let at = |axis, step| {
+            let part = self.length(axis) * f64::from(step) / f64::from(self.steps());
+            self.travel[axis].0 + part
         };
-        text.push_str(&format!("axis,position_mm,ex_um,ey_um,ez_um{column}\n"));
-        for axis in Axis::ALL {
-            for direction in &directions {
-                for step in 0..=self.steps() {
-                    let part = self.length(axis) * f64::from(step) / f64::from(self.steps());
-                    let at = millimetres(self.travel[axis].0 + part);
-                    text.push_str(&format!("{},{at},,,{direction}\n", axis.key()));
-                }
-            }
-        }
-        text
+        error_table(false, self.both_directions, |axis, way| {
+            let is_own = way.is_some() == self.both_directions;
+            let steps = (0..=self.steps()).filter(|_| is_own);
+            steps.map(|step| at(axis, step)).collect()
+        })
     }
 
     fn nodes(&self) -> String {
@@ -272,12 +263,35 @@ impl Visit<'_> {
     }
 }
 
+/// An error table without values: rows for the positions of each axis, mm, in each way.
+fn error_table(
+    has_angles: bool,
+    are_directed: bool,
+    mm: impl Fn(Axis, Option<Direction>) -> Vec<f64>,
+) -> String {
+    let (angles, cells) = if has_angles { (",ea_urad,eb_urad,ec_urad", ",,,") } else { ("", "") };
+    let direction = if are_directed { ",direction" } else { "" };
+    let mut text = format!("{ERRORS}axis,position_mm,ex_um,ey_um,ez_um{angles}{direction}\n");
+    for axis in Axis::ALL {
+        for way in [None, Some(Direction::Plus), Some(Direction::Minus)] {
+            let sign = way.map_or("", Direction::symbol);
+            let sign = if are_directed { format!(",{sign}") } else { String::new() };
+            let rows = mm(axis, way).into_iter();
+            text.extend(rows.map(|mm| {
+                let mm = millimetres(mm);
+                format!("{},{mm},,,{cells}{sign}\n", axis.key())
+            }));
+        }
+    }
+    text
+}
+
 /// What the keys of a job say, by the last name of their section and by key.
-fn words() -> Value {
-    let mut all = json!({});
+fn words() -> BTreeMap<&'static str, BTreeMap<&'static str, &'static str>> {
+    let mut all = BTreeMap::<_, BTreeMap<_, _>>::new();
     for (section, key) in keys() {
         let section = section.rsplit('.').next().unwrap_or(section);
-        all[section][key.name] = json!(key.words.trim_start());
+        all.entry(section).or_default().insert(key.name, key.words.trim_start());
     }
     all
 }
@@ -309,5 +323,5 @@ fn millimetres(mm: f64) -> String {
 
 /// A text of a TOML page.
 fn quoted(text: &str) -> String {
-    json!(text).to_string()
+    Value::from(text).to_string()
 }

@@ -157,18 +157,15 @@ findings! {
 impl Design<'_> {
     /// What the figures rest on.
     pub(crate) fn assumed(&self, described: &Visit) -> Vec<Finding> {
-        let (run, times) = (&described.variant.run, self.times);
+        let run = &described.variant.run;
         let linear = Assumed::LinearAxes {
             runs: run.along(Axis::X).runs,
             u_um_per_m: self.u_um_per_m(described),
             named: self.axes_named(),
         };
-        let time = Assumed::Time {
-            feed_mm_per_min: run.feed_mm_per_min,
-            dwell_s: run.dwell_s,
-            diagonal_min: times.diagonal_min,
-            linear_min: times.linear_min,
-        };
+        let SetUpTimes { diagonal_min, linear_min } = self.times;
+        let (feed_mm_per_min, dwell_s) = (run.feed_mm_per_min, run.dwell_s);
+        let time = Assumed::Time { feed_mm_per_min, dwell_s, diagonal_min, linear_min };
         let optics = described.mirror.map(|mirror| Assumed::Optics { circle_mm: mirror.circle_mm });
         let own = [linear, time].into_iter().chain(optics);
         let all = self.of_instrument(described).into_iter().chain(own);

@@ -89,24 +89,15 @@ fn of_terms(made: &Made<'_>) -> Vec<Way> {
         let own = made.compiled.placements.iter().filter(|p| p.term == term);
         own.map(|p| p.grid_residual_um).fold(0.0, larger)
     };
-    let (mut grid, mut none) = (Vec::new(), Vec::new());
-    for t in &made.forecast.terms {
-        if t.change.after_um <= limit_um {
-            continue;
-        }
-        if !t.compensated {
-            none.push(t.term);
-        } else if 2.0 * grid_um(t.term) >= t.change.after_um {
-            grid.push(t.term);
-        }
-    }
+    let left = made.forecast.terms.iter().filter(|t| t.change.after_um > limit_um);
+    let (held, none): (Vec<_>, Vec<_>) = left.partition(|t| t.compensated);
+    let grid = held.into_iter().filter(|t| 2.0 * grid_um(t.term) >= t.change.after_um);
+    let grid: Vec<ErrorTerm> = grid.map(|t| t.term).collect();
+    let none: Vec<ErrorTerm> = none.into_iter().map(|t| t.term).collect();
     let largest_um = grid.iter().map(|term| grid_um(*term)).fold(0.0, larger);
-    let ways = [
-        (grid.is_empty(), Way::Grid { terms: grid, largest_um }),
-        (none.is_empty(), Way::NoTable { terms: none }),
-    ];
-    let ways = ways.into_iter().filter(|(empty, _)| !empty);
-    ways.map(|(_, way)| way).collect()
+    let grid = (!grid.is_empty()).then_some(Way::Grid { terms: grid, largest_um });
+    let none = (!none.is_empty()).then_some(Way::NoTable { terms: none });
+    grid.into_iter().chain(none).collect()
 }
 
 /// Where tables were active while measuring and what they left keeps every limit.

@@ -38,8 +38,7 @@ const K: f64 = 2.0;
 /// ±2 u of the measured values of its direction, about each curve of the last stage.
 pub fn terms(locale: Locale<'_>, heading: &str, curves: &Curves<'_>) -> Emulated<Picture> {
     let mut panels = Vec::new();
-    for (of, along) in ErrorTerm::ALL.map(|term| (term.of, term.along)) {
-        let term = ErrorTerm { of, along };
+    for term in ErrorTerm::ALL {
         panels.push(curves.marks(term)?.map(|marks| (term, marks)));
     }
     let numbers = panels.iter().flatten().flat_map(|(_, marks)| marks);
@@ -115,19 +114,14 @@ fn panel(
     um: (f64, f64),
     (from, to): (f64, f64),
 ) -> Panel {
-    let (across, up) = (locale.mm(), locale.um());
+    let across = locale.mm();
     let axis = format!("{} / {}", term.along.letter(), across.sign);
     let kind = match term.is_positioning() {
         true => "positioning",
         false => "straightness",
     };
-    Panel {
-        title: format!("{term} {}", locale.words(kind)),
-        across: Scale::new(&axis, from, to).shown_in(across),
-        up: Scale::new(up.sign, um.0, um.1).shown_in(up),
-        marks,
-        is_view: false,
-    }
+    let across = Scale::new(&axis, from, to).shown_in(across);
+    Panel::chart(format!("{term} {}", locale.words(kind)), across, Scale::of_um(locale, um), marks)
 }
 
 impl Curves<'_> {

@@ -1,7 +1,7 @@
 //! The error along a tool path, and at the holes that it drills.
 
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
-use super::scale::{around, below};
+use super::scale::{around, below, count};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::larger;
 
@@ -92,13 +92,9 @@ pub fn path(heading: &str, traces: &[Trace], holes: &[HoleErrors]) -> Picture {
     let um = around(marks.iter().flatten().flat_map(Mark::heights));
     let length = traces.iter().map(|t| t.stretch_mm * count(t.stretches.len())).fold(0.0, larger);
     let panels = Axis::ALL.into_iter().zip(marks).map(|(of, marks)| {
-        Some(Panel {
-            title: format!("error in {of}"),
-            across: Scale::new("along the path / mm", 0.0, length),
-            up: Scale::new("µm", um.0, um.1),
-            marks,
-            is_view: false,
-        })
+        let across = Scale::new("along the path / mm", 0.0, length);
+        let up = Scale::new("µm", um.0, um.1);
+        Some(Panel::chart(format!("error in {of}"), across, up, marks))
     });
     Picture {
         title: heading.to_string(),
@@ -108,10 +104,6 @@ pub fn path(heading: &str, traces: &[Trace], holes: &[HoleErrors]) -> Picture {
         panels: panels.chain([from_above(holes)].into_iter().filter(Option::is_some)).collect(),
         note: "bands: smallest and largest error on each stretch of the path".to_string(),
     }
-}
-
-fn count(number: usize) -> f64 {
-    u32::try_from(number).map_or(f64::MAX, f64::from)
 }
 
 /// The holes with arrows of their errors in X and Y.
@@ -125,7 +117,7 @@ fn from_above(holes: &[HoleErrors]) -> Option<Panel> {
     let longest = errors.map(|(_, (dx, dy))| dx.hypot(*dy)).fold(1e-6, larger);
     let mm_per_um = 0.15 * size / longest;
     let mut marks = Vec::new();
-    for ink in Ink::ALL {
+    for ink in Ink::all() {
         let arrows = holes.iter().flat_map(|((x, y), errors)| {
             let own = errors.iter().filter(|(of, _)| *of == ink);
             own.map(|(_, (dx, dy))| [(*x, *y), (dx * mm_per_um, dy * mm_per_um)])
@@ -140,11 +132,7 @@ fn from_above(holes: &[HoleErrors]) -> Option<Panel> {
     let room = 0.2 * size;
     let unit = below(longest);
     let (left, low) = (x.0 - room, y.0 - room);
-    marks.push(Mark::Edge(vec![(left, low), (left + unit * mm_per_um, low)]));
-    marks.push(Mark::Words(
-        (left + unit * mm_per_um / 2.0, low + 0.03 * size),
-        format!("{unit} µm"),
-    ));
+    marks.extend(Mark::scale((left, low), unit * mm_per_um, 0.03 * size, format!("{unit} µm")));
     Some(Panel {
         title: "the worst holes from above (X to the right, Y up)".to_string(),
         across: Scale::new("", left, x.1 + room),

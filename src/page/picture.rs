@@ -1,39 +1,31 @@
 //! A picture as numbers: panels with marks, in mm and µm whatever unit their axes show.
 
-use super::locale::Unit;
+use super::locale::{Locale, Unit};
+use crate::text::words::{Word, words};
 
-/// Who a mark speaks for; each is told by colour, by dash and by its sign in the legend.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ink {
-    /// As found: measured before.
-    AsFound,
-    /// What is forecast from the bytes of the tables.
-    Forecast,
-    /// As left: measured afterwards.
-    AsLeft,
-    /// A limit that is asked for.
-    Limit,
-    /// Measured while the axis moved +.
-    Up,
-    /// Measured while the axis moved -.
-    Down,
+words! {
+    /// Who a mark speaks for; each is told by colour, by dash and by its sign in the legend. Its word is the class of a
+    /// mark in the drawing; `legend_` and it are the key of its words.
+    pub enum Ink {
+        /// As found: measured before.
+        AsFound = "found",
+        /// What is forecast from the bytes of the tables.
+        Forecast = "forecast",
+        /// As left: measured afterwards.
+        AsLeft = "left",
+        /// Measured while the axis moved +.
+        Up = "up",
+        /// Measured while the axis moved -.
+        Down = "down",
+        /// A limit that is asked for.
+        Limit = "limit",
+    }
 }
 
 impl Ink {
     /// All, in the order of a legend.
-    pub const ALL: [Ink; 6] =
-        [Ink::AsFound, Ink::Forecast, Ink::AsLeft, Ink::Up, Ink::Down, Ink::Limit];
-
-    /// The class of a mark in the drawing; `legend_` and it are the key of its words.
-    pub(crate) fn class(self) -> &'static str {
-        match self {
-            Ink::AsFound => "found",
-            Ink::Forecast => "forecast",
-            Ink::AsLeft => "left",
-            Ink::Limit => "limit",
-            Ink::Up => "up",
-            Ink::Down => "down",
-        }
+    pub(super) fn all() -> impl Iterator<Item = Ink> {
+        Ink::WORDS.iter().map(|(_, ink)| *ink)
     }
 }
 
@@ -61,6 +53,12 @@ pub enum Mark {
 }
 
 impl Mark {
+    /// The bar of a scale: a line from a place to the right, with its length in words so far above.
+    pub(super) fn scale((x, y): (f64, f64), long: f64, above: f64, words: String) -> [Mark; 2] {
+        let edge = Mark::Edge(vec![(x, y), (x + long, y)]);
+        [edge, Mark::Words((x + long / 2.0, y + above), words)]
+    }
+
     pub(super) fn ink(&self) -> Option<Ink> {
         match self {
             Mark::Line(ink, _) | Mark::Dots(ink, _) | Mark::Arrows(ink, _) => Some(*ink),
@@ -106,6 +104,11 @@ impl Scale {
         Scale { label, from, to, names, shown_times: 1.0 }
     }
 
+    /// An axis of deviations, µm.
+    pub(super) fn of_um(locale: Locale<'_>, (from, to): (f64, f64)) -> Scale {
+        Scale::new(locale.um().sign, from, to).shown_in(locale.um())
+    }
+
     /// The same axis with its numbers in another unit, which its label names.
     pub(super) fn shown_in(self, unit: Unit) -> Scale {
         let shown_times = unit.each;
@@ -128,6 +131,13 @@ pub struct Panel {
     pub is_view: bool,
 }
 
+impl Panel {
+    /// A diagram with axes.
+    pub(super) fn chart(title: String, across: Scale, up: Scale, marks: Vec<Mark>) -> Panel {
+        Panel { title, across, up, marks, is_view: false }
+    }
+}
+
 /// Panels side by side under one heading and one legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
@@ -148,6 +158,6 @@ impl Picture {
     pub(super) fn inks(&self) -> Vec<Ink> {
         let marks = || self.panels.iter().flatten().flat_map(|panel| &panel.marks);
         let is_used = |ink: &Ink| marks().any(|mark| mark.ink() == Some(*ink));
-        Ink::ALL.into_iter().filter(is_used).collect()
+        Ink::all().filter(is_used).collect()
     }
 }

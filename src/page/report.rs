@@ -50,14 +50,18 @@ pub struct Report<'a> {
     pub logo: Option<String>,
     /// A template of one's own, by its name.
     pub template: Option<Template>,
+    /// The job.
+    pub job: &'a Job,
     /// What was measured and found.
     pub visit: &'a Visit,
 }
 
+/// A picture with the part that it stands in.
+pub type Placed = (&'static str, Picture);
+
 /// What was measured and found; what is not there stays empty.
+#[derive(Default)]
 pub struct Visit {
-    /// The job.
-    pub job: Job,
     /// Name of the control.
     pub control: String,
     /// What `verify` says; `None` = as found, there are no tables to judge.
@@ -86,38 +90,12 @@ pub struct Visit {
     pub documents: Vec<(String, Value)>,
     /// Name and size of the files of the tables, bytes.
     pub sizes: Vec<(String, usize)>,
-    /// The pictures by the part that they stand in.
-    pub pictures: Vec<(&'static str, Picture)>,
+    /// The pictures.
+    pub pictures: Vec<Placed>,
     /// Why there are no figures of the volume.
     pub without_volume: Vec<String>,
     /// The files of runs of one axis.
     pub linear: Vec<String>,
-}
-
-impl Visit {
-    /// Of a job, before anything is known.
-    pub fn of(job: &Job) -> Visit {
-        Visit {
-            job: job.clone(),
-            control: String::new(),
-            verdict: None,
-            is_rehearsal: false,
-            doubts: Vec::new(),
-            is_measured: false,
-            protocol_after: Vec::new(),
-            grounds: Grounds::default(),
-            decides: None,
-            disagreements: Vec::new(),
-            assumptions: Vec::new(),
-            is_sign_shown: false,
-            inputs: Vec::new(),
-            documents: Vec::new(),
-            sizes: Vec::new(),
-            pictures: Vec::new(),
-            without_volume: Vec::new(),
-            linear: Vec::new(),
-        }
-    }
 }
 
 /// The name of the document of a file of runs, counted from 1.
@@ -153,7 +131,7 @@ impl Report<'_> {
             "running": self.running(),
             "in_english": if self.is_own_language() { String::new() } else { self.t("in_english") },
             "title": self.t(if self.is_found() { "title_found" } else { "title" }),
-            "machine": { "name": escaped(&self.visit.job.machine.name) },
+            "machine": { "name": escaped(&self.job.machine.name) },
             "visit": self.visit(),
             "verdict": self.verdict(),
             "warnings": self.warnings(),
@@ -182,7 +160,7 @@ impl Report<'_> {
 
     /// Machine and serial number, as the text of a style sheet.
     fn running(&self) -> String {
-        let machine = &self.visit.job.machine;
+        let machine = &self.job.machine;
         let serial = machine.serial.iter();
         let serial = serial.map(|own| format!(", {} {own}", self.locale.texts.of("serial")));
         style_text(&format!("{}{}", machine.name, serial.collect::<String>()))
@@ -255,8 +233,8 @@ impl Report<'_> {
     /// that every visit has, then all others as they are stated.
     fn visit(&self) -> Vec<Value> {
         const ALWAYS: [&str; 3] = ["by", "instrument", "temperature_c"];
-        let machine = &self.visit.job.machine;
-        let protocol = &self.visit.job.measurement.protocol;
+        let machine = &self.job.machine;
+        let protocol = &self.job.measurement.protocol;
         let stated = |key: &str| {
             let mut own = protocol.iter().filter(|(own, _)| own == key);
             self.both(key, own.next().map(|(_, value)| value.as_str()))
@@ -267,7 +245,7 @@ impl Report<'_> {
             line(self.t("machine"), machine.name.clone()),
             line(self.t("serial"), machine.serial.clone().unwrap_or_default()),
             line(self.t("control"), self.visit.control.clone()),
-            line(self.t("date"), self.both("date", self.visit.job.measurement.date.as_deref())),
+            line(self.t("date"), self.both("date", self.job.measurement.date.as_deref())),
         ];
         lines.extend(ALWAYS.map(|key| line(self.t(key), stated(key))));
         let after = self.visit.protocol_after.iter();
@@ -283,7 +261,7 @@ impl Report<'_> {
     }
 
     fn verdict(&self) -> Value {
-        let is_asked = !self.visit.job.acceptance.asks_nothing();
+        let is_asked = !self.job.acceptance.asks_nothing();
         let word = match self.visit.verdict.map(Verdict::word) {
             None => "as_found",
             Some("pass") if !is_asked => "nothing_asked",

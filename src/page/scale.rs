@@ -83,6 +83,11 @@ pub(super) fn below(number: f64) -> f64 {
     round.filter(|round| *round <= number / 2.0).fold(0.0, larger)
 }
 
+/// A number of things as a number of a picture.
+pub(super) fn count(number: usize) -> f64 {
+    u32::try_from(number).map_or(f64::MAX, f64::from)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

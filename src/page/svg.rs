@@ -2,7 +2,7 @@
 
 use super::locale::Locale;
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
-use super::scale::Ticks;
+use super::scale::{Ticks, count};
 use crate::quantity::units::{Figure, smaller};
 use crate::text::html::escaped;
 use std::fmt::Write;
@@ -118,10 +118,6 @@ fn width(words: &str) -> f64 {
     (count(wide) + count(narrow) * LETTER) * SMALL
 }
 
-fn count(number: usize) -> f64 {
-    u32::try_from(number).map_or(f64::MAX, f64::from)
-}
-
 /// Where a panel's marks go.
 #[derive(Clone, Copy)]
 struct Plot {
@@ -181,13 +177,7 @@ fn draw(out: &mut Drawing, locale: Locale<'_>, panel: &Panel, place: Plot) {
     if panel.is_view {
         return;
     }
-    out.put(format_args!(
-        "<rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
-        short(plot.left),
-        short(plot.top),
-        short(plot.width),
-        short(plot.height)
-    ));
+    out.rect("frame", [plot.left, plot.top, plot.width, plot.height]);
 }
 
 /// The same number of points for a unit both ways, in the middle of the place.
@@ -268,20 +258,14 @@ fn draw_mark(out: &mut Drawing, map: &Map<'_>, mark: &Mark) {
             let lower = places.iter().rev().map(|(x, low, _)| (*x, *low));
             let outline = upper.chain(lower).map(|(x, y)| (map.x(x), map.y(y)));
             let outline = path(outline);
-            out.put(format_args!("<path class=\"{} band\" d=\"{outline}Z\"/>", ink.class()));
+            out.put(format_args!("<path class=\"{} band\" d=\"{outline}Z\"/>", ink.word()));
         }
         Mark::Bars(ink, bars) => {
             for (from, to, height) in bars {
                 let (left, right) = (map.x(*from), map.x(*to));
                 let (top, bottom) = (map.y(height.max(0.0)), map.y(height.min(0.0)));
-                out.put(format_args!(
-                    "<rect class=\"{} bar\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>",
-                    ink.class(),
-                    short(left),
-                    short(top),
-                    short(right - left),
-                    short(bottom - top)
-                ));
+                let class = format!("{} bar", ink.word());
+                out.rect(&class, [left, top, right - left, bottom - top]);
             }
         }
         Mark::Arrows(ink, arrows) => {
@@ -311,7 +295,7 @@ fn legend(out: &mut Drawing, locale: Locale<'_>, inks: &[Ink]) {
         if *ink == Ink::AsLeft {
             out.dot(*ink, left + 13.0, 36.0);
         }
-        let words = locale.words(&format!("legend_{}", ink.class()));
+        let words = locale.words(&format!("legend_{}", ink.word()));
         out.text("", left + 31.0, 39.5, &words);
         left += 31.0 + 24.0 + width(&words);
     }
@@ -338,6 +322,13 @@ impl Drawing {
         }
     }
 
+    fn rect(&mut self, class: &str, place: [f64; 4]) {
+        let [x, y, width, height] = place.map(short);
+        self.put(format_args!(
+            "<rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/>"
+        ));
+    }
+
     fn stroke(&mut self, class: &str, from: (f64, f64), to: (f64, f64)) {
         let d = path([from, to].into_iter());
         self.put(format_args!("<path class=\"{class}\" d=\"{d}\"/>"));
@@ -345,7 +336,7 @@ impl Drawing {
 
     fn line(&mut self, ink: Ink, points: impl Iterator<Item = (f64, f64)>) {
         let d = path(points);
-        self.put(format_args!("<path class=\"{} line\" d=\"{d}\"/>", ink.class()));
+        self.put(format_args!("<path class=\"{} line\" d=\"{d}\"/>", ink.word()));
     }
 
     /// A stroke with a head of two barbs; a short one has a short head.
@@ -356,14 +347,14 @@ impl Drawing {
         let (bx, by) = (dx * barb, dy * barb);
         let end = |side: f64| (to.0 - bx - side * 0.5 * by, to.1 - by + side * 0.5 * bx);
         let d = path([from, to].into_iter()) + &path([end(1.0), to, end(-1.0)].into_iter());
-        self.put(format_args!("<path class=\"{} arrow\" d=\"{d}\"/>", ink.class()));
+        self.put(format_args!("<path class=\"{} arrow\" d=\"{d}\"/>", ink.word()));
     }
 
     fn dot(&mut self, ink: Ink, x: f64, y: f64) {
         let (x, y) = (short(x), short(y));
         self.put(format_args!(
             "<circle class=\"{} dot\" cx=\"{x}\" cy=\"{y}\" r=\"1.9\"/>",
-            ink.class()
+            ink.word()
         ));
     }
 }

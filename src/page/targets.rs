@@ -16,17 +16,11 @@ pub fn targets(
         of.iter().map(|(name, figures)| (name.as_str(), *figures, marks(figures))).collect();
     let heights = drawn.iter().flat_map(|(.., marks)| marks.iter().flat_map(Mark::heights));
     let um = locale.around(heights);
-    let unit = locale.um();
     let panel = |(name, figures, marks): (&str, &Figures, Vec<Mark>)| {
         let at = |target: Option<&TargetFigures>| target.map_or(0.0, |t| t.target_mm);
         let (from, to) = (at(figures.targets.first()), at(figures.targets.last()));
-        Some(Panel {
-            title: name.to_string(),
-            across: Scale::new(across, from, to).shown_in(locale.mm()),
-            up: Scale::new(unit.sign, um.0, um.1).shown_in(unit),
-            marks,
-            is_view: false,
-        })
+        let across = Scale::new(across, from, to).shown_in(locale.mm());
+        Some(Panel::chart(name.to_string(), across, Scale::of_um(locale, um), marks))
     };
     Picture {
         title: heading.to_string(),

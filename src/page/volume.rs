@@ -3,6 +3,7 @@
 
 use super::locale::Locale;
 use super::picture::{Ink, Mark, Panel, Picture, Scale};
+use super::scale::count;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::larger;
 use crate::volume::assessment::Assessment;
@@ -83,10 +84,7 @@ fn view(locale: Locale<'_>, side: &Side<'_>, longest_um: f64) -> Panel {
     let mut marks = seen.marks();
     marks.push(Mark::Arrows(side.ink, arrows.collect()));
     let (um, shown) = locale.below(longest_um);
-    let end = left + um * mm_per_um;
-    marks.push(Mark::Edge(vec![(left, low), (end, low)]));
-    let middle = f64::midpoint(left, end);
-    marks.push(Mark::Words((middle, low + 0.03 * travel), shown));
+    marks.extend(Mark::scale((left, low), um * mm_per_um, 0.03 * travel, shown));
     Panel {
         title: format!(
             "{}, {} {} {}",
@@ -165,13 +163,9 @@ fn distribution(locale: Locale<'_>, sides: &[Side<'_>]) -> Option<Panel> {
         widest = larger(widest, from);
         marks.push(Mark::Bars(side.ink, bars));
     }
-    (!marks.is_empty()).then(|| Panel {
-        title: locale.words("differences"),
-        across: Scale::new(&locale.words("difference"), 0.0, widest).shown_in(locale.um()),
-        up: Scale::new(&locale.words("pairs"), 0.0, 1.05 * highest),
-        marks,
-        is_view: false,
-    })
+    let across = Scale::new(&locale.words("difference"), 0.0, widest).shown_in(locale.um());
+    let up = Scale::new(&locale.words("pairs"), 0.0, 1.05 * highest);
+    (!marks.is_empty()).then(|| Panel::chart(locale.words("differences"), across, up, marks))
 }
 
 fn contributions(locale: Locale<'_>, sides: &[Side<'_>]) -> Panel {
@@ -179,7 +173,7 @@ fn contributions(locale: Locale<'_>, sides: &[Side<'_>]) -> Panel {
     let named = first.unwrap_or_default().iter().take(MOST_NAMED);
     let components: Vec<_> = named.map(|part| part.component).collect();
     let mut marks = Vec::new();
-    let width = 0.8 / f64::from(u32::try_from(sides.len()).unwrap_or(1).max(1));
+    let width = 0.8 / larger(count(sides.len()), 1.0);
     let mut offset = 0.1;
     for side in sides {
         let mut at = offset;
@@ -194,18 +188,9 @@ fn contributions(locale: Locale<'_>, sides: &[Side<'_>]) -> Panel {
         offset += width;
     }
     let um = locale.around(marks.iter().flat_map(Mark::heights));
-    let unit = locale.um();
     let names: Vec<String> = components.iter().map(|component| component.iso_name()).collect();
-    Panel {
-        title: locale.words("contributions"),
-        across: Scale {
-            names,
-            ..Scale::new("", 0.0, f64::from(u32::try_from(components.len()).unwrap_or(1)))
-        },
-        up: Scale::new(unit.sign, um.0, um.1).shown_in(unit),
-        marks,
-        is_view: false,
-    }
+    let across = Scale { names, ..Scale::new("", 0.0, count(components.len())) };
+    Panel::chart(locale.words("contributions"), across, Scale::of_um(locale, um), marks)
 }
 
 /// Contributions that are drawn; the command lists all.

@@ -59,14 +59,8 @@ impl CampaignFiles {
         };
         tables.angles = table(&job.measurement.angles, "measurement.angles")?;
         let closure_errors = table(&measurement.closure_errors, &format!("{KEY}.closure_errors"))?;
-        Ok(CampaignFiles {
-            job: job.clone(),
-            measurement: measurement.clone(),
-            readings,
-            tables,
-            closure_errors,
-            readings_sha256,
-        })
+        let (job, measurement) = (job.clone(), measurement.clone());
+        Ok(CampaignFiles { job, measurement, readings, tables, closure_errors, readings_sha256 })
     }
 
     /// The nine errors, for any backlash policy.

@@ -1,7 +1,7 @@
 //! What `assess` prints, and what its figures rest on: frame, levers, tables that were active, how much
 //! of the machine was measured (what is missing must not look like an error of 0); each error as it was measured.
 
-use crate::cli::squareness::{PlaneFigures, squareness};
+use crate::cli::squareness::{PlaneFigures, planes};
 use crate::inputs::error_table::{ErrorTable, Remarks};
 use crate::inputs::job::{ActiveTables, Frame, Job, UseOf};
 use crate::judge::after::alone;
@@ -9,7 +9,6 @@ use crate::judge::forecast::Change;
 use crate::kit::Inputs;
 use crate::machine::findings::ModelFinding;
 use crate::machine::model::ErrorModel;
-use crate::machine::separation::metric::Plane;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Ink, Locale, Picture, Side, volume};
 use crate::quantity::axis::{Axis, ErrorTerm, Listed, PerAxis, Rotation};
@@ -23,7 +22,6 @@ use crate::volume::assessment::{Assessment, GridChoice};
 use crate::volume::findings::VolumeFinding;
 use crate::volume::volume_model::{Component, Missing, VolumeModel};
 use serde::Serialize;
-use std::fmt::Write;
 
 /// What is printed; the document for scripts is the same (contract §5).
 #[derive(Serialize)]
@@ -305,30 +303,19 @@ pub(super) fn of_table(name: &str, bytes: &[u8], chain: Option<Chain>) -> Result
 
 /// The least job that such a table needs.
 fn least_job(table: &ErrorTable, chain: Option<Chain>) -> String {
-    let mut page = "schema = 1\n[machine]\nname = \"error table\"\n".to_string();
-    let mut line = |text: String| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(page, "{text}");
-    };
-    if let Some(chain) = chain {
-        line(format!("chain = \"{chain}\""));
-    }
-    let ranges = PerAxis::from_fn(|axis| {
-        let positions = table.series(axis).iter().flat_map(|s| &s.positions);
-        positions.fold(None, |ends: Option<(f64, f64)>, at| {
-            let (low, high) = ends.unwrap_or((at.mm(), at.mm()));
-            Some((low.min(at.mm()), high.max(at.mm())))
-        })
+    let chain = chain.map_or_else(String::new, |chain| format!("chain = \"{chain}\"\n"));
+    let axes = Axis::ALL.into_iter().filter_map(|axis| {
+        let positions = || table.series(axis).iter().flat_map(|s| &s.positions).map(|at| at.mm());
+        let (low, high) = (positions().reduce(f64::min)?, positions().reduce(f64::max)?);
+        let axis = axis.key();
+        Some(format!(
+            "[machine.axes.{axis}]\ntravel_mm = [{low:?}, {high:?}]\nreference_mm = {low:?}\n"
+        ))
     });
-    for axis in Axis::ALL {
-        if let Some((low, high)) = ranges[axis] {
-            line(format!("[machine.axes.{}]", axis.key()));
-            line(format!("travel_mm = [{low:?}, {high:?}]"));
-            line(format!("reference_mm = {low:?}"));
-        }
-    }
-    line("[measurement]\nerrors = \"-\"".to_string());
-    page
+    let axes: String = axes.collect();
+    format!(
+        "schema = 1\n[machine]\nname = \"error table\"\n{chain}{axes}[measurement]\nerrors = \"-\"\n"
+    )
 }
 
 /// What the measurement says by itself.
@@ -354,19 +341,10 @@ impl Found {
         model: &ErrorModel,
         errors: Option<&ErrorSource>,
     ) -> Result<Found, Problems> {
-        let planes = Plane::ALL.into_iter().filter_map(|plane| {
-            let found = squareness(model, errors, plane)?;
-            let figures = PlaneFigures {
-                before_um_per_m: found.um_per_m,
-                after_um_per_m: None,
-                expanded_um_per_m: found.expanded_um_per_m,
-            };
-            Some((plane.key(), figures))
-        });
         let terms = alone(model, job).terms.into_iter().map(|found| {
             let Change { before_um, u_um, expanded_um, at_most_um, .. } = found.change;
             (found.term, Largest { before_um, u_um, expanded_um, at_most_um })
         });
-        Ok(Found { terms: terms.collect(), squareness: planes.collect() })
+        Ok(Found { terms: terms.collect(), squareness: planes((model, errors), None) })
     }
 }

@@ -6,6 +6,7 @@ use crate::cli::show;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{Figure, Millimetres};
+use crate::text::finding::joined;
 use crate::volume::assessment::{Assessment, Contribution, GridChoice, Histogram, Sampled};
 use crate::volume::definitions::Definitions;
 use crate::volume::volume_model::{Component, ERRORS};
@@ -54,7 +55,7 @@ fn heading(page: &Page) -> String {
     let chain = page.basis.chain.as_deref().unwrap_or("not stated");
     let mut lines = vec![
         format!("{}, chain {chain}", page.name),
-        format!("volume {}; {}", ends.join(", "), nodes(page)),
+        format!("volume {}; {}", joined(ends), nodes(page)),
     ];
     lines.extend(places(&page.basis));
     lines.join("\n")
@@ -79,10 +80,9 @@ fn places(basis: &Basis) -> Option<String> {
     });
     let some = |what: &str, places: PerAxis<Option<Millimetres>>| {
         let stated = places.iter();
-        let stated: Vec<String> = stated
-            .filter_map(|(axis, at)| Some(format!("{axis} {}", short((*at)?.mm()))))
-            .collect();
-        (!stated.is_empty()).then(|| format!("{what} {} mm", stated.join(", ")))
+        let stated = stated.filter_map(|(axis, at)| Some(format!("{axis} {}", short((*at)?.mm()))));
+        let stated = joined(stated);
+        (!stated.is_empty()).then(|| format!("{what} {stated} mm"))
     };
     let all = [
         tool,
@@ -138,9 +138,9 @@ fn figures(page: &Page) -> String {
     let with = after.map_or("", |_| "\t>with tables/µm");
     let second = after.map(rows);
     let rows = rows(before).into_iter().enumerate();
-    let rows = rows.map(|(index, (name, value, what))| {
+    let rows = rows.map(|(index, [name, value, what])| {
         let other = second.as_ref().and_then(|rows| rows.get(index));
-        let other = other.map_or_else(String::new, |(_, value, _)| format!("\t{value}"));
+        let other = other.map_or_else(String::new, |[_, value, _]| format!("\t{value}"));
         format!("{name}\t{value}{other}\t{what}")
     });
     let heading = format!("figure\t>µm{with}\twhat it is");
@@ -158,42 +158,40 @@ fn figures(page: &Page) -> String {
 const PAPERS: &str = "  paper 002: Defining and computing machine tool accuracy, University of Huddersfield; 000 and 001: docs/volumetric.md";
 
 /// Name, value and meaning of every figure.
-fn rows(d: &Definitions) -> Vec<(String, String, String)> {
-    let row =
-        |(name, value, what): (&str, String, &str)| (name.to_string(), value, what.to_string());
+fn rows(d: &Definitions) -> Vec<[String; 3]> {
+    let row = |name: &str, value: String, what: &str| [name.to_string(), value, what.to_string()];
     let range = |axis| {
-        let value = measured(d.ranges_um.0[axis]);
         let what = format!("max - min of the error in {axis}");
-        (format!("range {axis}"), value, what)
+        row(&format!("range {axis}"), measured(d.ranges_um.0[axis]), &what)
+    };
+    let diagonal = |diagonal| {
+        row(&format!("diagonal {diagonal}"), um(d.diagonals_um[diagonal]), "max - min along it")
     };
     let from = format!("largest error seen from {}", place(d.reference_mm.0));
-    let whole = [
-        ("box", um(d.box_um), "root of the squared ranges"),
-        (
-            "largest from",
-            bracket(d.max_from_reference_um, d.max_from_reference_bound_um),
-            from.as_str(),
-        ),
+    let from_um = bracket(d.max_from_reference_um, d.max_from_reference_bound_um);
+    let length_um = bracket(d.length_um, d.length_bound_um);
+    let proposed = "root of the squared maxima of X, Y and Z + the same of the minima (paper 000 §II, whole vector)";
+    let existing = "nine maxima and nine minima, each as root of squares (paper 000 §I)";
+    let elsv = "ranges of the nine, summed in each direction, then root of squares";
+    let elv = "ranges of EXX, EYY, EZZ, root of squares: positioning alone (paper 001)";
+    let largest = [
+        row("VA", um(d.va_um), "largest difference of two error vectors (paper 002)"),
+        row("length error", length_um, "largest error of a distance of two nodes"),
     ];
-    let diagonal = |diagonal| {
-        let value = um(d.diagonals_um[diagonal]);
-        let what = "max - min along it".to_string();
-        (format!("diagonal {diagonal}"), value, what)
-    };
-    let rows = largest(d).map(row).into_iter();
-    let rows = rows.chain(Axis::ALL.map(range)).chain(whole.map(row));
-    let rows = rows.chain(of_papers(d).map(row));
-    rows.chain(Diagonal::ALL.map(diagonal)).collect()
+    let others = [
+        row("box", um(d.box_um), "root of the squared ranges"),
+        row("largest from", from_um, &from),
+        row("proposed", um(d.proposed_um), proposed),
+        row("existing", measured(d.existing_um), existing),
+        row("ELSv", measured(d.elsv_um), elsv),
+        row("ELv", measured(d.elv_um), elv),
+    ];
+    let (ranges, diagonals) = (Axis::ALL.map(range), Diagonal::ALL.map(diagonal));
+    [&largest[..], &ranges, &others, &diagonals].concat()
 }
 
 fn measured(value: Option<f64>) -> String {
     value.map_or_else(|| "not measured".to_string(), um)
-}
-
-fn largest(d: &Definitions) -> [(&'static str, String, &'static str); 2] {
-    let va = "largest difference of two error vectors (paper 002)";
-    let distance = "largest error of a distance of two nodes";
-    [("VA", um(d.va_um), va), ("length error", bracket(d.length_um, d.length_bound_um), distance)]
 }
 
 /// A figure, or what it lies between.
@@ -203,20 +201,6 @@ fn bracket(found_um: f64, bound_um: f64) -> String {
         // Rounded up: what is printed is a bound, too.
         false => format!("{} … {}", um(found_um), um((1000.0 * bound_um).ceil() / 1000.0)),
     }
-}
-
-/// What the papers define beside VA.
-fn of_papers(d: &Definitions) -> [(&'static str, String, &'static str); 4] {
-    let proposed = "root of the squared maxima of X, Y and Z + the same of the minima (paper 000 §II, whole vector)";
-    let existing = "nine maxima and nine minima, each as root of squares (paper 000 §I)";
-    let elsv = "ranges of the nine, summed in each direction, then root of squares";
-    let elv = "ranges of EXX, EYY, EZZ, root of squares: positioning alone (paper 001)";
-    [
-        ("proposed", um(d.proposed_um), proposed),
-        ("existing", measured(d.existing_um), existing),
-        ("ELSv", measured(d.elsv_um), elsv),
-        ("ELv", measured(d.elv_um), elv),
-    ]
 }
 
 /// Between which places each of the two machines differs most.
@@ -287,27 +271,19 @@ fn with_tables(after: &Assessment, component: Component) -> String {
 
 /// Errors that change nothing, and angles of which nobody can say what they change.
 fn without_effect(page: &Page, idle: &[&Contribution]) -> Vec<String> {
-    let names = |parts: &[&&Contribution]| {
-        let names: Vec<String> = parts.iter().map(|p| p.component.to_string()).collect();
-        names.join(", ")
-    };
+    let names = |parts: &[&&Contribution]| joined(parts.iter().map(|part| part.component));
     let (open, idle): (Vec<&&Contribution>, Vec<&&Contribution>) =
         idle.iter().partition(|part| page.volume.has_no_lever(part.component));
-    let mut lines = Vec::new();
-    if !idle.is_empty() {
-        let names = names(&idle);
-        lines.push(format!("  measured, without effect on VA: {names}"));
-    }
-    if !open.is_empty() {
-        let axes = page.volume.unknown_axes();
-        let axes: Vec<String> = axes.iter().map(ToString::to_string).collect();
-        lines.push(format!(
-            "  angles measured and not counted: {}; the travel of {}, their lever, is not stated",
-            names(&open),
-            axes.join(", ")
-        ));
-    }
-    lines
+    let idle =
+        (!idle.is_empty()).then(|| format!("  measured, without effect on VA: {}", names(&idle)));
+    let open = (!open.is_empty()).then(|| {
+        let axes = joined(page.volume.unknown_axes());
+        format!(
+            "  angles measured and not counted: {}; the travel of {axes}, their lever, is not stated",
+            names(&open)
+        )
+    });
+    idle.into_iter().chain(open).collect()
 }
 
 /// Its name, and that of ISO 230-1 where it is another.

@@ -2,16 +2,15 @@
 //! document is printed; here only what has no unit.
 
 use super::words::{Found, advice};
-use crate::cli::diagonals::StandardFigures;
-use crate::cli::outcome::known;
+use crate::cli::diagonals::{StandardFigures, diagonal_json};
+use crate::cli::outcome::{joined, known};
 use crate::inputs::job::SetUp;
+use crate::machine::separation::Separation;
 use crate::machine::separation::agreement::{Agreement, LineCheck};
 use crate::machine::separation::noise::{Noise, Outlier, ReadingPlace, coverage_factor};
 use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::Turn;
 use crate::machine::separation::solved::scale_sum_um_mm;
-use crate::machine::separation::{SeparatedError, Separation};
-use crate::machine::standards::Diagonals;
 use crate::quantity::axis::{Direction, Listed, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::picometres;
@@ -30,8 +29,14 @@ pub(super) fn separation((separation, figures, simulated): Found<'_>) -> Value {
                 "advice": open_advice(separation),
             },
             "outliers": separation.closure.outliers.iter().map(outlier).collect::<Vec<_>>(),
-            "diagonals": diagonals(separation, figures),
-            "noise": separation.noise.map(|found| tested_noise(separation, found)),
+            "diagonals": diagonals(figures, &separation.volume, &separation.end_um, |diagonal| {
+                let of = |pass| repeatability_um(&separation.runs, diagonal, pass);
+                json!({ "repeatability_um": { "forward": of(Pass::Forward), "reverse": of(Pass::Reverse) } })
+            }),
+            "noise": separation.noise.map(|found| {
+                let test = separation.closure.test(&found);
+                joined([noise(found), json!({ "closure_probability": test.map(|test| test.probability) })])
+            }),
         }),
         separation.turn.as_ref().map_or(Value::Null, reversal),
         json!({
@@ -63,27 +68,23 @@ fn slopes(separation: &Separation) -> Value {
     })
 }
 
+/// Of both directions together, and of each where they are known apart.
 fn errors(separation: &Separation) -> Map<String, Value> {
-    let mut all = Map::new();
-    let mut add = |suffix: &str, errors: &PerTerm<Option<SeparatedError>>| {
-        let found = errors.iter();
-        let found = found.filter_map(|(term, found)| Some((term, found.as_ref()?)));
-        all.extend(found.map(|(term, found)| {
+    let directed = |way: Direction| Some((way.symbol(), separation.errors.directed(way)?));
+    let directed = Direction::BOTH.into_iter().filter_map(directed);
+    let all = std::iter::once(("", &separation.errors.mean)).chain(directed);
+    let entries = all.flat_map(|(suffix, errors)| {
+        errors.iter().filter_map(move |(term, found)| {
+            let found = found.as_ref()?;
             let entry = json!({
                 "position_mm": separation.volume.positions(term.along),
                 "deviation_um": found.deviation_um,
                 "u_um": found.u_um(),
             });
-            (format!("{term}{suffix}"), known([entry]))
-        }));
-    };
-    add("", &separation.errors.mean);
-    for direction in Direction::BOTH {
-        if let Some(errors) = separation.errors.directed(direction) {
-            add(direction.symbol(), errors);
-        }
-    }
-    all
+            Some((format!("{term}{suffix}"), known([entry])))
+        })
+    });
+    entries.collect()
 }
 
 /// Linear axes and beams against each other and the diagonals.
@@ -168,13 +169,6 @@ pub(super) fn noise(noise: Noise) -> Value {
     })
 }
 
-fn tested_noise(separation: &Separation, found: Noise) -> Value {
-    let mut entry = noise(found);
-    let test = separation.closure.test(&found);
-    entry["closure_probability"] = json!(test.map(|test| test.probability));
-    entry
-}
-
 /// What would determine the scales that are open; nothing is asked for under an assumed set-up.
 pub(super) fn open_advice(separation: &Separation) -> Vec<String> {
     match separation.setup {
@@ -183,34 +177,28 @@ pub(super) fn open_advice(separation: &Separation) -> Vec<String> {
     }
 }
 
-fn diagonals(separation: &Separation, figures: &StandardFigures) -> Value {
-    let repeatability = |diagonal: Diagonal| {
-        let of = |pass| repeatability_um(&separation.runs, diagonal, pass);
-        json!({"forward": of(Pass::Forward), "reverse": of(Pass::Reverse)})
-    };
-    let mut all = diagonal_totals(&figures.all, &separation.volume, &separation.end_um);
-    for (diagonal, end_um) in separation.end_um.iter() {
-        all[diagonal.name()] = json!({
-            "end_reading_um": end_um,
-            "range_um": figures.all.diagonals[diagonal as usize].range_um,
-            "figures_um": figures.document(diagonal),
-            "repeatability_um": repeatability(diagonal),
-        });
-    }
-    all
-}
-
-/// The figures of all four diagonals together.
-pub(super) fn diagonal_totals(
-    figures: &Diagonals,
+/// The figures of all four diagonals together, and of each with what else is known of it.
+pub(super) fn diagonals(
+    figures: &StandardFigures,
     volume: &Volume,
     end_um: &PerDiagonal<f64>,
+    more: impl Fn(Diagonal) -> Value,
 ) -> Value {
-    json!({
-        "range_over_all_um": figures.range_over_all_um,
+    let all = &figures.all;
+    let each = end_um.iter().zip(figures.each()).map(|((diagonal, end_um), (name, runs, of))| {
+        let own = json!({
+            "end_reading_um": end_um,
+            "range_um": of.range_um,
+            "figures_um": diagonal_json(runs, of),
+        });
+        (name.to_string(), joined([own, more(diagonal)]))
+    });
+    let together = json!({
+        "range_over_all_um": all.range_over_all_um,
         "scale_sum_um_mm": scale_sum_um_mm(volume, end_um),
-        "e_d_um": figures.e_d_um,
-        "b_d_um": figures.b_d_um,
-        "label": figures.label,
-    })
+        "e_d_um": all.e_d_um,
+        "b_d_um": all.b_d_um,
+        "label": all.label,
+    });
+    joined([together, Value::Object(each.collect())])
 }

@@ -1,18 +1,17 @@
 //! What `separate` says of straight runs: the page for people and the document.
 
-use super::document::{agreement, diagonal_totals, noise};
-use super::words::{self, SQUARENESS_SIGN, advice, expanded, freedom};
+use super::document::{agreement, diagonals, noise};
+use super::words::{self, advice, expanded};
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::outcome::known;
 use crate::cli::screen::{More, Screen, paragraphs, table};
-use crate::cli::show::um;
-use crate::machine::separation::metric::Plane;
 use crate::machine::separation::solved::scale_sum_um_mm;
 use crate::machine::separation::straight::{ClosureTest, ClosureTests, StraightResult};
 use crate::machine::separation::uncertainty::Uncertainty;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{Figure, Squared};
+use crate::text::finding::joined;
 use serde_json::{Value, json};
 
 pub(super) fn screen(result: &StraightResult, figures: &StandardFigures) -> Screen {
@@ -37,15 +36,10 @@ pub(super) fn screen(result: &StraightResult, figures: &StandardFigures) -> Scre
 }
 
 fn outcome(result: &StraightResult) -> String {
-    let scales: Vec<String> = Axis::ALL
-        .into_iter()
-        .filter(|axis| result.metric.scale(*axis).um_per_m.is_some())
-        .map(|axis| axis.to_string())
-        .collect();
-    let scales = if scales.is_empty() {
-        "no single scale".to_string()
-    } else {
-        format!("scale of {}", scales.join(", "))
+    let known = |axis: &Axis| result.metric.scale(*axis).um_per_m.is_some();
+    let scales = match joined(Axis::ALL.into_iter().filter(known)) {
+        none if none.is_empty() => "no single scale".to_string(),
+        known => format!("scale of {known}"),
     };
     let mut lines = vec![format!(
         "Straight runs along the four body diagonals: squareness XY, XZ, YZ; {scales}; no straightness (that needs single-axis steps)"
@@ -55,21 +49,8 @@ fn outcome(result: &StraightResult) -> String {
 }
 
 fn squareness(result: &StraightResult) -> String {
-    let rows = Plane::ALL.into_iter().map(|plane| {
-        let found = result.metric.squareness(plane);
-        format!(
-            "{}\t{}\t{}\t{}",
-            plane.key().to_uppercase(),
-            um(found.um_per_m),
-            expanded(found.expanded_um_per_m()),
-            freedom(found.u.map(|u| u.freedom)),
-        )
-    });
-    let heading = "plane\t>squareness/(µm/m)\t>U(95 %)/(µm/m)\t>degrees of freedom";
-    format!(
-        "{}\n{SQUARENESS_SIGN}; from the totals of the diagonals, so of the lines through the end points",
-        table(heading, rows)
-    )
+    let table = words::squareness(&result.metric, "", |_| String::new());
+    format!("{table}; from the totals of the diagonals, so of the lines through the end points")
 }
 
 fn scales(result: &StraightResult) -> String {
@@ -137,9 +118,16 @@ pub(super) fn document(result: &StraightResult, figures: &StandardFigures) -> Va
                 "undetermined": metric.undetermined(),
                 "advice": advice(metric),
             },
-            "diagonals": diagonals(result, figures),
+            "diagonals": diagonals(figures, &result.volume, &result.end_um, |diagonal| {
+                largest(result, diagonal).map_or(Value::Null, |test| json!({ "closure_largest_um": test.largest_um, "closure_end_um": test.end_um }))
+            }),
             "noise": result.noise.map(noise),
-            "closure_test": result.closure.as_ref().map(closure_document),
+            "closure_test": result.closure.as_ref().map(|closure| json!({
+                "agrees": closure.agrees(),
+                "k": closure.k,
+                "table_states_u": closure.table_states_u,
+                "tests": closure.tests,
+            })),
             "doubts": result.doubts,
         }),
         json!(result.silence),
@@ -147,35 +135,9 @@ pub(super) fn document(result: &StraightResult, figures: &StandardFigures) -> Va
     ])
 }
 
-fn diagonals(result: &StraightResult, figures: &StandardFigures) -> Value {
-    let mut all = diagonal_totals(&figures.all, &result.volume, &result.end_um);
-    for (diagonal, end_um) in result.end_um.iter() {
-        let entry = &mut all[diagonal.name()];
-        *entry = json!({
-            "end_reading_um": end_um,
-            "range_um": figures.all.diagonals[diagonal as usize].range_um,
-            "figures_um": figures.document(diagonal),
-        });
-        if let Some(test) = largest(result, diagonal) {
-            entry["closure_largest_um"] = json!(test.largest_um);
-            entry["closure_end_um"] = json!(test.end_um);
-        }
-    }
-    all
-}
-
 /// The closure test of a diagonal with the larger difference of its two directions.
 fn largest(result: &StraightResult, diagonal: Diagonal) -> Option<&ClosureTest> {
     let tests = result.closure.as_ref()?.tests.iter();
     let of = tests.filter(|test| test.diagonal == diagonal);
     of.max_by(|a, b| a.largest_um.total_cmp(&b.largest_um))
-}
-
-fn closure_document(closure: &ClosureTests) -> Value {
-    json!({
-        "agrees": closure.agrees(),
-        "k": closure.k,
-        "table_states_u": closure.table_states_u,
-        "tests": closure.tests,
-    })
 }

@@ -2,7 +2,7 @@
 //! them the closure, disturbed readings, the reversal at a turn and repeated runs.
 
 use super::document::open_advice;
-use super::words::{self, Found, SQUARENESS_SIGN, expanded, freedom};
+use super::words::{self, Found, expanded, freedom};
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::screen::{More, Screen, paragraphs, table};
 use crate::cli::show::um;
@@ -19,9 +19,10 @@ use crate::machine::separation::readings::repeatability_um;
 use crate::machine::separation::reversal::{Estimate, Turn};
 use crate::machine::separation::solved::naive_squareness;
 use crate::machine::separation::{SeparatedError, Separation};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Figure;
+use crate::text::finding::joined;
 
 pub(super) fn screen((separation, figures, simulated): Found<'_>) -> Screen {
     let outliers = &separation.closure.outliers;
@@ -51,20 +52,15 @@ pub(super) fn screen((separation, figures, simulated): Found<'_>) -> Screen {
 fn outcome(separation: &Separation) -> String {
     let errors = separation.errors.mean.iter();
     let count = errors.filter(|(_, found)| found.is_some()).count();
-    let planes: Vec<String> = Plane::ALL
-        .into_iter()
-        .filter(|plane| separation.metric.squareness(*plane).um_per_m.is_some())
-        .map(|plane| plane.key().to_uppercase())
-        .collect();
+    let known = |plane: &Plane| separation.metric.squareness(*plane).um_per_m.is_some();
+    let planes = Plane::ALL.into_iter().filter(known).map(|plane| plane.key().to_uppercase());
     let set_up = match (separation.setup, &separation.tilts) {
         (SetUp::AssumePerfect, _) => "set-up assumed perfect",
         (SetUp::Solve, Some(_)) => "set-up solved for",
         (SetUp::Solve, None) => "tilt of the mirror not determined",
     };
-    let mut lines = vec![format!(
-        "Determined: {count} of 9 errors; squareness {}; {set_up}",
-        planes.join(", ")
-    )];
+    let mut lines =
+        vec![format!("Determined: {count} of 9 errors; squareness {}; {set_up}", joined(planes))];
     lines.extend(separation.silence.sentences());
     if separation.setup == SetUp::AssumePerfect {
         // The first thing to read there; the label says the rest.
@@ -127,13 +123,13 @@ fn directions(separation: &Separation) -> String {
     let apart = "+ is zero at the low end, - stands beside it by the reversal there";
     let open = "each is zero at its own low end: the reversal between them is not determined";
     let known = Axis::ALL.into_iter().filter(|axis| separation.is_directed(*axis));
-    let known: Vec<String> = known.map(|axis| format!("E{axis}{axis}")).collect();
+    let known = joined(known.map(|axis| format!("E{axis}{axis}")));
     let zero = if separation.turn.is_some() {
         apart.to_string()
     } else if known.is_empty() {
         open.to_string()
     } else {
-        format!("{}: {apart}; others: {open}", known.join(", "))
+        format!("{known}: {apart}; others: {open}")
     };
     let heading = "error\t>far end +/µm\t>far end -/µm\t>max - min +/µm\t>max - min -/µm\t>largest U(95 %) of either/µm";
     let table = table(heading, rows);
@@ -143,25 +139,11 @@ fn directions(separation: &Separation) -> String {
 fn squareness(separation: &Separation) -> String {
     let naive = separation.setup == SetUp::AssumePerfect;
     let by_least_squares = separation.errors.least_squares_squareness(&separation.volume);
-    let rows = Plane::ALL.into_iter().map(|plane| {
-        let estimated = separation.metric.squareness(plane);
-        let found =
-            estimated.um_per_m.map_or_else(|| "not determined".into(), |slope| um(Some(slope)));
-        let freedom = freedom(estimated.u.map(|u| u.freedom));
-        let row = format!(
-            "{}\t{found}\t{}\t{freedom}\t{}",
-            plane.key().to_uppercase(),
-            expanded(estimated.expanded_um_per_m()),
-            um(by_least_squares.of(plane)),
-        );
-        match naive {
-            true => format!(
-                "{row}\t{:.3}",
-                Figure(naive_squareness(&separation.naive_slopes_um_per_m, plane))
-            ),
-            false => row,
-        }
-    });
+    let more = |plane| {
+        let sum = || Figure(naive_squareness(&separation.naive_slopes_um_per_m, plane));
+        let sum = if naive { format!("\t{:.3}", sum()) } else { String::new() };
+        format!("\t{}{sum}", um(by_least_squares.of(plane)))
+    };
     let (column, legend) = match naive {
         true => (
             "\t>sum of separated slopes/(µm/m)",
@@ -169,12 +151,10 @@ fn squareness(separation: &Separation) -> String {
         ),
         false => ("", ""),
     };
-    let heading = format!(
-        "plane\t>squareness/(µm/m)\t>U(95 %)/(µm/m)\t>degrees of freedom\t>by least squares/(µm/m){column}"
-    );
+    let heading = format!("\t>by least squares/(µm/m){column}");
     format!(
-        "{}\n{SQUARENESS_SIGN}\nsquareness and U: lines through the end points, from the totals of the diagonals; by least squares: lines through the curves above, with their straightness{legend}",
-        table(&heading, rows)
+        "{}\nsquareness and U: lines through the end points, from the totals of the diagonals; by least squares: lines through the curves above, with their straightness{legend}",
+        words::squareness(&separation.metric, &heading, more)
     )
 }
 
@@ -243,16 +223,17 @@ fn closure(separation: &Separation) -> String {
 
 /// Each with its expected standard deviation.
 fn means(separation: &Separation) -> String {
-    let closure = &separation.closure;
-    let mean = |axis: Axis| match separation.noise {
-        Some(noise) => format!(
-            "{axis} {:+.3} (expected scatter {:.3})",
-            Figure(closure.mean[axis]),
-            closure.u_mean_um(axis, noise.sigma_um)
-        ),
-        None => format!("{axis} {:+.3}", Figure(closure.mean[axis])),
-    };
-    Axis::ALL.map(mean).join(", ")
+    let (closure, noise) = (&separation.closure, separation.noise);
+    let u_um = |axis| Some(closure.u_mean_um(axis, noise?.sigma_um));
+    of_axes(&closure.mean, u_um)
+}
+
+/// A figure of each axis, with the standard deviation that is expected where it is known.
+fn of_axes(um: &PerAxis<f64>, u_um: impl Fn(Axis) -> Option<f64>) -> String {
+    joined(Axis::ALL.map(|axis| {
+        let expected = u_um(axis).map(|um| format!(" (expected scatter {um:.3})"));
+        format!("{axis} {:+.3}{}", Figure(um[axis]), expected.unwrap_or_default())
+    }))
 }
 
 fn scatter(closure: &Closure, noise: Noise) -> String {
@@ -266,19 +247,12 @@ fn scatter(closure: &Closure, noise: Noise) -> String {
     });
     format!(
         "expected standard deviation of a single w (2 sqrt(2) sigma with one run, µm): {}{found}",
-        expected.join(", ")
+        joined(expected)
     )
 }
 
 fn ramps(ramps: &Ramps, noise: Option<Noise>) -> String {
     let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
-    let each = Axis::ALL.map(|axis| {
-        format!(
-            "{axis} {:+.3} (expected scatter {:.3})",
-            Figure(ramps.change_um[axis]),
-            ramps.u[axis] * sigma
-        )
-    });
     let verdict = if ramps.is_roll() {
         "ROLL of an axis that carries others; the ramps are left out of the scatter"
     } else if ramps.probability < FALSE_DOUBT {
@@ -288,7 +262,7 @@ fn ramps(ramps: &Ramps, noise: Option<Noise>) -> String {
     };
     format!(
         "ramps over each axis, end to end (µm): {}: probability {:.3}, {verdict}",
-        each.join(", "),
+        of_axes(&ramps.change_um, |axis| Some(ramps.u[axis] * sigma)),
         ramps.probability
     )
 }
@@ -371,9 +345,8 @@ fn reversal_by_diagonal(turn: &Turn, shown: impl Fn(Estimate) -> String) -> Stri
 
 fn reversal_of_cross_terms(turn: &Turn, shown: impl Fn(Estimate) -> String) -> String {
     let cross = ErrorTerm::ALL.into_iter().filter(|t| !t.is_positioning());
-    let said: Vec<String> =
-        cross.map(|term| format!("{term} {}", shown(turn.reversal[term]))).collect();
-    format!("Reversal of cross terms, µm: {}", said.join(", "))
+    let said = cross.map(|term| format!("{term} {}", shown(turn.reversal[term])));
+    format!("Reversal of cross terms, µm: {}", joined(said))
 }
 
 /// R of both passes along every diagonal.
@@ -385,9 +358,9 @@ fn repeatability(separation: &Separation) -> String {
         };
         Pass::BOTH.into_iter().filter_map(pass).collect::<Vec<_>>()
     };
-    let all: Vec<String> = Diagonal::ALL.into_iter().flat_map(of).collect();
+    let all = joined(Diagonal::ALL.into_iter().flat_map(of));
     if all.is_empty() {
         return String::new();
     }
-    format!("Repeatability R = 4 s, the largest over all nodes (ISO 230-2), µm: {}", all.join(", "))
+    format!("Repeatability R = 4 s, the largest over all nodes (ISO 230-2), µm: {all}")
 }

@@ -7,7 +7,7 @@ use crate::cli::show::um;
 use crate::machine::separation::Separation;
 use crate::machine::separation::agreement::Agreement;
 use crate::machine::separation::findings::CHECK;
-use crate::machine::separation::metric::Metric;
+use crate::machine::separation::metric::{Metric, Plane};
 use crate::machine::separation::monte_carlo::Simulated;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
@@ -20,7 +20,20 @@ pub(super) type Found<'a> = (&'a Separation, &'a StandardFigures, Option<&'a Sim
 const MANY: f64 = 1000.0;
 
 /// The sentence of contract §1 that stands wherever φ stands.
-pub(super) const SQUARENESS_SIGN: &str = "positive = the angle between the two positive axis directions is less than 90° (ISO 230-1: EC0Y = -xy, EB0Z = +xz, EA0Z = -yz)";
+const SQUARENESS_SIGN: &str = "positive = the angle between the two positive axis directions is less than 90° (ISO 230-1: EC0Y = -xy, EB0Z = +xz, EA0Z = -yz)";
+
+/// Squareness of each plane with its U; `more` = the headings of further columns, and their cells.
+pub(super) fn squareness(metric: &Metric, more: &str, cells: impl Fn(Plane) -> String) -> String {
+    let rows = Plane::ALL.into_iter().map(|plane| {
+        let found = metric.squareness(plane);
+        let slope = found.um_per_m.map_or_else(|| "not determined".into(), |slope| um(Some(slope)));
+        let (u, freedom) =
+            (expanded(found.expanded_um_per_m()), freedom(found.u.map(|u| u.freedom)));
+        format!("{}\t{slope}\t{u}\t{freedom}{}", plane.key().to_uppercase(), cells(plane))
+    });
+    let heading = format!("plane\t>squareness/(µm/m)\t>U(95 %)/(µm/m)\t>degrees of freedom{more}");
+    format!("{}\n{SQUARENESS_SIGN}", table(&heading, rows))
+}
 
 /// U with its coverage factor; one that is known never reads 0 unless it is.
 pub(super) fn expanded(expanded: Option<f64>) -> String {

@@ -107,16 +107,11 @@ impl Page<'_> {
     }
 
     fn targets_table(&self) -> String {
-        let rows = self.iso.targets.iter().map(|of| {
-            let figures = named_figures(of).map(|(_, figure)| um(figure));
-            format!("{}\t{}", in_words(of.target_mm), figures.join("\t"))
-        });
-        let heading = "target/mm\t>mean/µm\t>mean up/µm\t>mean down/µm\t>s up/µm\t>s down/µm\t>B/µm\t>R/µm\t>R up/µm\t>R down/µm";
-        table(&format!(">{heading}"), rows)
+        let heading = ">target/mm\t>mean/µm\t>mean up/µm\t>mean down/µm\t>s up/µm\t>s down/µm\t>B/µm\t>R/µm\t>R up/µm\t>R down/µm";
+        target_rows(heading, self.iso.targets.iter().map(by_iso))
     }
 
     pub(super) fn document(&self) -> Value {
-        let target = |of: &iso_230_2::TargetFigures| at_target(of.target_mm, named_figures(of));
         let foreign: &[&str] = if self.travel.is_long() { &["A", "R"] } else { &[] };
         let iso = joined([
             json!({
@@ -128,8 +123,8 @@ impl Page<'_> {
             named_um(self.iso.axis.named_um()),
             json!({
                 "not_in_the_standard": foreign,
-                "targets": self.iso.targets.iter().map(target).collect::<Vec<_>>(),
-                "conditions": conditions_json(&self.conditions),
+                "targets": target_list(self.iso.targets.iter().map(by_iso)),
+                "conditions": { "list": self.conditions },
                 "notes": self.notes,
             }),
         ]);
@@ -146,20 +141,34 @@ impl Page<'_> {
 }
 
 fn vdi_document(figures: &vdi_3441::Figures) -> Value {
-    let target = |of: &vdi_3441::TargetFigures| {
-        let figures = [("mean", Some(of.mean_um)), ("U", Some(of.u_um)), ("s_mean", of.s_um)];
-        at_target(of.target_mm, figures)
-    };
     joined([
         json!({ "confidence": VDI_3441 }),
         named_um(vdi_figures(figures).map(|(name, _, um)| (name, um))),
-        json!({ "targets": figures.targets.iter().map(target).collect::<Vec<_>>() }),
+        json!({ "targets": target_list(figures.targets.iter().map(by_vdi)) }),
     ])
 }
 
-/// The figures of a target, each by its name in the document.
-fn named_figures(of: &iso_230_2::TargetFigures) -> [(&'static str, Option<f64>); 9] {
-    [
+/// A target, mm, and its figures, each by its name in the document.
+type AtTarget<const N: usize> = (f64, [(&'static str, Option<f64>); N]);
+
+fn target_rows<const N: usize>(heading: &str, all: impl Iterator<Item = AtTarget<N>>) -> String {
+    let rows = all.map(|(mm, figures)| {
+        let figures = figures.map(|(_, figure)| um(figure));
+        format!("{}\t{}", in_words(mm), figures.join("\t"))
+    });
+    table(heading, rows)
+}
+
+fn target_list<const N: usize>(all: impl Iterator<Item = AtTarget<N>>) -> Value {
+    all.map(|(mm, figures)| joined([json!({ "target_mm": mm }), named_um(figures)])).collect()
+}
+
+fn by_vdi(of: &vdi_3441::TargetFigures) -> AtTarget<3> {
+    (of.target_mm, [("mean", Some(of.mean_um)), ("U", Some(of.u_um)), ("s_mean", of.s_um)])
+}
+
+fn by_iso(of: &iso_230_2::TargetFigures) -> AtTarget<9> {
+    let figures = [
         ("mean", of.mean.both_um),
         ("mean_up", of.mean.up_um),
         ("mean_down", of.mean.down_um),
@@ -169,11 +178,8 @@ fn named_figures(of: &iso_230_2::TargetFigures) -> [(&'static str, Option<f64>);
         ("R", of.r.both_um),
         ("R_up", of.r.up_um),
         ("R_down", of.r.down_um),
-    ]
-}
-
-fn at_target<const N: usize>(mm: f64, figures: [(&str, Option<f64>); N]) -> Value {
-    joined([json!({ "target_mm": mm }), named_um(figures)])
+    ];
+    (of.target_mm, figures)
 }
 
 pub(super) fn likely_words(confidence: &str) -> &str {
@@ -205,10 +211,6 @@ pub(super) fn conditions(heading: &str, conditions: &[Condition]) -> More {
     More::new(conditions.len(), ["condition", "conditions"], format!("{heading}\n{table}"))
 }
 
-pub(super) fn conditions_json(conditions: &[Condition]) -> Value {
-    json!({ "list": conditions })
-}
-
 /// The figures of VDI/DGQ 3441, each by its name and in words.
 fn vdi_figures(of: &vdi_3441::Figures) -> [(&'static str, &'static str, Option<f64>); 5] {
     [
@@ -233,9 +235,6 @@ fn vdi_table(figures: Option<&vdi_3441::Figures>) -> String {
 }
 
 fn vdi_targets(figures: &vdi_3441::Figures) -> String {
-    let rows = figures.targets.iter().map(|of| {
-        let [mean, u, s] = [Some(of.mean_um), Some(of.u_um), of.s_um].map(um);
-        format!("{}\t{mean}\t{u}\t{s}", in_words(of.target_mm))
-    });
-    table(">target/mm\t>mean/µm\t>U/µm\t>s mean/µm", rows)
+    let heading = ">target/mm\t>mean/µm\t>U/µm\t>s mean/µm";
+    target_rows(heading, figures.targets.iter().map(by_vdi))
 }

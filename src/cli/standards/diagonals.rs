@@ -1,6 +1,6 @@
 //! Figures of the body diagonals: of a job with readings, or of readings alone.
 
-use super::axis::{conditions, conditions_json, likely_words, missed};
+use super::axis::{conditions, likely_words, missed};
 use crate::cli::diagonals::{StandardFigures, diagonal_json, named_um};
 use crate::cli::outcome::{Outcome, PlotOnly, Print, joined};
 use crate::cli::screen::{Screen, paragraphs, table};
@@ -153,7 +153,7 @@ impl Page<'_> {
                 "diagonals": diagonals.collect::<Map<_, _>>(),
             }),
             named_um(machine_figures(all).map(|(name, _, um)| (name, um))),
-            json!({ "conditions": conditions_json(&all.conditions), "notes": self.notes }),
+            json!({ "conditions": { "list": all.conditions }, "notes": self.notes }),
         ]);
         json!({ "schema": 1, "iso_230_6": part })
     }

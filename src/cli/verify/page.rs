@@ -3,7 +3,7 @@
 
 use crate::cli::screen::{Screen, list, table};
 use crate::cli::show::{self, um};
-use crate::cli::squareness::{PlaneFigures, squareness};
+use crate::cli::squareness::{PlaneFigures, planes};
 use crate::cli::verify::second::Second;
 use crate::control::claims::Assumption;
 use crate::inputs::job::Job;
@@ -17,7 +17,6 @@ use crate::kit::second_look::SecondLook;
 use crate::kit::visit_plan::{Judged, WhatDecides};
 use crate::kit::{Inputs, Verification, remarks};
 use crate::machine::model::ErrorModel;
-use crate::machine::separation::metric::Plane;
 use crate::page::{Locale, Picture};
 use crate::text::finding::{Finding, Severity, of_severity};
 use crate::text::problem::Problems;
@@ -215,22 +214,11 @@ impl Page<'_> {
         self.verification.disagreements()
     }
 
-    /// Of each plane that is known as found, as found and as left; U of the last figure.
     fn squareness(&self) -> Named<&'static str, PlaneFigures> {
         let errors = self.second.as_ref();
         let errors = errors.and_then(|(second, _)| second.errors.as_ref());
-        let planes = Plane::ALL.into_iter().filter_map(|plane| {
-            let before = squareness(self.inputs.as_measured(), Some(&self.inputs.errors), plane)?;
-            let after = self.as_left();
-            let after = after.and_then(|model| squareness(model, errors, plane));
-            let figures = PlaneFigures {
-                before_um_per_m: before.um_per_m,
-                after_um_per_m: Some(after.map(|after| after.um_per_m)),
-                expanded_um_per_m: after.unwrap_or(before).expanded_um_per_m,
-            };
-            Some((plane.key(), figures))
-        });
-        planes.collect()
+        let left = self.as_left().map(|model| (model, errors));
+        planes((self.inputs.as_measured(), Some(&self.inputs.errors)), Some(left))
     }
 
     /// The errors as left, where they were measured.

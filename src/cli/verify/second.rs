@@ -15,7 +15,7 @@ use crate::machine::separation::table::ErrorSource;
 use crate::quantity::diagonal::PathKind;
 use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, joined};
 use crate::text::problem::{Problem, Problems};
 use crate::visit::campaign::CampaignFiles;
 use crate::visit::files::{Files, file_name, printed};
@@ -124,8 +124,7 @@ impl Second {
 
     /// The files that it was read from.
     pub(super) fn files_words(&self) -> String {
-        let names: Vec<&str> = self.hashes.iter().map(|file| file.path.as_str()).collect();
-        let names = names.join(", ");
+        let names = joined(self.hashes.iter().map(|file| &file.path));
         format!("measured afterwards, with the tables active: {names}")
     }
 

@@ -6,13 +6,13 @@
 //! common zero of both: (peak − start) with compensation, less (peak − start) without.
 
 use crate::control::checklist::Listed;
-use crate::control::controller::{Evidence, Role};
+use crate::control::controller::{Evidence, Role, Statement};
 use crate::kit::made::{Made, as_kit_file};
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::Millimetres;
 use crate::read::emulate::{CannotEmulate, Emulated, Emulator};
 use crate::read::{KitFile, ReadBack, emulator, load, read_apart};
-use crate::text::finding::Finding;
+use crate::text::finding::{Finding, joined};
 use crate::text::html::BLANK;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::trimmed;
@@ -175,33 +175,31 @@ fn places(shown: &Shown) -> [String; 3] {
     shown.proof.bump.places().map(|place| trimmed(place.mm(), 6))
 }
 
+/// What is proved, and by which files.
+fn heading(shown: &Shown) -> String {
+    let files = joined(shown.paths.iter().map(|path| format!("`{path}`")));
+    format!("{}, {files}", shown.proof.of.name)
+}
+
 fn bump(made: &Made<'_>, shown: &Shown) -> String {
-    let (proof, [from, peak, to]) = (&shown.proof, places(shown));
-    let files: Vec<String> = shown.paths.iter().map(|path| format!("`{path}`")).collect();
-    if proof.bump.is_slope {
-        let (name, term) = (proof.of.name, proof.term);
-        let (files, along) = (files.join(", "), made.axes(term.along));
-        return format!(
-            "{name}, {files}: {term} is a straight line, zero at {along} = {from} mm and full at {peak} mm; everything else is zero"
-        );
+    let (term, [from, peak, to]) = (shown.proof.term, places(shown));
+    let (heading, along) = (heading(shown), made.axes(term.along));
+    match shown.proof.bump.is_slope {
+        true => format!(
+            "{heading}: {term} is a straight line, zero at {along} = {from} mm and full at {peak} mm; everything else is zero"
+        ),
+        false => format!(
+            "{heading}: the table of {term} holds one bump, zero up to {along} = {from} mm, full at {peak} mm, zero from {to} mm on; zero everywhere else. The place is the legal bump that is highest and narrowest, nearest to the middle of the travel"
+        ),
     }
-    format!(
-        "{}, {}: the table of {} holds one bump, zero up to {} = {from} mm, full at {peak} mm, zero from {to} mm on; zero everywhere else. The place is the legal bump that is highest and narrowest, nearest to the middle of the travel",
-        proof.of.name,
-        files.join(", "),
-        proof.term,
-        made.axes(proof.term.along),
-    )
 }
 
 fn two_places(made: &Made<'_>, shown: &Shown) -> String {
     let (term, [from, peak, _]) = (shown.proof.term, places(shown));
     let (moving, seen) = (made.axes(term.along), made.axes(term.of));
-    let files: Vec<String> = shown.paths.iter().map(|path| format!("`{path}`")).collect();
     format!(
-        "{}, {}: read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
-        shown.proof.of.name,
-        files.join(", "),
+        "{}: read the laser or gauge that looks at {seen} (tool against workpiece, positive towards +{}) with {moving} at {from} mm and at {peak} mm, moving the same way to both, from {from} towards {peak} mm; once with the compensation off, once with it on. Only the difference of the two places counts: between off and on a laser may lose its beam and start from zero again, between the two places not",
+        heading(shown),
         term.of
     )
 }
@@ -215,7 +213,7 @@ fn expected(made: &Made<'_>, shown: &Shown) -> String {
     format!(
         "**(reading at {peak} mm − reading at {from} mm) with the compensation on, less the same with it off: {} if the sign is {}; {} if it is the other way round.**{behind}",
         signed(shown.shown_um),
-        as_known(evidence(made, shown)),
+        as_known(made, shown),
         signed(-shown.shown_um),
     )
 }
@@ -233,27 +231,24 @@ fn with_a_gauge(made: &Made<'_>, shown: &Shown) -> String {
     }
 }
 
-fn sign(made: &Made<'_>, shown: &Shown) -> String {
+/// What is known of the sign.
+fn known<'a>(made: &'a Made<'_>, shown: &Shown) -> impl Iterator<Item = &'a Statement> {
     let fact = shown.proof.of.sign_fact;
-    let statements = made.inputs.profile.statements.iter();
-    let known = statements.filter(|s| s.fact == fact);
+    made.inputs.profile.statements.iter().filter(move |s| s.fact == fact)
+}
+
+fn sign(made: &Made<'_>, shown: &Shown) -> String {
+    let known = known(made, shown);
     let known =
-        known.map(|s| format!("`{fact}` = {}, {}: {}", s.value, s.evidence.word(), s.source));
+        known.map(|s| format!("`{}` = {}, {}: {}", s.fact, s.value, s.evidence.word(), s.source));
     format!("the sign: {}", known.collect::<Vec<_>>().join("; "))
 }
 
-fn evidence(made: &Made<'_>, shown: &Shown) -> Evidence {
-    let fact = shown.proof.of.sign_fact;
-    let mut statements = made.inputs.profile.statements.iter();
-    let known = statements.find(|s| s.fact == fact);
-    known.map_or(Evidence::Assumed, |s| s.evidence)
-}
-
-fn as_known(evidence: Evidence) -> &'static str {
-    match evidence {
-        Evidence::Assumed => "as assumed",
-        Evidence::Manual => "as the manual says",
-        Evidence::Executed => "as seen on a control",
+fn as_known(made: &Made<'_>, shown: &Shown) -> &'static str {
+    match known(made, shown).next().map(|s| s.evidence) {
+        None | Some(Evidence::Assumed) => "as assumed",
+        Some(Evidence::Manual) => "as the manual says",
+        Some(Evidence::Executed) => "as seen on a control",
     }
 }
 

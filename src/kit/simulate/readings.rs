@@ -351,60 +351,39 @@ impl SimulationSource {
 
 /// The file of the readings.
 pub fn write(simulation: &Simulation, rehearsal: &Rehearsal, comments: &[String]) -> String {
-    let mut text = String::new();
-    for comment in comments {
-        text.push_str(&plain::comment(comment));
-        text.push('\n');
-    }
     let recorded = rehearsal.recorded();
-    let recorded = || Axis::ALL.into_iter().filter(|axis| recorded[*axis]);
-    let mut header = vec!["diagonal", "run", "direction", "node"];
-    if rehearsal.kind == PathKind::Step {
-        header.push("moved");
-    }
-    header.push("deviation_um");
-    let mut header: Vec<String> = header.into_iter().map(str::to_string).collect();
-    header.extend(recorded().map(|axis| format!("t_{}_c", axis.key())));
-    text.push_str(&header.join(","));
-    text.push('\n');
-    for run in &simulation.runs {
-        push_run(&mut text, run, rehearsal);
-    }
-    text
+    let recorded = recorded.iter().filter(|(_, is_recorded)| **is_recorded);
+    let recorded: String = recorded.map(|(axis, _)| format!(",t_{}_c", axis.key())).collect();
+    let moved = if rehearsal.kind == PathKind::Step { ",moved" } else { "" };
+    let header = format!("diagonal,run,direction,node{moved},deviation_um{recorded}");
+    let rows = simulation.runs.iter().flat_map(|run| rows(run, rehearsal));
+    let comments = comments.iter().map(|comment| plain::comment(comment));
+    comments.chain([header]).chain(rows).map(|line| line + "\n").collect()
 }
 
 /// The rows of a run in the order in which they are measured.
-fn push_run(text: &mut String, run: &Run, rehearsal: &Rehearsal) {
-    let mut rows: Vec<String> =
-        (0..run.deviations.len()).map(|node| row(run, node, rehearsal)).collect();
+fn rows(run: &Run, rehearsal: &Rehearsal) -> Vec<String> {
+    let nodes = 0..run.deviations.len();
+    let mut rows: Vec<String> = nodes.map(|node| row(run, node, rehearsal)).collect();
     if run.pass == Pass::Reverse {
         rows.reverse();
     }
-    for row in rows {
-        text.push_str(&row);
-        text.push('\n');
-    }
+    rows
 }
 
 fn row(run: &Run, node: usize, rehearsal: &Rehearsal) -> String {
     let um = run.deviations[node].um();
-    let um = match rehearsal.laser_sign {
+    let um = Figure(match rehearsal.laser_sign {
         Direction::Plus => um,
         Direction::Minus => 0.0 - um,
+    });
+    let moved = match (rehearsal.kind, node) {
+        (PathKind::Straight, _) => String::new(),
+        (PathKind::Step, 0) => ",".to_string(),
+        (PathKind::Step, node) => format!(",{}", rehearsal.volume.moved(node).key()),
     };
-    let mut cells = vec![
-        run.diagonal.to_string(),
-        run.number.to_string(),
-        run.pass.word().to_string(),
-        node.to_string(),
-    ];
-    if rehearsal.kind == PathKind::Step {
-        let moved = (node > 0).then(|| rehearsal.volume.moved(node));
-        cells.push(moved.map_or_else(String::new, |axis| axis.key().to_string()));
-    }
-    cells.push(Figure(um).to_string());
-    let temperatures = run.temperatures_c.iter();
-    let temperatures = temperatures.filter_map(|(_, t)| t.as_ref()?.get(node).copied());
-    cells.extend(temperatures.map(|celsius| celsius.to_string()));
-    cells.join(",")
+    let celsius = run.temperatures_c.iter();
+    let celsius = celsius.filter_map(|(_, t)| Some(format!(",{}", t.as_ref()?.get(node)?)));
+    let (celsius, pass): (String, _) = (celsius.collect(), run.pass.word());
+    format!("{},{},{pass},{node}{moved},{um}{celsius}", run.diagonal, run.number)
 }

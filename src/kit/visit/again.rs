@@ -1,9 +1,9 @@
 //! A visit after an earlier one: its job and its tables once more, without what belonged to that day.
 
-use super::{AFTER, AFTER_JOB, AGAIN, Begun, COMMENTS, ERRORS, after_job, millimetres, quoted};
+use super::{AFTER, AFTER_JOB, AGAIN, Begun, COMMENTS, after_job, error_table, quoted};
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{ActiveTables, Job, LinearSlope, MeasuredData, UseOf};
-use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::axis::Axis;
 use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
 use crate::text::plain::line;
@@ -205,28 +205,16 @@ fn file_name(path: &str) -> String {
 
 /// The measured positions of a table, without values.
 fn positions(table: &ErrorTable) -> String {
-    let directed = |axis| table.series(axis).iter().any(|series| series.direction.is_some());
-    let both = Axis::ALL.into_iter().any(directed);
+    let all = || Axis::ALL.into_iter().flat_map(|axis| table.series(axis));
     let has_angles = |series: &Series| series.angles_urad.iter().any(|(_, of)| of.is_some());
-    let angles = Axis::ALL.into_iter().any(|axis| table.series(axis).iter().any(has_angles));
-    let (columns, cells) = if angles { (",ea_urad,eb_urad,ec_urad", ",,,") } else { ("", "") };
-    let direction = if both { ",direction" } else { "" };
-    let mut text = format!("{ERRORS}axis,position_mm,ex_um,ey_um,ez_um{columns}{direction}\n");
-    for axis in Axis::ALL {
-        for way in [None, Some(Direction::Plus), Some(Direction::Minus)] {
-            let own = table.series(axis).iter().filter(|series| series.direction == way);
-            let mut mm: Vec<f64> = own.flat_map(|s| s.positions.iter().map(|p| p.mm())).collect();
-            mm.sort_by(f64::total_cmp);
-            mm.dedup();
-            let way = way.map_or("", Direction::symbol);
-            let way = if both { format!(",{way}") } else { String::new() };
-            let rows = mm
-                .into_iter()
-                .map(|mm| format!("{},{},,,{cells}{way}\n", axis.key(), millimetres(mm)));
-            text.extend(rows);
-        }
-    }
-    text
+    let are_directed = all().any(|series| series.direction.is_some());
+    error_table(all().any(has_angles), are_directed, |axis, way| {
+        let own = table.series(axis).iter().filter(|series| series.direction == way);
+        let mut mm: Vec<f64> = own.flat_map(|s| s.positions.iter().map(|p| p.mm())).collect();
+        mm.sort_by(f64::total_cmp);
+        mm.dedup();
+        mm
+    })
 }
 
 /// The rows of readings, without values.

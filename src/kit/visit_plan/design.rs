@@ -19,6 +19,7 @@ use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use crate::write::program::motion;
 use crate::write::target::wants;
+use serde::Serialize;
 
 /// Noise of a single reading where the job states none, µm: the largest that `separate` takes without a word.
 pub(super) const NOISE_UM: f64 = 1.0;
@@ -30,11 +31,13 @@ const WIDEST_MM: f64 = 200.0;
 const WHOLE_MM: f64 = 1e-7;
 
 /// How long setting up takes, min.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct SetUpTimes {
     /// Laser and mirror on one diagonal.
+    #[serde(rename = "diagonal")]
     pub diagonal_min: f64,
     /// Laser and reflector along one axis.
+    #[serde(rename = "linear")]
     pub linear_min: f64,
 }
 

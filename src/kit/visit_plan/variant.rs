@@ -8,6 +8,7 @@ use crate::machine::separation::joint::Measured;
 use crate::machine::separation::{MeasuredLine, Part, Separation};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, Rotation};
 use crate::quantity::units::{Millimetres, larger, rounded};
+use crate::text::finding::joined;
 use crate::write::program::MirrorSize;
 use serde::Serialize;
 
@@ -50,9 +51,8 @@ impl Share {
 
 /// Parts in words.
 pub(crate) fn listed(parts: &[Share]) -> String {
-    let parts: Vec<String> =
-        parts.iter().map(|of| format!("{} {:.2} µm", of.what, of.um)).collect();
-    format!("{} (they add as squares)", parts.join(", "))
+    let parts = joined(parts.iter().map(|of| format!("{} {:.2} µm", of.what, of.um)));
+    format!("{parts} (they add as squares)")
 }
 
 /// One way to make the visit.
@@ -114,7 +114,7 @@ impl Variant {
     pub(crate) fn change(&self, base: &Variant) -> String {
         let [own, of_base] = [self, base].map(parts);
         if self == base {
-            return format!("as described: {}", own.join(", "));
+            return format!("as described: {}", joined(own));
         }
         let linear = Axis::letters(&self.linear);
         let linear = (!linear.is_empty()).then(|| format!("+ linear {linear}"));
@@ -125,7 +125,7 @@ impl Variant {
         };
         let pairs = own.into_iter().zip(of_base);
         let others = pairs.filter_map(|(own, base)| (own != base).then_some(own));
-        linear.into_iter().chain(angles).chain(others).collect::<Vec<_>>().join(", ")
+        joined(linear.into_iter().chain(angles).chain(others))
     }
 
     /// Largest distance of two targets of an axis, mm.

@@ -39,7 +39,7 @@ impl Report<'_> {
         if self.is_found() {
             return Vec::new();
         }
-        let asked = self.visit.job.acceptance;
+        let asked = self.job.acceptance;
         let limit = |what: String, um: f64| format!("{what}: \u{2264} {}", self.length(um));
         let deviation = asked.max_deviation_um;
         let deviation = deviation.map(|um| limit(self.asked_errors(), um));
@@ -108,8 +108,7 @@ impl Report<'_> {
                 (false, _) => self.fill("part_of_travel", [axis, share]),
             }
         };
-        let parts: Vec<String> = ranges.iter().map(one).collect();
-        self.fill("over_parts", [("parts", parts.join(", ")), gap])
+        self.fill("over_parts", [("parts", joined(ranges.iter().map(one))), gap])
     }
 
     fn ends(&self, (low, high): (Millimetres, Millimetres)) -> [String; 2] {
@@ -124,9 +123,8 @@ impl Report<'_> {
     }
 
     fn neglected(&self, causes: &[Cause]) -> String {
-        let words: Vec<String> =
-            causes.iter().map(|cause| self.t(&format!("cause_{}", cause.key()))).collect();
-        self.fill("neglected", [("causes", words.join(", "))])
+        let words = causes.iter().map(|cause| self.t(&format!("cause_{}", cause.key())));
+        self.fill("neglected", [("causes", joined(words))])
     }
 
     /// Why the verdict is no pass, the gravest first, short enough for the first page.
@@ -165,7 +163,7 @@ impl Report<'_> {
         let facts = [
             ("what", if is_error { found.term.clone() } else { diagonal() }),
             ("left", um("left_um").1),
-            ("parts", parts.collect::<Vec<_>>().join(", ")),
+            ("parts", joined(parts)),
             um("at_most_um"),
         ];
         let acts = found.acts.iter().enumerate().map(|(index, act)| {
@@ -207,7 +205,7 @@ impl Report<'_> {
         let all: Vec<String> = all.map(|(key, fact)| self.fill(key, [("what", fact)])).collect();
         let made = if all.is_empty() { "act_new_tables" } else { "act_then_tables" };
         let made = new_tables.then(|| self.t(made));
-        all.into_iter().chain(made).collect::<Vec<_>>().join(", ")
+        joined(all.into_iter().chain(made))
     }
 
     /// Sentences of the program under the words of a key, or how many there are.
