@@ -42,45 +42,36 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     if let Some(form) = &options.lists.form {
-        let said = (options.encoding, &options.stated);
-        return fill_in(files, (form, &options.lists), &options.file, said, &options.output);
+        return fill_in(options, form, files);
     }
     options.output.ensure_new(files, "the error table")?;
-    let file = options.file.as_deref().unwrap_or(Path::new("-"));
-    let (path, bytes) = files.argument(file)?;
-    let file =
-        Measurement { path: &path, name: &file_name(file), sha256: &sha256(&bytes), bytes: &bytes };
-    let stated = &options.stated;
-    let imported = import::import(file, options.from, options.encoding, stated)?;
+    let file = File::read(options.file.as_deref().unwrap_or(Path::new("-")), files)?;
+    let file = file.measurement();
+    let imported = import::import(file, options.from, options.encoding, &options.stated)?;
     let place = options.output.place().unwrap_or(Path::new("-"));
     let next = format!(
         "\nnext: name it in [measurement] of a job, `errors = \"{}\"`; a list joins the tables of several axes, `errors = [\"x.csv\", \"y.csv\"]`",
         file_name(place)
     );
-    let bytes = imported.text.clone().into_bytes();
     options.output.deliver(
-        Some(Content::Bytes(bytes)),
+        Some(Content::Bytes(imported.text.clone().into_bytes())),
         || screen(&imported),
-        || document(file, place, stated, &imported),
+        || document(file, place, &options.stated, &imported),
         &next,
     )
 }
 
 /// What the file says, what was done with it, what belongs into the job.
 fn screen(imported: &Imported) -> Screen {
-    let mut verdict = format!("read as {}", word(imported.format));
-    for fact in of_severity(&imported.findings, Severity::Label) {
-        verdict += &format!("\n{fact}");
-    }
-    let warnings = of_severity(&imported.findings, Severity::Note);
-    let warnings = warnings.iter();
+    let words = |severity| of_severity(&imported.findings, severity).into_iter();
+    let facts = words(Severity::Label).map(|fact| format!("\n{fact}"));
     Screen {
-        verdict,
+        verdict: format!("read as {}{}", word(imported.format), facts.collect::<String>()),
         figures: paragraphs(&[
             series_table(imported),
             squareness_lines(&imported.squareness).join("\n"),
         ]),
-        always: warnings.map(|words| format!("warning: {words}")).collect(),
+        always: words(Severity::Note).map(|words| format!("warning: {words}")).collect(),
         ..Screen::default()
     }
 }
@@ -102,6 +93,12 @@ fn series_table(imported: &Imported) -> String {
     table("axis\ttravel\t>points\t>from/mm\t>to/mm\tmeasured\tu", rows)
 }
 
+/// Options with what was stated.
+fn statements(stated: &Stated) -> Map<String, Value> {
+    let given = stated.given().into_iter();
+    given.map(|(option, value)| (option.to_string(), json!(value))).collect()
+}
+
 /// The summary for scripts.
 fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Imported) -> Value {
     let series = imported.draft.series.iter().map(|series| {
@@ -114,8 +111,6 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
             "to_mm": series.ends_mm()[1],
         })
     });
-    let given = stated.given().into_iter();
-    let given = given.map(|(option, value)| (option.to_string(), json!(value)));
     let squareness = imported.squareness.iter();
     let squareness = squareness.map(|s| (s.pair.to_string(), json!(s.um_per_m)));
     json!({
@@ -123,7 +118,7 @@ fn document(file: Measurement<'_>, output: &Path, stated: &Stated, imported: &Im
         "source": { "path": file.name, "sha256": file.sha256 },
         "format": word(imported.format),
         "output": with_slashes(output),
-        "stated": given.collect::<Map<_, _>>(),
+        "stated": statements(stated),
         "facts": of_severity(&imported.findings, Severity::Label),
         "warnings": of_severity(&imported.findings, Severity::Note),
         "series": series.collect::<Vec<Value>>(),
@@ -151,54 +146,43 @@ struct Lists {
     ppn: Option<PathBuf>,
 }
 
-/// A list as it was read: of which diagonal, path, name, hash and bytes.
-type Read = (Option<Diagonal>, String, String, String, Vec<u8>);
+/// A file as it was read: path, name, hash and bytes.
+struct File(String, String, String, Vec<u8>);
 
-fn read(
-    files: &dyn Files,
-    (of, file): (Option<Diagonal>, &Option<PathBuf>),
-) -> Option<Result<Read, Problems>> {
-    let file = file.as_deref()?;
-    let read = files.argument(file);
-    Some(read.map(|(path, bytes)| (of, path, file_name(file), sha256(&bytes), bytes)))
+impl File {
+    fn read(file: &Path, files: &dyn Files) -> Result<File, Problems> {
+        let (path, bytes) = files.argument(file)?;
+        Ok(File(path, file_name(file), sha256(&bytes), bytes))
+    }
+
+    fn measurement(&self) -> Measurement<'_> {
+        let File(path, name, sha256, bytes) = self;
+        Measurement { path, name, sha256, bytes }
+    }
 }
 
-fn as_list((of, path, name, sha256, bytes): &Read) -> List<'_> {
-    let file = Measurement { path, name, sha256, bytes };
-    (*of, file)
-}
-
-/// Fills the form in; `file` is the list of an axis.
-fn fill_in(
-    files: &dyn Files,
-    (form, lists): (&Path, &Lists),
-    file: &Option<PathBuf>,
-    (encoding, stated): (Option<&'static encoding_rs::Encoding>, &Stated),
-    output: &Output,
-) -> Result<Outcome, Problems> {
-    output.ensure_new(files, "the readings")?;
-    let (name, bytes) = files.form(form, output.place())?;
+/// Fills the form in; a file without diagonal is the list of an axis.
+fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome, Problems> {
+    options.output.ensure_new(files, "the readings")?;
+    let (name, bytes) = files.form(form, options.output.place())?;
     let form = Source::from_bytes(&name, &bytes)?;
-    let Lists { ppp, npp, pnp, ppn, .. } = lists;
+    let Lists { ppp, npp, pnp, ppn, .. } = &options.lists;
     let of_diagonals = Diagonal::ALL.map(Some).into_iter().zip([ppp, npp, pnp, ppn]);
-    let lists = of_diagonals.chain([(None, file)]).filter_map(|own| read(files, own));
-    let lists: Vec<Read> = lists.collect::<Result<_, _>>()?;
-    let named: Vec<List<'_>> = lists.iter().map(as_list).collect();
-    let text = fill(&form, &named, encoding, stated)?;
-    let screen = Screen {
-        verdict: "every capture of the form has its value".to_string(),
-        ..Screen::default()
-    };
-    let given = stated.given().into_iter();
-    let given = given.map(|(option, value)| (option.to_string(), json!(value)));
-    let sources = named.iter();
+    let named = of_diagonals.chain([(None, &options.file)]);
+    let named = named.filter_map(|(of, file)| Some((of, file.as_deref()?)));
+    let lists = named.map(|(of, file)| Ok((of, File::read(file, files)?)));
+    let lists: Vec<(Option<Diagonal>, File)> = lists.collect::<Result<_, Problems>>()?;
+    let lists: Vec<List<'_>> = lists.iter().map(|(of, file)| (*of, file.measurement())).collect();
+    let text = fill(&form, &lists, options.encoding, &options.stated)?;
+    let verdict = "every capture of the form has its value".to_string();
+    let sources = lists.iter();
     let sources = sources.map(|(_, list)| json!({ "path": list.name, "sha256": list.sha256 }));
     let document = json!({
         "schema": 1,
         "format": "list",
         "lists": sources.collect::<Vec<Value>>(),
-        "stated": given.collect::<Map<_, _>>(),
+        "stated": statements(&options.stated),
     });
     let bytes = Some(Content::Bytes(text.into_bytes()));
-    output.deliver(bytes, || screen, || document, "")
+    options.output.deliver(bytes, || Screen { verdict, ..Screen::default() }, || document, "")
 }

@@ -10,8 +10,8 @@ mod remarks;
 mod text;
 
 pub use self::component::{Component, Kind};
-pub(crate) use self::read::{Column, Quantity, known_columns};
 pub use self::read::{Heading, Series};
+pub(crate) use self::read::{Quantity, known_columns};
 pub use self::remarks::{
     Cause, LargestErrors, Remarks, SIMULATED, Silence, Sizes, is_simulated, keys,
 };

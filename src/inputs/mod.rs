@@ -7,5 +7,6 @@ pub mod job;
 pub mod kind;
 pub mod part_program;
 pub mod readings;
+mod refusals;
 mod table;
 pub mod target_runs;

@@ -12,7 +12,9 @@
 mod header;
 mod read;
 
+use crate::inputs::refusals;
 use crate::quantity::axis::Direction;
+use crate::quantity::units::UM_PER_MM;
 use crate::text::delimited::LengthUnit;
 use crate::text::problem::Problem;
 use crate::text::words::words;
@@ -31,6 +33,28 @@ words! {
 impl Values {
     /// Both.
     pub const ALL: [Values; 2] = [Values::Positions, Values::Deviations];
+}
+
+/// The direction of approach of a word: `+` or `up`, `-`, `dn` or `down`.
+pub(crate) fn approach(word: &str) -> Option<Direction> {
+    match word {
+        "up" => Some(Direction::Plus),
+        "dn" | "down" => Some(Direction::Minus),
+        symbol => Direction::from_symbol(symbol),
+    }
+}
+
+/// Deviations are small beside the distance of the targets: at most this part of it.
+const SMALL: f64 = 0.1;
+
+/// Up to which distance from its target, µm, a value is certainly a position: a tenth of the smallest distance
+/// of two targets.
+pub(crate) fn small_um(targets_mm: impl IntoIterator<Item = f64>) -> f64 {
+    let mut targets: Vec<f64> = targets_mm.into_iter().collect();
+    targets.sort_by(f64::total_cmp);
+    targets.dedup();
+    let distances = targets.windows(2).map(|pair| pair[1] - pair[0]);
+    SMALL * distances.fold(f64::INFINITY, f64::min) * UM_PER_MM
 }
 
 /// What a person says about a file beside its header.
@@ -74,9 +98,7 @@ impl Runs {
     ) -> Result<Runs, Problem> {
         let ascending = targets_mm.windows(2).all(|pair| pair[0] < pair[1]);
         if targets_mm.len() < 2 || !ascending || !targets_mm.iter().all(|mm| mm.is_finite()) {
-            return Err(Problem::new(
-                "expected two targets or more, each larger than the one before",
-            ));
+            return Err(refusals::few_targets());
         }
         let measured = [&up_um, &down_um];
         let is_complete = |um: &&Vec<Vec<f64>>| {
@@ -86,11 +108,7 @@ impl Runs {
         };
         let is_one = measured.iter().any(|um| um.is_some());
         if !is_one || !measured.into_iter().flatten().all(|um| is_complete(&um)) {
-            return Err(Problem::new(format!(
-                "the runs are not complete: expected one direction or both, and as many finite \
-                 deviations at each of the {} targets",
-                targets_mm.len()
-            )));
+            return Err(refusals::incomplete_runs(targets_mm.len()));
         }
         Ok(Runs { targets_mm, up_um, down_um })
     }

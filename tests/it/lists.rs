@@ -202,8 +202,6 @@ fn a_list_of_a_real_axis_misses_the_capture_that_was_taken_out() {
     }
 }
 
-/// `cargo test --features excel --test it lists`: a sheet of a workbook is a text with columns.
-#[cfg(feature = "excel")]
 #[test]
 fn a_sheet_of_a_workbook_is_mapped_like_a_text() {
     let visit = Visit::new();

@@ -9,10 +9,12 @@
 
 use crate::inputs::import::encoding::{Measurement, text_of};
 use crate::inputs::import::form::{Form, Row};
-use crate::inputs::import::list_column::{Capture, ListColumn};
+use crate::inputs::import::intake::Intake;
+use crate::inputs::import::list_column::{Capture, DISPLACEMENT, ListColumn};
 use crate::inputs::import::located::Located;
 use crate::inputs::import::stated::{CAPTURES, Counting, Format, Stated};
 use crate::inputs::readings::Readings;
+use crate::inputs::refusals;
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{Figure, rounded};
 use crate::text::delimited::{LengthUnit, Line};
@@ -31,49 +33,36 @@ pub fn fill(
     encoding: Option<&'static encoding_rs::Encoding>,
     stated: &Stated,
 ) -> Result<String, Problems> {
-    let mut problems = stated.foreign_to(Format::List);
-    let column = problems.take(ListColumn::stated(stated));
-    let counting = CAPTURES.settled(None, stated.captures, stated, &mut problems);
-    let form = problems.take(Form::read(source));
-    let (Some(column), Some(counting), Some(form)) = (column, counting, form) else {
-        return Err(problems);
-    };
-    refuse_other_lists(&form, lists, &mut problems);
-    let filling = Filling { form, column, counting };
+    let intake = Intake::of(source, stated, Format::List);
+    let text = filled(&intake, lists, encoding);
+    intake.end(text).map(|(text, _)| text)
+}
+
+fn filled(
+    intake: &Intake<'_>,
+    lists: &[List<'_>],
+    encoding: Option<&'static encoding_rs::Encoding>,
+) -> Option<String> {
+    let (source, stated) = (intake.source, intake.stated);
+    let column = intake.take(ListColumn::stated(stated));
+    let counting = intake.settled(&CAPTURES, None, stated.captures);
+    let form = intake.take(Form::read(source));
+    let filling = Filling { form: form?, column: column?, counting: counting? };
+    filling.refuse_other_lists(lists, intake);
     let mut values = Vec::new();
     for (of, file) in lists {
         let taken = text_of(*file, encoding, stated).and_then(|(list, _)| {
             let captures = filling.column.captures(&list, stated.decimal)?;
             Ok(filling.values(*of, &captures)?)
         });
-        values.extend(problems.take(taken).unwrap_or_default());
+        values.extend(intake.take(taken).unwrap_or_default());
     }
-    let text = problems.or_ok(filling.text(source, &values, lists, stated))?;
+    let text = intake.if_sound(filling.text(source, &values, lists, stated))?;
     if !filling.form.of_axis() {
-        Readings::look_at_cells(&Source::from_bytes(&source.name, text.as_bytes())?)?;
+        let filled = Source::from_bytes(&source.name, text.as_bytes());
+        intake.take(filled.and_then(|filled| Readings::look_at_cells(&filled)));
     }
-    Ok(text)
-}
-
-/// A form of diagonals takes a list of each, that of an axis one.
-fn refuse_other_lists(form: &Form<'_>, lists: &[List<'_>], problems: &mut Problems) {
-    let wanted: Vec<Option<Diagonal>> = match form.of_axis() {
-        true => vec![None],
-        false => Diagonal::ALL.map(Some).to_vec(),
-    };
-    let name = |of: Option<Diagonal>| match of {
-        Some(of) => format!("`--{} FILE`", of.name().to_ascii_lowercase()),
-        None => "FILE alone".to_string(),
-    };
-    let given: Vec<Option<Diagonal>> = lists.iter().map(|(of, _)| *of).collect();
-    let lacking = wanted.iter().filter(|of| !given.contains(of) && !form.rows_of(**of).is_empty());
-    let foreign = given.iter().filter(|of| !wanted.contains(of));
-    let lacking = lacking.map(|of| format!("the form needs a list named as {}", name(*of)));
-    let foreign = foreign.map(|of| format!("the form takes no list named as {}", name(*of)));
-    for message in lacking.chain(foreign) {
-        let help = "a form of diagonals takes `--ppp`, `--npp`, `--pnp` and `--ppn`, one of an axis a single FILE";
-        problems.push(Problem::new(message).at(form.header.whole()).help(help));
-    }
+    Some(text)
 }
 
 /// A form while it is filled in.
@@ -84,6 +73,24 @@ struct Filling<'a> {
 }
 
 impl Filling<'_> {
+    /// A form of diagonals takes a list of each, that of an axis one.
+    fn refuse_other_lists(&self, lists: &[List<'_>], intake: &Intake<'_>) {
+        let wanted: Vec<Option<Diagonal>> = match self.form.of_axis() {
+            true => vec![None],
+            false => Diagonal::ALL.map(Some).to_vec(),
+        };
+        let refuse = |of: Option<Diagonal>, words: &str| {
+            let name = of.map(|of| format!("`--{} FILE`", of.name().to_ascii_lowercase()));
+            let name = name.unwrap_or("FILE alone".to_string());
+            intake.refuse(refusals::other_list(words, name).at(self.form.header.whole()));
+        };
+        let given: Vec<Option<Diagonal>> = lists.iter().map(|(of, _)| *of).collect();
+        let is_empty = |of: &Option<Diagonal>| self.form.rows_of(*of).is_empty();
+        let lacking = wanted.iter().filter(|of| !given.contains(of) && !is_empty(of));
+        lacking.for_each(|of| refuse(*of, "needs a"));
+        given.iter().filter(|of| !wanted.contains(of)).for_each(|of| refuse(*of, "takes no"));
+    }
+
     /// Number of each line of the form and its value, µm, from as many captures as the form has.
     fn values(
         &self,
@@ -99,11 +106,8 @@ impl Filling<'_> {
         if um.len() != rows.len() {
             let (at, problem) = self.off(of, &rows, &um);
             let first = um.len() - captures.len();
-            let line = at.and_then(|at| captures.get(at.saturating_sub(first)));
-            return Err(match line {
-                Some(capture) => problem.at(capture.line.whole()),
-                None => problem,
-            });
+            let capture = at.and_then(|at| captures.get(at.saturating_sub(first)));
+            return Err(capture.map_or(problem.clone(), |own| problem.at(own.line.whole())));
         }
         let first_um = rows.first().map_or(0.0, |row| row.target_um);
         let way = |row: &Row<'_>| {
@@ -115,7 +119,7 @@ impl Filling<'_> {
 
     /// Whether the values hold the way to the target.
     fn with_targets(&self) -> bool {
-        self.form.of_axis() && self.column.is_displacement
+        self.form.of_axis() && self.column.quantity == DISPLACEMENT
     }
 
     /// What is wrong with the number of values, and the value at which it shows.
@@ -139,10 +143,7 @@ impl Filling<'_> {
             }
         };
         let of = of.map_or("the axis".to_string(), |diagonal| diagonal.to_string());
-        let message = format!(
-            "the list of {of} gives {found} captures, expected {expected} as in the form: {what}"
-        );
-        (at, Problem::new(message).help(help))
+        (at, refusals::other_captures(of, found, expected, what, help))
     }
 
     /// The form with its values; comments say where they are from.
@@ -155,7 +156,7 @@ impl Filling<'_> {
     ) -> String {
         let (heading, unit) = match self.form.of_axis() {
             true => ("deviation", LengthUnit::Um),
-            false => (self.column.quantity(), self.column.unit),
+            false => (self.column.quantity, self.column.unit),
         };
         let kept = form.text.lines().filter(|line| line.starts_with('#'));
         let kept = kept.map(|line| plain::comment(line.strip_prefix("# ").unwrap_or(&line[1..])));

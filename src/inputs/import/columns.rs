@@ -6,74 +6,47 @@
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::{Component, Kind, Quantity};
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::groups::{Group, Row, is_ascending};
+use crate::inputs::import::groups::{Row, is_ascending, series};
+use crate::inputs::import::intake::{Contents, Intake};
 use crate::inputs::import::mapping::{Content, Mapped, Mapping, Named, unit_of_name};
-use crate::inputs::import::reading::FileContents;
-use crate::inputs::import::stated::{COLUMNS, Decimal, Format, PLUS_MOVES, Stated, Travel};
-use crate::inputs::target_runs::Values;
+use crate::inputs::import::stated::{COLUMNS, Decimal, PLUS_MOVES, Travel};
+use crate::inputs::refusals;
+use crate::inputs::target_runs::{Values, approach, small_um};
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::UM_PER_MM;
 use crate::text::delimited::{Cell, Line, lines};
-use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
-pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
-    let mapping = Mapping::read(stated.columns.as_deref().ok_or_else(|| COLUMNS.missing())?)?;
-    let mut problems = Problems::none();
-    let table = problems.take(Table::read(source, &mapping));
-    mapping.require(stated, &mut problems);
+pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
+    let stated = intake.stated;
+    let columns = intake.settled(&COLUMNS, None, stated.columns.as_deref())?;
+    let mapping = intake.take(Mapping::read(columns))?;
+    let table = Table::read(intake, &mapping);
+    mapping.require(intake);
     let is_error = mapping.holds_positions();
-    let sign = match is_error {
-        true => Some(TableSign::AsError),
-        false => stated.required_sign(&mut problems),
-    };
-    let term = match mapping.has_readings() {
-        true => stated.required_term(Format::Columns, &mut problems),
-        false => None,
-    };
+    let sign = if is_error { Some(TableSign::AsError) } else { intake.sign(None) };
+    let term = if mapping.has_readings() { intake.term() } else { None };
     if is_error && term.is_some_and(|term| !term.is_positioning()) {
-        let message =
-            "a column says where the axis stood, which only positioning (EXX, EYY, EZZ) has";
-        problems.push(
-            Problem::new(message).help("map deviations, or state the term that was measured"),
-        );
+        intake.refuse(refusals::position_of_straightness());
     }
-    let Some(table) = table else {
-        return Err(problems);
-    };
+    let table = table?;
     if is_error && stated.sign == Some(TableSign::AsCorrection) {
-        let message =
-            "`--sign as-correction` contradicts the file, whose columns give measured − target";
-        let help = "leave `--sign` out";
-        problems.push(Problem::new(message).at(table.header.whole()).help(help));
+        let problem = refusals::is_measured_less_target("columns give", "leave `--sign` out");
+        intake.refuse(problem.at(table.header.whole()));
     }
-    let rows = table.rows(term, stated, &mut problems);
-    let (Some(sign), true) = (sign, problems.is_empty()) else {
-        return Err(problems);
-    };
-    let line = table.header.number();
-    let mut reading = FileContents::saying([ImportFinding::ColumnsNamed { line }]);
+    let rows = table.rows(term);
+    table.refuse_unclear_values(&rows);
+    let sign = intake.if_sound(sign)??;
+    intake.say([ImportFinding::ColumnsNamed { line: table.header.number() }]);
     let has_targets = mapping.has(Content::Target);
-    let ascending = !has_targets || is_ascending(&rows, &mut problems);
+    let ascending = !has_targets || is_ascending(&rows, intake);
     if mapping.has_directions() {
         let all_agree = !has_targets || (ascending && stated.targets_run == Some(Direction::Plus));
-        let fact = table.sense_of_plus(all_agree, stated, &mut problems);
-        reading.find([fact]);
+        intake.say([table.sense_of_plus(all_agree)]);
     }
-    let mut groups: BTreeMap<(Axis, Option<Direction>), Vec<&Row<'_>>> = BTreeMap::new();
-    for row in &rows {
-        let group = groups.entry((row.axis, row.direction)).or_default();
-        group.push(row);
-    }
-    for ((axis, direction), of_group) in groups {
-        let first_target = rows.first().map(|row| row.position).filter(|_| has_targets);
-        let group = Group { first_target, ascending, axis, direction, rows: of_group };
-        let series = group.series(sign, stated, &mut reading, &mut problems);
-        reading.series.extend(series);
-    }
-    problems.or_ok(reading)
+    let first_target = rows.first().map(|row| row.position).filter(|_| has_targets);
+    Some((series(&rows, (first_target, ascending), sign, intake), Vec::new()))
 }
 
 // What is expected in a column, and the next step where it is something else.
@@ -91,31 +64,28 @@ struct Column<'m> {
 }
 
 /// The part of the file below the names of its columns.
-struct Table<'a, 'm> {
+pub(super) struct Table<'a, 'm> {
+    intake: &'a Intake<'a>,
     header: Line<'a>,
     lines: Vec<Line<'a>>,
     columns: Vec<Column<'m>>,
 }
 
 impl<'a, 'm> Table<'a, 'm> {
-    fn read(source: &'a Source, mapping: &'m Mapping) -> Result<Self, Problems> {
-        let mut lines: Vec<Line<'a>> = lines(source).collect();
-        let header = header_of(&lines, mapping)?;
+    pub(super) fn read(intake: &'a Intake<'a>, mapping: &'m Mapping) -> Option<Self> {
+        let mut lines: Vec<Line<'a>> = lines(intake.source).collect();
+        let header = intake.take(header_of(&lines, mapping))?;
         lines.drain(..header.number());
-        let columns = columns_of(&header, mapping)?;
-        Ok(Table { header, lines, columns })
+        let columns = intake.take(columns_of(&header, mapping))?;
+        Some(Table { intake, header, lines, columns })
     }
 
     /// What `+` of a mapped direction means: where targets, outward run and axis do not all go the
     /// same way, the file cannot say which of them its `+` follows.
-    fn sense_of_plus(
-        &self,
-        all_agree: bool,
-        stated: &Stated,
-        problems: &mut Problems,
-    ) -> ImportFinding {
+    fn sense_of_plus(&self, all_agree: bool) -> ImportFinding {
+        let stated = self.intake.stated;
         if stated.plus_moves.is_none() && !all_agree && stated.targets_run.is_some() {
-            problems.push(PLUS_MOVES.missing().at(self.header.whole()));
+            self.intake.refuse(PLUS_MOVES.missing().at(self.header.whole()));
         }
         ImportFinding::PlusRows {
             moves: stated.plus_moves.unwrap_or(Direction::Plus),
@@ -123,85 +93,76 @@ impl<'a, 'm> Table<'a, 'm> {
         }
     }
 
-    fn rows(
-        &self,
-        term: Option<Component>,
-        stated: &Stated,
-        problems: &mut Problems,
-    ) -> Vec<Row<'a>> {
+    /// What the rows hold, if all can be read; a row of the file for each run of it.
+    pub(super) fn rows(&self, term: Option<Component>) -> Vec<Row<'a>> {
         let (delimiter, width) = (self.header.delimiter(), self.header.cells().len());
-        let separated = self.lines.iter();
-        let separated = separated.map(|line| line.separated_by(delimiter, false));
+        let separated = self.lines.iter().map(|line| line.separated_by(delimiter, false));
         let filled = separated.filter(|line| !line.is_empty_row());
-        let whole = filled.filter(|line| line.cells_under(width, problems).is_some());
+        let whole =
+            filled.filter(|line| line.cells_under(width, &mut self.intake.problems()).is_some());
         // Cells are taken apart again where they are needed: together they are many times the file.
         let whole: Vec<Line<'a>> = whole.collect();
-        let decimal = problems.take(self.decimal(&whole, stated.decimal));
-        let (Some(decimal), true) = (decimal, problems.is_empty()) else {
+        let decimal = self.intake.take(self.decimal(&whole));
+        let Some(decimal) = decimal.and_then(|decimal| self.intake.if_sound(decimal)) else {
             return Vec::new();
         };
         let rows = whole.into_iter().filter_map(|line| {
-            let line = line.separated_by(delimiter, decimal == Decimal::Comma);
-            self.rows_of(line, term, stated, problems)
+            self.rows_of(line.separated_by(delimiter, decimal == Decimal::Comma), term)
         });
         rows.flatten().collect()
     }
 
+    /// Where no name says whether values are positions, each has to be near its target.
+    fn refuse_unclear_values(&self, rows: &[Row<'_>]) {
+        let small_um = small_um(rows.iter().map(|row| row.position));
+        let open = self.columns.iter().find(|column| column.mapped.content.is_open());
+        let mut values = rows.iter().flat_map(|row| &row.values);
+        if let Some(open) = open.filter(|_| values.any(|(_, um)| um.abs() > small_um)) {
+            let found =
+                "they are far from the targets; map them to `…_actual_…` or `…_deviation_…`";
+            let problem = refusals::unclear_values(&open.name, found);
+            self.intake.refuse(problem.at(self.header.cell_place(open.index)));
+        }
+    }
+
     /// The sign before the decimals: as stated, else as all numbers of the file show it.
-    fn decimal(&self, rows: &[Line<'a>], stated: Option<Decimal>) -> Result<Decimal, Problem> {
-        let (mut first_comma, mut first_point, mut only_thousands) = (None, None, true);
+    fn decimal(&self, rows: &[Line<'a>]) -> Result<Decimal, Problem> {
+        let (mut comma, mut point, mut only_thousands) = (None, None, true);
         for (row, line) in rows.iter().enumerate() {
             let cells = line.cells();
             let numbers = self.columns.iter().filter(|column| column.mapped.unit.is_some());
             for index in numbers.map(|column| column.index) {
-                let text = &*cells[index];
-                if text.contains(',') {
-                    first_comma.get_or_insert((row, index));
-                    only_thousands &= may_be_thousands(text);
+                if cells[index].contains(',') {
+                    comma.get_or_insert((row, index));
+                    only_thousands &= may_be_thousands(&cells[index]);
                 }
-                if text.contains('.') {
-                    first_point.get_or_insert((row, index));
+                if cells[index].contains('.') {
+                    point.get_or_insert((row, index));
                 }
             }
         }
-        let plain = "write all numbers with a decimal point or all with a comma, and nothing between thousands; `--decimal` says which of them stands before decimals";
-        let (at, what) = match (stated, first_comma, first_point) {
-            (Some(Decimal::Point), Some(at), _) => {
-                (at, "holds a comma, but `--decimal point` was stated")
-            }
-            (Some(Decimal::Comma), _, Some(at)) => {
-                (at, "holds a point, but `--decimal comma` was stated")
-            }
-            (None, Some(at), _) if self.header.delimiter() == b',' => (
-                at,
-                "holds a comma in a file whose columns are separated by commas: it may stand between thousands",
-            ),
-            (None, Some(comma), Some(point)) => {
-                (comma.max(point), "has another decimal separator than the numbers above it")
-            }
-            (None, Some(at), None) if only_thousands => (
-                at,
-                "may be a thousand or a decimal: no number of the file shows what its comma means",
-            ),
-            (_, comma, _) => {
-                let shows = if comma.is_some() { Decimal::Comma } else { Decimal::Point };
-                return Ok(stated.unwrap_or(shows));
-            }
+        let (stated, by_commas) = (self.intake.stated.decimal, self.header.delimiter() == b',');
+        let refused = |(row, index): (usize, usize), problem: fn(String) -> Problem| {
+            let number = shown(&rows[row].cells()[index]);
+            Err(problem(number).at(rows[row].cell_place(index)))
         };
-        let (line, index) = (&rows[at.0], at.1);
-        let message = format!("`{}` {what}", shown(&line.cells()[index]));
-        Err(Problem::new(message).at(line.cell_place(index)).help(plain))
+        match (stated, comma, point) {
+            (Some(Decimal::Point), Some(at), _) => refused(at, refusals::comma_not_point),
+            (Some(Decimal::Comma), _, Some(at)) => refused(at, refusals::point_not_comma),
+            (Some(stated), ..) => Ok(stated),
+            (None, Some(at), _) if by_commas => refused(at, refusals::comma_between_commas),
+            (None, Some(comma), Some(point)) => {
+                refused(comma.max(point), refusals::comma_and_point)
+            }
+            (None, Some(at), None) if only_thousands => refused(at, refusals::thousand_or_decimal),
+            (None, Some(_), None) => Ok(Decimal::Comma),
+            (None, None, _) => Ok(Decimal::Point),
+        }
     }
 
     /// What a line holds, if its mapped cells can be read: a row for each run of it.
-    fn rows_of(
-        &self,
-        line: Line<'a>,
-        term: Option<Component>,
-        stated: &Stated,
-        problems: &mut Problems,
-    ) -> Option<Vec<Row<'a>>> {
-        let cells = line.cells();
+    fn rows_of(&self, line: Line<'a>, term: Option<Component>) -> Option<Vec<Row<'a>>> {
+        let (stated, cells) = (self.intake.stated, line.cells());
         let mut axis = stated.axis.or(term.map(|term| term.along));
         let mut direction = match stated.travel {
             Some(Travel::Plus) => Some(Direction::Plus),
@@ -217,15 +178,12 @@ impl<'a, 'm> Table<'a, 'm> {
         let mut values = Vec::with_capacity(self.columns.len());
         for Column { index, name, mapped } in &self.columns {
             let cell = Cell { line: &line, index: *index, text: &cells[*index], name };
+            let problems = &mut self.intake.problems();
             match mapped.content {
-                Content::Table(Quantity::Axis) => axis = axis_of(&cell, stated, problems),
+                Content::Table(Quantity::Axis) => axis = axis_of(&cell, stated.axis, problems),
                 Content::Table(Quantity::Direction) => {
-                    let read = |text: &str| match text {
-                        "up" => Some(Direction::Plus),
-                        "dn" | "down" => Some(Direction::Minus),
-                        symbol => Direction::from_symbol(symbol),
-                    };
-                    direction = cell.read(read, "the direction is", DIRECTION, problems).map(way);
+                    let read = cell.read(approach, "the direction is", DIRECTION, problems);
+                    direction = read.map(way);
                     complete &= direction.is_some();
                 }
                 Content::Run => {
@@ -253,8 +211,8 @@ impl<'a, 'm> Table<'a, 'm> {
                 (Content::Table(quantity), _) => (direction, run, (quantity, number)),
                 (Content::Reading(own), Some(kind @ Kind::Deviation(_))) => {
                     let zero = match own.values {
-                        Values::Positions => position * UM_PER_MM,
-                        Values::Deviations => 0.0,
+                        Some(Values::Deviations) => 0.0,
+                        _ => position * UM_PER_MM,
                     };
                     let value = (Quantity::Value(kind), number - zero);
                     (own.direction.map(way).or(direction), own.run.unwrap_or(run), value)
@@ -272,9 +230,9 @@ impl<'a, 'm> Table<'a, 'm> {
     }
 }
 
-fn axis_of(cell: &Cell<'_, '_>, stated: &Stated, problems: &mut Problems) -> Option<Axis> {
+fn axis_of(cell: &Cell<'_, '_>, stated: Option<Axis>, problems: &mut Problems) -> Option<Axis> {
     let axis = Axis::from_letter(cell.text);
-    let message = match (axis, stated.axis) {
+    let message = match (axis, stated) {
         (None, _) => format!("the axis is `{}`, expected X, Y or Z", shown(cell.text)),
         (Some(axis), Some(stated)) if axis != stated => {
             format!("the file says axis {axis}, but `--axis {}` was stated", stated.key())
@@ -301,75 +259,55 @@ fn columns_of<'m>(header: &Line<'_>, mapping: &'m Mapping) -> Result<Vec<Column<
     let mut problems = Problems::none();
     let mut columns: Vec<Column<'m>> = Vec::new();
     for mapped in &mapping.columns {
-        let index = match &mapped.name {
-            Named::Text(name) => only_column(header, &cells, name),
-            Named::Number(number) if (1..=cells.len()).contains(number) => Ok(number - 1),
-            Named::Number(number) => {
-                let width = cells.len();
-                let message = format!(
-                    "`#{number}` of `--columns` is no column of the file, which has {width}"
-                );
-                Err(Problem::new(message).at(header.whole()).help("columns are counted from 1"))
-            }
-        };
-        let Some(index) = problems.take(index) else {
+        let Some(index) = problems.take(column_of(header, &cells, &mapped.name)) else {
             continue;
         };
-        let mut refuse = |message: String, help: &str| {
-            problems.push(Problem::new(message).at(header.cell_place(index)).help(help));
-        };
+        let mut refuse = |problem: Problem| problems.push(problem.at(header.cell_place(index)));
         if columns.iter().any(|other| other.index == index) {
-            let message = format!("column {} is mapped twice", index + 1);
-            refuse(message, "a column holds one thing: map each once");
+            refuse(refusals::mapped_twice(index + 1));
         }
         let name = cells[index].to_string();
         // The file's own header says which unit its numbers have.
-        if let (Some(found), Some(unit)) = (unit_of_name(&name), mapped.unit.as_deref())
+        if let (Some((_, found)), Some(unit)) = (unit_of_name(&name), mapped.unit.as_deref())
             && found != unit
         {
-            let name = shown(&name);
-            let message =
-                format!("the file gives `{name}` in {found}, but `--columns` maps it as {unit}");
-            refuse(message, "map it to a column with the unit of the file");
+            refuse(refusals::other_unit(shown(&name), found, unit));
         }
         columns.push(Column { index, name, mapped });
     }
     problems.or_ok(columns)
 }
 
-/// The column of this name; two of them are not told apart by it.
-fn only_column(header: &Line<'_>, cells: &[Cow<'_, str>], name: &str) -> Result<usize, Problem> {
+/// The column of this name, two of which are not told apart by it, or of this number.
+fn column_of(header: &Line<'_>, cells: &[Cow<'_, str>], named: &Named) -> Result<usize, Problem> {
+    let name = match named {
+        Named::Text(name) => name,
+        Named::Number(number) if (1..=cells.len()).contains(number) => return Ok(number - 1),
+        Named::Number(number) => {
+            return Err(refusals::no_such_number(number, cells.len()).at(header.whole()));
+        }
+    };
     let found = cells.iter().enumerate().filter(|(_, cell)| *cell == name);
     match found.map(|(index, _)| index).collect::<Vec<usize>>()[..] {
         [first, second, ..] => {
-            let (one, other) = (first + 1, second + 1);
-            let message = format!("columns {one} and {other} are both called `{}`", shown(name));
-            let help =
-                format!("map the one that is meant by its number: `#{one}=…` or `#{other}=…`");
-            Err(Problem::new(message).at(header.cell_place(second)).help(help))
+            let problem = refusals::same_names(first + 1, second + 1, shown(name));
+            Err(problem.at(header.cell_place(second)))
         }
         [only] => Ok(only),
-        [] => Err(no_column(header, name)),
+        [] => Err(refusals::no_column(shown(name)).at(header.whole())),
     }
-}
-
-fn no_column(line: &Line<'_>, name: &str) -> Problem {
-    Problem::new(format!("the file has no column `{}`", shown(name)))
-        .at(line.whole())
-        .help("copy the names for `--columns` from the file, letter by letter; the separator is `;`, a tab or a comma")
 }
 
 /// The first line that holds every name of the mapping is the header; otherwise the line that comes nearest to
 /// them shows what is missing.
 fn header_of<'a>(lines: &[Line<'a>], mapping: &Mapping) -> Result<Line<'a>, Problems> {
-    let names = mapping.columns.iter().filter_map(|column| match &column.name {
-        Named::Text(name) => Some(name.as_str()),
-        Named::Number(_) => None,
-    });
-    let names: Vec<&str> = names.collect();
     let lacks = |line: &Line<'_>| -> Vec<&str> {
         let cells = line.cells();
-        names.iter().copied().filter(|name| !cells.iter().any(|cell| cell == name)).collect()
+        let names = mapping.columns.iter().filter_map(|column| match &column.name {
+            Named::Text(name) => Some(name.as_str()),
+            Named::Number(_) => None,
+        });
+        names.filter(|name| !cells.iter().any(|cell| cell == name)).collect()
     };
     let is_header = |line: &&Line<'_>| line.cells().len() > 1 && lacks(line).is_empty();
     if let Some(header) = lines.iter().find(is_header) {
@@ -378,11 +316,11 @@ fn header_of<'a>(lines: &[Line<'a>], mapping: &Mapping) -> Result<Line<'a>, Prob
     let mut problems = Problems::none();
     let filled = lines.iter().filter(|line| !line.text().trim().is_empty());
     if let Some(line) = filled.min_by_key(|line| lacks(line).len()).or(lines.first()) {
-        lacks(line).iter().for_each(|name| problems.push(no_column(line, name)));
+        let lacking = lacks(line);
+        let lacking = lacking.iter().map(|name| refusals::no_column(shown(name)).at(line.whole()));
+        lacking.for_each(|problem| problems.push(problem));
         if problems.is_empty() {
-            let message = "the line with the names of `--columns` has no further column";
-            let help = "the separator is `;`, a tab or a comma";
-            problems.push(Problem::new(message).at(line.whole()).help(help));
+            problems.push(refusals::no_further_column().at(line.whole()));
         }
     }
     Err(problems)

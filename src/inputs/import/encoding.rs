@@ -4,6 +4,7 @@
 #[cfg(feature = "excel")]
 use crate::inputs::import::spreadsheet;
 use crate::inputs::import::stated::Stated;
+use crate::inputs::refusals;
 use crate::text::document::Source;
 use crate::text::problem::{Place, Problem, Problems};
 use encoding_rs::{Encoding, GBK, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1250, WINDOWS_1252};
@@ -68,15 +69,12 @@ pub(super) fn text_of(
         return Ok((Source::from_bytes(file.path, text.as_bytes())?, said));
     }
     if stated.sheet.is_some() {
-        let words =
-            format!("`--sheet` is stated, but `{}` is not read as a spreadsheet", file.path);
-        let help = "leave it out; spreadsheets are read by a program that was built with `--features excel`";
-        return Err(Problem::new(words).help(help).into());
+        return Err(refusals::no_spreadsheet(file.path).into());
     }
     let (encoding, known_by) = encoding_of(file, encoding)?;
     let (text, is_broken) = encoding.decode_with_bom_removal(file.bytes);
     let tells = stated.columns.is_none() || is_broken;
-    refuse_kind(file, stated_kind(&text).unwrap_or(if tells { ending } else { "" }))?;
+    refuse_kind(file.path, stated_kind(&text).unwrap_or(if tells { ending } else { "" }))?;
     if is_broken {
         return Err(wrong_bytes(file.path, &text, encoding).into());
     }
@@ -92,25 +90,12 @@ fn encoding_of(
     let marked = Encoding::for_bom(file.bytes).map(|(encoding, _)| encoding);
     match (marked, stated) {
         (Some(marked), Some(stated)) if marked != stated => {
-            let message = format!(
-                "`--encoding {}` contradicts `{}`, which begins with the mark of {}",
-                word(stated),
-                file.path,
-                marked.name()
-            );
-            Err(Problem::new(message).help("leave `--encoding` out"))
+            Err(refusals::other_mark(word(stated), file.path, marked.name()))
         }
         (Some(marked), _) => Ok((marked, " (byte order mark)")),
         (None, Some(stated)) => Ok((stated, ", as stated")),
         (None, None) => match unmarked_utf_16(file.bytes) {
-            Some(order) => {
-                let message = format!(
-                    "`{}` looks like UTF-16 without its mark: every second byte is zero",
-                    file.path
-                );
-                let help = format!("state its encoding: `--encoding {}`", word(order));
-                Err(Problem::new(message).help(help))
-            }
+            Some(order) => Err(refusals::unmarked(file.path, word(order))),
             None => Ok((UTF_8, "")),
         },
     }
@@ -138,41 +123,20 @@ fn wrong_bytes(path: &str, text: &str, encoding: &'static Encoding) -> Problem {
     let others = others.filter(|(other, users)| *other != encoding && !users.is_empty());
     let others = others.map(|(other, users)| format!("`--encoding {}` ({users})", word(other)));
     let others: Vec<String> = others.collect();
-    let name = encoding.name();
-    Problem::new(format!("the file holds a letter that is not {name}"))
-        .at(place)
-        .help(format!("state its encoding: {}", others.join(", ")))
+    refusals::other_letter(encoding.name(), others.join(", ")).at(place)
 }
 
 const SPREADSHEETS: &[&str] = &["xls", "xlsx", "ods"];
 
-/// Kinds of files by ending or stated type, what they are, and what to export instead.
-const REFUSED: [(&[&str], &str, &str); 4] = [
-    (
-        &["rtx"],
-        "is a dynamic recording (`.rtx`), which has no targets",
-        "measure at targets and save static data (`.rtl`)",
-    ),
-    (SPREADSHEETS, "is a spreadsheet", "save it as CSV, and map its columns with `--columns`"),
-    (
-        &["rta", "rtr"],
-        "holds angles, and the unit of the values in this format is not known",
-        "export a CSV with the unit, and map its columns: `--columns \"Position=target_mm,Pitch=eb_urad\"`",
-    ),
-    (
-        &["rts", "rtq", "rtf"],
-        "holds straightness, squareness or flatness in a form that is not known",
-        "export a CSV with the evaluated deviations, and map its columns: `--columns \"Position=target_mm,Deviation=ey_um\"`",
-    ),
-];
-
-fn refuse_kind(file: Measurement<'_>, kind: &str) -> Result<(), Problem> {
+/// Kinds of files by ending or stated type that are not read.
+fn refuse_kind(path: &str, kind: &str) -> Result<(), Problem> {
     let kind = kind.to_ascii_lowercase();
-    match REFUSED.iter().find(|(kinds, ..)| kinds.contains(&&*kind)) {
-        None => Ok(()),
-        Some((_, what, instead)) => {
-            Err(Problem::new(format!("`{}` {what}", file.path)).help(*instead))
-        }
+    match &*kind {
+        "rtx" => Err(refusals::recording(path)),
+        "rta" | "rtr" => Err(refusals::angles(path)),
+        "rts" | "rtq" | "rtf" => Err(refusals::straightness(path)),
+        kind if SPREADSHEETS.contains(&kind) => Err(refusals::spreadsheet(path)),
+        _ => Ok(()),
     }
 }
 

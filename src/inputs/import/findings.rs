@@ -10,6 +10,7 @@ findings! {
     ImportFinding {
         // What the file states, and what was done with it.
         Encoding { name: String } => Label, "text: {name}";
+        Understood { options: String } => Label, "understood from the file and confirmed with --yes: {options}";
         Says { entry: String } => Label, "the file says: {entry}";
         NoType => Label, "the file does not state its type: taken as linear, as `rtl` is";
         UnitOfFormat { unit: &'static str } => Label, "unit: {unit}";

@@ -2,6 +2,7 @@
 //! and the cells of its last column are empty.
 
 use crate::inputs::import::located::Expected;
+use crate::inputs::refusals;
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{MM_PER_INCH, UM_PER_MM};
 use crate::text::delimited::{Line, header_and_rows, plain_number};
@@ -33,13 +34,11 @@ const MOVED: &str = "moved";
 const DIAGONAL: &str = "diagonal";
 const TARGETS: [(&str, f64); 2] =
     [("target_mm", UM_PER_MM), ("target_in", MM_PER_INCH * UM_PER_MM)];
-const HELP: &str = "name `readings.csv` of `nonius new` or `nonius program`, or a `readings-x.csv`, with its last column empty";
 
 impl<'a> Form<'a> {
     pub(super) fn read(source: &'a Source) -> Result<Form<'a>, Problems> {
         let Some((header, lines)) = header_and_rows(source) else {
-            let message = format!("`{}` is no form of readings", source.name);
-            return Err(Problem::new(message).help(HELP).into());
+            return Err(refusals::no_form(&source.name).into());
         };
         let mut form = Form { names: header.cells(), header, rows: Vec::new() };
         let holds_values = |name: &Cow<'_, str>| {
@@ -48,7 +47,7 @@ impl<'a> Form<'a> {
         if !form.names.last().is_some_and(holds_values)
             || form.of_axis() == form.column(DIAGONAL).is_some()
         {
-            return Err(refused(&header, "this is no header of a form of readings").into());
+            return Err(refusals::no_form_header().at(header.whole()).into());
         }
         let mut problems = Problems::none();
         for line in lines {
@@ -61,13 +60,13 @@ impl<'a> Form<'a> {
 
     fn row(&self, line: Line<'a>, cells: Vec<Cow<'a, str>>) -> Result<Row<'a>, Problem> {
         if cells.last().is_some_and(|value| !value.is_empty()) {
-            return Err(refused(&line, "the form holds a value already, expected an empty cell"));
+            return Err(refusals::filled_already().at(line.whole()));
         }
         let cell = |name: &str| self.column(name).map(|index| &*cells[index]);
         let of = cell(DIAGONAL).and_then(Diagonal::from_name).map(|(of, _)| of);
         let target = TARGETS.iter().find_map(|(name, um)| Some(plain_number(cell(name)?)? * um));
         if of.is_none() && target.is_none() {
-            return Err(refused(&line, "this row names no capture"));
+            return Err(refusals::no_capture().at(line.whole()));
         }
         let target_um = target.unwrap_or_default();
         Ok(Row { line, cells, of, target_um })
@@ -113,8 +112,4 @@ impl<'a> Form<'a> {
             period: if self.column(MOVED).is_some() { 3 } else { 1 },
         }
     }
-}
-
-fn refused(line: &Line<'_>, what: &str) -> Problem {
-    Problem::new(what).at(line.whole()).help(HELP)
 }

@@ -2,6 +2,7 @@
 
 use crate::inputs::import::mapping::Named;
 use crate::inputs::import::stated::{DECIMAL, Decimal, LIST_COLUMNS, Stated};
+use crate::inputs::refusals;
 use crate::text::delimited::{LengthUnit, Line, lines};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems, shown};
@@ -15,22 +16,19 @@ pub(super) struct Capture<'a> {
 /// Which column of the lists holds what.
 pub(super) struct ListColumn {
     name: Named,
-    /// The way as it was read; else measured − nominal.
-    pub(super) is_displacement: bool,
+    /// `displacement`, the way as it was read; else `deviation`, measured − nominal.
+    pub(super) quantity: &'static str,
     pub(super) unit: LengthUnit,
 }
 
-const DISPLACEMENT: &str = "displacement";
-const DEVIATION: &str = "deviation";
+/// The way as it was read.
+pub(super) const DISPLACEMENT: &str = "displacement";
 
 impl ListColumn {
     pub(super) fn stated(stated: &Stated) -> Result<ListColumn, Problem> {
         let text = stated.columns.as_deref();
         let text = text.ok_or_else(|| LIST_COLUMNS.missing())?;
-        ListColumn::parse(text).ok_or_else(|| {
-            let message = format!("`{}` of `--columns` names no readings", shown(text));
-            Problem::new(message).help("write one column, `NAME=displacement_mm` or `#1=deviation_um`; units are mm, um, in and uin")
-        })
+        ListColumn::parse(text).ok_or_else(|| refusals::no_readings(shown(text)))
     }
 
     fn parse(text: &str) -> Option<ListColumn> {
@@ -38,17 +36,8 @@ impl ListColumn {
         let name = Named::of(name);
         let (quantity, unit) = target.trim().split_once('_')?;
         let unit = LengthUnit::ALL.into_iter().find(|known| known.word() == unit)?;
-        let is_known = [DISPLACEMENT, DEVIATION].contains(&quantity) && name != Named::Number(0);
-        let is_displacement = quantity == DISPLACEMENT;
-        is_known.then_some(ListColumn { name, is_displacement, unit })
-    }
-
-    /// As in the name of a column of readings.
-    pub(super) const fn quantity(&self) -> &'static str {
-        match self.is_displacement {
-            true => DISPLACEMENT,
-            false => DEVIATION,
-        }
+        let quantity = [DISPLACEMENT, "deviation"].into_iter().find(|known| *known == quantity)?;
+        (name != Named::Number(0)).then_some(ListColumn { name, quantity, unit })
     }
 
     /// The values of a list: below the name of the column, or from the first number in it.
@@ -59,11 +48,7 @@ impl ListColumn {
     ) -> Result<Vec<Capture<'a>>, Problems> {
         let all = content(source, decimal)?;
         let Some((index, start)) = self.found(&all) else {
-            let message =
-                format!("`{}` has no column `{}` with numbers", source.name, self.words());
-            return Err(Problem::new(message)
-                .help("name it as the file writes it, or by its number, `#1=…`")
-                .into());
+            return Err(refusals::no_list_column(&source.name, self.words()).into());
         };
         let mut problems = Problems::none();
         let expected =

@@ -5,7 +5,8 @@
 //! these differences are added up for every place that it can be.
 
 use crate::quantity::units::Squared;
-use std::ops::{Add, Range};
+use nalgebra::Vector4;
+use std::ops::Range;
 
 /// What a reading scatters at least, µm: the last digit of a laser.
 const LEAST_SCATTER_UM: f64 = 0.01;
@@ -37,37 +38,14 @@ pub(super) struct Located {
     pub(super) odds: f64,
 }
 
-/// Squares of differences that are linear in one unknown value x, `(a + b·x)²`, added up.
-#[derive(Clone, Copy, Default)]
-struct Misfit {
-    aa: f64,
-    ab: f64,
-    bb: f64,
-    count: f64,
-}
+/// Squares of differences that are linear in one unknown value x, `(a + b·x)²`, added up: a², ab, b², their number.
+type Misfit = Vector4<f64>;
 
-impl Add for Misfit {
-    type Output = Misfit;
-
-    fn add(self, other: Misfit) -> Misfit {
-        Misfit {
-            aa: self.aa + other.aa,
-            ab: self.ab + other.ab,
-            bb: self.bb + other.bb,
-            count: self.count + other.count,
-        }
-    }
-}
-
-impl Misfit {
-    /// The mean square with the unknown value that fits best, and the scatter of a reading.
-    fn mean(self) -> f64 {
-        let taken = match self.bb > 0.0 {
-            true => self.ab.squared() / self.bb,
-            false => 0.0,
-        };
-        (self.aa - taken).max(0.0) / self.count.max(1.0) + LEAST_SCATTER_UM.squared()
-    }
+/// The mean square with the unknown value that fits best, and the scatter of a reading.
+fn mean_square(misfit: &Misfit) -> f64 {
+    let [aa, ab, bb, count] = [misfit.x, misfit.y, misfit.z, misfit.w];
+    let taken = if bb > 0.0 { ab.squared() / bb } else { 0.0 };
+    (aa - taken).max(0.0) / count.max(1.0) + LEAST_SCATTER_UM.squared()
 }
 
 /// Terms that are added to ranges of places, and what each place gets: a tree, in which nothing is ever subtracted.
@@ -79,7 +57,7 @@ impl Sums {
         let (mut from, mut to) = (range.start + places, range.end + places);
         while from < to {
             for at in [(from % 2 == 1).then_some(from), (to % 2 == 1).then(|| to - 1)] {
-                at.into_iter().for_each(|at| self.0[at] = self.0[at] + term);
+                at.into_iter().for_each(|at| self.0[at] += term);
             }
             (from, to) = (from.div_ceil(2), to / 2);
         }
@@ -87,7 +65,7 @@ impl Sums {
 
     fn of(&self, place: usize) -> Misfit {
         let above = std::iter::successors(Some(place + self.0.len() / 2), |at| Some(at / 2));
-        above.take_while(|at| *at > 0).fold(Misfit::default(), |sum, at| sum + self.0[at])
+        above.take_while(|at| *at > 0).fold(Misfit::zeros(), |sum, at| sum + self.0[at])
     }
 }
 
@@ -116,7 +94,7 @@ impl Expected {
         places: usize,
         value: impl Fn(usize, usize, f64) -> Option<f64>,
     ) -> Option<Located> {
-        let mut sums = Sums(vec![Misfit::default(); 2 * places]);
+        let mut sums = Sums(vec![Misfit::zeros(); 2 * places]);
         for at in 0..self.begins.len() {
             // A term changes only where the list goes wrong at a capture that it takes, or behind it.
             let takes = [at, self.twins[at].unwrap_or(at.saturating_sub(self.period))];
@@ -146,18 +124,18 @@ impl Expected {
             increments.then(|| Some(increment(at)? - increment(other)?)).flatten()
         };
         let Some((a, whole)) = difference(0.0).zip(difference(1.0)) else {
-            return Misfit::default();
+            return Misfit::zeros();
         };
         let b = whole - a;
-        Misfit { aa: a.squared(), ab: a * b, bb: b.squared(), count: 1.0 }
+        Misfit::new(a.squared(), a * b, b.squared(), 1.0)
     }
 }
 
 /// Likelihoods of normal scatter of unknown size. Each reading is in several differences, so half as many are
 /// counted as independent.
 fn weighed(misfits: &[Misfit]) -> Option<Located> {
-    let all = misfits.iter().map(|own| own.count).fold(0.0, f64::max);
-    let likelihood = |own: &Misfit| -0.5 * (all / 2.0) * own.mean().ln();
+    let all = misfits.iter().map(|own| own.w).fold(0.0, f64::max);
+    let likelihood = |own: &Misfit| -0.5 * (all / 2.0) * mean_square(own).ln();
     let logs: Vec<f64> = misfits.iter().map(likelihood).collect();
     let best = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weight = |place: &usize| (logs[*place] - best).exp();

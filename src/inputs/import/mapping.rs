@@ -5,15 +5,15 @@
 //! from the instrument's zero; `run`; or a reading at these targets of the term that is stated: `deviation_um`,
 //! `actual_mm`, and where each run has a column of its own `up1_deviation_um`, `dn1_actual_mm`, `run1_…`.
 
-use crate::inputs::error_table::{Column, Kind, Quantity, known_columns};
-use crate::inputs::import::stated::{AXIS, DIRECTION, Stated};
-use crate::inputs::target_runs::Values;
+use crate::inputs::error_table::{Kind, Quantity, known_columns};
+use crate::inputs::import::intake::Intake;
+use crate::inputs::import::stated::{AXIS, DIRECTION};
+use crate::inputs::refusals;
+use crate::inputs::target_runs::{Values, approach};
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::UM_PER_MM;
 use crate::text::delimited::LengthUnit;
 use crate::text::problem::{Problem, Problems, did_you_mean, shown};
-
-const EXAMPLE: &str = "e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`";
 
 /// What a mapped column holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,8 +35,8 @@ pub(super) struct Reading {
     pub(super) direction: Option<Direction>,
     /// The run, where the column has one of its own.
     pub(super) run: Option<usize>,
-    /// Where the axis stood, or how far from the target.
-    pub(super) values: Values,
+    /// Where the axis stood, or how far from the target; `None` = the values show it.
+    pub(super) values: Option<Values>,
 }
 
 impl Content {
@@ -51,7 +51,17 @@ impl Content {
 
     /// Whether it says where the axis stood.
     fn is_position(self) -> bool {
-        matches!(self, Content::Reading(Reading { values: Values::Positions, .. }))
+        self.is_reading() && !self.is_deviation()
+    }
+
+    /// Whether it says how far from the target the axis stood.
+    fn is_deviation(self) -> bool {
+        matches!(self, Content::Reading(Reading { values: Some(Values::Deviations), .. }))
+    }
+
+    /// Whether only the values show which of both it says.
+    pub(super) fn is_open(self) -> bool {
+        matches!(self, Content::Reading(Reading { values: None, .. }))
     }
 
     pub(super) fn is_uncertainty(self) -> bool {
@@ -104,21 +114,17 @@ pub(super) struct Mapped {
     pub(super) unit: Option<String>,
 }
 
-/// The unit that the name of a column ends with: `Delta [mm]`, `Delta (mm)`, `delta_mm`,
-/// `Delta / mm`, `Delta mm`. A last word `in` may be a word of the language.
-pub(super) fn unit_of_name(name: &str) -> Option<&'static str> {
+/// The unit that the name of a column ends with, and what stands before it: `Delta [mm]`, `Delta (mm)`,
+/// `delta_mm`, `Delta / mm`, `Delta mm`. A last word `in` may be a word of the language.
+pub(super) fn unit_of_name(name: &str) -> Option<(&str, &'static str)> {
     let name = name.trim();
-    for (open, close) in [('[', ']'), ('(', ')')] {
-        let inside = name.strip_suffix(close).and_then(|n| n.rsplit_once(open));
-        if let Some((_, text)) = inside {
-            return unit(text);
-        }
+    let inside = |(open, close)| name.strip_suffix(close).and_then(|n: &str| n.rsplit_once(open));
+    let in_brackets = [('[', ']'), ('(', ')')].into_iter().find_map(inside);
+    if let Some((before, text)) = in_brackets.or_else(|| name.rsplit_once(['_', '/'])) {
+        return unit(text).map(|unit| (before, unit));
     }
-    if let Some((_, text)) = name.rsplit_once(['_', '/']) {
-        return unit(text);
-    }
-    let (_, text) = name.rsplit_once(' ')?;
-    unit(text).filter(|_| text != "in")
+    let (before, text) = name.rsplit_once(' ')?;
+    unit(text).filter(|_| text != "in").map(|unit| (before, unit))
 }
 
 /// Our word of a unit.
@@ -136,13 +142,10 @@ fn unit(text: &str) -> Option<&'static str> {
 /// Every name that may stand behind `=`, but for those of readings.
 fn known() -> Vec<(String, Content, f64)> {
     let of_table = known_columns().into_iter();
-    let of_table = of_table.map(|(name, column): (String, Column)| {
-        (name, Content::Table(column.holds), column.factor)
+    let of_table = of_table.map(|(name, own)| (name, Content::Table(own.holds), own.factor));
+    let in_rad = Axis::ALL.into_iter().zip(["ea_rad", "eb_rad", "ec_rad"]).map(|(about, name)| {
+        (name.to_string(), Content::Table(Quantity::Value(Kind::Angle(about))), 1e6)
     });
-    let in_rad = Axis::ALL.into_iter().zip(["ea_rad", "eb_rad", "ec_rad"]);
-    let in_rad = in_rad
-        .map(|(about, name)| (name, Content::Table(Quantity::Value(Kind::Angle(about))), 1e6));
-    let in_rad = in_rad.map(|(name, content, factor)| (name.to_string(), content, factor));
     let targets = LengthUnit::ALL
         .map(|unit| (format!("target_{}", unit.word()), Content::Target, unit.um() / UM_PER_MM));
     let run = ("run".to_string(), Content::Run, 1.0);
@@ -155,26 +158,20 @@ pub(super) fn content_of(word: &str) -> Option<(Content, f64)> {
     known.map(|(_, content, factor)| (content, factor)).or_else(|| {
         let (name, unit) = word.rsplit_once('_')?;
         let unit = LengthUnit::ALL.into_iter().find(|known| known.word() == unit)?;
-        let (own, what) = name.rsplit_once('_').map_or((None, name), |(own, w)| (Some(own), w));
-        let values = match what {
-            "actual" => Values::Positions,
-            "deviation" => Values::Deviations,
-            _ => return None,
+        let (own, values) = match name.rsplit_once('_').unwrap_or(("", name)) {
+            (own, "actual") => (own, Some(Values::Positions)),
+            (own, "deviation") => (own, Some(Values::Deviations)),
+            _ => (name, None),
         };
-        let (direction, run) = match own {
-            None => (None, None),
-            Some(own) => {
-                let way = own.trim_end_matches(|c: char| c.is_ascii_digit());
-                let direction = match way {
-                    "up" => Some(Direction::Plus),
-                    "dn" => Some(Direction::Minus),
-                    "run" => None,
-                    _ => return None,
-                };
-                (direction, Some(own[way.len()..].parse().ok()?))
-            }
+        let way = own.trim_end_matches(|c: char| c.is_ascii_digit());
+        let direction = match way {
+            "run" | "" => None,
+            word => Some(approach(word)?),
         };
-        Some((Content::Reading(Reading { direction, run, values }), unit.um()))
+        let run = if way.is_empty() { None } else { Some(own[way.len()..].parse().ok()?) };
+        let is_reading = run.is_some() || (own.is_empty() && values.is_some());
+        let reading = Content::Reading(Reading { direction, run, values });
+        is_reading.then_some((reading, unit.um()))
     })
 }
 
@@ -189,8 +186,7 @@ impl Mapping {
         let mut columns: Vec<Mapped> = Vec::new();
         for pair in pairs(text) {
             let Some((name, target)) = pair.rsplit_once('=') else {
-                let message = format!("`{}` of `--columns` has no `=`", shown(&pair));
-                problems.push(Problem::new(message).help(format!("write NAME=COLUMN, {EXAMPLE}")));
+                problems.push(refusals::no_equals(shown(&pair)));
                 continue;
             };
             let target = target.trim();
@@ -199,19 +195,14 @@ impl Mapping {
                 continue;
             };
             if columns.iter().any(|other| other.content.is_same(content)) {
-                let message =
-                    format!("`{target}` of `--columns` gives the same as a column before it");
-                problems.push(Problem::new(message).help("keep one of the two"));
+                problems.push(refusals::mapped_like_another(target));
             }
             let unit = target.rsplit_once('_').map(|(_, unit)| unit.to_string());
             columns.push(Mapped { name: Named::of(name), content, factor, unit });
         }
         let is_number = |column: &Mapped| matches!(column.name, Named::Number(_));
         if columns.iter().all(is_number) && problems.is_empty() {
-            let message =
-                "`--columns` names no column, so the line above the numbers cannot be found";
-            let help = format!("give at least one column by its name, {EXAMPLE}");
-            problems.push(Problem::new(message).help(help));
+            problems.push(refusals::only_numbers());
         }
         problems.or_ok(Mapping { columns })
     }
@@ -222,6 +213,12 @@ impl Mapping {
 
     pub(super) fn has(&self, content: Content) -> bool {
         self.has_any(|own| own == content)
+    }
+
+    /// Whether it says where and what was measured.
+    pub(super) fn is_whole(&self) -> bool {
+        let is_place = |own| matches!(own, Content::Target | Content::Table(Quantity::Position));
+        self.has_any(is_place) && self.has_any(Content::is_value)
     }
 
     /// Whether it holds readings of the term that is stated.
@@ -243,8 +240,10 @@ impl Mapping {
     }
 
     /// What the mapping has to hold, what has to be stated beside it, and what the mapping says already.
-    pub(super) fn require(&self, stated: &Stated, problems: &mut Problems) {
-        let positions = self.has(Content::Table(Quantity::Position));
+    pub(super) fn require(&self, intake: &Intake<'_>) {
+        let stated = intake.stated;
+        let has = |content| self.has(Content::Table(content));
+        let (positions, axes) = (has(Quantity::Position), has(Quantity::Axis));
         let (targets, runs) = (self.has(Content::Target), self.has(Content::Run));
         let only_positions = positions && !targets;
         let (directions, readings) = (self.has_directions(), self.has_readings());
@@ -252,66 +251,35 @@ impl Mapping {
         let others = self.has_any(|content| content.is_value() && content.wide().is_none());
         let other_values = self.has_any(|content| content.is_value() && !content.is_reading());
         let uncertain = self.has_any(Content::is_uncertainty);
-        let axes = self.has(Content::Table(Quantity::Axis));
+        let mixed = self.has_any(Content::is_position) && !self.holds_positions();
         let first_target = stated.first_target_at_mm.is_some();
-        let twice = [
-            (stated.travel.is_some() && directions, "--direction", "direction"),
-            (first_target && only_positions, "--first-target-at-mm", "position"),
-            (stated.targets_run.is_some() && only_positions, "--targets-run", "position"),
-            (targets && positions, "`target`", "`position`"),
-            (uncertain && runs, "an uncertainty", "`run`"),
-            (wide && runs, "a column for each run", "`run`"),
-            (wide && (others || uncertain), "a column for each run", "other values"),
-            (axes && readings, "a reading of `--term`", "`axis`"),
-            (readings && other_values, "a reading of `--term`", "components by name"),
-            (
-                self.has_any(Content::is_position) && !self.holds_positions(),
-                "where the axis stood",
-                "deviations",
-            ),
+        let runs_apart = "a column for each run";
+        let reading = "a reading of `--term`";
+        let own = |option, mapped| refusals::stated_and_mapped(option, mapped);
+        let wrong = [
+            (stated.travel.is_some() && directions, own("--direction", "direction")),
+            (first_target && only_positions, own("--first-target-at-mm", "position")),
+            (stated.targets_run.is_some() && only_positions, own("--targets-run", "position")),
+            (targets && positions, refusals::mapped_both("`target`", "`position`")),
+            (uncertain && runs, refusals::mapped_both("an uncertainty", "`run`")),
+            (wide && runs, refusals::mapped_both(runs_apart, "`run`")),
+            (wide && (others || uncertain), refusals::mapped_both(runs_apart, "other values")),
+            (axes && readings, refusals::mapped_both(reading, "`axis`")),
+            (readings && other_values, refusals::mapped_both(reading, "components by name")),
+            (mixed, refusals::mapped_both("where the axis stood", "deviations")),
+            (!positions && !targets, refusals::no_position()),
+            (!wide && !others, refusals::no_deviation()),
+            (readings && !targets, refusals::no_target()),
+            (stated.plus_moves.is_some() && !directions, refusals::plus_of_nothing()),
+            (stated.term.is_some() && !readings, refusals::term_of_nothing()),
         ];
-        for (_, option, mapped) in twice.into_iter().filter(|(is, ..)| *is) {
-            let message = match option.starts_with("--") {
-                true => format!("`{option}` is stated, but the mapping gives `{mapped}`"),
-                false => format!("the mapping gives both {option} and {mapped}"),
-            };
-            problems.push(Problem::new(message).help("keep one of the two"));
-        }
-        let lacking = [
-            (
-                !positions && !targets,
-                "`--columns` maps no column to a position",
-                "map one to `position_mm` (machine coordinate) or `target_mm` (counted from the laser's zero)",
-            ),
-            (
-                !wide && !others,
-                "`--columns` maps no column to a deviation",
-                "map one to `ex_um`, `ex_mm`, `ey_um` … `ec_urad`",
-            ),
-            (
-                readings && !targets,
-                "`--columns` maps a reading, but no column to its target",
-                "map one to `target_mm` or `target_in`, or the reading to a column such as `ex_um`",
-            ),
-            (
-                stated.plus_moves.is_some() && !directions,
-                "`--plus-moves` is stated, but no column is mapped to `direction`",
-                "leave it out, or map the column whose `+` it explains",
-            ),
-            (
-                stated.term.is_some() && !readings,
-                "`--term` is stated, but the mapping names the components itself",
-                "leave it out, or map a column to `deviation_um` or `actual_mm`",
-            ),
-        ];
-        for (_, message, help) in lacking.into_iter().filter(|(is, ..)| *is) {
-            problems.push(Problem::new(message).help(help));
-        }
+        let wrong = wrong.into_iter().filter(|(is, _)| *is);
+        wrong.for_each(|(_, problem)| intake.refuse(problem));
         if stated.axis.is_none() && !axes && !readings {
-            problems.push(AXIS.missing());
+            intake.refuse(AXIS.missing());
         }
         if stated.travel.is_none() && !directions {
-            problems.push(DIRECTION.missing());
+            intake.refuse(DIRECTION.missing());
         }
     }
 }
@@ -339,7 +307,7 @@ fn unknown_target(target: &str) -> Problem {
     let columns = "columns: axis, direction, run, position_mm, target_mm, ex_um, ex_mm … ec_urad, u_ex_um, deviation_um, actual_mm, up1_actual_mm …";
     let known = known();
     let help = did_you_mean(target, known.iter().map(|(name, ..)| name.as_str()), columns);
-    Problem::new(format!("unknown column `{}` in `--columns`", shown(target))).help(help)
+    refusals::unknown_column(shown(target), help)
 }
 
 #[cfg(test)]
@@ -349,9 +317,9 @@ mod tests {
     #[test]
     fn the_unit_of_a_name_is_its_end() {
         for name in ["Delta [mm]", "Delta (mm)", "delta_mm", "Delta / mm", "Fahrt in mm"] {
-            assert_eq!(unit_of_name(name), Some("mm"), "{name}");
+            assert_eq!(unit_of_name(name).map(|(_, unit)| unit), Some("mm"), "{name}");
         }
-        assert_eq!(unit_of_name("Pitch [arcsec]"), Some("arcsec"));
+        assert_eq!(unit_of_name("Pitch [arcsec]"), Some(("Pitch ", "arcsec")));
         for name in ["Delta", "Run in", "Time [s]", "mm", "Delta_x"] {
             assert_eq!(unit_of_name(name), None, "{name}");
         }

@@ -15,13 +15,12 @@
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::{Component, Kind, Series};
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::reading::{FileContents, Placing, Squareness, deviation, tidy};
-use crate::inputs::import::stated::Stated;
-use crate::inputs::import::words::{AGAIN, Piece, lines, rows};
+use crate::inputs::import::intake::{Contents, Intake, Numbers, Piece, Squareness};
+use crate::inputs::import::reading::{Placing, deviation, tidy};
+use crate::inputs::refusals;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::UM_PER_MM;
-use crate::text::document::Source;
-use crate::text::problem::{Place, Problem, Problems, shown};
+use crate::text::problem::shown;
 
 /// Micrometres per metre, or microradians, in one radian.
 const MICRO: f64 = 1e6;
@@ -68,103 +67,66 @@ impl Name {
 }
 
 /// A parameter as it stands in the file.
-struct Parameter {
+struct Parameter<'a> {
+    piece: Piece<'a>,
     name: String,
-    place: Place,
     /// Arguments, mm; none for a single value.
     positions_mm: Vec<f64>,
     /// mm or rad.
     values: Vec<f64>,
 }
 
-impl Parameter {
-    fn of(name: &Piece<'_>, positions_mm: Vec<f64>, values: Vec<f64>) -> Parameter {
-        let place = name.place();
+impl<'a> Parameter<'a> {
+    fn of(piece: Piece<'a>, positions_mm: Vec<f64>, values: Vec<f64>) -> Parameter<'a> {
         // A name in brackets may be written small.
-        let inside = name.text.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
-        let name = inside.map_or(name.text.to_string(), |inside| inside.trim().to_uppercase());
-        Parameter { name, place, positions_mm, values }
-    }
-
-    fn problem(&self, message: String, help: &str) -> Problem {
-        Problem::new(message).at(self.place.clone()).help(help)
+        let inside = piece.text.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
+        let name = inside.map_or(piece.text.to_string(), |inside| inside.trim().to_uppercase());
+        Parameter { piece, name, positions_mm, values }
     }
 
     /// Takes it by its name; one quantity may have two names: `C0Y` and `EC0Y`.
-    fn take(
-        &self,
-        before: &[Parameter],
-        sign: TableSign,
-        reading: &mut FileContents,
-    ) -> Result<(), Problem> {
-        let name = shown(&self.name);
-        let meaning = Name::of(&self.name);
-        let is_same = |other: &&Parameter| match meaning {
+    fn take(&self, before: &[Parameter<'_>], sign: TableSign, found: &mut Contents) -> Option<()> {
+        let (name, meaning) = (shown(&self.name), Name::of(&self.name));
+        let is_same = |other: &&Parameter<'_>| match meaning {
             Some(Name::Component(_) | Name::Squareness(..)) => Name::of(&other.name) == meaning,
             _ => other.name == self.name,
         };
         if let Some(twin) = before.iter().find(is_same) {
-            let message = format!("`{name}` gives the same as `{}` before it", shown(&twin.name));
-            return Err(self.problem(message, "keep one of the two"));
+            return self.piece.refused(refusals::same_parameter(name, shown(&twin.name)));
         }
         let is_zero = self.values.iter().all(|value| *value == 0.0);
         let what = match meaning {
-            Some(Name::Component(component)) => {
-                return self.add(component, sign, &mut reading.series);
-            }
+            Some(Name::Component(component)) => return self.add(component, sign, &mut found.0),
             Some(Name::Squareness(pair, name, of_phi)) => {
                 let um_per_m = tidy(of_phi * deviation(sign, self.single_value()?).um() * MICRO);
-                reading.squareness.push(Squareness { pair, um_per_m, name });
-                return Ok(());
+                found.1.push(Squareness { pair, um_per_m, name });
+                return Some(());
             }
             Some(Name::OtherLocation) if is_zero => "a location that is none of C0Y, B0Z, A0Z",
-            Some(Name::OtherLocation) => {
-                let message = format!(
-                    "`{name}` is a location that is none of C0Y, B0Z, A0Z, and it is not zero"
-                );
-                let help = "export with the X axis as primary and the Y axis as secondary axis";
-                return Err(self.problem(message, help));
-            }
+            Some(Name::OtherLocation) => return self.piece.refused(refusals::other_location(name)),
             Some(Name::LeftOut(what)) => what,
-            None => {
-                let message = format!("unknown parameter `{name}`");
-                return Err(self.problem(message, "expected EXX … ECZ, or C0Y, B0Z, A0Z"));
-            }
+            None => return self.piece.refused(refusals::unknown_parameter(name)),
         };
-        reading.find([ImportFinding::LeftOut { name: self.name.clone(), what }]);
-        Ok(())
+        self.piece.intake.say([ImportFinding::LeftOut { name: self.name.clone(), what }]);
+        Some(())
     }
 
     /// A squareness is one number, not a curve.
-    fn single_value(&self) -> Result<f64, Problem> {
+    fn single_value(&self) -> Option<f64> {
         if let ([value], []) = (&self.values[..], &self.positions_mm[..]) {
-            return Ok(*value);
+            return Some(*value);
         }
-        let message = format!(
-            "`{}` has {} values, expected one without argument",
-            shown(&self.name),
-            self.values.len()
-        );
-        Err(self.problem(message, "a squareness is one angle between two axes: export it as such"))
+        self.piece.refused(refusals::no_single_value(shown(&self.name), self.values.len()))
     }
 
     /// Adds a curve to the series of its axis: at least two points, ascending also after rounding, with a value
     /// each, and all curves of an axis at the same positions.
-    fn add(
-        &self,
-        component: Component,
-        sign: TableSign,
-        series: &mut Vec<Series>,
-    ) -> Result<(), Problem> {
+    fn add(&self, component: Component, sign: TableSign, series: &mut Vec<Series>) -> Option<()> {
         let placing = Placing::on_machine(&self.positions_mm);
-        let positions = placing.positions();
+        let positions = &placing.positions;
         let ascends = positions.windows(2).all(|pair| pair[0] < pair[1]);
         if positions.len() < 2 || positions.len() != self.values.len() || !ascends {
-            let message = format!(
-                "`{}` is no curve, expected two or more ascending positions with a value each",
-                shown(&self.name)
-            );
-            return Err(self.problem(message, AGAIN));
+            return self.piece.refused(refusals::no_curve(shown(&self.name)));
         }
         let along = component.along;
         let known = series.iter().position(|series| series.axis == along);
@@ -173,15 +135,11 @@ impl Parameter {
             series.len() - 1
         });
         let of_axis = &mut series[known];
-        let mut pairs = of_axis.positions.iter().zip(&positions);
+        let mut pairs = of_axis.positions.iter().zip(positions);
         if of_axis.positions.len() != positions.len()
             || pairs.any(|(a, b)| (a.mm() - b.mm()).abs() >= 1e-6)
         {
-            let message = format!(
-                "{component} stands at other positions than the components of {along} before it"
-            );
-            let help = "export all components of an axis on one grid: a value between points is never made up";
-            return Err(self.problem(message, help));
+            return self.piece.refused(refusals::other_grid(component, along));
         }
         let to_ours = match component.kind {
             Kind::Deviation(_) => UM_PER_MM,
@@ -189,99 +147,79 @@ impl Parameter {
         };
         let values = self.values.iter().map(|value| value * to_ours).collect();
         placing.put(of_axis, component, sign, &[values]);
-        Ok(())
+        Some(())
     }
 }
 
 /// Parameters → series and squareness.
-fn assemble(
-    parameters: &[Parameter],
-    stated: &Stated,
-    mut problems: Problems,
-) -> Result<FileContents, Problems> {
-    let (Some(sign), true) = (stated.required_sign(&mut problems), problems.is_empty()) else {
-        return Err(problems);
-    };
+fn assemble(parameters: &[Parameter<'_>], intake: &Intake<'_>) -> Option<Contents> {
+    let sign = intake.sign(None);
+    let sign = intake.if_sound(sign)??;
     let unit = "positions and deviations in mm, angles in rad (the format's); positions are machine coordinates";
-    let mut reading = FileContents::saying([ImportFinding::UnitOfFormat { unit }]);
+    intake.say([ImportFinding::UnitOfFormat { unit }]);
+    let mut found = Contents::default();
     for (index, parameter) in parameters.iter().enumerate() {
-        if problems.is_full() {
+        if intake.problems().is_full() {
             break; // each is compared with all before it
         }
-        problems.take(parameter.take(&parameters[..index], sign, &mut reading));
+        parameter.take(&parameters[..index], sign, &mut found);
     }
-    reading.squareness.sort_by_key(|squareness| squareness.pair);
-    reading.series.sort_by_key(|series| series.axis);
-    if reading.series.is_empty() && problems.is_empty() {
-        let message = "the file holds no component error of a linear axis, expected EXX … ECZ";
-        let help = "squareness alone makes no table: write it into the job";
-        problems.push(Problem::new(message).help(help));
+    found.1.sort_by_key(|squareness| squareness.pair);
+    found.0.sort_by_key(|series| series.axis);
+    if found.0.is_empty() && intake.if_sound(()).is_some() {
+        intake.refuse(refusals::no_component());
     }
-    problems.or_ok(reading)
+    Some(found)
 }
 
 /// Reads the Etalon exchange format.
-pub(super) fn read_etalon(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
-    let mut problems = Problems::none();
-    let mut blocks: Vec<Parameter> = Vec::new();
+pub(super) fn read_etalon<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
+    let mut blocks: Vec<Parameter<'a>> = Vec::new();
     let mut is_grid = false; // between `Gridpoints = {` and `}`
-    for line in lines(source).iter().map(|line| line.before("//")).filter(|line| !line.is_blank()) {
+    let lines = intake.lines();
+    for line in lines.iter().map(|line| line.before("//")).filter(|line| !line.is_blank()) {
         let compact: String = line.text.to_lowercase().split_whitespace().collect();
         if compact.starts_with('[') && compact.ends_with(']') {
-            problems.extend(unfinished(blocks.last(), is_grid, problems.is_empty()));
+            refuse_unfinished(blocks.last(), is_grid, intake);
             is_grid = false;
-            blocks.push(Parameter::of(&line.part(0, line.text.len()), Vec::new(), Vec::new()));
+            blocks.push(Parameter::of(line.part(0, line.text.len()), Vec::new(), Vec::new()));
             continue;
         }
-        let value = line.text.find('=').map(|at| line.part(at + 1, line.text.len()));
+        let value = line.behind('=');
         if let Some(block) = blocks.last().filter(|block| !block.values.is_empty())
             && !is_grid
             && value.is_some()
         {
-            let message = format!(
-                "`{}` has values already, expected one `VALUE` or one `Gridpoints` a block",
-                block.name
-            );
-            problems.push_with(|| {
-                line.problem(message, "which of the two is meant is not known: keep one of them")
-            });
+            line.refuse(refusals::two_values(&block.name));
         }
         match (blocks.last_mut(), value) {
             (Some(_), _) if is_grid && compact == "}" => is_grid = false,
             (Some(block), _) if is_grid => {
-                if let Some(words) = line.row(2, char::is_whitespace, &mut problems) {
-                    block.positions_mm.extend(words[0].number("an argument", &mut problems));
-                    block.values.extend(words[1].number("a value", &mut problems));
+                if let Some(words) = line.row(2, char::is_whitespace) {
+                    block.positions_mm.extend(words[0].number("an argument"));
+                    block.values.extend(words[1].number("a value"));
                 }
             }
             (Some(_), _) if compact == "gridpoints={" => is_grid = true,
             (Some(block), Some(value)) if compact.starts_with("value=") => {
-                block.values.extend(value.number("a value", &mut problems));
+                block.values.extend(value.number("a value"));
             }
-            _ => {
-                let message = "expected `[NAME]`, `VALUE = …` or `Gridpoints = {`";
-                problems.push_with(|| line.problem(message, AGAIN));
-            }
+            _ => line.refuse(refusals::no_block()),
         }
     }
-    problems.extend(unfinished(blocks.last(), is_grid, problems.is_empty()));
-    assemble(&blocks, stated, problems)
+    refuse_unfinished(blocks.last(), is_grid, intake);
+    assemble(&blocks, intake)
 }
 
 /// What a block lacks that has ended.
-fn unfinished(block: Option<&Parameter>, is_grid: bool, is_whole: bool) -> Problems {
-    let mut problems = Problems::none();
+fn refuse_unfinished(block: Option<&Parameter<'_>>, is_grid: bool, intake: &Intake<'_>) {
     match block {
-        Some(block) if is_grid => {
-            let message = format!("the grid of `{}` is not closed by `}}`", block.name);
-            problems.push(block.problem(message, AGAIN));
-        }
-        Some(block) if block.values.is_empty() && is_whole => {
-            problems.push(block.problem(format!("`{}` has no value", block.name), AGAIN));
+        Some(block) if is_grid => block.piece.refuse(refusals::open_grid(&block.name)),
+        Some(block) if block.values.is_empty() && intake.if_sound(()).is_some() => {
+            block.piece.refuse(refusals::no_value(&block.name));
         }
         _ => {}
     }
-    problems
 }
 
 /// Whether a line names arguments and parameters of ISG.
@@ -300,60 +238,45 @@ fn is_separator(c: char) -> bool {
 }
 
 /// Reads ISG volumetric compensation.
-pub(super) fn read_isg(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
-    let mut problems = Problems::none();
-    let mut parameters = Vec::new();
-    let lines: Vec<Piece<'_>> = lines(source).iter().map(|line| line.before("//")).collect();
-    for block in lines.split(|line| line.text.trim_start().starts_with('#')) {
+pub(super) fn read_isg<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
+    let lines: Vec<Piece<'_>> = intake.lines().iter().map(|line| line.before("//")).collect();
+    let blocks = lines.split(|line| line.text.trim_start().starts_with('#')).map(|block| {
         let block: Vec<&Piece<'_>> = block.iter().filter(|line| !line.is_blank()).collect();
-        if let Some((header, lines)) = block.split_first() {
-            let read = problems.take(read_block(header, lines));
-            parameters.extend(read.into_iter().flatten());
-        }
-    }
-    assemble(&parameters, stated, problems)
+        let (header, lines) = block.split_first()?;
+        read_block(header, lines)
+    });
+    let parameters: Vec<Parameter<'_>> = blocks.flatten().flatten().collect();
+    assemble(&parameters, intake)
 }
 
 /// The parameters of a block: the names of its columns, the first one that of the argument, and rows of numbers.
-fn read_block(header: &Piece<'_>, lines: &[&Piece<'_>]) -> Result<Vec<Parameter>, Problems> {
+fn read_block<'a>(header: &Piece<'a>, lines: &[&Piece<'a>]) -> Option<Vec<Parameter<'a>>> {
     let names = header.words(is_separator);
     if names.iter().any(Piece::begins_with_number) {
-        let message = "numbers stand where the names of the columns are expected";
-        let help = "each block begins with its arguments and parameters, e.g. `X EXX EYX EZX`";
-        return Err(header.problem(message, help).into());
+        return header.refused(refusals::no_names());
     }
     let arguments = names.iter().take_while(|name| is_argument(name.text)).count();
     if arguments > 1 {
-        let message = format!("the block has {arguments} arguments, expected one or none");
-        let help =
-            "an error table holds curves along one axis; export component errors instead of a map";
-        return Err(header.problem(message, help).into());
+        return header.refused(refusals::many_arguments(arguments));
     }
-    let rows = rows(lines.iter().copied(), names.len(), is_separator)?;
-    let mut problems = Problems::none();
-    if rows.is_empty() || (arguments == 0 && rows.len() > 1) {
-        let message = format!(
-            "the block has {} rows, expected one without an argument, else at least two",
-            rows.len()
-        );
-        let help = "put a line with `#` between the blocks; the file may be incomplete";
-        problems.push(header.problem(message, help));
+    let Numbers { lines, columns } =
+        header.intake.numbers(lines.iter().copied(), names.len(), is_separator)?;
+    if lines.is_empty() || (arguments == 0 && lines.len() > 1) {
+        header.refuse(refusals::other_block(lines.len()));
     }
-    let column = |index: usize| rows.iter().map(|row| row.numbers[index]).collect::<Vec<f64>>();
-    let along = names[..arguments].first().and_then(|name| Axis::from_letter(name.text));
-    for name in &names[arguments..] {
+    let (argument, parameters) = names.split_at(arguments);
+    let along = argument.first().and_then(|name| Axis::from_letter(name.text));
+    for name in parameters {
         let component = Component::from_name(name.text);
         if let Some(component) = component.filter(|component| Some(component.along) != along) {
-            let along = component.along;
-            let message = format!(
-                "`{component}` is a curve along {along}, but it does not stand under this argument"
-            );
-            problems.push_with(|| name.problem(message, "each block has its own moving axis"));
+            name.refuse(refusals::other_argument(component, component.along));
         }
     }
-    let positions = || if arguments == 0 { Vec::new() } else { column(0) };
-    let parameters = names.iter().enumerate().skip(arguments);
-    let parameters =
-        parameters.map(|(index, name)| Parameter::of(name, positions(), column(index)));
-    problems.or_ok(parameters.collect())
+    let positions = columns.iter().take(arguments).flatten().copied().collect::<Vec<f64>>();
+    let parameters = parameters.iter().zip(&columns[arguments..]);
+    Some(
+        parameters
+            .map(|(name, own)| Parameter::of(*name, positions.clone(), own.clone()))
+            .collect(),
+    )
 }

@@ -4,44 +4,12 @@
 use crate::control::controller::TableSign;
 use crate::inputs::error_table::{Component, Kind, Quantity, Series};
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::stated::{FIRST_TARGET, Stated, TARGETS_RUN};
+use crate::inputs::import::intake::{Contents, Intake};
+use crate::inputs::import::stated::{FIRST_TARGET, TARGETS_RUN};
+use crate::inputs::refusals;
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::{Deviation, Millimetres, Squared, rounded};
-use crate::text::finding::Finding;
-use crate::text::problem::{Place, Problem, Problems};
-
-/// Two axes whose squareness a file gives.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Squareness {
-    /// `xy`, `xz` or `yz`.
-    pub pair: &'static str,
-    /// φ in µm/m; positive = the angle between the two positive axis directions is less than 90°.
-    pub um_per_m: f64,
-    /// The name in the file, e.g. `C0Y`.
-    pub name: &'static str,
-}
-
-/// What a file gave.
-#[derive(Clone, Debug, Default)]
-pub(super) struct FileContents {
-    pub(super) series: Vec<Series>,
-    /// What the file states and what was done with it (labels); what to look at (notes).
-    pub(super) findings: Vec<Finding>,
-    pub(super) squareness: Vec<Squareness>,
-}
-
-impl FileContents {
-    /// Of a file that says this of itself.
-    pub(super) fn saying(said: impl IntoIterator<Item = ImportFinding>) -> FileContents {
-        let mut reading = FileContents::default();
-        reading.find(said);
-        reading
-    }
-
-    pub(super) fn find(&mut self, found: impl IntoIterator<Item = ImportFinding>) {
-        self.findings.extend(found.into_iter().map(Finding::from));
-    }
-}
+use crate::text::problem::Place;
 
 /// Nine decimals: far below what can be measured, and free of the dust of binary sums.
 pub(super) fn tidy(number: f64) -> f64 {
@@ -72,67 +40,55 @@ pub(super) struct Passes {
     /// As the file counts them, mm.
     pub(super) targets: Vec<f64>,
     pub(super) place: Place,
-    /// µm, where a format has not said another unit so far.
+    /// µm.
     pub(super) ways: Ways,
 }
 
 impl Passes {
-    /// The reading of a file of one component, which must be known by now with its sign. `of_runs` is said
+    /// The contents of a file of one component, which must be known by now with its sign. `of_runs` is said
     /// behind the places.
-    pub(super) fn reading(
+    pub(super) fn contents(
         &self,
-        (term, sign): (Option<Component>, Option<TableSign>),
-        mut said: FileContents,
+        term: Option<Component>,
+        sign: Option<TableSign>,
         of_runs: Vec<ImportFinding>,
-        stated: &Stated,
-        mut problems: Problems,
-    ) -> Result<FileContents, Problems> {
-        let placing = Placing::of(&self.targets, &self.place, stated, &mut problems);
-        let (Some(term), Some(sign), Some(placing)) = (term, sign, placing) else {
-            return Err(problems);
-        };
-        said.find([placing.found()]);
-        said.find(placing.turned(term));
-        said.find(of_runs);
+        intake: &Intake<'_>,
+    ) -> Option<Contents> {
+        let first_mm = intake.stated.first_target_at_mm;
+        let placing = Placing::of(&self.targets, &self.place, first_mm, intake);
+        let (term, sign, placing) = (term?, sign?, placing?);
+        intake.say([placing.found()].into_iter().chain(placing.turned(term)).chain(of_runs));
         let series = self.ways.iter().map(|(way, runs)| {
-            let mut series = Series::new(term.along, placing.direction(*way), placing.positions());
+            let mut series =
+                Series::new(term.along, placing.direction(*way), placing.positions.clone());
             placing.put(&mut series, term, sign, runs);
             series
         });
-        said.series = series.collect();
-        said.series.sort_by_key(|series| series.direction);
-        problems.or_ok(said)
-    }
-
-    /// Turns values in another unit into µm.
-    pub(super) fn scale(&mut self, um: f64) {
-        for value in self.ways.iter_mut().flat_map(|(_, runs)| runs).flatten() {
-            *value *= um;
-        }
+        let mut series: Vec<Series> = series.collect();
+        series.sort_by_key(|series| series.direction);
+        Some((series, Vec::new()))
     }
 
     /// How many runs went which way, and what they tell of the uncertainty.
-    pub(super) fn of_runs(&self, stated: &Stated) -> Vec<ImportFinding> {
-        let Some(run) = stated.targets_run else {
+    pub(super) fn of_runs(&self, intake: &Intake<'_>) -> Vec<ImportFinding> {
+        let Some(run) = intake.stated.targets_run else {
             return Vec::new();
         };
         let counts = self.ways.iter().map(|(way, runs)| match way {
             Way::Reverse => (runs.len(), run.opposite()),
             _ => (runs.len(), run),
         });
-        let fewest = self.ways.iter().map(|(_, runs)| runs.len()).min();
-        let fewest = fewest.unwrap_or(0);
-        let counts = counts.collect();
-        let runs = ImportFinding::Runs { counts, fewest };
+        let counts: Vec<(usize, Direction)> = counts.collect();
+        let fewest = counts.iter().map(|(runs, _)| *runs).min().unwrap_or(0);
         let freedom = freedom(self.targets.len(), fewest);
-        std::iter::once(runs).chain(freedom).collect()
+        std::iter::once(ImportFinding::Runs { counts, fewest }).chain(freedom).collect()
     }
 }
 
 /// Where the targets of a file stand on the machine.
 pub(super) struct Placing {
-    /// Machine coordinate of each target, in the order of the targets.
-    positions: Vec<Millimetres>,
+    /// Machine coordinates, ascending.
+    pub(super) positions: Vec<Millimetres>,
     /// The way of the axis from the first target to the last.
     run: Direction,
     /// The file counts its targets against the axis.
@@ -144,24 +100,27 @@ impl Placing {
     pub(super) fn of(
         targets: &[f64],
         at: &Place,
-        stated: &Stated,
-        problems: &mut Problems,
+        first_mm: Option<f64>,
+        intake: &Intake<'_>,
     ) -> Option<Placing> {
-        let ascending = sense(targets, at, problems);
-        if stated.first_target_at_mm.is_none() {
-            problems.push(FIRST_TARGET.missing().at(at.clone()));
+        let ascending = ascends(targets);
+        let run = intake.stated.targets_run;
+        if ascending.is_none() {
+            intake.refuse(refusals::no_sense_of_targets().at(at.clone()));
         }
-        if stated.targets_run.is_none() {
-            problems.push(TARGETS_RUN.missing().at(at.clone()));
+        let lacking = [(&FIRST_TARGET, first_mm.is_none()), (&TARGETS_RUN, run.is_none())];
+        for (fact, _) in lacking.iter().filter(|(_, is)| *is) {
+            intake.refuse(fact.missing().at(at.clone()));
         }
-        let (ascending, run) = (ascending?, stated.targets_run?);
-        let first_mm = stated.first_target_at_mm?;
-        let turned = ascending != (run == Direction::Plus);
+        let (first_mm, run) = (first_mm?, run?);
+        let turned = ascending? != (run == Direction::Plus);
         let positions = targets.iter().map(|target| {
             let way = target - targets[0];
             Millimetres::new(tidy(first_mm + if turned { -way } else { way }))
         });
-        Some(Placing { positions: positions.collect(), run, turned })
+        let mut placing = Placing { positions: Vec::new(), run, turned };
+        placing.positions = placing.ascending(positions.collect());
+        Some(placing)
     }
 
     /// Of machine coordinates, ascending.
@@ -174,17 +133,11 @@ impl Placing {
     }
 
     /// Values of the targets in the order of the machine.
-    fn ascending<T: Clone>(&self, of_targets: &[T]) -> Vec<T> {
-        let mut values = of_targets.to_vec();
+    fn ascending<T>(&self, mut of_targets: Vec<T>) -> Vec<T> {
         if self.run == Direction::Minus {
-            values.reverse();
+            of_targets.reverse();
         }
-        values
-    }
-
-    /// Machine coordinates, ascending.
-    pub(super) fn positions(&self) -> Vec<Millimetres> {
-        self.ascending(&self.positions)
+        of_targets
     }
 
     /// The way of the axis in passes of one way.
@@ -204,14 +157,12 @@ impl Placing {
             let zero = Deviation::ZERO;
             tidy(if against { zero - deviation } else { deviation }.um())
         };
-        let of_targets: Vec<f64> = um.iter().map(of_target).collect();
-        self.ascending(&of_targets)
+        self.ascending(um.iter().map(of_target).collect())
     }
 
     /// Uncertainties in the order of the machine; they have no sign.
     pub(super) fn uncertainties(&self, um: &[f64]) -> Vec<f64> {
-        let of_targets: Vec<f64> = um.iter().map(|um| tidy(*um)).collect();
-        self.ascending(&of_targets)
+        self.ascending(um.iter().map(|um| tidy(*um)).collect())
     }
 
     /// Puts the mean of the runs into a series, and of a deviation its uncertainty: one u for all targets,
@@ -237,13 +188,9 @@ impl Placing {
 
     /// Where the targets stand.
     pub(super) fn found(&self) -> ImportFinding {
-        let positions = self.positions();
         let end = |at: Option<&Millimetres>| at.map_or_else(String::new, |at| at.mm().to_string());
-        ImportFinding::Positions {
-            count: positions.len(),
-            first: end(positions.first()),
-            last: end(positions.last()),
-        }
+        let [first, last] = [self.positions.first(), self.positions.last()].map(end);
+        ImportFinding::Positions { count: self.positions.len(), first, last }
     }
 
     /// What was done with the sense of the deviations, where something was done.
@@ -253,21 +200,12 @@ impl Placing {
     }
 }
 
-/// Whether targets ascend; neither is a problem.
-fn sense(targets: &[f64], at: &Place, problems: &mut Problems) -> Option<bool> {
+/// Whether targets ascend; `None` = they neither ascend nor descend.
+fn ascends(targets: &[f64]) -> Option<bool> {
     let all = |goes_on: fn(f64, f64) -> bool| {
         targets.len() >= 2 && targets.windows(2).all(|pair| goes_on(pair[0], pair[1]))
     };
-    if all(|a, b| a < b) {
-        return Some(true);
-    }
-    if all(|a, b| a > b) {
-        return Some(false);
-    }
-    let message = "the targets neither ascend nor descend, expected at least two in one sense";
-    let help = "a measurement on a line is needed; circular or repeated targets make no curve";
-    problems.push(Problem::new(message).at(at.clone()).help(help));
-    None
+    if all(|a, b| a < b) { Some(true) } else { all(|a, b| a > b).then_some(false) }
 }
 
 /// The remark of an error table on how well u is known: targets · (runs − 1).

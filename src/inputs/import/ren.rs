@@ -10,18 +10,16 @@
 
 use crate::control::controller::TableSign;
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::reading::{FileContents, Passes, Way};
-use crate::inputs::import::stated::{Format, SIGN, Stated, UNIT, VALUES, Values};
-use crate::inputs::import::words::{AGAIN, Fields, Piece, lines, rows};
+use crate::inputs::import::intake::{Contents, Fields, Intake, Piece};
+use crate::inputs::import::reading::{Passes, Way};
+use crate::inputs::import::stated::{UNIT, VALUES, Values};
+use crate::inputs::refusals::{self, SAVE_SO};
 use crate::text::delimited::{LengthUnit, plain_number};
-use crate::text::document::{LARGEST_NUMBER, Source};
-use crate::text::problem::{Problem, Problems, shown};
+use crate::text::document::LARGEST_NUMBER;
+use crate::text::problem::{Problem, shown};
 
 /// Positions are compared to a tenth of a micrometre.
 const SAME_MM: f64 = 1e-4;
-const SAVE_SO: &str = "save the table again so, or the measurement itself (`.rtl`)";
-const SEPARATE: &str =
-    "save separate forward and reverse tables, or the measurement itself (`.rtl`)";
 /// Lines above the table that are copied into ours.
 const COPIED: [&str; 7] = [
     "Test name",
@@ -40,76 +38,41 @@ const SIGNS: &[(&str, TableSign)] = &[
 ];
 const ABSOLUTE: &[(&str, Values)] = &[("Absolute", Values::Absolute)];
 
-pub(super) fn read(source: &Source, stated: &Stated) -> Result<FileContents, Problems> {
-    let lines = lines(source);
+pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
+    let lines = intake.lines();
     let heading = lines.iter().position(is_heading);
     let (above, below) = lines.split_at(heading.unwrap_or(lines.len()));
-    let mut header = Fields::of(above);
-    header.0.retain(|(_, value)| !value.text.is_empty());
-    let mut problems = Problems::none();
-    let passes = problems.take(passes(source, below));
-    let term = stated.required_term(Format::Ren, &mut problems);
-    let sign = problems
-        .take(begins(&header, "Sign convention", SIGNS))
-        .and_then(|found| SIGN.settled(found, stated.sign, stated, &mut problems));
+    let mut fields = Fields::of(above);
+    fields.0.retain(|(_, value)| !value.text.is_empty());
+    let header = Header { fields, place: below.first().copied() };
+    let passes = passes(intake, below);
+    let term = intake.term();
+    let sign = header.begins("Sign convention", SIGNS).and_then(|found| intake.sign(found));
     let unit_um = |text: &str| {
         let (number, unit) = length(text)?;
         (number > 0.0).then(|| number * unit.um())
     };
-    let expected = "e.g. `1 mm` or `0.001 mm`";
-    let unit_um = problems
-        .take(line_of(&header, "Compensation resolution", expected, unit_um))
-        .and_then(|found| {
-            let said = stated.unit.map(LengthUnit::um);
-            UNIT.settled(found, said, stated, &mut problems)
-        });
-    if let Some(found) = problems.take(begins(&header, "Compensation type", ABSOLUTE)) {
-        VALUES.settled(found, stated.values, stated, &mut problems);
+    let stated = intake.stated;
+    let unit_um = header
+        .line("Compensation resolution", "e.g. `1 mm` or `0.001 mm`", unit_um)
+        .and_then(|found| intake.settled(&UNIT, found, stated.unit.map(LengthUnit::um)));
+    if let Some(found) = header.begins("Compensation type", ABSOLUTE) {
+        intake.settled(&VALUES, found, stated.values);
     }
-    let (Some(mut passes), Some(unit_um)) = (passes, unit_um) else {
-        return Err(problems);
-    };
-    refuse_backlash(&header, &passes, &mut problems);
-    refuse_missing_ends(&header, &passes, &mut problems);
-    passes.scale(unit_um);
-    let said = FileContents::saying(header.said(&COPIED));
-    let directed = stated.targets_run.filter(|_| !is_combined(&passes));
+    let (mut passes, unit_um) = (passes?, unit_um?);
+    let is_combined = passes.ways.iter().any(|(way, _)| *way == Way::Both);
+    header.refuse_backlash(is_combined);
+    header.refuse_missing_rows(&passes.targets);
+    passes.ways.iter_mut().flat_map(|(_, runs)| runs).flatten().for_each(|value| *value *= unit_um);
+    intake.say(header.fields.said(&COPIED));
+    let directed = stated.targets_run.filter(|_| !is_combined);
     let way = directed.map(|moves| ImportFinding::ForwardIs { moves });
-    passes.reading((term, sign), said, way.into_iter().collect(), stated, problems)
+    passes.contents(term, sign, way.into_iter().collect(), intake)
 }
 
 fn is_heading(line: &Piece<'_>) -> bool {
     let text = line.text.trim().to_lowercase();
     text.starts_with("no") && text.contains("axis position")
-}
-
-/// The meaning of a line above the table, and where it stands; `None` = there is no such line.
-fn line_of<'a, T>(
-    header: &Fields<'a>,
-    label: &str,
-    expected: &str,
-    read: impl Fn(&str) -> Option<T>,
-) -> Result<Option<(T, Piece<'a>)>, Problem> {
-    let Some(line) = header.value(label) else {
-        return Ok(None);
-    };
-    let meaning = read(line.text).map(|meaning| Some((meaning, line)));
-    meaning.ok_or_else(|| line.unexpected(&format!("`{label}`"), expected, SAVE_SO))
-}
-
-/// Likewise, by how its text begins.
-fn begins<'a, T: Copy>(
-    header: &Fields<'a>,
-    label: &str,
-    known: &[(&str, T)],
-) -> Result<Option<(T, Piece<'a>)>, Problem> {
-    let words: Vec<String> = known.iter().map(|(begin, _)| format!("`{begin}`")).collect();
-    let expected = format!("a text that begins with {}", words.join(" or "));
-    line_of(header, label, &expected, |text| {
-        let text = text.to_lowercase();
-        let mut known = known.iter();
-        known.find(|(begin, _)| text.starts_with(&begin.to_lowercase())).map(|(_, what)| *what)
-    })
 }
 
 /// Number and unit of a length such as `-100 mm`.
@@ -121,12 +84,9 @@ fn length(text: &str) -> Option<(f64, LengthUnit)> {
 }
 
 /// The table from its heading on, its values as they stand in the file.
-fn passes(source: &Source, table: &[Piece<'_>]) -> Result<Passes, Problems> {
+fn passes<'a>(intake: &'a Intake<'a>, table: &[Piece<'a>]) -> Option<Passes> {
     let Some((heading, lines)) = table.split_first() else {
-        return Err(Problem::new("there is no table with the heading `No.  Axis position`")
-            .at(source.place(&(0..0)))
-            .help("other layouts of compensation tables are not known: save the measurement itself (`.rtl`)")
-            .into());
+        return intake.refused(refusals::no_table().at(intake.top()));
     };
     let text = heading.text.to_lowercase();
     let behind = text.split("axis position").nth(1).unwrap_or_default();
@@ -135,89 +95,99 @@ fn passes(source: &Source, table: &[Piece<'_>]) -> Result<Passes, Problems> {
         ["forward", "reverse"] => vec![Way::Forward, Way::Reverse],
         ["reverse", "forward"] => vec![Way::Reverse, Way::Forward],
         _ => {
-            let message = format!(
-                "the columns are `{}`, expected `Combined`, or `Forward` and `Reverse`",
-                shown(behind.trim())
-            );
-            return Err(heading.problem(message, "save the table again with these columns").into());
+            return heading.refused(refusals::other_columns(shown(behind.trim())));
         }
     };
     let lines = lines.iter().filter(|line| !line.is_blank());
-    let rows = rows(lines, ways.len() + 2, char::is_whitespace)?;
-    let mut problems = Problems::none();
-    for (row, expected) in rows.iter().zip(1_u32..) {
-        let (words, number) = (row.line.words(char::is_whitespace), row.numbers[0]);
+    let table = intake.numbers(lines, ways.len() + 2, char::is_whitespace)?;
+    let mut columns = table.columns.into_iter();
+    let (numbers, targets) = (columns.next()?, columns.next()?);
+    let mut whole = Some(());
+    for (line, (number, expected)) in table.lines.iter().zip(numbers.iter().zip(1_u32..)) {
         if (number - f64::from(expected)).abs() > 0.0 {
-            let message = format!("point {number} stands where point {expected} is expected");
-            problems.push_with(|| words[0].problem(message, AGAIN));
+            let first = line.words(char::is_whitespace)[0];
+            whole = first.refused(refusals::other_point(number, expected));
         }
     }
-    let column = |index: usize| rows.iter().map(|row| row.numbers[index]).collect::<Vec<f64>>();
-    let ways = ways.into_iter().zip(2..).map(|(way, index)| (way, vec![column(index)])).collect();
-    problems.or_ok(Passes { targets: column(1), place: heading.place(), ways })
+    let ways = ways.into_iter().zip(columns).map(|(way, values)| (way, vec![values])).collect();
+    whole.map(|()| Passes { targets, place: heading.place(), ways })
 }
 
-/// Whether one curve holds for both directions.
-fn is_combined(passes: &Passes) -> bool {
-    passes.ways.iter().any(|(way, _)| *way == Way::Both)
+/// The lines above the table.
+struct Header<'a> {
+    fields: Fields<'a>,
+    /// Where the table is named.
+    place: Option<Piece<'a>>,
 }
 
-/// A combined table may leave out a backlash that stands in a line of its own.
-fn refuse_backlash(header: &Fields<'_>, passes: &Passes, problems: &mut Problems) {
-    match header.value("Backlash error") {
-        Some(line) => {
-            let first = line.text.split_whitespace().next().unwrap_or_default();
-            if !first.eq_ignore_ascii_case("n/a") && plain_number(first) != Some(0.0) {
-                let found = shown(line.text);
-                let message = format!(
-                    "the table leaves out a backlash of `{found}`, whose sense is not known"
-                );
-                problems.push(line.problem(message, SEPARATE));
-            }
-        }
-        None if is_combined(passes) => {
-            let message = "there is no line `Backlash error`, so it is not known whether the combined table leaves out a backlash";
-            problems.push(Problem::new(message).at(passes.place.clone()).help(SEPARATE));
-        }
-        None => {}
+impl<'a> Header<'a> {
+    /// The meaning of a line, and where it stands: `Some(None)` = there is no such line.
+    fn line<T>(
+        &self,
+        label: &str,
+        expected: &str,
+        read: impl Fn(&str) -> Option<T>,
+    ) -> Option<Option<(T, Piece<'a>)>> {
+        let Some(line) = self.fields.value(label) else {
+            return Some(None);
+        };
+        let meaning = line.read(&format!("`{label}`"), expected, SAVE_SO, read)?;
+        Some(Some((meaning, line)))
     }
-}
 
-/// Spacing, first and last position must be those of the header: else rows are missing or were changed.
-fn refuse_missing_ends(header: &Fields<'_>, passes: &Passes, problems: &mut Problems) {
-    let mm = |text: &str| length(text).filter(|(_, unit)| *unit == LengthUnit::Mm);
-    let targets = &passes.targets;
-    let spacing = problems.take(line_of(header, "Compensation spacing", "a number and `mm`", mm));
-    if let Some(Some(((spacing, _), line))) = spacing {
-        let differs = |step: f64| (step.abs() - spacing.abs()).abs() > SAME_MM;
-        for pair in targets.windows(2).filter(|pair| differs(pair[1] - pair[0])) {
-            let (from, to) = (pair[0], pair[1]);
-            let message = format!(
-                "the table goes from {from} to {to} mm, expected a spacing of {spacing} mm"
-            );
-            problems.push_with(|| line.problem(message, AGAIN));
+    /// Likewise, by how its text begins.
+    fn begins<T: Copy>(&self, label: &str, known: &[(&str, T)]) -> Option<Option<(T, Piece<'a>)>> {
+        let words: Vec<String> = known.iter().map(|(begin, _)| format!("`{begin}`")).collect();
+        let expected = format!("a text that begins with {}", words.join(" or "));
+        self.line(label, &expected, |text| {
+            let is = |begin: &str| text.to_lowercase().starts_with(&begin.to_lowercase());
+            known.iter().find(|(begin, _)| is(begin)).map(|(_, what)| *what)
+        })
+    }
+
+    /// That something cannot be known of the table.
+    fn lacks(&self, problem: Problem) {
+        self.place.into_iter().for_each(|place| place.refuse(problem.clone()));
+    }
+
+    /// A combined table may leave out a backlash that stands in a line of its own.
+    fn refuse_backlash(&self, is_combined: bool) {
+        match self.fields.value("Backlash error") {
+            Some(line) => {
+                let first = line.text.split_whitespace().next().unwrap_or_default();
+                if !first.eq_ignore_ascii_case("n/a") && plain_number(first) != Some(0.0) {
+                    line.refuse(refusals::backlash(shown(line.text)));
+                }
+            }
+            None if is_combined => self.lacks(refusals::backlash_unknown()),
+            None => {}
         }
     }
-    for (label, found) in
-        [("Compensation start", targets.first()), ("Compensation end", targets.last())]
-    {
-        match problems.take(line_of(header, label, "a number and `mm`", mm)) {
-            Some(Some(((expected, _), line)))
-                if found.is_none_or(|found| (found - expected).abs() > SAME_MM) =>
-            {
-                let found = found.map_or("nothing".to_string(), |found| format!("{found} mm"));
-                let message = format!(
-                    "the table has {found} at this end, expected {expected} mm as in `{label}`"
-                );
-                problems.push(line.problem(message, AGAIN));
+
+    /// Spacing, first and last position must be those of the header: else rows are missing or were changed.
+    fn refuse_missing_rows(&self, targets: &[f64]) {
+        let mm = |label: &str| {
+            let mm = |text: &str| length(text).filter(|(_, unit)| *unit == LengthUnit::Mm);
+            let line = self.line(label, "a number and `mm`", mm)?;
+            Some(line.map(|((mm, _), line)| (mm, line)))
+        };
+        let differ = |a: f64, b: f64| (a - b).abs() > SAME_MM;
+        if let Some(Some((spacing, line))) = mm("Compensation spacing") {
+            let is_off = |pair: &&[f64]| differ((pair[1] - pair[0]).abs(), spacing.abs());
+            for pair in targets.windows(2).filter(is_off) {
+                line.refuse(refusals::other_spacing(pair[0], pair[1], spacing));
             }
-            Some(None) => {
-                let message = format!(
-                    "there is no line `{label}`, so it cannot be seen whether rows are missing"
-                );
-                problems.push(Problem::new(message).at(passes.place.clone()).help(AGAIN));
+        }
+        let ends = [("Compensation start", targets.first()), ("Compensation end", targets.last())];
+        for (label, found) in ends {
+            match mm(label) {
+                Some(Some((mm, line))) if found.is_none_or(|found| differ(*found, mm)) => {
+                    let found = found.map_or("nothing".to_string(), |found| format!("{found} mm"));
+                    line.refuse(refusals::other_end(found, mm, label));
+                }
+                Some(None) => self.lacks(refusals::end_unknown(label)),
+                _ => {}
             }
-            _ => {}
         }
     }
 }

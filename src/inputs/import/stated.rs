@@ -3,13 +3,12 @@
 //! so that a statement has its words in one place.
 
 use crate::control::controller::TableSign;
-use crate::inputs::error_table::{Component, Kind};
-use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::words::Piece;
+use crate::inputs::error_table::Component;
+use crate::inputs::refusals;
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::LengthUnit;
 use crate::text::document::LONGEST_MM;
-use crate::text::problem::{Place, Problem, Problems, shown};
+use crate::text::problem::{Problem, Problems};
 use clap::{Args, ValueEnum};
 
 /// Formats that can be read, in the order of the documentation.
@@ -151,6 +150,9 @@ pub struct Stated {
     /// Which column holds what (#3 = the third one), e.g. "AXn [mm]=position_mm,Delta [mm]=ex_mm"
     #[arg(long, value_name = "NAME=COLUMN,…")]
     pub columns: Option<String>,
+    /// Take what was understood from the file (never sign, unit, material, first target)
+    #[arg(long)]
+    pub yes: bool,
 }
 
 /// An axis from its letter.
@@ -176,7 +178,7 @@ pub fn millimetres(text: &str) -> Result<f64, String> {
 /// A fact that a file may not carry.
 pub(super) struct Fact {
     /// The option that states it.
-    option: &'static str,
+    pub(super) option: &'static str,
     /// The formats for which it has a meaning.
     formats: &'static [Format],
     /// What was stated, in words.
@@ -203,66 +205,21 @@ macro_rules! facts {
 }
 
 facts! {
-    COLUMNS: "--columns" of MAPPED,
-        |stated| stated.columns.as_ref().map(|c| format!("\"{c}\"")),
-        "which column holds what cannot be seen from the file",
-        "add the mapping, e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`";
-    AXIS: "--axis" of WITH_TARGETS,
-        |stated| stated.axis.map(|axis| axis.key().to_string()),
-        "no column is mapped to `axis`, the moving axis",
-        "add the axis that moved, e.g. `--axis x`";
-    TERM: "--term" of WITH_TARGETS,
-        |stated| stated.term.map(|term| term.to_string()),
-        "the file does not say which deviation was measured",
-        "add e.g. `--term EXX` (positioning of X) or `--term EYX` (deviation in Y while X moves)";
-    FIRST_TARGET: "--first-target-at-mm" of WITH_TARGETS,
-        |stated| stated.first_target_at_mm.map(|mm| format!("{}", mm + 0.0)),
-        "the targets of the file count from the laser's zero, not from the machine's",
-        "add the machine coordinate of target 1, e.g. `--first-target-at-mm -200`";
-    TARGETS_RUN: "--targets-run" of WITH_TARGETS,
-        |stated| stated.targets_run.map(|way| way.to_string()),
-        "the file does not say whether the targets go towards larger or smaller machine coordinates",
-        "add `--targets-run +` or `--targets-run -`: the way of the axis from the first target to the last";
-    DIRECTION: "--direction" of &[Format::Columns],
-        |stated| stated.travel.map(word),
-        "no column is mapped to the direction of travel",
-        "add `--direction +`, `--direction -` or `--direction both` (not distinguished), or map a column to `direction`";
-    PLUS_MOVES: "--plus-moves" of &[Format::Columns],
-        |stated| stated.plus_moves.map(|way| way.to_string()),
-        "targets and axis do not both count up, so `+` of the file may be the machine's, that of the targets or the outward run",
-        "add `--plus-moves +` or `--plus-moves -`: the way of the axis, in machine coordinates, in rows whose direction is `+`";
-    SIGN: "--sign" of SIGNED,
-        |stated| stated.sign.map(word),
-        "the file does not say whether its values are deviations or corrections",
-        "add `--sign as-error` (measured - target) or `--sign as-correction` (what has to be added)";
-    UNIT: "--unit" of &[Format::Ren],
-        |stated| stated.unit.map(word),
-        "the file has no line `Compensation resolution`",
-        "add the unit of the values: `--unit um`, `mm`, `in` or `uin`";
-    VALUES: "--values" of &[Format::Ren],
-        |stated| stated.values.map(word),
-        "the file has no line `Compensation type`",
-        "add `--values absolute` if each value is the whole deviation at its position";
-    RUNS: "--runs" of &[Format::Rtl],
-        |stated| stated.runs.map(word),
-        "the second number of `Flags` does not say whether even runs go back",
-        "add `--runs bidirectional` (even runs go back) or `--runs unidirectional` (every run goes from the first target to the last; even runs of zeros were never made)";
-    MATERIAL_CORRECTED: "--material-corrected" of WITH_MATERIAL,
-        |stated| stated.material_corrected.map(word),
-        "the file notes a temperature of the material, but not whether the readings were brought to 20 °C",
-        "add `--material-corrected yes` (the instrument did it), `no`, or `not-stated`";
-    CAPTURES: "--captures" of &[Format::List],
-        |stated| stated.captures.map(word),
-        "a list does not say whether its values count from the first capture or from the one before",
-        "add `--captures cumulative`, or `--captures incremental` if the first value is that of the second capture";
-    SHEET: "--sheet" of MAPPED,
-        |stated| stated.sheet.clone(),
-        "the first sheet is read",
-        "add the name of the sheet, e.g. `--sheet Readings`";
-    DECIMAL: "--decimal" of MAPPED,
-        |stated| stated.decimal.map(word),
-        "no number of the file shows what its comma means",
-        "add `--decimal comma` or `--decimal point`";
+    COLUMNS: "--columns" of MAPPED, |stated| stated.columns.as_ref().map(|c| format!("\"{c}\"")), "which column holds what cannot be seen from the file", "add the mapping, e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`";
+    AXIS: "--axis" of WITH_TARGETS, |stated| stated.axis.map(|axis| axis.key().to_string()), "no column is mapped to `axis`, the moving axis", "add the axis that moved, e.g. `--axis x`";
+    TERM: "--term" of WITH_TARGETS, |stated| stated.term.map(|term| term.to_string()), "the file does not say which deviation was measured", "add e.g. `--term EXX` (positioning of X) or `--term EYX` (deviation in Y while X moves)";
+    FIRST_TARGET: "--first-target-at-mm" of WITH_TARGETS, |stated| stated.first_target_at_mm.map(|mm| format!("{}", mm + 0.0)), "the targets of the file count from the laser's zero, not from the machine's", "add the machine coordinate of target 1, e.g. `--first-target-at-mm -200`";
+    TARGETS_RUN: "--targets-run" of WITH_TARGETS, |stated| stated.targets_run.map(|way| way.to_string()), "the file does not say whether the targets go towards larger or smaller machine coordinates", "add `--targets-run +` or `--targets-run -`: the way of the axis from the first target to the last";
+    DIRECTION: "--direction" of &[Format::Columns], |stated| stated.travel.map(word), "no column is mapped to the direction of travel", "add `--direction +`, `--direction -` or `--direction both` (not distinguished), or map a column to `direction`";
+    PLUS_MOVES: "--plus-moves" of &[Format::Columns], |stated| stated.plus_moves.map(|way| way.to_string()), "targets and axis do not both count up, so `+` of the file may be the machine's, that of the targets or the outward run", "add `--plus-moves +` or `--plus-moves -`: the way of the axis, in machine coordinates, in rows whose direction is `+`";
+    SIGN: "--sign" of SIGNED, |stated| stated.sign.map(word), "the file does not say whether its values are deviations or corrections", "add `--sign as-error` (measured - target) or `--sign as-correction` (what has to be added)";
+    UNIT: "--unit" of &[Format::Ren], |stated| stated.unit.map(word), "the file has no line `Compensation resolution`", "add the unit of the values: `--unit um`, `mm`, `in` or `uin`";
+    VALUES: "--values" of &[Format::Ren], |stated| stated.values.map(word), "the file has no line `Compensation type`", "add `--values absolute` if each value is the whole deviation at its position";
+    RUNS: "--runs" of &[Format::Rtl], |stated| stated.runs.map(word), "the second number of `Flags` does not say whether even runs go back", "add `--runs bidirectional` (even runs go back) or `--runs unidirectional` (every run goes from the first target to the last; even runs of zeros were never made)";
+    MATERIAL_CORRECTED: "--material-corrected" of WITH_MATERIAL, |stated| stated.material_corrected.map(word), "the file notes a temperature of the material, but not whether the readings were brought to 20 °C", "add `--material-corrected yes` (the instrument did it), `no`, or `not-stated`";
+    CAPTURES: "--captures" of &[Format::List], |stated| stated.captures.map(word), "a list does not say whether its values count from the first capture or from the one before", "add `--captures cumulative`, or `--captures incremental` if the first value is that of the second capture";
+    SHEET: "--sheet" of MAPPED, |stated| stated.sheet.clone(), "the first sheet is read", "add the name of the sheet, e.g. `--sheet Readings`";
+    DECIMAL: "--decimal" of MAPPED, |stated| stated.decimal.map(word), "no number of the file shows what its comma means", "add `--decimal comma` or `--decimal point`";
 }
 
 /// The mapping of lists.
@@ -273,6 +230,11 @@ pub(super) const LIST_COLUMNS: Fact = Fact {
 };
 
 impl Fact {
+    /// The option with what was stated.
+    pub(super) fn statement(&self, stated: &Stated) -> Option<String> {
+        Some(format!("{} {}", self.option, (self.value)(stated)?))
+    }
+
     /// The problem that neither file nor user says it.
     pub(super) fn missing(&self) -> Problem {
         self.missing_because(self.why)
@@ -281,34 +243,6 @@ impl Fact {
     /// The same, with a reason that the file gives.
     pub(super) fn missing_because(&self, why: &str) -> Problem {
         Problem::new(format!("`{}` is not stated: {why}", self.option)).help(self.add)
-    }
-
-    /// What the file says, and where; else what was stated. Both must agree, and one has to say it.
-    pub(super) fn settled<T: PartialEq>(
-        &self,
-        found: Option<(T, Piece<'_>)>,
-        said: Option<T>,
-        stated: &Stated,
-        problems: &mut Problems,
-    ) -> Option<T> {
-        match (found, said) {
-            (Some((found, place)), Some(said)) if found != said => {
-                let message = format!(
-                    "`{} {}` contradicts the file, which says `{}`",
-                    self.option,
-                    (self.value)(stated).unwrap_or_default(),
-                    shown(place.text)
-                );
-                let help = format!("leave `{}` out", self.option);
-                problems.push(place.problem(message, help));
-                None
-            }
-            (None, None) => {
-                problems.push(self.missing());
-                None
-            }
-            (found, said) => found.map(|(found, _)| found).or(said),
-        }
     }
 }
 
@@ -319,134 +253,22 @@ impl Stated {
         given.filter_map(|fact| Some((fact.option, (fact.value)(self)?))).collect()
     }
 
+    /// What is given here, but not there, as options.
+    pub(super) fn beyond(&self, other: &Stated) -> Option<String> {
+        let other = other.given();
+        let own = self.given().into_iter().filter(|own| !other.contains(own));
+        let own = own.map(|(option, value)| format!("{option} {value}")).collect::<Vec<_>>();
+        (!own.is_empty()).then(|| own.join(" "))
+    }
+
     /// A statement that has no meaning for the format is a mistake of the user.
     pub(super) fn foreign_to(&self, format: Format) -> Problems {
         let of_format = FACTS.iter().filter(|fact| fact.formats.contains(&format));
         let takes: Vec<&str> = of_format.map(|fact| fact.option).collect();
         let mut problems = Problems::none();
-        for (option, _) in self.given() {
-            if !takes.contains(&option) {
-                let format = word(format);
-                let message = format!("`{option}` has no meaning for format `{format}`");
-                let help = format!("leave it out; `{format}` takes {}", takes.join(", "));
-                problems.push(Problem::new(message).help(help));
-            }
+        for (option, _) in self.given().iter().filter(|(option, _)| !takes.contains(option)) {
+            problems.push(refusals::no_meaning(option, word(format), takes.join(", ")));
         }
         problems
-    }
-
-    /// The sign, which these files do not carry.
-    pub(super) fn required_sign(&self, problems: &mut Problems) -> Option<TableSign> {
-        SIGN.settled(None, self.sign, self, problems)
-    }
-
-    /// The component, whose axis must be that of `--axis`, and whose kind the format must hold.
-    pub(super) fn required_term(
-        &self,
-        format: Format,
-        problems: &mut Problems,
-    ) -> Option<Component> {
-        let term = TERM.settled(None, self.term, self, problems)?;
-        if let Some(axis) = self.axis.filter(|axis| *axis != term.along) {
-            let message = format!(
-                "`--axis {}` contradicts `--term {term}`, in which {} moves",
-                axis.key(),
-                term.along
-            );
-            let help = "the last letter of a term is the moving axis";
-            problems.push(Problem::new(message).help(help));
-        }
-        let (fits, held) = match format {
-            Format::Ren | Format::Columns => {
-                (matches!(term.kind, Kind::Deviation(_)), "deviations")
-            }
-            _ => (term.is_positioning(), "positioning: EXX, EYY or EZZ"),
-        };
-        if !fits {
-            let format = word(format);
-            let message = format!(
-                "`--term {term}` is not in a file of the format `{format}`, which holds {held}"
-            );
-            let help = "state the term that was measured, or take the right file";
-            problems.push(Problem::new(message).help(help));
-        }
-        Some(term)
-    }
-
-    /// The axis that the file names must be the one that moved. `--axis` overrules an entry that names none of
-    /// them clearly, and one of `pos`, where operators leave it as it was: that is a warning.
-    pub(super) fn axis_warning(
-        &self,
-        named: &Piece<'_>,
-        format: Format,
-        problems: &mut Problems,
-    ) -> Option<ImportFinding> {
-        let letter = only_letter(named.text);
-        let moved = self.term.map(|term| term.along).or(self.axis);
-        if letter.is_some() && moved.is_none_or(|axis| Some(axis.letter()) == letter) {
-            return None;
-        }
-        let entry = shown(named.text);
-        let may_overrule = letter.is_none() || format == Format::Pos;
-        if let Some(axis) = self.axis.filter(|_| may_overrule) {
-            return Some(ImportFinding::OtherAxis { entry, axis });
-        }
-        let problem = match (letter, moved) {
-            (Some(_), Some(moved)) => Problem::new(format!(
-                "the file names axis `{entry}`, but {moved} was stated as the moving axis"
-            ))
-            .help(match format {
-                Format::Pos => {
-                    "take the right file; if the entry was only left as it was, add `--axis`"
-                }
-                _ => "state the term of the axis that moved, or take the right file",
-            }),
-            _ => AXIS.missing_because(&format!(
-                "the axis of the file is `{entry}`, which names none of X, Y, Z, or several"
-            )),
-        };
-        problems.push(problem.at(named.place()));
-        None
-    }
-
-    /// Whether the readings hold the expansion of the material has to be stated where the file notes a
-    /// temperature of it; where they do or may, a warning says what is at stake.
-    pub(super) fn material_warning(
-        &self,
-        noted: &str,
-        at: Place,
-        stake: &str,
-        problems: &mut Problems,
-    ) -> Option<ImportFinding> {
-        let state = match self.material_corrected {
-            Some(MaterialCorrected::Yes) => return None,
-            Some(MaterialCorrected::No) => {
-                "the expansion of the material is still in the deviations"
-            }
-            Some(MaterialCorrected::NotStated) => {
-                "whether the expansion of the material is in the deviations is not stated"
-            }
-            None => {
-                let why = format!(
-                    "the file notes {noted}, but not whether the readings were brought to 20 °C"
-                );
-                problems.push(MATERIAL_CORRECTED.missing_because(&why).at(at));
-                return None;
-            }
-        };
-        Some(ImportFinding::Material { state, noted: noted.to_string(), stake: stake.to_string() })
-    }
-}
-
-/// The name of an axis that stands alone in a text such as `Linear Y` or `x-axis`.
-fn only_letter(text: &str) -> Option<char> {
-    let text = text.to_uppercase();
-    let words = text.split(|c: char| !c.is_alphabetic());
-    let mut names: Vec<&str> =
-        words.filter(|word| word.len() == 1 && "ABCUVWXYZ".contains(word)).collect();
-    names.dedup();
-    match names[..] {
-        [name] => name.chars().next(),
-        _ => None,
     }
 }

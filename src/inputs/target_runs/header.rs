@@ -1,5 +1,6 @@
 //! The header of a file of runs: which columns, in which layout, unit and sense.
 
+use crate::inputs::refusals::{self, RUNS};
 use crate::inputs::table::Table;
 use crate::inputs::target_runs::{Stated, Values};
 use crate::quantity::axis::Direction;
@@ -7,9 +8,6 @@ use crate::text::delimited::{Expected, LengthUnit, Line};
 use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use std::collections::BTreeSet;
-
-const FIRST_LINE: &str = "first line: target_mm,up1_mm,up2_mm,dn1_mm,dn2_mm \
-                          or target_mm,run,direction,deviation_um";
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,17 +23,25 @@ pub(super) enum Content {
     Reading(Values),
 }
 
-impl Content {
-    fn is_length(self) -> bool {
-        !matches!(self, Content::Index | Content::Run | Content::Direction)
-    }
-}
-
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Column {
     pub(super) content: Content,
     /// `None` only where the content is no length.
     pub(super) unit: Option<LengthUnit>,
+}
+
+impl Column {
+    fn is_length(&self) -> bool {
+        !matches!(self.content, Content::Index | Content::Run | Content::Direction)
+    }
+
+    fn is_reading(&self) -> bool {
+        matches!(self.content, Content::Reading(_))
+    }
+
+    pub(super) fn is_run(&self) -> bool {
+        matches!(self.content, Content::RunOf(..))
+    }
 }
 
 pub(super) struct Layout<'a> {
@@ -56,17 +62,11 @@ impl<'a> Layout<'a> {
     /// The layout of a file, with what was stated beside it.
     pub(super) fn read(source: &'a Source, stated: Stated) -> Result<Layout<'a>, Problems> {
         let what = "table, expected a header and the runs of an axis";
-        let table = Table::read(source, what, FIRST_LINE, |header| {
+        let table = Table::read(source, what, RUNS, |header| {
             refuse_other_tables(header)?;
-            Ok(Expected {
-                known: known_columns(header),
-                same: |a: &Column, b: &Column| {
-                    let is_reading = |c: &Column| matches!(c.content, Content::Reading(_));
-                    a.content == b.content || is_reading(a) && is_reading(b)
-                },
-                first_line: FIRST_LINE,
-                columns: FIRST_LINE,
-            })
+            let same =
+                |a: &Column, b: &Column| a.content == b.content || a.is_reading() && b.is_reading();
+            Ok(Expected { known: known_columns(header), same, first_line: RUNS, columns: RUNS })
         })?;
         let mut layout = form(table)?;
         layout.take_unit(stated.unit)?;
@@ -74,36 +74,34 @@ impl<'a> Layout<'a> {
         Ok(layout)
     }
 
+    /// A problem of a column.
+    pub(super) fn at(&self, index: usize, problem: Problem) -> Problem {
+        problem.at(self.table.header.cell_place(index))
+    }
+
     /// The columns of lengths whose unit is such.
     fn lengths(&self, is_such: impl Fn(Option<LengthUnit>) -> bool) -> Vec<usize> {
         let columns = self.table.kinds.iter().enumerate();
-        let such = columns.filter(|(_, c)| c.content.is_length() && is_such(c.unit));
+        let such = columns.filter(|(_, column)| column.is_length() && is_such(column.unit));
         such.map(|(index, _)| index).collect()
     }
 
     /// The unit that was stated goes to the columns whose names have none.
     fn take_unit(&mut self, stated: Option<LengthUnit>) -> Result<(), Problem> {
         let without = self.lengths(|unit| unit.is_none());
-        let message = match (without.first(), stated) {
+        match (without.first(), stated) {
             (None, Some(unit)) => {
-                let unit = unit.word();
-                let message = format!("the unit {unit} was stated, but every column names its own");
-                return Err(self.table.at_header(message, "leave out `--unit`"));
+                Err(refusals::unit_twice(unit.word()).at(self.table.header.whole()))
             }
-            (Some(first), None) => format!(
-                "column `{0}` has no unit, expected `{0}_mm`, `_um`, `_in` or `_uin`{1}",
-                self.table.names[*first],
-                and_more(without.len() - 1, " has none", " have none"),
-            ),
+            (Some(first), None) => {
+                let more = and_more(without.len() - 1, " has none", " have none");
+                Err(self.at(*first, refusals::no_unit(&self.table.names[*first], more)))
+            }
             (_, _) => {
-                for index in without {
-                    self.table.kinds[index].unit = stated;
-                }
-                return Ok(());
+                without.iter().for_each(|index| self.table.kinds[*index].unit = stated);
+                Ok(())
             }
-        };
-        let help = "name the unit in the header, or state it for all of them: `--unit mm`, `in`, `um` or `uin`";
-        Err(self.table.at_column(without[0], message, help))
+        }
     }
 
     /// Positions or deviations: a name decides, else what was stated. Columns of runs that have
@@ -111,32 +109,21 @@ impl<'a> Layout<'a> {
     fn take_values(&mut self, stated: Option<Values>) -> Result<(), Problem> {
         let names = &self.table.names;
         if let (Form::RowForReading { reading, .. }, Some(named)) = (self.form, self.values) {
-            let Some(other) = stated.filter(|other| *other != named) else {
-                return Ok(());
-            };
-            let (other, named) = (other.word(), named.word());
-            let name = &names[reading];
-            let message = format!("{other} were stated, but column `{name}` holds {named}");
-            let help = "leave out `--values`";
-            return Err(self.table.at_column(reading, message, help));
+            return stated.filter(|other| *other != named).map_or(Ok(()), |other| {
+                let problem = refusals::other_values(other.word(), &names[reading], named.word());
+                Err(self.at(reading, problem))
+            });
         }
-        self.values = stated;
         let unit = self.table.kinds[self.target].unit;
         let others = self.lengths(|other| other != unit);
-        let Some(other) = others.first().filter(|_| stated.is_none()) else {
-            return Ok(());
-        };
-        let message = format!(
-            "column `{}` has another unit than `{}`, expected to be told whether it holds \
-             positions or deviations",
-            names[*other], names[self.target]
-        );
-        Err(self.table.at_column(*other, message, STATE_VALUES))
+        if let (Some(other), None) = (others.first(), stated) {
+            let problem = refusals::two_units(&names[*other], &names[self.target]);
+            return Err(self.at(*other, problem));
+        }
+        self.values = stated;
+        Ok(())
     }
 }
-
-/// The next step where it is open what the runs hold.
-pub(super) const STATE_VALUES: &str = "add `--values deviations` or `--values positions`";
 
 /// What is counted beside the one that is shown.
 pub(super) fn and_more(more: usize, one: &str, many: &str) -> String {
@@ -149,45 +136,36 @@ pub(super) fn and_more(more: usize, one: &str, many: &str) -> String {
 
 /// The columns that may stand in a header: those of runs for every number that it holds.
 fn known_columns(header: &Line<'_>) -> Vec<(String, Column)> {
-    let mut quantities = vec![
+    let mut lengths = vec![
         ("target".to_string(), Content::Target),
         ("deviation".to_string(), Content::Reading(Values::Deviations)),
         ("position".to_string(), Content::Reading(Values::Positions)),
     ];
-    let words = [("up", Direction::Plus), ("dn", Direction::Minus), ("down", Direction::Minus)];
+    let ways = [("up", Direction::Plus), ("dn", Direction::Minus), ("down", Direction::Minus)];
     for run in run_numbers(header) {
-        let content = |direction| Content::RunOf(direction, run);
-        quantities
-            .extend(words.map(|(word, direction)| (format!("{word}{run}"), content(direction))));
+        lengths.extend(ways.map(|(word, way)| (format!("{word}{run}"), Content::RunOf(way, run))));
     }
-    let others = [("i", Content::Index), ("run", Content::Run), ("direction", Content::Direction)];
-    let others = others.map(|(name, content)| (name.to_string(), content));
-    let units = LengthUnit::ALL.map(Some).into_iter().chain([None]);
-    let with_units = units.flat_map(|unit| {
-        let ending = unit.map_or(String::new(), |unit| format!("_{}", unit.word()));
-        let column = move |(name, content): &(String, Content)| {
-            let content = *content;
-            (format!("{name}{ending}"), Column { content, unit })
+    let units = LengthUnit::ALL.map(|unit| (format!("_{}", unit.word()), Some(unit)));
+    let with_units = units.into_iter().chain([(String::new(), None)]).flat_map(|(end, unit)| {
+        let column = |(name, content): &(String, Content)| {
+            (format!("{name}{end}"), Column { content: *content, unit })
         };
-        quantities.iter().map(column)
+        lengths.iter().map(column).collect::<Vec<_>>()
     });
-    let unit = None;
-    let others = others.map(|(name, content)| (name, Column { content, unit }));
+    let others = [("i", Content::Index), ("run", Content::Run), ("direction", Content::Direction)];
+    let others = others.map(|(name, content)| (name.to_string(), Column { content, unit: None }));
     with_units.chain(others).collect()
 }
 
 /// Numbers that stand behind the words of a header, as in `up3_mm`; 1 always.
 fn run_numbers(header: &Line<'_>) -> BTreeSet<u32> {
-    let mut numbers = BTreeSet::from([1]);
-    for name in header.cells() {
-        let digits = |c: char| c.is_ascii_digit();
-        let number = name.trim_start_matches(|c| !digits(c));
-        let number: String = number.chars().take_while(|c| digits(*c)).collect();
+    let number = |name: &str| {
+        let number = name.trim_start_matches(|c: char| !c.is_ascii_digit());
+        let number: String = number.chars().take_while(char::is_ascii_digit).collect();
         // `up01` is no name: the number has to read the same when it is written again.
-        let run = number.parse().ok();
-        numbers.extend(run.filter(|run: &u32| *run > 0 && run.to_string() == number));
-    }
-    numbers
+        number.parse().ok().filter(|run: &u32| *run > 0 && run.to_string() == number)
+    };
+    header.cells().iter().filter_map(|name| number(name)).chain([1]).collect()
 }
 
 /// Tables that are something else, or that name their targets as an error table does.
@@ -197,18 +175,14 @@ fn refuse_other_tables(header: &Line<'_>) -> Result<(), Problem> {
         let mut cells = cells.iter().map(|cell| cell.to_ascii_lowercase());
         cells.any(|cell| starts.iter().any(|start| cell.starts_with(start)))
     };
-    let message = if has(&["axis"]) && has(&["ex_", "ey_", "ez_"]) {
-        "this is an error table, expected the raw runs of a positioning test: repeatability cannot be taken from means"
+    if has(&["axis"]) && has(&["ex_", "ey_", "ez_"]) {
+        Err(refusals::other_table().at(header.whole()))
     } else if has(&["pos", "nominal"]) && !has(&["target"]) {
-        TARGETS
+        Err(refusals::targets_unnamed().at(header.whole()))
     } else {
-        return Ok(());
-    };
-    Err(Problem::new(message).at(header.whole()).help(FIRST_LINE))
+        Ok(())
+    }
 }
-
-const TARGETS: &str =
-    "there is no column for the targets, expected `target_mm`, `target_in` or `target_um`";
 
 /// Which of the two layouts the columns make.
 fn form(table: Table<'_, Column>) -> Result<Layout<'_>, Problems> {
@@ -217,32 +191,28 @@ fn form(table: Table<'_, Column>) -> Result<Layout<'_>, Problems> {
     let mut require = |found, what, example| table.require(found, what, example, &mut problems);
     let examples = "`target_mm`, `target_in` or `target_um`";
     let target = require(find(Content::Target), "the targets", examples);
-    let for_target = table.find(|column| matches!(column.content, Content::RunOf(..)));
+    let for_target = table.find(|column| column.is_run());
     let (run, direction) = (find(Content::Run), find(Content::Direction));
-    let reading = table.find(|column| matches!(column.content, Content::Reading(_)));
-    let (form, values) = match (for_target, run.or(direction).or(reading)) {
+    let reading = table.find(|column| column.is_reading());
+    let (mut form, mut values) = (Form::RowForTarget, None);
+    match (for_target, run.or(direction).or(reading)) {
         (Some(_), Some(other)) => {
-            let name = &table.names[other];
-            let message = format!("column `{name}` belongs to another layout than `up1`, `dn1` …");
-            return Err(table.at_column(other, message, FIRST_LINE).into());
+            let problem = refusals::other_layout(&table.names[other]);
+            return Err(problem.at(table.header.cell_place(other)).into());
         }
         (None, Some(_)) => {
-            let form = Form::RowForReading {
+            form = Form::RowForReading {
                 run: require(run, "the number of the run", "`run`"),
                 direction: require(direction, "the direction of approach", "`direction`"),
                 reading: require(reading, "the reading", "`deviation_um` or `position_mm`"),
             };
-            let values = reading.and_then(|reading| match table.kinds[reading].content {
+            values = reading.and_then(|reading| match table.kinds[reading].content {
                 Content::Reading(values) => Some(values),
                 _ => None,
             });
-            (form, values)
         }
-        (found, None) => {
-            require(found, "any run", "`up1_mm`, `dn1_mm` …");
-            (Form::RowForTarget, None)
-        }
-    };
+        (found, None) => _ = require(found, "any run", "`up1_mm`, `dn1_mm` …"),
+    }
     problems.or_ok(())?;
     Ok(Layout { table, target, form, values })
 }

@@ -1,9 +1,10 @@
 //! Rows of a file of runs → [`Runs`]. Nothing is guessed: not a reading that is missing, and not whether
 //! a value is a position or a deviation, unless the values leave no doubt.
 
+use crate::inputs::refusals;
 use crate::inputs::table;
-use crate::inputs::target_runs::header::{Column, Content, Form, Layout, STATE_VALUES, and_more};
-use crate::inputs::target_runs::{Runs, Stated, Values};
+use crate::inputs::target_runs::header::{Column, Content, Form, Layout, and_more};
+use crate::inputs::target_runs::{Runs, Stated, Values, approach, small_um};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Figure, UM_PER_MM};
 use crate::text::delimited::{LengthUnit, Line};
@@ -67,16 +68,12 @@ impl Runs {
         let layout = Layout::read(source, stated)?;
         let readings = readings(&layout)?;
         if readings.is_empty() {
-            let message = "the table has a header but no rows, expected readings";
-            let help = "write one row for each target, or one for each reading";
-            return Err(layout.table.at_header(message, help).into());
+            return Err(refusals::no_rows().at(layout.table.header.whole()).into());
         }
         let mut problems = Problems::none();
         let targets = by_target(&layout, &readings, &mut problems);
         if targets.len() < 2 {
-            let message = "there is one target only, expected at least two";
-            let help = "a positioning test has five or more targets";
-            problems.push(layout.table.at_header(message, help));
+            problems.push(refusals::one_target().at(layout.table.header.whole()));
         }
         let runs: BTreeSet<(Direction, u32)> =
             readings.iter().map(|r| (r.direction, r.run)).collect();
@@ -137,11 +134,6 @@ fn cells(
         Form::RowForReading { run, direction, reading } => {
             let whole = |text: &str| text.parse().ok().filter(|run| *run > 0);
             let run = row.parsed(Some(run), None, whole, RUN);
-            let approach = |text: &str| match text {
-                "up" => Some(Direction::Plus),
-                "dn" | "down" => Some(Direction::Minus),
-                symbol => Direction::from_symbol(symbol),
-            };
             let direction = row.parsed(Some(direction), None, approach, DIRECTION);
             let value = length(layout, row, reading);
             let all = || Some((reading, direction?, run?, value?));
@@ -191,17 +183,12 @@ fn by_target<'r, 'a>(
 }
 
 fn twice(layout: &Layout<'_>, first: &Reading<'_>, second: &Reading<'_>) -> Problem {
-    let mm = second.target_mm();
+    let (mm, run, way) = (second.target_mm(), second.run, second.direction);
     let what = match layout.form {
         Form::RowForTarget => format!("target {mm} mm"),
-        Form::RowForReading { .. } => {
-            format!("target {mm} mm, run {} moving {}", second.run, second.direction)
-        }
+        Form::RowForReading { .. } => format!("target {mm} mm, run {run} moving {way}"),
     };
-    let line = first.line.number();
-    let message = format!("{what} stands here again, the first time in line {line}");
-    let place = second.line.cell_place(layout.target);
-    Problem::new(message).at(place).help("keep one of the two rows")
+    refusals::read_twice(what, first.line.number()).at(second.line.cell_place(layout.target))
 }
 
 /// Every target needs every run that another target has.
@@ -215,17 +202,10 @@ fn refuse_gaps(
         return;
     };
     for (direction, run) in runs.iter().filter(|key| !of_target.contains_key(key)) {
-        problems.push_with(|| {
-            let mm = first.target_mm();
-            let message = format!("target {mm} mm has no reading of run {run} moving {direction}, which other targets have");
-            let help = "a missing reading is not filled in; write a target the same way in every row, or leave out the run or the target as a whole";
-            Problem::new(message).at(first.line.cell_place(layout.target)).help(help)
-        });
+        let problem = || refusals::no_reading(first.target_mm(), run, direction);
+        problems.push_with(|| problem().at(first.line.cell_place(layout.target)));
     }
 }
-
-/// Deviations are small beside the distance of the targets: at most this part of it.
-const SMALL: f64 = 0.1;
 
 /// Positions or deviations, as named or stated. Else the values are tried as both: they are
 /// positions if their deviations are small beside the smallest distance of two targets; anything
@@ -234,8 +214,7 @@ fn values_of(layout: &Layout<'_>, targets: &Targets<'_, '_>) -> Result<Values, P
     if let Some(values) = layout.values {
         return Ok(values);
     }
-    let distances = targets.windows(2).map(|pair| pair[1].0 - pair[0].0);
-    let small_um = SMALL * distances.fold(f64::INFINITY, f64::min) * UM_PER_MM;
+    let small_um = small_um(targets.iter().map(|(mm, _)| *mm));
     let fits = |values: Values| {
         let mut readings = targets.iter().flat_map(|(_, of)| of.values());
         readings.all(|reading| reading.deviation_um(values).abs() <= small_um)
@@ -248,13 +227,8 @@ fn values_of(layout: &Layout<'_>, targets: &Targets<'_, '_>) -> Result<Values, P
         true => "they look like deviations",
         false => "they are far from the targets as either",
     };
-    let is_run = |column: Column| matches!(column.content, Content::RunOf(..));
-    let first = layout.table.find(is_run).unwrap_or(layout.target);
-    let name = &layout.table.names[first];
-    let message = format!(
-        "column `{name}` does not say whether its values are positions or deviations: {found}"
-    );
-    Err(layout.table.at_column(first, message, STATE_VALUES))
+    let first = layout.table.find(|column| column.is_run()).unwrap_or(layout.target);
+    Err(layout.at(first, refusals::unclear_values(&layout.table.names[first], found)))
 }
 
 /// No machine tool is off by a millimetre and more, unless something else is wrong.
@@ -294,13 +268,8 @@ fn refuse_far_readings(
             "check the row and the units; `position_mm` is where the axis stood, `deviation_um` its distance from the target"
         }
     };
-    Err(Problem::new(format!(
-        "the reading is {:.4} mm from its target at {} mm, expected less than {limit_mm:.4} mm (half the \
-         way to the next target, or {LARGEST_MM} mm where they are closer){}",
-        Figure(reading.deviation_um(values) / UM_PER_MM),
-        reading.target_mm(),
-        and_more(far.len() - 1, " reading is as far", " readings are as far"),
-    ))
-    .at(reading.line.cell_place(reading.cell))
-    .help(help))
+    let off = Figure(reading.deviation_um(values) / UM_PER_MM);
+    let more = and_more(far.len() - 1, " reading is as far", " readings are as far");
+    Err(refusals::far(off, reading.target_mm(), limit_mm, LARGEST_MM, more, help)
+        .at(reading.line.cell_place(reading.cell)))
 }

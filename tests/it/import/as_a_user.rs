@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::support::{Visit, holds};
-use std::iter::once;
 
 const IMPORT: &str = "import x.rtl --term EXX --first-target-at-mm -200 --targets-run + \
     --sign as-error --material-corrected yes";
@@ -94,25 +93,31 @@ fn an_existing_table_is_replaced_only_when_forced() {
 
 const PLACED: &str = "--term EXX --first-target-at-mm 12.3 --targets-run +";
 
-/// Each run has a column of its own.
+/// Each run has a column of its own: it is understood, shown, and taken with `--yes` or the command that is printed.
 #[test]
-fn a_column_for_each_run_is_mapped() {
+fn a_column_for_each_run_is_understood() {
     let visit = Visit::new();
-    visit.copy("standards/x_axis.csv", "x_axis.csv");
-    let runs =
-        (1..=5).map(|run| format!("up{run}_mm=up{run}_actual_mm,dn{run}_mm=dn{run}_actual_mm"));
-    let columns = once("target_mm=target_mm".to_string()).chain(runs).collect::<Vec<_>>().join(",");
-    let import =
-        |more: &str| visit.run(&format!("import x_axis.csv -o e.csv --columns {columns} {more}"));
-    import("").ends(2).says("`--term` is not stated");
-    import(&format!("{PLACED} --sign as-correction")).ends(2).says("contradicts the file");
-    import(&PLACED.replace("EXX", "EYX")).ends(2).says("which only positioning");
-    import(PLACED).ends(0);
-    // 12.3000, 12.2991, 12.2994, 12.3004 and 12.2999 at target 12.3.
-    holds(
-        &visit.read("e.csv"),
-        &["x,+,12.3,-0.24,", "x,-,12.3,2.26,", "# degrees of freedom: 44\n"],
-    );
+    visit.copy("standards/x_axis.csv", "x.csv").copy("formats/runs_selfmade.xlsx", "x.xlsx");
+    let run = |name: &str, more: &str| visit.run(&format!("import {name} -o e.csv --force {more}"));
+    for (name, row) in [("x.csv", "x,+,12.3,-0.24,"), ("x.xlsx", "x,+,12.3,2,")] {
+        let import = |more: &str| run(name, more);
+        import("--yes").ends(2).says("`--term` is not stated");
+        import("--yes --term EXX").ends(2).says("`--first-target-at-mm` is not stated");
+        import(&format!("--yes {PLACED} --sign as-correction")).says("contradicts the file");
+        import(&format!("--yes {}", PLACED.replace("EXX", "EYX"))).says("which only positioning");
+        let told = import(PLACED).ends(2).says("confirmed: --columns \"").err;
+        let (_, command) = told.split_once("in full: ").unwrap();
+        let command = command.replace("=up1_mm", "=up1_actual_mm").replacen("nonius", "$N", 1);
+        visit.shell(&format!("{} --force", command.trim())).ends(0);
+        import(&format!("{PLACED} --yes")).ends(0).says("understood from the file and confirmed");
+        assert_eq!(rows(&visit.read("errors.csv")), rows(&visit.read("e.csv")));
+        // 12.3000, 12.2991, 12.2994, 12.3004 and 12.2999 at target 12.3.
+        holds(&visit.read("e.csv"), &[row, "# degrees of freedom: "]);
+    }
+    visit.put("d.csv", "target_mm,up1_mm\n0,0.001\n100,0.002\n");
+    run("d.csv", &format!("--yes {PLACED}")).ends(2).says("positions or deviations");
+    visit.put("x.rtl", file(RTL));
+    run("x.rtl", &IMPORT["import x.rtl".len()..].replace("--term EXX", "--yes")).ends(0);
 }
 
 /// A sign that is stated for deviations would turn positions, too.

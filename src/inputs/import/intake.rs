@@ -1,0 +1,297 @@
+//! A file while it is taken in: its text piece by piece, each with its place, what was stated beside it, what is
+//! wrong with both, and what is said of it.
+
+use crate::inputs::error_table::Series;
+use crate::inputs::import::findings::ImportFinding;
+use crate::inputs::import::stated::{Format, Stated};
+use crate::inputs::refusals::{self, AGAIN, MISSING};
+use crate::text::delimited::plain_number;
+use crate::text::document::{LARGEST_NUMBER, Source};
+use crate::text::finding::Finding;
+use crate::text::problem::{Place, Problem, Problems, shown};
+use std::cell::{RefCell, RefMut};
+
+/// Two axes whose squareness a file gives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Squareness {
+    /// `xy`, `xz` or `yz`.
+    pub pair: &'static str,
+    /// φ in µm/m; positive = the angle between the two positive axis directions is less than 90°.
+    pub um_per_m: f64,
+    /// The name in the file, e.g. `C0Y`.
+    pub name: &'static str,
+}
+
+/// What a file holds.
+pub(super) type Contents = (Vec<Series>, Vec<Squareness>);
+
+/// A file while it is taken in.
+pub(super) struct Intake<'a> {
+    pub(super) source: &'a Source,
+    pub(super) stated: &'a Stated,
+    pub(super) format: Format,
+    problems: RefCell<Problems>,
+    findings: RefCell<Vec<Finding>>,
+}
+
+impl<'a> Intake<'a> {
+    pub(super) fn of(source: &'a Source, stated: &'a Stated, format: Format) -> Intake<'a> {
+        let problems = RefCell::new(stated.foreign_to(format));
+        Intake { source, stated, format, problems, findings: RefCell::default() }
+    }
+
+    /// Where its problems go.
+    pub(super) fn problems(&self) -> RefMut<'_, Problems> {
+        self.problems.borrow_mut()
+    }
+
+    pub(super) fn refuse(&self, problem: Problem) {
+        self.problems().push(problem);
+    }
+
+    /// Notes what is wrong, and gives nothing.
+    pub(super) fn refused<T>(&self, problem: Problem) -> Option<T> {
+        self.refuse(problem);
+        None
+    }
+
+    /// The value, or its problems are noted.
+    pub(super) fn take<T>(&self, result: Result<T, impl Into<Problems>>) -> Option<T> {
+        self.problems().take(result)
+    }
+
+    /// The value, if nothing is wrong so far.
+    pub(super) fn if_sound<T>(&self, value: T) -> Option<T> {
+        self.problems.borrow().is_empty().then_some(value)
+    }
+
+    /// Says what was found.
+    pub(super) fn say(&self, found: impl IntoIterator<Item = ImportFinding>) {
+        self.findings.borrow_mut().extend(found.into_iter().map(Finding::from));
+    }
+
+    /// Says what was not said before.
+    pub(super) fn say_once(&self, found: impl IntoIterator<Item = ImportFinding>) {
+        for found in found.into_iter().map(Finding::from) {
+            if !self.findings.borrow().contains(&found) {
+                self.findings.borrow_mut().push(found);
+            }
+        }
+    }
+
+    /// What came of it: the value with all that is said, if nothing is wrong.
+    pub(super) fn end<T>(self, value: Option<T>) -> Result<(T, Vec<Finding>), Problems> {
+        let problems = self.problems.into_inner();
+        match value.filter(|_| problems.is_empty()) {
+            Some(value) => Ok((value, self.findings.into_inner())),
+            None => Err(problems),
+        }
+    }
+
+    /// Its first letter.
+    pub(super) fn top(&self) -> Place {
+        self.source.place(&(0..0))
+    }
+
+    /// All lines, without their ends.
+    pub(super) fn lines(&'a self) -> Vec<Piece<'a>> {
+        let mut start = 0;
+        let line = |text: &'a str| {
+            let line = Piece { intake: self, start, text: text.trim_end_matches('\r') };
+            start += text.len() + 1;
+            line
+        };
+        self.source.text.split('\n').map(line).collect()
+    }
+
+    /// Lines as a table of so many numbers each.
+    pub(super) fn numbers<'l>(
+        &self,
+        lines: impl Iterator<Item = &'l Piece<'a>>,
+        columns: usize,
+        is_separator: fn(char) -> bool,
+    ) -> Option<Numbers<'a>>
+    where
+        'a: 'l,
+    {
+        let mut table = Numbers { lines: Vec::new(), columns: vec![Vec::new(); columns] };
+        let mut whole = true;
+        for line in lines {
+            let words = line.row(columns, is_separator).unwrap_or_default();
+            let numbers = words.iter().filter_map(|word| word.number("a value"));
+            let numbers: Vec<f64> = numbers.collect();
+            whole &= numbers.len() == columns;
+            table.lines.push(*line);
+            table.columns.iter_mut().zip(numbers).for_each(|(column, own)| column.push(own));
+        }
+        whole.then_some(table)
+    }
+}
+
+/// A table of numbers.
+pub(super) struct Numbers<'a> {
+    pub(super) lines: Vec<Piece<'a>>,
+    pub(super) columns: Vec<Vec<f64>>,
+}
+
+/// A piece of a text, a line or a word of it, which knows where it stands and notes what is wrong with it.
+#[derive(Clone, Copy)]
+pub(super) struct Piece<'a> {
+    pub(super) intake: &'a Intake<'a>,
+    start: usize,
+    pub(super) text: &'a str,
+}
+
+impl<'a> Piece<'a> {
+    /// Bytes `from..to`, without blanks around them.
+    pub(super) fn part(&self, from: usize, to: usize) -> Piece<'a> {
+        let text = &self.text[from..to];
+        let indent = text.len() - text.trim_start().len();
+        Piece { start: self.start + from + indent, text: text.trim(), ..*self }
+    }
+
+    /// What stands behind the first such sign.
+    pub(super) fn behind(&self, sign: char) -> Option<Piece<'a>> {
+        Some(self.part(self.text.find(sign)? + 1, self.text.len()))
+    }
+
+    /// What stands before a comment sign.
+    pub(super) fn before(&self, sign: &str) -> Piece<'a> {
+        let end = self.text.find(sign).unwrap_or(self.text.len());
+        Piece { text: &self.text[..end], ..*self }
+    }
+
+    pub(super) fn is_blank(&self) -> bool {
+        self.text.trim().is_empty()
+    }
+
+    /// Whether it begins like a number.
+    pub(super) fn begins_with_number(&self) -> bool {
+        let digits = self.text.trim_start().trim_start_matches(['+', '-', '.', ',']);
+        digits.starts_with(|c: char| c.is_ascii_digit())
+    }
+
+    /// Key and value of `key : value`; the key in small letters and digits.
+    pub(super) fn key_value(&self) -> Option<(String, Piece<'a>)> {
+        let (key, _) = self.text.split_once(':')?;
+        Some((key_of(key), self.behind(':')?))
+    }
+
+    /// Words between separators; adjacent separators are one.
+    pub(super) fn words(&self, is_separator: fn(char) -> bool) -> Vec<Piece<'a>> {
+        let mut start = 0;
+        let parts = self.text.split_inclusive(is_separator).map(|part| {
+            start += part.len();
+            self.part(
+                start - part.len(),
+                start - part.len() + part.trim_end_matches(is_separator).len(),
+            )
+        });
+        parts.filter(|word| !word.text.is_empty()).collect()
+    }
+
+    /// The words of a row of a table: as many as its heading has.
+    pub(super) fn row(
+        &self,
+        columns: usize,
+        is_separator: fn(char) -> bool,
+    ) -> Option<Vec<Piece<'a>>> {
+        let words = self.words(is_separator);
+        if words.len() == columns {
+            return Some(words);
+        }
+        let found = words.len();
+        self.refused(refusals::other_count(found, columns))
+    }
+
+    pub(super) fn place(&self) -> Place {
+        let word = self.part(0, self.text.len());
+        self.intake.source.place(&(word.start..word.start + word.text.len().max(1)))
+    }
+
+    /// Notes what is wrong here.
+    pub(super) fn refuse(&self, problem: Problem) {
+        self.intake.problems().push_with(|| problem.at(self.place()));
+    }
+
+    /// Notes what is wrong here, and gives nothing.
+    pub(super) fn refused<T>(&self, problem: Problem) -> Option<T> {
+        self.refuse(problem);
+        None
+    }
+
+    /// Notes that something else was expected here.
+    pub(super) fn unexpected(&self, what: &str, expected: &str, help: &str) {
+        self.refuse(refusals::something_else(what, shown(self.text), expected, help))
+    }
+
+    /// A finite number with a decimal point.
+    pub(super) fn number(&self, what: &str) -> Option<f64> {
+        let help = match self.text.contains(',') {
+            true => "a decimal comma cannot be read here: save the file again with a decimal point",
+            false => MISSING,
+        };
+        let number = |text: &str| plain_number(text).filter(|n| n.abs() <= LARGEST_NUMBER);
+        self.read(what, "a finite number", help, number)
+    }
+
+    /// A whole number from 1.
+    pub(super) fn count(&self, what: &str) -> Option<usize> {
+        let count = |text: &str| text.parse().ok().filter(|count| *count >= 1_usize);
+        self.meaning(what, "a whole number from 1", count)
+    }
+
+    /// What the text means, or the next step.
+    pub(super) fn read<T>(
+        &self,
+        what: &str,
+        expected: &str,
+        help: &str,
+        read: impl Fn(&str) -> Option<T>,
+    ) -> Option<T> {
+        let meaning = read(self.text);
+        if meaning.is_none() {
+            self.unexpected(what, expected, help);
+        }
+        meaning
+    }
+
+    /// What the text means, of a file that its program wrote so.
+    pub(super) fn meaning<T>(
+        &self,
+        what: &str,
+        expected: &str,
+        read: impl Fn(&str) -> Option<T>,
+    ) -> Option<T> {
+        self.read(what, expected, AGAIN, read)
+    }
+}
+
+fn key_of(label: &str) -> String {
+    let letters = label.chars().filter(|c| c.is_alphanumeric());
+    letters.flat_map(char::to_lowercase).collect()
+}
+
+/// Values with their keys, in the order of the file.
+pub(super) struct Fields<'a>(pub(super) Vec<(String, Piece<'a>)>);
+
+impl<'a> Fields<'a> {
+    /// Those of lines `key : value`.
+    pub(super) fn of(lines: &[Piece<'a>]) -> Fields<'a> {
+        Fields(lines.iter().filter_map(Piece::key_value).collect())
+    }
+
+    /// The first value of a key, which is named as the file writes it.
+    pub(super) fn value(&self, label: &str) -> Option<Piece<'a>> {
+        let key = key_of(label);
+        self.0.iter().find(|(found, _)| *found == key).map(|(_, value)| *value)
+    }
+
+    /// What the file says of some keys.
+    pub(super) fn said(&self, labels: &[&str]) -> impl Iterator<Item = ImportFinding> {
+        labels.iter().filter_map(|label| {
+            let value = self.value(label).filter(|value| !value.text.is_empty())?;
+            Some(ImportFinding::Says { entry: format!("{label}: {}", shown(value.text)) })
+        })
+    }
+}

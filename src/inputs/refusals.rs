@@ -1,0 +1,159 @@
+//! What is refused of files that were measured: each kind with its facts, its words and the next step, one a line.
+
+use crate::text::problem::Problem;
+use std::fmt::Display;
+
+/// The next step where a file cannot be what its program wrote.
+pub(super) const AGAIN: &str = "the file is incomplete or was changed: save it again";
+/// The next step where a value is not there.
+pub(super) const MISSING: &str = "a missing value is never filled in: save the file again";
+/// The next step where a line of a compensation table has another meaning.
+pub(super) const SAVE_SO: &str = "save the table again so, or the measurement itself (`.rtl`)";
+const SEPARATE: &str =
+    "save separate forward and reverse tables, or the measurement itself (`.rtl`)";
+const LEAVE_OUT: &str = "a missing value is never filled in: leave the run out";
+const KEEP_ONE: &str = "keep one of the two";
+const SEPARATOR: &str = "the separator is `;`, a tab or a comma";
+const PLAIN_DECIMALS: &str = "write all numbers with a decimal point or all with a comma, and nothing between thousands; `--decimal` says which of them stands before decimals";
+const EXAMPLE: &str = "e.g. `--columns \"AXn [mm]=position_mm,Delta [mm]=ex_mm\"`";
+const FORM: &str = "name `readings.csv` of `nonius new` or `nonius program`, or a `readings-x.csv`, with its last column empty";
+/// The first line of runs of an axis.
+pub(super) const RUNS: &str =
+    "first line: target_mm,up1_mm,up2_mm,dn1_mm,dn2_mm or target_mm,run,direction,deviation_um";
+const STATE_VALUES: &str = "add `--values deviations` or `--values positions`";
+
+/// Each kind a function of its facts.
+macro_rules! refusals {
+    ($($kind:ident($($fact:ident),*) => $words:literal $(, $help:expr)?;)*) => {
+        $(pub(super) fn $kind($($fact: impl Display),*) -> Problem {
+            Problem::new(format!($words))$(.help($help))?
+        })*
+    };
+}
+
+refusals! {
+    // Whatever the format.
+    not_recognised(name) => "the format of `{name}` is not recognised", "map its columns with `--columns`, or state `--from rtl`, `ren`, `pos`, `etalon` or `isg`. Of the files of Optodyne, CARTO and others nothing is known that could be relied on: export a CSV there";
+    only_understood(options, command) => "understood from the file, but neither stated nor confirmed: {options}", format!("if it is so, add `--yes`; or in full: {command}");
+    list_without_form() => "a list of captures does not say where they were taken", "name the form that says it, `--form readings.csv` (docs/import.md section 8)";
+    other_count(found, expected) => "expected {expected} words in this row, found {found}", MISSING;
+    something_else(what, found, expected, help) => "{what} is `{found}`, expected {expected}", help.to_string();
+    no_sense_of_targets() => "the targets neither ascend nor descend, expected at least two in one sense", "a measurement on a line is needed; circular or repeated targets make no curve";
+    // Statements.
+    no_meaning(option, format, takes) => "`{option}` has no meaning for format `{format}`", format!("leave it out; `{format}` takes {takes}");
+    contradicted(statement, says, option) => "`{statement}` contradicts the file, which says `{says}`", format!("leave `{option}` out");
+    other_axis_stated(axis, term, along) => "`--axis {axis}` contradicts `--term {term}`, in which {along} moves", "the last letter of a term is the moving axis";
+    other_term(term, format, held) => "`--term {term}` is not in a file of the format `{format}`, which holds {held}", "state the term that was measured, or take the right file";
+    other_axis(entry, moved, help) => "the file names axis `{entry}`, but {moved} was stated as the moving axis", help.to_string();
+    is_measured_less_target(whose, help) => "`--sign as-correction` contradicts the file, whose {whose} measured − target", help.to_string();
+    // Bytes and kinds of files.
+    no_spreadsheet(path) => "`--sheet` is stated, but `{path}` is not read as a spreadsheet", "leave it out; spreadsheets are read by a program that was built with `--features excel`";
+    other_mark(stated, path, marked) => "`--encoding {stated}` contradicts `{path}`, which begins with the mark of {marked}", "leave `--encoding` out";
+    unmarked(path, order) => "`{path}` looks like UTF-16 without its mark: every second byte is zero", format!("state its encoding: `--encoding {order}`");
+    other_letter(name, others) => "the file holds a letter that is not {name}", format!("state its encoding: {others}");
+    recording(path) => "`{path}` is a dynamic recording (`.rtx`), which has no targets", "measure at targets and save static data (`.rtl`)";
+    spreadsheet(path) => "`{path}` is a spreadsheet", "save it as CSV, and map its columns with `--columns`";
+    angles(path) => "`{path}` holds angles, and the unit of the values in this format is not known", "export a CSV with the unit, and map its columns: `--columns \"Position=target_mm,Pitch=eb_urad\"`";
+    straightness(path) => "`{path}` holds straightness, squareness or flatness in a form that is not known", "export a CSV with the evaluated deviations, and map its columns: `--columns \"Position=target_mm,Deviation=ey_um\"`";
+    // Sections and runs.
+    no_section_at_all() => "there is no section such as `HEADER::`, expected a file of the format `rtl`", "take the file as it was saved, or leave `--from` out";
+    there_is_no(what) => "there is no {what}", AGAIN;
+    too_large(label, count, most) => "`{label}` is {count}, expected at most {most}", AGAIN;
+    too_many_targets(most) => "here are more than {most} targets, expected at most so many", AGAIN;
+    other_targets(listed, count) => "{listed} targets are listed, expected {count} as in `Target-count`", AGAIN;
+    target_twice(target, run) => "target {target} of run {run} is given twice", AGAIN;
+    beyond(what, number, key, most) => "{what} {number} is beyond `{key}`, which is {most}", AGAIN;
+    run_missing(run, runs) => "run {run} is missing, expected {runs} runs as in `Run-count`", "a missing value is never filled in: save the file again, or without the broken run";
+    targets_missing(run, targets) => "run {run} has no deviation at target {targets}", "a missing value is never filled in: save the file again, or without the broken run";
+    odd_runs(count) => "`Run-count` is {count} in a bidirectional file, expected an even number: each direction counts as a run", "complete the last return run, or save the file without its outward run";
+    // Compensation tables.
+    no_table() => "there is no table with the heading `No.  Axis position`", "other layouts of compensation tables are not known: save the measurement itself (`.rtl`)";
+    other_columns(found) => "the columns are `{found}`, expected `Combined`, or `Forward` and `Reverse`", "save the table again with these columns";
+    other_point(number, expected) => "point {number} stands where point {expected} is expected", AGAIN;
+    backlash(found) => "the table leaves out a backlash of `{found}`, whose sense is not known", SEPARATE;
+    backlash_unknown() => "there is no line `Backlash error`, so it is not known whether the combined table leaves out a backlash", SEPARATE;
+    end_unknown(label) => "there is no line `{label}`, so it cannot be seen whether rows are missing", AGAIN;
+    other_spacing(from, to, spacing) => "the table goes from {from} to {to} mm, expected a spacing of {spacing} mm", AGAIN;
+    other_end(found, mm, label) => "the table has {found} at this end, expected {mm} mm as in `{label}`", AGAIN;
+    // Position exports.
+    no_linear_data() => "the first line is not that of a full export of the format `pos`, expected a `Linear Data Table` of API", "save the linear measurement itself, not an evaluation; or export a CSV and map its columns: `--columns \"Position=target_mm,Error=ex_mm\"`";
+    nothing_measured(columns) => "there is no table with the columns {columns}: the file holds no measured rows", "save the measurement with its readings, or map the columns of a CSV with `--columns`";
+    other_rows(found, expected, positions, runs, ways) => "{found} rows are measured, expected {expected}: {positions} positions, {runs} runs{ways}", AGAIN;
+    other_positions() => "a run has other positions than the first one", AGAIN;
+    other_ways(forward, reverse, runs, back) => "{forward} runs go from the first position to the last and {reverse} go back, expected {runs} and {back} as in `RunNum` and `TestType`", "the order of the rows shows the way of the axis; it is known from no file of this kind, so it is not guessed";
+    contradictory(count, rows, error, expected) => "{count} of {rows} rows contradict themselves: here the error is {error}, but reading less position is {expected:.6}", AGAIN;
+    bad_status(status, state, count, rows) => "the laser's status is {status} ({state}) in {count} of {rows} rows", "such a reading is no measurement: measure the run again";
+    // Parameters.
+    same_parameter(name, twin) => "`{name}` gives the same as `{twin}` before it", KEEP_ONE;
+    other_location(name) => "`{name}` is a location that is none of C0Y, B0Z, A0Z, and it is not zero", "export with the X axis as primary and the Y axis as secondary axis";
+    unknown_parameter(name) => "unknown parameter `{name}`", "expected EXX … ECZ, or C0Y, B0Z, A0Z";
+    no_single_value(name, count) => "`{name}` has {count} values, expected one without argument", "a squareness is one angle between two axes: export it as such";
+    no_curve(name) => "`{name}` is no curve, expected two or more ascending positions with a value each", AGAIN;
+    other_grid(component, along) => "{component} stands at other positions than the components of {along} before it", "export all components of an axis on one grid: a value between points is never made up";
+    no_component() => "the file holds no component error of a linear axis, expected EXX … ECZ", "squareness alone makes no table: write it into the job";
+    two_values(name) => "`{name}` has values already, expected one `VALUE` or one `Gridpoints` a block", "which of the two is meant is not known: keep one of them";
+    no_block() => "expected `[NAME]`, `VALUE = …` or `Gridpoints = {{`", AGAIN;
+    open_grid(name) => "the grid of `{name}` is not closed by `}}`", AGAIN;
+    no_value(name) => "`{name}` has no value", AGAIN;
+    no_names() => "numbers stand where the names of the columns are expected", "each block begins with its arguments and parameters, e.g. `X EXX EYX EZX`";
+    many_arguments(count) => "the block has {count} arguments, expected one or none", "an error table holds curves along one axis; export component errors instead of a map";
+    other_block(found) => "the block has {found} rows, expected one without an argument, else at least two", "put a line with `#` between the blocks; the file may be incomplete";
+    other_argument(component, along) => "`{component}` is a curve along {along}, but it does not stand under this argument", "each block has its own moving axis";
+    // The mapping of columns.
+    unknown_column(target, help) => "unknown column `{target}` in `--columns`", help.to_string();
+    no_equals(pair) => "`{pair}` of `--columns` has no `=`", format!("write NAME=COLUMN, {EXAMPLE}");
+    mapped_like_another(target) => "`{target}` of `--columns` gives the same as a column before it", KEEP_ONE;
+    only_numbers() => "`--columns` names no column, so the line above the numbers cannot be found", format!("give at least one column by its name, {EXAMPLE}");
+    stated_and_mapped(option, mapped) => "`{option}` is stated, but the mapping gives `{mapped}`", KEEP_ONE;
+    mapped_both(one, other) => "the mapping gives both {one} and {other}", KEEP_ONE;
+    no_position() => "`--columns` maps no column to a position", "map one to `position_mm` (machine coordinate) or `target_mm` (counted from the laser's zero)";
+    no_deviation() => "`--columns` maps no column to a deviation", "map one to `ex_um`, `ex_mm`, `ey_um` … `ec_urad`";
+    no_target() => "`--columns` maps a reading, but no column to its target", "map one to `target_mm` or `target_in`, or the reading to a column such as `ex_um`";
+    plus_of_nothing() => "`--plus-moves` is stated, but no column is mapped to `direction`", "leave it out, or map the column whose `+` it explains";
+    term_of_nothing() => "`--term` is stated, but the mapping names the components itself", "leave it out, or map a column to `deviation_um` or `actual_mm`";
+    position_of_straightness() => "a column says where the axis stood, which only positioning (EXX, EYY, EZZ) has", "map deviations, or state the term that was measured";
+    // Mapped columns.
+    no_column(name) => "the file has no column `{name}`", format!("copy the names for `--columns` from the file, letter by letter; {SEPARATOR}");
+    no_further_column() => "the line with the names of `--columns` has no further column", SEPARATOR;
+    no_such_number(number, width) => "`#{number}` of `--columns` is no column of the file, which has {width}", "columns are counted from 1";
+    same_names(one, other, name) => "columns {one} and {other} are both called `{name}`", format!("map the one that is meant by its number: `#{one}=…` or `#{other}=…`");
+    mapped_twice(column) => "column {column} is mapped twice", "a column holds one thing: map each once";
+    other_unit(name, found, unit) => "the file gives `{name}` in {found}, but `--columns` maps it as {unit}", "map it to a column with the unit of the file";
+    comma_not_point(number) => "`{number}` holds a comma, but `--decimal point` was stated", PLAIN_DECIMALS;
+    point_not_comma(number) => "`{number}` holds a point, but `--decimal comma` was stated", PLAIN_DECIMALS;
+    comma_between_commas(number) => "`{number}` holds a comma in a file whose columns are separated by commas: it may stand between thousands", PLAIN_DECIMALS;
+    comma_and_point(number) => "`{number}` has another decimal separator than the numbers above it", PLAIN_DECIMALS;
+    thousand_or_decimal(number) => "`{number}` may be a thousand or a decimal: no number of the file shows what its comma means", PLAIN_DECIMALS;
+    two_axes() => "targets of two axes stand in one file, but one first target can be stated only", "import one axis at a time, or map machine coordinates to `position_mm`";
+    no_first_target() => "the first row is not at an end of the targets, so the first target is not known", "sort the rows, beginning with target 1";
+    other_first_target() => "these rows do not begin with the first target of the file", LEAVE_OUT;
+    other_run(run) => "run {run} does not have the positions of the first run", LEAVE_OUT;
+    single_position(axis) => "axis {axis} has a single position, expected at least two", "one position makes no curve";
+    no_order(here, before, way) => "position {here} comes after {before}, but the rows above {way}: expected one order in a run", "look for a sign between thousands; else map the number of the run (`…=run`), or sort the rows";
+    position_twice(position) => "position {position} is given twice", "map the number of the run (`…=run`) or the direction of travel (`…=direction`), or leave one row out";
+    // Lists of captures and their form.
+    no_readings(text) => "`{text}` of `--columns` names no readings", "write one column, `NAME=displacement_mm` or `#1=deviation_um`; units are mm, um, in and uin";
+    no_list_column(list, column) => "`{list}` has no column `{column}` with numbers", "name it as the file writes it, or by its number, `#1=…`";
+    other_list(needs, list) => "the form {needs} list named as {list}", "a form of diagonals takes `--ppp`, `--npp`, `--pnp` and `--ppn`, one of an axis a single FILE";
+    other_captures(of, found, expected, what, help) => "the list of {of} gives {found} captures, expected {expected} as in the form: {what}", help.to_string();
+    no_form(name) => "`{name}` is no form of readings", FORM;
+    no_form_header() => "this is no header of a form of readings", FORM;
+    filled_already() => "the form holds a value already, expected an empty cell", FORM;
+    no_capture() => "this row names no capture", FORM;
+    // Runs of one axis.
+    unit_twice(unit) => "the unit {unit} was stated, but every column names its own", "leave out `--unit`";
+    no_unit(name, more) => "column `{name}` has no unit, expected `{name}_mm`, `_um`, `_in` or `_uin`{more}", "name the unit in the header, or state it for all of them: `--unit mm`, `in`, `um` or `uin`";
+    other_values(stated, name, named) => "{stated} were stated, but column `{name}` holds {named}", "leave out `--values`";
+    two_units(name, target) => "column `{name}` has another unit than `{target}`, expected to be told whether it holds positions or deviations", STATE_VALUES;
+    unclear_values(name, found) => "column `{name}` does not say whether its values are positions or deviations: {found}", STATE_VALUES;
+    other_table() => "this is an error table, expected the raw runs of a positioning test: repeatability cannot be taken from means", RUNS;
+    targets_unnamed() => "there is no column for the targets, expected `target_mm`, `target_in` or `target_um`", RUNS;
+    other_layout(name) => "column `{name}` belongs to another layout than `up1`, `dn1` …", RUNS;
+    no_rows() => "the table has a header but no rows, expected readings", "write one row for each target, or one for each reading";
+    few_targets() => "expected two targets or more, each larger than the one before";
+    incomplete_runs(targets) => "the runs are not complete: expected one direction or both, and as many finite deviations at each of the {targets} targets";
+    one_target() => "there is one target only, expected at least two", "a positioning test has five or more targets";
+    read_twice(what, line) => "{what} stands here again, the first time in line {line}", "keep one of the two rows";
+    no_reading(target, run, direction) => "target {target} mm has no reading of run {run} moving {direction}, which other targets have", "a missing reading is not filled in; write a target the same way in every row, or leave out the run or the target as a whole";
+    far(off, target, limit, least, more, help) => "the reading is {off:.4} mm from its target at {target} mm, expected less than {limit:.4} mm (half the way to the next target, or {least} mm where they are closer){more}", help.to_string();
+}
