@@ -72,9 +72,10 @@ impl Family for LinuxcncFacts {
     }
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
-        let compiled = listed::compile(self, task, plan, |planned| {
+        let mut compiled = listed::compile(self, task, plan, |planned| {
             place(plan, planned, &plan.names[planned.term.of])
         })?;
+        self.pad(&mut compiled.tables);
         self.check_curves(task, tables_of(&compiled.tables))?;
         let preconditions = preconditions(task, tables_of(&compiled.tables));
         Ok(Compiled { preconditions, ..compiled })
@@ -108,7 +109,10 @@ impl Family for LinuxcncFacts {
     }
 
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
-        Some(listed::proof_tables(self, proof, |planned| self.belongs(proof.mechanism, planned)))
+        let is_own = |planned: &PlannedTable| self.belongs(proof.mechanism, planned);
+        let mut tables = listed::proof_tables(self, proof, is_own);
+        self.pad(&mut tables);
+        Some(tables)
     }
 }
 

@@ -12,7 +12,8 @@
 use crate::control::claims::Precondition;
 use crate::control::control_state::ControlState;
 use crate::control::controller::LinuxcncFacts;
-use crate::control::table::listed::{ListedTable, Point};
+use crate::control::table::Tables;
+use crate::control::table::listed::{ListedTable, ListedTables, Point};
 use crate::quantity::units::rounded;
 use crate::text::problem::Problem;
 use crate::write::control_text::{fixed, trimmed};
@@ -29,7 +30,6 @@ impl LinuxcncFacts {
             let axes = [&table.base, &table.output].map(Clone::clone);
             curves.extend(pieces.map(|points| Curve { axes: axes.clone(), points }));
         }
-        self.pad(&mut curves);
         curves
     }
 
@@ -49,14 +49,20 @@ impl LinuxcncFacts {
         starts.map(piece).collect()
     }
 
-    /// The numbers of points repeat when there are more curves than numbers: then all curves have as many.
-    fn pad(&self, curves: &mut [Curve]) {
-        if curves.len() <= self.personalities.value as usize {
+    /// The numbers of points repeat when there are more curves than numbers: then all curves have as many, and a
+    /// table goes on behind its last point, which it holds.
+    pub(super) fn pad(&self, tables: &mut Tables) {
+        let Tables::Listed(ListedTables { tables }) = tables else {
+            return;
+        };
+        let cross: Vec<&ListedTable> = tables.iter().filter(|table| !table.is_own()).collect();
+        if self.curves_of(&cross).len() <= self.personalities.value as usize {
             return;
         }
-        for Curve { points, .. } in curves {
+        let sections = self.curve_points.value as usize - 1;
+        for ListedTable { points, .. } in tables.iter_mut().filter(|table| !table.is_own()) {
             while let [.., before, last] = points[..]
-                && points.len() < self.curve_points.value as usize
+                && !(points.len() - 1).is_multiple_of(sections)
             {
                 let beyond = last.position + (last.position - before.position);
                 let position = rounded(beyond, self.position_decimals.value);
