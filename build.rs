@@ -17,7 +17,7 @@ fn main() -> io::Result<()> {
         let files = fs::read_dir(folder)?.map(|file| file.map(|file| file.file_name()));
         let names = files.collect::<io::Result<Vec<_>>>()?;
         let mut names: Vec<_> = names.iter().filter_map(|name| name.to_str()).collect();
-        names.retain(|name| name.ends_with(ending));
+        names.retain(|name| name.ends_with(ending) && !name.starts_with('.'));
         names.sort_unstable_by_key(|name| name.strip_suffix(ending));
         let path = |name| fs::canonicalize(Path::new(folder).join(name));
         let text = |name| Ok(format!("({name:?}, include_str!({:?})),\n", path(name)?));

@@ -50,14 +50,17 @@ fn main() -> ExitCode {
     status(cargo("run", &arguments, false))
 }
 
-/// The compiler with its arguments, and the counters where the crate is one of the program's.
+/// The compiler with its arguments, and the counters where the crate is one of the program's; what runs while it is
+/// built has no engine that would take them.
 fn compile(arguments: &[OsString]) -> ExitCode {
     let Some((compiler, arguments)) = arguments.split_first() else {
         return ExitCode::from(2);
     };
     let mut command = Command::new(compiler);
     command.args(arguments);
-    if env::var_os("CARGO_MANIFEST_DIR").is_some_and(|folder| is_member(Path::new(&folder))) {
+    let is_script = arguments.iter().any(|argument| argument == "build_script_build");
+    let folder = env::var_os("CARGO_MANIFEST_DIR").filter(|_| !is_script);
+    if folder.is_some_and(|folder| is_member(Path::new(&folder))) {
         command.args(COUNTERS);
     }
     status(command.status().is_ok_and(|status| status.success()))

@@ -20,7 +20,7 @@ const FORM: &str = "name `readings.csv` of `nonius new` or `nonius program`, or 
 /// The first line of runs of an axis.
 pub(super) const RUNS: &str =
     "first line: target_mm,up1_mm,up2_mm,dn1_mm,dn2_mm or target_mm,run,direction,deviation_um";
-const STATE_VALUES: &str = "add `--values deviations` or `--values positions`";
+pub(super) const STATE_VALUES: &str = "add `--values deviations` or `--values positions`";
 
 /// Each kind a function of its facts.
 macro_rules! refusals {
@@ -47,7 +47,7 @@ refusals! {
     other_axis(entry, moved, help) => "the file names axis `{entry}`, but {moved} was stated as the moving axis", help.to_string();
     is_measured_less_target(whose, help) => "`--sign as-correction` contradicts the file, whose {whose} measured − target", help.to_string();
     // Bytes and kinds of files.
-    no_spreadsheet(path) => "`--sheet` is stated, but `{path}` is not read as a spreadsheet", "leave it out; spreadsheets are read by a program that was built with `--features excel`";
+    no_spreadsheet(path) => "`--sheet` is stated, but `{path}` is not read as a spreadsheet", "leave it out, or name a file that ends with .xlsx, .xls or .ods";
     other_mark(stated, path, marked) => "`--encoding {stated}` contradicts `{path}`, which begins with the mark of {marked}", "leave `--encoding` out";
     unmarked(path, order) => "`{path}` looks like UTF-16 without its mark: every second byte is zero", format!("state its encoding: `--encoding {order}`");
     other_letter(name, others) => "the file holds a letter that is not {name}", format!("state its encoding: {others}");
@@ -145,7 +145,7 @@ refusals! {
     no_unit(name, more) => "column `{name}` has no unit, expected `{name}_mm`, `_um`, `_in` or `_uin`{more}", "name the unit in the header, or state it for all of them: `--unit mm`, `in`, `um` or `uin`";
     other_values(stated, name, named) => "{stated} were stated, but column `{name}` holds {named}", "leave out `--values`";
     two_units(name, target) => "column `{name}` has another unit than `{target}`, expected to be told whether it holds positions or deviations", STATE_VALUES;
-    unclear_values(name, found) => "column `{name}` does not say whether its values are positions or deviations: {found}", STATE_VALUES;
+    unclear_values(name, found, help) => "column `{name}` does not say whether its values are positions or deviations: {found}", help.to_string();
     other_table() => "this is an error table, expected the raw runs of a positioning test: repeatability cannot be taken from means", RUNS;
     targets_unnamed() => "there is no column for the targets, expected `target_mm`, `target_in` or `target_um`", RUNS;
     other_layout(name) => "column `{name}` belongs to another layout than `up1`, `dn1` …", RUNS;

@@ -198,6 +198,7 @@ impl Reading<'_> {
                     names_axes = true;
                     self.axes.set(field, text[part].trim());
                 }
+                Field::Same => self.check_same(text, part),
                 Field::Table => name = Some(text[part].to_string()),
                 Field::Unit => self.check_unit(text, part),
                 _ => fields.push((field, part)),
@@ -237,6 +238,15 @@ impl Reading<'_> {
         if has_unit && (begins || has_size && words.iter().any(is_unit)) {
             let help = "the patterns of the profile (`lines`) say how a file names its unit; take the word out if the line means something else";
             self.complain(span, "a comment that may name a unit", help);
+        }
+    }
+
+    /// A line that names the corrected axis twice means one.
+    fn check_same(&mut self, text: &str, span: Range<usize>) {
+        let own = self.axes.output.clone().or(self.axes.axis.clone()).unwrap_or_default();
+        if !own.eq_ignore_ascii_case(text[span.clone()].trim()) {
+            let message = format!("another axis than `{}`, which the line corrects", shown(&own));
+            self.complain(span, message, "an axis that follows another one is not corrected so");
         }
     }
 

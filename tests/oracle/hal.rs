@@ -52,6 +52,7 @@ sum2 count=3 | sum2 count=4 | m.hal:3:13: `count=4` stands here, expected `loadr
 net nonius-0-position lincurve.1.in | net nonius-x-position lincurve.1.in | m.hal:11:1: expected a line `net nonius-J-… lincurve.1.in` with the joint J
 nonius-1-curve-1 lincurve.1.out | nonius-16-curve-1 lincurve.1.out | m.hal:17:1: expected a line `net nonius-J-… lincurve.1.out` with the joint J
 nonius-1-curve-1 lincurve.1.out | nonius-0-curve-1 lincurve.1.out | the curves of a joint do not stand together
+net nonius-0-position lincurve.1.in | net nonius-1-position lincurve.1.in | joint 1 corrects itself
 0-position joint.0.pos-cmd | 0-position joint.0.pos-fb | m.hal:9:23: `joint.0.pos-fb` stands here
 ";
 

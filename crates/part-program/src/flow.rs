@@ -267,11 +267,12 @@ impl Index {
             return self.block(text, label.1);
         }
         let here = text.mark().bytes;
-        let mut places = self.labels.get(&label).into_iter().flatten();
+        let places = self.labels.get(&label).map_or(&[][..], Vec::as_slice);
+        let behind = places.partition_point(|place| place.bytes <= here);
         let place = match label.0 {
-            "O" => places.next(),
-            "DO" => places.rfind(|place| place.bytes < here),
-            _ => places.find(|place| place.bytes > here),
+            "O" => places.first(),
+            "DO" => places[..places.partition_point(|place| place.bytes < here)].last(),
+            _ => places.get(behind),
         };
         Ok((place.copied(), 0))
     }

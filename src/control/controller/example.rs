@@ -22,7 +22,10 @@ section! {
         /// The axes that they name.
         pub axes: Vec<ExampleAxis> => section.subs("axis", ExampleAxis::read);
         /// What the control adds, place by place.
-        pub adds: Vec<Added> => section.subs("adds", Added::read);
+        pub adds: Vec<Added> => {
+            section.require("adds", "what the control adds for them");
+            section.subs("adds", Added::read)
+        };
     }
 }
 

@@ -17,6 +17,8 @@ words! {
         Base = "base",
         /// The axis that is corrected.
         Output = "output",
+        /// The corrected axis, where a line names it a second time.
+        Same = "same",
         /// The name of a table, where its lines are told apart by it.
         Table = "table",
         /// Number of a point.
@@ -39,6 +41,13 @@ words! {
         Last = "last",
         /// The unit of the values, as a word.
         Unit = "unit",
+    }
+}
+
+impl Field {
+    /// Whether it says which table is meant.
+    fn names_table(self) -> bool {
+        matches!(self, Field::Axis | Field::Base | Field::Output | Field::Table)
     }
 }
 
@@ -97,6 +106,15 @@ impl Pattern {
         let named = names.filter_map(|(place, name)| Some(group(place, name?)));
         let mut fields = named.collect::<Result<Vec<Group>, String>>()?;
         fields.sort_by_key(|group| group.table);
+        let names_own = |own: &&[Group]| own.iter().any(|group| group.field.names_table());
+        let tables = fields.chunk_by(|a, b| a.table == b.table);
+        if let Some(other) = tables.skip_while(|own| own[0].table == 1).find(|own| !names_own(own))
+        {
+            let number = other[0].table;
+            return Err(format!(
+                "says something of a table {number} without `table{number}`, `base{number}`, `output{number}` or `axis{number}`"
+            ));
+        }
         let text = text.to_string();
         Ok(Pattern { text, regex, fields })
     }
@@ -233,6 +251,7 @@ mod tests {
             (r"(?<postion>\S+)", "unknown field `postion`, did you mean `position`?"),
             (r"(?<value>\S+", "is no regular expression"),
             (r"(?<value>\S*)", "takes an empty line"),
+            (r"(?<value>\S+) (?<value2>\S+)", "says something of a table 2 without `table2`"),
             (r"a\n(?<value>\S+)", "can take no line"),
         ] {
             let wrong = pattern(text).expect_err(text);

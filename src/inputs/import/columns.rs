@@ -114,13 +114,14 @@ impl<'a, 'm> Table<'a, 'm> {
 
     /// Where no name says whether values are positions, each has to be near its target.
     fn refuse_unclear_values(&self, rows: &[Row<'_>]) {
+        const NAME_VALUES: &str = "`up1_actual_mm` holds positions, `up1_deviation_mm` deviations";
         let small_um = small_um(rows.iter().map(|row| row.position));
         let open = self.columns.iter().find(|column| column.mapped.content.is_open());
         let mut values = rows.iter().flat_map(|row| &row.values);
         if let Some(open) = open.filter(|_| values.any(|(_, um)| um.abs() > small_um)) {
             let found =
                 "they are far from the targets; map them to `…_actual_…` or `…_deviation_…`";
-            let problem = refusals::unclear_values(&open.name, found);
+            let problem = refusals::unclear_values(&open.name, found, NAME_VALUES);
             self.intake.refuse(problem.at(self.header.cell_place(open.index)));
         }
     }

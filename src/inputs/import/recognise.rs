@@ -75,7 +75,8 @@ fn first_content(source: &Source) -> &str {
 }
 
 /// Words of columns as people write them, and ours.
-const WORDS: [(&str, &str); 16] = [
+const WORDS: [(&str, &str); 17] = [
+    ("axis", "axis"),
     ("target", "target"),
     ("targets", "target"),
     ("nominal", "target"),
@@ -103,11 +104,13 @@ fn columns(line: &Line<'_>) -> Option<(String, Mapping)> {
     if !(2..=MOST_COLUMNS).contains(&cells.len()) || !(has_targets || is_word("position")) {
         return None;
     }
+    // Without an axis beside it a position is a target, whose machine coordinate a person states.
+    let is_target = |name: &str| name == "position_mm" && !is_word("axis");
     let ours = |name: &str| match word_of(name) {
         Some(("position", "", unit)) if has_targets => Some(format!("actual_{}", unit?)),
-        _ if content_of(name).is_some() => Some(name.to_string()),
+        _ if content_of(name).is_some() && !is_target(name) => Some(name.to_string()),
         Some(("position", "", unit)) => Some(format!("target_{}", unit?)),
-        Some((word @ ("run" | "direction"), "", _)) => Some(word.to_string()),
+        Some((word @ ("run" | "direction" | "axis"), "", _)) => Some(word.to_string()),
         Some((word, run, unit)) => Some(format!("{word}{run}_{}", unit?)),
         None => None,
     };

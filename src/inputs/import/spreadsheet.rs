@@ -1,12 +1,15 @@
 //! A sheet of a workbook as delimited text: a row a line, semicolons between the cells, numbers with all their digits.
 
 use crate::text::problem::{Problem, shown};
-use calamine::{Data, Reader, open_workbook_auto_from_rs};
+use calamine::{Data, Reader, Sheets, open_workbook_auto_from_rs};
 use std::io::Cursor;
+
+/// Cells that a sheet may span, empty ones too: a measurement of 50 000 lines with 40 columns.
+const MOST_CELLS: u64 = 2_000_000;
 
 /// The sheet of this name, or the first one.
 ///
-/// **limits** what a workbook unpacks to is not bounded by this program
+/// **limits** the cells that a sheet of an `.xlsx` spans; what a workbook unpacks to is not bounded by this program
 pub(super) fn text(path: &str, bytes: &[u8], sheet: Option<&str>) -> Result<String, Problem> {
     let refuse = |error: calamine::Error| {
         let words = format!("`{path}` cannot be read as a workbook: {error}");
@@ -15,13 +18,37 @@ pub(super) fn text(path: &str, bytes: &[u8], sheet: Option<&str>) -> Result<Stri
     let mut book = open_workbook_auto_from_rs(Cursor::new(bytes)).map_err(refuse)?;
     let names = book.sheet_names();
     let mut wanted = names.iter().filter(|name| sheet.is_none_or(|sheet| *name == sheet));
-    let Some(name) = wanted.next() else {
+    let Some(name) = wanted.next().cloned() else {
         let words = format!("`{}` has no sheet `{}`", path, shown(sheet.unwrap_or_default()));
         return Err(Problem::new(words).help(format!("its sheets: {}", names.join(", "))));
     };
-    let range = book.worksheet_range(name).map_err(refuse)?;
+    refuse_wide(path, &mut book, &name)?;
+    let range = book.worksheet_range(&name).map_err(refuse)?;
     let line = |row: &[Data]| row.iter().map(cell).collect::<Vec<String>>().join(";") + "\n";
     Ok(range.rows().map(line).collect())
+}
+
+/// A few cells may claim a sheet that no memory holds: it is made as a whole, from the first to the last of them.
+fn refuse_wide(path: &str, book: &mut Sheets<Cursor<&[u8]>>, name: &str) -> Result<(), Problem> {
+    let Sheets::Xlsx(book) = book else {
+        return Ok(()); // the others end with 65 536 rows, or are bounded where they are read
+    };
+    let Ok(mut cells) = book.worksheet_cells_reader(name) else {
+        return Ok(()); // told when it is read
+    };
+    let (mut rows, mut columns) = (0, 0);
+    while let Ok(Some(cell)) = cells.next_cell() {
+        let (row, column) = cell.get_position();
+        (rows, columns) = (rows.max(u64::from(row) + 1), columns.max(u64::from(column) + 1));
+    }
+    if rows * columns <= MOST_CELLS {
+        return Ok(());
+    }
+    let words = format!(
+        "the sheet `{}` of `{path}` spans {rows} rows and {columns} columns, too many for a measurement",
+        shown(name)
+    );
+    Err(Problem::new(words).help("clear what stands far from the table, or save the sheet as CSV"))
 }
 
 /// A cell, without what would begin another one.

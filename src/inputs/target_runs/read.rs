@@ -228,7 +228,10 @@ fn values_of(layout: &Layout<'_>, targets: &Targets<'_, '_>) -> Result<Values, P
         false => "they are far from the targets as either",
     };
     let first = layout.table.find(|column| column.is_run()).unwrap_or(layout.target);
-    Err(layout.at(first, refusals::unclear_values(&layout.table.names[first], found)))
+    Err(layout.at(
+        first,
+        refusals::unclear_values(&layout.table.names[first], found, refusals::STATE_VALUES),
+    ))
 }
 
 /// No machine tool is off by a millimetre and more, unless something else is wrong.

@@ -136,6 +136,8 @@ fn a_table_is_told_by_its_name() {
         ("APOS(1), B", "APOS(0), B", "holds another table of 0"),
         ("STOP", again, "file.dat:9:1"),
         ("STOP", again, "a second pair of axes for this table"),
+        ("= APOS(0) +", "= APOS(1) +", "file.dat:7:24"),
+        ("= APOS(0) +", "= APOS(1) +", "another axis than `0`, which the line corrects"),
         ("B(2)", "B(3)", "the file says 3 here, its points make it 2"),
     ] {
         let words = refused(&facts, &text.replace(from, to));

@@ -167,9 +167,14 @@ fn curves(lines: &[Words<'_>], facts: &LinuxcncFacts) -> Result<Vec<Curve>, Comp
     };
     let curves: Vec<Curve> =
         lengths.into_iter().enumerate().map(curve).collect::<Result<_, _>>()?;
-    match curves.is_sorted_by_key(|curve| curve.output) {
-        true => Ok(curves),
-        false => Err(wrong("the curves of a joint do not stand together".to_string())),
+    if !curves.is_sorted_by_key(|curve| curve.output) {
+        return Err(wrong("the curves of a joint do not stand together".to_string()));
+    }
+    match curves.iter().find(|curve| curve.base == curve.output) {
+        None => Ok(curves),
+        Some(Curve { base, .. }) => {
+            Err(wrong(format!("joint {base} corrects itself, which its COMP_FILE does")))
+        }
     }
 }
 
