@@ -56,3 +56,26 @@ fn otherwise(control: &dyn Emulator, added: &Added) -> Option<String> {
     };
     ways.filter_map(gets).next()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::check_examples;
+    use crate::control::controller::builtin;
+
+    #[test]
+    fn every_profile_reads_its_examples_or_says_why_there_is_none() {
+        for id in builtin::ids() {
+            let mut profile = builtin::profile(id).unwrap();
+            assert_eq!(profile.examples.is_empty(), profile.no_example.is_some(), "{id}");
+            check_examples(&profile).unwrap_or_else(|p| panic!("{id}: {}", p.render()));
+            for own in 0..profile.examples.len() {
+                for added in 0..profile.examples[own].adds.len() {
+                    profile.examples[own].adds[added].um += 0.01;
+                    let told = check_examples(&profile).expect_err(id).render();
+                    assert!(told.contains("expected"), "{told}");
+                    profile.examples[own].adds[added].um -= 0.01;
+                }
+            }
+        }
+    }
+}

@@ -21,8 +21,7 @@ fn tables(text: &str) -> Result<Vec<ListedTable>, String> {
 
 #[test]
 fn a_file_written_by_hand_is_read() {
-    let found = tables(FILE).unwrap();
-    assert_eq!(found.len(), 1);
+    let found: [ListedTable; 1] = tables(FILE).unwrap().try_into().unwrap();
     assert_eq!((&*found[0].base, &*found[0].output), ("0", "1"));
     let sum = |point: &Point| (point.position, point.forward);
     let expected = [(-100.0, 0.001), (0.0, 0.0), (100.0, -0.002), (150.0, 0.002)];
