@@ -3,12 +3,12 @@
 
 use crate::quantity::units::Figure;
 use crate::text::plain::is_unseen;
+use crate::write::seen::{Seen, seen};
 use deunicode::deunicode_with_tofu;
-use serde::Serialize;
 use std::borrow::Cow;
 
 /// A machine or setting datum with its value, as found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Switch {
     /// Name without `$`.
     pub name: String,
@@ -16,6 +16,14 @@ pub struct Switch {
     pub indices: String,
     /// Its value.
     pub value: String,
+}
+
+impl Switch {
+    /// What templates see of it.
+    pub(crate) fn seen(&self) -> Seen {
+        let Switch { name, indices, value } = self;
+        seen! { "name": name.as_str(), "indices": indices.as_str(), "value": value.as_str() }
+    }
 }
 
 /// What a file that stands apart writes in place of the tables of the kit.

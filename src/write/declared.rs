@@ -19,9 +19,9 @@ use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
 use crate::write::listed;
+use crate::write::seen::{Seen, seen};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
-use serde_json::{Value, json};
 
 impl Family for DeclaredFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
@@ -70,7 +70,7 @@ impl Family for DeclaredFacts {
         listed::uses([Mechanism::OwnTable, Mechanism::CrossTable], mechanism, tables)
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
         let own: &ListedTables = emitted.tables.own()?;
         Some(self.seen(emitted.task, &own.tables))
     }
@@ -143,10 +143,10 @@ impl DeclaredFacts {
     }
 
     /// What templates see.
-    fn seen(&self, task: Task<'_>, tables: &[ListedTable]) -> Value {
+    fn seen(&self, task: Task<'_>, tables: &[ListedTable]) -> Seen {
         let listed = |is_own: bool| {
             let own = tables.iter().filter(|table| table.is_own() == is_own);
-            own.map(|table| self.seen_table(table)).collect::<Vec<Value>>()
+            own.map(|table| self.seen_table(table)).collect::<Vec<Seen>>()
         };
         let mut axes: Vec<&str> = Vec::new();
         for table in tables {
@@ -157,53 +157,53 @@ impl DeclaredFacts {
         let axis = |name: &&str| {
             let of_axis = |is_own: bool| {
                 let own = tables.iter().filter(|own| own.output == *name && own.is_own() == is_own);
-                own.map(|table| self.seen_table(table)).collect::<Vec<Value>>()
+                own.map(|table| self.seen_table(table)).collect::<Vec<Seen>>()
             };
-            json!({ "name": name, "own": of_axis(true), "cross": of_axis(false) })
+            seen! { "name": *name, "own": of_axis(true), "cross": of_axis(false) }
         };
         let sense = |is_own: bool| self.sign(is_own).value.words();
         let evidence = |is_own: bool| self.sign(is_own).evidence.of_sense();
-        json!({
-            "tables": tables.iter().map(|table| self.seen_table(table)).collect::<Vec<Value>>(),
+        seen! {
+            "tables": tables.iter().map(|table| self.seen_table(table)).collect::<Vec<Seen>>(),
             "own": listed(true),
             "cross": listed(false),
-            "axes": axes.iter().map(axis).collect::<Vec<Value>>(),
+            "axes": axes.iter().map(axis).collect::<Vec<Seen>>(),
             "own_sense": sense(true),
             "own_sense_evidence": evidence(true),
             "cross_sense": sense(false),
             "cross_sense_evidence": evidence(false),
             "controller_reference": task.reference_text(),
-        })
+        }
     }
 
-    fn seen_table(&self, table: &ListedTable) -> Value {
+    fn seen_table(&self, table: &ListedTable) -> Seen {
         let position = |number: f64| fixed(number, self.position_decimals.value);
         let value =
             |number: f64| fixed(number, self.form(true, ControlUnit::Millimetre).decimals());
         let first = self.first_point.value as usize;
         let point = |(index, point): (usize, &Point)| {
-            json!({
+            seen! {
                 "number": (first + index).to_string(),
                 "padded": format!("{:03}", first + index),
                 "position": position(point.position),
                 "value": value(point.forward),
                 "forward": value(point.forward),
                 "reverse": value(point.reverse.unwrap_or(point.forward)),
-            })
+            }
         };
         let places: Vec<f64> = table.points.iter().map(|point| point.position).collect();
         let spacing = places.get(1).zip(places.first()).map_or(0.0, |(b, a)| b - a);
         let end = |place: Option<&f64>| place.map_or(String::new(), |place| position(*place));
-        json!({
-            "base": table.base,
-            "output": table.output,
+        seen! {
+            "base": table.base.as_str(),
+            "output": table.output.as_str(),
             "start": end(places.first()),
             "end": end(places.last()),
             "spacing": position(spacing),
             "count": places.len().to_string(),
             "last": (first + places.len().saturating_sub(1)).to_string(),
-            "points": table.points.iter().enumerate().map(point).collect::<Vec<Value>>(),
-        })
+            "points": table.points.iter().enumerate().map(point).collect::<Vec<Seen>>(),
+        }
     }
 }
 

@@ -24,9 +24,11 @@ use crate::write::compensation::{Compiled, Placement};
 use crate::write::control_text::{COMMENT_TEXT, ascii, is_comment_text};
 use crate::write::family::family;
 use crate::write::findings::TableFinding;
+use crate::write::seen::{Seen, seen};
 use crate::write::task::Task;
 use serde::Serialize;
-use serde_json::{Value, json};
+use serde_json::Value;
+use tera::Map;
 
 /// A file of the kit, ready to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -47,28 +49,27 @@ const PAGE_STYLE: &str = include_str!("../../templates/page.css");
 
 /// What the templates of a control see. Every number is finished text.
 #[derive(Clone, Debug, Serialize)]
-pub struct Context(Value);
+pub struct Context(Seen);
 
-/// The same as the engine holds it, for files or, with every text as HTML, for pages. With all points it is many times
-/// the file: each row is gone before the engine has the next one.
-fn seen(emitted: &Emitted<'_>, is_page: bool) -> Result<tera::Context, Problems> {
-    let mut values = context_of(emitted)?;
+/// The same as the engine holds it, for files or, with every text as HTML, for pages.
+fn seen_by(emitted: &Emitted<'_>, is_page: bool) -> Result<tera::Context, Problems> {
+    let own = context_of(emitted)?;
     if is_page {
-        each_text(&mut values, escaped);
-        values["style"] = PAGE_STYLE.into();
+        return Ok(tera_context(&as_html(own, escaped)?)?);
     }
     let mut seen = tera::Context::new();
-    let engine = |value: Value| tera::Value::try_from_serializable(&value).map_err(no_context);
-    for (name, value) in values.as_object_mut().into_iter().flatten() {
-        let value = match value.take() {
-            Value::Array(rows) => {
-                rows.into_iter().map(engine).collect::<Result<Vec<_>, _>>()?.into()
-            }
-            other => engine(other)?,
-        };
-        seen.insert_value(name.clone(), value);
-    }
+    let named = own.into_map().into_iter().flatten();
+    let named = named.filter_map(|(name, own)| Some((name.as_str()?.to_string(), own)));
+    named.for_each(|(name, own)| seen.insert_value(name, own));
     Ok(seen)
+}
+
+/// Names with every text as HTML, and the style of a page.
+fn as_html(names: impl Serialize, text: fn(&str) -> String) -> Result<Value, Problem> {
+    let mut names = serde_json::to_value(names).map_err(no_context)?;
+    each_text(&mut names, text);
+    names["style"] = PAGE_STYLE.into();
+    Ok(names)
 }
 
 /// A list that a profile asks for; one that this control does not have is a problem: its file would never be written.
@@ -109,19 +110,15 @@ pub fn context(task: Task<'_>, compiled: &Compiled) -> Result<Context, Problems>
     Ok(Context(context_of(&Emitted::of_kit(task, compiled, &Instead::of_kit()))?))
 }
 
-fn context_of(emitted: &Emitted<'_>) -> Result<Value, Problems> {
-    let seen = family(emitted.task.profile).context(emitted);
-    let mut seen =
-        seen.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
-    let mut context = head_of(emitted);
-    for (name, own) in seen.as_object_mut().into_iter().flatten() {
-        context[name] = own.take();
-    }
-    Ok(context)
+fn context_of(emitted: &Emitted<'_>) -> Result<Seen, Problems> {
+    let own = family(emitted.task.profile).context(emitted).and_then(Seen::into_map);
+    let own = own.ok_or_else(|| Problem::new("the tables are not of the profile's dialect"))?;
+    let head = head_of(emitted).into_map().unwrap_or_default();
+    Ok(head.into_iter().chain(own).collect::<Map>().into())
 }
 
 /// What a context holds of every control.
-fn head_of(emitted: &Emitted<'_>) -> Value {
+fn head_of(emitted: &Emitted<'_>) -> Seen {
     let (task, instead) = (emitted.task, emitted.instead);
     let placements = match instead.names_terms {
         true => emitted.compiled.placements.as_slice(),
@@ -139,19 +136,19 @@ fn head_of(emitted: &Emitted<'_>) -> Value {
         ActiveTables::NotStated => "not stated",
         ActiveTables::Path(_) => "yes, the tables of this kit contain it",
     };
-    json!({
+    seen! {
         "tool": TOOL,
-        "controller": { "id": task.profile.id, "name": said(&task.profile.name) },
-        "machine": {
+        "controller": seen! { "id": task.profile.id.as_str(), "name": said(&task.profile.name) },
+        "machine": seen! {
             "name": said(&machine.name),
             "serial": text(machine.serial.as_deref()),
             "chain": text(machine.chain.map(|chain| chain.to_string()).as_deref()),
         },
-        "measurement": { "date": date, "active": active },
+        "measurement": seen! { "date": date.as_str(), "active": active },
         "unit": task.job.compensation.control_unit.word(),
         "header": header(task, &date, active, instead.notice),
-        "terms": placements.iter().map(term).collect::<Vec<Value>>(),
-    })
+        "terms": placements.iter().map(term).collect::<Vec<Seen>>(),
+    }
 }
 
 /// First comments of a file, where the control's files may carry comments: where its values are
@@ -166,13 +163,13 @@ fn header(task: Task<'_>, date: &str, active: &str, notice: &str) -> Vec<String>
     simulated.into_iter().chain([origin]).collect()
 }
 
-fn term(placement: &Placement) -> Value {
-    json!({
+fn term(placement: &Placement) -> Seen {
+    seen! {
         "term": placement.term.to_string(),
         "direction": placement.direction.map_or("both", Direction::symbol),
-        "place": placement.place,
+        "place": placement.place.as_str(),
         "points": placement.points.to_string(),
-    })
+    }
 }
 
 /// Text of a job that reaches a control's file must not be able to end a comment, start a block
@@ -253,13 +250,14 @@ pub(crate) fn render_checklist(
     words: Value,
 ) -> Result<Vec<RenderedFile>, Problems> {
     let head = head_of(&Emitted::of_kit(task, compiled, &Instead::of_kit()));
-    let names = ["tool", "controller", "machine", "measurement"];
-    let names = names.map(|name| (name.to_string(), head[name].clone()));
-    let names = Value::Object(names.into_iter().collect());
+    const NAMES: [&str; 4] = ["tool", "controller", "machine", "measurement"];
+    let names = head.into_map().unwrap_or_default().into_iter();
+    let names = names.filter(|(name, _)| name.as_str().is_some_and(|own| NAMES.contains(&own)));
+    let names = Seen::from(names.collect::<Map>());
     let files = task.profile.files.iter();
     let mut rendered = Vec::new();
     for file in files.filter(|file| file.role == Role::Checklist) {
-        let seen = checklist_context(file, names.clone(), words.clone())?;
+        let seen = checklist_context(file, &names, &words)?;
         let text = templates.text(&file.template, &seen)?;
         let text = plain::page(&text.replace("\r\n", "\n")).into_owned();
         rendered.push(RenderedFile {
@@ -274,16 +272,16 @@ pub(crate) fn render_checklist(
 /// What the template of a checklist sees: names and words, as HTML where the file is a page.
 fn checklist_context(
     file: &EmittedFile,
-    mut names: Value,
-    mut words: Value,
+    names: &Seen,
+    words: &Value,
 ) -> Result<tera::Context, Problem> {
-    if file.is_page() {
-        each_text(&mut names, escaped);
-        each_text(&mut words, marked);
-        names["style"] = PAGE_STYLE.into();
+    if !file.is_page() {
+        let mut seen = tera_context(words)?;
+        seen.extend(tera_context(names)?);
+        return Ok(seen);
     }
-    let mut seen = tera_context(&names)?;
-    seen.extend(tera_context(&words)?);
+    let mut seen = tera_context(&as_html(words, marked)?)?;
+    seen.extend(tera_context(&as_html(names, escaped)?)?);
     Ok(seen)
 }
 
@@ -291,14 +289,13 @@ fn tera_context(context: &impl Serialize) -> Result<tera::Context, Problem> {
     tera::Context::from_serialize(context).map_err(no_context)
 }
 
-fn no_context(error: tera::Error) -> Problem {
+fn no_context(error: impl std::fmt::Display) -> Problem {
     Problem::new(format!("the context of the templates cannot be made: {error}"))
 }
 
 /// A built-in template, filled in for people.
 pub fn filled(name: &str, context: &Value) -> Result<String, Problem> {
-    let refuse = |error| Problem::new(format!("the context of `{name}` cannot be made: {error}"));
-    let seen = tera::Context::from_serialize(context).map_err(refuse)?;
+    let seen = tera_context(context)?;
     let text = builtin::template(name).unwrap_or_default();
     Templates::default().text(&Template { name: name.to_string(), text }, &seen)
 }
@@ -320,7 +317,7 @@ pub(crate) fn render_those(
         if own.is_empty() {
             continue;
         }
-        let mut seen = seen(emitted, is_page)?;
+        let mut seen = seen_by(emitted, is_page)?;
         for (place, file) in own {
             let items = items(&seen, file).map_err(Problems::from);
             for (path, item) in problems.take(items).unwrap_or_default() {

@@ -11,9 +11,9 @@ use crate::text::problem::Problems;
 use crate::write::compiled::{Bump, Compiled};
 use crate::write::control_text::Instead;
 use crate::write::grid::LengthDigit;
+use crate::write::seen::Seen;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
-use serde_json::Value;
 
 /// A family of controls, on the writing side.
 pub(crate) trait Family {
@@ -75,7 +75,7 @@ pub(crate) trait Family {
     }
 
     /// What the templates see of tables: names with finished texts; `None` for those of another family.
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Value>;
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen>;
 
     /// What the control's display shows once these tables act, a sentence each; none where no display is known.
     fn displayed(&self, _tables: &Tables, _state: &ControlState) -> Vec<String> {

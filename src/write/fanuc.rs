@@ -17,9 +17,9 @@ use crate::text::problem::Problems;
 use crate::write::compiled::{Compiled, control_state};
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
+use crate::write::seen::{Seen, seen};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
-use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 impl Family for FanucFacts {
@@ -121,7 +121,7 @@ impl Family for FanucFacts {
         }
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
         let memory: &FanucMemory = emitted.tables.own()?;
         Some(context(memory, self))
     }
@@ -162,30 +162,30 @@ impl Family for FanucFacts {
 }
 
 /// What the templates see: `parameters` (one block each, with its segments) and `points`.
-fn context(memory: &FanucMemory, facts: &FanucFacts) -> Value {
+fn context(memory: &FanucMemory, facts: &FanucFacts) -> Seen {
     let identifier = |letter: &'static str| if facts.q_identifier.value { letter } else { "" };
-    let mut blocks: BTreeMap<u32, Vec<Value>> = BTreeMap::new();
+    let mut blocks: BTreeMap<u32, Vec<Seen>> = BTreeMap::new();
     for (ParameterKey { number, axis }, value) in &memory.parameters {
         let of_path = identifier("L1").to_string();
         let axis = axis.map_or(of_path, |axis| format!("A{axis}"));
-        let segment = json!({ "axis": axis, "value": text(*value) });
+        let segment = seen! { "axis": axis, "value": text(*value) };
         blocks.entry(*number).or_default().push(segment);
     }
     let parameters = blocks.into_iter().map(|(number, segments)| {
-        json!({ "number": digits(number, facts), "identifier": identifier("Q1"), "segments": segments })
+        seen! { "number": digits(number, facts), "identifier": identifier("Q1"), "segments": segments }
     });
     let points = memory.points.iter().map(|(point, increment)| {
-        json!({
+        seen! {
             "number": digits(point + facts.point_offset.value, facts),
             "point": point.to_string(),
             "identifier": identifier("Q0"),
             "value": increment.to_string(),
-        })
+        }
     });
-    json!({
-        "parameters": parameters.collect::<Vec<Value>>(),
-        "points": points.collect::<Vec<Value>>(),
-    })
+    seen! {
+        "parameters": parameters.collect::<Vec<Seen>>(),
+        "points": points.collect::<Vec<Seen>>(),
+    }
 }
 
 fn digits(number: u32, facts: &FanucFacts) -> String {

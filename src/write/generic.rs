@@ -16,9 +16,9 @@ use crate::write::compiled::{
 };
 use crate::write::family::{Emitted, Family};
 use crate::write::grid::LengthDigit;
+use crate::write::seen::{Seen, seen};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
-use serde_json::{Value, json};
 use sheet::{POSITION_DECIMALS, number};
 
 impl Family for GenericFacts {
@@ -71,15 +71,14 @@ impl Family for GenericFacts {
         })
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
         let table: &GenericTable = emitted.tables.own()?;
         let is_rounded = |row: &GenericRow| emitted.task.detection_unit_um(row.term.of).is_some();
-        let mut seen = sheet::context(table, self, &emitted.compiled.state);
-        if !table.rows.iter().all(is_rounded) {
-            seen["sheet"] = json!([]); // nobody types nine decimals
-        }
-        seen["rows"] = context(table);
-        Some(seen)
+        let sheet = match table.rows.iter().all(is_rounded) {
+            true => sheet::blocks(table, self, &emitted.compiled.state),
+            false => Vec::new(), // nobody types nine decimals
+        };
+        Some(seen! { "sheet": sheet, "typed": sheet::typed_words(self), "rows": context(table) })
     }
 }
 
@@ -143,19 +142,18 @@ fn preconditions(task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
 }
 
 /// The rows that the templates see, with every number as finished text.
-fn context(table: &GenericTable) -> Value {
+fn context(table: &GenericTable) -> Vec<Seen> {
     let last = table.rows.len().saturating_sub(1);
     let rows = table.rows.iter().enumerate();
-    let rows = rows.map(|(index, row)| seen_row(row, index == last));
-    Value::Array(rows.collect())
+    rows.map(|(index, row)| seen_row(row, index == last)).collect()
 }
 
-fn seen_row(row: &GenericRow, is_last: bool) -> Value {
+fn seen_row(row: &GenericRow, is_last: bool) -> Seen {
     let increment = row.increment_um.map(number);
-    json!({
+    seen! {
         "term": row.term.to_string(),
-        "base_axis": row.base_axis,
-        "output_axis": row.output_axis,
+        "base_axis": row.base_axis.as_str(),
+        "output_axis": row.output_axis.as_str(),
         "direction": row.direction.map_or("", Direction::symbol),
         "direction_json": match row.direction {
             None => "null",
@@ -169,5 +167,5 @@ fn seen_row(row: &GenericRow, is_last: bool) -> Value {
         "increment_um": increment.clone().unwrap_or_default(),
         "increment_um_json": increment.as_deref().unwrap_or("null"),
         "comma": if is_last { "" } else { "," },
-    })
+    }
 }

@@ -24,8 +24,8 @@ use crate::write::control_text::fixed;
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
+use crate::write::seen::{Seen, seen};
 use crate::write::task::{Plan, PlannedTable, Target, Task};
-use serde_json::{Value, json};
 
 impl Family for IsgFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
@@ -78,17 +78,17 @@ impl Family for IsgFacts {
         }
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
         let tables: &IsgTables = emitted.tables.own()?;
         let axis = |(axis, number): (Axis, &Option<u32>)| {
             let number = number.map_or(String::new(), |number| number.to_string());
-            json!({ "letter": axis.to_string(), "number": number })
+            seen! { "letter": axis.to_string(), "number": number }
         };
-        Some(json!({
-            "axes": tables.axes.iter().map(axis).collect::<Vec<Value>>(),
+        Some(seen! {
+            "axes": tables.axes.iter().map(axis).collect::<Vec<Seen>>(),
             "chain": Axis::letters(&tables.chain),
             "blocks": self.blocks(tables),
-        }))
+        })
     }
 
     /// Angles are 0 too, so nothing but the bump acts.
@@ -207,7 +207,7 @@ impl IsgFacts {
     }
 
     /// `ISG_CSV`: of each axis that moves its parameters, row by row.
-    fn blocks(&self, tables: &IsgTables) -> Vec<Value> {
+    fn blocks(&self, tables: &IsgTables) -> Vec<Seen> {
         let along = |axis: Axis| {
             let own = tables.curves.iter();
             own.filter(move |curve| curve.parameter.along() == Some(axis))
@@ -216,20 +216,19 @@ impl IsgFacts {
             let first = along(axis).next()?;
             let row = |index: usize| {
                 let values = along(axis).filter_map(|curve| self.text(curve, index));
-                json!({
+                Some(seen! {
                     "position": self.position(first.points.get(index)?),
                     "values": values.collect::<Vec<String>>(),
                 })
-                .into()
             };
             let rows = (0..first.points.len()).filter_map(row);
-            let rows: Vec<Value> = rows.collect();
+            let rows: Vec<Seen> = rows.collect();
             let names = along(axis).map(|curve| curve.parameter.to_string());
-            Some(json!({
+            Some(seen! {
                 "axis": axis.to_string(),
                 "parameters": names.collect::<Vec<String>>(),
                 "rows": rows,
-            }))
+            })
         };
         Axis::ALL.into_iter().filter_map(block).collect()
     }

@@ -19,8 +19,8 @@ use crate::write::control_text::fixed;
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
+use crate::write::seen::{Seen, seen};
 use crate::write::task::{Plan, PlannedTable, Target, Task};
-use serde_json::{Value, json};
 
 /// Under which names the factors are loaded.
 const NAME: &str = "nonius";
@@ -73,15 +73,15 @@ impl Family for KlipperFacts {
         })
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
         let tables: &KlipperTables = emitted.tables.own()?;
         let skew = tables.skew.as_ref()?;
         let factors = FACTORS.iter().zip(skew.factors());
         let factors = factors.map(|((_, name), factor)| {
-            json!({ "name": name, "value": fixed(factor, self.value_decimals.value) })
+            seen! { "name": *name, "value": fixed(factor, self.value_decimals.value) }
         });
-        let factors: Vec<Value> = factors.collect();
-        Some(json!({ "skew": { "name": skew.name, "factors": factors } }))
+        let factors: Vec<Seen> = factors.collect();
+        Some(seen! { "skew": seen! { "name": skew.name.as_str(), "factors": factors } })
     }
 
     fn displayed(&self, tables: &Tables, _state: &ControlState) -> Vec<String> {

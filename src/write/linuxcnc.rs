@@ -25,9 +25,9 @@ use crate::write::control_text::{fixed, trimmed};
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::grid::LengthDigit;
 use crate::write::listed;
+use crate::write::seen::{Seen, seen};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
-use serde_json::{Value, json};
 
 impl Family for LinuxcncFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
@@ -85,13 +85,11 @@ impl Family for LinuxcncFacts {
         listed::uses([Mechanism::Comp, Mechanism::Hal], mechanism, tables)
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
         let unit = emitted.task.job.compensation.control_unit;
         let (own, cross) = sorted(tables_of(emitted.tables));
-        let mut seen = self.hal_context(&cross);
-        seen["joints"] = own.into_iter().map(|table| self.seen(table, unit)).collect();
-        seen["controller_reference"] = emitted.task.reference_text().into();
-        Some(seen)
+        let joints = own.into_iter().map(|table| self.seen(table, unit)).collect();
+        Some(self.seen_of_all(joints, &cross, emitted.task.reference_text()))
     }
 
     fn displayed(&self, tables: &Tables, state: &ControlState) -> Vec<String> {
@@ -128,26 +126,26 @@ fn sorted(tables: &[ListedTable]) -> (Vec<&ListedTable>, Vec<&ListedTable>) {
 
 impl LinuxcncFacts {
     /// What templates see of a table.
-    fn seen(&self, table: &ListedTable, unit: ControlUnit) -> Value {
+    fn seen(&self, table: &ListedTable, unit: ControlUnit) -> Seen {
         let decimals = self.form(true, unit).decimals();
         let position = |number: f64| fixed(number, self.position_decimals.value);
         let row = |point: &Point| {
-            json!({
+            seen! {
                 "nominal": position(point.position),
                 "forward": fixed(point.forward, decimals),
                 "reverse": fixed(point.reverse.unwrap_or(point.forward), decimals),
-            })
+            }
         };
         let ends = [table.points.first(), table.points.last()];
         let [first, last] = ends.map(|own| own.map_or(String::new(), |own| position(own.position)));
-        json!({
-            "number": table.output,
+        seen! {
+            "number": table.output.as_str(),
             "type": self.columns.value.number().to_string(),
             "first": first,
             "last": last,
             "count": table.points.len().to_string(),
-            "rows": table.points.iter().map(row).collect::<Vec<Value>>(),
-        })
+            "rows": table.points.iter().map(row).collect::<Vec<Seen>>(),
+        }
     }
 
     /// `joint.0.backlash-corr: -0.018 mm at 900 mm moving up; …`, where the table holds most.

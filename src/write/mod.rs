@@ -6,6 +6,7 @@
 mod compiled;
 mod control_text;
 mod family;
+mod seen;
 mod slips;
 mod task;
 

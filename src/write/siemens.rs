@@ -28,9 +28,9 @@ use crate::write::compiled::{Compiled, Placement, control_state};
 use crate::write::control_text::trimmed;
 use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::grid::{Grid, LengthDigit, as_number};
+use crate::write::seen::Seen;
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task, axis_pairs};
-use serde_json::Value;
 
 impl Family for SiemensFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
@@ -120,7 +120,7 @@ impl Family for SiemensFacts {
         }
     }
 
-    fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
+    fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
         let tables: &SiemensTables = emitted.tables.own()?;
         Some(context::context(emitted, tables, self))
     }

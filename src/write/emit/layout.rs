@@ -6,7 +6,7 @@
 //! most follows from the lengths of the lists.
 
 use regex_automata::meta::Regex;
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::LazyLock;
 
@@ -79,16 +79,25 @@ impl Layout {
     }
 
     /// Tags that rendering executes, at most: all branches count, and each list is as long as the longest of
-    /// its name.
+    /// its name, or of all where none has its name.
     pub(super) fn work(&self, context: &tera::Context) -> u64 {
         let loops = self.tags.iter().flatten();
-        let names = loops.clone().flat_map(|(root, list)| [root.as_str(), list.as_str(), ANY]);
-        let mut longest: BTreeMap<&str, Option<u64>> = names.map(|name| (name, None)).collect();
-        for (root, _) in loops {
-            let value = context.get(root).filter(|_| longest[root.as_str()].is_none());
-            value.into_iter().for_each(|value| measure(root, value, &mut longest));
+        let roots: BTreeSet<&str> = loops.clone().map(|(root, _)| root.as_str()).collect();
+        let measured = |longest: &mut [(&str, Option<u64>)]| {
+            let values = roots.iter().filter_map(|root| Some((*root, context.get(root)?)));
+            values.for_each(|(root, value)| measure(root, value, longest));
+        };
+        let lists: BTreeSet<&str> = loops.map(|(_, list)| list.as_str()).collect();
+        let mut longest: Vec<_> = lists.into_iter().map(|list| (list, None)).collect();
+        measured(&mut longest);
+        let mut all = [(ANY, None)];
+        if longest.iter().any(|(_, length)| length.is_none()) {
+            measured(&mut all);
         }
-        let length = |list: &str| longest[list].or(longest[ANY]).map_or(1, |n| 1.max(n));
+        let length = |list: &str| {
+            let own = longest.iter().find(|(name, _)| *name == list);
+            own.and_then(|(_, length)| *length).or(all[0].1).map_or(1, |n| 1.max(n))
+        };
         let turns = |loops: &Vec<(String, String)>| {
             loops.iter().map(|(_, list)| length(list)).fold(1, u64::saturating_mul)
         };
@@ -96,24 +105,25 @@ impl Layout {
     }
 }
 
-/// The name of lists that have none of their own, and the longest of all.
+/// Lists of any name.
 const ANY: &str = "";
 
 /// Notes the longest list, map or text of each of these names in a value.
-fn measure(name: &str, value: &tera::Value, longest: &mut BTreeMap<&str, Option<u64>>) {
-    let length = value.len().map(|length| length as u64).or(Some(0));
-    for name in [name, ANY] {
-        if let Some(known) = longest.get_mut(name) {
-            *known = length.max(*known);
-        }
+fn measure(name: &str, value: &tera::Value, longest: &mut [(&str, Option<u64>)]) {
+    for (_, known) in longest.iter_mut().filter(|(own, _)| *own == name || *own == ANY) {
+        let length = value.len().map_or(0, |length| length as u64);
+        *known = Some(length).max(*known);
     }
     for item in value.as_array().into_iter().flatten() {
-        measure(ANY, item, longest);
+        measure(LISTED, item, longest);
     }
     for (key, item) in value.as_map().into_iter().flatten() {
-        measure(key.as_str().unwrap_or(ANY), item, longest);
+        measure(key.as_str().unwrap_or(LISTED), item, longest);
     }
 }
+
+/// What stands in a list has no name.
+const LISTED: &str = "-";
 
 fn is_word(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_')

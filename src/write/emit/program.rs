@@ -11,7 +11,7 @@ use crate::write::emit::{TOOL, Templates, bytes_of};
 use crate::write::program::{
     Digits, MeasuringRun, Move, PlannedReading, Resolution, RunTask, SetUpProgram, Subject,
 };
-use serde_json::{Value, json};
+use crate::write::seen::{Seen, seen};
 
 /// A file of a measuring run, ready to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -82,12 +82,7 @@ fn refuse_unsafe_text(task: RunTask<'_>) -> Result<(), Problems> {
 }
 
 /// What the template of a program sees: names with finished texts.
-fn context(
-    task: RunTask<'_>,
-    program: &SetUpProgram,
-    resolution: Resolution,
-    number: u32,
-) -> Value {
+fn context(task: RunTask<'_>, program: &SetUpProgram, resolution: Resolution, number: u32) -> Seen {
     let RunTask { request, facts, .. } = task;
     let unit = resolution.unit;
     let letters = &facts.axis_letters.value;
@@ -96,20 +91,20 @@ fn context(
     let start = start.unwrap_or(PerAxis::from_fn(|_| 0));
     let [plane, height] = approach(letters, &start, resolution);
     let tool_axis = letters.get(2).map_or("", String::as_str);
-    json!({
+    seen! {
         "name": format!("NONIUS {name}"),
         "number": format!("{number:04}"),
         "header": header(task, program, unit),
         "opening": format!("RETRACT {tool_axis}, NO TOOL OFFSET. {name} GOES TO{plane}, THEN{height}: PATH FREE, CYCLE START"),
-        "cancel": facts.cancel.value,
-        "machine_position": facts.machine_position.value,
-        "increment": facts.increment.value,
-        "dwell": facts.dwell.value,
+        "cancel": facts.cancel.value.clone(),
+        "machine_position": facts.machine_position.value.as_str(),
+        "increment": facts.increment.value.as_str(),
+        "dwell": facts.dwell.value.as_str(),
         "dwell_s": decimal(request.dwell_s),
         "unit_word": facts.language.facts().unit_word(unit),
         "feed": decimal(request.feed_mm_per_min / unit.in_mm()),
         "blocks": blocks(program, letters, resolution),
-    })
+    }
 }
 
 fn header(task: RunTask<'_>, program: &SetUpProgram, unit: ControlUnit) -> Vec<String> {
@@ -143,19 +138,19 @@ fn header(task: RunTask<'_>, program: &SetUpProgram, unit: ControlUnit) -> Vec<S
     lines.map(|line| line.to_uppercase()).to_vec()
 }
 
-fn blocks(program: &SetUpProgram, letters: &[String], resolution: Resolution) -> Vec<Value> {
+fn blocks(program: &SetUpProgram, letters: &[String], resolution: Resolution) -> Vec<Seen> {
     let block = |step: &Move| match step {
-        Move::Stop(text) => vec![json!({ "kind": "stop", "text": text })],
-        Move::Remark(text) => vec![json!({ "kind": "comment", "text": text })],
+        Move::Stop(text) => vec![seen! { "kind": "stop", "text": text.as_str() }],
+        Move::Remark(text) => vec![seen! { "kind": "comment", "text": text.as_str() }],
         Move::Approach(place) => approach(letters, place, resolution)
-            .map(|words| json!({ "kind": "approach", "words": words }))
+            .map(|words| seen! { "kind": "approach", "words": words })
             .to_vec(),
         Move::Feed(by) => {
             let words = words(letters, by, resolution, |axis| by[axis] != 0);
-            vec![json!({ "kind": "feed", "words": words })]
+            vec![seen! { "kind": "feed", "words": words }]
         }
         Move::Dwell(reading) => {
-            vec![json!({ "kind": "dwell", "number": (reading + 1).to_string() })]
+            vec![seen! { "kind": "dwell", "number": (reading + 1).to_string() }]
         }
     };
     program.moves.iter().flat_map(block).collect()
@@ -182,7 +177,7 @@ fn words(
 fn render(
     task: RunTask<'_>,
     templates: &Templates,
-    context: &Value,
+    context: &Seen,
     number: u32,
     program: &SetUpProgram,
 ) -> Result<ProgramFile, Problems> {

@@ -7,7 +7,7 @@ use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{self, Figure};
 use crate::text::delimited::LengthUnit;
-use serde_json::{Value, json};
+use crate::write::seen::{Seen, seen};
 
 /// Positions are written to the nanometre.
 pub(super) const POSITION_DECIMALS: u32 = 6;
@@ -16,26 +16,30 @@ const ROWS_OF_A_PAGE: usize = 32;
 /// Sums and millimetres are freed from binary dust below any digit of a screen.
 const DUST_DECIMALS: u32 = 12;
 
-/// The pages of every table, and what their values are.
-pub(super) fn context(table: &GenericTable, facts: &GenericFacts, state: &ControlState) -> Value {
+/// What the values of the pages are.
+pub(super) fn typed_words(facts: &GenericFacts) -> Seen {
+    seen! {
+        "column": facts.typed_column(),
+        "value": facts.typed_value.value.words(),
+        "unit": match facts.typed_unit.value {
+            LengthUnit::Um => "µm",
+            other => other.word(),
+        },
+    }
+}
+
+/// The pages of every table.
+pub(super) fn blocks(
+    table: &GenericTable,
+    facts: &GenericFacts,
+    state: &ControlState,
+) -> Vec<Seen> {
     let mut page = 0;
     let same = |a: &GenericRow, b: &GenericRow| {
         a.term == b.term && a.output_axis == b.output_axis && a.direction == b.direction
     };
     let blocks = table.rows.chunk_by(same);
-    let blocks: Vec<Value> =
-        blocks.filter_map(|rows| block(rows, facts, state, &mut page)).collect();
-    json!({
-        "sheet": blocks,
-        "typed": {
-            "column": facts.typed_column(),
-            "value": facts.typed_value.value.words(),
-            "unit": match facts.typed_unit.value {
-                LengthUnit::Um => "µm",
-                other => other.word(),
-            },
-        },
-    })
+    blocks.filter_map(|rows| block(rows, facts, state, &mut page)).collect()
 }
 
 fn block(
@@ -43,7 +47,7 @@ fn block(
     facts: &GenericFacts,
     state: &ControlState,
     page: &mut usize,
-) -> Option<Value> {
+) -> Option<Seen> {
     let (first, second) = (rows.first()?, rows.get(1)?);
     let zero_mm = state.axis(&first.base_axis)?.reference.mm();
     let zero_mm = units::rounded(zero_mm, POSITION_DECIMALS);
@@ -53,33 +57,33 @@ fn block(
         *page += 1;
         seen_page(rows, facts, *page)
     });
-    Some(json!({
-        "pages": pages.collect::<Vec<Value>>(),
+    Some(seen! {
+        "pages": pages.collect::<Vec<Seen>>(),
         "term": first.term.to_string(),
-        "base_axis": first.base_axis,
-        "output_axis": first.output_axis,
+        "base_axis": first.base_axis.as_str(),
+        "output_axis": first.output_axis.as_str(),
         "direction": first.direction.map_or("", Direction::symbol),
         "zero_mm": number(zero_mm),
         "zero_point": zero.index.to_string(),
         "spacing_mm": number(spacing),
         "points": rows.len().to_string(),
-    }))
+    })
 }
 
-fn seen_page(rows: &[GenericRow], facts: &GenericFacts, page: usize) -> Value {
+fn seen_page(rows: &[GenericRow], facts: &GenericFacts, page: usize) -> Seen {
     let values: Vec<f64> = rows.iter().map(|row| typed(row, facts)).collect();
     let seen = rows.iter().zip(&values).map(|(row, value)| {
-        json!({
+        seen! {
             "point": row.index.to_string(),
             "position_mm": number(row.position_mm),
             "value": number(*value),
-        })
+        }
     });
-    json!({
+    seen! {
         "number": page.to_string(),
-        "rows": seen.collect::<Vec<Value>>(),
+        "rows": seen.collect::<Vec<Seen>>(),
         "sum": number(units::rounded(values.iter().sum(), DUST_DECIMALS)),
-    })
+    }
 }
 
 /// What is typed for a point; before the first one nothing changes.

@@ -17,8 +17,8 @@ use crate::control::table::listed::{ListedTable, ListedTables, Point};
 use crate::quantity::units::rounded;
 use crate::text::problem::Problem;
 use crate::write::control_text::{fixed, trimmed};
+use crate::write::seen::{Seen, seen};
 use crate::write::task::Task;
-use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
 impl LinuxcncFacts {
@@ -108,8 +108,14 @@ impl LinuxcncFacts {
         })
     }
 
-    /// What templates see: `curves`, `sums`, `nets`, `personality`; the lists are empty without cross terms.
-    pub(super) fn hal_context(&self, tables: &[&ListedTable]) -> Value {
+    /// What templates see: beside the tables of joints `curves`, `sums`, `nets`, `personality`; the lists are empty
+    /// without cross terms.
+    pub(super) fn seen_of_all(
+        &self,
+        joints: Vec<Seen>,
+        tables: &[&ListedTable],
+        reference: String,
+    ) -> Seen {
         let curves = self.curves_of(tables);
         let mut netlist = Netlist::default();
         for of_output in curves.chunk_by(|a, b| a.axes[1] == b.axes[1]) {
@@ -117,14 +123,17 @@ impl LinuxcncFacts {
         }
         let lengths = curves.iter().map(|curve| curve.points.len().to_string());
         let lengths: Vec<String> = lengths.take(self.personalities.value as usize).collect();
-        json!({
+        let net = |(signal, pins): (String, Vec<String>)| seen! { "signal": signal, "pins": pins };
+        seen! {
             "personality": lengths.join(","),
             "curve_count": netlist.curves.len().to_string(),
             "sum_count": netlist.sums.len().to_string(),
             "curves": netlist.curves,
             "sums": netlist.sums,
-            "nets": netlist.nets.iter().map(|(signal, pins)| json!({ "signal": signal, "pins": pins })).collect::<Vec<Value>>(),
-        })
+            "nets": netlist.nets.into_iter().map(net).collect::<Vec<Seen>>(),
+            "joints": joints,
+            "controller_reference": reference,
+        }
     }
 }
 
@@ -137,8 +146,8 @@ struct Curve {
 /// Components in the order in which they run, and the pins of each signal.
 #[derive(Default)]
 struct Netlist {
-    curves: Vec<Value>,
-    sums: Vec<Value>,
+    curves: Vec<Seen>,
+    sums: Vec<Seen>,
     nets: BTreeMap<String, Vec<String>>,
 }
 
@@ -185,14 +194,14 @@ impl Netlist {
         self.link(&input, format!("lincurve.{number}.in"));
         self.link(&output, format!("lincurve.{number}.out"));
         let point = |(index, point): (usize, &Point)| {
-            json!({
+            seen! {
                 "index": format!("{index:02}"),
                 "position": fixed(point.position, facts.position_decimals.value),
                 "value": fixed(point.forward, facts.value_decimals.value),
-            })
+            }
         };
-        let points: Vec<Value> = piece.iter().enumerate().map(point).collect();
-        self.curves.push(json!({ "number": number.to_string(), "points": points }));
+        let points: Vec<Seen> = piece.iter().enumerate().map(point).collect();
+        self.curves.push(seen! { "number": number.to_string(), "points": points });
     }
 
     /// `to` = `a` + gain · `b`.
@@ -201,7 +210,7 @@ impl Netlist {
         self.link(a, format!("sum2.{number}.in0"));
         self.link(b, format!("sum2.{number}.in1"));
         self.link(to, format!("sum2.{number}.out"));
-        self.sums.push(json!({ "number": number.to_string(), "gain": gain }));
+        self.sums.push(seen! { "number": number.to_string(), "gain": gain });
     }
 
     fn link(&mut self, signal: &str, pin: String) {

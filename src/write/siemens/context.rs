@@ -7,17 +7,13 @@ use crate::control::table::siemens::{
 };
 use crate::quantity::axis::Direction;
 use crate::write::compiled::Placement;
-use crate::write::control_text::fixed;
+use crate::write::control_text::{Switch, fixed};
 use crate::write::family::Emitted;
+use crate::write::seen::{Seen, seen};
 use crate::write::siemens::parameters::at_reference;
 use crate::write::task::Task;
-use serde_json::{Value, json};
 
-pub(super) fn context(
-    emitted: &Emitted<'_>,
-    tables: &SiemensTables,
-    facts: &SiemensFacts,
-) -> Value {
+pub(super) fn context(emitted: &Emitted<'_>, tables: &SiemensTables, facts: &SiemensFacts) -> Seen {
     let Emitted { task, compiled, instead, .. } = *emitted;
     let digits = Digits { facts, as_read: instead.as_read };
     let placements = match instead.names_terms {
@@ -26,9 +22,9 @@ pub(super) fn context(
     };
     let (lecs, cecs) = (tables.lec.iter(), tables.cec.iter());
     let state = &compiled.state;
-    json!({
-        "lec": lecs.clone().map(|t| lec(t, placements, digits)).collect::<Vec<Value>>(),
-        "cec": cecs.clone().map(|t| cec(t, placements, digits)).collect::<Vec<Value>>(),
+    seen! {
+        "lec": lecs.clone().map(|t| lec(t, placements, digits)).collect::<Vec<Seen>>(),
+        "cec": cecs.clone().map(|t| cec(t, placements, digits)).collect::<Vec<Seen>>(),
         "lec_sense": facts.lec_sign.value.words(),
         "cec_sense": facts.cec_sign.value.words(),
         "lec_sense_evidence": facts.lec_sign.evidence.of_sense(),
@@ -39,8 +35,8 @@ pub(super) fn context(
         "controller_reference": task.reference_text(),
         "lec_at_reference": zero_but_for(task, lecs.filter_map(|t| lec_held(t, facts, state))),
         "cec_at_reference": zero_but_for(task, cecs.filter_map(|t| cec_held(t, facts, state))),
-        "switches": instead.switches,
-    })
+        "switches": instead.switches.iter().map(Switch::seen).collect::<Vec<Seen>>(),
+    }
 }
 
 /// What the tables of a file hold at the reference point, where they move an axis when switched.
@@ -79,34 +75,34 @@ fn cec_held(table: &CecTable, facts: &SiemensFacts, state: &ControlState) -> Opt
     Some(format!("  {}: {text}{way}", table.name()))
 }
 
-fn lec(table: &LecTable, placements: &[Placement], digits: Digits<'_>) -> Value {
+fn lec(table: &LecTable, placements: &[Placement], digits: Digits<'_>) -> Seen {
     let place = table.name();
-    json!({
+    seen! {
         "encoder": table.encoder.to_string(),
-        "axis": table.axis,
+        "axis": table.axis.as_str(),
         "title": title(placements, &place),
         "grid": digits.grid(&table.grid),
         "memory": table.values.len().to_string(),
         "points": digits.points(&table.values, &table.grid),
-    })
+    }
 }
 
-fn cec(table: &CecTable, placements: &[Placement], digits: Digits<'_>) -> Value {
+fn cec(table: &CecTable, placements: &[Placement], digits: Digits<'_>) -> Seen {
     let direction = match table.direction {
         CecDirection::Both => "0",
         CecDirection::Plus => "1",
         CecDirection::Minus => "-1",
     };
-    json!({
+    seen! {
         "number": table.number.to_string(),
-        "input_axis": table.input_axis,
-        "output_axis": table.output_axis,
+        "input_axis": table.input_axis.as_str(),
+        "output_axis": table.output_axis.as_str(),
         "title": title(placements, &table.name()),
         "grid": digits.grid(&table.grid),
         "direction": direction,
         "memory": table.values.len().to_string(),
         "points": digits.points(&table.values, &table.grid),
-    })
+    }
 }
 
 /// The term of a table in words, by the place it was put.
@@ -142,18 +138,18 @@ impl Digits<'_> {
         text
     }
 
-    fn grid(self, grid: &SiemensGrid) -> Value {
+    fn grid(self, grid: &SiemensGrid) -> Seen {
         let text = |number: f64| self.text(number, self.facts.position_decimals.value);
-        json!({ "min": text(grid.min), "step": text(grid.step), "max": text(grid.max) })
+        seen! { "min": text(grid.min), "step": text(grid.step), "max": text(grid.max) }
     }
 
-    fn points(self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Value> {
+    fn points(self, values: &[Option<f64>], grid: &SiemensGrid) -> Vec<Seen> {
         let of_point = |(index, value): (usize, &Option<f64>)| {
-            Some(json!({
+            Some(seen! {
                 "index": index.to_string(),
                 "position": fixed(grid.position(index), self.facts.position_decimals.value),
                 "value": self.text((*value)?, self.facts.value_decimals.value),
-            }))
+            })
         };
         values.iter().enumerate().filter_map(of_point).collect()
     }
