@@ -50,9 +50,12 @@ const single: Plugin = {
     if (page?.type !== "asset") return;
     let html = String(page.source);
     const scripts: string[] = [];
+    let start = "";
     for (const [name, part] of Object.entries(bundle)) {
       if (name === "index.html") continue;
-      if (part.type === "chunk") {
+      if (part.type === "chunk" && part.name === "start") {
+        start = `(() => {${part.code.replaceAll("</script", "<\\/script")}})();`;
+      } else if (part.type === "chunk") {
         html = html.replace(new RegExp(`\\s*<script[^>]*${name}[^>]*></script>`), "");
         scripts.push(part.code.replaceAll("</script", "<\\/script"));
       } else {
@@ -60,7 +63,7 @@ const single: Plugin = {
       }
       delete bundle[name];
     }
-    const hashes = scripts.map((code) => `'sha256-${createHash("sha256").update(code).digest("base64")}'`);
+    const hashes = [start, ...scripts].map((code) => `'sha256-${createHash("sha256").update(code).digest("base64")}'`);
     const policy = [
       "default-src 'none'",
       `script-src 'wasm-unsafe-eval' ${hashes.join(" ")}`,
@@ -73,6 +76,7 @@ const single: Plugin = {
     const packed = gzipSync(readFileSync(built), { level: 9 }).toString("base64");
     const parts = scripts.map((code) => `<script type="module">${code}</script>`).join("");
     html = html.replace("<!-- policy -->", () => `<meta http-equiv="Content-Security-Policy" content="${policy}">`);
+    html = html.replace("<!-- start -->", () => `<script>${start}</script>`);
     html = html.replace("<!-- core -->", () => `<script type="application/gzip" id="core">${packed}</script>${parts}`);
     page.source = html;
   },
@@ -80,6 +84,6 @@ const single: Plugin = {
 
 export default defineConfig({
   plugins: [toml, answers, licences, single],
-  build: { target: "es2022", assetsInlineLimit: 1 << 24, cssCodeSplit: false, modulePreload: false },
+  build: { rollupOptions: { input: { index: "index.html", start: "src/start.ts" } }, target: "es2022", assetsInlineLimit: 1 << 24, cssCodeSplit: false, modulePreload: false },
   worker: { format: "iife" },
 });

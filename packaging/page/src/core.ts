@@ -1,6 +1,5 @@
 // Asks the core: a command with files by name, as on a command line.
 import type { Told } from "./problems";
-import CoreWorker from "./worker?worker&inline";
 
 export interface Question {
   words: string[];
@@ -17,7 +16,7 @@ export interface Answer {
   files: [string, Uint8Array][];
 }
 
-const worker = new CoreWorker();
+const worker = window.coreThread;
 const waiting = new Map<number, { done: (answer: Answer) => void; failed: (fault: Error) => void }>();
 let last = 0;
 
