@@ -2,6 +2,7 @@
 
 use crate::control::table::Tables;
 use crate::judge::active::{ActiveControl, Held, Origin};
+use crate::quantity::axis::Axis;
 use crate::read::siemens::MachineDatum;
 use crate::write::compensation::Compiled;
 use crate::write::plan::{Plan, Task};
@@ -27,6 +28,13 @@ impl<'a> Before<'a> {
             return None;
         };
         Some(Before { task, plan, compiled, active, held })
+    }
+
+    /// Who changes the backlash parameter of an axis, where it gets tables of its positioning.
+    pub(super) fn backlash(&self, axis: Axis) -> Option<ChangedBy> {
+        self.plan.of_axis(axis).next()?;
+        let is_set = self.plan.sets_backlash(axis);
+        Some(if is_set { ChangedBy::Precondition } else { ChangedBy::Nobody })
     }
 
     /// The tables of the kit, those that the control holds and those that act.

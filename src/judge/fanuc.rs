@@ -7,7 +7,7 @@ mod surroundings;
 
 use crate::control::controller::{FanucFacts, NumberRange, Profile};
 use crate::control::table::Tables;
-use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::control::table::fanuc::{FanucMemory, ParameterKey};
 use crate::inputs::job::Job;
 use crate::judge::active::{ActiveControl, Found, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
@@ -26,7 +26,7 @@ impl Family for FanucFacts {
     fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)> {
         let new = own(new);
         let sets = others.sets.iter();
-        let sets = sets.filter(|set| integer(new, 5710 + *set, None) != 0);
+        let sets = sets.filter(|set| new.whole(5710 + *set, None).is_some_and(|axis| axis != 0));
         let sets = sets.map(|set| {
             let help = "state a `first_set` behind it in [compensation]";
             (format!("straightness set {set}"), help)
@@ -43,15 +43,7 @@ impl Family for FanucFacts {
 
     /// Parameters.
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
-        let (old, new) = (own(old), own(new));
-        let stays = |number: u32, axis: Option<u32>| {
-            integer(old, number, axis) != 0 && new.parameter(number, axis).is_none()
-        };
-        let pitch = old.parameters.keys().filter(|key| key.number == 3623);
-        let pitch = pitch.filter_map(|key| key.axis.filter(|_| stays(3623, key.axis)));
-        let pitch = pitch.map(|axis| format!("3623 of axis {axis}"));
-        let sets = (5711..=5720).filter(|set| stays(*set, None));
-        pitch.chain(sets.map(|set| set.to_string())).collect()
+        before::left_over(own(old), own(new)).map(|key| key.words()).collect()
     }
 
     /// 3605#1: lines or steps between the points.
@@ -102,11 +94,11 @@ impl Family for FanucFacts {
         };
         let points_are_explained = diagnosis.is_some_and(|d| !d.findings.is_empty());
         let parameters = own.parameters.iter().map(|(key, value)| {
-            let value = match value {
-                ParameterValue::Integer(whole) => Value::Numbers(vec![Some(*whole as f64)]),
-                ParameterValue::Real(real) => Value::Numbers(vec![Some(*real)]),
-                bits @ ParameterValue::Bits(_) => Value::Text(bits.to_string()),
-            };
+            let amount = own.amount(key.number, key.axis);
+            let value = amount.map_or_else(
+                || Value::Text(value.to_string()),
+                |amount| Value::Numbers(vec![Some(amount)]),
+            );
             (Item::Name(key.to_string()), value, !explained(key))
         });
         let points = own.points.iter().map(|(point, value)| {
@@ -142,17 +134,7 @@ fn own(tables: &Tables) -> &FanucMemory {
 /// 3605#1 of an axis as files of the control hold it; `None` where none does, or the axes of a
 /// gantry differ.
 fn interpolated(memory: &FanucMemory, names: &[String]) -> Option<bool> {
-    let bits = |name: &String| match memory.parameter(3605, name.parse().ok()) {
-        Some(ParameterValue::Bits(bits)) => Some(bits & 0b10 != 0),
-        _ => None,
-    };
+    let bits = |name: &String| Some(memory.bits(3605, name.parse().ok())? & 0b10 != 0);
     let first = bits(names.first()?)?;
     names.iter().all(|name| bits(name) == Some(first)).then_some(first)
-}
-
-fn integer(memory: &FanucMemory, parameter: u32, axis: Option<u32>) -> i64 {
-    match memory.parameter(parameter, axis) {
-        Some(ParameterValue::Integer(value)) => value,
-        _ => 0,
-    }
 }

@@ -9,9 +9,7 @@ mod surroundings;
 
 use crate::control::controller::SiemensFacts;
 use crate::control::table::Tables;
-use crate::control::table::siemens::{
-    CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
-};
+use crate::control::table::siemens::{Place, SiemensTable, SiemensTables};
 use crate::judge::active::{Found, Others, ReadOutReader};
 use crate::judge::before::{Before, Old};
 use crate::judge::disagreement::entries::{Entries, Value, table};
@@ -21,7 +19,7 @@ use crate::read::ReadBack;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::compensation::Compiled;
-use data::{Datum, LEC_ON, TABLE_ON};
+use data::{numbered, of_place};
 
 impl Family for SiemensFacts {
     fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
@@ -30,49 +28,37 @@ impl Family for SiemensFacts {
 
     fn taken(&self, others: &Others, new: &Tables) -> Vec<(String, &'static str)> {
         const HELP: &str = "state a `first_table` behind it in [compensation]";
-        let numbers = own(new).cec.iter().map(|table| table.number);
+        let numbers = own(new).tables.iter().filter_map(|table| table.place.cec());
         let taken = numbers.filter(|number| others.cec_tables.contains(number));
-        let named = taken.map(|number| (format!("CEC table {number}"), HELP));
+        let named = taken.map(|number| (Place::Cec(number).name(), HELP));
         named.collect()
     }
 
     /// Their switches.
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
-        let new = switches(own(new));
-        let mut left = switches(own(old));
-        left.retain(|switch| !new.contains(switch));
-        left
+        let new = own(new);
+        let places = own(old).tables.iter().map(|table| &table.place);
+        let stays = places.filter(|place| new.at(place).is_none());
+        stays.map(|place| numbered(of_place(place)[0], &place.index())).collect()
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {
-        let (tables, others) = (own(side.tables), own(side.others));
-        let explained = |base: &str, output: &str| !side.tells(base, output);
+        let others = own(side.others);
+        let explained = |t: &SiemensTable| !side.tells(&t.input_axis, &t.output_axis);
         let mut entries = Entries::new();
-        for lec in &tables.lec {
-            // A table of the other measuring system is told as such (`measuring_systems`).
-            let other_system = |t: &LecTable| t.axis == lec.axis && t.encoder != lec.encoder;
-            let told = !explained(&lec.axis, &lec.axis) && !others.lec.iter().any(other_system);
-            let fields = grid_fields(lec.grid, lec.modulo);
-            let told = (told, told);
-            table(&mut entries, &lec.name(), &fields, &lec.values, told);
-        }
-        for cec in &tables.cec {
-            let (moving, output) = (&cec.input_axis, &cec.output_axis);
-            let same = others.cec.iter().find(|t| t.number == cec.number);
-            let is_known = |t: &CecTable| explained(&t.input_axis, &t.output_axis);
-            let told = !explained(moving, output) && !same.is_some_and(is_known);
-            let direction = match cec.direction {
-                CecDirection::Both => "0",
-                CecDirection::Plus => "1",
-                CecDirection::Minus => "-1",
-            };
-            let mut fields = grid_fields(cec.grid, cec.modulo);
-            fields.extend([
-                ("DIRECTION", direction.to_string()),
-                ("MULT_BY_TABLE", cec.multiply_by.to_string()),
-            ]);
-            let name = format!("{} ({output} while {moving} moves)", cec.name());
-            table(&mut entries, &name, &fields, &cec.values, (true, told));
+        for own in &own(side.tables).tables {
+            let SiemensTable { place, input_axis: moving, output_axis: output, .. } = own;
+            let (mut name, mut told) = (place.name(), (true, !explained(own)));
+            if let Some(system) = place.lec() {
+                // A table of the other measuring system is told as such (`measuring_systems`).
+                let is_other = |other: (&String, u32)| other.0 == system.0 && other != system;
+                told.1 &= !others.tables.iter().filter_map(|t| t.place.lec()).any(is_other);
+                told.0 = told.1;
+            } else {
+                name += &format!(" ({output} while {moving} moves)");
+                told.1 &= !others.at(place).is_some_and(explained);
+            }
+            table(&mut entries, &name, &fields(own), &own.values, told);
         }
         entries
     }
@@ -86,11 +72,10 @@ impl Family for SiemensFacts {
     }
 
     fn measuring_systems(&self, wanted: &Tables, found: &Tables) -> Vec<Difference> {
-        let other = own(found).lec.iter().filter_map(|table| {
-            let mut wanted = own(wanted).lec.iter();
-            let job = wanted.find(|job| job.axis.eq_ignore_ascii_case(&table.axis))?;
-            let (is, asked) = (table.encoder + 1, job.encoder + 1);
-            let axis = table.axis.clone();
+        let lec = |tables| own(tables).tables.iter().filter_map(|table| table.place.lec());
+        let other = lec(found).filter_map(|(axis, is)| {
+            let (_, asked) = lec(wanted).find(|(job, _)| job.eq_ignore_ascii_case(axis))?;
+            let (axis, is, asked) = (axis.clone(), is + 1, asked + 1);
             (is != asked).then_some(Difference::ForeignSystem { axis, is, asked })
         });
         other.collect()
@@ -110,25 +95,19 @@ impl Family for SiemensFacts {
 
 /// The tables of a memory; a memory of another family holds none.
 fn own(tables: &Tables) -> &SiemensTables {
-    const NONE: &SiemensTables = &SiemensTables { lec: Vec::new(), cec: Vec::new() };
+    const NONE: &SiemensTables = &SiemensTables::NONE;
     tables.own().unwrap_or(NONE)
 }
 
-/// What switches tables on.
-fn switches(tables: &SiemensTables) -> Vec<String> {
-    let switch = |(number, name): Datum, index: String| format!("{number} ${name}[{index}]");
-    let lec = tables.lec.iter();
-    let lec = lec.map(|t| switch(LEC_ON, format!("{},{}", t.encoder, t.axis)));
-    let cec = tables.cec.iter();
-    lec.chain(cec.map(|t| switch(TABLE_ON, t.number.to_string()))).collect()
-}
-
-fn grid_fields(grid: SiemensGrid, modulo: bool) -> Vec<(&'static str, String)> {
+/// The parameters of a table as files write them.
+fn fields(table: &SiemensTable) -> [(&'static str, String); 6] {
     let number = |value: f64| Value::Numbers(vec![Some(value)]).words();
-    vec![
-        ("MIN", number(grid.min)),
-        ("STEP", number(grid.step)),
-        ("MAX", number(grid.max)),
-        ("IS_MODULO", u8::from(modulo).to_string()),
+    [
+        ("MIN", number(table.grid.min)),
+        ("STEP", number(table.grid.step)),
+        ("MAX", number(table.grid.max)),
+        ("IS_MODULO", u8::from(table.modulo).to_string()),
+        ("DIRECTION", table.direction_text().to_string()),
+        ("MULT_BY_TABLE", table.multiply_by.to_string()),
     ]
 }

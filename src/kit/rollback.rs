@@ -113,9 +113,10 @@ fn is_same(old: &Old, read: &ReadBack) -> bool {
 }
 
 fn switch(datum: &MachineDatum) -> Switch {
+    let (name, indices) = datum.variable.split_once('[').unwrap_or((&*datum.variable, ""));
     Switch {
-        name: datum.name.clone(),
-        indices: datum.indices.join(","),
+        name: name.trim_start_matches('$').to_string(),
+        indices: indices.trim_end_matches(']').to_string(),
         value: match &datum.value {
             MachineValue::Number(number) => number.to_string(),
             MachineValue::Text(text) => format!("({text})"),

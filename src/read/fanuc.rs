@@ -10,12 +10,11 @@
 //! understand something else than was meant.
 
 mod block;
-pub mod control;
+mod control;
 pub(super) mod program;
 #[cfg(test)]
 pub(crate) mod tests;
 
-use self::control::FanucControl;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{ControlUnit, FanucFacts, NumberRange};
 use crate::control::table::Tables;
@@ -67,7 +66,7 @@ impl Family for FanucFacts {
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
-        Ok(Box::new(FanucControl::new(own(tables)?, self, state)?))
+        Ok(Box::new(control::control(own(tables)?, self, state)?))
     }
 
     fn load(&self, held: &mut Tables, file: Tables) {

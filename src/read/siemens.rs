@@ -21,19 +21,17 @@ mod read_out;
 mod statement;
 mod variable;
 
-pub(crate) use self::contents::is_switch;
 pub use self::contents::{MachineDatum, MachineValue, ReadOut, SiemensContents, merge};
+pub(crate) use self::contents::{datum, is_switch};
 
 use self::control::SiemensControl;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Role, SiemensFacts};
 use crate::control::table::Tables;
-use crate::control::table::siemens::LecTable;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, FileData, KitText, READ_OUT_AS_A_WHOLE, ReadBack, each, own};
 use crate::read::findings::ReadFinding;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
-use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, refuse_long_lines, shown};
 use memory::{MOST_DATA, MOST_STATEMENTS, MOST_TABLES, Memory, Writer};
 use read_out::{Concern, concern, header, is_archive, is_program, sections};
@@ -66,17 +64,9 @@ impl Family for SiemensFacts {
     }
 
     fn load(&self, held: &mut Tables, file: Tables) {
-        let (Tables::Siemens(held), Tables::Siemens(file)) = (held, file) else {
-            return;
-        };
-        for table in file.lec {
-            let is_other = |t: &LecTable| (t.encoder, &t.axis) != (table.encoder, &table.axis);
-            held.lec.retain(is_other);
-            held.lec.push(table);
-        }
-        for table in file.cec {
-            held.cec.retain(|t| t.number != table.number);
-            held.cec.push(table);
+        if let (Tables::Siemens(held), Tables::Siemens(file)) = (held, file) {
+            held.tables.retain(|known| file.at(&known.place).is_none());
+            held.tables.extend(file.tables);
         }
     }
 
@@ -110,7 +100,7 @@ impl Family for SiemensFacts {
 ///             $AN_CEC_OUTPUT_AXIS[0]=(AX2)\n$AN_CEC_STEP[0]=50\n$AN_CEC_MIN[0]=0\n\
 ///             $AN_CEC_MAX[0]=50\nM30\n";
 /// let contents = nonius::read::siemens::read("cec.mpf", text).unwrap();
-/// assert_eq!(contents.tables.cec[0].values, [Some(0.001), Some(0.0)]);
+/// assert_eq!(contents.tables.tables[0].values, [Some(0.001), Some(0.0)]);
 /// ```
 pub fn read(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
     Reader::new(Writer::Kit, file_name, text).strict()
@@ -121,7 +111,7 @@ pub fn read(file_name: &str, text: &str) -> Result<SiemensContents, Problems> {
 /// data.
 ///
 /// **limits** reserved points behind MAX have no effect and are left out, and MAX may lie between two points
-/// ([`crate::control::table::siemens::closed`]): then the point behind it is kept where it is there. End words
+/// ([`crate::control::table::siemens::SiemensTable::close`]): then the point behind it is kept where it is there. End words
 /// between sections are ignored, but data behind the last one are refused: a file that goes
 /// on without one is not complete
 pub fn read_out(
@@ -147,29 +137,19 @@ pub fn has_active_data(file: &str, text: &str) -> bool {
 }
 
 /// A file while it is being read.
+#[derive(Default)]
 struct Reader<'a> {
     file: &'a str,
     text: &'a str,
     memory: Memory,
     complaints: Vec<Complaint>,
-    notes: Vec<Finding>,
-    read_out: ReadOut,
     statements: usize,
     ended: bool,
 }
 
 impl<'a> Reader<'a> {
     fn new(writer: Writer, file: &'a str, text: &'a str) -> Self {
-        Reader {
-            file,
-            text,
-            memory: Memory::new(writer),
-            complaints: Vec::new(),
-            notes: Vec::new(),
-            read_out: ReadOut::default(),
-            statements: 0,
-            ended: false,
-        }
+        Reader { file, text, memory: Memory::new(writer), ..Reader::default() }
     }
 
     /// Reads every line: a word that is not known could move the machine.
@@ -216,7 +196,7 @@ impl<'a> Reader<'a> {
             Statement::End => self.ended = true,
             Statement::Stop => {
                 let file = self.file.to_string();
-                self.notes.push(ReadFinding::Stops { file }.into());
+                self.memory.all.notes.push(ReadFinding::Stops { file }.into());
             }
             Statement::Activate => self.memory.activate(),
             Statement::Set(set) => self.memory.set(&set)?,
@@ -235,18 +215,19 @@ impl<'a> Reader<'a> {
             }
             if header(&self.text[line.clone()]).is_some() {
                 has_headers = true;
-                self.read_out.programs.extend(program.map(str::to_string));
+                self.memory.all.read_out.programs.extend(program.map(str::to_string));
             }
             let (concern, code) = concern(self.text, &line);
-            self.read_out.programs_write_tables |= program.is_some() && concern == Concern::Table;
+            self.memory.all.read_out.programs_write_tables |=
+                program.is_some() && concern == Concern::Table;
             if program.is_some() && !reads_programs {
                 continue;
             }
             match concern {
                 Concern::Nothing => continue,
-                Concern::PassedOver => self.read_out.passed_over += 1,
-                Concern::Unit(unit) if self.read_out.units.contains(&unit) => {}
-                Concern::Unit(unit) => self.read_out.units.push(unit),
+                Concern::PassedOver => self.memory.all.read_out.passed_over += 1,
+                Concern::Unit(unit) if self.memory.all.read_out.units.contains(&unit) => {}
+                Concern::Unit(unit) => self.memory.all.read_out.units.push(unit),
                 Concern::End => {
                     self.ended = true;
                     behind_end.clear();
@@ -272,10 +253,10 @@ impl<'a> Reader<'a> {
             }
         }
         if !has_headers && is_program(self.file) {
-            self.read_out.programs.push(self.file.to_string());
+            self.memory.all.read_out.programs.push(self.file.to_string());
         }
         self.complaints.append(&mut behind_end);
-        if !self.ended && (has_data || self.read_out.programs.is_empty()) {
+        if !self.ended && (has_data || self.memory.all.read_out.programs.is_empty()) {
             self.complaints.push(no_end(self.text.len()));
         }
         self.finish()
@@ -284,15 +265,9 @@ impl<'a> Reader<'a> {
     fn finish(mut self) -> Result<SiemensContents, Problems> {
         if let Some(variable) = self.memory.waiting() {
             let file = self.file.to_string();
-            self.notes.push(ReadFinding::ActsLater { file, variable }.into());
+            self.memory.all.notes.push(ReadFinding::ActsLater { file, variable }.into());
         }
-        let mut contents = self.memory.finish(&mut self.complaints);
-        contents.notes = self.notes;
-        contents.read_out = ReadOut {
-            without_grid: contents.read_out.without_grid,
-            twice: contents.read_out.twice,
-            ..self.read_out
-        };
+        let contents = self.memory.finish(&mut self.complaints);
         let problems = located(self.file, self.text, self.complaints);
         problems.or_ok(contents)
     }

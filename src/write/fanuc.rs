@@ -6,7 +6,7 @@ mod proof;
 mod requirements;
 mod tables;
 
-use self::numbers::{Space, is_four_point};
+use self::numbers::is_four_point;
 use self::tables::Writer;
 use crate::control::controller::{ControlUnit, FanucFacts, Mechanism};
 use crate::control::table::Tables;
@@ -74,9 +74,7 @@ impl Family for FanucFacts {
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         let mut problems = Problems::none();
-        let mut space =
-            Space::reserving(task.job.compensation.reserved_points.as_deref().unwrap_or_default());
-        let runs = numbers::runs(task, plan, self, &mut space, &mut problems);
+        let (runs, space) = numbers::runs(task, plan, self, &mut problems);
         let mut out = Writer {
             task,
             plan,

@@ -15,13 +15,11 @@ use self::parameters::{
     assumptions, at_reference, backlash_text, is_lec, largest_sum_um, preconditions,
 };
 use crate::control::control_state::ControlState;
-use crate::control::controller::{ControlUnit, Mechanism, SiemensFacts, TableSign};
+use crate::control::controller::{ControlUnit, Mechanism, SiemensFacts};
 use crate::control::table::Tables;
-use crate::control::table::siemens::{
-    CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
-};
+use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable, SiemensTables};
 use crate::inputs::job::Compensation;
-use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::quantity::axis::ErrorTerm;
 use crate::quantity::units::{Deviation, UM_PER_MM, power_of_ten};
 use crate::text::problem::Problems;
 use crate::write::compiled::{Compiled, Placement, control_state};
@@ -71,30 +69,36 @@ impl Family for SiemensFacts {
     }
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
-        let mut tables = SiemensTables::default();
-        let mut placements = Vec::new();
+        let (mut tables, mut placements) = (Vec::new(), Vec::new());
         let mut number = task.job.compensation.first_table.unwrap_or(0);
         let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
         let count_um = um_per_unit / power_of_ten(self.value_decimals.value);
         for planned in &plan.tables {
             let mut places = Vec::new();
             for output in &plan.names[planned.term.of] {
-                if is_lec(planned) {
-                    let table = lec_table(task, self, planned, output);
-                    places.push(table.name());
-                    tables.lec.push(table);
-                } else {
-                    places.push(format!("CEC table {number}"));
-                    let base = plan.base_of(planned.term, output);
-                    let table = cec_table(task, self, planned, (base, output), number);
-                    tables.cec.push(table);
-                    number += 1;
-                }
+                let place = match is_lec(planned) {
+                    true => {
+                        let encoder = encoder(task, planned.term.of);
+                        Place::Lec { axis: output.clone(), encoder }
+                    }
+                    false => Place::Cec(number),
+                };
+                number += u32::from(place.cec().is_some());
+                places.push(place.name());
+                tables.push(SiemensTable {
+                    input_axis: plan.base_of(planned.term, output).to_string(),
+                    output_axis: output.clone(),
+                    grid: siemens_grid(&planned.grid),
+                    values: values(task, self, &planned.values, &place),
+                    direction: planned.direction,
+                    multiply_by: 0,
+                    modulo: false,
+                    place,
+                });
             }
             placements.push(Placement::of(planned, places.join(", "), count_um));
         }
-        let place = |table: &LecTable| (table.axis.clone(), table.encoder);
-        tables.lec.sort_by_key(place);
+        let tables = SiemensTables::of(tables);
         check_sum(task, &tables, self)?;
         let backlash = |um: f64| backlash_text(task, um).1;
         Ok(Compiled {
@@ -113,9 +117,9 @@ impl Family for SiemensFacts {
             return true;
         };
         match mechanism {
-            Mechanism::EncComp => !tables.lec.is_empty(),
-            Mechanism::Cec => !tables.cec.is_empty(),
-            Mechanism::CecProducts => tables.cec.iter().any(|table| table.multiply_by != 0),
+            Mechanism::EncComp => tables.lec().next().is_some(),
+            Mechanism::Cec => tables.cec().next().is_some(),
+            Mechanism::CecProducts => tables.tables.iter().any(|table| table.multiply_by != 0),
             _ => true,
         }
     }
@@ -141,20 +145,7 @@ impl Family for SiemensFacts {
         let Tables::Siemens(tables) = tables else {
             return Vec::new();
         };
-        let lec = tables.lec.iter().map(|table| {
-            let values = shown(state, &table.axis, &table.grid, &table.values, "");
-            format!("{}: {values}", table.name())
-        });
-        let cec = tables.cec.iter().map(|table| {
-            let way = match table.direction {
-                CecDirection::Both => "",
-                CecDirection::Plus => ", having come there in +",
-                CecDirection::Minus => ", having come there in -",
-            };
-            let values = shown(state, &table.input_axis, &table.grid, &table.values, way);
-            format!("{} on {}: {values}", table.name(), table.output_axis)
-        });
-        lec.chain(cec).collect()
+        tables.tables.iter().map(|table| shown(state, table)).collect()
     }
 
     /// Every physical axis of the term has the bump, so that the two sides of a gantry move alike; CEC tables
@@ -162,39 +153,26 @@ impl Family for SiemensFacts {
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
         let kit: &SiemensTables = proof.kit.own()?;
         let pairs = axis_pairs(&proof.plan.names, proof.term);
-        let contents = |pair: (&str, &str), sign: TableSign, count: usize| {
-            let deviations = proof.deviations(pairs.contains(&pair), count);
-            values(proof.task, self, &deviations, sign)
-        };
-        let mut tables = SiemensTables::default();
-        if proof.mechanism == Mechanism::EncComp {
-            tables.lec.clone_from(&kit.lec);
-        } else {
-            tables.cec.clone_from(&kit.cec);
-        }
-        for table in &mut tables.lec {
-            let pair = (table.axis.as_str(), table.axis.as_str());
-            table.values = contents(pair, self.lec_sign.value, table.values.len());
-        }
-        for table in &mut tables.cec {
+        let is_lec = proof.mechanism == Mechanism::EncComp;
+        let own = kit.tables.iter().filter(|table| table.place.lec().is_some() == is_lec);
+        let with_bump = own.map(|table| {
             let pair = (table.input_axis.as_str(), table.output_axis.as_str());
-            table.values = contents(pair, self.cec_sign.value, table.values.len());
-        }
-        Some(Tables::Siemens(tables))
+            let deviations = proof.deviations(pairs.contains(&pair), table.values.len());
+            let values = values(proof.task, self, &deviations, &table.place);
+            SiemensTable { values, ..table.clone() }
+        });
+        Some(Tables::Siemens(SiemensTables { tables: with_bump.collect() }))
     }
 }
 
 /// Positions in inch are rounded to six decimals.
 const ROUNDING_MM: f64 = 1e-3;
 
-/// `0.018 mm with AX1 at 900 mm; 0 mm with AX1 at its reference point`.
-fn shown(
-    state: &ControlState,
-    base: &str,
-    grid: &SiemensGrid,
-    values: &[Option<f64>],
-    way: &str,
-) -> String {
+/// `CEC table 3 on AX2: 0.018 mm with AX1 at 900 mm; 0 mm with AX1 at its reference point`.
+fn shown(state: &ControlState, table: &SiemensTable) -> String {
+    let SiemensTable { place, input_axis: base, grid, values, .. } = table;
+    let on = place.cec().map_or(String::new(), |_| format!(" on {}", table.output_axis));
+    let way = table.direction.map_or(String::new(), |way| format!(", having come there in {way}"));
     let unit = state.unit.word();
     let written = values.iter().enumerate();
     let written = written.filter_map(|(i, v)| Some((i, (*v)?)));
@@ -209,45 +187,13 @@ fn shown(
     let written = written.filter(|(index, _)| is_reached(*index));
     let larger = |a: (usize, f64), b: (usize, f64)| if b.1.abs() > a.1.abs() { b } else { a };
     let (index, largest) = written.reduce(larger).unwrap_or_default();
-    let zero = at_reference(state, base, grid, values);
-    let [largest, place, zero] =
+    let zero = at_reference(state, table);
+    let [largest, at, zero] =
         [largest, grid.position(index), zero].map(|number| trimmed(number, 6));
     format!(
-        "{largest} {unit} with {base} at {place} {unit}{way}; {zero} {unit} with {base} at its reference point{way}"
+        "{}{on}: {largest} {unit} with {base} at {at} {unit}{way}; {zero} {unit} with {base} at its reference point{way}",
+        place.name()
     )
-}
-
-fn lec_table(task: Task<'_>, facts: &SiemensFacts, planned: &PlannedTable, axis: &str) -> LecTable {
-    LecTable {
-        encoder: encoder(task, planned.term.of),
-        axis: axis.to_string(),
-        grid: siemens_grid(&planned.grid),
-        values: values(task, facts, &planned.values, facts.lec_sign.value),
-        modulo: false,
-    }
-}
-
-fn cec_table(
-    task: Task<'_>,
-    facts: &SiemensFacts,
-    planned: &PlannedTable,
-    (input, output): (&str, &str),
-    number: u32,
-) -> CecTable {
-    CecTable {
-        number,
-        input_axis: input.to_string(),
-        output_axis: output.to_string(),
-        grid: siemens_grid(&planned.grid),
-        values: values(task, facts, &planned.values, facts.cec_sign.value),
-        direction: match planned.direction {
-            None => CecDirection::Both,
-            Some(Direction::Plus) => CecDirection::Plus,
-            Some(Direction::Minus) => CecDirection::Minus,
-        },
-        multiply_by: 0,
-        modulo: false,
-    }
 }
 
 /// MIN, STEP and MAX in the control's unit, from whole last digits so that (MAX − MIN)/STEP is a
@@ -265,8 +211,9 @@ fn values(
     task: Task<'_>,
     facts: &SiemensFacts,
     deviations: &[Deviation],
-    sign: TableSign,
+    place: &Place,
 ) -> Vec<Option<f64>> {
+    let (sign, _) = facts.of_place(place);
     let per_unit = power_of_ten(facts.value_decimals.value);
     let um_per_unit = task.job.compensation.control_unit.in_mm() * UM_PER_MM;
     deviations

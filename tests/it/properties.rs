@@ -259,8 +259,7 @@ proptest! {
         let text = job(&rails, "siemens-840d-sl", keys, grid, "");
         let (inputs, kit) = support::generate(&text, &csv(&rails, METRIC));
         let Tables::Siemens(tables) = support::loaded(&inputs.profile, &kit) else { panic!("tables of another control") };
-        let points: Vec<usize> = tables.lec.iter().map(|t| t.values.len())
-            .chain(tables.cec.iter().map(|t| t.values.len())).collect();
+        let points: Vec<usize> = tables.tables.iter().map(|t| t.values.len()).collect();
         let texts = ["NONIUS_EEC.MPF", "NONIUS_CEC.MPF"].map(|path| support::text_of(&kit, path)).concat();
         let of = |key: &str| -> Vec<i64> {
             texts.lines().filter(|l| l.contains(&format!("_{key}["))).map(millionths).collect()

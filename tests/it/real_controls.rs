@@ -86,14 +86,13 @@ fn told(active: &ActiveControl) -> String {
     };
     match &active.tables {
         Tables::Siemens(tables) => {
-            for table in &tables.lec {
-                let range = range(table.grid, table.values.len());
-                said += &format!("ENC_COMP[{},{}]: {range}\n", table.encoder, table.axis);
-            }
-            for table in &tables.cec {
+            for table in &tables.tables {
                 let (from, to) = (&table.input_axis, &table.output_axis);
                 let range = range(table.grid, table.values.len());
-                said += &format!("CEC {}: {from} -> {to}, {range}\n", table.number);
+                said += &match table.place.cec() {
+                    None => format!("ENC_COMP[{}]: {range}\n", table.place.index()),
+                    Some(number) => format!("CEC {number}: {from} -> {to}, {range}\n"),
+                };
             }
         }
         Tables::Fanuc(memory) => {

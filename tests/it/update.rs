@@ -213,7 +213,7 @@ fn a_parameter_that_acted_without_tables_is_in_the_new_ones() {
     };
     let four_um = "active_backlash_um = { x = 4.0 }";
     let minus_at_reference = |kit: &Kit| match &kit.compiled.tables {
-        Tables::Siemens(tables) => tables.cec[1].values[0].unwrap(),
+        Tables::Siemens(tables) => tables.cec().nth(1).unwrap().values[0].unwrap(),
         _ => panic!("it is a Siemens control"),
     };
     let (zero, four) = (with("two-tables", ""), with("two-tables", four_um));

@@ -3,7 +3,7 @@
 use super::fact::{Fact, Facts, Mechanism, Outside, TableForm, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
 use crate::control::table::Tables;
-use crate::control::table::siemens::SiemensTables;
+use crate::control::table::siemens::{Place, SiemensTables};
 use crate::text::document::section;
 use crate::text::words::words;
 
@@ -12,7 +12,7 @@ pub(super) static FAMILY: Family = Family {
     backlash_parameter: "backlash parameter (MD32450)",
     between: "linear",
     outside: &[Outside::Hold],
-    no_tables: Tables::Siemens(SiemensTables { lec: Vec::new(), cec: Vec::new() }),
+    no_tables: Tables::Siemens(SiemensTables::NONE),
     off: "0",
     restarts: false,
     off_by_hand: ", see to it by hand",
@@ -86,5 +86,15 @@ section! {
         pub multiply_mode: Fact<MultiplyMode> = stated(), must;
         /// Whether a table used as a factor also contributes by itself.
         pub factor_contributes: Fact<bool> = stated(), must;
+    }
+}
+
+impl SiemensFacts {
+    /// Sense of the values of a table, and how many points it has at most.
+    pub(crate) fn of_place(&self, place: &Place) -> (TableSign, u32) {
+        match place {
+            Place::Lec { .. } => (self.lec_sign.value, self.lec_points.value),
+            Place::Cec(_) => (self.cec_sign.value, self.cec_points.value),
+        }
     }
 }

@@ -3,6 +3,10 @@
 //!
 //! Positions and values are in the control's basic unit (mm or inch), as in the file.
 
+use crate::quantity::axis::Direction;
+use std::collections::BTreeMap;
+use std::fmt;
+
 /// The grid of a table: `min`, `min + step`, … `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SiemensGrid {
@@ -51,22 +55,6 @@ impl SiemensGrid {
     }
 }
 
-/// One measuring-system error compensation table, `$AA_ENC_COMP[e,N,axis]`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LecTable {
-    /// Index of the measuring system in the file: 0 = first, 1 = second.
-    pub encoder: u32,
-    /// Name of the axis, upper case.
-    pub axis: String,
-    /// The grid.
-    pub grid: SiemensGrid,
-    /// Value of each point from index 0; `None` where the file does not write it (the control
-    /// would keep what it holds).
-    pub values: Vec<Option<f64>>,
-    /// `$AA_ENC_COMP_IS_MODULO`.
-    pub modulo: bool,
-}
-
 /// A grid whose MAX lies between two points, as real controls hold it, and what is not known of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OpenEnd {
@@ -79,89 +67,150 @@ pub struct OpenEnd {
     pub differs_by: Option<f64>,
 }
 
-/// Grid and values as they are taken to act, and the open end: where MAX lies between two points, the
-/// value of the last one before it is held.
-///
-/// limits no available manual says what a control does there
-pub fn closed(
-    grid: SiemensGrid,
-    values: &[Option<f64>],
-) -> Option<(SiemensGrid, Vec<Option<f64>>, OpenEnd)> {
-    if grid.is_whole() {
-        return None;
-    }
-    let point = grid.last_whole_point();
-    let count = usize::try_from(point).unwrap_or(usize::MAX).saturating_add(1);
-    let at = |index: usize| values.get(index).copied().flatten();
-    let from = grid.position(count - 1);
-    let part = (grid.max - from) / grid.step;
-    let last = at(count - 1);
-    let differs_by = at(count).and_then(|next| Some((next - last?).abs() * part));
-    let end = OpenEnd { point, from, differs_by };
-    let closed = SiemensGrid { max: from, ..grid };
-    Some((closed, values[..count.min(values.len())].to_vec(), end))
+/// Where a table stands in the control: tables of ENC_COMP first, in the order of their axes.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Place {
+    /// `$AA_ENC_COMP[e,N,axis]`, measuring-system error compensation.
+    Lec {
+        /// Name of the axis, upper case.
+        axis: String,
+        /// Index of the measuring system in the file: 0 = first, 1 = second.
+        encoder: u32,
+    },
+    /// `$AN_CEC[t,N]`, cross-error compensation: table index t, from 0.
+    Cec(u32),
 }
 
-impl LecTable {
-    /// What people call it: `ENC_COMP[0,AX1]`.
+impl Place {
+    /// What stands in brackets: `0,AX1` or `3`.
+    pub fn index(&self) -> String {
+        match self {
+            Place::Lec { axis, encoder } => format!("{encoder},{axis}"),
+            Place::Cec(number) => number.to_string(),
+        }
+    }
+
+    /// Axis and measuring system of an ENC_COMP table.
+    pub fn lec(&self) -> Option<(&String, u32)> {
+        match self {
+            Place::Lec { axis, encoder } => Some((axis, *encoder)),
+            Place::Cec(_) => None,
+        }
+    }
+
+    /// The number of a CEC table.
+    pub fn cec(&self) -> Option<u32> {
+        match self {
+            Place::Lec { .. } => None,
+            Place::Cec(number) => Some(*number),
+        }
+    }
+
+    /// What people call its table: `ENC_COMP[0,AX1]`, `CEC table 3`.
     pub(crate) fn name(&self) -> String {
-        format!("ENC_COMP[{},{}]", self.encoder, self.axis)
+        match self {
+            Place::Lec { .. } => format!("ENC_COMP[{}]", self.index()),
+            Place::Cec(number) => format!("CEC table {number}"),
+        }
     }
 }
 
-/// When a CEC table acts (`$AN_CEC_DIRECTION`).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum CecDirection {
-    /// 0: whichever way the base axis moves.
-    Both,
-    /// 1: only while the base axis moves in +.
-    Plus,
-    /// −1: only while the base axis moves in −.
-    Minus,
+/// As files write it behind `$`: `AA_ENC_COMP[0,AX1]`, `AN_CEC[3]`.
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let array = if self.cec().is_some() { "AN_CEC" } else { "AA_ENC_COMP" };
+        write!(f, "{array}[{}]", self.index())
+    }
 }
 
-/// One cross-error compensation table, `$AN_CEC[t,N]`.
+/// A table of ENC_COMP or CEC.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CecTable {
-    /// Table index t, from 0.
-    pub number: u32,
-    /// Name of the base axis, upper case.
+pub struct SiemensTable {
+    /// Where it stands.
+    pub place: Place,
+    /// Name of the base axis, upper case; of ENC_COMP the axis itself.
     pub input_axis: String,
-    /// Name of the corrected axis, upper case.
+    /// Name of the corrected axis, upper case; of ENC_COMP the axis itself.
     pub output_axis: String,
     /// The grid on the base axis.
     pub grid: SiemensGrid,
-    /// Value of each point from index 0.
+    /// Value of each point from index 0; `None` where the file does not write it (the control
+    /// would keep what it holds).
     pub values: Vec<Option<f64>>,
-    /// When it acts.
-    pub direction: CecDirection,
+    /// While the base axis moves so alone (`$AN_CEC_DIRECTION`: 1, -1); `None` = 0, whichever way it moves.
+    pub direction: Option<Direction>,
     /// `$AN_CEC_MULT_BY_TABLE`: index + 1 of the factor table; 0 = none.
     pub multiply_by: u32,
-    /// `$AN_CEC_IS_MODULO`.
+    /// `$AA_ENC_COMP_IS_MODULO`, `$AN_CEC_IS_MODULO`.
     pub modulo: bool,
 }
 
-impl CecTable {
-    /// What people call it: `CEC table 3`.
-    pub(crate) fn name(&self) -> String {
-        format!("CEC table {}", self.number)
+impl SiemensTable {
+    /// Leaves grid and values as they are taken to act; gives the open end: where MAX lies between two points,
+    /// the value of the last one before it is held.
+    ///
+    /// limits no available manual says what a control does there
+    pub fn close(&mut self) -> Option<OpenEnd> {
+        if self.grid.is_whole() {
+            return None;
+        }
+        let point = self.grid.last_whole_point();
+        let last = usize::try_from(point).unwrap_or(usize::MAX - 1);
+        let at = |index: usize| self.values.get(index).copied().flatten();
+        let from = self.grid.position(last);
+        let part = (self.grid.max - from) / self.grid.step;
+        let next = at(last + 1).zip(at(last));
+        let differs_by = next.map(|(next, last)| (next - last).abs() * part);
+        self.grid.max = from;
+        self.values.truncate(last + 1);
+        Some(OpenEnd { point, from, differs_by })
+    }
+
+    /// `$AN_CEC_DIRECTION` as files write it.
+    pub fn direction_text(&self) -> &'static str {
+        match self.direction {
+            None => "0",
+            Some(Direction::Plus) => "1",
+            Some(Direction::Minus) => "-1",
+        }
     }
 }
 
 /// All tables of a kit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SiemensTables {
-    /// ENC_COMP tables.
-    pub lec: Vec<LecTable>,
-    /// CEC tables.
-    pub cec: Vec<CecTable>,
+    /// Ascending by place.
+    pub tables: Vec<SiemensTable>,
 }
 
 impl SiemensTables {
+    /// No table.
+    pub(crate) const NONE: SiemensTables = SiemensTables { tables: Vec::new() };
+
+    /// Tables in any order.
+    pub fn of(mut tables: Vec<SiemensTable>) -> SiemensTables {
+        tables.sort_by(|a, b| a.place.cmp(&b.place));
+        SiemensTables { tables }
+    }
+
+    /// The table at a place.
+    pub fn at(&self, place: &Place) -> Option<&SiemensTable> {
+        self.tables.iter().find(|table| table.place == *place)
+    }
+
+    /// ENC_COMP tables.
+    pub fn lec(&self) -> impl Iterator<Item = &SiemensTable> {
+        self.tables.iter().filter(|table| table.place.cec().is_none())
+    }
+
+    /// CEC tables.
+    pub fn cec(&self) -> impl Iterator<Item = &SiemensTable> {
+        self.tables.iter().filter(|table| table.place.cec().is_some())
+    }
+
     /// The axes that CEC tables correct, each once.
     pub(crate) fn cec_outputs(&self) -> Vec<String> {
-        let outputs = self.cec.iter().map(|table| table.output_axis.clone());
-        let mut outputs: Vec<String> = outputs.collect();
+        let mut outputs: Vec<String> = self.cec().map(|table| table.output_axis.clone()).collect();
         outputs.sort_unstable();
         outputs.dedup();
         outputs
@@ -172,8 +221,8 @@ impl SiemensTables {
     ///
     /// unit   as in the file
     pub(crate) fn largest_cec_sum(&self, output: &str) -> f64 {
-        let mut of_base: std::collections::BTreeMap<&str, f64> = Default::default();
-        for table in self.cec.iter().filter(|t| t.output_axis == output) {
+        let mut of_base: BTreeMap<&str, f64> = BTreeMap::new();
+        for table in self.cec().filter(|t| t.output_axis == output) {
             let largest = of_base.entry(&table.input_axis).or_default();
             *largest =
                 table.values.iter().flatten().map(|value| value.abs()).fold(*largest, f64::max);

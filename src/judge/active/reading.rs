@@ -7,7 +7,7 @@ use crate::control::table::Tables;
 use crate::inputs::job::{ActiveTables, Job};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::read::siemens::{MachineDatum, MachineValue};
+use crate::read::siemens::MachineDatum;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::stated_control;
@@ -91,25 +91,6 @@ impl Held {
     /// Tables of a control whose switches are in them, or that has none.
     pub(crate) fn plain(tables: Tables) -> Held {
         Held { tables, data: Vec::new(), without_grid: Vec::new() }
-    }
-
-    /// A machine or setting datum.
-    pub(crate) fn datum(&self, name: &str, indices: &[String]) -> Option<&MachineDatum> {
-        let same = |datum: &&MachineDatum| datum.name == name && datum.indices == indices;
-        self.data.iter().find(same)
-    }
-
-    /// The number that a machine or setting datum holds.
-    pub(crate) fn number(&self, name: &str, indices: &[String]) -> Option<f64> {
-        match self.datum(name, indices)?.value {
-            MachineValue::Number(number) => Some(number),
-            MachineValue::Text(_) => None,
-        }
-    }
-
-    /// Whether a switch was read out and stands at 0.
-    pub(crate) fn is_off(&self, name: &str, indices: &[String]) -> bool {
-        self.number(name, indices).is_some_and(|value| value <= 0.0)
     }
 }
 

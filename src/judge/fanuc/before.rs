@@ -1,13 +1,22 @@
 //! What a kit changes on a Fanuc control: parameters and points, 3605, 1851 and 1852.
 
 use crate::control::table::Tables;
-use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
-use crate::judge::before::{Before, ChangedBy, Lacking, Old, unknown};
-use crate::quantity::axis::Axis;
+use crate::control::table::fanuc::{FanucMemory, ParameterKey};
+use crate::judge::before::{Before, ChangedBy, Old, unknown};
 
-/// The magnification of the pitch points of an axis, and the moving axes of straightness sets: what
-/// a person sets to 0 to switch an old compensation off.
-const OFF_BY: [std::ops::RangeInclusive<u32>; 2] = [3623..=3623, 5711..=5720];
+/// What makes old compensation act that the new files do not overwrite: the magnification of the pitch points
+/// of an axis, and the moving axes of straightness sets. A person sets it to 0.
+pub(super) fn left_over(
+    old: &FanucMemory,
+    new: &FanucMemory,
+) -> impl Iterator<Item = ParameterKey> {
+    let stays = |key: &&ParameterKey| {
+        let is_switch = matches!((key.number, key.axis), (3623, Some(_)) | (5711..=5720, None));
+        let acts = old.whole(key.number, key.axis).is_some_and(|value| value != 0);
+        is_switch && acts && !new.parameters.contains_key(key)
+    };
+    old.parameters.keys().filter(stays).copied()
+}
 
 /// Of the tables of a kit, of those held and of those that acted.
 pub(super) fn old(
@@ -29,18 +38,16 @@ pub(super) fn old(
     if !missing.is_empty() {
         return Err(missing);
     }
-    let mut lacking: Vec<Lacking> = Vec::new();
+    let mut lacking = Vec::new();
     for (key, by) in changed_by_hand(before, kit, acted) {
         match held.parameters.get(&key) {
-            Some(value) => {
-                old.parameters.insert(key, *value);
-            }
+            Some(value) => _ = old.parameters.insert(key, *value),
             None if by == ChangedBy::Nobody => {}
             None => {
-                let axis = key.axis.map(|axis| axis.to_string());
-                let of = if axis.is_some() { " of axis " } else { "" };
-                let name = format!("{}{of}", key.number);
-                lacking.push((name, axis.unwrap_or_default(), ChangedBy::Precondition));
+                let words = key.words();
+                let of_axis = words.rfind(' ').map_or(words.len(), |at| at + 1);
+                let (name, axis) = words.split_at(of_axis);
+                lacking.push((name.to_string(), axis.to_string(), by));
             }
         }
     }
@@ -67,23 +74,11 @@ fn changed_by_hand(
             if !kit.parameters.contains_key(&of_axis(3605)) {
                 list.push((of_axis(3605), ChangedBy::Precondition));
             }
-            let backlash = backlash(before, axis);
+            let backlash = before.backlash(axis);
             list.extend(backlash.map(|by| (of_axis(1851), by)));
             list.extend(backlash.map(|by| (of_axis(1852), by)));
         }
     }
-    let switches = |key: &&ParameterKey| OFF_BY.iter().any(|of| of.contains(&key.number));
-    let acts = |key: &&ParameterKey| acted.parameters[*key] != ParameterValue::Integer(0);
-    let keys = acted.parameters.keys().filter(switches).filter(acts);
-    let left_over = keys.filter(|key| !kit.parameters.contains_key(key));
-    list.extend(left_over.map(|key| (*key, ChangedBy::Precondition)));
+    list.extend(left_over(acted, kit).map(|key| (key, ChangedBy::Precondition)));
     list
-}
-
-/// Who changes 1851 and 1852 of an axis that gets pitch tables.
-fn backlash(before: &Before<'_>, axis: Axis) -> Option<ChangedBy> {
-    let own = |t: &crate::write::plan::PlannedTable| t.term.is_positioning() && t.term.of == axis;
-    before.plan.tables.iter().any(own).then(|| {
-        if before.plan.sets_backlash(axis) { ChangedBy::Precondition } else { ChangedBy::Nobody }
-    })
 }

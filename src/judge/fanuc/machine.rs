@@ -2,7 +2,7 @@
 //! travel of its axes. What is compared of the tables themselves stands in [`super::read_out`].
 
 use crate::control::controller::{ControlUnit, FanucFacts};
-use crate::control::table::fanuc::{FanucMemory, ParameterValue};
+use crate::control::table::fanuc::FanucMemory;
 use crate::inputs::job::{Job, MachineAxis};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
@@ -10,11 +10,8 @@ use crate::quantity::units::{power_of_ten, rounded};
 
 /// 1001#0 INM: whether the machine counts in inches.
 pub(super) fn unit(memory: &FanucMemory) -> Option<ControlUnit> {
-    match memory.parameter(1001, None)? {
-        ParameterValue::Bits(bits) if bits & 1 == 1 => Some(ControlUnit::Inch),
-        ParameterValue::Bits(_) => Some(ControlUnit::Millimetre),
-        _ => None,
-    }
+    let is_inch = memory.bits(1001, None)? & 1 == 1;
+    Some(if is_inch { ControlUnit::Inch } else { ControlUnit::Millimetre })
 }
 
 /// What contradicts the job, axis by axis.
@@ -55,15 +52,9 @@ struct OnControl<'a> {
 }
 
 impl OnControl<'_> {
-    fn value(&self, parameter: u32) -> Option<ParameterValue> {
-        self.memory.parameter(parameter, self.name.parse().ok())
-    }
-
-    fn whole(&self, parameter: u32) -> Option<u32> {
-        match self.value(parameter)? {
-            ParameterValue::Integer(whole) => u32::try_from(whole).ok(),
-            _ => None,
-        }
+    /// Its number.
+    fn number(&self) -> Option<u32> {
+        self.name.parse().ok()
     }
 
     /// The last digit of a length, in the unit of the control.
@@ -77,16 +68,14 @@ impl OnControl<'_> {
     /// A length in the unit of the control; a whole number counts its last digits, as 3624 does on the same
     /// control.
     fn length(&self, parameter: u32) -> Option<f64> {
-        match self.value(parameter)? {
-            ParameterValue::Integer(digits) => Some(digits as f64 * self.digit()),
-            ParameterValue::Real(length) => Some(length),
-            ParameterValue::Bits(_) => None,
-        }
+        let digits = self.memory.whole(parameter, self.number());
+        let digits = digits.map(|digits| digits as f64 * self.digit());
+        digits.or_else(|| self.memory.amount(parameter, self.number()))
     }
 
     /// 1020, the code of a letter. A slave of a gantry may have any but that of another linear axis.
     fn other_name(&self, own: Axis, is_first: bool) -> Option<InControl> {
-        let code = self.whole(1020)?;
+        let code = self.memory.count(1020, self.number())?;
         let letter = char::from_u32(code)?;
         let others = if is_first { "XYZABC" } else { "XYZ" };
         let is_other = others.contains(letter) && letter != own.letter();
@@ -108,10 +97,8 @@ impl OnControl<'_> {
 
     /// 1820 and 1013: the least command increment divided by CMR (both from memory).
     fn detection_unit(&self, own_um: f64) -> Option<InControl> {
-        let (Some(cmr), Some(ParameterValue::Bits(system))) = (self.whole(1820), self.value(1013))
-        else {
-            return None;
-        };
+        let cmr = self.memory.count(1820, self.number())?;
+        let system = self.memory.bits(1013, self.number())?;
         let (system, of_is_b) = match system & 0b1111 {
             0 => ("IS-B", 1.0),
             1 => ("IS-A", 10.0),

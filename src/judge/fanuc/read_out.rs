@@ -4,7 +4,7 @@ use super::machine;
 use crate::control::claims::Assumption;
 use crate::control::controller::{FanucFacts, NumberRange, StraightnessForm};
 use crate::control::table::Tables;
-use crate::control::table::fanuc::{FanucMemory, ParameterValue};
+use crate::control::table::fanuc::FanucMemory;
 use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
@@ -63,13 +63,6 @@ struct Sorted<'a, 'b> {
 }
 
 impl Sorted<'_, '_> {
-    fn number(&self, parameter: u32, axis: Option<u32>) -> Option<u32> {
-        match self.memory.parameter(parameter, axis)? {
-            ParameterValue::Integer(value) => u32::try_from(value).ok(),
-            _ => None,
-        }
-    }
-
     fn is_own(&self, axis: u32) -> bool {
         self.reading.has(&axis.to_string())
     }
@@ -81,56 +74,51 @@ impl Sorted<'_, '_> {
     /// Straightness sets that are not in use, or belong to other axes.
     fn take_sets(&mut self) {
         for index in 0..self.facts.straightness_sets.value {
-            let moving = self.number(5711 + index, None).unwrap_or(0);
-            let shifted = self.number(5721 + index, None).unwrap_or(0);
+            let axis = |first: u32| self.memory.count(first + index, None).unwrap_or(0);
+            let (moving, shifted) = (axis(5711), axis(5721));
             // A set without its corrected axis is not complete, which the emulation tells.
             if moving != 0 && self.is_own(moving) && (shifted == 0 || self.is_own(shifted)) {
                 continue;
             }
+            let magnification = self.facts.straightness_magnification_parameter.value + index;
+            let start = self.facts.straightness_start_parameter.value + index;
             if moving != 0 {
-                self.take_set_of_others(index + 1, moving, shifted);
-                self.reserve_set(index, moving);
+                let is_idle = self.memory.count(magnification, None) == Some(0);
+                let first = self.memory.count(start, None);
+                self.take_set_of_others(index + 1, [moving, shifted], is_idle, first);
             }
-            let four_points =
-                (0..4).flat_map(|knot| [5731, 5761].map(|first| first + 10 * index + knot));
-            let mut numbers = vec![
-                5711 + index,
-                5721 + index,
-                self.facts.straightness_magnification_parameter.value + index,
-                self.facts.straightness_start_parameter.value + index,
-            ];
+            let mut numbers = vec![5711 + index, 5721 + index, magnification, start];
             if self.facts.straightness_form.value == StraightnessForm::FourPoint {
-                numbers.extend(four_points);
+                let knots = 10 * index..10 * index + 4;
+                numbers.extend(knots.flat_map(|knot| [5731 + knot, 5761 + knot]));
             }
             self.remove(&numbers);
         }
     }
 
-    /// A set in use of which an axis is none of the job.
-    fn take_set_of_others(&mut self, set: u32, moving: u32, shifted: u32) {
+    /// A set in use of which an axis is none of the job, and its points where it has some.
+    fn take_set_of_others(
+        &mut self,
+        set: u32,
+        [moving, shifted]: [u32; 2],
+        is_idle: bool,
+        start: Option<u32>,
+    ) {
         self.reading.others.sets.push(set);
         let what = format!("straightness set {set} (axis {shifted} while axis {moving} moves)");
-        let magnification = self.facts.straightness_magnification_parameter.value + set - 1;
-        let is_idle = self.number(magnification, None) == Some(0);
+        let of_moving = |number| self.memory.count(number, Some(moving));
+        if let (StraightnessForm::PerPoint, Some(first), Some(own), Some(last)) =
+            (self.facts.straightness_form.value, start, of_moving(3621), of_moving(3622))
+        {
+            let last = first.saturating_add(last.saturating_sub(own));
+            self.reading.others.points.push(NumberRange { first, last });
+        }
         let follows = self.reading.judges() && self.is_own(shifted) && !is_idle;
         let (moving, axes) = (moving.to_string(), "axes");
         self.reading.tell(match follows {
             true => InControl::Follows { what, moving },
             false => InControl::OfOthers { what, axes },
         });
-    }
-
-    /// The points of a per-point set of other axes.
-    fn reserve_set(&mut self, index: u32, moving: u32) {
-        let start = self.number(self.facts.straightness_start_parameter.value + index, None);
-        let first = self.number(3621, Some(moving));
-        let last = self.number(3622, Some(moving));
-        if let (StraightnessForm::PerPoint, Some(start), Some(first), Some(last)) =
-            (self.facts.straightness_form.value, start, first, last)
-        {
-            let last = start.saturating_add(last.saturating_sub(first));
-            self.reading.others.points.push(NumberRange { first: start, last });
-        }
     }
 
     /// Parameters of axes that the job does not have; their points are theirs.
@@ -156,14 +144,13 @@ impl Sorted<'_, '_> {
     /// The points of an axis in use: its table, and that for travel in − where 3605#0 does not
     /// switch it off.
     fn points_of(&self, axis: u32) -> Vec<NumberRange> {
-        let number = |parameter| self.number(parameter, Some(axis));
+        let number = |parameter| self.memory.count(parameter, Some(axis));
         let (Some(1..), Some(first), Some(last)) = (number(3623), number(3621), number(3622))
         else {
             return Vec::new();
         };
         let mut points = vec![NumberRange { first, last }];
-        let bits = self.memory.parameter(3605, Some(axis));
-        let is_off = matches!(bits, Some(ParameterValue::Bits(bits)) if bits & 1 == 0);
+        let is_off = self.memory.bits(3605, Some(axis)).is_some_and(|bits| bits & 1 == 0);
         if let Some(minus) = number(3626).filter(|minus| *minus != 0 && !is_off) {
             let last = minus.saturating_add(last.saturating_sub(first));
             points.push(NumberRange { first: minus, last });
@@ -204,7 +191,7 @@ impl Sorted<'_, '_> {
         };
         let mut held = NamedBacklash::new();
         for axis in self.reading.names[axis].clone() {
-            let of = |number| self.any_number(number, &axis);
+            let of = |number| self.memory.amount(number, axis.parse().ok());
             let (cutting, rapid) = (of(1851), of(1852));
             held.push((axis.clone(), cutting.map(|counts| counts * unit_um)));
             if let (Some(cutting), Some(rapid), false) = (cutting, rapid, self.reading.judges())
@@ -214,15 +201,6 @@ impl Sorted<'_, '_> {
             }
         }
         held
-    }
-
-    /// A parameter of an axis, with or without a decimal point.
-    fn any_number(&self, parameter: u32, axis: &str) -> Option<f64> {
-        match self.memory.parameter(parameter, axis.parse().ok())? {
-            ParameterValue::Integer(whole) => Some(whole as f64),
-            ParameterValue::Real(real) => Some(real),
-            ParameterValue::Bits(_) => None,
-        }
     }
 
     /// Points without the parameters that say which axis they belong to.
@@ -241,12 +219,7 @@ impl Sorted<'_, '_> {
         self.remove(&[1001, 1013, 1020, 1240, 1320, 1321, 1820, 1851, 1852]);
         self.memory.parameters.retain(|key, value| {
             let idle = IDLE_AT_ZERO.iter().any(|(a, b)| (*a..=*b).contains(&key.number));
-            let zero = match value {
-                ParameterValue::Integer(number) => *number == 0,
-                ParameterValue::Real(number) => number.abs() <= 0.0,
-                ParameterValue::Bits(bits) => *bits == 0,
-            };
-            !(idle && zero)
+            !(idle && value.is_zero())
         });
     }
 }

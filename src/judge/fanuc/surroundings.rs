@@ -1,7 +1,7 @@
 //! What a read-out holds around the points: how the control plays them, its second backlash parameter.
 
 use crate::control::control_state::{AxisState, ControlState};
-use crate::control::table::fanuc::{FanucMemory, ParameterValue};
+use crate::control::table::fanuc::FanucMemory;
 use crate::judge::findings::InControl;
 use crate::quantity::axis::Axis;
 use crate::write::plan::Plan;
@@ -26,13 +26,9 @@ pub(super) fn found(
 /// 3605 bits 0 and 1 of an axis with a pitch table.
 fn switches(axis: &AxisState, wanted: &FanucMemory, held: &FanucMemory) -> Vec<InControl> {
     let number = axis.name.parse().ok();
-    let bits = |memory: &FanucMemory| match memory.parameter(3605, number) {
-        Some(ParameterValue::Bits(bits)) => Some(bits),
-        _ => None,
-    };
     let of_state = u8::from(axis.bidirectional) | (u8::from(axis.interpolated) << 1);
-    let asked = bits(wanted).unwrap_or(of_state) & 0b11;
-    let Some(found) = bits(held) else {
+    let asked = wanted.bits(3605, number).unwrap_or(of_state) & 0b11;
+    let Some(found) = held.bits(3605, number) else {
         return vec![InControl::NoSwitches {
             axis: axis.name.clone(),
             directions: asked & 1,
@@ -56,11 +52,7 @@ fn rapid(plan: &Plan, axis: &AxisState, held: &FanucMemory) -> Option<InControl>
         return None;
     }
     let number = axis.name.parse().ok();
-    let of = |parameter| match held.parameter(parameter, number) {
-        Some(ParameterValue::Integer(counts)) => Some(counts.to_string()),
-        Some(ParameterValue::Real(counts)) => Some(counts.to_string()),
-        _ => None,
-    };
+    let of = |parameter| Some(held.amount(parameter, number)?.to_string());
     let (axis, cutting) = (axis.name.clone(), of(1851));
     match of(1852) {
         None => cutting.map(|_| InControl::NoRapid { axis }),

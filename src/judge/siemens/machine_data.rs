@@ -1,26 +1,28 @@
 //! The machine data that files set: switches and memory of the job's tables, and nothing else.
 
-use super::data::{CEC_ON, CEC_POINTS, Datum, LEC_ON, LEC_POINTS, TABLE_ON};
+use super::data::{CEC_ON, Datum, of_place, variable};
 use crate::control::controller::{Role, SiemensFacts};
-use crate::control::table::siemens::SiemensTables;
+use crate::control::table::siemens::{SiemensTable, SiemensTables};
 use crate::judge::findings::{Difference, InControl};
 use crate::read::FileData;
 use crate::read::siemens::{MachineDatum, MachineValue};
 use crate::text::finding::Finding;
+use std::ops::RangeInclusive;
 
 /// A machine or setting datum of the job.
 struct Owned {
     datum: Datum,
-    indices: Vec<String>,
+    index: String,
     /// What it belongs to.
     of: String,
-    /// Points to reserve; a switch needs none.
-    points: usize,
+    /// What a file has to set, and the same in words.
+    right: RangeInclusive<f64>,
+    expected: String,
 }
 
 impl Owned {
     fn is(&self, datum: &MachineDatum) -> bool {
-        self.datum.1 == datum.name && self.indices == datum.indices
+        variable(self.datum, &self.index) == datum.variable
     }
 }
 
@@ -34,35 +36,37 @@ const TASKS: [(Role, &str, &str, &str); 3] = [
 /// MD32700, SD41300 and MD32710 of the job's tables in the files that switch them; MD38000 and, where
 /// it is not fixed, MD18342 in the one that reserves their memory.
 fn owned(role: Role, wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned> {
-    let (of_lec, of_cec) = match role {
-        Role::Enable | Role::Disable => (LEC_ON, TABLE_ON),
-        Role::Parameters => (LEC_POINTS, CEC_POINTS),
-        Role::Table | Role::Rollback | Role::SignProof | Role::Checklist | Role::Report => {
-            return Vec::new();
-        }
+    let switched = match role {
+        Role::Enable => 1.0,
+        Role::Disable => 0.0,
+        Role::Parameters => return memory(wanted, facts),
+        _ => return Vec::new(),
     };
-    let lec = wanted.lec.iter().map(|table| Owned {
-        datum: of_lec,
-        indices: vec![table.encoder.to_string(), table.axis.clone()],
-        of: table.name(),
-        points: table.values.len(),
-    });
-    let cec = wanted.cec.iter().map(|table| Owned {
-        datum: of_cec,
-        indices: vec![table.number.to_string()],
-        of: table.name(),
-        points: table.values.len(),
-    });
-    let reserves = role == Role::Parameters;
-    let cec = cec.filter(|_| !reserves || !facts.cec_memory_fixed.value);
-    let outputs = wanted.cec_outputs().into_iter().filter(|_| !reserves);
-    let axes = outputs.map(|axis| Owned {
-        datum: CEC_ON,
-        of: format!("CEC of axis {axis}"),
-        indices: vec![axis],
-        points: 0,
-    });
-    lec.chain(cec).chain(axes).collect()
+    let own = |datum, index, of| Owned {
+        datum,
+        index,
+        of,
+        right: switched..=switched,
+        expected: switched.to_string(),
+    };
+    let places = wanted.tables.iter().map(|table| &table.place);
+    let tables = places.map(|place| own(of_place(place)[0], place.index(), place.name()));
+    let outputs = wanted.cec_outputs().into_iter();
+    let axes = outputs.map(|axis| own(CEC_ON, axis.clone(), format!("CEC of axis {axis}")));
+    tables.chain(axes).collect()
+}
+
+fn memory(wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned> {
+    let is_set =
+        |table: &&SiemensTable| table.place.cec().is_none() || !facts.cec_memory_fixed.value;
+    let own = |table: &SiemensTable| Owned {
+        datum: of_place(&table.place)[1],
+        index: table.place.index(),
+        of: table.place.name(),
+        right: table.values.len() as f64..=f64::INFINITY,
+        expected: format!("at least {}", table.values.len()),
+    };
+    wanted.tables.iter().filter(is_set).map(own).collect()
 }
 
 /// What files set that the job does not own, and what they do not set though they should.
@@ -73,8 +77,8 @@ pub(super) fn differences(
     facts: &SiemensFacts,
 ) -> Vec<Difference> {
     let switches_off = |datum: &MachineDatum| {
-        let (variable, off) = (datum.variable(), datum.value == MachineValue::Number(0.0));
-        off && stale.iter().any(|switch| switch.ends_with(&format!(" {variable}")))
+        let ends = format!(" {}", datum.variable);
+        datum.value == MachineValue::Number(0.0) && stale.iter().any(|own| own.ends_with(&ends))
     };
     let foreign = files.iter().filter_map(|file| {
         let owned = owned(file.role, wanted, facts);
@@ -83,7 +87,8 @@ pub(super) fn differences(
             !is_old && !owned.iter().any(|own| own.is(datum))
         };
         let foreign = file.data.iter().filter(is_foreign);
-        let foreign = foreign.map(|datum| format!("{} = {}", datum.variable(), text(&datum.value)));
+        let foreign =
+            foreign.map(|MachineDatum { variable, value }| format!("{variable} = {value}"));
         let data: Vec<String> = foreign.collect();
         let file = file.path.clone();
         (!data.is_empty()).then_some(Difference::SetsMore { file, data })
@@ -93,35 +98,22 @@ pub(super) fn differences(
         let of_role: Vec<&FileData> = files.iter().filter(|file| file.role == role).collect();
         if !of_role.is_empty() {
             let data: Vec<&MachineDatum> = of_role.iter().flat_map(|file| &file.data).collect();
-            found.extend(wrong(role, not, &owned(role, wanted, facts), &data));
+            found.extend(wrong(not, &owned(role, wanted, facts), &data));
         }
     }
     found
 }
 
 /// Once for all data that stand alike.
-fn wrong(
-    role: Role,
-    task: &'static str,
-    owned: &[Owned],
-    data: &[&MachineDatum],
-) -> Vec<Difference> {
+fn wrong(task: &'static str, owned: &[Owned], data: &[&MachineDatum]) -> Vec<Difference> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for own in owned {
-        let value = data.iter().rev().find(|datum| own.is(datum)).map(|d| &d.value);
-        let (is_right, expected) = match (role, value) {
-            (Role::Parameters, Some(MachineValue::Number(points))) => {
-                (*points >= own.points as f64, format!("at least {}", own.points))
-            }
-            (Role::Parameters, _) => (false, format!("at least {}", own.points)),
-            (Role::Enable, _) => (value == Some(&MachineValue::Number(1.0)), "1".to_string()),
-            _ => (value == Some(&MachineValue::Number(0.0)), "0".to_string()),
-        };
-        if is_right {
+        let value = data.iter().rev().find(|datum| own.is(datum)).map(|datum| &datum.value);
+        if value.and_then(MachineValue::number).is_some_and(|number| own.right.contains(&number)) {
             continue;
         }
-        let set = value.map(|value| format!("set to {}", text(value)));
-        let stands = format!("{}, expected {expected}", set.unwrap_or("not written".to_string()));
+        let set = value.map_or("not written".to_string(), |value| format!("set to {value}"));
+        let stands = format!("{set}, expected {}", own.expected);
         let of = format!("{} ({})", own.of, own.datum.0);
         match groups.iter_mut().find(|(known, _)| *known == stands) {
             Some((_, names)) => names.push(of),
@@ -131,13 +123,6 @@ fn wrong(
     let groups = groups.into_iter();
     let not_set = |(stands, data)| Difference::NotSet { task, data, stands };
     groups.map(not_set).collect()
-}
-
-fn text(value: &MachineValue) -> String {
-    match value {
-        MachineValue::Number(number) => number.to_string(),
-        MachineValue::Text(text) => text.clone(),
-    }
 }
 
 /// Files that are not there (or that a profile of one's own leaves out), and the data to see to

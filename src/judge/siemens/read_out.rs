@@ -1,35 +1,29 @@
 //! ENC_COMP, CEC, their switches and MD32450 of a Siemens read-out.
 
 use super::data::{
-    BACKLASH, CEC_ON, Datum, LEC_ON, REFERENCE, REFERENCE_MODE, TABLE_ON, UNIT, WEIGHT,
+    BACKLASH, Datum, LEC_ON, REFERENCE, REFERENCE_MODE, UNIT, WEIGHT, number, numbered, switches,
 };
 use super::surroundings::cec_limits;
 use crate::control::claims::Assumption;
 use crate::control::controller::ControlUnit;
 use crate::control::table::Tables;
-use crate::control::table::siemens::{
-    CecTable, LecTable, OpenEnd, SiemensGrid, SiemensTables, closed,
-};
+use crate::control::table::siemens::{OpenEnd, Place, SiemensTable, SiemensTables};
 use crate::judge::active::{Found, Held, NamedBacklash, ReadOutReader};
 use crate::judge::findings::InControl;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::UM_PER_MM;
 use crate::read::siemens::{
-    MachineDatum, MachineValue, ReadOut, SiemensContents, has_active_data, is_switch, merge,
-    read_out,
+    MachineDatum, ReadOut, SiemensContents, has_active_data, is_switch, merge, read_out,
 };
 use crate::text::problem::Problems;
-use std::collections::BTreeMap;
 
 /// Reads the files of a control.
 pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
     let texts = reading.texts;
     // Where part programs are all that there is, they count.
     let reads_programs = !texts.iter().any(|(name, text)| has_active_data(name, text));
-    let contents = contents(texts, reads_programs, reading)?;
-    let (data, contrary) = agreed(&contents);
-    let mut all = merge(contents)?;
-    let mut told = std::mem::take(&mut all.read_out);
+    let mut all = merge(contents(texts, reads_programs, reading)?)?;
+    let told = std::mem::take(&mut all.read_out);
     reading.findings.extend(all.notes.iter().cloned());
     if !all.unwritten.is_empty() {
         let parameters = all.unwritten.clone();
@@ -39,22 +33,23 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
         let tables = all.idle.clone();
         reading.tell(InControl::Idle { tables });
     }
-    told.without_grid.extend(all.idle.iter().cloned());
+    let is_agreed = |datum: &&MachineDatum| !told.contrary.contains(&datum.variable);
     let held = Held {
         tables: Tables::Siemens(all.tables.clone()),
-        data,
-        without_grid: std::mem::take(&mut told.without_grid),
+        data: all.machine_data.iter().filter(is_agreed).cloned().collect(),
+        without_grid: [&told.without_grid[..], &all.idle[..]].concat(),
     };
     let mut sorted = Sorted { reading, all, held };
-    told.twice.extend(contrary.iter().map(MachineDatum::variable));
-    told.twice.iter().for_each(|name| sorted.several_values(name));
+    for variable in told.twice.iter().chain(&told.contrary) {
+        sorted.several_values(variable);
+    }
     sorted.tell_programs(&told, reads_programs);
-    let (lec, cec) = (sorted.lec(), sorted.cec());
+    let tables = sorted.tables();
     sorted.tell_what_was_not_read_out();
-    let unit = sorted.value(UNIT, &[]).map(ControlUnit::of_metric);
+    let unit = sorted.value(UNIT, "").map(ControlUnit::of_metric);
     sorted.tell_references(unit);
     Ok(Found {
-        tables: Tables::Siemens(SiemensTables { lec, cec }),
+        tables: Tables::Siemens(tables),
         backlash: PerAxis::from_fn(|axis| sorted.backlash(axis)),
         held: sorted.held,
         unit,
@@ -69,28 +64,22 @@ fn contents(
 ) -> Result<Vec<SiemensContents>, Problems> {
     let mut problems = Problems::none();
     let mut all = Vec::new();
-    let mut passed_over = BTreeMap::new();
+    let mut passed_over = Vec::new();
     for (name, text) in texts {
         let Some(contents) = problems.take(read_out(name, text, reads_programs)) else {
             continue;
         };
         tell_units(reading, name, &contents.read_out.units);
         let told = &contents.read_out;
-        passed_over.insert(*name, (told.passed_over, told.without_grid.len()));
+        passed_over.push((*name, told.passed_over, "other machine data"));
+        passed_over.push((*name, told.without_grid.len(), "reserved tables without a grid"));
         all.push(contents);
     }
-    for (file, (data, tables)) in passed_over {
-        tell_passed_over(reading, file, data, "other machine data");
-        tell_passed_over(reading, file, tables, "reserved tables without a grid");
+    passed_over.sort_by_key(|(file, ..)| *file);
+    for (file, count, what) in passed_over.into_iter().filter(|(_, count, _)| *count > 0) {
+        reading.tell(InControl::PassedOver { file: file.to_string(), count, what });
     }
     problems.or_ok(all)
-}
-
-fn tell_passed_over(reading: &mut ReadOutReader<'_>, file: &str, count: usize, what: &'static str) {
-    let file = file.to_string();
-    if count > 0 {
-        reading.tell(InControl::PassedOver { file, count, what });
-    }
 }
 
 /// `METRIC` and `INCH` tell the unit of what follows, whichever the control counts in.
@@ -109,22 +98,6 @@ fn tell_units(reading: &mut ReadOutReader<'_>, name: &str, units: &[ControlUnit]
     }
 }
 
-/// Machine data that every part of a read-out holds with the same value, and those that it holds
-/// with several.
-fn agreed(parts: &[SiemensContents]) -> (Vec<MachineDatum>, Vec<MachineDatum>) {
-    let (mut agreed, mut contrary): (Vec<MachineDatum>, Vec<MachineDatum>) = Default::default();
-    let same = |a: &MachineDatum, b: &MachineDatum| a.name == b.name && a.indices == b.indices;
-    for datum in parts.iter().flat_map(|part| &part.machine_data) {
-        match agreed.iter().find(|known| same(known, datum)) {
-            None => agreed.push(datum.clone()),
-            Some(known) if known.value == datum.value => {}
-            Some(_) => contrary.push(datum.clone()),
-        }
-    }
-    agreed.retain(|datum| !contrary.iter().any(|other| same(other, datum)));
-    (agreed, contrary)
-}
-
 pub(super) struct Sorted<'a, 'b> {
     pub(super) reading: &'a mut ReadOutReader<'b>,
     pub(super) all: SiemensContents,
@@ -141,7 +114,7 @@ impl Sorted<'_, '_> {
             1..=MOST_NAMES => told.programs.join(", "),
             many => many.to_string(),
         };
-        let has_tables = !self.all.tables.lec.is_empty() || !self.all.tables.cec.is_empty();
+        let has_tables = !self.all.tables.tables.is_empty();
         let judges = self.reading.judges();
         self.reading.tell(match (judges, are_read) {
             (true, true) => InControl::ProgramsOnly { names },
@@ -159,12 +132,9 @@ impl Sorted<'_, '_> {
         if name.contains("_MAX_POINTS") {
             return;
         }
-        let bare = name.trim_start_matches('$').split('[').next();
-        let is_switch = bare.is_some_and(is_switch);
-        let concerns_the_job = self.concerns_the_job(name);
+        let (concerns_the_job, judges) = (self.concerns_the_job(name), self.reading.judges());
         let name = name.to_string();
-        let judges = self.reading.judges();
-        self.reading.tell(match (concerns_the_job, is_switch) {
+        self.reading.tell(match (concerns_the_job, is_switch(&name)) {
             (false, _) => InControl::SeveralOfOthers { name },
             (true, true) if !judges => InControl::LastCounts { name },
             (true, _) => InControl::SeveralValues { name },
@@ -178,8 +148,7 @@ impl Sorted<'_, '_> {
         };
         let indices: Vec<&str> = indices.split(',').collect();
         if name.starts_with("$AN_CEC") || name.starts_with("$SN_CEC") {
-            let own = |table: &&CecTable| indices[0].parse() == Ok(table.number);
-            let table = self.all.tables.cec.iter().find(own);
+            let table = indices[0].parse().ok().and_then(|at| self.all.tables.at(&Place::Cec(at)));
             return table.is_none_or(|table| {
                 self.reading.has(&table.input_axis) || self.reading.has(&table.output_axis)
             });
@@ -215,11 +184,11 @@ impl Sorted<'_, '_> {
             return;
         }
         for (own, names) in self.reading.names.clone().iter() {
-            let encoder = self.encoder(own).to_string();
+            let encoder = self.encoder(own);
             for axis in names {
-                let mode = self.value(REFERENCE_MODE, &[encoder.as_str(), axis.as_str()]);
+                let mode = self.value(REFERENCE_MODE, &format!("{encoder},{axis}"));
                 let counts = mode.is_none_or(|mode| (mode - ZERO_MARK).abs() <= 0.0);
-                let position = self.value(REFERENCE, &["0", axis.as_str()]).filter(|_| counts);
+                let position = self.value(REFERENCE, &format!("0,{axis}")).filter(|_| counts);
                 let machine = job.machine.axes[own].as_ref();
                 let (Some(position), Some(machine)) = (position, machine) else { continue };
                 let own_mm = machine.reference.mm();
@@ -231,27 +200,19 @@ impl Sorted<'_, '_> {
         }
     }
 
-    pub(super) fn value(&self, (_, name): Datum, indices: &[&str]) -> Option<f64> {
-        let same = |datum: &&MachineDatum| {
-            let own = datum.indices.iter().map(String::as_str);
-            datum.name == name && own.eq(indices.iter().copied())
-        };
-        match self.all.machine_data.iter().find(same)?.value {
-            MachineValue::Number(number) => Some(number),
-            MachineValue::Text(_) => None,
-        }
+    pub(super) fn value(&self, datum: Datum, index: &str) -> Option<f64> {
+        number(&self.all.machine_data, datum, index)
     }
 
     /// Whether a datum was read out and stands above 0.
-    pub(super) fn is_above_zero(&self, datum: Datum, indices: &[&str]) -> Option<bool> {
-        self.value(datum, indices).map(|value| value > 0.0)
+    pub(super) fn is_above_zero(&self, datum: Datum, index: &str) -> Option<bool> {
+        self.value(datum, index).map(|value| value > 0.0)
     }
 
     /// Whether a switch stands at 1; what no file holds is taken as on, and said.
-    fn is_on(&mut self, datum: Datum, indices: &[&str]) -> bool {
-        let Some(is_on) = self.is_above_zero(datum, indices) else {
-            let (number, name) = datum;
-            let what = format!("{number} ${name}[{}]", indices.join(","));
+    fn is_on(&mut self, datum: Datum, index: &str) -> bool {
+        self.is_above_zero(datum, index).unwrap_or_else(|| {
+            let what = numbered(datum, index);
             if !self.reading.assumptions.iter().any(|a| a.fact == what) {
                 self.reading.assumptions.push(Assumption::of_job(
                     what,
@@ -259,91 +220,67 @@ impl Sorted<'_, '_> {
                     "no file holds it; a table that was off would be added to the new one",
                 ));
             }
-            return true;
-        };
-        is_on
+            true
+        })
     }
 
-    fn lec(&mut self) -> Vec<LecTable> {
+    /// The tables that act on axes of the job.
+    fn tables(&mut self) -> SiemensTables {
         let mut own = Vec::new();
-        for mut table in self.all.tables.lec.clone() {
-            let encoder = table.encoder.to_string();
-            let name = format!("$AA_ENC_COMP[{encoder},{}]", table.axis);
-            match self.reading.axis(&table.axis) {
-                None => self.reading.tell(InControl::OfOthers { what: name, axes: "an axis" }),
-                Some(axis) if table.encoder != self.encoder(axis) => {
-                    self.other_system(name, axis, &table);
-                }
-                Some(_) if self.is_on(LEC_ON, &[&encoder, &table.axis]) => {
-                    self.close(&name, &mut table.grid, &mut table.values);
-                    own.push(table);
-                }
-                Some(_) => self.reading.tell(InControl::SwitchedOff { table: name, by: LEC_ON.0 }),
-            }
-        }
-        own
-    }
-
-    /// A table of the measuring system that the job does not name.
-    fn other_system(&mut self, name: String, axis: Axis, table: &LecTable) {
-        let switch = self.is_above_zero(LEC_ON, &[&table.encoder.to_string(), &table.axis]);
-        let is_off = switch == Some(false);
-        let twin = |other: &LecTable| other.axis == table.axis && other.encoder != table.encoder;
-        let has_twin = self.all.tables.lec.iter().any(twin);
-        let is_stated = self.stated_encoder(axis).is_some();
-        let (table, system) = (name, table.encoder + 1);
-        let judges = self.reading.judges();
-        self.reading.tell(if is_off || (has_twin && (is_stated || !judges)) {
-            let off = if is_off { " and switched off" } else { "" };
-            InControl::OtherSystem { table, off }
-        } else if has_twin {
-            InControl::EitherSystem { table, system }
-        } else {
-            InControl::WrongSystem { table, system }
-        });
-    }
-
-    fn cec(&mut self) -> Vec<CecTable> {
-        let mut own = Vec::new();
-        for mut table in self.all.tables.cec.clone() {
-            let name = format!("$AN_CEC[{}]", table.number);
-            if self.is_of_others(&table) {
-                self.reading.others.cec_tables.push(table.number);
-            } else if self.acts(&table) {
-                self.weigh(&table);
-                self.close(&name, &mut table.grid, &mut table.values);
-                own.push(table);
+        for mut table in self.all.tables.tables.clone() {
+            if let Some(told) = self.set_aside(&table) {
+                self.reading.others.cec_tables.extend(table.place.cec());
+                self.reading.tell(told);
             } else {
-                self.reading.others.cec_tables.push(table.number);
-                self.reading.tell(InControl::SwitchedOff { table: name, by: "SD41300 or MD32710" });
+                self.weigh(&table);
+                self.close(&mut table);
+                own.push(table);
             }
         }
+        let own = SiemensTables { tables: own };
         if !self.reading.judges() {
             // `verify` compares with what the job asks for.
             let unit = self.reading.job.compensation.control_unit;
-            let tables = SiemensTables { cec: own.clone(), ..SiemensTables::default() };
-            for finding in cec_limits(&self.held, &tables, unit) {
+            for finding in cec_limits(&self.held, &own, unit) {
                 self.reading.tell(finding);
             }
         }
         own
     }
 
+    /// A table of the measuring system that the job does not name.
+    fn other_system(&self, place: &Place, encoder: u32, axis: Axis) -> InControl {
+        let is_off = self.is_above_zero(LEC_ON, &place.index()) == Some(false);
+        let mut places = self.all.tables.lec().map(|table| &table.place);
+        let has_twin = places.any(|other| {
+            other != place && other.lec().map(|of| of.0) == place.lec().map(|of| of.0)
+        });
+        let (is_stated, judges) = (self.stated_encoder(axis).is_some(), self.reading.judges());
+        let (table, system) = (format!("${place}"), encoder + 1);
+        if is_off || (has_twin && (is_stated || !judges)) {
+            let off = if is_off { " and switched off" } else { "" };
+            InControl::OtherSystem { table, off }
+        } else if has_twin {
+            InControl::EitherSystem { table, system }
+        } else {
+            InControl::WrongSystem { table, system }
+        }
+    }
+
     /// Ends a table where it ends between two points; nothing is said where both readings are the same.
-    fn close(&mut self, name: &str, grid: &mut SiemensGrid, values: &mut Vec<Option<f64>>) {
-        let Some((closed_grid, closed_values, end)) = closed(*grid, values) else {
+    fn close(&mut self, table: &mut SiemensTable) {
+        let Some(OpenEnd { point, from, differs_by }) = table.close() else {
             return;
         };
-        (*grid, *values) = (closed_grid, closed_values);
         let unit = self.reading.job.compensation.control_unit;
-        let OpenEnd { point, from, differs_by } = end;
         let by = match differs_by {
             Some(by) if by <= 0.0 => return,
             Some(by) => format!("by up to {:.1} µm", by * unit.in_mm() * UM_PER_MM),
             None => "by a value that no file holds".to_string(),
         };
         let word = unit.word();
-        let place = format!("{name} behind {from} {word}, where MAX lies between two points");
+        let place =
+            format!("${} behind {from} {word}, where MAX lies between two points", table.place);
         let other = format!("the control goes on towards point {}", point + 1);
         let assumption = Assumption::of_job(
             &place,
@@ -354,62 +291,72 @@ impl Sorted<'_, '_> {
         self.reading.take(assumption, told);
     }
 
-    /// Whether SD41300 of a table and MD32710 of its output axis stand at 1.
-    fn acts(&mut self, table: &CecTable) -> bool {
-        self.is_on(TABLE_ON, &[&table.number.to_string()])
-            && self.is_on(CEC_ON, &[&table.output_axis])
+    /// Whether all switches of a table stand at 1.
+    fn acts(&mut self, table: &SiemensTable) -> bool {
+        switches(table).iter().all(|(datum, index)| self.is_on(*datum, index))
     }
 
     /// A weight other than 1, which is not emulated.
-    fn weigh(&mut self, table: &CecTable) {
-        let number = table.number;
-        let weight = self.value(WEIGHT, &[&number.to_string()]);
-        if let Some(weight) = weight.filter(|weight| (weight - 1.0).abs() > 0.0) {
+    fn weigh(&mut self, table: &SiemensTable) {
+        let weight = self.value(WEIGHT, &table.place.index());
+        let weight = weight.filter(|weight| (weight - 1.0).abs() > 0.0);
+        if let (Some(number), Some(weight)) = (table.place.cec(), weight) {
             self.reading.tell(InControl::Weight { number, weight });
         }
     }
 
-    /// Whether an axis of a table is none of the job; where it acts on one of the job all the
-    /// same, that is said. Whether a factor still acts by itself is a fact that no available manual states.
-    fn is_of_others(&mut self, table: &CecTable) -> bool {
+    /// Why a table is not taken: an axis of it is none of the job, it is for another measuring system, or off.
+    fn set_aside(&mut self, table: &SiemensTable) -> Option<InControl> {
+        let name = format!("${}", table.place);
+        let (of_others, by) = match table.place.lec() {
+            Some((axis, encoder)) => match self.reading.axis(axis) {
+                Some(own) if encoder == self.encoder(own) => (None, LEC_ON.0),
+                Some(own) => return Some(self.other_system(&table.place, encoder, own)),
+                None => return Some(InControl::OfOthers { what: name, axes: "an axis" }),
+            },
+            None => (self.cec_of_others(table), "SD41300 or MD32710"),
+        };
+        let is_off = of_others.is_none() && !self.acts(table);
+        of_others.or_else(|| is_off.then_some(InControl::SwitchedOff { table: name, by }))
+    }
+
+    /// A table of which an axis is none of the job; where it acts on one of the job all the same, that is said.
+    /// Whether a factor still acts by itself is a fact that no available manual states.
+    fn cec_of_others(&mut self, table: &SiemensTable) -> Option<InControl> {
         let (moving, output) = (&table.input_axis, &table.output_axis);
         let has_output = self.reading.has(output);
         if has_output && self.reading.has(moving) {
-            return false;
+            return None;
         }
-        let what = format!("$AN_CEC[{}] ({moving} → {output})", table.number);
+        let what = format!("${} ({moving} → {output})", table.place);
         let is_zero = table.values.iter().flatten().all(|value| value.abs() <= 0.0);
-        let judges = self.reading.judges();
-        let told = if let Some(factor) = self.own_factor(table)
-            && self.acts(table)
-        {
-            InControl::Factor { table: what, factor }
-        } else if judges && has_output && !is_zero && self.acts(table) {
-            let moving = moving.clone();
-            InControl::Follows { what, moving }
-        } else {
-            let axes = "axes";
-            InControl::OfOthers { what, axes }
-        };
-        self.reading.tell(told);
-        true
+        Some(
+            if let Some(factor) = self.own_factor(table)
+                && self.acts(table)
+            {
+                InControl::Factor { table: what, factor }
+            } else if self.reading.judges() && has_output && !is_zero && self.acts(table) {
+                InControl::Follows { what, moving: moving.clone() }
+            } else {
+                InControl::OfOthers { what, axes: "axes" }
+            },
+        )
     }
 
     /// The table of the job that another table multiplies by.
-    fn own_factor(&self, table: &CecTable) -> Option<u32> {
+    fn own_factor(&self, table: &SiemensTable) -> Option<u32> {
         let number = table.multiply_by.checked_sub(1)?;
-        let mut all = self.all.tables.cec.iter();
-        let factor = all.find(|other| other.number == number)?;
+        let factor = self.all.tables.at(&Place::Cec(number))?;
         let has = |axis: &str| self.reading.has(axis);
         (has(&factor.input_axis) && has(&factor.output_axis)).then_some(number)
     }
 
     /// MD32450 of the active measuring system, µm.
     fn backlash(&self, axis: Axis) -> NamedBacklash {
-        let encoder = self.encoder(axis).to_string();
+        let encoder = self.encoder(axis);
         let in_um = self.reading.job.compensation.control_unit.in_mm() * UM_PER_MM;
         let of_name = |name: &String| {
-            let held = self.value(BACKLASH, &[&encoder, &name.to_uppercase()]);
+            let held = self.value(BACKLASH, &format!("{encoder},{}", name.to_uppercase()));
             (name.clone(), held.map(|value| value * in_um))
         };
         self.reading.names[axis].iter().map(of_name).collect()
@@ -422,16 +369,12 @@ mod tests {
     use crate::read::siemens::read;
 
     #[test]
-    fn a_switch_with_two_values_is_not_held() {
+    fn a_switch_with_two_values_is_contrary() {
         let on = "$MA_CEC_ENABLE[AX1]=1\n$MA_ENC_COMP_ENABLE[0,AX1]=TRUE\nM17\n";
         let off = "$MA_CEC_ENABLE[AX1]=0\n$MA_ENC_COMP_ENABLE[0,AX1]=1\nM17\n";
-        let parts = [on, off, on].map(|text| read("part", text).unwrap());
-        let (data, contrary) = agreed(&parts);
-        assert_eq!(contrary[0].name, "MA_CEC_ENABLE");
-        let held = Held { data, ..Held::plain(Tables::Siemens(SiemensTables::default())) };
-        let axis = |text: &str| text.split(',').map(str::to_string).collect::<Vec<_>>();
-        assert_eq!(held.datum("MA_CEC_ENABLE", &axis("AX1")), None);
-        assert!(held.datum("MA_ENC_COMP_ENABLE", &axis("0,AX1")).is_some());
-        assert!(!held.is_off("MA_CEC_ENABLE", &axis("AX1")));
+        let parts = [on, off].map(|text| read("part", text).unwrap());
+        let all = merge(parts.to_vec()).unwrap();
+        assert_eq!(all.read_out.contrary, ["$MA_CEC_ENABLE[AX1]"]);
+        assert_eq!(all.machine_data.len(), 2);
     }
 }

@@ -1,6 +1,6 @@
 //! What a read-out holds around the tables: limit and unit of CEC.
 
-use super::data::{CEC_LIMIT, CEC_UNIT, UNIT, UNIT_CHANGES};
+use super::data::{CEC_LIMIT, CEC_UNIT, UNIT, UNIT_CHANGES, number};
 use crate::control::controller::ControlUnit;
 use crate::control::table::siemens::SiemensTables;
 use crate::judge::active::Held;
@@ -11,14 +11,12 @@ const LAST_DIGIT: f64 = 1e-6;
 
 /// Preconditions on machine data that no file holds.
 pub(super) fn absent(tables: &SiemensTables, held: &Held) -> Vec<String> {
+    let lacks = |datum, index: &str| number(&held.data, datum, index).is_none();
     let mut absent = Vec::new();
-    if held.datum(UNIT.1, &[]).is_none() {
-        absent.push(UNIT.0.to_string());
-    }
+    absent.extend(lacks(UNIT, "").then(|| UNIT.0.to_string()));
     for output in tables.cec_outputs() {
-        let lacks = |name: &str| held.datum(name, std::slice::from_ref(&output)).is_none();
-        let lacking = [CEC_LIMIT, CEC_UNIT].into_iter().filter(|(name, _)| lacks(name));
-        absent.extend(lacking.map(|(_, number)| format!("{number} of {output}")));
+        let lacking = [CEC_LIMIT, CEC_UNIT].into_iter().filter(|datum| lacks(*datum, &output));
+        absent.extend(lacking.map(|(number, _)| format!("{number} of {output}")));
     }
     absent
 }
@@ -28,9 +26,8 @@ pub(super) fn absent(tables: &SiemensTables, held: &Held) -> Vec<String> {
 pub(super) fn cec_limits(held: &Held, tables: &SiemensTables, unit: ControlUnit) -> Vec<InControl> {
     let mut findings = Vec::new();
     for axis in tables.cec_outputs() {
-        let index = std::slice::from_ref(&axis);
         let sum = tables.largest_cec_sum(&axis);
-        let limit = held.number(CEC_LIMIT.1, index);
+        let limit = number(&held.data, CEC_LIMIT, &axis);
         if let Some(limit) = limit.filter(|limit| *limit < sum - LAST_DIGIT / 2.0) {
             findings.push(InControl::CutOff {
                 axis: axis.clone(),
@@ -39,8 +36,8 @@ pub(super) fn cec_limits(held: &Held, tables: &SiemensTables, unit: ControlUnit)
                 unit: unit.word(),
             });
         }
-        let metric = held.number(CEC_UNIT.1, index);
-        let converts = held.number(UNIT_CHANGES.1, &[]);
+        let metric = number(&held.data, CEC_UNIT, &axis);
+        let converts = number(&held.data, UNIT_CHANGES, "");
         let Some(metric) = metric.filter(|metric| ControlUnit::of_metric(*metric) != unit) else {
             continue;
         };

@@ -3,11 +3,10 @@
 //! ```text
 //!   memory ─┐  refuse what is not emulated
 //!   facts  ─┼→ pitch: axis → itself, for each direction ────┐
-//!   state  ─┘  straightness: moving axis → other axis ──────┴→ links (base, output) → Response
+//!   state  ─┘  straightness: moving axis → other axis ──────┴→ pairs (base, output) → Response
 //! ```
 //! Words: a *point* is a section of the grid of an axis, a *node* an end of it; a *run* is the
-//! points of one table. Everything is checked while loading; after that a response cannot fail
-//! but for an unknown axis. Signs turn in [`crate::control::controller::TableSign::correction`] only.
+//! points of one table. Everything is checked while loading. Signs turn in [`crate::control::controller::TableSign::correction`] only.
 
 mod parameters;
 mod pitch;
@@ -19,97 +18,51 @@ use crate::control::control_state::ControlState;
 use crate::control::controller::FanucFacts;
 use crate::control::table::fanuc::FanucMemory;
 use crate::quantity::axis::Direction;
-use crate::read::emulate::{CannotEmulate, Emulated, Emulator, Response};
-use parameters::{Link, Loading, Run, cannot};
+use crate::read::emulate::{Emulated, Response};
+use crate::read::pairs::{Pair, PairControl};
+use parameters::{Loading, Run, cannot};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// 1006#5 ZMI: 1 = reference return in −.
 const ZMI: u8 = 0b0010_0000;
 
 /// A Fanuc control with stored pitch error compensation (uni- or bidirectional, step or
-/// interpolated) and straightness compensation (four-point or per-point) of linear axes.
+/// interpolated) and straightness compensation (four-point or per-point) of linear axes. Refuses, in words,
+/// where the control would not run a kit, or where the files alone do not say what it would do.
+///
+/// `memory` is the sum of the kit's files ([`crate::read::fanuc::merge`]). The axes of
+/// `state` are named by controlled-axis number (`1`, `2`, …). 3605 counts where the kit
+/// writes it, else the state of the axis does. A missing point or parameter is refused: the
+/// control would keep its old content. Magnification 0 is no compensation. The backlash parameter (1851/1852)
+/// moves an axis further after a reversal (docs/fanuc.md §5.3).
 ///
 /// unit   corrections in µm, positions in mm of the machine
 /// sign   correction = what the axis moves further in +
 /// source docs/fanuc.md §5.2 to §5.5 (B-63980EN/01 p. 100; A-77810E/02; B-63522EN/02 §15.5)
 /// limits after reference return; no rotary axes, inclination, total values or 3-D compensation
-#[derive(Clone, Debug, PartialEq)]
-pub struct FanucControl {
-    axes: Vec<String>,
-    links: Links,
-}
-
-/// By base and output axis.
-type Links = BTreeMap<(String, String), Link>;
-
-impl FanucControl {
-    /// Loads a kit into a control; refuses, in words, where the control would not run it, or
-    /// where the files alone do not say what it would do.
-    ///
-    /// `memory` is the sum of the kit's files ([`crate::read::fanuc::merge`]). The axes of
-    /// `state` are named by controlled-axis number (`1`, `2`, …). 3605 counts where the kit
-    /// writes it, else the state of the axis does. A missing point or parameter is refused: the
-    /// control would keep its old content. Magnification 0 is no compensation.
-    pub fn new(
-        memory: &FanucMemory,
-        facts: &FanucFacts,
-        state: &ControlState,
-    ) -> Emulated<FanucControl> {
-        let from = Loading { memory, facts, state };
-        from.refuse_others()?;
-        refuse_other_return(from)?;
-        let mut links = load_links(from)?;
-        // The backlash parameter (1851/1852) moves an axis further after a reversal (docs/fanuc.md §5.3).
-        for axis in &state.axes {
-            let own = (axis.name.clone(), axis.name.clone());
-            let link = links.entry(own).or_default();
-            for direction in Direction::BOTH {
-                link.way(direction).shift(axis.backlash(direction));
-            }
-        }
-        let axes = state.axes.iter().map(|axis| axis.name.clone()).collect();
-        Ok(FanucControl { axes, links })
-    }
-
-    fn known(&self, axis: &str) -> Emulated<String> {
-        let found = self.axes.iter().find(|name| name.eq_ignore_ascii_case(axis));
-        found.cloned().ok_or_else(|| CannotEmulate(format!("the control has no axis `{axis}`")))
-    }
-}
-
-impl Emulator for FanucControl {
-    fn connected_axes(&self) -> Vec<(String, String)> {
-        self.links
-            .iter()
-            .filter(|(_, link)| !link.plus.tables().is_empty())
-            .map(|(pair, _)| pair.clone())
-            .collect()
-    }
-
-    fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
-        let pair = (self.known(base)?, self.known(output)?);
-        let mut link = self.links.get(&pair).cloned().unwrap_or_default();
-        Ok(std::mem::take(link.way(direction)))
-    }
-}
-
-fn load_links(from: Loading) -> Emulated<Links> {
-    let mut links = Links::new();
+pub(super) fn control(
+    memory: &FanucMemory,
+    facts: &FanucFacts,
+    state: &ControlState,
+) -> Emulated<PairControl> {
+    let from = Loading { memory, facts, state };
+    from.refuse_others()?;
+    refuse_other_return(from)?;
+    let mut pairs: BTreeMap<(String, String), [Response; 2]> = BTreeMap::new();
     let mut runs = Vec::new();
-    for number in pitch_axes(from.memory) {
+    for number in pitch_axes(memory) {
         let name = from.axis(number)?.name.clone();
-        let link = pitch::load(from, number, &mut runs)?;
-        links.insert((name.clone(), name), link);
+        let ways = pitch::load(from, number, &mut runs)?;
+        pairs.extend(ways.map(|ways| ((name.clone(), name), ways)));
     }
     for shift in straightness::load(from, &mut runs)? {
-        let base = from.axis(shift.moving)?.name.clone();
-        let output = from.axis(shift.compensation)?.name.clone();
-        let link = links.entry((base, output)).or_default();
-        link.plus.push(shift.table.clone());
-        link.minus.push(shift.table);
+        let axes = (from.axis(shift.moving)?, from.axis(shift.compensation)?);
+        let ways = pairs.entry((axes.0.name.clone(), axes.1.name.clone())).or_default();
+        ways.iter_mut().for_each(|way| way.push(shift.table.clone()));
     }
     refuse_shared(&runs)?;
-    Ok(links)
+    let pairs = pairs.into_iter().map(|((base, output), ways)| Pair { base, output, ways });
+    PairControl::new(pairs.collect(), false, state)
 }
 
 /// Axes of which the kit writes a pitch parameter.

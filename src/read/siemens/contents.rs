@@ -1,14 +1,16 @@
 //! What the files of a control hold, and the files of a kit put together.
 
 use crate::control::controller::ControlUnit;
-use crate::control::table::siemens::{CecTable, LecTable, SiemensTables};
+use crate::control::table::siemens::{SiemensTable, SiemensTables};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
+use std::collections::BTreeSet;
+use std::fmt;
 
 /// What one file, or all files of a kit together, write into a control.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SiemensContents {
-    /// The tables; `lec` in the order of axis and encoder, `cec` in the order of its number.
+    /// The tables.
     pub tables: SiemensTables,
     /// Machine and setting data, in the order of their first assignment, with their last value.
     pub machine_data: Vec<MachineDatum>,
@@ -35,7 +37,9 @@ pub struct ReadOut {
     /// Whether they write tables.
     pub programs_write_tables: bool,
     /// Variables of concern that the file holds with two values.
-    pub twice: Vec<String>,
+    pub twice: BTreeSet<String>,
+    /// Switches that stand otherwise in another file.
+    pub contrary: Vec<String>,
     /// The units that its data are in, where it says so (`METRIC`, `INCH`).
     pub units: Vec<ControlUnit>,
 }
@@ -47,6 +51,7 @@ impl ReadOut {
         self.programs.extend(other.programs);
         self.programs_write_tables |= other.programs_write_tables;
         self.twice.extend(other.twice);
+        self.contrary.extend(other.contrary);
         self.units.extend(other.units);
     }
 }
@@ -54,27 +59,10 @@ impl ReadOut {
 /// One `$MA_`, `$MN_` or `$SN_` assignment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineDatum {
-    /// Name without `$`, upper case, such as `MA_ENC_COMP_ENABLE`.
-    pub name: String,
-    /// What stood in brackets: whole numbers without leading zeros, axis names in upper case.
-    pub indices: Vec<String>,
+    /// As files write it: `$MA_BACKLASH[0,AX1]`; whole numbers without leading zeros, names in upper case.
+    pub variable: String,
     /// The value.
     pub value: MachineValue,
-}
-
-impl MachineDatum {
-    /// As files write it: `$MA_BACKLASH[0,AX1]`.
-    pub fn variable(&self) -> String {
-        variable_text(&self.name, &self.indices)
-    }
-}
-
-/// A variable as files write it, with its indices where it has any.
-pub(super) fn variable_text(name: &str, indices: &[String]) -> String {
-    match indices.join(",") {
-        none if none.is_empty() => format!("${name}"),
-        indices => format!("${name}[{indices}]"),
-    }
 }
 
 /// Value of a machine or setting datum, in the control's own unit.
@@ -86,9 +74,34 @@ pub enum MachineValue {
     Text(String),
 }
 
+impl MachineValue {
+    /// The number.
+    pub(crate) fn number(&self) -> Option<f64> {
+        match self {
+            MachineValue::Number(number) => Some(*number),
+            MachineValue::Text(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for MachineValue {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            MachineValue::Number(number) => write!(f, "{number}"),
+            MachineValue::Text(text) => f.write_str(text),
+        }
+    }
+}
+
+/// What data hold of a variable.
+pub(crate) fn datum<'a>(data: &'a [MachineDatum], variable: &str) -> Option<&'a MachineDatum> {
+    data.iter().find(|datum| datum.variable == variable)
+}
+
 /// Whether a machine or setting datum switches tables on and off, and so is made for being changed.
-pub(crate) fn is_switch(name: &str) -> bool {
-    matches!(name, "MA_ENC_COMP_ENABLE" | "MA_CEC_ENABLE" | "SN_CEC_TABLE_ENABLE")
+pub(crate) fn is_switch(variable: &str) -> bool {
+    let name = variable.split('[').next();
+    matches!(name, Some("$MA_ENC_COMP_ENABLE" | "$MA_CEC_ENABLE" | "$SN_CEC_TABLE_ENABLE"))
 }
 
 /// Puts the files of a kit into one memory, in the order in which they are loaded.
@@ -99,79 +112,49 @@ pub(crate) fn is_switch(name: &str) -> bool {
 pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems> {
     let mut problems = Problems::none();
     let mut all = SiemensContents::default();
+    let mut tables: Vec<SiemensTable> = Vec::new();
     for file in contents {
-        for table in file.tables.lec {
-            merge_lec(&mut all.tables.lec, table, &mut problems);
+        for mut table in file.tables.tables {
+            match tables.iter_mut().find(|known| known.place == table.place) {
+                Some(known) => merge_table(known, &mut table, &mut problems),
+                None => tables.push(table),
+            }
         }
-        for table in file.tables.cec {
-            merge_cec(&mut all.tables.cec, table, &mut problems);
-        }
+        all.read_out.extend(file.read_out);
         for datum in file.machine_data {
-            merge_datum(&mut all.machine_data, datum, &mut problems);
+            match all.machine_data.iter_mut().find(|known| known.variable == datum.variable) {
+                None => all.machine_data.push(datum),
+                Some(known) if known.value == datum.value => {}
+                Some(known) if is_switch(&datum.variable) => {
+                    known.value = datum.value;
+                    all.read_out.contrary.push(datum.variable);
+                }
+                Some(_) => problems.push(conflict(&datum.variable)),
+            }
         }
         all.notes.extend(file.notes);
         all.unwritten.extend(file.unwritten);
         all.idle.extend(file.idle);
-        all.read_out.extend(file.read_out);
     }
-    let place = |table: &LecTable| (table.axis.clone(), table.encoder);
-    all.tables.lec.sort_by_key(place);
-    all.tables.cec.sort_by_key(|table| table.number);
+    all.tables = SiemensTables::of(tables);
     problems.or_ok(all)
-}
-
-fn merge_lec(all: &mut Vec<LecTable>, mut table: LecTable, problems: &mut Problems) {
-    let same = |known: &&mut LecTable| known.axis == table.axis && known.encoder == table.encoder;
-    let Some(known) = all.iter_mut().find(same) else {
-        all.push(table);
-        return;
-    };
-    let name = format!("$AA_ENC_COMP[{},{}]", table.encoder, table.axis);
-    merge_values(&name, &mut known.values, &mut table.values, problems);
-    if *known != table {
-        problems.push(conflict(&format!("the parameters of {name}")));
-    }
-}
-
-fn merge_cec(all: &mut Vec<CecTable>, mut table: CecTable, problems: &mut Problems) {
-    let Some(known) = all.iter_mut().find(|known| known.number == table.number) else {
-        all.push(table);
-        return;
-    };
-    let name = format!("$AN_CEC[{}]", table.number);
-    merge_values(&name, &mut known.values, &mut table.values, problems);
-    if *known != table {
-        problems.push(conflict(&format!("the parameters of {name}")));
-    }
 }
 
 /// Makes the points of both the same; exact, as all were read from decimal digits. What is left
 /// different are parameters.
-fn merge_values(
-    name: &str,
-    known: &mut [Option<f64>],
-    values: &mut [Option<f64>],
-    problems: &mut Problems,
-) {
-    for (point, (known, value)) in known.iter_mut().zip(values).enumerate() {
+fn merge_table(known: &mut SiemensTable, table: &mut SiemensTable, problems: &mut Problems) {
+    let place = &table.place;
+    for (point, (known, value)) in known.values.iter_mut().zip(&mut table.values).enumerate() {
         if let (Some(a), Some(b)) = (*known, *value)
             && (a - b).abs() > 0.0
         {
-            problems.push(conflict(&format!("point {point} of {name} ({a} and {b})")));
+            problems.push(conflict(&format!("point {point} of ${place} ({a} and {b})")));
         }
         *known = known.or(*value);
         *value = *known;
     }
-}
-
-fn merge_datum(all: &mut Vec<MachineDatum>, datum: MachineDatum, problems: &mut Problems) {
-    let same =
-        |known: &&mut MachineDatum| known.name == datum.name && known.indices == datum.indices;
-    match all.iter_mut().find(same) {
-        None => all.push(datum),
-        Some(known) if is_switch(&datum.name) => known.value = datum.value,
-        Some(known) if known.value == datum.value => {}
-        Some(_) => problems.push(conflict(&datum.variable())),
+    if known != table {
+        problems.push(conflict(&format!("the parameters of ${place}")));
     }
 }
 

@@ -17,7 +17,7 @@
 
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{ControlUnit, MultiplyMode, SiemensFacts};
-use crate::control::table::siemens::{CecDirection, CecTable, SiemensGrid, SiemensTables};
+use crate::control::table::siemens::{SiemensTable, SiemensTables};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres, UM_PER_MM};
 use crate::read::emulate::{Between, CannotEmulate, Emulated, Emulator, NodeTable, Response};
@@ -31,28 +31,16 @@ const MODULO_RATIO_TOLERANCE: f64 = 1e-6;
 /// A control of the Siemens family with its tables in memory.
 #[derive(Clone, Debug)]
 pub struct SiemensControl {
-    lec: Vec<LoadedLec>,
-    cec: Vec<LoadedCec>,
+    tables: Vec<Loaded>,
     axes: Vec<AxisState>,
     facts: SiemensFacts,
     um_per_unit: f64,
 }
 
-/// A checked ENC_COMP table.
+/// A checked table.
 #[derive(Clone, Debug)]
-struct LoadedLec {
-    encoder: u32,
-    axis: String,
-    corrections: NodeTable,
-}
-
-/// A checked CEC table.
-#[derive(Clone, Debug)]
-struct LoadedCec {
-    name: String,
-    input: String,
-    output: String,
-    direction: CecDirection,
+struct Loaded {
+    table: SiemensTable,
     corrections: NodeTable,
     /// Largest number without its sign, µm.
     peak_um: f64,
@@ -62,13 +50,17 @@ struct LoadedCec {
     is_factor: bool,
 }
 
-impl LoadedCec {
+impl Loaded {
     fn acts_in(&self, direction: Direction) -> bool {
-        match self.direction {
-            CecDirection::Both => true,
-            CecDirection::Plus => direction == Direction::Plus,
-            CecDirection::Minus => direction == Direction::Minus,
-        }
+        self.table.direction.is_none_or(|own| own == direction)
+    }
+
+    fn is_from(&self, base: &str) -> bool {
+        same(&self.table.input_axis, base)
+    }
+
+    fn is_cec_of(&self, output: &str) -> bool {
+        self.table.place.cec().is_some() && same(&self.table.output_axis, output)
     }
 }
 
@@ -89,29 +81,11 @@ impl SiemensControl {
         facts: &SiemensFacts,
         state: &ControlState,
     ) -> Emulated<SiemensControl> {
-        let mut lec = Vec::new();
-        for table in &tables.lec {
-            let raw = Raw {
-                name: format!("$AA_ENC_COMP[{},{}]", table.encoder, table.axis),
-                grid: table.grid,
-                values: &table.values,
-                modulo: table.modulo,
-                most_points: facts.lec_points.value,
-                unit: state.unit,
-            };
-            let sign = facts.lec_sign.value;
-            lec.push(LoadedLec {
-                encoder: table.encoder,
-                axis: table.axis.clone(),
-                corrections: raw.nodes(&raw.numbers_um()?, |um| sign.correction(um))?,
-            });
-        }
-        let load = |table: &CecTable| load_cec(table, facts, state.unit);
-        let mut cec: Vec<LoadedCec> = tables.cec.iter().map(load).collect::<Result<_, _>>()?;
-        link_factors(&tables.cec, &mut cec, state.unit)?;
+        let all = tables.tables.iter().map(|table| load(table, facts, state.unit));
+        let mut all: Vec<Loaded> = all.collect::<Result<_, _>>()?;
+        link_factors(&tables.tables, &mut all, state.unit)?;
         Ok(SiemensControl {
-            lec,
-            cec,
+            tables: all,
             axes: state.axes.clone(),
             facts: facts.clone(),
             um_per_unit: state.unit.in_mm() * UM_PER_MM,
@@ -123,40 +97,40 @@ impl SiemensControl {
         found.ok_or_else(|| CannotEmulate(format!("the control has no axis `{name}`")))
     }
 
-    fn lec_of(&self, axis: &str) -> Emulated<Option<&LoadedLec>> {
-        let mut of_axis = self.lec.iter().filter(|table| same(&table.axis, axis));
+    fn lec_of(&self, axis: &str) -> Emulated<Option<&Loaded>> {
+        let mut of_axis = self.tables.iter().filter_map(|loaded| {
+            let (own, encoder) = loaded.table.place.lec()?;
+            same(own, axis).then_some((loaded, encoder))
+        });
         match (of_axis.next(), of_axis.next()) {
-            (Some(first), Some(second)) => Err(CannotEmulate(format!(
-                "axis {axis} has tables for the measuring systems {} and {}; which one acts is \
+            (Some((_, first)), Some((_, second))) => Err(CannotEmulate(format!(
+                "axis {axis} has tables for the measuring systems {first} and {second}; which one acts is \
                  not in the files",
-                first.encoder, second.encoder
             ))),
-            (first, _) => Ok(first),
+            (first, _) => Ok(first.map(|(loaded, _)| loaded)),
         }
     }
 
-    /// Tables that add to an axis by themselves.
-    fn cec_of(&self, output: &str) -> impl Iterator<Item = &LoadedCec> {
-        let contributes =
-            |table: &LoadedCec| !table.is_factor || self.facts.factor_contributes.value;
-        let tables = self.cec.iter();
-        tables.filter(move |table| same(&table.output, output) && contributes(table))
+    /// CEC tables that add to an axis by themselves.
+    fn cec_of(&self, output: &str) -> impl Iterator<Item = &Loaded> {
+        let contributes = |table: &Loaded| !table.is_factor || self.facts.factor_contributes.value;
+        self.tables.iter().filter(move |table| table.is_cec_of(output) && contributes(table))
     }
 
     /// A product of tables has no response of one base axis alone.
     fn refuse_products(&self, base: &str, output: &str) -> Emulated<()> {
-        let takes_part = |table: &&LoadedCec| {
-            let factor = table.factor.map(|index| &self.cec[index]);
-            let is_product = table.is_factor || factor.is_some();
+        let takes_part = |loaded: &&Loaded| {
+            let factor = loaded.factor.map(|index| &self.tables[index]);
+            let is_product = loaded.is_factor || factor.is_some();
             let from_base =
-                same(&table.input, base) || factor.is_some_and(|factor| same(&factor.input, base));
-            is_product && from_base && same(&table.output, output)
+                loaded.is_from(base) || factor.is_some_and(|factor| factor.is_from(base));
+            is_product && from_base && loaded.is_cec_of(output)
         };
-        match self.cec.iter().find(takes_part) {
+        match self.tables.iter().find(takes_part) {
             None => Ok(()),
-            Some(table) => Err(CannotEmulate(format!(
-                "{} takes part in a product of tables, which depends on more than one axis",
-                table.name
+            Some(loaded) => Err(CannotEmulate(format!(
+                "${} takes part in a product of tables, which depends on more than one axis",
+                loaded.table.place
             ))),
         }
     }
@@ -178,12 +152,13 @@ impl SiemensControl {
     /// A bound of the CEC sum of an axis, µm: peaks added over all base axes, the worse direction
     /// of each.
     fn largest_cec_um(&self, output: &str) -> f64 {
-        let mut bases: Vec<&str> = self.cec_of(output).map(|t| t.input.as_str()).collect();
+        let mut bases: Vec<&str> =
+            self.cec_of(output).map(|t| t.table.input_axis.as_str()).collect();
         bases.sort_unstable();
         bases.dedup();
         let of_base = |base: &str, direction| -> f64 {
             self.cec_of(output)
-                .filter(|table| table.input == base && table.acts_in(direction))
+                .filter(|own| own.table.input_axis == base && own.acts_in(direction))
                 .map(|table| self.peak_um(table))
                 .sum()
         };
@@ -193,11 +168,11 @@ impl SiemensControl {
             .sum()
     }
 
-    fn peak_um(&self, table: &LoadedCec) -> f64 {
+    fn peak_um(&self, table: &Loaded) -> f64 {
         let Some(index) = table.factor else {
             return table.peak_um;
         };
-        let product = table.peak_um * self.cec[index].peak_um / self.um_per_unit;
+        let product = table.peak_um * self.tables[index].peak_um / self.um_per_unit;
         match self.facts.multiply_mode.value {
             MultiplyMode::Product => product,
             MultiplyMode::Additive => table.peak_um + product,
@@ -207,13 +182,13 @@ impl SiemensControl {
 
 impl Emulator for SiemensControl {
     fn connected_axes(&self) -> Vec<(String, String)> {
-        let own = self.lec.iter().map(|t| (t.axis.clone(), t.axis.clone()));
-        let cross = self.cec.iter().map(|t| (t.input.clone(), t.output.clone()));
-        let through_factor = self.cec.iter().filter_map(|table| {
-            let factor = &self.cec[table.factor?];
-            Some((factor.input.clone(), table.output.clone()))
-        });
-        let mut pairs: Vec<_> = own.chain(cross).chain(through_factor).collect();
+        let pair =
+            |of: &Loaded, to: &Loaded| (of.table.input_axis.clone(), to.table.output_axis.clone());
+        let own = self.tables.iter().map(|loaded| pair(loaded, loaded));
+        let through_factor = self.tables.iter();
+        let through_factor =
+            through_factor.filter_map(|loaded| Some(pair(&self.tables[loaded.factor?], loaded)));
+        let mut pairs: Vec<_> = own.chain(through_factor).collect();
         pairs.sort_unstable();
         pairs.dedup();
         pairs
@@ -221,60 +196,50 @@ impl Emulator for SiemensControl {
 
     fn response(&self, base: &str, output: &str, direction: Direction) -> Emulated<Response> {
         self.refuse_products(base, output)?;
-        let acting = self.cec_of(output);
-        let acting = acting.filter(|table| same(&table.input, base) && table.acts_in(direction));
-        let mut tables: Vec<NodeTable> = acting.map(|table| table.corrections.clone()).collect();
-        if !tables.is_empty() {
+        let cec = self.cec_of(output);
+        let cec: Vec<_> = cec.filter(|own| own.is_from(base) && own.acts_in(direction)).collect();
+        if !cec.is_empty() {
             self.refuse_clamp(output)?;
         }
-        let mut constant = Correction::ZERO;
-        if same(base, output) {
-            let own = self.lec_of(base)?.map(|lec| lec.corrections.clone());
-            tables.splice(0..0, own);
-            constant = self.axis(base)?.backlash(direction);
-        }
-        Ok(Response::new(tables, constant))
+        let (own, constant) = match same(base, output) {
+            true => (self.lec_of(base)?, self.axis(base)?.backlash(direction)),
+            false => (None, Correction::ZERO),
+        };
+        let tables = own.into_iter().chain(cec).map(|loaded| loaded.corrections.clone());
+        Ok(Response::new(tables.collect(), constant))
     }
 }
 
-fn load_cec(table: &CecTable, facts: &SiemensFacts, unit: ControlUnit) -> Emulated<LoadedCec> {
-    let raw = Raw {
-        name: format!("$AN_CEC[{}]", table.number),
-        grid: table.grid,
-        values: &table.values,
-        modulo: table.modulo,
-        most_points: facts.cec_points.value,
-        unit,
-    };
+fn load(table: &SiemensTable, facts: &SiemensFacts, unit: ControlUnit) -> Emulated<Loaded> {
+    let (sign, most_points) = facts.of_place(&table.place);
+    let raw = Raw { table, most_points, unit };
     let most_tables = facts.cec_tables.value;
-    if table.number >= most_tables {
-        let name = raw.name;
-        let message = format!("{name} does not exist, the control has {most_tables} tables");
+    if table.place.cec().is_some_and(|number| number >= most_tables) {
+        let place = &table.place;
+        let message = format!("${place} does not exist, the control has {most_tables} tables");
         return Err(CannotEmulate(message));
     }
     let numbers_um = raw.numbers_um()?;
-    let sign = facts.cec_sign.value;
-    Ok(LoadedCec {
-        input: table.input_axis.clone(),
-        output: table.output_axis.clone(),
-        direction: table.direction,
-        corrections: raw.nodes(&numbers_um, |um| sign.correction(um))?,
+    let corrections: Vec<Correction> = numbers_um.iter().map(|um| sign.correction(*um)).collect();
+    Ok(Loaded {
+        table: table.clone(),
+        corrections: raw.nodes(&corrections)?,
         peak_um: numbers_um.iter().fold(0.0, |peak, um| um.abs().max(peak)),
         factor: None,
         is_factor: false,
-        name: raw.name,
     })
 }
 
 /// Connects tables with their factor tables. A table may be multiplied by itself; any other
 /// chain is refused, the manuals do not say how deep the control follows it.
-fn link_factors(tables: &[CecTable], loaded: &mut [LoadedCec], unit: ControlUnit) -> Emulated<()> {
+fn link_factors(tables: &[SiemensTable], loaded: &mut [Loaded], unit: ControlUnit) -> Emulated<()> {
     for (index, table) in tables.iter().enumerate() {
         let Some(number) = table.multiply_by.checked_sub(1) else {
             continue;
         };
-        let cannot = |what: String| Err(CannotEmulate(format!("$AN_CEC[{}]{what}", table.number)));
-        let Some(factor) = tables.iter().position(|other| other.number == number) else {
+        let cannot = |what: String| Err(CannotEmulate(format!("${}{what}", table.place)));
+        let is_factor = |other: &SiemensTable| other.place.cec() == Some(number);
+        let Some(factor) = tables.iter().position(is_factor) else {
             let what = format!(" is multiplied by $AN_CEC[{number}], which no file holds");
             return cannot(what);
         };
@@ -291,12 +256,9 @@ fn link_factors(tables: &[CecTable], loaded: &mut [LoadedCec], unit: ControlUnit
     Ok(())
 }
 
-/// A table as the file holds it, whichever kind it is.
+/// A table as the file holds it.
 struct Raw<'a> {
-    name: String,
-    grid: SiemensGrid,
-    values: &'a [Option<f64>],
-    modulo: bool,
+    table: &'a SiemensTable,
     most_points: u32,
     unit: ControlUnit,
 }
@@ -312,16 +274,16 @@ impl Raw<'_> {
                 "point {point} is missing; the control would keep an older value"
             ))),
         };
-        let numbers = self.values.iter().enumerate().map(number);
+        let numbers = self.table.values.iter().enumerate().map(number);
         let numbers: Vec<f64> = numbers.collect::<Result<_, _>>()?;
         self.check_closed(&numbers)?;
         Ok(numbers)
     }
 
     fn check_grid(&self) -> Emulated<()> {
-        let points = self.values.len();
-        let tolerance = if self.modulo { MODULO_RATIO_TOLERANCE } else { RATIO_TOLERANCE };
-        let ratio = self.grid.steps();
+        let points = self.table.values.len();
+        let tolerance = if self.table.modulo { MODULO_RATIO_TOLERANCE } else { RATIO_TOLERANCE };
+        let ratio = self.table.grid.steps();
         let off = (ratio + 1.0 - points as f64).abs();
         if points < 2 || off.is_nan() || off >= tolerance {
             return Err(self.fault(&format!("has {points} points, but (MAX-MIN)/STEP is {ratio}")));
@@ -334,7 +296,7 @@ impl Raw<'_> {
     }
 
     fn check_closed(&self, numbers: &[f64]) -> Emulated<()> {
-        if !self.modulo {
+        if !self.table.modulo {
             return Ok(());
         }
         if self.unit == ControlUnit::Inch {
@@ -349,21 +311,16 @@ impl Raw<'_> {
         }
     }
 
-    fn nodes(
-        &self,
-        numbers_um: &[f64],
-        correction: impl Fn(f64) -> Correction,
-    ) -> Emulated<NodeTable> {
-        let corrections: Vec<Correction> = numbers_um.iter().map(|um| correction(*um)).collect();
+    fn nodes(&self, corrections: &[Correction]) -> Emulated<NodeTable> {
         let in_mm = |length: f64| Millimetres::new(length * self.unit.in_mm());
-        let (start, step) = (in_mm(self.grid.min), in_mm(self.grid.step));
-        let table = NodeTable::new(start, step, &corrections, Between::Linear)
+        let (start, step) = (in_mm(self.table.grid.min), in_mm(self.table.grid.step));
+        let nodes = NodeTable::new(start, step, corrections, Between::Linear)
             .ok_or_else(|| self.fault("has no usable grid"))?;
-        Ok(if self.modulo { table.repeating() } else { table })
+        Ok(if self.table.modulo { nodes.repeating() } else { nodes })
     }
 
     fn fault(&self, what: &str) -> CannotEmulate {
-        CannotEmulate(format!("{}: {what}", self.name))
+        CannotEmulate(format!("${}: {what}", self.table.place))
     }
 }
 

@@ -4,13 +4,13 @@
 //! order and the last assignment of each counts (Function Manual Extended Functions 03/2013, K3
 //! p. 240-249: the assignments are independent statements).
 
-use super::contents::{MachineDatum, MachineValue, SiemensContents, is_switch, variable_text};
-use super::statement::{Assignment, Value};
-use super::variable::{Variable, variable};
-use crate::control::table::siemens::{CecDirection, CecTable, LecTable, SiemensGrid};
+use super::contents::{MachineDatum, MachineValue, SiemensContents, datum, is_switch};
+use super::statement::Assignment;
+use super::variable::{Cell, variable};
+use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable};
+use crate::quantity::axis::Direction;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS};
-use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// No control reserves more points for one table (5000 is the largest bound known); keeps a
@@ -24,9 +24,10 @@ pub(super) const MOST_TABLES: usize = 1000;
 pub(super) const MOST_DATA: usize = 10_000;
 
 /// Who wrote a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Writer {
     /// A program or a person, for a control to load.
+    #[default]
     Kit,
     /// The same, with tables as a control held them.
     Rollback,
@@ -34,55 +35,28 @@ pub(super) enum Writer {
     Control,
 }
 
-/// A table of the control; ENC_COMP tables come first, in the order of their axes.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum TableName {
-    Lec { axis: String, encoder: u32 },
-    Cec(u32),
-}
-
-impl fmt::Display for TableName {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            TableName::Lec { axis, encoder } => write!(f, "AA_ENC_COMP[{encoder},{axis}]"),
-            TableName::Cec(number) => write!(f, "AN_CEC[{number}]"),
-        }
-    }
-}
-
-impl TableName {
-    /// The table that a variable belongs to, and the parameter of it, which a point has none of.
-    fn of(variable: &Variable<'_>) -> Option<(TableName, &'static str)> {
-        if let Some(parameter) = variable.name.strip_prefix("AA_ENC_COMP") {
-            let (axis, encoder) = (variable.axis.to_string(), variable.encoder);
-            return Some((TableName::Lec { axis, encoder }, parameter));
-        }
-        let parameter = variable.name.strip_prefix("AN_CEC")?;
-        Some((TableName::Cec(variable.table), parameter))
-    }
-
-    /// Parameters of which the control keeps an older value where no line writes them.
-    fn optional(&self) -> &'static [&'static str] {
-        match self {
-            TableName::Lec { .. } => &["_IS_MODULO"],
-            TableName::Cec(_) => &["_IS_MODULO", "_DIRECTION", "_MULT_BY_TABLE"],
-        }
+/// Parameters of which the control keeps an older value where no line writes them.
+fn optional(place: &Place) -> &'static [&'static str] {
+    match place {
+        Place::Lec { .. } => &["_IS_MODULO"],
+        Place::Cec(_) => &["_IS_MODULO", "_DIRECTION", "_MULT_BY_TABLE"],
     }
 }
 
 /// A value and where it stands.
 #[derive(Clone, Debug)]
 struct Placed {
-    value: Value,
+    value: MachineValue,
     span: Range<usize>,
 }
 
 impl Placed {
     fn number(&self) -> f64 {
-        match self.value {
-            Value::Number(number) => number,
-            _ => f64::NAN, // of parameters that are none
-        }
+        self.value.number().unwrap_or(f64::NAN) // of parameters that are none
+    }
+
+    fn is_zero(&self) -> bool {
+        self.number().abs() <= 0.0
     }
 }
 
@@ -93,50 +67,41 @@ struct Draft {
     /// What could not be read of it.
     complaints: Vec<Complaint>,
     protected: bool,
-    parameters: BTreeMap<&'static str, Placed>,
-    points: BTreeMap<u32, Placed>,
+    cells: BTreeMap<Cell, Placed>,
 }
 
 /// The tables and machine data of one file while it is being read.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Memory {
     writer: Writer,
-    tables: BTreeMap<TableName, Draft>,
-    machine: Vec<MachineDatum>,
+    tables: BTreeMap<Place, Draft>,
     /// The first switch behind the last `NEWCONF`.
     waiting: Option<String>,
-    /// What a control holds of each variable, and of which it holds two values.
-    values: BTreeMap<String, String>,
-    twice: BTreeSet<String>,
+    /// What is known before the end of the file.
+    pub(super) all: SiemensContents,
 }
 
 impl Memory {
     pub(super) fn new(writer: Writer) -> Memory {
-        Memory {
-            writer,
-            tables: BTreeMap::new(),
-            machine: Vec::new(),
-            waiting: None,
-            values: BTreeMap::new(),
-            twice: BTreeSet::new(),
-        }
+        Memory { writer, ..Memory::default() }
     }
 
     /// Carries out one assignment.
     pub(super) fn set(&mut self, set: &Assignment<'_>) -> Result<(), Complaint> {
         let variable = variable(set)?;
-        if self.writer == Writer::Control {
-            self.note_value(set);
-        }
-        match TableName::of(&variable) {
-            Some((name, parameter)) => self.set_table(name, parameter, &variable, set),
-            None => self.set_machine(set, variable.value(set)?),
+        let value = variable.value(set);
+        match variable.cell(set) {
+            Some((place, cell)) => self.set_table(place, cell, value, set),
+            None => {
+                self.set_machine(MachineDatum { variable: set.variable(), value: value? });
+                Ok(())
+            }
         }
     }
 
     /// Whether it holds more than any control.
     pub(super) fn is_full(&self) -> bool {
-        self.tables.len() > MOST_TABLES || self.machine.len() > MOST_DATA
+        self.tables.len() > MOST_TABLES || self.all.machine_data.len() > MOST_DATA
     }
 
     /// Machine data that were written act from here on.
@@ -151,97 +116,73 @@ impl Memory {
         self.waiting.take().filter(|_| self.writer == Writer::Kit)
     }
 
-    fn note_value(&mut self, set: &Assignment<'_>) {
-        let value = match &set.value {
-            Ok(Value::Number(number)) => number.to_string(),
-            Ok(Value::Truth(truth)) => u8::from(*truth).to_string(),
-            Ok(Value::Name(name)) => name.clone(),
-            Err(_) => return,
-        };
-        let variable = variable_text(&set.name, &plain_indices(set));
-        let old = self.values.insert(variable.clone(), value.clone());
-        if old.is_some_and(|old| old != value) {
-            self.twice.insert(variable);
-        }
-    }
-
     fn set_table(
         &mut self,
-        name: TableName,
-        parameter: &'static str,
-        variable: &Variable<'_>,
+        place: Place,
+        cell: Cell,
+        value: Result<MachineValue, Complaint>,
         set: &Assignment<'_>,
     ) -> Result<(), Complaint> {
-        let switch = match &name {
-            TableName::Lec { axis, encoder } => {
-                Some(("MA_ENC_COMP_ENABLE", vec![encoder.to_string(), axis.clone()]))
-            }
-            TableName::Cec(_) => None,
-        };
-        let draft = self.tables.entry(name).or_default();
+        let draft = self.tables.entry(place.clone()).or_default();
         if draft.head.is_empty() {
             draft.head = set.head.clone();
         }
-        match variable.value(set) {
-            Ok(value) => draft.put(parameter, variable.point, value, set, self.writer),
+        match value {
+            Ok(value) => {
+                let placed = Placed { value, span: set.value_span.clone() };
+                if draft.put(cell, placed, self.writer) {
+                    self.all.read_out.twice.insert(set.variable());
+                }
+            }
             Err(_) if draft.complaints.len() >= MOST_COMPLAINTS => {}
             Err(complaint) => draft.complaints.push(complaint),
         }
-        let (switch, indices) = switch.unwrap_or_else(|| {
-            let output = draft.name("_OUTPUT_AXIS");
-            ("MA_CEC_ENABLE", output.into_iter().collect())
-        });
         if self.writer == Writer::Control || draft.protected {
             return Ok(());
         }
-        draft.protected = self.machine.iter().any(|datum| {
-            let on = matches!(datum.value, MachineValue::Number(number) if number > 0.0);
-            datum.name == switch && datum.indices == indices && on
-        });
+        let (switch, index) = match place {
+            Place::Lec { .. } => ("$MA_ENC_COMP_ENABLE", place.index()),
+            Place::Cec(_) => ("$MA_CEC_ENABLE", draft.name("_OUTPUT_AXIS").unwrap_or_default()),
+        };
+        let switched = datum(&self.all.machine_data, &format!("{switch}[{index}]"));
+        draft.protected = switched.and_then(|on| on.value.number()).is_some_and(|on| on > 0.0);
         match draft.protected {
             true => Err(protected(set, switch)),
             false => Ok(()),
         }
     }
 
-    fn set_machine(&mut self, set: &Assignment<'_>, value: Value) -> Result<(), Complaint> {
-        let value = match value {
-            Value::Number(number) => MachineValue::Number(number),
-            Value::Truth(truth) => MachineValue::Number(f64::from(u8::from(truth))),
-            Value::Name(name) => MachineValue::Text(name),
-        };
-        let datum = MachineDatum { name: set.name.to_string(), indices: plain_indices(set), value };
-        let waits = datum.name.starts_with("MA_") && is_switch(&datum.name);
-        if waits && self.waiting.is_none() {
-            self.waiting = Some(datum.variable());
+    fn set_machine(&mut self, datum: MachineDatum) {
+        if datum.variable.starts_with("$MA_") && is_switch(&datum.variable) {
+            self.waiting.get_or_insert_with(|| datum.variable.clone());
         }
-        let mut known = self.machine.iter_mut();
-        match known.find(|known| known.name == datum.name && known.indices == datum.indices) {
-            Some(known) => known.value = datum.value,
-            None => self.machine.push(datum),
+        let all = &mut self.all;
+        match all.machine_data.iter_mut().find(|known| known.variable == datum.variable) {
+            None => all.machine_data.push(datum),
+            Some(known) => {
+                let old = std::mem::replace(&mut known.value, datum.value);
+                if old != known.value && self.writer == Writer::Control {
+                    all.read_out.twice.insert(datum.variable);
+                }
+            }
         }
-        Ok(())
     }
 
     /// The tables and data, if nothing is missing; complaints are added to `complaints`.
-    pub(super) fn finish(self, complaints: &mut Vec<Complaint>) -> SiemensContents {
-        let too_many = self.too_many_points();
-        let mut all = SiemensContents { machine_data: self.machine, ..SiemensContents::default() };
-        all.read_out.twice = self.twice.into_iter().collect();
-        if let Some(complaint) = too_many {
+    pub(super) fn finish(mut self, complaints: &mut Vec<Complaint>) -> SiemensContents {
+        if let Some(complaint) = self.too_many_points() {
             complaints.push(complaint);
-            return all;
+            return self.all;
         }
-        for (name, draft) in self.tables {
-            let step = draft.parameters.get("_STEP").map(Placed::number);
-            if self.writer == Writer::Control && step.is_some_and(|step| step.abs() <= 0.0) {
+        for (place, draft) in self.tables {
+            if self.writer == Writer::Control && draft.cell("_STEP").is_some_and(Placed::is_zero) {
                 // The control reserves memory for the table and nobody filled it.
-                all.read_out.without_grid.push(name.to_string());
+                self.all.read_out.without_grid.push(place.to_string());
             } else {
-                draft.finish(name, self.writer, &mut all, complaints);
+                draft.finish(place, self.writer, &mut self.all, complaints);
             }
         }
-        all
+        self.all
     }
 
     /// A few lines may ask for many points: MIN, STEP and MAX.
@@ -264,109 +205,100 @@ impl Memory {
 }
 
 impl Draft {
-    fn put(
-        &mut self,
-        parameter: &'static str,
-        point: u32,
-        value: Value,
-        set: &Assignment<'_>,
-        writer: Writer,
-    ) {
-        let span = set.value_span.clone();
-        let placed = Placed { value, span };
-        if parameter.is_empty() {
-            self.points.insert(point, placed);
-            return;
+    /// Sets a cell; gives whether a control holds two values of it. Of two steps that a control wrote, the one
+    /// that gives a grid counts.
+    fn put(&mut self, cell: Cell, placed: Placed, writer: Writer) -> bool {
+        let of_control = self.cells.get(&cell).filter(|_| writer == Writer::Control);
+        let is_other = of_control.is_some_and(|old| old.value != placed.value);
+        if !(cell.0 == "_STEP" && of_control.is_some() && placed.is_zero()) {
+            self.cells.insert(cell, placed);
         }
-        // Of two steps that a control wrote, the one that gives a grid; two values are told.
-        let keeps_old = writer == Writer::Control
-            && parameter == "_STEP"
-            && placed.number().abs() <= 0.0
-            && self.parameters.contains_key(parameter);
-        if !keeps_old {
-            self.parameters.insert(parameter, placed);
-        }
+        is_other
     }
 
-    fn name(&self, parameter: &str) -> Option<String> {
-        match &self.parameters.get(parameter)?.value {
-            Value::Name(name) => Some(name.clone()),
-            _ => None,
+    fn cell(&self, parameter: &'static str) -> Option<&Placed> {
+        self.cells.get(&(parameter, 0))
+    }
+
+    fn name(&self, parameter: &'static str) -> Option<String> {
+        match &self.cell(parameter)?.value {
+            MachineValue::Text(name) => Some(name.clone()),
+            MachineValue::Number(_) => None,
         }
     }
 
     /// A number that is read as 0 where no line writes it.
-    fn number(&self, parameter: &str) -> f64 {
-        self.parameters.get(parameter).map_or(0.0, Placed::number)
+    fn number(&self, parameter: &'static str) -> f64 {
+        self.cell(parameter).map_or(0.0, Placed::number)
     }
 
-    fn direction(&self) -> CecDirection {
+    fn direction(&self) -> Option<Direction> {
         match self.number("_DIRECTION") {
-            plus if plus > 0.0 => CecDirection::Plus,
-            minus if minus < 0.0 => CecDirection::Minus,
-            _ => CecDirection::Both,
+            plus if plus > 0.0 => Some(Direction::Plus),
+            minus if minus < 0.0 => Some(Direction::Minus),
+            _ => None,
         }
     }
 
     /// MIN, STEP and MAX, where all three are written.
     fn stated_grid(&self) -> Option<SiemensGrid> {
-        let number = |parameter| self.parameters.get(parameter).map(Placed::number);
-        Some(SiemensGrid { min: number("_MIN")?, step: number("_STEP")?, max: number("_MAX")? })
+        let [min, step, max] =
+            ["_MIN", "_STEP", "_MAX"].map(|of| self.cell(of).map(Placed::number));
+        Some(SiemensGrid { min: min?, step: step?, max: max? })
+    }
+
+    /// Points from this one on.
+    fn points(&self, first: u32) -> impl Iterator<Item = (u32, &Placed)> {
+        let cells = self.cells.range(("", first)..=("", u32::MAX));
+        cells.map(|((_, point), placed)| (*point, placed))
     }
 
     /// Adds the table to what the file holds; a control writes tables that nobody filled, too.
     fn finish(
         mut self,
-        name: TableName,
+        place: Place,
         writer: Writer,
         all: &mut SiemensContents,
         complaints: &mut Vec<Complaint>,
     ) {
-        let variable = format!("${name}");
-        let lacking = name.optional().iter();
-        let lacking = lacking.filter(|field| !self.parameters.contains_key(**field));
+        let variable = format!("${place}");
+        let lacking = optional(&place).iter().filter(|field| self.cell(**field).is_none());
         all.unwritten.extend(lacking.map(|field| format!("{} of {variable}", &field[1..])));
         let is_readable = self.complaints.is_empty();
         let content = self.content(&variable, writer);
-        let is_zero = self.points.values().all(|placed| placed.number().abs() <= 0.0);
+        let is_zero = self.points(0).all(|(_, placed)| placed.is_zero());
         if content.is_none() && writer != Writer::Kit && is_zero && is_readable {
-            all.idle.push(name.to_string());
+            all.idle.push(place.to_string());
             return;
         }
-        let input = self.name("_INPUT_AXIS");
-        let output = self.name("_OUTPUT_AXIS");
-        if matches!(name, TableName::Cec(_)) && is_readable {
-            self.missing(&variable, &["_INPUT_AXIS", "_OUTPUT_AXIS"]);
-        }
-        complaints.append(&mut self.complaints);
-        let Some((grid, values)) = content else {
-            return;
+        let axes = match &place {
+            Place::Lec { axis, .. } => [axis, axis].map(|axis| Some(axis.clone())),
+            Place::Cec(_) => {
+                let names = ["_INPUT_AXIS", "_OUTPUT_AXIS"];
+                if is_readable {
+                    self.missing(&variable, &names);
+                }
+                names.map(|name| self.name(name))
+            }
         };
-        let modulo = self.number("_IS_MODULO") > 0.0;
-        match (name, input, output) {
-            (TableName::Lec { axis, encoder }, _, _) => {
-                all.tables.lec.push(LecTable { encoder, axis, grid, values, modulo })
-            }
-            (TableName::Cec(number), Some(input_axis), Some(output_axis)) => {
-                all.tables.cec.push(CecTable {
-                    number,
-                    input_axis,
-                    output_axis,
-                    grid,
-                    values,
-                    direction: self.direction(),
-                    multiply_by: table_number(self.number("_MULT_BY_TABLE")),
-                    modulo,
-                });
-            }
-            _ => {}
+        complaints.append(&mut self.complaints);
+        if let (Some((grid, values)), [Some(input_axis), Some(output_axis)]) = (content, axes) {
+            all.tables.tables.push(SiemensTable {
+                place,
+                input_axis,
+                output_axis,
+                grid,
+                values,
+                direction: self.direction(),
+                multiply_by: table_number(self.number("_MULT_BY_TABLE")),
+                modulo: self.number("_IS_MODULO") > 0.0,
+            });
         }
     }
 
     /// Complains of parameters that no line writes; where a line could not be read, it may be that one.
-    fn missing(&mut self, name: &str, parameters: &[&str]) {
-        let lacking = parameters.iter();
-        for field in lacking.filter(|field| !self.parameters.contains_key(**field)) {
+    fn missing(&mut self, name: &str, parameters: &[&'static str]) {
+        for field in parameters.iter().filter(|field| !self.cells.contains_key(&(**field, 0))) {
             self.complaints.push(Complaint::new(
                 self.head.clone(),
                 format!("{} of {name} is missing", &field[1..]),
@@ -386,20 +318,21 @@ impl Draft {
         let last = match self.last_point(name, grid, writer) {
             Ok(last) => last,
             Err((parameter, message, help)) => {
-                let span = self.parameters[parameter].span.clone();
+                let span = self.cell(parameter).map_or(self.head.clone(), |of| of.span.clone());
                 self.complaints.push(Complaint::new(span, message, help));
                 return None;
             }
         };
-        let behind = self.points.range(last + 1..);
-        for (point, placed) in behind.filter(|_| writer == Writer::Kit) {
-            self.complaints.push(Complaint::new(
-                placed.span.clone(),
-                format!("{name} has point {point}, but MIN, STEP and MAX give points 0 to {last}"),
-                "remove the point or correct MIN, STEP or MAX",
-            ));
-        }
-        let value = |point| self.points.get(&point).map(Placed::number);
+        let behind = self.points(last + 1).filter(|_| writer == Writer::Kit);
+        let behind = behind.map(|(point, placed)| {
+            let message =
+                format!("{name} has point {point}, but MIN, STEP and MAX give points 0 to {last}");
+            let help = "remove the point or correct MIN, STEP or MAX";
+            Complaint::new(placed.span.clone(), message, help)
+        });
+        let behind: Vec<Complaint> = behind.collect();
+        self.complaints.extend(behind);
+        let value = |point| self.cells.get(&("", point)).map(Placed::number);
         Some((grid, (0..=last).map(value).collect()))
     }
 
@@ -438,7 +371,7 @@ impl Draft {
             let help = "the last point must lie on MAX; controls differ in what they do otherwise";
             return Err(("_STEP", message, help));
         }
-        Ok(last + u32::from(self.points.contains_key(&(last + 1))))
+        Ok(last + u32::from(self.cells.contains_key(&("", last + 1))))
     }
 }
 
@@ -447,8 +380,8 @@ impl Draft {
 fn protected(set: &Assignment<'_>, switch: &str) -> Complaint {
     Complaint::new(
         set.head.clone(),
-        format!("the table is written while `${switch}` is 1; the control stops with alarm 17070"),
-        format!("set `${switch}` to 0 before the table and to 1 after it"),
+        format!("the table is written while `{switch}` is 1; the control stops with alarm 17070"),
+        format!("set `{switch}` to 0 before the table and to 1 after it"),
     )
 }
 
@@ -458,13 +391,4 @@ fn protected(set: &Assignment<'_>, switch: &str) -> Complaint {
 )]
 fn table_number(number: f64) -> u32 {
     number as u32
-}
-
-/// Indices, of which `01` and `1` are the same.
-fn plain_indices(set: &Assignment<'_>) -> Vec<String> {
-    let plain = set.indices.iter().map(|index| match index.parse::<u32>() {
-        Ok(number) => number.to_string(),
-        Err(_) => index.to_string(),
-    });
-    plain.collect()
 }

@@ -50,6 +50,20 @@ pub(super) struct Assignment<'a> {
     pub(super) value: Result<Value, Complaint>,
 }
 
+impl Assignment<'_> {
+    /// As files write it, with indices of which `01` and `1` are the same: `$MA_BACKLASH[0,AX1]`.
+    pub(super) fn variable(&self) -> String {
+        let plain = self.indices.iter().map(|index| match index.parse::<u32>() {
+            Ok(number) => number.to_string(),
+            Err(_) => index.to_string(),
+        });
+        match plain.collect::<Vec<String>>().join(",") {
+            none if none.is_empty() => format!("${}", self.name),
+            indices => format!("${}[{indices}]", self.name),
+        }
+    }
+}
+
 /// The right side of an assignment.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Value {

@@ -2,7 +2,9 @@
 //!
 //! Function Manual Extended Functions 03/2013, K3 p. 237-249 and 268.
 
+use super::contents::MachineValue;
 use super::statement::{Assignment, Value};
+use crate::control::table::siemens::Place;
 use crate::read::lexer::Complaint;
 use crate::text::problem::nearest;
 
@@ -87,33 +89,26 @@ pub(super) fn data() -> impl Iterator<Item = &'static str> {
     names.filter(|name| !is_of_table(name) && *name != "MA_CEC_MAX_VELO")
 }
 
-/// What an assignment sets: its indices told apart.
+/// What an assignment sets.
 #[derive(Clone, Copy)]
-pub(super) struct Variable<'a> {
+pub(super) struct Variable {
     /// Name without `$`, upper case.
-    pub(super) name: &'static str,
-    /// Measuring system, 0 or 1.
-    pub(super) encoder: u32,
-    /// CEC table.
-    pub(super) table: u32,
-    /// Point of the table.
-    pub(super) point: u32,
-    /// Axis.
-    pub(super) axis: &'a str,
+    name: &'static str,
     allowed: Allowed,
 }
 
+/// A parameter of a table, or a point of it, which has a number and no name.
+pub(super) type Cell = (&'static str, u32);
+
 /// The variable of an assignment; a complaint if it is unknown or the indices do not fit it.
-pub(super) fn variable<'a>(set: &'a Assignment<'_>) -> Result<Variable<'a>, Complaint> {
+pub(super) fn variable(set: &Assignment<'_>) -> Result<Variable, Complaint> {
     let known = VARIABLES.iter().find(|(name, _, _)| *name == set.name);
     let Some((name, indices, allowed)) = known else {
         return Err(unknown(set));
     };
-    let mut found = Variable { name, encoder: 0, table: 0, point: 0, axis: "", allowed: *allowed };
     let mut pairs = indices.iter().zip(&set.indices);
-    let is_whole = indices.len() == set.indices.len();
-    if is_whole && pairs.all(|(index, text)| found.put(index, text).is_some()) {
-        return Ok(found);
+    if indices.len() == set.indices.len() && pairs.all(|(index, text)| index.takes(text)) {
+        return Ok(Variable { name, allowed: *allowed });
     }
     let example = |index: &Index| match index {
         Encoder | Table => "0",
@@ -128,45 +123,59 @@ pub(super) fn variable<'a>(set: &'a Assignment<'_>) -> Result<Variable<'a>, Comp
     ))
 }
 
-impl<'a> Variable<'a> {
-    fn put(&mut self, index: &Index, text: &'a str) -> Option<()> {
-        let number = |largest: u32| text.parse().ok().filter(|number| *number <= largest);
-        match index {
-            Encoder => self.encoder = number(1)?,
-            Table => self.table = number(LARGEST_INDEX)?,
-            Point => self.point = number(LARGEST_INDEX)?,
-            Axis => {
-                self.axis = text.starts_with(|c: char| c.is_ascii_alphabetic()).then_some(text)?
-            }
+impl Index {
+    fn takes(self, text: &str) -> bool {
+        let is_up_to = |largest: u32| text.parse().is_ok_and(|number: u32| number <= largest);
+        match self {
+            Encoder => is_up_to(1),
+            Table | Point => is_up_to(LARGEST_INDEX),
+            Axis => text.starts_with(|c: char| c.is_ascii_alphabetic()),
         }
-        Some(())
+    }
+}
+
+impl Variable {
+    /// The table that it belongs to, and what of it; `None` of machine data.
+    pub(super) fn cell(self, set: &Assignment<'_>) -> Option<(Place, Cell)> {
+        let number = |at: usize| set.indices.get(at)?.parse().ok();
+        let (first, point) = (number(0).unwrap_or(0), number(1).unwrap_or(0));
+        if let Some(parameter) = self.name.strip_prefix("AA_ENC_COMP") {
+            let axis = set.indices.last()?.to_string();
+            return Some((Place::Lec { axis, encoder: first }, (parameter, point)));
+        }
+        Some((Place::Cec(first), (self.name.strip_prefix("AN_CEC")?, point)))
     }
 
-    /// The value that is assigned, if the variable may have it; truths of a table as numbers.
-    pub(super) fn value(&self, set: &Assignment<'_>) -> Result<Value, Complaint> {
+    /// The value that is assigned, if the variable may have it; truths as numbers.
+    pub(super) fn value(self, set: &Assignment<'_>) -> Result<MachineValue, Complaint> {
         let value = set.value.clone()?;
         let is_whole = |least: i32, most: i32, number: f64| {
             (least..=most).any(|whole| (number - f64::from(whole)).abs() <= 0.0)
         };
         let expected = match (self.allowed, &value) {
-            (Any, _) | (Number, Value::Number(_)) | (AxisName, Value::Name(_)) => return Ok(value),
-            (Truth, Value::Truth(truth)) => {
-                return Ok(Value::Number(f64::from(u8::from(*truth))));
-            }
-            (Truth, Value::Number(number)) if is_whole(0, 1, *number) => return Ok(value),
+            (Any, _)
+            | (Number, Value::Number(_))
+            | (AxisName, Value::Name(_))
+            | (Truth, Value::Truth(_)) => None,
+            (Truth, Value::Number(number)) if is_whole(0, 1, *number) => None,
             (Whole(least, most, _), Value::Number(number)) if is_whole(least, most, *number) => {
-                return Ok(value);
+                None
             }
-            (Number, _) => "a number",
-            (Truth, _) => "0 or 1",
-            (AxisName, _) => "an axis name such as `(AX1)`",
-            (Whole(_, _, words), _) => words,
+            (Number, _) => Some("a number"),
+            (Truth, _) => Some("0 or 1"),
+            (AxisName, _) => Some("an axis name such as `(AX1)`"),
+            (Whole(_, _, words), _) => Some(words),
         };
-        Err(Complaint::new(
-            set.value_span.clone(),
-            format!("`${}` cannot have this value", self.name),
-            format!("write {expected}"),
-        ))
+        match (expected, value) {
+            (None, Value::Number(number)) => Ok(MachineValue::Number(number)),
+            (None, Value::Truth(truth)) => Ok(MachineValue::Number(f64::from(u8::from(truth)))),
+            (None, Value::Name(name)) => Ok(MachineValue::Text(name)),
+            (Some(words), _) => Err(Complaint::new(
+                set.value_span.clone(),
+                format!("`${}` cannot have this value", self.name),
+                format!("write {words}"),
+            )),
+        }
     }
 }
 

@@ -58,15 +58,6 @@ pub(super) struct Space {
 }
 
 impl Space {
-    pub(super) fn reserving(reserved: &[[u32; 2]]) -> Space {
-        Space {
-            used: reserved
-                .iter()
-                .map(|[first, last]| NumberRange { first: *first, last: *last })
-                .collect(),
-        }
-    }
-
     fn is_free(&self, range: NumberRange) -> bool {
         !self.used.iter().any(|used| used.overlaps(range))
     }
@@ -104,14 +95,17 @@ impl Space {
     }
 }
 
-/// The runs of all physical axes that need pitch points; stated numbers are placed first.
+/// The runs of all physical axes that need pitch points, and what is free beside them; stated numbers are
+/// placed first.
 pub(super) fn runs(
     task: Task<'_>,
     plan: &Plan,
     facts: &FanucFacts,
-    space: &mut Space,
     problems: &mut Problems,
-) -> Vec<Run> {
+) -> (Vec<Run>, Space) {
+    let reserved = task.job.compensation.reserved_points.as_deref().unwrap_or_default();
+    let used = reserved.iter().map(|[first, last]| NumberRange { first: *first, last: *last });
+    let mut space = Space { used: used.collect() };
     let mut runs = needed(plan, facts);
     let blocks = &facts.pitch_points.value;
     let stated = |run: &Run| {
@@ -147,7 +141,7 @@ pub(super) fn runs(
             problems.push(no_room(task, run, &facts.minus_points.value));
         }
     }
-    runs
+    (runs, space)
 }
 
 fn no_room(task: Task<'_>, run: &Run, blocks: &[NumberRange]) -> Problem {

@@ -5,10 +5,13 @@
 
 use crate::control::controller::{FanucFacts, Mechanism, TableSign};
 use crate::control::table::Tables;
-use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::control::table::fanuc::FanucMemory;
 use crate::quantity::units::Deviation;
+use crate::text::problem::Problems;
 use crate::write::compiled::Bump;
 use crate::write::family::ProofOf;
+use crate::write::fanuc::numbers::{Run, runs};
+use crate::write::fanuc::tables::{Totals, points};
 use crate::write::grid::{as_number, whole};
 use crate::write::task::axis_pairs;
 
@@ -22,27 +25,29 @@ pub(super) fn memory(
         .iter()
         .map(|(base, output)| Some((base.parse().ok()?, output.parse().ok()?)))
         .collect::<Option<_>>()?;
+    let (runs, _) = runs(proof.task, proof.plan, facts, &mut Problems::none());
     let mut out = FanucMemory::default();
     if proof.mechanism == Mechanism::Pitch {
-        for (axis, run) in runs(kit) {
-            let has_bump = pairs.iter().any(|(_, output)| *output == axis);
-            let bump = has_bump.then_some(proof.bump);
-            for first in std::iter::once(run.first).chain(run.second) {
-                increments(run, first, facts.pitch_sign.value, bump, &mut out);
+        for run in &runs {
+            let has_bump = pairs.iter().any(|(_, output)| *output == run.id);
+            let totals = has_bump.then(|| totals(proof.bump, facts.pitch_sign.value));
+            for first in std::iter::once(run.first).chain(run.minus_first) {
+                points(&mut out, first, run, totals.as_ref());
             }
         }
         return Some(out);
     }
-    for set in sets(kit, facts) {
-        let has_bump = pairs.contains(&(set.moving, set.output));
-        let bump = has_bump.then_some(proof.bump);
+    for index in 0..facts.straightness_sets.value {
+        let axis = |first: u32| kit.count(first + index, None);
+        let (Some(moving), Some(output)) = (axis(5711), axis(5721)) else { continue };
+        let bump = pairs.contains(&(moving, output)).then_some(proof.bump);
         let sign = facts.straightness_sign.value;
-        let run = run(kit, set.moving)?;
+        let run = runs.iter().find(|run| run.id == moving)?;
         if proof.mechanism == Mechanism::PerPoint {
-            let start = facts.straightness_start_parameter.value + set.index;
-            increments(run, held(kit, start, None)?, sign, bump, &mut out);
+            let first = axis(facts.straightness_start_parameter.value)?;
+            points(&mut out, first, run, bump.map(|bump| totals(bump, sign)).as_ref());
         } else {
-            four_points(kit, &set, run, sign, bump, &mut out)?;
+            four_points(kit, index, run, bump.map(|bump| (bump, sign)), &mut out)?;
         }
     }
     Some(out)
@@ -66,47 +71,11 @@ pub(super) fn zero_the_rest(kit: &FanucMemory, proofs: &mut [&mut Tables]) {
     }
 }
 
-/// Pitch points of one controlled axis.
-#[derive(Clone, Copy)]
-struct Run {
-    reference: u32,
-    first: u32,
-    count: u32,
-    second: Option<u32>,
-}
-
-fn held(kit: &FanucMemory, number: u32, axis: Option<u32>) -> Option<u32> {
-    match kit.parameter(number, axis)? {
-        ParameterValue::Integer(value) => u32::try_from(value).ok(),
-        _ => None,
-    }
-}
-
-fn run(kit: &FanucMemory, axis: u32) -> Option<Run> {
-    let first = held(kit, 3621, Some(axis))?;
-    Some(Run {
-        reference: held(kit, 3620, Some(axis))?,
-        first,
-        count: held(kit, 3622, Some(axis))?.checked_sub(first)? + 1,
-        second: held(kit, 3626, Some(axis)),
-    })
-}
-
-fn runs(kit: &FanucMemory) -> impl Iterator<Item = (u32, Run)> {
-    let keys = kit.parameters.keys().filter(|key| key.number == 3620);
-    keys.filter_map(|key| Some((key.axis?, run(kit, key.axis?)?)))
-}
-
-/// Increments of a bump (`None` = zeros), one for each section of the run; point N0 ends at the
-/// reference. Both directions of travel have the same.
-fn increments(run: Run, first: u32, sign: TableSign, bump: Option<&Bump>, out: &mut FanucMemory) {
-    for offset in 0..run.count {
-        let node = i64::from(run.first) + i64::from(offset) - i64::from(run.reference);
-        let total = |node: i64| bump.map_or(0, |bump| in_table(sign, bump.counts_at(node)));
-        let increment = total(node) - total(node - 1);
-        let increment = i32::try_from(increment).unwrap_or(0);
-        out.points.insert(first + offset, increment);
-    }
+/// What a bump is in increments; both directions of travel have the same.
+fn totals(bump: &Bump, sign: TableSign) -> Totals {
+    let nodes = bump.grid.first..=bump.grid.last;
+    let counts = nodes.map(|node| in_table(sign, bump.counts_at(node))).collect();
+    Totals { grid: bump.grid, counts }
 }
 
 /// Counts of a deviation in the sense of the table.
@@ -114,52 +83,26 @@ fn in_table(sign: TableSign, counts: i64) -> i64 {
     whole(sign.table_um(Deviation::from_um(as_number(counts))).round())
 }
 
-/// A straightness set of the kit; `index` counts from 0.
-struct Set {
-    index: u32,
-    moving: u32,
-    output: u32,
-}
-
-fn sets(kit: &FanucMemory, facts: &FanucFacts) -> Vec<Set> {
-    (0..facts.straightness_sets.value)
-        .filter_map(|index| {
-            Some(Set {
-                index,
-                moving: held(kit, 5711 + index, None)?,
-                output: held(kit, 5721 + index, None)?,
-            })
-        })
-        .collect()
-}
-
 /// The points of a set without the bump stay, with amounts 0. A set with it has the reference as
 /// its fourth point.
 fn four_points(
     kit: &FanucMemory,
-    set: &Set,
-    run: Run,
-    sign: TableSign,
-    bump: Option<&Bump>,
+    set: u32,
+    run: &Run,
+    bump: Option<(&Bump, TableSign)>,
     out: &mut FanucMemory,
 ) -> Option<()> {
     for knot in 0..4 {
-        let number = 10 * set.index + knot;
+        let number = 10 * set + knot;
         let (point, amount) = match bump {
-            None => (held(kit, 5731 + number, None)?, 0),
-            Some(bump) => {
-                let nodes = bump_nodes(bump);
-                let node = nodes[usize::try_from(knot).ok()?];
-                let point = u32::try_from(i64::from(run.reference) + node).ok()?;
-                (point, in_table(sign, bump.counts_at(node)))
+            None => (kit.count(5731 + number, None)?, 0),
+            Some((bump, sign)) => {
+                let node = bump_nodes(bump)[usize::try_from(knot).ok()?];
+                (run.point(node), in_table(sign, bump.counts_at(node)))
             }
         };
-        let mut write = |number, value| {
-            let key = ParameterKey { number, axis: None };
-            out.parameters.insert(key, ParameterValue::Integer(value));
-        };
-        write(5731 + number, i64::from(point));
-        write(5761 + number, amount);
+        out.set(5731 + number, None, point);
+        out.set(5761 + number, None, amount);
     }
     Some(())
 }

@@ -52,25 +52,6 @@ impl<'a> Writer<'a> {
         self.task.detection_unit_um(axis).unwrap_or(f64::NAN)
     }
 
-    fn parameter(&mut self, number: u32, axis: Option<u32>, value: ParameterValue) {
-        let key = ParameterKey { number, axis };
-        self.memory.parameters.insert(key, value);
-    }
-
-    fn integer(&mut self, number: u32, axis: Option<u32>, value: impl Into<i64>) {
-        self.parameter(number, axis, ParameterValue::Integer(value.into()));
-    }
-
-    /// All points of a run; zero where nothing is compensated.
-    fn points(&mut self, first: u32, run: &Run, totals: Option<&Totals>) {
-        for offset in 0..run.count {
-            let node = run.lowest + i64::from(offset);
-            let increment = totals.map_or(0, |t| t.increment(node));
-            let increment = i32::try_from(increment).unwrap_or(0);
-            self.memory.points.insert(first + offset, increment);
-        }
-    }
-
     /// Notes where a planned table went; a second physical axis of a gantry joins the first.
     fn place(&mut self, points: u32, placement: Placement) {
         let is_known =
@@ -139,21 +120,21 @@ impl<'a> Writer<'a> {
             let acts = |t: &&PlannedTable| t.direction.is_none_or(|own| own == direction);
             Some(&totals[tables.iter().position(acts)?])
         };
-        self.points(run.first, run, acts_in(Direction::Plus));
+        points(&mut self.memory, run.first, run, acts_in(Direction::Plus));
         if let Some(second) = run.minus_first {
-            self.integer(3626, Some(run.id), second);
-            self.integer(3627, Some(run.id), reversal);
-            self.points(second, run, acts_in(Direction::Minus));
+            self.memory.set(3626, Some(run.id), second);
+            self.memory.set(3627, Some(run.id), reversal);
+            points(&mut self.memory, second, run, acts_in(Direction::Minus));
         }
         self.place_pitch(&tables, run, unit_um * f64::from(magnification));
     }
 
     fn pitch_parameters(&mut self, run: &Run, magnification: u32) {
         let id = Some(run.id);
-        self.integer(3620, id, run.reference_point());
-        self.integer(3621, id, run.first);
-        self.integer(3622, id, run.last());
-        self.integer(3623, id, magnification);
+        self.memory.set(3620, id, run.reference_point());
+        self.memory.set(3621, id, run.first);
+        self.memory.set(3622, id, run.last());
+        self.memory.set(3623, id, magnification);
         let digits = run.grid.spacing_digits;
         let interval = match self.facts.interval_form.value {
             IntervalForm::Integer => ParameterValue::Integer(digits),
@@ -161,13 +142,14 @@ impl<'a> Writer<'a> {
                 ParameterValue::Real(as_number(digits) / run.grid.digit.per_unit())
             }
         };
-        self.parameter(3624, id, interval);
+        let own = |number| ParameterKey { number, axis: id };
+        self.memory.parameters.insert(own(3624), interval);
         let settings = self.task.job.compensation.axes[run.axis].as_ref();
         if let Some(found) = settings.and_then(|s| s.parameter_3605) {
             let interpolated = settings.is_some_and(AxisSettings::is_interpolated);
             let directed = u8::from(run.minus_first.is_some());
             let bits = (found & !0b11) | directed | (u8::from(interpolated) << 1);
-            self.parameter(3605, id, ParameterValue::Bits(bits));
+            self.memory.parameters.insert(own(3605), ParameterValue::Bits(bits));
         }
     }
 
@@ -202,8 +184,8 @@ impl<'a> Writer<'a> {
                     output: output.parse().unwrap_or(0),
                     unit_um: self.unit_um(planned.term.of),
                 };
-                self.integer(5710 + number, None, run.id);
-                self.integer(5720 + number, None, set.output);
+                self.memory.set(5710 + number, None, run.id);
+                self.memory.set(5720 + number, None, set.output);
                 if is_four_point(self.facts) {
                     self.four_points(&set);
                 } else {
@@ -235,9 +217,13 @@ impl<'a> Writer<'a> {
             );
         };
         let of_set = |first: u32| first + set.number - 1;
-        self.integer(of_set(facts.straightness_magnification_parameter.value), None, magnification);
-        self.integer(of_set(facts.straightness_start_parameter.value), None, first);
-        self.points(first, set.run, totals.first());
+        self.memory.set(
+            of_set(facts.straightness_magnification_parameter.value),
+            None,
+            magnification,
+        );
+        self.memory.set(of_set(facts.straightness_start_parameter.value), None, first);
+        points(&mut self.memory, first, set.run, totals.first());
         let last = first + set.run.count - 1;
         let place = format!("{}, data {first}…{last}", set.words());
         let count_um = set.unit_um * f64::from(magnification);
@@ -274,8 +260,8 @@ impl<'a> Writer<'a> {
         let group = 10 * (set.number - 1);
         for (index, (node, amount)) in (0..).zip(fit.nodes.iter().zip(fit.amounts)) {
             let node = grid.first + i64::try_from(*node).unwrap_or(0);
-            self.integer(5731 + group + index, None, set.run.point(node));
-            self.integer(5761 + group + index, None, amount);
+            self.memory.set(5731 + group + index, None, set.run.point(node));
+            self.memory.set(5761 + group + index, None, amount);
         }
         let place = format!("{}, four points", set.words());
         let placement = Placement {
@@ -289,6 +275,14 @@ impl<'a> Writer<'a> {
 impl Set<'_> {
     fn words(&self) -> String {
         format!("set {}: axis {} by {}", self.number, self.output, self.run.id)
+    }
+}
+
+/// All points of a run; zero where nothing is compensated.
+pub(super) fn points(memory: &mut FanucMemory, first: u32, run: &Run, totals: Option<&Totals>) {
+    for offset in 0..run.count {
+        let increment = totals.map_or(0, |t| t.increment(run.lowest + i64::from(offset)));
+        memory.points.insert(first + offset, i32::try_from(increment).unwrap_or(0));
     }
 }
 
@@ -345,10 +339,10 @@ fn wanted(planned: &PlannedTable, sign: TableSign) -> Vec<f64> {
     values.map(|value| sign.table_um(*value)).collect()
 }
 
-/// Totals at the nodes of a grid in counts, and the count they are in.
-struct Totals {
-    grid: Grid,
-    counts: Vec<i64>,
+/// Totals at the nodes of a grid in counts.
+pub(super) struct Totals {
+    pub(super) grid: Grid,
+    pub(super) counts: Vec<i64>,
 }
 
 impl Totals {

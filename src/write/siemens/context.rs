@@ -2,10 +2,7 @@
 
 use crate::control::control_state::ControlState;
 use crate::control::controller::SiemensFacts;
-use crate::control::table::siemens::{
-    CecDirection, CecTable, LecTable, SiemensGrid, SiemensTables,
-};
-use crate::quantity::axis::Direction;
+use crate::control::table::siemens::{Place, SiemensGrid, SiemensTable, SiemensTables};
 use crate::write::compiled::Placement;
 use crate::write::control_text::{Switch, fixed};
 use crate::write::family::Emitted;
@@ -20,11 +17,11 @@ pub(super) fn context(emitted: &Emitted<'_>, tables: &SiemensTables, facts: &Sie
         true => compiled.placements.as_slice(),
         false => &[],
     };
-    let (lecs, cecs) = (tables.lec.iter(), tables.cec.iter());
-    let state = &compiled.state;
+    let of_table = |table| of_table(table, placements, digits);
+    let held = |table| held(&compiled.state, facts, table);
     seen! {
-        "lec": lecs.clone().map(|t| lec(t, placements, digits)).collect::<Vec<Seen>>(),
-        "cec": cecs.clone().map(|t| cec(t, placements, digits)).collect::<Vec<Seen>>(),
+        "lec": tables.lec().map(of_table).collect::<Vec<Seen>>(),
+        "cec": tables.cec().map(of_table).collect::<Vec<Seen>>(),
         "lec_sense": facts.lec_sign.value.words(),
         "cec_sense": facts.cec_sign.value.words(),
         "lec_sense_evidence": facts.lec_sign.evidence.of_sense(),
@@ -33,8 +30,8 @@ pub(super) fn context(emitted: &Emitted<'_>, tables: &SiemensTables, facts: &Sie
         "stale": compiled.stale.iter().filter_map(|switch| switch.split(' ').next_back()).collect::<Vec<_>>(),
         "cec_memory_fixed": if facts.cec_memory_fixed.value { "yes" } else { "no" },
         "controller_reference": task.reference_text(),
-        "lec_at_reference": zero_but_for(task, lecs.filter_map(|t| lec_held(t, facts, state))),
-        "cec_at_reference": zero_but_for(task, cecs.filter_map(|t| cec_held(t, facts, state))),
+        "lec_at_reference": zero_but_for(task, tables.lec().filter_map(held)),
+        "cec_at_reference": zero_but_for(task, tables.cec().filter_map(held)),
         "switches": instead.switches.iter().map(Switch::seen).collect::<Vec<Seen>>(),
     }
 }
@@ -48,60 +45,38 @@ fn zero_but_for(task: Task<'_>, exceptions: impl Iterator<Item = String>) -> Vec
 }
 
 /// What a table holds at the reference point of its base axis, if that is not zero.
-fn held(
-    state: &ControlState,
-    facts: &SiemensFacts,
-    base: &str,
-    (grid, values): (&SiemensGrid, &[Option<f64>]),
-) -> Option<String> {
-    let value = at_reference(state, base, grid, values);
+fn held(state: &ControlState, facts: &SiemensFacts, table: &SiemensTable) -> Option<String> {
+    let value = at_reference(state, table);
     let text = fixed(value, facts.value_decimals.value);
-    (value.abs() > 0.0).then(|| format!("{text} {}", state.unit.word()))
-}
-
-fn lec_held(table: &LecTable, facts: &SiemensFacts, state: &ControlState) -> Option<String> {
-    let text = held(state, facts, &table.axis, (&table.grid, &table.values))?;
-    Some(format!("  {}: {text}", table.name()))
-}
-
-fn cec_held(table: &CecTable, facts: &SiemensFacts, state: &ControlState) -> Option<String> {
     let base = &table.input_axis;
-    let text = held(state, facts, base, (&table.grid, &table.values))?;
-    let way = match table.direction {
-        CecDirection::Both => String::new(),
-        CecDirection::Plus => format!(" while {base} moves in +"),
-        CecDirection::Minus => format!(" while {base} moves in -"),
-    };
-    Some(format!("  {}: {text}{way}", table.name()))
+    let way = table.direction.map_or(String::new(), |way| format!(" while {base} moves in {way}"));
+    let (name, unit) = (table.place.name(), state.unit.word());
+    (value.abs() > 0.0).then(|| format!("  {name}: {text} {unit}{way}"))
 }
 
-fn lec(table: &LecTable, placements: &[Placement], digits: Digits<'_>) -> Seen {
-    let place = table.name();
-    seen! {
-        "encoder": table.encoder.to_string(),
-        "axis": table.axis.as_str(),
-        "title": title(placements, &place),
-        "grid": digits.grid(&table.grid),
-        "memory": table.values.len().to_string(),
-        "points": digits.points(&table.values, &table.grid),
-    }
-}
-
-fn cec(table: &CecTable, placements: &[Placement], digits: Digits<'_>) -> Seen {
-    let direction = match table.direction {
-        CecDirection::Both => "0",
-        CecDirection::Plus => "1",
-        CecDirection::Minus => "-1",
-    };
-    seen! {
-        "number": table.number.to_string(),
-        "input_axis": table.input_axis.as_str(),
-        "output_axis": table.output_axis.as_str(),
-        "title": title(placements, &table.name()),
-        "grid": digits.grid(&table.grid),
-        "direction": direction,
-        "memory": table.values.len().to_string(),
-        "points": digits.points(&table.values, &table.grid),
+fn of_table(table: &SiemensTable, placements: &[Placement], digits: Digits<'_>) -> Seen {
+    let title = title(placements, &table.place.name());
+    let (grid, points) = (digits.grid(&table.grid), digits.points(&table.values, &table.grid));
+    let memory = table.values.len().to_string();
+    match &table.place {
+        Place::Lec { axis, encoder } => seen! {
+            "encoder": encoder.to_string(),
+            "axis": axis.as_str(),
+            "title": title,
+            "grid": grid,
+            "memory": memory,
+            "points": points,
+        },
+        Place::Cec(number) => seen! {
+            "number": number.to_string(),
+            "input_axis": table.input_axis.as_str(),
+            "output_axis": table.output_axis.as_str(),
+            "title": title,
+            "grid": grid,
+            "direction": table.direction_text(),
+            "memory": memory,
+            "points": points,
+        },
     }
 }
 
@@ -111,11 +86,8 @@ fn title(placements: &[Placement], place: &str) -> String {
     placement.map_or_else(
         || place.to_string(),
         |p| {
-            let travel = match p.direction {
-                None => "",
-                Some(Direction::Plus) => " while it travels in +",
-                Some(Direction::Minus) => " while it travels in -",
-            };
+            let travel = p.direction;
+            let travel = travel.map_or(String::new(), |way| format!(" while it travels in {way}"));
             format!("{}: deviation of {} over {}{travel}", p.term, p.term.of, p.term.along)
         },
     )

@@ -4,7 +4,7 @@
 use crate::control::claims::{Assumption, Precondition};
 use crate::control::control_state::ControlState;
 use crate::control::controller::ControlUnit;
-use crate::control::table::siemens::{SiemensGrid, SiemensTables};
+use crate::control::table::siemens::{SiemensTable, SiemensTables};
 use crate::inputs::job::ActiveTables;
 use crate::quantity::axis::Axis;
 use crate::quantity::units::{Figure, UM_PER_MM, power_of_ten};
@@ -43,15 +43,10 @@ pub(super) fn largest_sum_um(task: Task<'_>, tables: &SiemensTables) -> f64 {
 }
 
 /// What a table holds at the reference point of its base axis, in the unit of the file.
-pub(crate) fn at_reference(
-    state: &ControlState,
-    base: &str,
-    grid: &SiemensGrid,
-    values: &[Option<f64>],
-) -> f64 {
-    let reference = state.axis(base).map(|axis| axis.reference.mm());
+pub(crate) fn at_reference(state: &ControlState, table: &SiemensTable) -> f64 {
+    let reference = state.axis(&table.input_axis).map(|axis| axis.reference.mm());
     let position = reference.map(|mm| mm / state.unit.in_mm());
-    let held = position.and_then(|position| grid.nearest(values, position));
+    let held = position.and_then(|position| table.grid.nearest(&table.values, position));
     held.unwrap_or(0.0)
 }
 
@@ -70,7 +65,7 @@ pub(super) fn assumptions(task: Task<'_>, plan: &Plan, tables: &SiemensTables) -
             ));
         }
     }
-    if !tables.cec.is_empty() && task.job.compensation.first_table.is_none() {
+    if tables.cec().next().is_some() && task.job.compensation.first_table.is_none() {
         let first = Assumption::of_job(
             "first_table",
             "0",
@@ -87,15 +82,15 @@ pub(super) fn preconditions(
     tables: &SiemensTables,
 ) -> Vec<Precondition> {
     let mut list = vec![basic_system(task)];
-    for table in &tables.lec {
+    for table in tables.lec() {
         list.push(Precondition::new(
-            format!("MD32700 $MA_ENC_COMP_ENABLE[{},{}]", table.encoder, table.axis),
+            format!("MD32700 $MA_ENC_COMP_ENABLE[{}]", table.place.index()),
             "0 while the tables are loaded",
             "1 write-protects the table (alarm 17070)",
             format!("808D Function Manual 01/2017 p. 109; {K3} p. 237"),
         ));
     }
-    if !tables.cec.is_empty() {
+    if tables.cec().next().is_some() {
         list.extend(cec_preconditions(task, tables));
     }
     for axis in Axis::ALL {
@@ -121,7 +116,7 @@ fn basic_system(task: Task<'_>) -> Precondition {
 
 fn cec_preconditions(task: Task<'_>, tables: &SiemensTables) -> Vec<Precondition> {
     let metric = task.job.compensation.control_unit.as_metric();
-    let numbers: Vec<String> = tables.cec.iter().map(|t| t.number.to_string()).collect();
+    let numbers: Vec<String> = tables.cec().map(|t| t.place.index()).collect();
     let outputs = tables.cec_outputs().join(", ");
     vec![
         Precondition::new(

@@ -188,7 +188,7 @@ fn a_table_that_ends_between_two_points_is_taken_with_an_assumption() {
     assert_eq!(open.fact, "$AN_CEC[0] behind 60 mm, where MAX lies between two points");
     holds(&open.consequence, &["by up to 2.0 µm"]);
     let Tables::Siemens(tables) = &active.tables else { panic!("Siemens") };
-    assert_eq!((tables.cec[0].values.len(), tables.cec[0].grid.max), (2, 60.0));
+    assert_eq!((tables.tables[0].values.len(), tables.tables[0].grid.max), (2, 60.0));
     let (_, same) = assumed("0.004");
     assert_eq!(same, None, "both readings are the same");
     let inch = table("0").replace("METRIC", "INCH");

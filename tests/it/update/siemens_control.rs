@@ -1,7 +1,7 @@
 //! The way back on a Siemens control, from what was read out of it.
 
 use super::*;
-use nonius::control::table::siemens::{CecDirection, CecTable, LecTable, SiemensTables};
+use nonius::control::table::siemens::{Place, SiemensTable, SiemensTables};
 use nonius::read::siemens::MachineValue;
 use nonius::read::{ReadBack, read, read_apart};
 use std::collections::BTreeMap;
@@ -16,21 +16,14 @@ struct Control {
 impl Control {
     fn load(&mut self, files: ReadBack) {
         let Tables::Siemens(tables) = files.tables else { panic!("it is a Siemens control") };
-        for new in tables.lec {
-            let same = |t: &LecTable| t.axis == new.axis && t.encoder == new.encoder;
-            self.tables.lec.retain(|t| !same(t));
-            self.tables.lec.push(new);
+        for new in tables.tables {
+            self.tables.tables.retain(|t| t.place != new.place);
+            self.tables.tables.push(new);
         }
-        for new in tables.cec {
-            self.tables.cec.retain(|t| t.number != new.number);
-            self.tables.cec.push(new);
-        }
-        self.tables.lec.sort_by_key(|t| t.axis.clone());
-        self.tables.cec.sort_by_key(|t| t.number);
+        self.tables.tables.sort_by_key(|t| t.place.clone());
         for datum in files.machine_data.into_iter().flat_map(|file| file.data) {
             let MachineValue::Number(value) = datum.value else { panic!("a number") };
-            let key = format!("{}[{}]", datum.name, datum.indices.join(","));
-            self.data.insert(key, value);
+            self.data.insert(datum.variable.trim_start_matches('$').to_string(), value);
         }
     }
 
@@ -45,13 +38,15 @@ impl Control {
     /// What acts on AX1 and AX2.
     fn acts(&self, profile: &Profile, state: &ControlState) -> Vec<f64> {
         let mut on = self.tables.clone();
-        on.lec.retain(|t| {
-            t.axis != "AX4" && self.is_on(format!("MA_ENC_COMP_ENABLE[{},{}]", t.encoder, t.axis))
-        });
-        on.cec.retain(|t| {
-            t.output_axis != "AX5"
-                && self.is_on(format!("SN_CEC_TABLE_ENABLE[{}]", t.number))
-                && self.is_on(format!("MA_CEC_ENABLE[{}]", t.output_axis))
+        on.tables.retain(|t| match &t.place {
+            Place::Lec { axis, encoder } => {
+                axis != "AX4" && self.is_on(format!("MA_ENC_COMP_ENABLE[{encoder},{axis}]"))
+            }
+            Place::Cec(number) => {
+                t.output_axis != "AX5"
+                    && self.is_on(format!("SN_CEC_TABLE_ENABLE[{number}]"))
+                    && self.is_on(format!("MA_CEC_ENABLE[{}]", t.output_axis))
+            }
         });
         let mut state = state.clone();
         for axis in &mut state.axes {
@@ -66,7 +61,8 @@ impl Control {
         let mut text = "%_N_COMPLETE_TEA_INI\n;$PATH=/_N_NC_ACT_DIR\nCHANDATA(1)\nN10000 $MN_AXCONF_MACHAX_NAME_TAB[0]=\"X1\"\nN20050 $MC_AXCONF_GEOAX_ASSIGN_TAB[0]=1\nN32000 $MA_MAX_AX_VELO[AX1]=10000\n$MN_HEX='H1F'\n".to_string();
         text.extend(self.data.iter().map(|(key, value)| format!("N1 ${key}={value}\n")));
         text += &format!("{more}M17\n%_N_NC_EEC_INI\nCHANDATA(1)\n");
-        for LecTable { axis, encoder, grid, values, .. } in &self.tables.lec {
+        for SiemensTable { place, grid, values, .. } in self.tables.lec() {
+            let (axis, encoder) = place.lec().unwrap();
             for (index, value) in values.iter().enumerate() {
                 text += &format!("$AA_ENC_COMP[{encoder},{index},{axis}]={}\n", value.unwrap());
             }
@@ -74,16 +70,12 @@ impl Control {
                 text += &format!("$AA_ENC_COMP_{name}[{encoder},{axis}]={mm}\n");
             }
         }
-        for t in &self.tables.cec {
-            let (n, from, to, grid) = (t.number, &t.input_axis, &t.output_axis, t.grid);
+        for t in self.tables.cec() {
+            let (n, from, to, grid) = (t.place.index(), &t.input_axis, &t.output_axis, t.grid);
             for (index, value) in t.values.iter().enumerate() {
                 text += &format!("$AN_CEC[{n},{index}]={}\n", value.unwrap());
             }
-            let direction = match t.direction {
-                CecDirection::Both => 0.0,
-                CecDirection::Plus => 1.0,
-                CecDirection::Minus => -1.0,
-            };
+            let direction: f64 = t.direction_text().parse().unwrap();
             text += &format!("$AN_CEC_INPUT_AXIS[{n}]=({from})\n$AN_CEC_OUTPUT_AXIS[{n}]=({to})\n");
             let numbers = [("STEP", grid.step), ("MIN", grid.min), ("MAX", grid.max)];
             for (name, number) in numbers.into_iter().chain([("DIRECTION", direction)]) {
@@ -105,19 +97,23 @@ fn before(old: &Kit, policy: &str) -> Control {
     }
     // The numbers of the CEC tables that other policies use: there, and switched off.
     for number in 0..8 {
-        let is_used = control.tables.cec.iter().any(|t| t.number == number);
+        let is_used = control.tables.at(&Place::Cec(number)).is_some();
         if !is_used {
-            let (spare, input_axis) = (control.tables.cec[0].clone(), "AX1".to_string());
-            control.tables.cec.push(CecTable { number, input_axis, ..spare });
+            let (spare, input_axis) = (first_cec(&control), "AX1".to_string());
+            let place = Place::Cec(number);
+            control.tables.tables.push(SiemensTable { place, input_axis, ..spare });
         }
         control.set(&format!("SN_CEC_TABLE_ENABLE[{number}]"), f64::from(u8::from(is_used)));
     }
     let (input_axis, output_axis) = ("AX4".to_string(), "AX5".to_string());
-    let foreign = control.tables.cec[0].clone();
-    control.tables.cec.push(CecTable { number: 9, input_axis, output_axis, ..foreign });
-    let foreign = control.tables.lec[0].clone();
-    control.tables.lec.push(LecTable { axis: "AX4".into(), ..foreign });
-    control.tables.lec[0].values[1] = Some(0.004_123_456_78); // more digits than a profile writes
+    let (foreign, place) = (first_cec(&control), Place::Cec(9));
+    control.tables.tables.push(SiemensTable { place, input_axis, output_axis, ..foreign });
+    let foreign = control.tables.tables[0].clone();
+    let [input_axis, output_axis, axis] = [(); 3].map(|()| "AX4".to_string());
+    let place = Place::Lec { axis, encoder: 0 };
+    control.tables.tables.push(SiemensTable { place, input_axis, output_axis, ..foreign });
+    control.tables.tables.sort_by_key(|t| t.place.clone());
+    control.tables.tables[0].values[1] = Some(0.004_123_456_78); // more digits than a profile writes
     let lec_on = f64::from(u8::from(policy == "mean"));
     for axis in ["AX1", "AX2"] {
         control.set(&format!("MA_ENC_COMP_ENABLE[0,{axis}]"), lec_on);
@@ -132,6 +128,10 @@ fn before(old: &Kit, policy: &str) -> Control {
         control.set(on, 1.0);
     }
     control
+}
+
+fn first_cec(control: &Control) -> SiemensTable {
+    control.tables.cec().next().unwrap().clone()
 }
 
 /// What the person does whom the preconditions of the kit tell so.
@@ -200,7 +200,7 @@ fn what_no_file_holds_is_left_to_a_person_and_named() {
     }
     assert!(!words.contains("[0,AX2]: not in the rollback files. The files"), "{words}");
     // A table that the control only reserves: off, it may keep the new values; on, it may not.
-    before.tables.lec.retain(|t| t.axis != "AX2");
+    before.tables.tables.retain(|t| t.place.lec().is_none_or(|(axis, _)| axis != "AX2"));
     let reserved = "$AA_ENC_COMP_STEP[0,AX2]=0\n$AA_ENC_COMP[0,0,AX2]=0\n";
     let on = "missing: ENC_COMP[0,AX2] (read out without a grid, and not as switched off)";
     holds(&page(&before, reserved), &[on]);
@@ -213,7 +213,7 @@ fn what_no_file_holds_is_left_to_a_person_and_named() {
 fn a_way_back_that_moves_an_axis_at_its_reference_says_so() {
     let (old, job, left) = old_and_new("siemens-840d-sl", SIEMENS_AXES, ("mean", "mean"));
     let mut before = before(&old, "mean");
-    for value in before.tables.lec[0].values.iter_mut().flatten() {
+    for value in before.tables.tables[0].values.iter_mut().flatten() {
         *value += 0.005;
     }
     let job = job.replace(ACTIVE, &format!("{ACTIVE}\nactive_reference = \"rezero\""));

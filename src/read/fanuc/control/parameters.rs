@@ -4,25 +4,8 @@
 
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{FanucFacts, NumberRange};
-use crate::control::table::fanuc::{FanucMemory, ParameterValue};
-use crate::quantity::axis::Direction;
-use crate::read::emulate::{CannotEmulate, Emulated, Response};
-
-/// What a base axis gives an output axis, by direction of the base.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Link {
-    pub(super) plus: Response,
-    pub(super) minus: Response,
-}
-
-impl Link {
-    pub(super) fn way(&mut self, direction: Direction) -> &mut Response {
-        match direction {
-            Direction::Plus => &mut self.plus,
-            Direction::Minus => &mut self.minus,
-        }
-    }
-}
+use crate::control::table::fanuc::{FanucMemory, ParameterKey, ParameterValue};
+use crate::read::emulate::{CannotEmulate, Emulated};
 
 /// Whose points a table has, and which.
 pub(super) type Run = (String, NumberRange);
@@ -45,8 +28,7 @@ pub(super) fn cannot<T>(words: impl Into<String>) -> Emulated<T> {
 
 /// `parameter 3620 of axis 1`, as messages name it.
 pub(super) fn name(number: u32, axis: Option<u32>) -> String {
-    let axis = axis.map_or(String::new(), |axis| format!(" of axis {axis}"));
-    format!("parameter {number}{axis}")
+    ParameterKey { number, axis }.to_string()
 }
 
 impl<'a> Loading<'a> {

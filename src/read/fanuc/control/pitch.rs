@@ -9,11 +9,12 @@
 //! Point n is the section between node n−1 and node n; node N0 is the reference position. A value
 //! is the step of the curve in its section, seen from − to +.
 
-use super::parameters::{Link, Loading, Run, cannot, name};
+use super::parameters::{Loading, Run, cannot, name};
 use crate::control::controller::{ControlUnit, IntervalForm, NumberRange};
 use crate::control::table::fanuc::ParameterValue;
+use crate::quantity::axis::Direction;
 use crate::quantity::units::{Correction, Millimetres, power_of_ten};
-use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable};
+use crate::read::emulate::{Between, CannotEmulate, Emulated, NodeTable, Response};
 
 /// 3627 is a signed word (B-63530EN).
 const REVERSAL_MAX: u32 = 32767;
@@ -94,9 +95,10 @@ fn point_numbers(from: Loading, axis: u32) -> Emulated<[u32; 3]> {
 
 fn refuse_rotary(from: Loading, axis: u32) -> Emulated<()> {
     match from.memory.parameter(3625, Some(axis)) {
-        None | Some(ParameterValue::Integer(0)) => Ok(()),
-        Some(ParameterValue::Real(travel)) if travel.abs() <= 0.0 => Ok(()),
-        Some(_) => cannot(format!("axis {axis}: 3625 is not 0; rotary axes are not emulated")),
+        Some(travel) if !travel.is_zero() => {
+            cannot(format!("axis {axis}: 3625 is not 0; rotary axes are not emulated"))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -157,13 +159,16 @@ pub(super) fn node_sums(increments: &[i32], zero_node: u32) -> Vec<f64> {
     sums.iter().map(|sum| sum - at_reference).collect()
 }
 
-/// Pitch compensation of an axis for both directions; magnification 0 gives none.
-pub(super) fn load(from: Loading, axis: u32, runs: &mut Vec<Run>) -> Emulated<Link> {
+/// Pitch compensation of an axis in + and in −; magnification 0 gives none.
+pub(super) fn load(
+    from: Loading,
+    axis: u32,
+    runs: &mut Vec<Run>,
+) -> Emulated<Option<[Response; 2]>> {
     let state = from.axis(axis)?;
     let magnification = from.count(3623, Some(axis), from.facts.magnification_max.value)?;
-    let mut link = Link::default();
     if magnification == 0 {
-        return Ok(link);
+        return Ok(None);
     }
     let pitch = Pitch {
         from,
@@ -174,18 +179,19 @@ pub(super) fn load(from: Loading, axis: u32, runs: &mut Vec<Run>) -> Emulated<Li
     };
     runs.push((format!("axis {axis}"), pitch.grid.points));
     let table = pitch.table(pitch.grid.points.first)?;
-    link.plus.push(table.clone());
-    if switch(from, axis, 0)?.unwrap_or(state.bidirectional) {
-        let run = pitch.second_run()?;
-        runs.push((format!("axis {axis}, travel in -"), run));
-        link.minus.push(pitch.table(run.first)?);
-        // 3627 belongs to the direction opposite to the reference return.
-        let against_return = state.reference_direction.opposite();
-        link.way(against_return).shift(pitch.reversal()?);
-    } else {
-        link.minus.push(table);
+    let ways = |plus, minus| {
+        [plus, minus].map(|table: NodeTable| Response::new(vec![table], Correction::ZERO))
+    };
+    if !switch(from, axis, 0)?.unwrap_or(state.bidirectional) {
+        return Ok(Some(ways(table.clone(), table)));
     }
-    Ok(link)
+    let run = pitch.second_run()?;
+    runs.push((format!("axis {axis}, travel in -"), run));
+    let mut ways = ways(table, pitch.table(run.first)?);
+    // 3627 belongs to the direction opposite to the reference return.
+    let against_return = usize::from(state.reference_direction == Direction::Plus);
+    ways[against_return].shift(pitch.reversal()?);
+    Ok(Some(ways))
 }
 
 struct Pitch<'a> {
@@ -200,10 +206,9 @@ impl Pitch<'_> {
     /// The table whose values begin at point `first`.
     fn table(&self, first: u32) -> Emulated<NodeTable> {
         let increments = self.from.increments(first, self.grid.count())?;
-        let nodes: Vec<Correction> = node_sums(&increments, self.grid.zero_node())
-            .into_iter()
-            .map(|sum| self.correction(self.magnification * sum))
-            .collect();
+        let sums = node_sums(&increments, self.grid.zero_node()).into_iter();
+        let nodes: Vec<Correction> =
+            sums.map(|sum| self.correction(self.magnification * sum)).collect();
         self.grid.table(&nodes, self.grid.between(self.from, self.unit_um))
     }
 

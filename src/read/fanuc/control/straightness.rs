@@ -201,10 +201,9 @@ impl Set<'_> {
         }
         runs.push((format!("straightness set {}", self.index + 1), run));
         let increments = self.from.increments(first, grid.count())?;
-        let nodes: Vec<Correction> = node_sums(&increments, grid.zero_node())
-            .into_iter()
-            .map(|sum| self.correction(f64::from(magnification) * sum, unit_um))
-            .collect();
+        let sums = node_sums(&increments, grid.zero_node()).into_iter();
+        let worth = |sum| self.correction(f64::from(magnification) * sum, unit_um);
+        let nodes: Vec<Correction> = sums.map(worth).collect();
         let fraction = facts.output_fraction.value;
         grid.table(&nodes, Between::Step { fraction })
     }

@@ -6,6 +6,7 @@ use super::*;
 use crate::control::control_state::AxisState;
 use crate::control::controller::{ControlUnit, IntervalForm, StraightnessForm, TableSign};
 use crate::quantity::units::{Deviation, Millimetres};
+use crate::read::emulate::{CannotEmulate, Emulator};
 use crate::read::fanuc::read;
 use crate::read::fanuc::tests::{facts_16i, facts_30i};
 use Direction::{Minus, Plus};
@@ -35,13 +36,13 @@ fn state() -> ControlState {
     ControlState { unit: ControlUnit::Millimetre, axes: vec![axis_state("1"), axis_state("2")] }
 }
 
-fn load(blocks: &[String], facts: &FanucFacts, state: &ControlState) -> Emulated<FanucControl> {
+fn load(blocks: &[String], facts: &FanucFacts, state: &ControlState) -> Emulated<PairControl> {
     let text = format!("%\n\r\r{}\n\r\r%\n\r\r", blocks.join("\n\r\r"));
     let memory = read("CNC.TXT", &text, facts).expect("a good file");
-    FanucControl::new(&memory, facts, state)
+    super::control(&memory, facts, state)
 }
 
-fn control(blocks: &[String]) -> FanucControl {
+fn control(blocks: &[String]) -> PairControl {
     load(blocks, &facts_30i(), &state()).expect("a control")
 }
 
@@ -109,12 +110,12 @@ fn replaced(blocks: &[String], start: &str, by: &str) -> Vec<String> {
     blocks.iter().map(swap).filter(|block| !block.is_empty()).collect()
 }
 
-fn at(control: &FanucControl, pair: (&str, &str), direction: Direction, mm: f64) -> f64 {
+fn at(control: &PairControl, pair: (&str, &str), direction: Direction, mm: f64) -> f64 {
     let response = control.response(pair.0, pair.1, direction).expect("a response");
     response.correction(Millimetres::new(mm)).um()
 }
 
-fn pitch(control: &FanucControl, direction: Direction, mm: f64) -> f64 {
+fn pitch(control: &PairControl, direction: Direction, mm: f64) -> f64 {
     at(control, ("1", "1"), direction, mm)
 }
 
@@ -202,7 +203,7 @@ fn backlash_acts_without_tables_and_does_not_connect() {
     close(at(&control, ("2", "2"), Plus, 10.0), 0.0, "2");
     close(at(&control, ("2", "1"), Minus, 10.0), 0.0, "no table");
     assert_eq!(control.connected_axes().len(), 1);
-    assert!(control.response("3", "1", Plus).is_err());
+    assert!(control.response("3", "3", Plus).is_err());
 }
 
 #[test]

@@ -190,7 +190,7 @@ fn example_of_the_manual_directional_tables() {
     let plus = cec_text(0, ["X1", "X1"], grid, [1, 0], &values(1.0));
     let minus = cec_text(1, ["X1", "X1"], grid, [-1, 0], &values(-2.0));
     let text = file(&[plus, minus]);
-    assert_eq!(tables(&text).cec[0].values.len(), 11);
+    assert_eq!(tables(&text).tables[0].values.len(), 11);
     let control = control(&text);
     assert_um(own(&control, "X1", -5.0, Direction::Plus), -10.0);
     assert_um(own(&control, "X1", -5.0, Direction::Minus), 20.0);
@@ -204,7 +204,7 @@ fn example_of_an_archive_modulo() {
     let mut values: Vec<f64> = (0..37).map(|n| 0.001 * f64::from((n * 7) % 11)).collect();
     values[36] = values[0];
     let text = file(&[lec_text("X1", [0.0, 10.0, 360.0], 1, &values)]);
-    assert_eq!(tables(&text).lec[0].values.len(), 37);
+    assert_eq!(tables(&text).tables[0].values.len(), 37);
     let turning = control(&text);
     let um = |position| own(&turning, "X1", position, Direction::Plus).um();
     assert_um(Correction::from_um(um(365.0)), um(5.0));

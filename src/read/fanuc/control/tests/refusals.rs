@@ -59,7 +59,7 @@ fn what_is_not_emulated_is_refused() {
     let mut memory = FanucMemory::default();
     let key = crate::control::table::fanuc::ParameterKey { number: 10803, axis: None };
     memory.parameters.insert(key, crate::control::table::fanuc::ParameterValue::Integer(5));
-    assert!(FanucControl::new(&memory, &facts_30i(), &state()).is_err(), "3-D");
+    assert!(super::super::control(&memory, &facts_30i(), &state()).is_err(), "3-D");
 }
 
 #[test]
