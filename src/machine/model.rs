@@ -324,12 +324,9 @@ fn laser_um_per_m(job: &Job) -> Option<f64> {
 /// neighbours.
 fn nearest_um(series: &Series, term: ErrorTerm, reference: Millimetres) -> Option<f64> {
     let column = series.uncertainties_um[term.of].as_ref()?;
-    let behind = |at: &Millimetres| at.mm() >= reference.mm() - AT_PLACE_MM;
-    let last = series.positions.len().checked_sub(1)?;
-    let above = series.positions.iter().position(behind).unwrap_or(last);
-    let is_there = (series.positions[above] - reference).mm() <= AT_PLACE_MM;
+    let places = &series.positions;
+    let above = places.partition_point(|at| at.mm() < reference.mm() - AT_PLACE_MM);
+    let is_there = places.get(above).is_some_and(|at| (*at - reference).mm() <= AT_PLACE_MM);
     let below = if is_there { above } else { above.saturating_sub(1) };
-    let of = |row: usize| column.get(row).copied();
-    let (above, below) = (of(above)?, of(below)?);
-    Some(larger(above, below))
+    column.iter().copied().take(above + 1).skip(below).reduce(larger)
 }

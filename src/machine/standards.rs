@@ -5,6 +5,7 @@
 //! conditions of a standard that a file can show are tested, the others are named as not tested:
 //! docs/standards.md lists formulas, editions and how surely they are known.
 
+use crate::machine::separation::curves::ends;
 use crate::quantity::units::Figure;
 use crate::text::words::words;
 use serde::{Serialize, Serializer};
@@ -110,9 +111,8 @@ fn largest(values: impl IntoIterator<Item = f64>) -> Option<f64> {
 }
 
 /// Largest minus smallest of some values; `None` of none.
-fn range(values: impl IntoIterator<Item = f64> + Clone) -> Option<f64> {
-    let smallest = values.clone().into_iter().reduce(f64::min)?;
-    Some(largest(values)? - smallest)
+fn range(values: impl IntoIterator<Item = f64>) -> Option<f64> {
+    ends(values.into_iter()).map(|(low, high)| high - low)
 }
 
 /// A length in mm without zeros at its end.

@@ -254,14 +254,22 @@ impl Volume {
         kind: PathKind,
         node: usize,
     ) -> PerAxis<f64> {
-        PerAxis::from_fn(|axis| {
-            let made = self.steps_made(kind, node, axis);
-            let from_low = match diagonal.forward(axis) {
-                Direction::Plus => made,
-                Direction::Minus => self.steps - made,
-            };
-            self.along_mm(axis, from_low)
-        })
+        PerAxis::from_fn(|axis| self.along_mm(axis, self.end_at(diagonal, kind, node, axis)))
+    }
+
+    /// The interval end that an axis stands at, lowest first.
+    pub(crate) fn end_at(
+        &self,
+        diagonal: Diagonal,
+        kind: PathKind,
+        node: usize,
+        axis: Axis,
+    ) -> usize {
+        let made = self.steps_made(kind, node, axis);
+        match diagonal.forward(axis) {
+            Direction::Plus => made,
+            Direction::Minus => self.steps - made,
+        }
     }
 
     /// Commanded place of a node, machine coordinates.

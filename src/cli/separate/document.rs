@@ -165,7 +165,7 @@ pub(super) fn noise(noise: Noise) -> Value {
         "sigma_um": noise.sigma_um,
         "degrees_of_freedom": noise.freedom,
         "coverage_factor": coverage_factor(noise.freedom_f64()),
-        "source": noise.source.words(),
+        "source": noise.source.word(),
     })
 }
 

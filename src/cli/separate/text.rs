@@ -287,7 +287,7 @@ fn test(closure: &Closure, noise: Option<Noise>) -> String {
         NoiseSource::Repeats => "F test",
         NoiseSource::Stated | NoiseSource::Closure | NoiseSource::Joined => "chi-squared test",
     };
-    let (sigma, from, p) = (noise.sigma_um, noise.source.words(), test.probability);
+    let (sigma, from, p) = (noise.sigma_um, noise.source.word(), test.probability);
     format!(
         "{kind} of the scatter against {sigma:.3} µm {from}, two-sided: probability {p:.3}, {verdict}"
     )

@@ -9,17 +9,12 @@ use crate::inputs::error_table::{Cause, ErrorTable};
 use crate::inputs::job::Job;
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::curves::{ReferenceLine, range};
+use crate::machine::separation::metric::Plane;
 use crate::quantity::axis::{Axis, ErrorTerm, PerTerm};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::Millimetres;
 use crate::text::problem::Problems;
 
-/// The terms to which a stated squareness is added: EXY, EXZ, EYZ.
-const CARRIERS: [ErrorTerm; 3] = [
-    ErrorTerm { of: Axis::X, along: Axis::Y },
-    ErrorTerm { of: Axis::X, along: Axis::Z },
-    ErrorTerm { of: Axis::Y, along: Axis::Z },
-];
 /// A line that rises less from end to end is level, µm, if that is less than a tenth of what the curve spans.
 const LEVEL_UM: f64 = 0.1;
 /// Slopes whose size differs less from a stated squareness are probably the same figure, perhaps with the other sign.
@@ -29,7 +24,7 @@ impl ErrorModel {
     /// Readings of the diagonals hold the squareness, however small: of a table that was separated it is known.
     pub(super) fn know_separated(&mut self, table: &ErrorTable) {
         if table.remarks.frame.is_some() && table.is_single() {
-            self.known_squareness.extend(CARRIERS);
+            self.known_squareness.extend(Plane::ALL.map(Plane::carrier));
         }
     }
 
@@ -44,7 +39,8 @@ impl ErrorModel {
 
     /// The terms to which a squareness would be added where neither slopes, the job nor readings of this measurement hold it.
     pub(crate) fn level(&self) -> Vec<ErrorTerm> {
-        let open = CARRIERS.into_iter().filter(|term| !self.known_squareness.contains(term));
+        let all = Plane::ALL.into_iter().map(Plane::carrier);
+        let open = all.filter(|term| !self.known_squareness.contains(term));
         open.filter(|term| are_level(&self.terms, *term)).collect()
     }
 

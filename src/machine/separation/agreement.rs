@@ -123,11 +123,10 @@ impl Equations {
         };
         let mut lines: Vec<LineCheck> = self.all.iter().enumerate().map(check).collect();
         let false_by = |line: &LineCheck| {
-            let by = line.difference().zip(line.others);
-            let beyond = by.map(|((by, _), others)| {
+            let by = line.difference().zip(line.others).map_or(0.0, |((by, _), others)| {
                 by.abs() - NORMAL_ONE_SIDED * others.u_difference_um_per_m
             });
-            beyond.unwrap_or(0.0).max(0.0)
+            by.max(0.0)
         };
         let false_by_um_per_m = lines.iter().map(false_by).collect();
         let known = self.all[..DIAGONALS].iter().all(|one| one.known);

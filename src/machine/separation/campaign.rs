@@ -36,23 +36,22 @@ pub struct Campaign<'a> {
 impl Campaign<'_> {
     /// What the job leaves unsaid, or says to be nothing.
     pub(super) fn silence(&self) -> Silence {
-        let (stated, measured) = (&self.stated, Some(f64::INFINITY));
-        let open = |is_open: bool, stated: Option<f64>| if is_open { stated } else { measured };
+        let stated = &self.stated;
         let is_perfect = self.measurement.setup == SetUp::AssumePerfect;
-        let has_u = self.lines.iter().all(|line| line.u_um_per_m.is_some());
+        let lacks_u = self.lines.iter().any(|line| line.u_um_per_m.is_none());
         let all = [
-            (Cause::Angles, open(!self.angles.evidence.missing.is_empty(), stated.angle_urad)),
-            (Cause::SetUps, stated.setup_ppm),
-            (Cause::Slopes, open(!has_u, None)),
-            (Cause::Tilt, open(is_perfect, stated.tilt_arcsec)),
+            (Cause::Angles, !self.angles.evidence.missing.is_empty(), stated.angle_urad),
+            (Cause::SetUps, true, stated.setup_ppm),
+            (Cause::Slopes, lacks_u, None),
+            (Cause::Tilt, is_perfect, stated.tilt_arcsec),
         ];
-        let of = |is: &dyn Fn(Option<f64>) -> bool| {
-            let found = all.into_iter().filter(|(_, bound)| is(*bound));
-            found.map(|(cause, _)| cause).collect()
+        let of = |is: fn(Option<f64>) -> bool| {
+            let found = all.into_iter().filter(|(_, is_open, bound)| *is_open && is(*bound));
+            found.map(|(cause, ..)| cause).collect()
         };
         Silence {
-            not_stated: of(&|bound| bound.is_none()),
-            neglected: of(&|bound| bound.is_some_and(|bound| bound <= 0.0)),
+            not_stated: of(|bound| bound.is_none()),
+            neglected: of(|bound| bound.is_some_and(|bound| bound <= 0.0)),
         }
     }
 }

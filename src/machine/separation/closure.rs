@@ -17,15 +17,15 @@
 //! readings are named with the ramps left free, so that a ramp accuses no reading; then the ramps
 //! are judged with those readings left out, so that no reading makes a ramp.
 
-use super::campaign::Start;
 use super::curves::{mean, noise_gain};
 use super::findings::SeparationFinding as Found;
-use super::linear::{Model, Steps};
+use super::linear::Model;
 use super::noise::{
     FALSE_DOUBT, Noise, NoiseSource, Outlier, UNRESOLVED_UM, chance_of, float, student, tails,
 };
 use super::patterns::{Patterns, Ramps};
 use super::readings::pass_of;
+use super::uncertainty::Budget;
 use crate::inputs::job::SetUp;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Volume};
@@ -113,23 +113,17 @@ impl Closure {
         // How far a disturbed reading moves the curves: one increment too long, the next too short.
         let gain = Axis::ALL.map(|of| noise_gain(volume, of) / 2.0);
         let gain = gain.into_iter().fold(0.0, f64::max);
-        let named = self.outliers.iter().take(NAMED);
-        let mut doubts: Vec<Found> = named
-            .map(|outlier| Found::Disturbed {
-                um: gain * outlier.of_mean_um.abs(),
-                which: outlier.words(),
-            })
-            .collect();
-        if self.outliers.len() > NAMED {
-            let more = self.outliers.len() - NAMED;
-            doubts.push(Found::MoreDisturbed { more });
-        }
+        let named = self.outliers.iter().take(NAMED).map(|outlier| {
+            let um = gain * outlier.of_mean_um.abs();
+            Found::Disturbed { um, which: outlier.words() }
+        });
+        let more = self.outliers.len().saturating_sub(NAMED);
+        let more = (more > 0).then_some(Found::MoreDisturbed { more });
         let roll = self.ramps.as_ref().filter(|ramps| ramps.is_roll());
-        doubts.extend(roll.map(|ramps| Found::Roll { changes: ramps.change_um }));
-        if setup == SetUp::AssumePerfect {
-            doubts.extend(noise.and_then(|noise| self.against_perfect(noise)));
-        }
-        doubts.into_iter().map(Finding::from).collect()
+        let roll = roll.map(|ramps| Found::Roll { changes: ramps.change_um });
+        let perfect = noise.filter(|_| setup == SetUp::AssumePerfect);
+        let tilted = perfect.and_then(|noise| self.against_perfect(noise));
+        named.chain(more).chain(roll).chain(tilted).map(Finding::from).collect()
     }
 
     /// A closure whose mean is not zero contradicts a perfect set-up.
@@ -153,36 +147,31 @@ pub(super) fn large_noise(noise: Option<Noise>, stated_um: Option<f64>) -> Optio
     let freedom = found.freedom?;
     let limit_um = stated_um.map_or(ASSUMED_NOISE_UM, |um| FAR_ABOVE * um);
     let square = float(freedom) * (found.sigma_um / limit_um).squared();
-    let (um, source) = (found.sigma_um, found.source.words());
     let doubt = match stated_um {
-        Some(stated_um) => Found::NoiseFar { um, source, times: FAR_ABOVE, stated_um },
-        None => Found::NoiseLarge { um, source, assumed_um: ASSUMED_NOISE_UM },
+        Some(stated_um) => Found::NoiseFar { noise: found, times: FAR_ABOVE, stated_um },
+        None => Found::NoiseLarge { noise: found, assumed_um: ASSUMED_NOISE_UM },
     };
     (chance_of(square, freedom, None)? < FALSE_DOUBT).then(|| doubt.into())
 }
 
-/// The closure of mean readings, with or without the first and last intervals, which a missing overrun spoils; `causes`:
+/// The closure of mean readings, without the first and last intervals where a missing overrun spoils them; `causes`:
 /// what stated angles do to the readings. And its least-squares problem; `None` where that is singular.
-pub(super) fn closure(
-    steps: &Steps<'_>,
-    start: &Start,
-    skip_ends: bool,
-    causes: Option<&Model>,
-) -> (Closure, Option<Patterns>) {
+pub(super) fn closure(budget: &Budget<'_>, causes: Option<&Model>) -> (Closure, Option<Patterns>) {
+    let start = budget.start;
     let (z, counts) = (start.means(), start.counts());
-    let w = |axis, at| steps.mean(|group| steps.closure(group, axis, at)).dot(&z);
+    let w = |axis, at| budget.mean(|group| budget.closure(group, axis, at)).dot(&z);
     let by_interval: PerAxis<Vec<f64>> =
-        PerAxis::from_fn(|axis| (0..steps.volume.steps).map(|at| w(axis, at)).collect());
+        PerAxis::from_fn(|axis| (0..budget.volume().steps).map(|at| w(axis, at)).collect());
     let mut closure = Closure {
         mean: PerAxis::from_fn(|axis| mean(by_interval[axis].iter().copied())),
         by_interval,
-        scatter: PerAxis::from_fn(|axis| scatter(steps, &counts, axis)),
+        scatter: PerAxis::from_fn(|axis| scatter(budget, &counts, axis)),
         ramps: None,
         weighted_square: 0.0,
         freedom: 0,
         outliers: start.outliers.clone(),
     };
-    let Some(mut patterns) = Patterns::new(steps, start, skip_ends) else {
+    let Some(mut patterns) = Patterns::new(budget) else {
         return (closure, None);
     };
     closure.outliers.extend(patterns.name_outliers(start.noise.map(|noise| noise.sigma_um)));
@@ -195,10 +184,10 @@ pub(super) fn closure(
 }
 
 /// Standard deviation of one w, mean of the groups, for readings of 1 µm.
-fn scatter(steps: &Steps<'_>, counts: &[f64], axis: Axis) -> f64 {
-    let groups = steps.groups();
+fn scatter(budget: &Budget<'_>, counts: &[f64], axis: Axis) -> f64 {
+    let groups = budget.groups();
     let walks =
         groups.iter().flat_map(|group| Diagonal::ALL.map(|d| (d, pass_of(*group, d, axis))));
-    let variances = walks.map(|(d, pass)| 2.0 / counts[steps.layout.reading(pass, d, 0)]);
+    let variances = walks.map(|(d, pass)| 2.0 / counts[budget.layout().reading(pass, d, 0)]);
     variances.sum::<f64>().sqrt() / float(groups.len())
 }

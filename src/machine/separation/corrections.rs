@@ -252,23 +252,19 @@ impl AngleEvidence {
 
     /// What was not measured, what counts of it, and what the levers were taken for.
     pub(super) fn labels(&self, angle_urad: Option<f64>) -> Vec<SeparationFinding> {
-        let mut labels = Vec::new();
-        if !self.missing.is_empty() {
-            labels.push(SeparationFinding::AnglesMissing {
-                names: joined(&self.missing),
-                urad: angle_urad,
-                chain_is_stated: self.order.is_some(),
-            });
-        }
-        if !self.has_angles() {
-            return labels;
-        }
-        let far_um = 0.1 * self.largest_urad;
+        let missing = SeparationFinding::AnglesMissing {
+            names: joined(&self.missing),
+            urad: angle_urad,
+            chain_is_stated: self.order.is_some(),
+        };
         let without_u = self.missing.len() + self.uncertain.len() < 9;
-        labels.push(SeparationFinding::OnLines { lines: self.origin, without_u });
-        if self.levers.tool.is_none() {
-            labels.push(SeparationFinding::ToolAssumed { far_um });
-        }
-        labels
+        let lines = SeparationFinding::OnLines { lines: self.origin, without_u };
+        let tool = SeparationFinding::ToolAssumed { far_um: 0.1 * self.largest_urad };
+        let labels = [
+            (!self.missing.is_empty()).then_some(missing),
+            self.has_angles().then_some(lines),
+            (self.has_angles() && self.levers.tool.is_none()).then_some(tool),
+        ];
+        labels.into_iter().flatten().collect()
     }
 }

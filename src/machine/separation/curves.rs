@@ -73,18 +73,20 @@ impl ReferenceLine {
 }
 
 /// The mean; 0 of nothing.
-pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
+pub(in crate::machine) fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = values.fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     if count > 0.0 { sum / count } else { 0.0 }
 }
 
 /// Max − min; 0 of nothing.
 pub fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let ends = values.fold(None, |ends: Option<(f64, f64)>, value| {
-        let (low, high) = ends.unwrap_or((value, value));
-        Some((low.min(value), high.max(value)))
-    });
-    ends.map_or(0.0, |(low, high)| high - low)
+    ends(values).map_or(0.0, |(low, high)| high - low)
+}
+
+/// The smallest and the largest value; `None` of nothing.
+pub(in crate::machine) fn ends(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    let pairs = values.map(|value| (value, value));
+    pairs.reduce(|(low, high), (value, _)| (low.min(value), high.max(value)))
 }
 
 #[cfg(test)]

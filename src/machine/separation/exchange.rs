@@ -159,10 +159,8 @@ impl<'a> Trial<'a> {
         for naming in Naming::all() {
             let start = renamed(budget, raw_runs, &naming);
             let own = (start.counts(), start.outliers.clone());
-            if own.0 != shared.0 {
-                patterns = Patterns::new(&budget.steps(), &start, budget.skips_ends())?;
-            }
             if own != shared {
+                patterns = Patterns::new(&Budget { start: &start, ..*budget })?;
                 patterns.restart(&start.outliers, causes);
             }
             others.push((naming, patterns.square_of(&start.means())));
@@ -225,7 +223,7 @@ impl<'a> Trial<'a> {
     fn judged(&self, naming: &Naming) -> Option<Closure> {
         let budget = self.budget;
         let start = renamed(budget, self.raw_runs, naming);
-        let (closure, _) = closure(&budget.steps(), &start, budget.skips_ends(), None);
+        let (closure, _) = closure(&Budget { start: &start, ..*budget }, None);
         let noise = start.noise.or_else(|| closure.noise());
         let doubts = closure.doubts(noise, budget.volume(), SetUp::Solve);
         doubts.is_empty().then_some(closure)

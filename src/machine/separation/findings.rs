@@ -1,8 +1,9 @@
 //! What a separation finds, in words: doubts, what stays undetermined, and what the result rests on.
 
+use super::noise::{Noise, coverage_factor};
 use crate::inputs::job::{Frame, StatedUncertainty};
-use crate::quantity::axis::{Axis, PerAxis};
-use crate::quantity::units::Figure;
+use crate::quantity::axis::{Axis, PerAxis, PerTerm};
+use crate::quantity::units::{Figure, larger};
 use crate::text::finding::{Finding, findings, joined};
 
 /// What to do about lines that contradict the diagonals.
@@ -17,8 +18,8 @@ findings! {
         MoreDisturbed { more: usize } => Note, "{more} more disturbed readings stay in the result";
         Roll { changes: PerAxis<f64> } => Note, "the closure runs in straight ramps over the axes ({} µm from end to end): roll of an axis that carries others, which the nine errors do not hold; what is beyond `angle_urad` counts in full beside U: measure the roll and give it as `angles`", by_axis(changes, &Axis::ALL);
         SetUpNotPerfect { means: PerAxis<f64>, off: Vec<Axis> } => Doubt, "the set-up is assumed perfect, but the mean of the closure is not zero ({} µm): tilt of the mirror, or roll; solve for the set-up", by_axis(means, off);
-        NoiseFar { um: f64, source: &'static str, times: f64, stated_um: f64 } => Doubt, "noise of a single reading {um:.3} µm, {source}: more than {times} times the {stated_um} µm that `noise_um` states; a disturbed reading of any size may sit in it; repeat the runs, or correct `noise_um`";
-        NoiseLarge { um: f64, source: &'static str, assumed_um: f64 } => Doubt, "noise of a single reading {um:.3} µm, {source}: above the {assumed_um} µm that are assumed where `noise_um` is not stated; a disturbed reading of any size may sit in it; repeat the runs, or state `noise_um`";
+        NoiseFar { noise: Noise, times: f64, stated_um: f64 } => Doubt, "noise of a single reading {noise}: more than {times} times the {stated_um} µm that `noise_um` states; a disturbed reading of any size may sit in it; repeat the runs, or correct `noise_um`";
+        NoiseLarge { noise: Noise, assumed_um: f64 } => Doubt, "noise of a single reading {noise}: above the {assumed_um} µm that are assumed where `noise_um` is not stated; a disturbed reading of any size may sit in it; repeat the runs, or state `noise_um`";
         OtherNames { walked: String, after_um: f64, before_um: f64, odds: f64, is_order: bool } => Doubt, "as if {walked}: then the closure speaks for {after_um:.3} µm of noise, as recorded for {before_um:.3} µm, and nothing of it is against the nine errors (odds e^{odds:.0} to 1){}; compare the names in the file and the order in the job with the programs that were run", if *is_order { "; the closure cannot tell these apart" } else { "" };
         LinesDisagree { lines: String, taken_as_exact: bool } => Note, "linear axes and diagonals DISAGREE: each against all others, {lines}; {CHECK}{}; what the worst of them may falsify counts in full beside U", if *taken_as_exact { "; a line without `u_um_per_m` counts as exact here: state it" } else { "" };
         TurnAgainstLinear { axis: Axis, turn_um: f64, linear_um: f64 } => Disagreement, "the reversal of {axis} is {turn_um:.3} µm by the turn, {linear_um:.3} µm by its linear measurement: check `overrun`, and whether both were measured in the same state";
@@ -43,7 +44,7 @@ findings! {
         Turned { from: &'static str } => Label, "the axes turned at the far end without overrun ({from}): the lost motion is taken off the last cell of the reverse runs";
         OverrunOpen => Label, "whether the axes ran past the end point cannot be judged from the readings: no reversal stands out of their noise, or offset and jumps contradict each other. State `overrun`; until then a lost motion that is hidden in the noise may stand in the last interval";
         OwnZero => Label, "reverse runs count from their own start, so only their increments are used";
-        FromTurn { change_um: f64 } => Label, "reversal of each term from the turn and the return pass, as a curve along its axis; each is taken to change from end to end by as much as these readings show with their noise, at most by {change_um:.3} µm (k = 1), and U holds that";
+        FromTurn { change_um: PerTerm<f64> } => Label, "reversal of each term from the turn and the return pass, as a curve along its axis; each is taken to change from end to end by as much as these readings show with their noise, at most by {:.3} µm (k = 1), and U holds that", change_um.iter().map(|(_, um)| *um).fold(0.0, larger);
         Directions => Label, "directions are those in which each axis really moved: + curves from forward runs of the diagonals that travel it in +, reverse runs of the others";
         LinearReversals { found: String, forward_only: bool } => Label, "reversal of single axes from their linear measurements in both directions (smallest to largest B, µm: {found}){}; their cross terms hold the mean of both directions, because nothing tells the reversal of those", if *forward_only { "; as far as it changes along the axis it is mixed into the curves of forward runs" } else { "" };
         ShortEdge { axis: Axis, gain: f64 } => Label, "{axis} is a short edge of the box: noise of its deviations is {gain:.1} times that of an increment";
@@ -54,13 +55,12 @@ findings! {
 
         // What the uncertainty holds.
         NoAir => Label, "the readings are not corrected for air, and nothing corrects them here: about 1 µm/m of scale for each K of air temperature or 3.7 hPa";
-        NoiseIs { um: f64, source: &'static str, freedom: Option<usize>, k: f64 } => Label, "noise of a single reading {um:.3} µm (k = 1), {source}{}", freedom.map_or_else(String::new, |freedom| format!(", {freedom} degrees of freedom: k = {k:.2} by Student holds 95 %"));
+        NoiseIs { noise: Noise } => Label, "noise of a single reading {:.3} µm (k = 1), {}{}", noise.sigma_um, noise.source.word(), noise.freedom.map_or_else(String::new, |freedom| format!(", {freedom} degrees of freedom: k = {:.2} by Student holds 95 %", coverage_factor(noise.freedom_f64())));
         Scatter { um: f64, repeated_um: f64 } => Note, "the closure scatters by {um:.3} µm, repeated runs by {repeated_um:.3} µm: the walks differ by more than the runs show, and the larger counts";
-        NoiseContradicted { um: f64, source: &'static str, stated_um: f64 } => Note, "noise of a single reading {um:.3} µm, {source}: `noise_um = {stated_um}` contradicts it and does not count";
+        NoiseContradicted { noise: Noise, stated_um: f64 } => Note, "noise of a single reading {noise}: `noise_um = {stated_um}` contradicts it and does not count";
         NoiseUnknown => Label, "noise of the readings is not known (one run, no redundancy): no uncertainty is given";
         LaserCounts { ppm: f64, is_stated: bool } => Label, "laser_ppm {} counts in the scales ({ppm}, k = 1), as an error that all four set-ups share", if *is_stated { "as stated" } else { "is not stated: a usual one" };
-        OfMaterialNotStated { key: &'static str } => Label, "{key} is not stated and not included";
-        OfMaterial { key: &'static str, with: String, without: String, needs: &'static str } => Label, "{}", of_material(key, with, without, needs);
+        OfMaterial { key: &'static str, is_stated: bool, known: PerAxis<bool>, needs: &'static str } => Label, "{}", of_material(key, *is_stated, known, needs);
         SetUpCounts { ppm: Option<f64>, each: String } => Label, "{}{each}", match ppm {
             Some(ppm) => format!("setup_ppm ({ppm}) is included: laser, air and scales change so much from one set-up to the next; each ppm makes µm/m of squareness: "),
             None => "setup_ppm is not stated: changes of laser, air and scale temperature between the four set-ups are not included; each ppm (0.09 K of steel) makes µm/m of squareness: ".to_string(),
@@ -101,10 +101,13 @@ fn open_scales(axes: &[Axis]) -> String {
     }
 }
 
-/// Whether a stated contribution that needs the material of an axis is included, by axis.
-fn of_material(key: &str, with: &str, without: &str, needs: &str) -> String {
+/// Whether a contribution that needs the material of an axis is stated and included, by axis.
+fn of_material(key: &str, is_stated: bool, known: &PerAxis<bool>, needs: &str) -> String {
     let material = "[measurement.step_diagonal.material]";
-    match (with, without) {
+    let axes = |wanted| joined(Axis::ALL.into_iter().filter(|axis| known[*axis] == wanted));
+    let (with, without) = (axes(true), axes(false));
+    match (with.as_str(), without.as_str()) {
+        _ if !is_stated => format!("{key} is not stated and not included"),
         (_, "") => format!("{key} is included in the scales, the same error on all axes"),
         ("", _) => format!(
             "{key} is stated but not included for any axis: the job gives no {needs} ({material})"

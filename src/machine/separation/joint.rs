@@ -16,7 +16,7 @@ mod outlook;
 
 pub(crate) use self::outlook::{Found, Measured, Outlook};
 use super::curves::{Curve, range};
-use super::linear::CurveRows;
+use super::linear::{CurveRows, Row};
 use super::noise::{Noise, student};
 use super::separate::Separation;
 use crate::inputs::error_table::{LargestErrors, Remarks, Sizes};
@@ -44,11 +44,11 @@ struct TableCurve {
     zero: (usize, f64),
 }
 
-/// A pass along a diagonal: the curves on it, their shares along the beam, and whether they run upwards.
+/// A pass along a diagonal: what is along the beam at the end of each cell, by the values of a table.
 struct TableWalk {
     diagonal: Diagonal,
     pass: Pass,
-    parts: Vec<(usize, f64, bool)>,
+    cells: Vec<Row>,
 }
 
 /// The curves of a table, to be drawn. All their values stand in one list, curve after curve, zero at the reference.
@@ -130,7 +130,7 @@ impl Table<'_> {
         let (model, times) = (&self.of.model, student(CONFIDENCE, self.freedom()));
         let mut ranges = PerDiagonal::default();
         for walk in &self.walks {
-            let along = self.along(walk, &self.um);
+            let along: Curve = walk.along(&self.um).collect();
             let at = |step: usize| model.layout.reading(walk.pass, walk.diagonal, 3 * step);
             for (i, low) in along.iter().enumerate() {
                 for (j, high) in along.iter().enumerate().skip(i + 1) {
@@ -154,14 +154,12 @@ impl Table<'_> {
     /// How far what speaks against the result by its size may move the errors: each anomaly by its worst cause,
     /// all anomalies added; `None` where nothing speaks against it.
     fn doubtful(&self) -> Option<Sizes> {
-        let mut all = Sizes::default();
-        for causes in &self.of.anomalies {
-            let mut worst = Sizes::default();
-            for z in causes {
-                worst = worst.joined(&self.sizes(&moved_by(&self.curves, z)), larger);
-            }
-            all = all.joined(&worst, |all, own| all + own);
-        }
+        let worst = |causes: &Vec<Vec<f64>>| {
+            let sizes = causes.iter().map(|z| self.sizes(&moved_by(&self.curves, z)));
+            sizes.fold(Sizes::default(), |worst, own| worst.joined(&own, larger))
+        };
+        let each = self.of.anomalies.iter().map(worst);
+        let all = each.fold(Sizes::default(), |all, own| all.joined(&own, |all, own| all + own));
         (all.all_um().max(all.ranges_um()) > 0.0).then_some(all)
     }
 }
@@ -213,12 +211,16 @@ impl<'a> Table<'a> {
             let is_on_it = |curve: &TableCurve| {
                 curve.way.is_none_or(|way| way == diagonal.travelled(curve.term.along, pass))
             };
-            let own = curves.iter().enumerate().filter(|(_, curve)| is_on_it(curve));
-            let share = |(index, curve): (usize, &TableCurve)| {
-                let is_up = diagonal.forward(curve.term.along) == Direction::Plus;
-                (index, laser[curve.term.of], is_up)
+            let cell = |step: usize| {
+                let own = curves.iter().enumerate().filter(|(_, curve)| is_on_it(curve));
+                let share = |(index, curve): (usize, &TableCurve)| {
+                    let is_up = diagonal.forward(curve.term.along) == Direction::Plus;
+                    let at = if is_up { step } else { of.volume.steps - step };
+                    (index * (of.volume.steps + 1) + at, laser[curve.term.of])
+                };
+                Row(own.map(share).collect())
             };
-            TableWalk { diagonal, pass, parts: own.map(share).collect() }
+            TableWalk { diagonal, pass, cells: (0..=of.volume.steps).map(cell).collect() }
         };
         let passes = Pass::BOTH.into_iter().take(of.model.layout.passes);
         let walks = passes.flat_map(|pass| Diagonal::ALL.map(|d| walk(d, pass))).collect();
@@ -308,8 +310,7 @@ impl<'a> Table<'a> {
     fn ranges(&self, values: &[f64]) -> PerDiagonal<f64> {
         let mut ranges = PerDiagonal::default();
         for walk in &self.walks {
-            let own = range(self.along(walk, values).into_iter());
-            ranges[walk.diagonal] = larger(ranges[walk.diagonal], own);
+            ranges[walk.diagonal] = larger(ranges[walk.diagonal], range(walk.along(values)));
         }
         ranges
     }
@@ -317,22 +318,16 @@ impl<'a> Table<'a> {
     fn sizes(&self, values: &[f64]) -> Sizes {
         Sizes { terms: self.terms(values, 0.0, values), diagonals: self.ranges(values) }
     }
+}
 
-    /// The sum of the curves along a pass, by cell.
-    fn along(&self, walk: &TableWalk, values: &[f64]) -> Curve {
-        let mut along = vec![0.0; self.points()];
-        for (index, share, is_up) in &walk.parts {
-            let mut curve = self.curve(values, *index).to_vec();
-            if !is_up {
-                curve.reverse();
-            }
-            add(&mut along, *share, &curve);
-        }
-        along
+impl TableWalk {
+    /// What these values make along the pass, by cell.
+    fn along(&self, values: &[f64]) -> impl Iterator<Item = f64> {
+        self.cells.iter().map(|cell| cell.dot(values))
     }
 }
 
-/// Adds values, each so many times. This and `largest` are all that draws cost; counted by hand they take a fifth of
+/// Adds values, each so many times. This and `largest` are most of what draws cost; counted by hand they take a fifth of
 /// what iterators take in a program that is not optimised.
 fn add(sum: &mut [f64], times: f64, part: &[f64]) {
     let mut at = 0;
@@ -367,13 +362,15 @@ fn random(stream: usize) -> ChaCha8Rng {
     random
 }
 
+/// The 95 % quantile of draws.
+fn quantile(mut draws: Vec<f64>) -> f64 {
+    let place = draws.len() * 19 / 20;
+    *draws.select_nth_unstable_by(place, f64::total_cmp).1
+}
+
 /// The 95 % quantiles of all draws, one by one and of the largest.
 fn quantiles(zero: String, draws: &[Sizes]) -> LargestErrors {
-    let of = |um: &dyn Fn(&Sizes) -> f64| {
-        let mut all: Vec<f64> = draws.iter().map(um).collect();
-        let place = all.len() * 19 / 20;
-        *all.select_nth_unstable_by(place, f64::total_cmp).1
-    };
+    let of = |um: &dyn Fn(&Sizes) -> f64| quantile(draws.iter().map(um).collect());
     LargestErrors {
         zero,
         all_um: of(&Sizes::all_um),

@@ -1,16 +1,15 @@
 //! What a result rests on: what is assumed of the readings, and what their uncertainty holds.
 
 use super::campaign::{Campaign, LinearReversal, LinearReversals};
-use super::curves::noise_gain;
+use super::curves::{ends, noise_gain};
 use super::findings::SeparationFinding as Found;
 use super::metric::Plane;
-use super::noise::coverage_factor;
 use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
 use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
-use crate::quantity::axis::Axis;
-use crate::quantity::units::{Figure, Squared, larger, rounded};
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::units::{Figure, Squared, rounded};
 use crate::text::finding::{Finding, joined};
 
 /// Of step runs.
@@ -33,9 +32,7 @@ pub(super) fn of_steps(budget: &Budget<'_>, turn: Option<&Turn>) -> impl Iterato
         Some(Found::FrameOf { frame: measurement.frame }),
         Some(way),
         (backs && !campaign.reverse_zero_known).then_some(Found::OwnZero),
-        turn.map(|turn| Found::FromTurn {
-            change_um: turn.change_um.iter().map(|(_, um)| *um).fold(0.0, larger),
-        }),
+        turn.map(|turn| Found::FromTurn { change_um: turn.change_um.clone() }),
         backs.then_some(Found::Directions),
     ];
     let labels = labels.into_iter().flatten();
@@ -60,12 +57,7 @@ pub(super) fn of_straight(budget: &Budget<'_>) -> Vec<Finding> {
 fn common(budget: &Budget<'_>) -> impl Iterator<Item = Found> {
     let campaign = budget.campaign;
     let has_air = campaign.measurement.material.is_none_or(|material| material.air_corrected);
-    let noise = budget.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs {
-        um: noise.sigma_um,
-        source: noise.source.words(),
-        freedom: noise.freedom,
-        k: coverage_factor(noise.freedom_f64()),
-    });
+    let noise = budget.noise.map_or(Found::NoiseUnknown, |noise| Found::NoiseIs { noise });
     let labels = [(!has_air).then_some(Found::NoAir), Some(noise)].into_iter().flatten();
     let angles = campaign.angles.evidence.labels(campaign.stated.angle_urad);
     labels.chain(stated(budget)).chain(angles).chain(lines(campaign))
@@ -75,16 +67,9 @@ fn common(budget: &Budget<'_>) -> impl Iterator<Item = Found> {
 fn stated(budget: &Budget<'_>) -> [Found; 6] {
     let stated = budget.campaign.stated;
     let material = |axis: Axis| budget.start.material.and_then(|material| material.axes[axis]);
-    let by_axis = |key, is_stated: Option<f64>, known: &dyn Fn(Axis) -> bool, needs| {
-        let (with, without): (Vec<Axis>, Vec<Axis>) =
-            Axis::ALL.into_iter().partition(|axis| known(*axis));
-        let [with, without] = [with, without].map(joined);
-        is_stated.map_or(Found::OfMaterialNotStated { key }, |_| Found::OfMaterial {
-            key,
-            with,
-            without,
-            needs,
-        })
+    let by_axis = |key, stated: Option<f64>, known: &dyn Fn(Axis) -> bool, needs| {
+        let known = PerAxis::from_fn(known);
+        Found::OfMaterial { key, is_stated: stated.is_some(), known, needs }
     };
     let is_warm = |axis| material(axis).is_some_and(|m| m.temperature_c.is_some());
     // u(φ) = R/(2 V_j V_k)·u(e_end)
@@ -135,8 +120,7 @@ fn lines(campaign: &Campaign<'_>) -> impl Iterator<Item = Found> {
 /// Where the reversals of single axes come from and what they leave open; `None` without any.
 pub(super) fn of_reversals(reversals: &LinearReversals, forward_only: bool) -> Option<Found> {
     let known = |(axis, reversal): (Axis, &Option<LinearReversal>)| {
-        let um = reversal.as_ref()?.um.iter().copied();
-        let (low, high) = (um.clone().reduce(f64::min)?, um.reduce(f64::max)?);
+        let (low, high) = ends(reversal.as_ref()?.um.iter().copied())?;
         Some(format!("{axis} {:+.3} to {:+.3}", Figure(low), Figure(high)))
     };
     let found = joined(reversals.iter().filter_map(known));
@@ -153,24 +137,19 @@ impl Solved<'_> {
         let totals = self.metric.squareness_um_per_m();
         let as_measured = self.budget.campaign.measurement.frame == Frame::AsMeasured;
         let is_complete = self.metric.is_complete();
-        let labels = match self.setup() {
+        let solves = self.setup() == SetUp::Solve;
+        let labels = [
             // Their squareness is another one than that of the totals.
-            SetUp::AssumePerfect => [
-                as_measured.then(|| Found::SeparatedSlopesKept {
-                    separated: squareness(&|plane| naive_squareness(&self.naive, plane)),
-                    totals: squareness(&|plane| totals.of(plane).unwrap_or(0.0)),
-                }),
-                None,
-                None,
-            ],
-            SetUp::Solve => [
-                (!is_complete).then(|| Found::Leak {
-                    by_plane: by_plane(|p| format!("{} {:.3}", p.key(), leak(p))),
-                }),
-                (is_complete && !is_checked).then_some(Found::Unchecked),
-                as_measured.then_some(Found::RotationOfCrossTerms),
-            ],
-        };
+            (!solves && as_measured).then(|| Found::SeparatedSlopesKept {
+                separated: squareness(&|plane| naive_squareness(&self.naive, plane)),
+                totals: squareness(&|plane| totals.of(plane).unwrap_or(0.0)),
+            }),
+            (solves && !is_complete).then(|| Found::Leak {
+                by_plane: by_plane(|p| format!("{} {:.3}", p.key(), leak(p))),
+            }),
+            (solves && is_complete && !is_checked).then_some(Found::Unchecked),
+            (solves && as_measured).then_some(Found::RotationOfCrossTerms),
+        ];
         labels.into_iter().flatten()
     }
 

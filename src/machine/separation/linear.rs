@@ -12,14 +12,13 @@
 //! Rows of neighbouring points of a curve differ by the increments of one interval: a curve is a running sum.
 
 use super::corrections::AngleEvidence;
-use super::curves::{closure_sign, noise_gain};
 use super::noise::ReadingPlace;
-use super::readings::{Group, pass_of};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, Rotation};
-use crate::quantity::diagonal::{Diagonal, Pass, Volume};
+use crate::quantity::axis::Rotation;
+use crate::quantity::diagonal::{Diagonal, Pass};
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Parts of a variance below this share of it are rounding.
@@ -131,85 +130,6 @@ impl AsRef<[(usize, f64)]> for Row {
     }
 }
 
-/// One reading less another.
-type Difference = [(usize, f64); 2];
-
-/// Formulas (1) and (2) as rows over what was measured. The slopes hold the tilt of the mirror.
-#[derive(Clone, Copy)]
-pub(super) struct Steps<'a> {
-    pub(super) volume: &'a Volume,
-    pub(super) layout: Layout,
-    /// Whether the axes turned without overrun: of the last cell the forward increments stand for both passes.
-    pub(super) turned: bool,
-}
-
-impl Steps<'_> {
-    /// The groups of readings of one pass, or of both.
-    pub(super) fn groups(&self) -> &'static [Group] {
-        match self.layout.passes {
-            2 => &[Some(Direction::Plus), Some(Direction::Minus)],
-            _ => &[None],
-        }
-    }
-
-    /// m: the reading at the end of a step less that at its beginning.
-    fn increment(&self, group: Group, d: Diagonal, axis: Axis, at: usize) -> Difference {
-        let step = self.volume.interval(d, axis, at);
-        let is_turn = self.turned && step + 1 == self.volume.steps;
-        let pass = if is_turn { Pass::Forward } else { pass_of(group, d, axis) };
-        self.moved(pass, d, axis, step)
-    }
-
-    /// The reading of a pass at the far end of a step less that at the near one.
-    pub(super) fn moved(&self, pass: Pass, d: Diagonal, axis: Axis, step: usize) -> Difference {
-        let far = self.layout.reading(pass, d, self.volume.node_after(axis, step));
-        [(far, 1.0), (far - 1, -1.0)]
-    }
-
-    /// J: the reverse less the forward increment of the last step of an axis.
-    pub(super) fn jump(&self, d: Diagonal, axis: Axis) -> Row {
-        let of = |pass| self.moved(pass, d, axis, self.volume.steps - 1);
-        Row::sum([(1.0, of(Pass::Reverse)), (-1.0, of(Pass::Forward))])
-    }
-
-    /// w: closure of an interval.
-    pub(super) fn closure(&self, group: Group, axis: Axis, interval: usize) -> Row {
-        let of = |d: Diagonal| (closure_sign(d, axis), self.increment(group, d, axis, interval));
-        Row::sum(Diagonal::ALL.map(of))
-    }
-
-    /// δ of an interval of a term for one group of readings.
-    pub(super) fn of(&self, term: ErrorTerm, group: Group, interval: usize) -> Row {
-        let gain = noise_gain(self.volume, term.of) / 2.0;
-        let of = |d: Diagonal| {
-            let sign = gain * d.sign(term.along) * d.sign(term.of);
-            (sign, self.increment(group, d, term.along, interval))
-        };
-        Row::sum(Diagonal::ALL.map(of))
-    }
-
-    /// The mean of the groups.
-    pub(super) fn mean(&self, of: impl Fn(Group) -> Row) -> Row {
-        match self.groups() {
-            [only] => of(*only),
-            all => Row::sum(all.iter().map(|group| (1.0 / all.len() as f64, of(*group)))),
-        }
-    }
-
-    /// δ of each interval of a term, mean of the groups.
-    pub(super) fn mean_of(&self, term: ErrorTerm) -> Arc<[Row]> {
-        let interval = |at| self.mean(|group| self.of(term, group, at));
-        (0..self.volume.steps).map(interval).collect()
-    }
-
-    /// Sum of the increments of a (diagonal, axis) pair, mean of the groups.
-    pub(super) fn sum(&self, d: Diagonal, axis: Axis) -> Row {
-        let all = 0..self.volume.steps;
-        let of = |group| all.clone().map(move |at| (1.0, self.increment(group, d, axis, at)));
-        self.mean(|group| Row::sum(of(group)))
-    }
-}
-
 /// What acts on many entries of z at once.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cause {
@@ -237,10 +157,8 @@ impl Cause {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Model {
     pub(super) layout: Layout,
-    /// Variance by the noise of the readings; 0 for what is no reading.
-    pub(super) noise: Vec<f64>,
-    /// Variance of lines and of what is neglected.
-    pub(super) other: Vec<f64>,
+    /// Variance of each entry by itself: of a reading by its noise.
+    pub(super) own: Vec<f64>,
     /// The part of a set-up in that of each line.
     pub(super) of_setup: f64,
     /// Unmeasured angles come last.
@@ -289,25 +207,25 @@ pub(super) struct Variance {
 impl Model {
     /// One more entry of z, with this standard uncertainty: its place.
     pub(super) fn add(&mut self, u: f64) -> usize {
-        self.noise.push(0.0);
-        self.other.push(u.squared());
+        self.own.push(u.squared());
         self.causes.iter_mut().for_each(|cause| cause.column.push(0.0));
         self.layout.apart += 1;
-        self.noise.len() - 1
+        self.own.len() - 1
     }
 
     /// Standard deviations of the readings and lines, whose causes are left out.
     pub(super) fn drawn(&self) -> Vec<f64> {
-        let both = self.noise.iter().zip(&self.other).take(self.layout.neglected(0));
-        both.map(|(noise, other)| (noise + other).sqrt()).collect()
+        self.own[..self.layout.neglected(0)].iter().map(|own| own.sqrt()).collect()
     }
 
     /// One draw without angles: what is off in z by itself, the noise so many times as large as estimated; how
     /// many times each column acts.
     pub(super) fn draw(&self, noise: f64, random: &mut ChaCha8Rng) -> (Vec<f64>, Vec<f64>) {
         let mut normal = || -> f64 { StandardNormal.sample(random) };
-        let each = self.noise.iter().zip(&self.other);
-        let spread = each.map(|(own, other)| (own * noise * noise + other).sqrt());
+        let readings = self.layout.line(0);
+        let times = |at: usize| if at < readings { noise } else { 1.0 };
+        let each = self.own.iter().enumerate();
+        let spread = each.map(|(at, own)| (own * times(at) * times(at)).sqrt());
         let z: Vec<f64> = spread.map(|u| if u > 0.0 { u * normal() } else { 0.0 }).collect();
         let shares = self.everywhere().map(|cause| cause.size().sqrt() * normal()).collect();
         (z, shares)
@@ -322,7 +240,7 @@ impl Model {
     pub(super) fn u_of_difference(&self, one: usize, other: usize) -> f64 {
         let effects: Vec<f64> =
             self.causes.iter().map(|of| of.column[one] - of.column[other]).collect();
-        (self.noise[one] + self.noise[other] + self.by_causes(&effects, &effects, |_| true)).sqrt()
+        (self.own[one] + self.own[other] + self.by_causes(&effects, &effects, |_| true)).sqrt()
     }
 
     /// What each entry of z and a unit of each cause make of a figure.
@@ -356,8 +274,9 @@ impl Model {
 
     /// cov of two figures by noise, and by lines and what is neglected.
     fn by_entries(&self, one: &[f64], other: &[f64]) -> [f64; 2] {
-        let weighed = |v: &[f64]| one.iter().zip(other).zip(v).map(|((a, b), v)| a * b * v).sum();
-        [weighed(&self.noise), weighed(&self.other)]
+        let weighed = |of: Range<usize>| of.map(|at| one[at] * other[at] * self.own[at]).sum();
+        let readings = self.layout.line(0);
+        [weighed(0..readings), weighed(readings..self.own.len())]
     }
 
     /// What the variance of a figure is made of: by how much it is less without each cause.
@@ -380,9 +299,9 @@ impl Model {
         }
         let lines = self.layout.line(0)..self.layout.neglected(0);
         match part {
-            Part::Noise => model.noise.fill(0.0),
-            Part::SetUps => model.other[lines].iter_mut().for_each(|v| *v -= self.of_setup),
-            Part::Line(index) => model.other[lines.start + index] = self.of_setup,
+            Part::Noise => model.own[..lines.start].fill(0.0),
+            Part::SetUps => model.own[lines].iter_mut().for_each(|v| *v -= self.of_setup),
+            Part::Line(index) => model.own[lines.start + index] = self.of_setup,
             _ => {}
         }
         model
@@ -454,15 +373,14 @@ impl CurveRows {
         let mut of_sum = model.by_entries(&sum, &sum);
         let mut with_line = model.by_entries(&sum, &line);
         let mut effects = sum_effects.clone();
-        let last = self.steps.len().max(1) as f64;
+        let (last, readings) = (self.steps.len().max(1) as f64, model.layout.line(0));
         (0..=self.steps.len())
             .map(|index| {
                 let step = index.checked_sub(1).map(|step| &self.steps[step]);
                 for (place, weight) in step.iter().flat_map(|step| &step.0) {
-                    for (i, v) in [model.noise[*place], model.other[*place]].iter().enumerate() {
-                        of_sum[i] += v * weight * (2.0 * sum[*place] + weight);
-                        with_line[i] += v * weight * line[*place];
-                    }
+                    let (i, v) = (usize::from(*place >= readings), model.own[*place]);
+                    of_sum[i] += v * weight * (2.0 * sum[*place] + weight);
+                    with_line[i] += v * weight * line[*place];
                     sum[*place] += weight;
                     let causes = sum_effects.iter_mut().zip(&model.causes);
                     causes.for_each(|(sum, cause)| *sum += weight * cause.column[*place]);

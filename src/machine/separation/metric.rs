@@ -72,10 +72,16 @@ impl Plane {
         [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)][self as usize]
     }
 
-    /// Its two cross terms; the first one carries the squareness in the X-primary frame.
+    /// The cross term that carries the squareness in the X-primary frame, and to which a stated one is added: EXY, EXZ,
+    /// EYZ.
+    pub(crate) const fn carrier(self) -> ErrorTerm {
+        let (of, along) = self.axes();
+        ErrorTerm { of, along }
+    }
+
+    /// Its two cross terms, the carrier first.
     pub(super) const fn terms(self) -> [ErrorTerm; 2] {
-        let (a, b) = self.axes();
-        [ErrorTerm { of: a, along: b }, ErrorTerm { of: b, along: a }]
+        [self.carrier(), self.carrier().twin()]
     }
 }
 
@@ -296,7 +302,7 @@ impl Equations {
             };
             let own = (variance - common).max(least);
             let entry = model.layout.neglected(place);
-            model.other[entry] = own - (variance - common);
+            model.own[entry] = own - (variance - common);
             row.add(1.0, Row::of(entry));
             of_diagonals += if place < 4 { own } else { 0.0 };
             all.push(Equation { direction, nominal, value, row, own, known });

@@ -16,6 +16,7 @@
 use super::readings::of;
 use crate::quantity::diagonal::{Diagonal, Pass, Run};
 use crate::quantity::units::{Figure, Squared};
+use crate::text::words::words;
 use nalgebra::DMatrix;
 use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor, StudentsT};
 
@@ -37,28 +38,17 @@ pub(super) const ENOUGH: usize = 20;
 /// measurement: rarer than the naming of a reading, because no repeated run answers it.
 pub const FALSE_DOUBT: f64 = 0.001;
 
-/// Where the standard deviation of a reading comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum NoiseSource {
-    /// Scatter of repeated runs.
-    Repeats,
-    /// Scatter of the closure.
-    Closure,
-    /// Stated in the job (`noise_um`).
-    Stated,
-    /// Few degrees of freedom of the readings, together with what the job states.
-    Joined,
-}
-
-impl NoiseSource {
-    /// In words.
-    pub const fn words(self) -> &'static str {
-        match self {
-            NoiseSource::Repeats => "from the scatter of repeated runs",
-            NoiseSource::Closure => "from the scatter of the closure",
-            NoiseSource::Stated => "as stated in the job (noise_um)",
-            NoiseSource::Joined => "from the scatter, with few degrees of freedom, and noise_um",
-        }
+words! {
+    /// Where the standard deviation of a reading comes from.
+    pub enum NoiseSource {
+        /// Scatter of repeated runs.
+        Repeats = "from the scatter of repeated runs",
+        /// Scatter of the closure.
+        Closure = "from the scatter of the closure",
+        /// Stated in the job (`noise_um`).
+        Stated = "as stated in the job (noise_um)",
+        /// Few degrees of freedom of the readings, together with what the job states.
+        Joined = "from the scatter, with few degrees of freedom, and noise_um",
     }
 }
 
@@ -71,6 +61,12 @@ pub struct Noise {
     pub freedom: Option<usize>,
     /// Where it comes from.
     pub source: NoiseSource,
+}
+
+impl std::fmt::Display for Noise {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:.3} µm, {}", self.sigma_um, self.source.word())
+    }
 }
 
 impl Noise {

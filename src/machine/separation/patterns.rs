@@ -5,12 +5,12 @@
 //! that P x = C⁻¹x − Σ b (bᵀx) is what is left of x, weighed, and leaving out one more is one step. C has entries near its
 //! diagonal only.
 
-use super::campaign::Start;
-use super::linear::{Cause, Layout, Model, Row, Steps};
+use super::linear::{Cause, Layout, Model, Row};
 use super::noise::{
     DIGIT_UM, FALSE_DOUBT, MOST_OUTLIERS, NORMAL_ONE_SIDED, Noise, Outlier, ReadingPlace,
     UNRESOLVED_UM, chance_of, float, stands_out,
 };
+use super::uncertainty::Budget;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::units::Squared;
 use nalgebra::{DVector, Matrix3, Vector3};
@@ -68,19 +68,19 @@ const NOTHING: f64 = 1e-9;
 impl Patterns {
     /// With nothing left out but the constants of the axes and the disturbed readings of single runs; `None` where C
     /// is singular.
-    pub(super) fn new(steps: &Steps<'_>, start: &Start, skip_ends: bool) -> Option<Patterns> {
-        let (layout, last) = (steps.layout, steps.volume.steps - 1);
+    pub(super) fn new(budget: &Budget<'_>) -> Option<Patterns> {
+        let (start, layout, last) = (budget.start, budget.layout(), budget.volume().steps - 1);
         // Those that share readings stand close to each other: diagonals that travel an axis in − cross its intervals
         // from the other end.
         let is_end = |at: &usize| *at == 0 || *at == last;
         let mut intervals: Vec<usize> =
-            (0..=last).filter(|at| !(skip_ends && is_end(at))).collect();
+            (0..=last).filter(|at| !(budget.skips_ends() && is_end(at))).collect();
         intervals.sort_by_key(|at| (*at.min(&(last - at)), *at));
-        let of_group = |at: usize| steps.groups().iter().map(move |group| (at, *group));
+        let of_group = |at: usize| budget.groups().iter().map(move |group| (at, *group));
         let places = intervals.into_iter().flat_map(of_group);
         let places = places.flat_map(|(at, group)| Axis::ALL.map(|axis| (group, axis, at)));
         let places: Vec<_> = places.collect();
-        let rows = places.iter().map(|(group, axis, at)| steps.closure(*group, *axis, *at));
+        let rows = places.iter().map(|(group, axis, at)| budget.closure(*group, *axis, *at));
         let rows: Vec<Row> = rows.collect();
         let mut effects = vec![Vec::new(); layout.len()];
         for (index, row) in rows.iter().enumerate() {

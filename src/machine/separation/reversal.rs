@@ -31,15 +31,16 @@
 //! The cross terms of that axis hold the mean of both directions: nothing tells their reversal.
 
 use super::campaign::{LinearReversal, LinearReversals, Start};
-use super::curves::{at, mean};
+use super::curves::mean;
 use super::findings::SeparationFinding;
-use super::linear::{CurveRows, Row, Steps};
+use super::linear::{CurveRows, Row};
 use super::noise::{DIGIT_UM, Noise, UNRESOLVED_UM, chance_of, float};
 use super::readings::Walk;
 use super::solved::Solved;
+use super::uncertainty::Budget;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Volume};
-use crate::quantity::units::{Millimetres, Squared, larger};
+use crate::quantity::units::{Squared, larger};
 use crate::text::finding::Finding;
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
@@ -86,18 +87,19 @@ pub struct Turn {
 /// Without overrun forward and reverse reading of the last node are one place read twice, and the
 /// reversals follow as jumps; with overrun the offset is there at once and nothing jumps. Both
 /// are tested against the noise of the means; of a jump that of the axis itself.
-pub(super) fn ran_over(steps: &Steps<'_>, z: &[f64], counts: &[f64], noise: Noise) -> Option<bool> {
+pub(super) fn ran_over(budget: &Budget<'_>, noise: Noise) -> Option<bool> {
+    let (z, counts, layout) = (budget.start.means(), budget.start.counts(), budget.layout());
     let square = noise.sigma_um.max(DIGIT_UM).squared();
-    let runs = |d: Diagonal| Pass::BOTH.map(|pass| counts[steps.layout.reading(pass, d, 0)]);
+    let runs = |d: Diagonal| Pass::BOTH.map(|pass| counts[layout.reading(pass, d, 0)]);
     let variance = |d: Diagonal| square * runs(d).map(|runs| 1.0 / runs).iter().sum::<f64>();
     let offset = |d: Diagonal| {
         let [forward, reverse] =
-            Pass::BOTH.map(|pass| z[steps.layout.reading(pass, d, steps.layout.nodes - 1)]);
+            Pass::BOTH.map(|pass| z[layout.reading(pass, d, layout.nodes - 1)]);
         (forward - reverse).squared() / variance(d)
     };
     let jump = |axis: Axis| {
         let sum: f64 =
-            Diagonal::ALL.map(|d| steps.jump(d, axis).dot(z) / (2.0 * variance(d))).iter().sum();
+            Diagonal::ALL.map(|d| budget.jump(d, axis).dot(&z) / (2.0 * variance(d))).iter().sum();
         let weight: f64 = Diagonal::ALL.map(|d| 1.0 / (2.0 * variance(d))).iter().sum();
         sum.squared() / weight
     };
@@ -125,7 +127,7 @@ fn solution(design: &DMatrix<f64>, covariance: DMatrix<f64>) -> Option<[DMatrix<
 impl Solved<'_> {
     /// The reversals of a turn without overrun.
     pub(super) fn turn(&mut self) -> Option<Turn> {
-        let (steps, budget) = (self.steps, self.budget);
+        let budget = self.budget;
         let (volume, noise) = (budget.volume(), budget.noise);
         let (mut rows, mut design) = (Vec::new(), DMatrix::zeros(MEASURED + 9, 18));
         // The unknowns: B of all terms at the low ends, then at the high ones, axis by axis.
@@ -141,10 +143,10 @@ impl Solved<'_> {
             }
             let change = |step| {
                 [(1.0, Pass::Forward), (-1.0, Pass::Reverse)]
-                    .map(|(sign, pass)| (sign * d.sign(axis), steps.moved(pass, d, axis, step)))
+                    .map(|(sign, pass)| (sign * d.sign(axis), budget.moved(pass, d, axis, step)))
             };
             let between = 1..volume.steps - 1;
-            rows.extend([steps.jump(d, axis), Row::sum(between.flat_map(change))]);
+            rows.extend([budget.jump(d, axis), Row::sum(between.flat_map(change))]);
         }
         for term in 0..9 {
             design[(MEASURED + term, term)] = -1.0;
@@ -191,7 +193,7 @@ impl Solved<'_> {
             u_um: noise.map(|_| self.model.variance(row).all.sqrt()),
         };
         let both = |term: ErrorTerm| Direction::BOTH.map(|way| end(term, way));
-        let alone = |d, axis| Row::sum([(1.0 / volume.cosine(axis), steps.jump(d, axis))]);
+        let alone = |d, axis| Row::sum([(1.0 / volume.cosine(axis), budget.jump(d, axis))]);
         Some(Turn {
             reversal: PerTerm::from_fn(|term| {
                 estimate(&Row::sum(both(term).map(|row| (0.5, row))))
@@ -217,10 +219,10 @@ impl Solved<'_> {
 
     /// B less that at the low end, by the increments of both directions.
     fn between_passes(&self, term: ErrorTerm) -> CurveRows {
-        let of = |way, at| self.steps.of(term, Some(way), at);
+        let of = |way, at| self.budget.delta(term, Some(way), at);
         let step =
             |at| Row::sum([(1.0, of(Direction::Plus, at)), (-1.0, of(Direction::Minus, at))]);
-        let steps = (0..self.steps.volume.steps).map(step).collect();
+        let steps = (0..self.budget.volume().steps).map(step).collect();
         CurveRows { steps, ..CurveRows::default() }
     }
 
@@ -281,15 +283,11 @@ pub(super) fn hidden_reversal_um(
     volume: &Volume,
     known: &LinearReversals,
 ) -> Option<f64> {
-    let known = known.iter().filter_map(|(axis, b)| Some((axis, b.as_ref()?)));
-    let known: Vec<(Axis, &LinearReversal, Vec<Millimetres>)> =
-        known.map(|(axis, b)| (axis, b, volume.positions(axis))).collect();
     let beside = |(forward, back): (&Walk, &Walk)| -> Vec<f64> {
-        let d = forward.diagonal;
         let of_known = |node: usize| -> f64 {
-            let place = volume.place(d, PathKind::Step, node);
-            let b = known.iter().map(|(axis, b, positions)| {
-                volume.cosine(*axis) * at(positions, &b.um, place[*axis].mm())
+            let b = known.iter().filter_map(|(axis, b)| {
+                let end = volume.end_at(forward.diagonal, PathKind::Step, node, axis);
+                Some(volume.cosine(axis) * b.as_ref()?.um[end])
             });
             b.sum()
         };
@@ -297,9 +295,9 @@ pub(super) fn hidden_reversal_um(
         pairs.map(|(node, (forward, back))| forward - back - of_known(node)).collect()
     };
     let sigma = noise.map_or(0.0, |noise| noise.sigma_um);
-    let u_known = known
-        .iter()
-        .filter_map(|(axis, b, _)| Some((volume.cosine(*axis) * b.u_largest_um()?).squared()));
+    let u_known = known.iter().filter_map(|(axis, b)| {
+        Some((volume.cosine(axis) * b.as_ref()?.u_largest_um()?).squared())
+    });
     let u_known = u_known.sum::<f64>().sqrt();
     let shown = |b: &Vec<f64>| {
         // Six standard deviations of a mean difference.

@@ -154,7 +154,7 @@ pub fn separate(campaign: &Campaign<'_>, raw_runs: &[Run]) -> Separation {
 fn of_start(campaign: &Campaign<'_>, start: &Start) -> (Separation, Option<Patterns>) {
     let budget = Budget { campaign, start, noise: None, overrun: overrun(campaign, start) };
     let model = budget.model();
-    let (closure, patterns) = closure(&budget.steps(), start, budget.skips_ends(), Some(&model));
+    let (closure, patterns) = closure(&budget, Some(&model));
     let noise = noise_of(campaign, start, &closure);
     let mut separation = evaluated(&Budget { noise, ..budget }, closure, model);
     let notes = of_noise(start.noise, noise, campaign.stated.noise_um);
@@ -171,17 +171,14 @@ fn of_noise(
     let found = counts.filter(|noise| noise.source != NoiseSource::Stated);
     let repeated = known.filter(|noise| noise.source == NoiseSource::Repeats);
     let scatter = found.zip(repeated).filter(|(found, repeated)| found.source != repeated.source);
-    let scatter = scatter.map(|(found, repeated)| SeparationFinding::Scatter {
-        um: found.sigma_um,
-        repeated_um: repeated.sigma_um,
+    let scatter = scatter.map(|(found, repeated)| {
+        let (um, repeated_um) = (found.sigma_um, repeated.sigma_um);
+        SeparationFinding::Scatter { um, repeated_um }
     });
     let stated = found.zip(stated_um).filter(|(found, stated_um)| found.contradicts(*stated_um));
-    let stated = stated.map(|(found, stated_um)| SeparationFinding::NoiseContradicted {
-        um: found.sigma_um,
-        source: found.source.words(),
-        stated_um,
-    });
-    scatter.into_iter().chain(stated)
+    let contradicted =
+        |(noise, stated_um)| SeparationFinding::NoiseContradicted { noise, stated_um };
+    scatter.into_iter().chain(stated.map(contradicted))
 }
 
 /// σ that counts. Where repeated runs agree better with each other than the closure lets the readings be, they
@@ -201,7 +198,7 @@ fn noise_of(campaign: &Campaign<'_>, start: &Start, closure: &Closure) -> Option
 
 /// Disturbed readings; ramps of the closure beyond noise and stated angles; equations that contradict each other.
 fn anomalies(
-    campaign: &Campaign<'_>,
+    budget: &Budget<'_>,
     layout: Layout,
     closure: &Closure,
     agreement: Option<&Agreement>,
@@ -217,7 +214,7 @@ fn anomalies(
         places.map(|place| single(place, outlier.of_mean_um)).collect()
     });
     let roll = closure.ramps.iter().filter(|ramps| ramps.is_roll());
-    let roll = roll.flat_map(|ramps| rolls(campaign, layout, &ramps.beyond_um));
+    let roll = roll.flat_map(|ramps| rolls(budget, layout, &ramps.beyond_um));
     let refuted = agreement.filter(|agreement| agreement.is_refuted());
     let refuted = refuted.map(|agreement| {
         let by = agreement.false_by_um_per_m.iter().enumerate().filter(|(_, by)| **by > 0.0);
@@ -236,7 +233,7 @@ fn evaluated(budget: &Budget<'_>, closure: Closure, model: Model) -> Separation 
     let reversals = if turned { LinearReversals::default() } else { campaign.reversals.clone() };
     let apart = solved.apart(turn.as_ref(), &reversals);
     let errors = solved.errors(&apart);
-    let anomalies = anomalies(campaign, solved.model.layout, &closure, agreement.as_ref());
+    let anomalies = anomalies(budget, solved.model.layout, &closure, agreement.as_ref());
     let labels = labels::of_steps(budget, turn.as_ref())
         .chain(labels::of_reversals(&reversals, !budget.both_ways()))
         .chain(solved.labels(agreement.is_some()));
@@ -283,9 +280,8 @@ fn evaluated(budget: &Budget<'_>, closure: Closure, model: Model) -> Separation 
 fn overrun(campaign: &Campaign<'_>, start: &Start) -> Option<bool> {
     let budget = Budget { campaign, start, noise: None, overrun: None };
     let judged = || {
-        let steps = budget.steps();
-        let noise = start.noise.or_else(|| closure(&steps, start, true, None).0.noise());
-        ran_over(&steps, &start.means(), &start.counts(), noise?)
+        let noise = start.noise.or_else(|| closure(&budget, None).0.noise());
+        ran_over(&budget, noise?)
     };
     let stated = campaign.measurement.overrun;
     let found = || stated.or_else(|| campaign.reverse_zero_known.then(judged)?);

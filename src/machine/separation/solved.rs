@@ -8,7 +8,7 @@
 use super::agreement::Agreement;
 use super::campaign::MeasuredLine;
 use super::curves::{Curve, ReferenceLine};
-use super::linear::{CurveRows, Model, Row, Steps, Variance};
+use super::linear::{CurveRows, Model, Row, Variance};
 use super::metric::{Equations, Metric, PerPlane, Plane, UM_PER_M};
 use super::uncertainty::{Budget, Uncertainty};
 use crate::inputs::job::{Frame, SetUp};
@@ -25,7 +25,6 @@ pub(super) struct Solved<'a> {
     pub(super) model: Model,
     /// What was measured.
     pub(super) z: Vec<f64>,
-    pub(super) steps: Steps<'a>,
     /// Increments of the mean curves over each interval.
     mean_steps: PerTerm<Arc<[Row]>>,
     /// Slopes of the increments, µm/m.
@@ -55,13 +54,12 @@ impl<'a> Solved<'a> {
     /// `model`: of the causes; the noise of the readings is that of the budget.
     pub(super) fn new(budget: &'a Budget<'a>, mut model: Model) -> Solved<'a> {
         let (campaign, volume) = (budget.campaign, budget.volume());
-        model.noise = budget.by_noise(model.layout);
+        budget.write_noise(&mut model.own);
         let mut z = budget.start.means();
         z.extend(campaign.lines.iter().map(|line| line.slope_um_per_m));
         z.resize(model.layout.len(), 0.0);
-        let steps = Steps { volume, layout: model.layout, turned: budget.turned() };
-        let mean_steps = PerTerm::from_fn(|term| steps.mean_of(term));
-        let sums = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| steps.sum(d, axis)));
+        let mean_steps = PerTerm::from_fn(|term| budget.mean_of(term));
+        let sums = PerDiagonal::from_fn(|d| PerAxis::from_fn(|axis| budget.sum(d, axis)));
         let ratio = |d: Diagonal, axis: Axis| {
             let length_um = volume.size[axis].mm() * 1000.0;
             d.sign(axis) * (volume.cosine(axis) + sums[d][axis].dot(&z) / length_um)
@@ -97,7 +95,7 @@ impl<'a> Solved<'a> {
         let rise =
             |term: ErrorTerm| mean_steps[term].iter().map(|step: &Row| step.dot(&z)).sum::<f64>();
         let naive = PerTerm::from_fn(|term| rise(term) / length(term.along));
-        Solved { budget, naive, ratios, metric, equations, ends_um, model, z, steps, mean_steps }
+        Solved { budget, naive, ratios, metric, equations, ends_um, model, z, mean_steps }
     }
 
     /// What is assumed of the set-up.

@@ -12,13 +12,16 @@
 
 use super::campaign::{Campaign, MeasuredLine, Start};
 use super::corrections::{REFERENCE_C, of_rotations};
-use super::linear::{Cause, Layout, Model, Part, Steps, Variance};
+use super::curves::{closure_sign, noise_gain};
+use super::linear::{Cause, Layout, Model, Part, Row, Variance};
 use super::noise::{Noise, coverage_factor, effective_freedom};
+use super::readings::{Group, pass_of};
 use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
-use crate::quantity::axis::{Axis, PerAxis, Rotation};
+use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::chain::{displaced, unit};
-use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
 use crate::quantity::units::Squared;
+use std::sync::Arc;
 
 /// Radians of one second of arc, times 10⁶.
 const URAD_PER_ARCSEC: f64 = 1e6 * std::f64::consts::PI / (180.0 * 3600.0);
@@ -82,22 +85,15 @@ impl<'a> Budget<'a> {
         self.both_ways() && self.overrun != Some(true)
     }
 
-    /// Formulas (1) to (3) for the readings alone.
-    pub(super) fn steps(&self) -> Steps<'a> {
-        Steps { volume: self.volume(), layout: self.layout(), turned: self.turned() }
-    }
-
     /// What is measured.
-    fn layout(&self) -> Layout {
+    pub(super) fn layout(&self) -> Layout {
         self.start.layout(self.campaign.lines.len())
     }
 
-    /// Variance of each entry of z by the noise of the readings.
-    pub(super) fn by_noise(&self, layout: Layout) -> Vec<f64> {
+    /// Writes the variance of each reading by its noise.
+    pub(super) fn write_noise(&self, own: &mut [f64]) {
         let square = self.noise.map_or(0.0, |noise| noise.sigma_um.squared());
-        let mut noise: Vec<f64> = self.start.counts().iter().map(|runs| square / runs).collect();
-        noise.resize(layout.len(), 0.0);
-        noise
+        own.iter_mut().zip(self.start.counts()).for_each(|(own, runs)| *own = square / runs);
     }
 
     /// The linear model of the readings of a campaign.
@@ -106,10 +102,11 @@ impl<'a> Budget<'a> {
         let (volume, kind) = (self.volume(), campaign.measurement.kind);
         let layout = self.layout();
         let setup_ppm = stated.setup_ppm.unwrap_or(0.0);
-        let mut other = vec![0.0; layout.len()];
+        let mut own = vec![0.0; layout.len()];
+        self.write_noise(&mut own);
         for (index, line) in campaign.lines.iter().enumerate() {
             let u_um_per_m = line.u_um_per_m.unwrap_or(0.0).hypot(setup_ppm);
-            other[layout.line(index)] = u_um_per_m.squared();
+            own[layout.line(index)] = u_um_per_m.squared();
         }
         let moved = PerDiagonal::from_fn(|d| -> Vec<PerAxis<f64>> {
             let inside = |node| volume.inside_mm(d, kind, node);
@@ -146,8 +143,78 @@ impl<'a> Budget<'a> {
         }));
         let angles = unmeasured(campaign, layout, &mut causes);
         let evidence = campaign.angles.evidence.clone();
-        let (noise, of_setup) = (self.by_noise(layout), setup_ppm.squared());
-        Model { layout, noise, other, of_setup, causes, laser, angles, evidence }
+        Model { layout, own, of_setup: setup_ppm.squared(), causes, laser, angles, evidence }
+    }
+}
+
+/// One reading less another.
+type Difference = [(usize, f64); 2];
+
+/// Formulas (1) to (3) as rows over what was measured. The slopes hold the tilt of the mirror.
+impl Budget<'_> {
+    /// The groups of readings of one pass, or of both.
+    pub(super) fn groups(&self) -> &'static [Group] {
+        match self.layout().passes {
+            2 => &[Some(Direction::Plus), Some(Direction::Minus)],
+            _ => &[None],
+        }
+    }
+
+    /// m: the reading at the end of a step less that at its beginning.
+    fn increment(&self, group: Group, d: Diagonal, axis: Axis, at: usize) -> Difference {
+        let step = self.volume().interval(d, axis, at);
+        let is_turn = self.turned() && step + 1 == self.volume().steps;
+        let pass = if is_turn { Pass::Forward } else { pass_of(group, d, axis) };
+        self.moved(pass, d, axis, step)
+    }
+
+    /// The reading of a pass at the far end of a step less that at the near one.
+    pub(super) fn moved(&self, pass: Pass, d: Diagonal, axis: Axis, step: usize) -> Difference {
+        let far = self.layout().reading(pass, d, self.volume().node_after(axis, step));
+        [(far, 1.0), (far - 1, -1.0)]
+    }
+
+    /// J: the reverse less the forward increment of the last step of an axis.
+    pub(super) fn jump(&self, d: Diagonal, axis: Axis) -> Row {
+        let of = |pass| self.moved(pass, d, axis, self.volume().steps - 1);
+        Row::sum([(1.0, of(Pass::Reverse)), (-1.0, of(Pass::Forward))])
+    }
+
+    /// w: closure of an interval.
+    pub(super) fn closure(&self, group: Group, axis: Axis, interval: usize) -> Row {
+        let of = |d: Diagonal| (closure_sign(d, axis), self.increment(group, d, axis, interval));
+        Row::sum(Diagonal::ALL.map(of))
+    }
+
+    /// δ of an interval of a term for one group of readings.
+    pub(super) fn delta(&self, term: ErrorTerm, group: Group, interval: usize) -> Row {
+        let gain = noise_gain(self.volume(), term.of) / 2.0;
+        let of = |d: Diagonal| {
+            let sign = gain * d.sign(term.along) * d.sign(term.of);
+            (sign, self.increment(group, d, term.along, interval))
+        };
+        Row::sum(Diagonal::ALL.map(of))
+    }
+
+    /// The mean of the groups.
+    pub(super) fn mean(&self, of: impl Fn(Group) -> Row) -> Row {
+        match self.groups() {
+            [only] => of(*only),
+            all => Row::sum(all.iter().map(|group| (1.0 / all.len() as f64, of(*group)))),
+        }
+    }
+
+    /// δ of each interval of a term, mean of the groups.
+    pub(super) fn mean_of(&self, term: ErrorTerm) -> Arc<[Row]> {
+        let interval = |at| self.mean(|group| self.delta(term, group, at));
+        (0..self.volume().steps).map(interval).collect()
+    }
+
+    /// Sum of the increments of a (diagonal, axis) pair, mean of the groups.
+    pub(super) fn sum(&self, d: Diagonal, axis: Axis) -> Row {
+        let all = 0..self.volume().steps;
+        let of = |group| all.clone().map(move |at| (1.0, self.increment(group, d, axis, at)));
+        self.mean(|group| Row::sum(of(group)))
     }
 }
 
@@ -224,20 +291,19 @@ fn unmeasured(campaign: &Campaign<'_>, layout: Layout, causes: &mut Vec<Cause>) 
 /// What rolls do to the readings that make ramps of the closure of this size, µm from its first interval to its
 /// last: for each axis, by each order of the axes that may be.
 pub(super) fn rolls(
-    campaign: &Campaign<'_>,
+    budget: &Budget<'_>,
     layout: Layout,
     ramps_um: &PerAxis<f64>,
 ) -> Vec<Vec<Vec<f64>>> {
-    let volume = &campaign.measurement.volume;
+    let (campaign, volume) = (budget.campaign, budget.volume());
     let evidence = &campaign.angles.evidence;
-    let steps = Steps { volume, layout, turned: false };
     let of_axis = |axis: Axis| {
         let rotation = Rotation { about: axis, along: axis };
         let of_order = |order: &[Axis; 3]| {
             let [Cause { mut column, .. }, _] =
                 of_rotation(campaign, layout, 1.0, *order, rotation);
             column[layout.line(0)..].fill(0.0); // the readings alone
-            let w = |at| steps.mean(|group| steps.closure(group, axis, at)).dot(&column);
+            let w = |at| budget.mean(|group| budget.closure(group, axis, at)).dot(&column);
             let ramp = w(volume.steps - 1) - w(0);
             let share = ramps_um[axis] / ramp;
             let largest = column.iter().fold(0.0, |most: f64, um| most.max(um.abs()));

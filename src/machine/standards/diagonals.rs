@@ -8,14 +8,6 @@ use crate::quantity::diagonal::{Diagonal, PathKind};
 /// Edition of ISO 230-6 that is meant.
 const EDITION: [u16; 1] = [2002];
 
-/// How figures of such runs have to be labelled by the motion alone.
-const fn label(kind: PathKind) -> &'static str {
-    match kind {
-        PathKind::Straight => "after ISO 230-6 (likely)",
-        PathKind::Step => "from step-diagonal cell ends, not ISO 230-6",
-    }
-}
-
 /// Figures of one body diagonal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiagonalFigures {
@@ -85,7 +77,8 @@ pub fn diagonal(diagonals: &[(&str, &Runs)], kind: PathKind, length_is_known: bo
         PathKind::Straight if !missed.is_empty() => {
             format!("NOT after ISO 230-6: {}", missed.join("; "))
         }
-        _ => label(kind).to_string(),
+        PathKind::Straight => "after ISO 230-6 (likely)".to_string(),
+        PathKind::Step => "from step-diagonal cell ends, not ISO 230-6".to_string(),
     };
     Diagonals {
         label,

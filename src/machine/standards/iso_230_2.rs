@@ -9,6 +9,7 @@ pub use self::conditions::{LONG_AXIS_MM, Travel, conditions, label, remarks};
 pub(super) use self::conditions::{directions, number_of_targets, runs_words};
 
 use crate::inputs::target_runs::Runs;
+use crate::machine::separation::curves::mean;
 use crate::machine::standards::{ByDirection, largest, range};
 use crate::quantity::axis::Direction;
 
@@ -114,7 +115,7 @@ pub fn figures(runs: &Runs) -> Figures {
 
 fn of_target(runs: &Runs, index: usize) -> TargetFigures {
     let um = Direction::BOTH.map(|direction| runs.deviations_um(direction)?.get(index));
-    let means = um.map(|um| Some(mean(um?)));
+    let means = um.map(|um| Some(mean(um?.iter().copied())));
     let s = um.map(|um| standard_deviation(um?));
     let bands = s.map(|s| Some(2.0 * K * s?));
     let b_um = both(means, |up, down| up - down);
@@ -134,13 +135,9 @@ fn both([up, down]: [Option<f64>; 2], of: fn(f64, f64) -> f64) -> Option<f64> {
     Some(of(up?, down?))
 }
 
-fn mean(um: &[f64]) -> f64 {
-    um.iter().sum::<f64>() / um.len() as f64
-}
-
 /// s with n − 1; `None` of one value.
 fn standard_deviation(um: &[f64]) -> Option<f64> {
-    let mean = mean(um);
+    let mean = mean(um.iter().copied());
     let squares: f64 = um.iter().map(|x| (x - mean) * (x - mean)).sum();
     (um.len() > 1).then(|| (squares / (um.len() - 1) as f64).sqrt())
 }
@@ -163,7 +160,7 @@ fn of_axis(targets: &[TargetFigures]) -> AxisFigures {
         ),
         m_um: each(|of| of.mean.both_um).and_then(range),
         b_um: each(|of| of.b_um.map(f64::abs)).and_then(largest),
-        b_mean_um: each(|of| of.b_um).map(|b| mean(&b)),
+        b_mean_um: each(|of| of.b_um).map(|b| mean(b.into_iter())),
     }
 }
 

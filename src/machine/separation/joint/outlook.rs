@@ -10,7 +10,7 @@
 //!   at most as a table judges what was measured: 95 % quantile of max (|found + c| + g u), u by an estimated σ
 //! ```
 
-use super::{CONFIDENCE, Table, TableCurve, beside_reference, largest, random, sum};
+use super::{CONFIDENCE, Table, TableCurve, beside_reference, largest, quantile, random, sum};
 use crate::inputs::job::Job;
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::linear::{Cause, Part, Row, Variance};
@@ -60,7 +60,7 @@ impl Separation {
 
     /// Standard uncertainty of the slope of a line by itself, µm/m.
     pub(crate) fn u_of_line(&self, index: usize) -> f64 {
-        let all = self.model.other[self.model.layout.line(index)];
+        let all = self.model.own[self.model.layout.line(index)];
         (all - self.model.of_setup).sqrt()
     }
 
@@ -196,9 +196,7 @@ impl Table<'_> {
             let both = noise.iter().zip(&rest);
             let u: Vec<f64> = both.map(|(noise, rest)| (noise * s2 + rest).sqrt()).collect();
             let at_most = |(bias, times): &(Vec<f64>, f64)| largest(&sum(&seen, bias), *times, &u);
-            let mut each: Vec<f64> = biases.iter().map(at_most).collect();
-            let place = each.len() * 19 / 20;
-            *each.select_nth_unstable_by(place, f64::total_cmp).1
+            quantile(biases.iter().map(at_most).collect())
         };
         let mut at_most: Vec<f64> = (0..VISITS).map(at_most).collect();
         at_most.sort_by(f64::total_cmp);
