@@ -10,7 +10,7 @@ use crate::inputs::kind::FileKind;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Machine;
 use crate::kit::manifest::{MANIFEST, rounded};
-use crate::kit::{self, Inputs, cannot_emulate, generate, hashed};
+use crate::kit::{self, Inputs, generate, hashed};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Placed, Report, Shown, Texts, Visit, linear_document, terms};
@@ -222,8 +222,7 @@ impl Visit {
             limit_um: job.acceptance.max_deviation_um,
         };
         let heading = format!("{}: {}", page.name, locale.words("nine_errors_found"));
-        let curves = terms(locale, &heading, &curves).map_err(|reason| cannot_emulate(&reason))?;
-        visit.pictures.push(("curves", curves));
+        visit.pictures.push(("curves", terms(locale, &heading, &curves)));
         visit.add("assess", page, ("volume", page.picture(locale)))?;
         Ok(visit)
     }
