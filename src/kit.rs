@@ -21,8 +21,8 @@ pub mod visit;
 pub mod visit_plan;
 mod ways;
 
-use self::visit_plan::Judged;
 use crate::judge::conformity::Verdict;
+use crate::judge::field::Field;
 use crate::judge::forecast::Forecast;
 pub use crate::kit::manifest::hashed;
 use crate::kit::manifest::{HashedFile, Manifest, Predecessor, SCHEMA};
@@ -39,7 +39,8 @@ pub use inputs::{Inputs, remarks};
 pub use loaded::Loaded;
 use loaded::named_backlash;
 use made::{Made, as_read};
-use serde_json::json;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
 pub use verification::{Verification, forecast, verify, verify_read_out};
 
 /// A complete kit.
@@ -51,6 +52,8 @@ pub struct Kit {
     pub compiled: Compiled,
     /// The control's files.
     pub files: Vec<RenderedFile>,
+    /// What they add to every error.
+    pub(crate) effect: Field,
     /// What they will leave.
     pub forecast: Forecast,
     /// Forecast against the acceptance of the job; undecided at most where there are doubts.
@@ -90,38 +93,27 @@ pub fn generate(inputs: &Inputs) -> Result<Kit, Problems> {
     let field = field::make(&made)?;
     made.files.extend(field.files);
     made.compiled.notes.extend(field.notes);
-    let mut manifest = build_manifest(&made);
-    manifest.sign_proofs = field.sign_proofs;
-    if made.doubts.is_empty() {
-        let (job, errors) = (&inputs.job, Some(&inputs.errors));
-        let (model, figures) = (inputs.as_measured(), &made.forecast);
-        let judged = Judged { job, errors, model, figures, expected: None };
-        manifest.what_decides = judged.what_decides();
-    }
-    let Made { plan, compiled, files, forecast, verdict, doubts, .. } = made;
-    manifest.doubts = doubts;
-    Ok(Kit { plan, compiled, files, forecast, verdict, ways, manifest })
+    let manifest = manifest_of(&made, field.sign_proofs);
+    let Made { plan, compiled, files, effect, forecast, verdict, .. } = made;
+    Ok(Kit { plan, compiled, files, effect, forecast, verdict, ways, manifest })
 }
 
-fn build_manifest(made: &Made<'_>) -> Manifest {
-    let Made { inputs, plan, compiled, files, forecast, .. } = made;
-    let job = &inputs.job;
+fn manifest_of(made: &Made<'_>, sign_proofs: Vec<Value>) -> Manifest {
+    let Made { inputs, plan, compiled, files, forecast, doubts, .. } = made;
+    let (job, controller) = (&inputs.job, inputs.profile.id.clone());
+    let active = inputs.active.as_ref();
+    let hashed = |file: &RenderedFile| HashedFile {
+        role: Some(file.role.word()),
+        ..hashed(&file.path, &file.bytes)
+    };
+    let decides = doubts.is_empty().then(|| inputs.judged(forecast).what_decides());
     Manifest {
         schema: SCHEMA,
         tool: TOOL,
-        controller: inputs.profile.id.clone(),
+        predecessor: active.and_then(|active| Predecessor::of(active, &controller)),
+        controller,
         inputs: inputs.hashes.clone(),
-        predecessor: inputs
-            .active
-            .as_ref()
-            .and_then(|active| Predecessor::of(active, &inputs.profile.id)),
-        files: files
-            .iter()
-            .map(|file| HashedFile {
-                role: Some(file.role.word()),
-                ..hashed(&file.path, &file.bytes)
-            })
-            .collect(),
+        files: files.iter().map(hashed).collect(),
         assumptions: compiled.assumptions.clone(),
         preconditions: compiled.preconditions.clone(),
         omitted: plan.omitted.clone(),
@@ -135,11 +127,11 @@ fn build_manifest(made: &Made<'_>) -> Manifest {
             "serial": job.machine.serial,
             "chain": job.machine.chain.map(|chain| chain.to_string()),
             "measured": job.measurement.date,
-            "protocol": job.measurement.protocol.iter().cloned().collect::<std::collections::BTreeMap<_, _>>(),
+            "protocol": job.measurement.protocol.iter().cloned().collect::<BTreeMap<_, _>>(),
         }),
-        what_decides: None,
-        sign_proofs: Vec::new(),
-        doubts: Vec::new(),
+        what_decides: decides.flatten(),
+        sign_proofs,
+        doubts: doubts.clone(),
         notes: [compiled.notes.clone(), forecast.worsened()].concat(),
     }
 }

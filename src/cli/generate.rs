@@ -9,8 +9,7 @@ use crate::inputs::job::{BacklashPolicy, one_for_all, policies_as_stated};
 use crate::judge::conformity::Verdict;
 use crate::kit::alternatives::{Compared, compare};
 use crate::kit::manifest::MANIFEST;
-use crate::kit::{self, Inputs, Kit, cannot_emulate, emulator, generate, remarks};
-use crate::page::{Locale, Picture};
+use crate::kit::{self, Inputs, Kit, generate, remarks};
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
 use crate::visit::files::{Files, printed};
@@ -57,15 +56,9 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let (manifest, screen) = (kit.manifest_bytes()?, || screen(&inputs, &kit));
     let outcome = options.output.deliver_directory(own, manifest, screen, next_steps);
     let outcome = outcome.answering(kit.verdict == Verdict::Pass);
-    let picture = |locale: Locale<'_>| picture(locale, &inputs, &kit);
-    options.plot.beside(outcome, options.output.force, picture)
-}
-
-/// The nine errors as found and as forecast.
-fn picture(locale: Locale<'_>, inputs: &Inputs, kit: &Kit) -> Result<Picture, Problems> {
-    let (tables, state) = (&kit.compiled.tables, &kit.compiled.state);
-    let control = emulator(&inputs.profile, tables, state).map_err(|e| cannot_emulate(&e))?;
-    show::nine_errors(locale, inputs, Some((&kit.plan, control.as_ref())), None)
+    options.plot.beside(outcome, options.output.force, |locale| {
+        Ok(show::nine_errors(locale, &inputs, Some(&kit.effect), None))
+    })
 }
 
 fn screen(inputs: &Inputs, kit: &Kit) -> Screen {
@@ -210,11 +203,11 @@ fn row(compared: &Compared, own: &Policies) -> String {
     let Ok(made) = &compared.result else {
         return format!("{head}\t-\t-\t-\t-\t-\t-\t-\t-\trefused");
     };
-    let term = made.worst_term().map_or("-\t-\t-\t-".to_string(), |t| {
+    let term = made.term.as_ref().map_or("-\t-\t-\t-".to_string(), |t| {
         let expanded = show::um(t.expanded_um);
         format!("{}\t{:.3}\t{:.3}\t{expanded}", t.name, t.before_um, t.after_um)
     });
-    let diagonal = made.worst_diagonal();
+    let diagonal = made.diagonal.as_ref();
     let diagonal =
         diagonal.map_or("-\t-".to_string(), |d| format!("{}\t{:.3}", d.name, d.after_um));
     let (tables, points) = (made.tables, made.points);
@@ -230,20 +223,13 @@ fn document(inputs: &Inputs, compared: &[Compared]) -> Value {
     })
 }
 
-fn entry(compared: &Compared) -> Value {
-    let backlash = PerAxis::from_fn(|axis| compared.backlash[axis].map(|p| p.word()));
-    let left = match &compared.result {
+fn entry(Compared { backlash, spacing, result }: &Compared) -> Value {
+    let left = match result {
         Err(problems) => {
             let refused: Vec<&String> = problems.iter().map(|problem| &problem.message).collect();
             json!({ "refused": refused })
         }
-        Ok(made) => json!({
-            "tables": made.tables,
-            "points": made.points,
-            "verdict": made.verdict.word(),
-            "term": made.worst_term(),
-            "diagonal": made.worst_diagonal(),
-        }),
+        Ok(made) => json!(made),
     };
-    joined([json!({ "backlash": backlash, "spacing": compared.spacing.word() }), left])
+    joined([json!({ "backlash": backlash, "spacing": spacing.word() }), left])
 }

@@ -10,8 +10,8 @@
 use crate::cli::outcome::{Outcome, Print};
 use crate::cli::screen::Screen;
 use crate::control::controller::Role;
-use crate::kit::directory::{Fault, faults};
-use crate::kit::findings::FileFault;
+use crate::judge::active::{Fault, faults};
+use crate::judge::findings::FileFault;
 use crate::kit::manifest::MANIFEST;
 use crate::kit::sha256;
 use crate::text::document::json_page;

@@ -58,7 +58,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 /// `--format json` (contract §5).
 fn document(page: &Page<'_>) -> Value {
     let (design, found) = (page.design, page.found);
-    let (instrument, acceptance) = (design.instrument, design.acceptance());
+    let (instrument, acceptance) = (design.instrument, design.job.acceptance);
     let visits = found.visits.iter().enumerate();
     let visits = visits.map(|(index, visit)| of_visit(page, index, visit));
     json!({
@@ -101,7 +101,7 @@ fn of_visit(page: &Page<'_>, index: usize, visit: &Visit) -> Value {
         "second_passes": visit.chance,
         "not_determined": expected.missing(),
         "reversal_of": keys(&visit.reversals()),
-        "reached": visit.reaches(page.design.acceptance()),
+        "reached": visit.reaches(page.design.job.acceptance),
         "shortcomings": visit.shortcomings(),
     })
 }
@@ -154,7 +154,7 @@ impl Page<'_> {
         let count = ErrorTerm::ALL.len() - described.expected.missing().len();
         let at_most = described.at_most_um().filter(|_| described.open.is_empty());
         let at_most = at_most.map(|um| format!(", the forecast is at most {um:.3} µm"));
-        let keeps = match (self.limits(), described.reaches(self.design.acceptance())) {
+        let keeps = match (self.limits(), described.reaches(self.design.job.acceptance)) {
             (None, _) => "; no acceptance is stated".to_string(),
             (Some(limits), true) => format!("; the acceptance ({limits}) is reached"),
             (Some(limits), false) => format!("; the acceptance ({limits}) is not reached"),
@@ -171,7 +171,7 @@ impl Page<'_> {
     }
 
     fn limits(&self) -> Option<String> {
-        let acceptance = self.design.acceptance();
+        let acceptance = self.design.job.acceptance;
         let term = acceptance.max_deviation_um.map(|um| format!("{um} µm of every term"));
         let diagonal = acceptance.max_diagonal_um.map(|um| format!("{um} µm of every diagonal"));
         let limits: Vec<String> = term.into_iter().chain(diagonal).collect();

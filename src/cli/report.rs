@@ -10,7 +10,7 @@ use crate::inputs::kind::FileKind;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Machine;
 use crate::kit::manifest::{MANIFEST, rounded};
-use crate::kit::{self, Inputs, cannot_emulate, generate, hashed};
+use crate::kit::{self, Inputs, generate, hashed};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Placed, Report, Shown, Texts, Visit, linear_document, terms};
@@ -23,7 +23,7 @@ use crate::visit::job_files::{folder_of, read_page};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 // Options of `report`.
@@ -121,10 +121,17 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJ
     let is_found = without_tables && !states_tables(options, files, &name, &bytes)?;
     let use_of = UseOf::with(!is_found);
     let (inputs, _) = inputs::read_job(files, None, (&options.job, &name, &bytes), use_of)?;
-    let visit = match is_found {
+    let mut visit = match is_found {
         true => of_job(locale, &inputs)?,
         false => with_tables(options, files, locale, &inputs)?,
     };
+    let is_stated = inputs.job.source.place_of("compensation.controller");
+    visit.control = is_stated.map_or_else(String::new, |_| inputs.profile.name.clone());
+    visit.inputs.clone_from(&inputs.hashes);
+    if let ErrorSource::Separated { separation, readings, .. } = &inputs.errors {
+        let (document, picture) = standards::of_separation(locale, readings, separation)?;
+        visit.add("standards", &document, ("readings", picture))?;
+    }
     Ok((inputs.job, visit))
 }
 
@@ -152,13 +159,7 @@ fn of_table(locale: Locale<'_>, path: &Path, name: &str, bytes: &[u8]) -> Result
 /// The measurement of a job without tables, as found.
 fn of_job(locale: Locale<'_>, inputs: &Inputs) -> Result<Visit, Problems> {
     let page = assess::for_report(inputs, None)?;
-    let model = inputs.as_measured();
-    let mut visit = Visit::found(locale, &inputs.job, model, inputs.machine(), &page)?;
-    let is_stated = inputs.job.source.place_of("compensation.controller");
-    visit.control = is_stated.map_or_else(String::new, |_| inputs.profile.name.clone());
-    visit.inputs.clone_from(&inputs.hashes);
-    add_readings(&mut visit, locale, inputs)?;
-    Ok(visit)
+    Visit::found(locale, &inputs.job, inputs.as_measured(), inputs.machine(), &page)
 }
 
 /// The tables of a directory, or those that `generate` would write.
@@ -173,7 +174,6 @@ fn with_tables(
         None => of_own_tables(&mut visit, inputs)?,
         Some(directory) => of_files(&mut visit, options, files, inputs, directory)?,
     };
-    visit.control.clone_from(&inputs.profile.name);
     visit.verdict = Some(page.verdict());
     visit.is_rehearsal = page.is_simulated();
     let said = |findings: &[Finding]| findings.iter().map(ToString::to_string).collect();
@@ -186,13 +186,11 @@ fn with_tables(
     visit.is_measured = options.after.is_some();
     visit.grounds = page.grounds();
     visit.decides.clone_from(&page.decides);
-    visit.inputs.clone_from(&inputs.hashes);
     visit.add("verify", &page.document(), ("curves", page.picture(locale)?))?;
     match assess::for_report(inputs, Some(&page.verification.loaded)) {
         Ok(page) => visit.add("assess", &page, ("volume", page.picture(locale)))?,
         Err(problems) => visit.without_volume = problems.iter().map(words).collect(),
     }
-    add_readings(&mut visit, locale, inputs)?;
     Ok(visit)
 }
 
@@ -224,15 +222,14 @@ impl Visit {
             limit_um: job.acceptance.max_deviation_um,
         };
         let heading = format!("{}: {}", page.name, locale.words("nine_errors_found"));
-        let curves = terms(locale, &heading, &curves).map_err(|reason| cannot_emulate(&reason))?;
-        visit.pictures.push(("curves", curves));
+        visit.pictures.push(("curves", terms(locale, &heading, &curves)));
         visit.add("assess", page, ("volume", page.picture(locale)))?;
         Ok(visit)
     }
 
     /// What a command says, under its name, and the picture of it with the part that it stands in.
     fn add(&mut self, name: &str, of: &impl Serialize, drawn: Placed) -> Result<(), Problem> {
-        self.documents.push((name.to_string(), rounded(of)?));
+        self.documents[name] = rounded(of)?;
         self.pictures.push(drawn);
         Ok(())
     }
@@ -257,8 +254,7 @@ impl Visit {
 /// The tables that `generate` would write.
 fn of_own_tables<'a>(visit: &mut Visit, inputs: &'a Inputs) -> Result<verify::Page<'a>, Problems> {
     let kit = generate(inputs)?;
-    let manifest = rounded(&kit.manifest)?;
-    visit.documents.push(("kit".to_string(), manifest));
+    visit.documents["kit"] = rounded(&kit.manifest)?;
     let sizes = kit.files.iter().map(|f| (f.path.clone(), f.bytes.len()));
     visit.sizes = sizes.collect();
     let state = Some(&kit.manifest.state);
@@ -280,13 +276,13 @@ fn of_files<'a>(
     if let Ok((_, bytes)) = files.argument(&directory.join(MANIFEST)) {
         let manifest: Value = serde_json::from_slice(&bytes).unwrap_or_default();
         visit.sizes = sizes(files, directory, &manifest);
-        visit.documents.push(("kit".to_string(), manifest));
+        visit.documents["kit"] = manifest;
     }
     Ok(page)
 }
 
 /// Bytes of the files of a manifest. One of others may name any path: only what lies in the directory is looked at.
-fn sizes(files: &dyn Files, directory: &Path, manifest: &Value) -> Vec<(String, usize)> {
+fn sizes(files: &dyn Files, directory: &Path, manifest: &Value) -> BTreeMap<String, usize> {
     let listed = manifest["files"].as_array().into_iter().flatten();
     let size = |file: &Value| {
         let name = file["path"].as_str()?;
@@ -295,14 +291,6 @@ fn sizes(files: &dyn Files, directory: &Path, manifest: &Value) -> Vec<(String, 
         Some((name.to_string(), files.bytes(&path).ok()?.len()))
     };
     listed.filter_map(size).collect()
-}
-
-fn add_readings(visit: &mut Visit, locale: Locale<'_>, inputs: &Inputs) -> Result<(), Problems> {
-    let ErrorSource::Separated { separation, readings, .. } = &inputs.errors else {
-        return Ok(());
-    };
-    let (document, picture) = standards::of_separation(locale, readings, separation)?;
-    Ok(visit.add("standards", &document, ("readings", picture))?)
 }
 
 fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {

@@ -5,31 +5,28 @@ use crate::cli::screen::{More, table};
 use crate::control::claims::{Assumption, Precondition, shared};
 use crate::inputs::job::Job;
 use crate::judge::conformity::Verdict;
+use crate::judge::field::Field;
 use crate::judge::forecast::{Change, Forecast, Grounds, terms_words};
-use crate::kit::{Inputs, cannot_emulate};
+use crate::kit::Inputs;
 use crate::machine::model::ErrorModel;
 use crate::page::{Curves, Locale, Picture, terms};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::quantity::units::Figure;
-use crate::read::emulate::Emulator;
 use crate::text::finding::{Finding, Severity, joined, of_severity};
-use crate::text::problem::Problems;
 use crate::write::compensation::Placement;
-use crate::write::plan::Plan;
 use std::fmt::Display;
 
 /// The nine errors of a job as found, as forecast with the tables that are loaded, as left.
 pub(super) fn nine_errors(
     locale: Locale<'_>,
     inputs: &Inputs,
-    loaded: Option<(&Plan, &dyn Emulator)>,
+    loaded: Option<&Field>,
     as_left: Option<&ErrorModel>,
-) -> Result<Picture, Problems> {
+) -> Picture {
     let limit_um = inputs.job.acceptance.max_deviation_um;
     let curves = Curves { machine: inputs.machine(), loaded, as_left, limit_um };
     let (machine, control) = (&inputs.job.machine.name, &inputs.profile.name);
-    let heading = format!("{machine}: {}, {control}", locale.words("nine_errors"));
-    terms(locale, &heading, &curves).map_err(|e| cannot_emulate(&e))
+    terms(locale, &format!("{machine}: {}, {control}", locale.words("nine_errors")), &curves)
 }
 
 /// A figure in µm, `-` where there is none.

@@ -178,7 +178,8 @@ fn error_table(
         screen: screen(inputs, origin, &what, String::new()),
         document: joined([
             json!({ "schema": 1, "simulated": true, "kind": "single-axis", "runs": runs }),
-            circumstances(noise, origin),
+            json!(noise),
+            json!(origin),
             json!({ "positions": rows, "notes": origin.notes }),
         ]),
     }
@@ -206,7 +207,7 @@ fn noise_words(noise: Noise) -> String {
 }
 
 const fn kind_word(rehearsal: &Rehearsal) -> &'static str {
-    match rehearsal.kind {
+    match rehearsal.measurement.kind {
         PathKind::Step => "step",
         PathKind::Straight => "straight",
     }
@@ -226,7 +227,7 @@ fn walked(rehearsal: &Rehearsal, origin: &SimulationSource) -> String {
     format!(
         "{} diagonals, {} steps, {} run(s), {back}{}{scale}",
         kind_word(rehearsal),
-        rehearsal.volume.steps,
+        rehearsal.measurement.volume.steps,
         rehearsal.runs,
         noise_words(rehearsal.noise)
     )
@@ -247,17 +248,6 @@ fn figures(simulation: &Simulation) -> String {
     format!("{}\n  {legend}", table(heading, rows.chain([all])))
 }
 
-/// Noise, scale and tables of a simulation.
-fn circumstances(noise: Noise, origin: &SimulationSource) -> Value {
-    json!({
-        "noise_um": noise.um,
-        "seed": noise.seed,
-        "scale_um_per_m": origin.scale_um_per_m,
-        "tables": origin.tables,
-        "table_files": origin.table_files,
-    })
-}
-
 fn document(rehearsal: &Rehearsal, simulation: &Simulation, origin: &SimulationSource) -> Value {
     let diagonal = |d: Diagonal| {
         let (predicted, read) = (simulation.predicted[d], simulation.read[d]);
@@ -272,7 +262,7 @@ fn document(rehearsal: &Rehearsal, simulation: &Simulation, origin: &SimulationS
         "schema": 1,
         "simulated": true,
         "kind": kind_word(rehearsal),
-        "steps": rehearsal.volume.steps,
+        "steps": rehearsal.measurement.volume.steps,
         "runs": rehearsal.runs,
         "both_directions": rehearsal.both_directions,
         "overrun": rehearsal.both_directions.then_some(rehearsal.overrun),
@@ -283,5 +273,5 @@ fn document(rehearsal: &Rehearsal, simulation: &Simulation, origin: &SimulationS
         "read_range_over_all_um": simulation.read_over_all_um,
         "notes": origin.notes,
     });
-    joined([head, circumstances(rehearsal.noise, origin), figures])
+    joined([head, json!(rehearsal.noise), json!(origin), figures])
 }

@@ -22,8 +22,8 @@ mod machine;
 mod read_out;
 mod reading;
 
-pub use self::kit::from_kit;
-pub(crate) use self::kit::named_axis;
+pub use self::kit::{Fault, faults, from_kit};
+pub(crate) use self::kit::{listed, named_axis};
 pub(crate) use self::machine::uncompensated;
 pub use self::read_out::from_read_out;
 pub(crate) use self::read_out::{collisions, left_over, switched_off};

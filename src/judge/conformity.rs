@@ -19,6 +19,7 @@
 use crate::machine::separation::noise::NORMAL_ONE_SIDED;
 use crate::quantity::units::larger;
 use crate::text::words::words;
+use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::erf::erfc;
 
@@ -37,7 +38,8 @@ const SURE: f64 = 6.0;
 
 words! {
     /// Answer to the question whether a limit is kept; the worse one is the larger.
-    #[derive(PartialOrd, Ord)]
+    #[derive(PartialOrd, Ord, Serialize)]
+    #[serde(rename_all = "lowercase")]
     pub enum Verdict {
         /// The limit is kept, or none is stated.
         Pass = "pass",

@@ -12,7 +12,7 @@ pub(crate) struct Pair {
     /// The moving axis, as the control calls it.
     pub(super) base: String,
     /// The corrected one.
-    pub(super) output: String,
+    pub(crate) output: String,
     ways: [Response; 2],
 }
 
@@ -24,7 +24,7 @@ impl Pair {
         Ok(Pair { base: base.to_string(), output: output.to_string(), ways })
     }
 
-    pub(super) fn way(&self, direction: Direction) -> &Response {
+    pub(crate) fn way(&self, direction: Direction) -> &Response {
         &self.ways[usize::from(direction == Direction::Minus)]
     }
 
@@ -74,12 +74,12 @@ impl Field {
         Ok(field)
     }
 
-    pub(super) fn pairs(&self) -> impl Iterator<Item = (ErrorTerm, &Pair)> {
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = (ErrorTerm, &Pair)> {
         self.0.iter().flat_map(|(term, pairs)| pairs.iter().map(move |pair| (term, pair)))
     }
 
     /// What acts on an error while its axis moves in a direction, by each pair of axes.
-    pub(super) fn ways(
+    pub(crate) fn ways(
         &self,
         term: ErrorTerm,
         direction: Direction,

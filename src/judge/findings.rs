@@ -241,3 +241,14 @@ impl AsLeft {
         matches!(self, Self::Simulated | Self::Flat { .. } | Self::Copy | Self::SameSlopes { .. })
     }
 }
+
+findings! {
+    /// How a file differs from what the manifest beside it lists.
+    FileFault {
+        Missing { file: String } => Disagreement, "`{file}` is listed in manifest.json but missing";
+        Changed { file: String } => Disagreement, "`{file}` was changed after it was made: its hash is not that of manifest.json";
+        ListedTwice { file: String } => Disagreement, "`{file}` is listed twice in manifest.json";
+        NoPlainName { file: String } => Disagreement, "`{file}` is no plain file name";
+        NotReadable { message: String } => Disagreement, "{message}";
+    }
+}

@@ -15,17 +15,24 @@ use serde::Serialize;
 type Policies = PerAxis<Option<BacklashPolicy>>;
 
 /// What tables made otherwise would leave.
+#[derive(Serialize)]
 pub struct Alternative {
     /// The backlash policies.
+    #[serde(skip)]
     pub backlash: Policies,
     /// How many tables the control gets.
     pub tables: usize,
     /// How many points they have together.
     pub points: usize,
     /// What they would leave.
+    #[serde(skip)]
     pub forecast: Forecast,
     /// The forecast against the acceptance of the job.
     pub verdict: Verdict,
+    /// The term of which most is left.
+    pub term: Option<Worst>,
+    /// The diagonal of which most is left.
+    pub diagonal: Option<Worst>,
 }
 
 /// The term, or the diagonal, of which most is left.
@@ -50,32 +57,22 @@ impl Worst {
 }
 
 impl Alternative {
-    /// The term of which most is left.
-    pub(crate) fn worst_term(&self) -> Option<Worst> {
-        let terms = self.forecast.terms.iter();
-        Worst::of(terms.map(|t| (t.term.to_string(), t.change)))
-    }
-
-    /// The diagonal of which most is left.
-    pub(crate) fn worst_diagonal(&self) -> Option<Worst> {
-        let diagonals = self.forecast.diagonals.iter();
-        Worst::of(diagonals.map(|d| (d.name.to_string(), d.change)))
-    }
-
     /// What a job that asks for other tables would get.
     pub(super) fn of(
         inputs: &Inputs,
         change: impl FnOnce(&mut Compensation),
     ) -> Result<Alternative, Problems> {
         let inputs = inputs.asking_for(change)?;
-        let made = Made::of(&inputs)?;
-        let placements = &made.compiled.placements;
+        let Made { compiled, forecast, verdict, .. } = Made::of(&inputs)?;
+        let (terms, diagonals) = (forecast.terms.iter(), forecast.diagonals.iter());
         Ok(Alternative {
             backlash: inputs.job.compensation.backlash,
-            tables: placements.len(),
-            points: placements.iter().map(|p| p.points).sum(),
-            forecast: made.forecast,
-            verdict: made.verdict,
+            tables: compiled.placements.len(),
+            points: compiled.placements.iter().map(|p| p.points).sum(),
+            term: Worst::of(terms.map(|t| (t.term.to_string(), t.change))),
+            diagonal: Worst::of(diagonals.map(|d| (d.name.to_string(), d.change))),
+            forecast,
+            verdict,
         })
     }
 }

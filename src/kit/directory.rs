@@ -4,9 +4,9 @@
 use super::simulate::rehearsed;
 use super::{Asked, Inputs, Loaded, Verification, sha256, verify, verify_read_out};
 use crate::control::controller::{Profile, Role};
-use crate::judge::active::{ActiveControl, ReadOutFor, from_read_out};
-use crate::judge::findings::InControl;
-use crate::kit::findings::{FileFault, InDirectory};
+use crate::judge::active::{ActiveControl, Fault, ReadOutFor, faults, from_read_out, listed};
+use crate::judge::findings::{FileFault, InControl};
+use crate::kit::findings::InDirectory;
 use crate::kit::manifest::HashedFile;
 use crate::read::{KitFile, is_whole, may_be_meant_for};
 use crate::text::document::json_page;
@@ -303,55 +303,4 @@ fn role_of(profile: &Profile, name: &str) -> Role {
 fn is_of_a_kit(profile: &Profile, name: &str) -> bool {
     let mut files = profile.files.iter();
     files.any(|file| !file.role.is_written_into() && file.is_called(name))
-}
-
-/// What the manifest lists, by path.
-fn listed(document: &Value) -> impl Iterator<Item = (&str, &Value)> {
-    let entries = document["files"].as_array().into_iter().flatten();
-    entries.map(|entry| (entry["path"].as_str().unwrap_or_default(), entry))
-}
-
-/// A difference of the files from what their manifest lists.
-pub struct Fault {
-    /// Which.
-    pub kind: FileFault,
-    /// What the file is for, as far as known.
-    pub role: Option<Role>,
-}
-
-/// Purpose (where it is known better than from the manifest) and bytes of a file.
-type Bytes<'a> = (Option<Role>, Cow<'a, [u8]>);
-
-/// How the files of a directory differ from what its manifest lists.
-pub fn faults<'a>(
-    document: &Value,
-    bytes_of: impl Fn(&str) -> Result<Option<Bytes<'a>>, Problem>,
-) -> Vec<Fault> {
-    let mut seen = std::collections::BTreeMap::<&str, usize>::new();
-    let fault = |(path, entry): (_, &Value)| {
-        let (file, times) = (shown(path), seen.entry(path).or_default());
-        *times += 1;
-        let role = entry["role"].as_str().and_then(Role::of_word);
-        let (kind, role) = match *times {
-            1 if !is_plain_name(path) => (FileFault::NoPlainName { file }, None),
-            1 => match bytes_of(path) {
-                Err(Problem { message, .. }) => (FileFault::NotReadable { message }, None),
-                Ok(None) => (FileFault::Missing { file }, role),
-                Ok(Some((_, bytes))) if Some(&*sha256(&bytes)) == entry["sha256"].as_str() => {
-                    return None;
-                }
-                Ok(Some((known, _))) => (FileFault::Changed { file }, known.or(role)),
-            },
-            2 => (FileFault::ListedTwice { file }, None),
-            _ => return None,
-        };
-        Some(Fault { kind, role })
-    };
-    listed(document).filter_map(fault).collect()
-}
-
-/// A manifest lists files of its own directory and nothing else.
-fn is_plain_name(name: &str) -> bool {
-    std::path::Path::new(name).file_name() == Some(name.as_ref())
-        && !name.contains(['/', '\\', ':'])
 }

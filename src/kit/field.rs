@@ -42,13 +42,10 @@ pub(super) struct FieldKit {
 
 /// Makes the field kit; refused unless every file reads back to what was meant.
 pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
-    let proofs = Proofs::write(made)?;
-    let shown = proofs.shown(made)?;
-    let mut files = proofs.files;
-    let mut not_written = proofs.missing.clone();
+    let Proofs { shown, mut files, missing } = Proofs::of(made)?;
+    let mut not_written = missing.clone();
     let rollback = rollback::make(made)?;
-    let left = rollback.note().map(Finding::from);
-    let notes = proofs.missing.into_iter().chain(left).collect();
+    let notes = missing.into_iter().chain(rollback.note().map(Finding::from)).collect();
     files.extend(rollback.files);
     not_written.extend(rollback.not_written);
     let movement = movement::switching(made).map_err(|reason| cannot_emulate(&reason))?;
@@ -59,7 +56,7 @@ pub(super) fn make(made: &Made<'_>) -> Result<FieldKit, Problems> {
         List::Assumptions => assumptions(&made.compiled),
         List::Movement => movement.clone().into(),
         List::SignProofs => proofs::listed(made, &shown),
-        List::Display => displayed(task, compiled, &made.tables).into(),
+        List::Display => displayed(task, compiled).into(),
         List::NotWritten => not_written.clone().into(),
         List::WayBack => rollback.by_hand.clone().into(),
         List::Enter => entered(&made.compiled, |p| format!("enter {}", p.value)).into(),

@@ -8,6 +8,7 @@ use crate::judge::conformity::Verdict;
 use crate::judge::family::family;
 use crate::judge::forecast::{Forecast, Machine};
 use crate::kit::manifest::HashedFile;
+use crate::kit::visit_plan::Judged;
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::axis::Axis;
@@ -142,6 +143,12 @@ impl Inputs {
     /// The errors as they were measured.
     pub fn as_measured(&self) -> &ErrorModel {
         self.under_tables.as_ref().unwrap_or(&self.model)
+    }
+
+    /// A forecast of what was measured, to be decided.
+    pub(crate) fn judged<'a>(&'a self, figures: &'a Forecast) -> Judged<'a> {
+        let (job, errors, model) = (&self.job, Some(&self.errors), self.as_measured());
+        Judged { job, errors, model, figures, expected: None }
     }
 
     /// The machine as measured and without compensation.

@@ -13,7 +13,7 @@ use crate::judge::field::Field;
 use crate::judge::findings::{InControl, not_emulated};
 use crate::judge::forecast::{Forecast, forecast, judged_ranges};
 use crate::kit::inputs::{Asked, Inputs, cannot_emulate};
-use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::axis::Axis;
 use crate::quantity::units::rounded;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::{KitFile, ReadBack, emulator, read, unread};
@@ -43,6 +43,17 @@ pub struct Loaded<'a> {
 }
 
 impl<'a> Loaded<'a> {
+    /// Tables in a control of this state, of which nothing else is known.
+    fn with(
+        asked: Asked<'a>,
+        tables: Tables,
+        (state, findings): Outside,
+        control: Emulated<Box<dyn Emulator>>,
+    ) -> Loaded<'a> {
+        let control = control.map_err(|reason| cannot_emulate(&reason));
+        Loaded { asked, tables, state, control, findings, unread: None, directory: None }
+    }
+
     /// The files of a kit; `named` = `state` of their manifest. Everything that they hold counts.
     pub(super) fn kit(
         asked: Asked<'a>,
@@ -64,35 +75,20 @@ impl<'a> Loaded<'a> {
         let (mut findings, found) = differences(&asked, &read);
         let absent = disagreement::absent(profile, &asked.compiled.tables, &read);
         findings.extend(absent.into_iter().chain(of_state));
-        Ok(Loaded {
-            unread: unread(profile, files),
-            directory: None,
-            control: found
-                .and_then(|found| match state == asked.compiled.state {
-                    true => Ok(found),
-                    false => emulator(profile, &read.tables, &state),
-                })
-                .map_err(|reason| cannot_emulate(&reason)),
-            tables: read.tables,
-            state,
-            findings,
-            asked,
-        })
+        let control = found.and_then(|found| match state == asked.compiled.state {
+            true => Ok(found),
+            false => emulator(profile, &read.tables, &state),
+        });
+        let unread = unread(profile, files);
+        Ok(Loaded { unread, ..Loaded::with(asked, read.tables, (state, findings), control) })
     }
 
     /// The control of a job with its tables as they were compiled; `files`: those that no reader takes.
     pub(super) fn compiled(asked: Asked<'a>, files: &[KitFile<'_>]) -> Loaded<'a> {
-        let (profile, compiled) = (&asked.inputs.profile, &asked.compiled);
-        let control = emulator(profile, &compiled.tables, &compiled.state);
-        Loaded {
-            unread: unread(profile, files),
-            directory: None,
-            control: control.map_err(|reason| cannot_emulate(&reason)),
-            tables: compiled.tables.clone(),
-            state: compiled.state.clone(),
-            findings: Vec::new(),
-            asked,
-        }
+        let profile = &asked.inputs.profile;
+        let Compiled { tables, state, .. } = asked.compiled.clone();
+        let (unread, control) = (unread(profile, files), emulator(profile, &tables, &state));
+        Loaded { unread, ..Loaded::with(asked, tables, (state, Vec::new()), control) }
     }
 
     /// What was read out of a control, judged by what it does to the job's axes.
@@ -103,8 +99,7 @@ impl<'a> Loaded<'a> {
         let Asked { inputs, plan, compiled } = &asked;
         let (state, of_state) = read_out_state(&asked, active);
         let with = |tables, state| emulator(&inputs.profile, tables, state);
-        let or_refused = |found: Emulated<_>| found.map_err(|reason| cannot_emulate(&reason));
-        let wanted = or_refused(with(&compiled.tables, &compiled.state))?;
+        let wanted = with(&compiled.tables, &compiled.state).map_err(|e| cannot_emulate(&e))?;
         let mut findings = active.findings.clone();
         let facts: Vec<String> = active.assumptions.iter().map(|a| a.fact.clone()).collect();
         if !facts.is_empty() {
@@ -120,15 +115,8 @@ impl<'a> Loaded<'a> {
             Err(reason) => findings.push(not_emulated(reason)),
         }
         findings.extend(of_state);
-        Ok(Loaded {
-            unread: None,
-            directory: None,
-            control: or_refused(with(&active.tables, &state)),
-            tables: active.tables.clone(),
-            state,
-            findings,
-            asked,
-        })
+        let control = with(&active.tables, &state);
+        Ok(Loaded::with(asked, active.tables.clone(), (state, findings), control))
     }
 
     /// What the files make of the control; refused where nothing can be said of it.
@@ -136,22 +124,22 @@ impl<'a> Loaded<'a> {
         self.control.as_deref().map_err(Clone::clone)
     }
 
-    /// What the tables add to every term.
-    pub(super) fn effect(&self) -> Result<Field, Problems> {
+    /// What the tables add to every term; refused where nothing can be said of it.
+    pub(crate) fn effect(&self) -> Result<Field, Problems> {
+        self.field(self.control()?).map_err(|reason| cannot_emulate(&reason))
+    }
+
+    /// The same of a control.
+    pub(super) fn field(&self, control: &dyn Emulator) -> Emulated<Field> {
         let Asked { inputs, plan, .. } = &self.asked;
-        let is_measured = |term: ErrorTerm| inputs.model.terms[term].is_some();
-        let effect = Field::of(&plan.names, self.control()?, is_measured);
-        effect.map_err(|reason| cannot_emulate(&reason))
+        Field::of(&plan.names, control, |term| inputs.model.terms[term].is_some())
     }
 
     /// What the tables will leave in the control.
-    pub(super) fn forecast(&self, control: &dyn Emulator) -> Emulated<Forecast> {
+    pub(super) fn forecast(&self, effect: &Field) -> Forecast {
         let Asked { inputs, plan, .. } = &self.asked;
-        let measured = inputs.as_measured();
-        let is_measured = |term: ErrorTerm| measured.terms[term].is_some();
-        let field = Field::of(&plan.names, control, is_measured)?;
-        let ranges = judged_ranges(&inputs.job, measured);
-        Ok(forecast(inputs.machine(), plan, &field, &ranges))
+        let ranges = judged_ranges(&inputs.job, inputs.as_measured());
+        forecast(inputs.machine(), plan, effect, &ranges)
     }
 
     /// Where the tables come from, in words.

@@ -1,11 +1,11 @@
 //! The files of a kit, read back, with what they will leave.
 
 use super::findings::KitFinding;
-use super::inputs::{Asked, Inputs, cannot_emulate, judged};
+use super::inputs::{Asked, Inputs, judged};
 use super::loaded::Loaded;
-use crate::control::table::Tables;
 use crate::inputs::job::ActiveTables;
 use crate::judge::conformity::Verdict;
+use crate::judge::field::Field;
 use crate::judge::forecast::Forecast;
 use crate::quantity::axis::Axis;
 use crate::read::KitFile;
@@ -24,8 +24,8 @@ pub(crate) struct Made<'a> {
     pub(crate) templates: Templates,
     /// The files of the kit itself.
     pub(crate) files: Vec<RenderedFile>,
-    /// What was read back from them.
-    pub(crate) tables: Tables,
+    /// What the tables that were read back from them add to every term; the tables are those of `compiled`.
+    pub(crate) effect: Field,
     /// What the files will leave.
     pub(crate) forecast: Forecast,
     /// Forecast against the acceptance of the job.
@@ -43,9 +43,9 @@ impl Made<'_> {
         let own_state = (asked.compiled.state.clone(), Vec::new());
         let loaded = Loaded::files(asked, &as_read(&files), own_state).map_err(not_read_back)?;
         ensure_same(&loaded)?;
-        let forecast = loaded.forecast(loaded.control()?);
-        let forecast = forecast.map_err(|reason| cannot_emulate(&reason))?;
-        let Loaded { asked: Asked { plan, mut compiled, .. }, tables, .. } = loaded;
+        let effect = loaded.effect()?;
+        let forecast = loaded.forecast(&effect);
+        let Asked { plan, mut compiled, .. } = loaded.asked;
         compiled.notes.extend(loaded.findings);
         if inputs.profile.comments.value.are_allowed() {
             let names = emit::other_letters(&inputs.job, &inputs.profile.name);
@@ -53,7 +53,7 @@ impl Made<'_> {
         }
         let doubts = [doubts(inputs), loaded.unread.into_iter().collect()].concat();
         let verdict = judged(&forecast, inputs, &doubts);
-        Ok(Made { inputs, plan, compiled, templates, files, tables, forecast, verdict, doubts })
+        Ok(Made { inputs, plan, compiled, templates, files, effect, forecast, verdict, doubts })
     }
 
     pub(crate) fn task(&self) -> Task<'_> {

@@ -37,8 +37,10 @@ pub struct ProgramKit {
     pub assumptions: Vec<Assumption>,
     /// What a person has to see to.
     pub preconditions: Vec<Precondition>,
-    /// The document of `manifest.json` and of `--format json`.
-    pub manifest: Value,
+    /// Id of the profile.
+    controller: String,
+    /// What went in.
+    inputs: Vec<HashedFile>,
 }
 
 impl ProgramKit {
@@ -50,15 +52,40 @@ impl ProgramKit {
     /// The same without readings to be filled in: there is a table for them already.
     pub(crate) fn without_form(mut self) -> ProgramKit {
         self.files.retain(|file| file.role != FileRole::Readings);
-        if let Some(files) = self.manifest["files"].as_array_mut() {
-            files.retain(|file| file["role"] != FileRole::Readings.word());
-        }
         self
     }
 
     /// The bytes of `manifest.json`.
     pub(crate) fn manifest_bytes(&self) -> Result<Vec<u8>, Problems> {
-        Ok(manifest::bytes_of_kit(&self.manifest)?)
+        Ok(manifest::bytes_of_kit(&self.manifest())?)
+    }
+
+    /// The document of `manifest.json` and of `--format json`.
+    pub fn manifest(&self) -> Value {
+        let ProgramKit { run, request, .. } = self;
+        let files = self.files.iter().enumerate();
+        let files = files.map(|(index, file)| file_json(file, run.programs.get(index)));
+        let reach = Axis::ALL.into_iter().filter_map(|axis| {
+            let (low, high) = run.reach_mm(axis)?;
+            Some((axis.key().to_string(), json!([low, high])))
+        });
+        json!({
+            "schema": SCHEMA,
+            "tool": TOOL,
+            "controller": self.controller,
+            "what": request.what.word(),
+            "unit": run.resolution.unit.word(),
+            "overrun": request.runs_over(),
+            "inputs": self.inputs,
+            "files": files.collect::<Vec<_>>(),
+            "readings": self.readings(),
+            "duration_s": run.duration_s(request).round(),
+            "reach_mm": reach.collect::<serde_json::Map<_, _>>(),
+            "mirror_mm": run.mirror.map(mirror),
+            "assumptions": self.assumptions,
+            "preconditions": self.preconditions,
+            "notes": run.notes,
+        })
     }
 }
 
@@ -71,16 +98,15 @@ pub fn make(job: &Job, profile: &Profile, inputs: &[HashedFile]) -> Result<Progr
     files.push(positions(&run));
     files.extend(readings_to_fill(&run));
     let walked = judge(task, &files)?;
-    let mut kit = ProgramKit {
+    Ok(ProgramKit {
         request: task.request.clone(),
         assumptions: assumptions(task),
         preconditions: preconditions(task.facts, &walked),
-        manifest: Value::Null,
+        controller: profile.id.clone(),
+        inputs: inputs.to_vec(),
         run,
         files,
-    };
-    kit.manifest = manifest(profile, &kit, inputs);
-    Ok(kit)
+    })
 }
 
 /// Reads bytes back and walks them, whoever made them; what is wrong comes all at once.
@@ -96,7 +122,8 @@ pub fn judge(task: RunTask<'_>, files: &[ProgramFile]) -> Result<Vec<Walked>, Pr
     let forms: Vec<&[u8]> = of_role(FileRole::Readings).map(|f| f.bytes.as_slice()).collect();
     wrong.extend(form_differences(&rows, &forms));
     let programs: Vec<&ProgramFile> = of_role(FileRole::Program).collect();
-    let set_ups = by_set_up(&rows);
+    // The rows of each program: neighbours of one diagonal or axis.
+    let set_ups: Vec<&[Position]> = rows.chunk_by(|a, b| a.of == b.of).collect();
     if programs.len() != set_ups.len() {
         let (programs, set_ups) = (programs.len(), set_ups.len());
         wrong.push(format!("{programs} programs for {set_ups} set-ups of the laser"));
@@ -135,11 +162,6 @@ fn bounds(job: &Job, request: &ProgramRequest, digit_mm: f64) -> Bounds {
         digit_mm,
         overrun: request.overrun.mm() > 0.0,
     }
-}
-
-/// The rows of each program: neighbours of one diagonal or axis.
-fn by_set_up(rows: &[Position]) -> Vec<&[Position]> {
-    rows.chunk_by(|a, b| a.of == b.of).collect()
 }
 
 fn assumptions(task: RunTask<'_>) -> Vec<Assumption> {
@@ -185,37 +207,6 @@ fn preconditions(facts: &ProgramFacts, walked: &[Walked]) -> Vec<Precondition> {
     let all =
         own.into_iter().chain(facts.language.facts().preconditions.iter().copied()).chain(open);
     all.map(|[what, value, why, source]| Precondition::new(what, value, why, source)).collect()
-}
-
-fn manifest(profile: &Profile, kit: &ProgramKit, inputs: &[HashedFile]) -> Value {
-    let (run, request) = (&kit.run, &kit.request);
-    let files: Vec<Value> = kit
-        .files
-        .iter()
-        .enumerate()
-        .map(|(index, file)| file_json(file, run.programs.get(index)))
-        .collect();
-    let reach = Axis::ALL.into_iter().filter_map(|axis| {
-        let (low, high) = run.reach_mm(axis)?;
-        Some((axis.key().to_string(), json!([low, high])))
-    });
-    json!({
-        "schema": SCHEMA,
-        "tool": TOOL,
-        "controller": profile.id,
-        "what": request.what.word(),
-        "unit": run.resolution.unit.word(),
-        "overrun": request.runs_over(),
-        "inputs": inputs,
-        "files": files,
-        "readings": kit.readings(),
-        "duration_s": run.duration_s(request).round(),
-        "reach_mm": reach.collect::<serde_json::Map<_, _>>(),
-        "mirror_mm": run.mirror.map(mirror),
-        "assumptions": kit.assumptions,
-        "preconditions": kit.preconditions,
-        "notes": run.notes,
-    })
 }
 
 /// A file of the list; positions and readings belong to no single program.
@@ -282,16 +273,13 @@ fn order(request: &ProgramRequest) -> Vec<Key> {
             (request.axes.iter().map(|axis| Named::Axis(*axis)).collect(), request.volume.steps)
         }
     };
-    let mut keys = Vec::new();
-    for of in set_ups {
-        for run in 1..=request.runs {
-            keys.extend((0..=last).map(|node| (of, run, Pass::Forward, node)));
-            if request.bidirectional {
-                keys.extend((0..=last).rev().map(|node| (of, run, Pass::Reverse, node)));
-            }
-        }
-    }
-    keys
+    let back = (0..=last).rev().filter(|_| request.bidirectional);
+    let there = (0..=last).map(|node| (Pass::Forward, node));
+    let passes = there.chain(back.map(|node| (Pass::Reverse, node)));
+    let runs = set_ups.into_iter().flat_map(|of| (1..=request.runs).map(move |run| (of, run)));
+    let keys =
+        runs.flat_map(|(of, run)| passes.clone().map(move |(pass, node)| (of, run, pass, node)));
+    keys.collect()
 }
 
 fn is_at_node(row: &Position, request: &ProgramRequest, digit_mm: f64) -> bool {

@@ -2,9 +2,7 @@
 
 use super::{Asked, Inputs, Verification};
 use crate::inputs::job::{Job, MeasuredData};
-use crate::judge::after::{
-    AfterMeasurement, Comparison, Observation, compare, observations, unseen_reversal,
-};
+use crate::judge::after::{AfterMeasurement, Comparison, compare, observations, unseen_reversal};
 use crate::judge::causes::{Corrected, Diagnosis, Question, diagnose};
 use crate::judge::conformity::Verdict;
 use crate::judge::field::Field;
@@ -38,24 +36,14 @@ pub(crate) fn second_look(
     corrected: impl FnOnce() -> Result<Vec<Corrected>, Problems>,
 ) -> Result<SecondLook, Problems> {
     let Asked { inputs, plan, .. } = &verification.loaded.asked;
-    let control = verification.loaded.effect().ok();
-    let comparison = compare(
-        inputs.machine(),
-        plan,
-        control.as_ref(),
-        verification.forecast.as_ref(),
-        measured,
-        &inputs.job,
-    )?;
+    let (control, forecast) = (verification.loaded.effect().ok(), verification.forecast.as_ref());
+    let (machine, job) = (inputs.machine(), &inputs.job);
+    let comparison = compare(machine, plan, control.as_ref(), forecast, measured, job)?;
     let (mut diagnosis, mut lost_motion) = (None, None);
-    let is_measured = comparison.is_measured();
-    if let (true, Some(control), Some(_)) = (is_measured, &control, &verification.forecast) {
+    let control = control.filter(|_| comparison.is_measured() && forecast.is_some());
+    if let Some(control) = &control {
         let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
-            let seen = observations(&inputs.model, measured);
-            let question = question(inputs, verification, control, &seen);
-            let laser = [inputs.model.laser_um_per_m, measured.laser_um_per_m()];
-            let laser_um_per_m = laser[0].hypot(laser[1]);
-            diagnose(&Question { corrected, laser_um_per_m, ..question })
+            diagnosed(&verification.loaded.asked, control, measured, corrected)
         };
         let mut found = diagnosed(measured, &[])?;
         if !found.as_forecast {
@@ -69,15 +57,10 @@ pub(crate) fn second_look(
         }
         diagnosis = Some(found);
     }
-    let doubts = doubts(inputs, verification, &comparison);
+    let doubts = doubts(verification, &comparison);
     let is_off = diagnosis.as_ref().is_some_and(|found| !found.as_forecast);
-    Ok(SecondLook {
-        verdict: judged(inputs, verification, &comparison, is_off, &doubts),
-        doubts,
-        comparison,
-        diagnosis,
-        lost_motion,
-    })
+    let verdict = judged(verification, &comparison, is_off, &doubts);
+    Ok(SecondLook { comparison, diagnosis, lost_motion, doubts, verdict })
 }
 
 /// Lost motion that the first measurement could not see, if as left is as forecast without it.
@@ -96,27 +79,28 @@ fn unseen(
     Ok(without.as_forecast.then_some(reversal.found))
 }
 
-fn question<'a>(
-    inputs: &'a Inputs,
-    verification: &Verification<'_>,
-    control: &'a Field,
-    seen: &'a [Observation],
-) -> Question<'a> {
+/// Why as left is not as forecast, by a control and what was measured.
+fn diagnosed(
+    Asked { inputs, compiled, .. }: &Asked<'_>,
+    control: &Field,
+    measured: &AfterMeasurement,
+    corrected: &[Corrected],
+) -> Result<Diagnosis, Problem> {
     let axis = |axis| inputs.job.machine.axes[axis];
-    let counts = verification.loaded.asked.compiled.placements.iter().map(|p| p.count_um);
-    Question {
+    let counts = compiled.placements.iter().map(|p| p.count_um);
+    diagnose(&Question {
         before: &inputs.model,
         under_tables: inputs.under_tables.as_ref(),
-        corrected: &[],
+        corrected,
         control,
-        seen,
+        seen: &observations(&inputs.model, measured),
         homing: PerAxis::from_fn(|a| axis(a).map_or(Direction::Plus, |a| a.homing())),
         reference_mm: PerAxis::from_fn(|a| axis(a).map_or(0.0, |a| a.reference.mm())),
         alpha_per_k: alpha_per_k(&inputs.job),
-        laser_um_per_m: 0.0,
+        laser_um_per_m: inputs.model.laser_um_per_m.hypot(measured.laser_um_per_m()),
         count_um: counts.fold(0.0, f64::max),
         display: inputs.profile.display.as_ref().map(|f| f.value.as_str()),
-    }
+    })
 }
 
 fn alpha_per_k(job: &Job) -> PerAxis<f64> {
@@ -132,7 +116,6 @@ fn alpha_per_k(job: &Job) -> PerAxis<f64> {
 /// and files that differ from the job fail. Without any limit a machine that is not as forecast is not
 /// passed either.
 fn judged(
-    inputs: &Inputs,
     verification: &Verification<'_>,
     comparison: &Comparison,
     is_off: bool,
@@ -144,7 +127,7 @@ fn judged(
     if !comparison.is_measured() {
         return Verdict::Undecided;
     }
-    let asked = inputs.job.acceptance;
+    let asked = verification.loaded.asked.inputs.job.acceptance;
     let verdict = comparison.as_left.verdict(asked);
     match asked.asks_nothing() && is_off || !doubts.is_empty() {
         true => verdict.max(Verdict::Undecided),
@@ -153,15 +136,12 @@ fn judged(
 }
 
 /// Doubts, what acts in addition to the tables, and what the limit asks for and was not measured.
-fn doubts(
-    inputs: &Inputs,
-    verification: &Verification<'_>,
-    comparison: &Comparison,
-) -> Vec<Finding> {
+fn doubts(verification: &Verification<'_>, comparison: &Comparison) -> Vec<Finding> {
     let terms = comparison.missing.clone();
-    let is_asked = inputs.job.acceptance.max_deviation_um.is_some() && !terms.is_empty();
+    let asked = verification.loaded.asked.inputs.job.acceptance;
+    let is_asked = asked.max_deviation_um.is_some() && !terms.is_empty();
     let missing = is_asked.then(|| KitFinding::NotMeasuredAfterwards { terms }.into());
     let mut doubts = of_severity(&comparison.findings, Severity::Doubt);
-    doubts.extend(verification.beside().into_iter().chain(missing));
+    doubts.extend(of_severity(&verification.findings, Severity::Doubt).into_iter().chain(missing));
     doubts
 }

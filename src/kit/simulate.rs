@@ -19,9 +19,7 @@ mod readings;
 pub use self::readings::{Simulation, SimulationSource, readings, single_axes, write};
 use crate::inputs::error_table::ErrorTable;
 pub use crate::inputs::error_table::SIMULATED;
-use crate::inputs::job::{
-    DiagonalMeasurement, Job, Material, MeasuredData, ProgramRequest, Reflector,
-};
+use crate::inputs::job::{DiagonalMeasurement, Job, Material, MeasuredData, Reflector};
 use crate::judge::active::named_axis;
 use crate::judge::field::Field;
 use crate::judge::findings::InControl;
@@ -31,13 +29,14 @@ use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::angles;
 use crate::machine::separation::corrections::AngleEffects;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
-use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Volume};
+use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::quantity::units::{Millimetres, rounded};
 use crate::read::{KitFile, ReadFinding};
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::write::compensation::compile;
 use crate::write::plan::plan;
+use serde::Serialize;
 use serde_json::Value;
 
 /// A machine with what the loaded tables do to it.
@@ -127,9 +126,10 @@ pub fn rehearsed<'a>(
 }
 
 /// Normal noise of every single reading.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Noise {
     /// Standard deviation, µm; 0 = none.
+    #[serde(rename = "noise_um")]
     pub um: f64,
     /// Seed of the generator.
     pub seed: u64,
@@ -151,10 +151,8 @@ pub struct Wishes {
 /// A measurement of the diagonals that is going to be simulated.
 #[derive(Clone, Debug)]
 pub struct Rehearsal {
-    /// The measured box.
-    pub volume: Volume,
-    /// Step or straight.
-    pub kind: PathKind,
+    /// How it is measured, and what the separation of its job takes off the readings.
+    pub measurement: DiagonalMeasurement,
     /// Number of runs of each diagonal.
     pub runs: u32,
     /// Whether the return pass is measured too.
@@ -163,10 +161,6 @@ pub struct Rehearsal {
     pub overrun: bool,
     /// Noise of a reading.
     pub noise: Noise,
-    /// `Minus` where the instrument counts towards the laser head.
-    laser_sign: Direction,
-    /// Expansion that the separation of this job takes off the readings.
-    material: Option<Material>,
     /// Angular effects that the separation of this job takes off the readings.
     angles: Option<AngleEffects>,
     /// What was taken for granted.
@@ -174,100 +168,76 @@ pub struct Rehearsal {
 }
 
 impl Rehearsal {
-    /// From `[measurement.step_diagonal]` of a job with readings, else from `[program]`.
-    /// `angle_table` = the table that `measurement.angles` names.
+    /// From `[measurement.step_diagonal]` of a job with readings, else from the run that `nonius program` writes
+    /// programs for. `angle_table` = the table that `measurement.angles` names.
     pub fn of(
         job: &Job,
         angle_table: Option<&ErrorTable>,
         wishes: Wishes,
     ) -> Result<Rehearsal, Problems> {
-        match (&job.measurement.data, &job.program) {
-            (MeasuredData::Diagonals(measurement), _) => {
-                measured_again(job, measurement, angle_table, wishes)
-            }
-            (MeasuredData::Errors(_), Some(program)) => Ok(programmed(job, program, wishes)?),
-            (MeasuredData::Errors(_), None) => Err(job
-                .problem_at(
-                    "measurement.errors",
-                    "the job does not say how diagonals would be measured: it has neither readings nor a section [program]",
-                )
-                .help("add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/program.md), or predict single axes with `--errors`")
-                .into()),
+        let program = job.program.as_ref();
+        let (mut measurement, program) = match &job.measurement.data {
+            MeasuredData::Diagonals(measurement) => (measurement.clone(), None),
+            MeasuredData::Errors(_) => (programmed(job)?, program),
+        };
+        if wishes.straight {
+            measurement.kind = PathKind::Straight;
+            measurement.target = Reflector::Retroreflector;
         }
+        let angles = angle_table.map(|table| angles(job, &measurement, table)).transpose()?;
+        let is_assumed = wishes.both_directions && measurement.overrun.is_none();
+        let notes = is_assumed.then(|| InRehearsal::OverrunAssumed.into());
+        Ok(Rehearsal {
+            runs: wishes.runs.or(program.map(|run| run.runs)).unwrap_or(1),
+            both_directions: wishes.both_directions || program.is_some_and(|run| run.bidirectional),
+            overrun: measurement.overrun.unwrap_or(true),
+            noise: wishes.noise,
+            angles,
+            notes: notes.into_iter().collect(),
+            measurement,
+        })
     }
 
     /// The direction in which an axis arrived at a node: without overrun it has not reversed
     /// before its first move back.
     pub fn arrived(&self, diagonal: Diagonal, pass: Pass, node: usize, axis: Axis) -> Direction {
-        let made = self.volume.steps_made(self.kind, node, axis);
-        let reversed = self.overrun || made < self.volume.steps;
+        let DiagonalMeasurement { volume, kind, .. } = &self.measurement;
+        let reversed = self.overrun || volume.steps_made(*kind, node, axis) < volume.steps;
         let pass = if reversed { pass } else { Pass::Forward };
         diagonal.travelled(axis, pass)
+    }
+
+    /// Expansion that the separation takes off.
+    fn material(&self) -> Option<Material> {
+        self.measurement.material.filter(|material| !material.material_corrected)
     }
 
     /// Axes whose temperature the readings have to carry: the job corrects them and does not say
     /// how warm they are.
     fn recorded(&self) -> PerAxis<bool> {
-        let material = self.material.filter(|material| !material.material_corrected);
         PerAxis::from_fn(|axis| {
-            let scale = material.and_then(|material| material.axes[axis]);
+            let scale = self.material().and_then(|material| material.axes[axis]);
             scale.is_some_and(|scale| scale.temperature_c.is_none())
         })
     }
 }
 
-/// The measurement of the job once more.
-fn measured_again(
-    job: &Job,
-    measurement: &DiagonalMeasurement,
-    angle_table: Option<&ErrorTable>,
-    wishes: Wishes,
-) -> Result<Rehearsal, Problems> {
-    let mut measurement = measurement.clone();
-    if wishes.straight {
-        measurement.kind = PathKind::Straight;
-        measurement.target = Reflector::Retroreflector;
-    }
-    let angles = match angle_table {
-        None => None,
-        Some(table) => Some(angles(job, &measurement, table)?),
-    };
-    let is_assumed = wishes.both_directions && measurement.overrun.is_none();
-    let notes = is_assumed.then(|| InRehearsal::OverrunAssumed.into());
-    Ok(Rehearsal {
-        kind: measurement.kind,
-        runs: wishes.runs.unwrap_or(1),
-        both_directions: wishes.both_directions,
-        overrun: measurement.overrun.unwrap_or(true),
-        noise: wishes.noise,
-        laser_sign: measurement.laser_sign,
-        material: measurement.material,
-        angles,
-        notes: notes.into_iter().collect(),
-        volume: measurement.volume,
-    })
-}
-
-/// The run that `nonius program` writes programs for.
-fn programmed(job: &Job, program: &ProgramRequest, wishes: Wishes) -> Result<Rehearsal, Problem> {
-    let Some(kind) = program.what.path() else {
-        return Err(job
-            .problem_at(
+/// How the run of `[program]` is measured.
+fn programmed(job: &Job) -> Result<DiagonalMeasurement, Problem> {
+    let (key, words, help) = match &job.program {
+        None => (
+            "measurement.errors",
+            "the job does not say how diagonals would be measured: it has neither readings nor a section [program]",
+            "add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/program.md), or predict single axes with `--errors`",
+        ),
+        Some(program) => match program.measured() {
+            Some(measurement) => return Ok(measurement),
+            None => (
                 "program.what",
                 "`[program]` measures single axes, so there are no diagonals to predict",
-            )
-            .help("write `what = \"step-diagonal\"`, or predict single axes with `--errors`"));
+                "write `what = \"step-diagonal\"`, or predict single axes with `--errors`",
+            ),
+        },
     };
-    Ok(Rehearsal {
-        volume: program.volume.clone(),
-        kind: if wishes.straight { PathKind::Straight } else { kind },
-        runs: wishes.runs.unwrap_or(program.runs),
-        both_directions: wishes.both_directions || program.bidirectional,
-        overrun: program.overrun.mm() > 0.0,
-        noise: wishes.noise,
-        laser_sign: Direction::Plus,
-        material: None,
-        angles: None,
-        notes: Vec::new(),
-    })
+    Err(job.problem_at(key, words).help(help))
 }

@@ -69,8 +69,9 @@ impl<'a> Verification<'a> {
     fn of(loaded: Loaded<'a>, mut findings: Vec<Finding>) -> Verification<'a> {
         let inputs = loaded.asked.inputs;
         let forecast = loaded.control.as_deref().ok().and_then(|control| {
-            let forecast = loaded.forecast(control);
-            forecast.map_err(|reason| findings.push(not_emulated(reason))).ok()
+            let effect = loaded.field(control);
+            let effect = effect.map_err(|reason| findings.push(not_emulated(reason)));
+            Some(loaded.forecast(&effect.ok()?))
         });
         findings.dedup();
         let beside = of_severity(&findings, Severity::Doubt);
@@ -102,11 +103,6 @@ impl<'a> Verification<'a> {
     /// What no file of the directory does, and what to see to on the control instead.
     pub fn notes(&self) -> Vec<Finding> {
         of_severity(&self.findings, Severity::Note)
-    }
-
-    /// What acts in addition to the tables.
-    pub(crate) fn beside(&self) -> Vec<Finding> {
-        of_severity(&self.findings, Severity::Doubt)
     }
 }
 

@@ -21,6 +21,7 @@ pub use self::variant::{Share, Variant, Visit};
 pub(crate) use self::what_decides::Judged;
 pub use self::what_decides::{Act, Measured, WhatDecides};
 use crate::judge::findings::joined;
+use crate::judge::forecast::JudgedRange;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::finding::{Finding, findings};
 use crate::text::problem::Problems;
@@ -50,14 +51,15 @@ pub fn plan(design: &Design<'_>) -> Result<VisitPlan, Problems> {
     let worst = visits[0].forecast.worst();
     let parts = worst.map_or_else(Vec::new, |worst| visits[0].parts(design.job, &worst, None));
     let additions = design.additions(&visits[0], &parts);
+    let one_way = described.run_as(|run| run.bidirectional = false);
+    let ways = vec![one_way, described.turning()];
     let runs = [1, 3, MOST_RUNS].map(|runs| described.in_runs(runs)).to_vec();
-    let ways = vec![described.one_way(), described.turning()];
     for other in [additions.clone(), ways, runs, design.in_other_steps(described)].concat() {
         if visits.iter().all(|visit| visit.variant != other) {
             visits.push(design.visit(other)?);
         }
     }
-    let asked = design.acceptance();
+    let asked = design.job.acceptance;
     let likely = |visit: &Visit| visit.reaches(asked) && design.chance(visit) >= Some(LIKELY);
     let variants = combinations(design, &additions);
     let forecast = cheapest(design, &variants, |visit| visit.reaches(asked));
@@ -155,9 +157,12 @@ findings! {
 }
 
 impl Design<'_> {
-    /// What the figures rest on.
+    /// What the figures rest on: what is known of the laser, what U leaves out, then the visit.
     pub(crate) fn assumed(&self, described: &Visit) -> Vec<Finding> {
         let run = &described.variant.run;
+        let noise = self.instrument.stated.noise_um.map(|um| Assumed::Noise { um });
+        let silent = described.expected.silence.sentences().into_iter();
+        let silent = silent.map(|words| Assumed::NotCounted { words });
         let linear = Assumed::LinearAxes {
             runs: run.along(Axis::X).runs,
             u_um_per_m: self.u_um_per_m(described),
@@ -167,8 +172,7 @@ impl Design<'_> {
         let (feed_mm_per_min, dwell_s) = (run.feed_mm_per_min, run.dwell_s);
         let time = Assumed::Time { feed_mm_per_min, dwell_s, diagonal_min, linear_min };
         let optics = described.mirror.map(|mirror| Assumed::Optics { circle_mm: mirror.circle_mm });
-        let own = [linear, time].into_iter().chain(optics);
-        let all = self.of_instrument(described).into_iter().chain(own);
+        let all = noise.into_iter().chain(silent).chain([linear, time]).chain(optics);
         all.chain([Assumed::AtMost, Assumed::Second]).map(Finding::from).collect()
     }
 
@@ -187,21 +191,12 @@ impl Design<'_> {
             own.unwrap_or_else(|| self.of_line(axis, &described.variant))
         })
     }
-
-    /// What is known of the laser, and what U leaves out.
-    fn of_instrument(&self, described: &Visit) -> Vec<Assumed> {
-        let stated = self.instrument.stated;
-        let noise = stated.noise_um.map(|um| Assumed::Noise { um });
-        let not_counted = described.expected.silence.sentences().into_iter();
-        let not_counted = not_counted.map(|words| Assumed::NotCounted { words });
-        noise.into_iter().chain(not_counted).collect()
-    }
 }
 
 impl Visit {
     /// What this visit leaves open or mixed up, the gravest first.
     pub(crate) fn shortcomings(&self) -> Vec<Finding> {
-        let ranges = self.short_ranges().into_iter();
+        let ranges = self.forecast.ranges.iter().filter_map(JudgedRange::missing);
         let ranges = ranges.map(|words| Assumed::NotCounted { words }.into());
         let missing = self.expected.missing();
         let no_u = joined(self.open.iter().filter(|term| !missing.contains(term)));

@@ -1,15 +1,15 @@
 //! The nine errors as curves: as found, as forecast, as left, at one scale.
 
 use super::locale::Locale;
-use super::picture::{Ink, Mark, Panel, Picture, Scale};
+use super::picture::{Drawn, Ink, Mark, Picture, Scale, at_one_height};
+use crate::judge::field::Field;
 use crate::judge::forecast::Machine;
 use crate::machine::model::{ErrorModel, MeasuredTerm};
 use crate::machine::separation::Separation;
 use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::curve::ErrorCurve;
-use crate::quantity::units::Millimetres;
-use crate::read::emulate::{Emulated, Emulator, Response};
-use crate::write::plan::{Plan, axis_pairs};
+use crate::quantity::units::{Millimetres, larger, smaller};
+use crate::read::emulate::Response;
 
 /// What the nine curves are drawn from; what is not there is not drawn.
 #[derive(Clone, Copy)]
@@ -17,7 +17,7 @@ pub struct Curves<'a> {
     /// As found.
     pub machine: Machine<'a>,
     /// The tables as the control would add them, emulated from their bytes.
-    pub loaded: Option<(&'a Plan, &'a dyn Emulator)>,
+    pub loaded: Option<&'a Field>,
     /// As left.
     pub as_left: Option<&'a ErrorModel>,
     /// The largest deviation that is asked for, µm.
@@ -36,26 +36,18 @@ const K: f64 = 2.0;
 /// Nine panels, a row for each direction of the error and a column for each moving axis; µm against
 /// mm, zero at the reference. Both directions of travel are drawn where both are known. A band is
 /// ±2 u of the measured values of its direction, about each curve of the last stage.
-pub fn terms(locale: Locale<'_>, heading: &str, curves: &Curves<'_>) -> Emulated<Picture> {
-    let mut panels = Vec::new();
-    for term in ErrorTerm::ALL {
-        panels.push(curves.marks(term)?.map(|marks| (term, marks)));
-    }
-    let numbers = panels.iter().flatten().flat_map(|(_, marks)| marks);
-    let um = locale.around(numbers.flat_map(Mark::heights));
-    let panels = panels.into_iter().map(|known| {
-        let (term, mut marks) = known?;
-        let limits = curves.limit_um.into_iter().flat_map(|limit| [limit, -limit]);
-        let within = limits.filter(|at| (um.0..=um.1).contains(at));
-        marks.extend(within.map(|at| Mark::Level(Ink::Limit, at)));
-        Some(panel(locale, term, marks, um, curves.range(term)))
-    });
-    let mut panels: Vec<Option<Panel>> = panels.collect();
+pub fn terms(locale: Locale<'_>, heading: &str, curves: &Curves<'_>) -> Picture {
+    let drawn = ErrorTerm::ALL.map(|term| of(locale, term, curves.range(term), curves.marks(term)));
+    let (mut panels, um) = at_one_height(locale, drawn);
+    let limits = curves.limit_um.into_iter().flat_map(|limit| [limit, -limit]);
+    let limits = limits.filter(|at| (um.0..=um.1).contains(at));
+    let limits: Vec<Mark> = limits.map(|at| Mark::Level(Ink::Limit, at)).collect();
+    panels.iter_mut().flatten().for_each(|panel| panel.marks.extend(limits.clone()));
     // A few errors stand in one row, without the empty places of the others.
     if panels.iter().flatten().count() <= COLUMNS {
         panels.retain(Option::is_some);
     }
-    Ok(Picture {
+    Picture {
         title: heading.to_string(),
         description: locale.between("curves_alt", um),
         columns: COLUMNS,
@@ -64,64 +56,45 @@ pub fn terms(locale: Locale<'_>, heading: &str, curves: &Curves<'_>) -> Emulated
             Some(_) => "curves_note_tables",
             None => "curves_note",
         }),
-    })
+    }
 }
 
 /// The nine errors as the readings of the diagonals give them, zero at the low end of each axis, with
 /// bands of U (95 %) where it is known; both directions where they stand apart.
 pub fn separated(locale: Locale<'_>, heading: &str, separation: &Separation) -> Picture {
-    let marks = ErrorTerm::ALL.map(|term| {
+    let drawn = ErrorTerm::ALL.map(|term| {
         let positions = separation.volume.positions(term.along);
-        let mm: Vec<f64> = positions.iter().map(|at| at.mm()).collect();
         let ways = match separation.errors.minus.is_some() && separation.is_directed(term.along) {
             false => vec![(Ink::AsFound, None)],
             true => vec![(Ink::Up, Some(Direction::Plus)), (Ink::Down, Some(Direction::Minus))],
         };
         let found = ways.into_iter().filter_map(|(ink, way)| {
             let evidence = separation.of_table(term, way)?;
-            let um = |n: &usize| evidence.deviation_um[*n];
-            let u = |n: &usize| evidence.expanded_um(*n);
-            let all: Vec<usize> = (0..evidence.deviation_um.len().min(mm.len())).collect();
-            let points: Vec<(f64, f64)> = all.iter().map(|n| (mm[*n], um(n))).collect();
-            let band = all.iter().map(|n| Some((mm[*n], um(n) - u(n)?, um(n) + u(n)?)));
-            let band: Option<Vec<_>> = band.collect();
-            let band = band.map(|places| Mark::Band(ink, places));
-            let line = [Mark::Line(ink, points.clone()), Mark::Dots(ink, points)];
+            let values = positions.iter().zip(&evidence.deviation_um).enumerate();
+            let points = values.map(|(n, (at, um))| (at.mm(), *um, evidence.expanded_um(n)));
+            let (band, line) = Mark::measured(ink, points)?;
             Some(band.into_iter().chain(line))
         });
-        let marks: Vec<Mark> = found.flatten().collect();
-        (term, mm, marks)
+        let ends = positions.first().zip(positions.last());
+        let ends = ends.map_or((0.0, 0.0), |(first, last)| (first.mm(), last.mm()));
+        of(locale, term, ends, found.flatten().collect())
     });
-    let um =
-        locale.around(marks.iter().flat_map(|(.., marks)| marks.iter().flat_map(Mark::heights)));
-    let panels = marks.into_iter().map(|(term, mm, marks)| {
-        let ends = (mm.first().copied()?, mm.last().copied()?);
-        (!marks.is_empty()).then(|| panel(locale, term, marks, um, ends))
-    });
+    let (panels, um) = at_one_height(locale, drawn);
     Picture {
         title: heading.to_string(),
         description: locale.between("separated_alt", um),
-        columns: 3,
-        panels: panels.collect(),
+        columns: COLUMNS,
+        panels,
         note: locale.words("separated_note"),
     }
 }
 
-fn panel(
-    locale: Locale<'_>,
-    term: ErrorTerm,
-    marks: Vec<Mark>,
-    um: (f64, f64),
-    (from, to): (f64, f64),
-) -> Panel {
-    let across = locale.mm();
-    let axis = format!("{} / {}", term.along.letter(), across.sign);
-    let kind = match term.is_positioning() {
-        true => "positioning",
-        false => "straightness",
-    };
-    let across = Scale::new(&axis, from, to).shown_in(across);
-    Panel::chart(format!("{term} {}", locale.words(kind)), across, Scale::of_um(locale, um), marks)
+/// What is drawn of an error between the ends of its axis, mm.
+fn of(locale: Locale<'_>, term: ErrorTerm, (from, to): (f64, f64), marks: Vec<Mark>) -> Drawn {
+    let kind = if term.is_positioning() { "positioning" } else { "straightness" };
+    let axis = format!("{} / {}", term.along.letter(), locale.mm().sign);
+    let across = Scale::new(&axis, from, to).shown_in(locale.mm());
+    (format!("{term} {}", locale.words(kind)), across, marks)
 }
 
 impl Curves<'_> {
@@ -137,17 +110,15 @@ impl Curves<'_> {
     fn range(&self, term: ErrorTerm) -> (f64, f64) {
         let measured = self.found(term).into_iter().chain(self.left(term));
         let ranges = measured.flat_map(MeasuredTerm::curves).map(ErrorCurve::measured_range);
-        let all = ranges.reduce(|(low, high), (from, to)| {
-            let low = if from < low { from } else { low };
-            (low, if to > high { to } else { high })
-        });
-        all.map_or((0.0, 1.0), |(from, to)| (from.mm(), to.mm()))
+        let ranges = ranges.map(|(from, to)| (from.mm(), to.mm()));
+        let all = ranges.reduce(|a, b| (smaller(a.0, b.0), larger(a.1, b.1)));
+        all.unwrap_or((0.0, 1.0))
     }
 
-    /// What is drawn of a term, bands first; `None` where it was never measured.
-    fn marks(&self, term: ErrorTerm) -> Emulated<Option<Vec<Mark>>> {
+    /// What is drawn of a term, bands first; nothing where it was never measured.
+    fn marks(&self, term: ErrorTerm) -> Vec<Mark> {
         let (found, left) = (self.found(term), self.left(term));
-        let (forecast, places) = self.forecast(term)?;
+        let (forecast, places) = self.forecast(term);
         let stages = [
             (Ink::AsFound, found, found.map_or_else(Vec::new, lines)),
             (Ink::Forecast, found, forecast),
@@ -165,28 +136,23 @@ impl Curves<'_> {
         let dots = left.into_iter().flat_map(MeasuredTerm::curves);
         marks.extend(dots.map(|curve| Mark::Dots(Ink::AsLeft, knots(curve))));
         marks.extend((!places.is_empty()).then_some(Mark::Places(places)));
-        Ok((!marks.is_empty()).then_some(marks))
+        marks
     }
 
     /// Deviation without compensation + emulated correction in each direction, and the points of the
     /// tables.
-    fn forecast(&self, term: ErrorTerm) -> Emulated<(Vec<CurveLine>, Vec<f64>)> {
+    fn forecast(&self, term: ErrorTerm) -> (Vec<CurveLine>, Vec<f64>) {
         let (mut lines, mut places): (Vec<CurveLine>, Vec<f64>) = (Vec::new(), Vec::new());
-        let (Some((plan, control)), Some(known)) =
-            (self.loaded, self.machine.uncompensated.terms[term].as_ref())
-        else {
-            return Ok((lines, places));
+        let known = self.machine.uncompensated.terms[term].as_ref();
+        let Some((control, known)) = self.loaded.zip(known) else {
+            return (lines, places);
         };
         for direction in Direction::BOTH {
             let Some(curve) = known.measured.curve(direction) else {
                 continue;
             };
-            for (base, output) in axis_pairs(&plan.names, term) {
-                let response = control.response(base, output, direction)?;
-                let points = sampled(curve, Some(&response));
-                if !lines.iter().any(|line| line.points == points) {
-                    lines.push(CurveLine { direction, points });
-                }
+            for response in control.ways(term, direction) {
+                take(&mut lines, direction, sampled(curve, Some(response)));
                 let nodes = response.tables().iter().flat_map(|table| table.nodes());
                 places.extend(nodes.map(|(at, _)| at.mm()));
             }
@@ -195,7 +161,7 @@ impl Curves<'_> {
         places.retain(|at| (from..=to).contains(at));
         places.sort_by(f64::total_cmp);
         places.dedup();
-        Ok((lines, places))
+        (lines, places)
     }
 }
 
@@ -205,13 +171,19 @@ struct CurveLine {
     points: Vec<(f64, f64)>,
 }
 
+/// Notes a line, unless there is one of the same points.
+fn take(lines: &mut Vec<CurveLine>, direction: Direction, points: Vec<(f64, f64)>) {
+    if lines.iter().all(|line| line.points != points) {
+        lines.push(CurveLine { direction, points });
+    }
+}
+
 /// The measured curves; one without regard to the direction once.
 fn lines(known: &MeasuredTerm) -> Vec<CurveLine> {
     let mut lines: Vec<CurveLine> = Vec::new();
     for direction in Direction::BOTH {
-        let points = known.measured.curve(direction).map(|curve| sampled(curve, None));
-        if let Some(points) = points.filter(|new| lines.iter().all(|line| line.points != *new)) {
-            lines.push(CurveLine { direction, points });
+        if let Some(curve) = known.measured.curve(direction) {
+            take(&mut lines, direction, sampled(curve, None));
         }
     }
     lines
@@ -247,11 +219,9 @@ fn knots(curve: &ErrorCurve) -> Vec<(f64, f64)> {
 /// ±2 u of the values of its direction about a line, straight between the measured positions; none where no
 /// u is stated.
 fn band(ink: Ink, known: &MeasuredTerm, line: &CurveLine) -> Option<Mark> {
-    let mut u: Vec<(f64, f64)> = Vec::new();
     let is_own = |way: Option<Direction>| way.is_none_or(|way| way == line.direction);
-    for point in known.uncertainty.iter().filter(|point| is_own(point.direction)) {
-        u.push((point.at.mm(), K * point.u_um));
-    }
+    let own = known.uncertainty.iter().filter(|point| is_own(point.direction));
+    let mut u: Vec<(f64, f64)> = own.map(|point| (point.at.mm(), K * point.u_um)).collect();
     u.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     let width = |mm: f64| {
         let after = u.iter().position(|(at, _)| *at >= mm);

@@ -37,21 +37,23 @@ pub(super) struct Unit {
 }
 
 impl Locale<'_> {
+    /// What goes with the unit that is shown.
+    pub(super) fn either<T>(self, metric: T, inch: T) -> T {
+        match self.shown {
+            Shown::Metric => metric,
+            Shown::Inch => inch,
+        }
+    }
+
     /// Of positions.
     pub(super) fn mm(self) -> Unit {
-        let (sign, each) = match self.shown {
-            Shown::Metric => ("mm", 1.0),
-            Shown::Inch => ("in", 1.0 / MM_PER_INCH),
-        };
+        let (sign, each) = self.either(("mm", 1.0), ("in", 1.0 / MM_PER_INCH));
         Unit { sign, each }
     }
 
     /// Of deviations.
     pub(super) fn um(self) -> Unit {
-        let (sign, each) = match self.shown {
-            Shown::Metric => ("µm", 1.0),
-            Shown::Inch => ("µin", UM_PER_MM / MM_PER_INCH),
-        };
+        let (sign, each) = self.either(("µm", 1.0), ("µin", UM_PER_MM / MM_PER_INCH));
         Unit { sign, each }
     }
 
@@ -75,21 +77,14 @@ impl Locale<'_> {
 
     /// A deviation without its unit; `decimals` are those of µm.
     pub(super) fn deviation(self, um: f64, decimals: usize) -> String {
-        let decimals = match self.shown {
-            Shown::Metric => decimals,
-            Shown::Inch => decimals.saturating_sub(1),
-        };
+        let decimals = self.either(decimals, decimals.saturating_sub(1));
         let number = format!("{:.decimals$}", Figure(um * self.um().each));
         self.decimal(&number)
     }
 
     /// A position or a distance with its unit: micrometres, or tenths of a thousandth of an inch.
     pub(super) fn position(self, mm: f64) -> String {
-        let decimals = match self.shown {
-            Shown::Metric => 3,
-            Shown::Inch => 4,
-        };
-        let number = rounded(mm * self.mm().each, decimals).to_string();
+        let number = rounded(mm * self.mm().each, self.either(3, 4)).to_string();
         format!("{} {}", self.decimal(&number).replace('-', "\u{2212}"), self.mm().sign)
     }
 
@@ -114,8 +109,11 @@ impl Locale<'_> {
 pub struct Texts {
     /// The language as HTML names it.
     pub language: String,
-    words: BTreeMap<String, String>,
+    words: Words,
 }
+
+/// Words by their keys.
+type Words = BTreeMap<String, String>;
 
 const LANGUAGES: [(&str, &str); 3] = [
     ("en", include_str!("../../templates/report/en.toml")),
@@ -131,15 +129,15 @@ impl Texts {
 
     /// A shipped language; `None` = not among them.
     pub(crate) fn shipped(language: &str) -> Option<Result<Texts, Problems>> {
-        let (name, page) = LANGUAGES.into_iter().find(|(name, _)| *name == language)?;
-        Some(
-            Source::from_bytes(name, page.as_bytes()).and_then(|source| Texts::read(&source, name)),
-        )
+        LANGUAGES.into_iter().find(|(name, _)| *name == language).map(Texts::own)
     }
 
     /// The language of whatever stands on no page.
     pub fn english() -> Result<Texts, Problems> {
-        let [(name, page), ..] = LANGUAGES;
+        Texts::own(LANGUAGES[0])
+    }
+
+    fn own((name, page): (&str, &str)) -> Result<Texts, Problems> {
         Texts::read(&Source::from_bytes(name, page.as_bytes())?, name)
     }
 
@@ -148,10 +146,11 @@ impl Texts {
         let words = table(source)?;
         let [(_, english), ..] = LANGUAGES;
         let english = table(&Source::from_bytes("en", english.as_bytes())?)?;
-        let missing: Vec<&str> =
-            english.keys().filter(|key| !words.contains_key(*key)).map(String::as_str).collect();
-        let unknown: Vec<&str> =
-            words.keys().filter(|key| !english.contains_key(*key)).map(String::as_str).collect();
+        let absent = |keys: &Words, from: &Words| {
+            let keys = keys.keys().filter(|key| !from.contains_key(*key));
+            keys.cloned().collect::<Vec<_>>()
+        };
+        let (missing, unknown) = (absent(&english, &words), absent(&words, &english));
         let mut problems = Problems::none();
         for (what, keys) in [("lacks", missing), ("holds the unknown keys", unknown)] {
             if !keys.is_empty() {
@@ -181,7 +180,7 @@ impl Texts {
     }
 }
 
-fn table(source: &Source) -> Result<BTreeMap<String, String>, Problems> {
+fn table(source: &Source) -> Result<Words, Problems> {
     toml::from_str(&source.text).map_err(|error| {
         let words = plain::page(error.message()).into_owned();
         Problem::new(format!("`{}` holds no texts: {words}", source.name))

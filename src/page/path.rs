@@ -1,7 +1,8 @@
 //! The error along a tool path, and at the holes that it drills.
 
-use super::picture::{Ink, Mark, Panel, Picture, Scale};
-use super::scale::{around, below, count};
+use super::locale::Locale;
+use super::picture::{Ink, Mark, Panel, Picture, Scale, at_one_height};
+use super::scale::{below, count};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::larger;
 
@@ -34,11 +35,8 @@ impl Trace {
     pub fn take(&mut self, s_mm: f64, error_um: [f64; 3]) {
         while s_mm >= self.stretch_mm * f64::from(u32::try_from(MOST).unwrap_or(u32::MAX)) {
             self.stretch_mm *= 2.0;
-            let halved = self.stretches.chunks(2).map(|two| {
-                let known = two.iter().copied().flatten();
-                known.reduce(|a, b| [0, 1, 2].map(|n| joined(a[n], b[n])))
-            });
-            self.stretches = halved.collect();
+            let halved = self.stretches.chunks(2);
+            self.stretches = halved.map(|two| two.iter().copied().fold(None, both)).collect();
         }
         #[allow(
             clippy::cast_possible_truncation,
@@ -49,26 +47,28 @@ impl Trace {
             self.stretches.resize(index + 1, None);
         }
         let own = error_um.map(|um| (um, um));
-        let stretch = &mut self.stretches[index];
-        *stretch = Some(match *stretch {
-            None => own,
-            Some(known) => [0, 1, 2].map(|n| joined(known[n], own[n])),
-        });
+        self.stretches[index] = both(self.stretches[index], Some(own));
     }
 
     /// The extremes in one direction: from where they hold, µm.
     fn band(&self, of: Axis) -> Vec<(f64, f64, f64)> {
         let n = Axis::ALL.iter().position(|axis| *axis == of).unwrap_or(0);
         let mut from = 0.0;
-        let mut places = Vec::new();
-        for stretch in &self.stretches {
-            if let Some(extremes) = stretch {
-                let (low, high) = extremes[n];
-                places.push((from + self.stretch_mm / 2.0, low, high));
-            }
+        let places = self.stretches.iter().filter_map(|stretch| {
+            let middle = from + self.stretch_mm / 2.0;
             from += self.stretch_mm;
-        }
-        places
+            let (low, high) = (*stretch)?[n];
+            Some((middle, low, high))
+        });
+        places.collect()
+    }
+}
+
+/// Two stretches as one.
+fn both(a: Stretch, b: Stretch) -> Stretch {
+    match a.zip(b) {
+        Some((a, b)) => Some([0, 1, 2].map(|n| joined(a[n], b[n]))),
+        None => a.or(b),
     }
 }
 
@@ -80,28 +80,25 @@ fn joined(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
 pub type HoleErrors = ((f64, f64), Vec<(Ink, (f64, f64))>);
 
 /// A panel for each direction of the error over the length of the path; the worst holes from above.
-pub fn path(heading: &str, traces: &[Trace], holes: &[HoleErrors]) -> Picture {
-    let marks = Axis::ALL.map(|of| -> Vec<Mark> {
+pub fn path(locale: Locale<'_>, heading: &str, traces: &[Trace], holes: &[HoleErrors]) -> Picture {
+    let length = traces.iter().map(|t| t.stretch_mm * count(t.stretches.len())).fold(0.0, larger);
+    let drawn = Axis::ALL.map(|of| {
         let bands = traces.iter().map(|trace| (trace.ink, trace.band(of)));
         let marks = bands.flat_map(|(ink, band)| {
             let middle = band.iter().map(|(s, low, high)| (*s, f64::midpoint(*low, *high)));
             [Mark::Line(ink, middle.collect()), Mark::Band(ink, band)]
         });
-        marks.collect()
-    });
-    let um = around(marks.iter().flatten().flat_map(Mark::heights));
-    let length = traces.iter().map(|t| t.stretch_mm * count(t.stretches.len())).fold(0.0, larger);
-    let panels = Axis::ALL.into_iter().zip(marks).map(|(of, marks)| {
         let across = Scale::new("along the path / mm", 0.0, length);
-        let up = Scale::new("µm", um.0, um.1);
-        Some(Panel::chart(format!("error in {of}"), across, up, marks))
+        (format!("error in {of}"), across, marks.collect())
     });
+    let mut panels = at_one_height(locale, drawn).0;
+    panels.extend(from_above(holes).map(Some));
     Picture {
         title: heading.to_string(),
         description: "The error of the machine along the path, all directions at one scale."
             .to_string(),
         columns: 1,
-        panels: panels.chain([from_above(holes)].into_iter().filter(Option::is_some)).collect(),
+        panels,
         note: "bands: smallest and largest error on each stretch of the path".to_string(),
     }
 }

@@ -59,6 +59,20 @@ impl Mark {
         [edge, Mark::Words((x + long / 2.0, y + above), words)]
     }
 
+    /// The band of so much about each measured value where that is known of all; the line through them, and they
+    /// themselves. `None` = there are none.
+    pub(super) fn measured(
+        ink: Ink,
+        points: impl Iterator<Item = (f64, f64, Option<f64>)>,
+    ) -> Option<(Option<Mark>, [Mark; 2])> {
+        let points: Vec<(f64, f64, Option<f64>)> = points.collect();
+        let band = points.iter().map(|(x, y, u)| u.map(|u| (*x, y - u, y + u)));
+        let band: Option<Vec<_>> = band.collect();
+        let line: Vec<(f64, f64)> = points.iter().map(|(x, y, _)| (*x, *y)).collect();
+        let band = band.map(|band| Mark::Band(ink, band));
+        (!line.is_empty()).then(|| (band, [Mark::Line(ink, line.clone()), Mark::Dots(ink, line)]))
+    }
+
     pub(super) fn ink(&self) -> Option<Ink> {
         match self {
             Mark::Line(ink, _) | Mark::Dots(ink, _) | Mark::Arrows(ink, _) => Some(*ink),
@@ -151,6 +165,23 @@ pub struct Picture {
     pub panels: Vec<Option<Panel>>,
     /// One sentence below.
     pub note: String,
+}
+
+/// A diagram of deviations before its height is known: its title, its axis to the right, what is drawn.
+pub(super) type Drawn = (String, Scale, Vec<Mark>);
+
+/// Diagrams at one height, and its ends, µm; one without marks leaves its place free.
+pub(super) fn at_one_height(
+    locale: Locale<'_>,
+    drawn: impl IntoIterator<Item = Drawn>,
+) -> (Vec<Option<Panel>>, (f64, f64)) {
+    let drawn: Vec<Drawn> = drawn.into_iter().collect();
+    let um = locale.around(drawn.iter().flat_map(|(.., marks)| marks).flat_map(Mark::heights));
+    let panel = |(title, across, marks): Drawn| match marks.as_slice() {
+        [] => None,
+        _ => Some(Panel::chart(title, across, Scale::of_um(locale, um), marks)),
+    };
+    (drawn.into_iter().map(panel).collect(), um)
 }
 
 impl Picture {

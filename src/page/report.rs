@@ -11,7 +11,7 @@
 mod grounds;
 mod parts;
 
-use super::locale::{Locale, Shown};
+use super::locale::Locale;
 use super::picture::Picture;
 use super::svg;
 use crate::control::claims::Assumption;
@@ -28,6 +28,7 @@ use crate::text::plain;
 use crate::text::problem::Problems;
 use crate::write::emit::{TOOL, Templates};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// What a figure is, which decides its unit and its decimals.
 #[derive(Clone, Copy)]
@@ -87,9 +88,9 @@ pub struct Visit {
     /// Every file that was read, with its hash.
     pub inputs: Vec<HashedFile>,
     /// The JSON of each command, by its name.
-    pub documents: Vec<(String, Value)>,
+    pub documents: Value,
     /// Name and size of the files of the tables, bytes.
-    pub sizes: Vec<(String, usize)>,
+    pub sizes: BTreeMap<String, usize>,
     /// The pictures.
     pub pictures: Vec<Placed>,
     /// Why there are no figures of the volume.
@@ -102,6 +103,25 @@ pub struct Visit {
 pub fn linear_document(number: usize) -> String {
     format!("standards:{number}")
 }
+
+/// The column of a figure in the template, and its place in an entry of a document.
+type Named = (&'static str, &'static str);
+
+/// A line of the first page by its columns.
+type Line = BTreeMap<&'static str, String>;
+
+const FIGURES: [Named; 4] = [
+    ("found", "/before_um"),
+    ("forecast", "/forecast_um"),
+    ("left", "/after_um"),
+    ("at_most", "/at_most_um"),
+];
+
+const SLOPES: [Named; 3] = [
+    ("found", "/before_um_per_m"),
+    ("left", "/after_um_per_m"),
+    ("expanded", "/expanded_um_per_m"),
+];
 
 /// In place of a figure that there is not.
 const NONE: &str = "\u{2013}";
@@ -137,9 +157,9 @@ impl Report<'_> {
             "warnings": self.warnings(),
             "has_forecast": !self.is_found(),
             "has_left": self.visit.is_measured,
-            "terms": self.lines("terms"),
+            "terms": self.lines("terms", Kind::Deviation, FIGURES),
             "diagonals": self.diagonals(),
-            "squareness": self.squareness(),
+            "squareness": self.lines("squareness", Kind::Slope, SLOPES),
             "curves": self.curves(self.visit.is_measured),
             "parts": self.parts(),
         });
@@ -151,6 +171,11 @@ impl Report<'_> {
 
     fn t(&self, key: &str) -> String {
         escaped(self.locale.texts.of(key))
+    }
+
+    /// The words of a key where there are any, else this text.
+    fn named(&self, key: &str, text: &str) -> String {
+        if self.locale.texts.has(key) { self.t(key) } else { escaped(text) }
     }
 
     /// Whether the program's own sentences are in the language of the page.
@@ -184,17 +209,13 @@ impl Report<'_> {
     }
 
     fn document(&self, name: &str) -> &Value {
-        let found = self.visit.documents.iter().find(|(own, _)| own == name);
-        found.map_or(&Value::Null, |(_, document)| document)
+        &self.visit.documents[name]
     }
 
     /// A stated length with its unit.
     fn length(&self, um: f64) -> String {
-        let number = match self.locale.shown {
-            Shown::Metric => self.locale.decimal(&um.to_string()),
-            Shown::Inch => self.locale.deviation(um, 2),
-        };
-        format!("{number} {}", self.unit())
+        let (metric, inch) = (self.locale.decimal(&um.to_string()), self.locale.deviation(um, 2));
+        format!("{} {}", self.locale.either(metric, inch), self.unit())
     }
 
     /// A number of a document as the reader writes it; a dash where it is none.
@@ -253,18 +274,14 @@ impl Report<'_> {
         let added = after.map(|(key, _)| key).filter(|key| !own(key) && *key != "date");
         let others = protocol.iter().map(|(key, _)| key).chain(added);
         let others = others.filter(|key| !ALWAYS.contains(&key.as_str()));
-        lines.extend(others.map(|key| {
-            let label = if self.locale.texts.has(key) { self.t(key) } else { escaped(key) };
-            line(label, stated(key))
-        }));
+        lines.extend(others.map(|key| line(self.named(key, key), stated(key))));
         lines
     }
 
     fn verdict(&self) -> Value {
-        let is_asked = !self.job.acceptance.asks_nothing();
         let word = match self.visit.verdict.map(Verdict::word) {
             None => "as_found",
-            Some("pass") if !is_asked => "nothing_asked",
+            Some("pass") if self.job.acceptance.asks_nothing() => "nothing_asked",
             Some(word) => word,
         };
         let of = match (self.is_found(), self.visit.is_measured) {
@@ -301,9 +318,11 @@ impl Report<'_> {
         self.document(document).pointer(at).and_then(Value::as_array).into_iter().flatten()
     }
 
-    fn sentences(&self, document: &str, at: &str, most: usize) -> Vec<String> {
-        let words = self.list(document, at).filter_map(Value::as_str);
-        words.take(most).map(escaped).collect()
+    /// A sentence, or all of a list.
+    fn sentences(&self, document: &str, at: &str) -> Vec<String> {
+        let own = self.document(document).pointer(at).into_iter();
+        let words = own.chain(self.list(document, at)).filter_map(Value::as_str);
+        words.map(escaped).collect()
     }
 
     fn keys(&self, document: &str, at: &str) -> Vec<String> {
@@ -311,54 +330,29 @@ impl Report<'_> {
         found.map_or_else(Vec::new, |found| found.keys().cloned().collect())
     }
 
-    /// The lines of terms or of diagonals.
-    fn lines(&self, of: &str) -> Vec<Value> {
-        let main = self.main();
-        let names = self.keys(main, &format!("/{of}")).into_iter();
+    /// A line for each entry of the main document: its name, its kind, its figures under the names that the template
+    /// has for them.
+    fn lines<const N: usize>(&self, of: &str, kind: Kind, figures: [Named; N]) -> Vec<Line> {
         let line = |name: String| {
-            let at = |key: &str| self.figure(main, &format!("/{of}/{name}/{key}"), Kind::Deviation);
-            let kind = match name.as_bytes() {
+            let at = |key: &str| self.figure(self.main(), &format!("/{of}/{name}{key}"), kind);
+            let term = match name.as_bytes() {
                 [b'E', a, b] if a == b => "positioning",
                 _ => "straightness",
             };
-            json!({
-                "name": escaped(&name), "kind": self.t(kind),
-                "found": at("before_um"), "forecast": at("forecast_um"), "left": at("after_um"),
-                "at_most": at("at_most_um"),
-            })
+            let words = [("name", escaped(&name.to_uppercase())), ("kind", self.t(term))];
+            words.into_iter().chain(figures.map(|(column, key)| (column, at(key)))).collect()
         };
-        names.map(line).collect()
+        self.keys(self.main(), &format!("/{of}")).into_iter().map(line).collect()
     }
 
     /// As found only where all nine errors were measured: their readings are predicted from them.
-    fn diagonals(&self) -> Vec<Value> {
-        const FOUND: &str = "/definitions/diagonals_um";
+    fn diagonals(&self) -> Vec<Line> {
         if !self.is_found() {
-            return self.lines("diagonals");
+            return self.lines("diagonals", Kind::Deviation, FIGURES);
         }
         let is_complete = self.keys("assess", "/terms").len() == ErrorTerm::ALL.len();
-        let names = is_complete.then(|| self.keys("assess", FOUND));
-        let line = |name: String| {
-            let found = self.figure("assess", &format!("{FOUND}/{name}"), Kind::Deviation);
-            json!({
-                "name": escaped(&name), "found": found,
-                "forecast": "", "left": "", "at_most": NONE,
-            })
-        };
-        names.into_iter().flatten().map(line).collect()
-    }
-
-    fn squareness(&self) -> Vec<Value> {
-        let main = self.main();
-        let line = |plane: String| {
-            let at =
-                |key: &str| self.figure(main, &format!("/squareness/{plane}/{key}"), Kind::Slope);
-            json!({
-                "name": escaped(&plane.to_uppercase()),
-                "found": at("before_um_per_m"), "left": at("after_um_per_m"),
-                "expanded": at("expanded_um_per_m"),
-            })
-        };
-        self.keys(main, "/squareness").into_iter().map(line).collect()
+        let figures = [("found", ""), FIGURES[1], FIGURES[2], FIGURES[3]];
+        let lines = self.lines("definitions/diagonals_um", Kind::Deviation, figures);
+        if is_complete { lines } else { Vec::new() }
     }
 }

@@ -34,23 +34,12 @@ const SLACK: f64 = 1e-9;
 
 /// The round number that is just large enough, and its decimals.
 fn step(span: f64, most: usize) -> (f64, usize) {
-    for exponent in (0..=9_u32).rev() {
-        for digit in [1.0, 2.0, 5.0] {
-            let step = digit / power_of_ten(exponent);
-            if fits(span, step, most) {
-                return (step, usize::try_from(exponent).unwrap_or(0));
-            }
-        }
-    }
-    for exponent in 1..=12 {
-        for digit in [1.0, 2.0, 5.0] {
-            let step = digit * power_of_ten(exponent);
-            if fits(span, step, most) {
-                return (step, 0);
-            }
-        }
-    }
-    (span, 0)
+    const DIGITS: [f64; 3] = [1.0, 2.0, 5.0];
+    let fine = (0..=9_u8).rev();
+    let fine = fine.flat_map(|n| DIGITS.map(|digit| (digit / power_of_ten(n.into()), n)));
+    let coarse = (1..=12).flat_map(|n| DIGITS.map(|digit| (digit * power_of_ten(n), 0)));
+    let found = fine.chain(coarse).find(|(step, _)| fits(span, *step, most));
+    found.map_or((span, 0), |(step, decimals)| (step, decimals.into()))
 }
 
 fn fits(span: f64, step: f64, most: usize) -> bool {

@@ -52,29 +52,23 @@ pub(super) fn inline(picture: &Picture, locale: Locale<'_>) -> String {
 
 fn drawn(picture: &Picture, locale: Locale<'_>, names: &str, style: &str) -> String {
     let size = Size::of(picture);
-    let mut out = Drawing::default();
-    out.put(format_args!(
-        "<svg{names} viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" role=\"img\" aria-label=\"{}\">",
-        escaped(&picture.title),
-        w = size.width,
-        h = size.height,
+    let (w, h) = (size.width, size.height);
+    let [title, description] = [&picture.title, &picture.description].map(|words| escaped(words));
+    let mut out = Drawing(format!(
+        "<svg{names} viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" role=\"img\" aria-label=\"{title}\">
+<title>{title}</title>
+<desc>{description}</desc>
+{style}<rect class=\"paper\" width=\"{w}\" height=\"{h}\"/>
+"
     ));
-    out.put(format_args!("<title>{}</title>", escaped(&picture.title)));
-    out.put(format_args!("<desc>{}</desc>", escaped(&picture.description)));
-    out.0.push_str(style);
-    out.put(format_args!(
-        "<rect class=\"paper\" width=\"{}\" height=\"{}\"/>",
-        size.width, size.height
-    ));
-    out.text("h", LEFT - 36.0, 20.0, &picture.title);
+    out.text("h", (LEFT - 36.0, 20.0), &picture.title);
     legend(&mut out, locale, &picture.inks());
     for (number, panel) in picture.panels.iter().enumerate() {
         if let Some(panel) = panel {
-            let place = size.place(number, picture.columns);
-            draw(&mut out, locale, panel, place);
+            draw(&mut out, locale, panel, size.place(number, picture.columns));
         }
     }
-    out.text("", LEFT - 36.0, size.height - 7.0, &picture.note);
+    out.text("", (LEFT - 36.0, h - 7.0), &picture.note);
     out.put(format_args!("</svg>"));
     out.0
 }
@@ -144,6 +138,14 @@ impl Map<'_> {
         self.plot.top + self.plot.height * (1.0 - part(self.up, number))
     }
 
+    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+        (self.x(x), self.y(y))
+    }
+
+    fn path(&self, points: impl Iterator<Item = (f64, f64)>) -> String {
+        path(points.map(|at| self.at(at)))
+    }
+
     /// Round numbers of the shown unit: where they lie, and what they say.
     fn ticks(&self, scale: &Scale, most: usize) -> Vec<(f64, String)> {
         let times = scale.shown_times;
@@ -167,17 +169,16 @@ fn draw(out: &mut Drawing, locale: Locale<'_>, panel: &Panel, place: Plot) {
     let map = Map { locale, plot, across: &panel.across, up: &panel.up };
     // A long title stays inside the picture.
     let most = place.left + place.width + RIGHT - LARGER * width(&panel.title);
-    out.text("t", smaller(plot.left, most), plot.top - 6.0, &panel.title);
+    out.text("t", (smaller(plot.left, most), plot.top - 6.0), &panel.title);
     if !panel.is_view {
         axes(out, &map);
     }
     for mark in &panel.marks {
         draw_mark(out, &map, mark);
     }
-    if panel.is_view {
-        return;
+    if !panel.is_view {
+        out.rect("frame", [plot.left, plot.top, plot.width, plot.height]);
     }
-    out.rect("frame", [plot.left, plot.top, plot.width, plot.height]);
 }
 
 /// The same number of points for a unit both ways, in the middle of the place.
@@ -198,24 +199,21 @@ fn axes(out: &mut Drawing, map: &Map<'_>) {
     for (at, label) in map.ticks(map.up, 5) {
         let y = map.y(at);
         let class = if at.abs() > 0.0 { "grid" } else { "zero" };
-        out.stroke(class, (plot.left, y), (plot.left + plot.width, y));
-        out.text("e", plot.left - 4.0, y + 3.5, &label);
+        out.path(class, &path([(plot.left, y), (plot.left + plot.width, y)]));
+        out.text("e", (plot.left - 4.0, y + 3.5), &label);
     }
     for (at, label) in labels(map) {
         let x = map.x(at);
-        out.stroke("zero", (x, bottom), (x, bottom + 3.0));
+        out.path("zero", &path([(x, bottom), (x, bottom + 3.0)]));
         // A long label at the end of an axis stays inside the picture.
-        let half = width(&label) / 2.0;
-        let most = plot.left + plot.width + RIGHT - half;
-        out.text("m", smaller(x, most), bottom + 14.5, &label);
+        let most = plot.left + plot.width + RIGHT - width(&label) / 2.0;
+        out.text("m", (smaller(x, most), bottom + 14.5), &label);
     }
-    let middle = plot.left + plot.width / 2.0;
-    out.text("m", middle, bottom + 27.5, &map.across.label);
-    let (x, y) = (plot.left - 34.0, plot.top + plot.height / 2.0);
-    let place = format!("{},{}", short(x), short(y));
+    out.text("m", (plot.left + plot.width / 2.0, bottom + 27.5), &map.across.label);
+    let [x, y] = [plot.left - 34.0, plot.top + plot.height / 2.0].map(short);
+    let label = escaped(&map.up.label);
     out.put(format_args!(
-        "<text class=\"m\" transform=\"translate({place}) rotate(-90)\">{}</text>",
-        escaped(&map.up.label)
+        "<text class=\"m\" transform=\"translate({x},{y}) rotate(-90)\">{label}</text>"
     ));
 }
 
@@ -239,50 +237,43 @@ fn most_labels(map: &Map<'_>) -> usize {
 }
 
 fn draw_mark(out: &mut Drawing, map: &Map<'_>, mark: &Mark) {
+    let class = |kind: &str| match mark.ink() {
+        Some(ink) => format!("{} {kind}", ink.word()),
+        None => kind.to_string(),
+    };
     match mark {
-        Mark::Line(ink, points) => {
-            out.line(*ink, points.iter().map(|(x, y)| (map.x(*x), map.y(*y))))
+        Mark::Line(_, points) => out.path(&class("line"), &map.path(points.iter().copied())),
+        Mark::Level(_, height) => {
+            let (left, y) = (map.plot.left, map.y(*height));
+            out.path(&class("line"), &path([(left, y), (left + map.plot.width, y)]));
         }
-        Mark::Level(ink, height) => {
-            let y = map.y(*height);
-            let ends = [(map.plot.left, y), (map.plot.left + map.plot.width, y)];
-            out.line(*ink, ends.into_iter());
+        Mark::Dots(_, points) => {
+            points.iter().for_each(|at| out.dot(&class("dot"), map.at(*at)));
         }
-        Mark::Dots(ink, points) => {
-            for (x, y) in points {
-                out.dot(*ink, map.x(*x), map.y(*y));
-            }
-        }
-        Mark::Band(ink, places) => {
+        Mark::Band(_, places) => {
             let upper = places.iter().map(|(x, _, high)| (*x, *high));
             let lower = places.iter().rev().map(|(x, low, _)| (*x, *low));
-            let outline = upper.chain(lower).map(|(x, y)| (map.x(x), map.y(y)));
-            let outline = path(outline);
-            out.put(format_args!("<path class=\"{} band\" d=\"{outline}Z\"/>", ink.word()));
+            out.path(&class("band"), &(map.path(upper.chain(lower)) + "Z"));
         }
-        Mark::Bars(ink, bars) => {
+        Mark::Bars(_, bars) => {
             for (from, to, height) in bars {
-                let (left, right) = (map.x(*from), map.x(*to));
-                let (top, bottom) = (map.y(height.max(0.0)), map.y(height.min(0.0)));
-                let class = format!("{} bar", ink.word());
-                out.rect(&class, [left, top, right - left, bottom - top]);
+                let (left, top) = map.at((*from, height.max(0.0)));
+                let (right, bottom) = map.at((*to, height.min(0.0)));
+                out.rect(&class("bar"), [left, top, right - left, bottom - top]);
             }
         }
-        Mark::Arrows(ink, arrows) => {
+        Mark::Arrows(_, arrows) => {
             for [(x, y), (dx, dy)] in arrows {
-                let (from, to) = ((map.x(*x), map.y(*y)), (map.x(x + dx), map.y(y + dy)));
-                out.arrow(*ink, from, to);
+                let arrow = arrow(map.at((*x, *y)), map.at((x + dx, y + dy)));
+                out.path(&class("arrow"), &arrow);
             }
         }
-        Mark::Edge(points) => {
-            let d = path(points.iter().map(|(x, y)| (map.x(*x), map.y(*y))));
-            out.put(format_args!("<path class=\"edge\" d=\"{d}\"/>"));
-        }
-        Mark::Words((x, y), words) => out.text("m", map.x(*x), map.y(*y), words),
+        Mark::Edge(points) => out.path("edge", &map.path(points.iter().copied())),
+        Mark::Words(at, words) => out.text("m", map.at(*at), words),
         Mark::Places(places) => {
             for at in places {
                 let (x, bottom) = (map.x(*at), map.bottom());
-                out.stroke("place", (x, bottom), (x, bottom - 5.0));
+                out.path("place", &path([(x, bottom), (x, bottom - 5.0)]));
             }
         }
     }
@@ -290,19 +281,19 @@ fn draw_mark(out: &mut Drawing, map: &Map<'_>, mark: &Mark) {
 
 fn legend(out: &mut Drawing, locale: Locale<'_>, inks: &[Ink]) {
     let mut left = LEFT - 36.0;
-    for ink in inks {
-        out.line(*ink, [(left, 36.0), (left + 26.0, 36.0)].into_iter());
-        if *ink == Ink::AsLeft {
-            out.dot(*ink, left + 13.0, 36.0);
+    for ink in inks.iter().copied() {
+        let word = ink.word();
+        out.path(&format!("{word} line"), &path([(left, 36.0), (left + 26.0, 36.0)]));
+        if ink == Ink::AsLeft {
+            out.dot(&format!("{word} dot"), (left + 13.0, 36.0));
         }
-        let words = locale.words(&format!("legend_{}", ink.word()));
-        out.text("", left + 31.0, 39.5, &words);
+        let words = locale.words(&format!("legend_{word}"));
+        out.text("", (left + 31.0, 39.5), &words);
         left += 31.0 + 24.0 + width(&words);
     }
 }
 
 /// The text of a drawing.
-#[derive(Default)]
 struct Drawing(String);
 
 impl Drawing {
@@ -311,7 +302,7 @@ impl Drawing {
         let _ = writeln!(self.0, "{what}");
     }
 
-    fn text(&mut self, class: &str, x: f64, y: f64, words: &str) {
+    fn text(&mut self, class: &str, (x, y): (f64, f64), words: &str) {
         if !words.is_empty() {
             let class = match class {
                 "" => String::new(),
@@ -329,38 +320,28 @@ impl Drawing {
         ));
     }
 
-    fn stroke(&mut self, class: &str, from: (f64, f64), to: (f64, f64)) {
-        let d = path([from, to].into_iter());
+    fn path(&mut self, class: &str, d: &str) {
         self.put(format_args!("<path class=\"{class}\" d=\"{d}\"/>"));
     }
 
-    fn line(&mut self, ink: Ink, points: impl Iterator<Item = (f64, f64)>) {
-        let d = path(points);
-        self.put(format_args!("<path class=\"{} line\" d=\"{d}\"/>", ink.word()));
-    }
-
-    /// A stroke with a head of two barbs; a short one has a short head.
-    fn arrow(&mut self, ink: Ink, from: (f64, f64), to: (f64, f64)) {
-        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-        let length = dx.hypot(dy);
-        let barb = (0.35 * length).min(4.0) / length.max(1e-9);
-        let (bx, by) = (dx * barb, dy * barb);
-        let end = |side: f64| (to.0 - bx - side * 0.5 * by, to.1 - by + side * 0.5 * bx);
-        let d = path([from, to].into_iter()) + &path([end(1.0), to, end(-1.0)].into_iter());
-        self.put(format_args!("<path class=\"{} arrow\" d=\"{d}\"/>", ink.word()));
-    }
-
-    fn dot(&mut self, ink: Ink, x: f64, y: f64) {
+    fn dot(&mut self, class: &str, (x, y): (f64, f64)) {
         let (x, y) = (short(x), short(y));
-        self.put(format_args!(
-            "<circle class=\"{} dot\" cx=\"{x}\" cy=\"{y}\" r=\"1.9\"/>",
-            ink.word()
-        ));
+        self.put(format_args!("<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"1.9\"/>"));
     }
 }
 
+/// A stroke with a head of two barbs; a short one has a short head.
+fn arrow(from: (f64, f64), to: (f64, f64)) -> String {
+    let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+    let length = dx.hypot(dy);
+    let barb = (0.35 * length).min(4.0) / length.max(1e-9);
+    let (bx, by) = (dx * barb, dy * barb);
+    let end = |side: f64| (to.0 - bx - side * 0.5 * by, to.1 - by + side * 0.5 * bx);
+    path([from, to]) + &path([end(1.0), to, end(-1.0)])
+}
+
 /// `M x,y L x,y …`.
-fn path(points: impl Iterator<Item = (f64, f64)>) -> String {
+fn path(points: impl IntoIterator<Item = (f64, f64)>) -> String {
     let mut d = String::new();
     for (x, y) in points {
         let pen = if d.is_empty() { 'M' } else { 'L' };

@@ -1,7 +1,8 @@
 //! Positioning at targets, the way the standards draw it: mean and ±2 s for each direction.
 
 use super::locale::Locale;
-use super::picture::{Ink, Mark, Panel, Picture, Scale};
+use super::picture::{Ink, Mark, Picture, Scale, at_one_height};
+use crate::machine::standards::ByDirection;
 use crate::machine::standards::iso_230_2::{Figures, K, TargetFigures};
 
 /// A panel for each set of runs, all at one height: the mean deviation at each target moving + and
@@ -12,42 +13,29 @@ pub fn targets(
     across: &str,
     of: &[(String, &Figures)],
 ) -> Picture {
-    let drawn: Vec<(&str, &Figures, Vec<Mark>)> =
-        of.iter().map(|(name, figures)| (name.as_str(), *figures, marks(figures))).collect();
-    let heights = drawn.iter().flat_map(|(.., marks)| marks.iter().flat_map(Mark::heights));
-    let um = locale.around(heights);
-    let panel = |(name, figures, marks): (&str, &Figures, Vec<Mark>)| {
+    let drawn = of.iter().map(|(name, figures)| {
         let at = |target: Option<&TargetFigures>| target.map_or(0.0, |t| t.target_mm);
         let (from, to) = (at(figures.targets.first()), at(figures.targets.last()));
-        let across = Scale::new(across, from, to).shown_in(locale.mm());
-        Some(Panel::chart(name.to_string(), across, Scale::of_um(locale, um), marks))
-    };
+        (name.clone(), Scale::new(across, from, to).shown_in(locale.mm()), marks(figures))
+    });
     Picture {
         title: heading.to_string(),
         description: locale.words("targets_alt"),
         columns: if of.len() > 1 { 2 } else { 1 },
-        panels: drawn.into_iter().map(panel).collect(),
+        panels: at_one_height(locale, drawn).0,
         note: locale.words("targets_note"),
     }
 }
 
 fn marks(figures: &Figures) -> Vec<Mark> {
-    let (mut bands, mut lines) = (Vec::new(), Vec::new());
-    for (ink, is_up) in [(Ink::Up, true), (Ink::Down, false)] {
-        let known = figures.targets.iter().filter_map(|t| match is_up {
-            true => Some((t.target_mm, t.mean.up_um?, t.s.up_um)),
-            false => Some((t.target_mm, t.mean.down_um?, t.s.down_um)),
-        });
-        let known: Vec<(f64, f64, Option<f64>)> = known.collect();
-        if known.is_empty() {
-            continue;
-        }
-        let places: Option<Vec<_>> =
-            known.iter().map(|(mm, um, s)| s.map(|s| (*mm, um - K * s, um + K * s))).collect();
-        bands.extend(places.map(|places| Mark::Band(ink, places)));
-        let means: Vec<(f64, f64)> = known.iter().map(|(mm, um, _)| (*mm, *um)).collect();
-        lines.push(Mark::Line(ink, means.clone()));
-        lines.push(Mark::Dots(ink, means));
-    }
-    bands.into_iter().chain(lines).collect()
+    let ways = [(Ink::Up, true), (Ink::Down, false)].into_iter();
+    let measured = ways.filter_map(|(ink, is_up)| {
+        let of = |of: &ByDirection| if is_up { of.up_um } else { of.down_um };
+        let targets = figures.targets.iter();
+        let known =
+            targets.filter_map(|t| Some((t.target_mm, of(&t.mean)?, of(&t.s).map(|s| K * s))));
+        Mark::measured(ink, known)
+    });
+    let (bands, lines): (Vec<_>, Vec<_>) = measured.unzip();
+    bands.into_iter().flatten().chain(lines.into_iter().flatten()).collect()
 }

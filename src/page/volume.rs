@@ -49,10 +49,6 @@ fn projected(v: PerAxis<f64>) -> (f64, f64) {
     ((v.x + v.y) * COS_30, v.z + (v.y - v.x) / 2.0)
 }
 
-fn ends(model: &VolumeModel) -> PerAxis<(f64, f64)> {
-    PerAxis::from_fn(|axis| model.range(axis))
-}
-
 /// The places of the arrows, machine coordinates in mm.
 fn places(model: &VolumeModel) -> Vec<PerAxis<f64>> {
     let at = |axis: Axis, n: u32| {
@@ -70,29 +66,30 @@ fn longest_of(model: &VolumeModel) -> f64 {
     places(model).into_iter().map(|place| model.error_at(place).length()).fold(0.0, larger)
 }
 
+/// An end of each axis: 0 = the low one of X, Y, Z, 1 = the high one.
+type Corner = [usize; 3];
+
 fn view(locale: Locale<'_>, side: &Side<'_>, longest_um: f64) -> Panel {
-    let seen = Volume { ends: ends(side.model) };
-    let travel = seen.travel();
+    let ends = Axis::ALL.map(|axis| side.model.range(axis)).map(|(low, high)| [low, high]);
+    let travel = ends.map(|[low, high]| high - low).into_iter().fold(0.0, larger);
+    let corner =
+        |[a, b, c]: Corner| projected(PerAxis { x: ends[0][a], y: ends[1][b], z: ends[2][c] });
     let mm_per_um = if longest_um > 0.0 { LONGEST * travel / longest_um } else { 0.0 };
     let arrows = places(side.model).into_iter().map(|place| {
         let error = side.model.error_at(place);
         [projected(place), projected(error.times(mm_per_um))]
     });
     let room = LONGEST * travel / 2.0;
-    let (left, low) = (seen.corner([0, 0, 0]).0 - room, seen.corner([1, 0, 0]).1 - room);
-    let (right, high) = (seen.corner([1, 1, 1]).0 + room, seen.corner([0, 1, 1]).1 + room);
-    let mut marks = seen.marks();
+    let (left, low) = (corner([0, 0, 0]).0 - room, corner([1, 0, 0]).1 - room);
+    let (right, high) = (corner([1, 1, 1]).0 + room, corner([0, 1, 1]).1 + room);
+    let mut marks = edges(corner, 0.09 * travel);
     marks.push(Mark::Arrows(side.ink, arrows.collect()));
     let (um, shown) = locale.below(longest_um);
     marks.extend(Mark::scale((left, low), um * mm_per_um, 0.03 * travel, shown));
+    let longest = locale.deviation(longest_of(side.model), 3);
+    let (words, unit) = (locale.words("longest_arrow"), locale.um().sign);
     Panel {
-        title: format!(
-            "{}, {} {} {}",
-            side.name,
-            locale.words("longest_arrow"),
-            locale.deviation(longest_of(side.model), 3),
-            locale.um().sign
-        ),
+        title: format!("{}, {words} {longest} {unit}", side.name),
         across: Scale::new("", left, right),
         up: Scale::new("", low, high),
         marks,
@@ -100,47 +97,24 @@ fn view(locale: Locale<'_>, side: &Side<'_>, longest_um: f64) -> Panel {
     }
 }
 
-/// The box of the measured volume, as it is seen.
-struct Volume {
-    ends: PerAxis<(f64, f64)>,
-}
-
-impl Volume {
-    fn travel(&self) -> f64 {
-        let lengths = self.ends.iter().map(|(_, (low, high))| high - low);
-        lengths.fold(0.0, larger)
-    }
-
-    /// 0 = the low end of X, Y, Z, 1 = the high one.
-    fn corner(&self, [x, y, z]: [u8; 3]) -> (f64, f64) {
-        let end = |(low, high): (f64, f64), n: u8| if n == 0 { low } else { high };
-        projected(PerAxis {
-            x: end(self.ends.x, x),
-            y: end(self.ends.y, y),
-            z: end(self.ends.z, z),
-        })
-    }
-
-    /// Twelve edges, and the names of the axes at their ends.
-    fn marks(&self) -> Vec<Mark> {
-        let mut marks = Vec::new();
-        for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
-            for edge in [[[0, a, b], [1, a, b]], [[a, 0, b], [a, 1, b]], [[a, b, 0], [a, b, 1]]] {
-                marks.push(Mark::Edge(edge.map(|corner| self.corner(corner)).to_vec()));
-            }
+/// The twelve edges of the measured volume, and the names of the axes so far from their ends, mm.
+fn edges(corner: impl Fn(Corner) -> (f64, f64), outer: f64) -> Vec<Mark> {
+    let mut marks = Vec::new();
+    for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        for edge in [[[0, a, b], [1, a, b]], [[a, 0, b], [a, 1, b]], [[a, b, 0], [a, b, 1]]] {
+            marks.push(Mark::Edge(edge.map(&corner).to_vec()));
         }
-        let outer = 0.09 * self.travel();
-        let names = [
-            ("X", [1, 0, 0], (0.0, -outer)),
-            ("Y", [1, 1, 0], (outer, -outer / 2.0)),
-            ("Z", [0, 0, 1], (-outer, 0.0)),
-        ];
-        for (name, corner, (dx, dy)) in names {
-            let (x, y) = self.corner(corner);
-            marks.push(Mark::Words((x + dx, y + dy), name.to_string()));
-        }
-        marks
     }
+    let names = [
+        ("X", [1, 0, 0], (0.0, -outer)),
+        ("Y", [1, 1, 0], (outer, -outer / 2.0)),
+        ("Z", [0, 0, 1], (-outer, 0.0)),
+    ];
+    marks.extend(names.map(|(name, end, (dx, dy))| {
+        let (x, y) = corner(end);
+        Mark::Words((x + dx, y + dy), name.to_string())
+    }));
+    marks
 }
 
 /// Share of all pairs of nodes in each bin, %.
@@ -151,17 +125,16 @@ fn distribution(locale: Locale<'_>, sides: &[Side<'_>]) -> Option<Panel> {
         let Some(histogram) = &side.assessment.histogram else {
             continue;
         };
-        let pairs = histogram.pairs as f64;
         let mut from = 0.0;
-        let mut bars = Vec::new();
-        for count in histogram.counts.each() {
-            let percent = 100.0 * count.unwrap_or(0.0) / pairs;
-            bars.push((from, from + histogram.bin_um, percent));
-            from += histogram.bin_um;
+        let bars = histogram.counts.each().into_iter().map(|count| {
+            let percent = 100.0 * count.unwrap_or(0.0) / histogram.pairs as f64;
             highest = larger(highest, percent);
-        }
+            let start = from;
+            from += histogram.bin_um;
+            (start, from, percent)
+        });
+        marks.push(Mark::Bars(side.ink, bars.collect()));
         widest = larger(widest, from);
-        marks.push(Mark::Bars(side.ink, bars));
     }
     let across = Scale::new(&locale.words("difference"), 0.0, widest).shown_in(locale.um());
     let up = Scale::new(&locale.words("pairs"), 0.0, 1.05 * highest);
@@ -172,19 +145,16 @@ fn contributions(locale: Locale<'_>, sides: &[Side<'_>]) -> Panel {
     let first = sides.first().map(|side| side.assessment.contributions.as_slice());
     let named = first.unwrap_or_default().iter().take(MOST_NAMED);
     let components: Vec<_> = named.map(|part| part.component).collect();
-    let mut marks = Vec::new();
     let width = 0.8 / larger(count(sides.len()), 1.0);
     let mut offset = 0.1;
+    let mut marks = Vec::new();
     for side in sides {
-        let mut at = offset;
-        let mut bars = Vec::new();
-        for component in &components {
-            let own = side.assessment.contributions.iter();
-            let part = own.filter(|part| part.component == *component).map(|part| part.um);
-            bars.extend(part.map(|um| (at, at + width, um)));
-            at += 1.0;
-        }
-        marks.push(Mark::Bars(side.ink, bars));
+        let bars = components.iter().enumerate().filter_map(|(n, component)| {
+            let mut own = side.assessment.contributions.iter();
+            let part = own.find(|part| part.component == *component)?;
+            Some((offset + count(n), offset + count(n) + width, part.um))
+        });
+        marks.push(Mark::Bars(side.ink, bars.collect()));
         offset += width;
     }
     let um = locale.around(marks.iter().flat_map(Mark::heights));

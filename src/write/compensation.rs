@@ -104,8 +104,8 @@ pub(crate) fn uses(task: Task<'_>, plan: &Plan, tables: &Tables, mechanism: Mech
 }
 
 /// What the control's display shows once these tables act, a sentence each.
-pub(crate) fn displayed(task: Task<'_>, compiled: &Compiled, tables: &Tables) -> Vec<String> {
-    family(task.profile).displayed(tables, &compiled.state)
+pub(crate) fn displayed(task: Task<'_>, compiled: &Compiled) -> Vec<String> {
+    family(task.profile).displayed(&compiled.tables, &compiled.state)
 }
 
 fn profile_assumptions(task: Task<'_>, plan: &Plan, tables: &Tables) -> Vec<Assumption> {

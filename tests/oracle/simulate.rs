@@ -206,7 +206,7 @@ fn straight_runs_are_the_cell_ends_of_step_runs() {
     let wishes = Wishes { straight: true, ..Wishes::default() };
     let straight = simulate(&inputs, None, wishes);
     let rehearsal = Rehearsal::of(&inputs.job, None, wishes).unwrap();
-    assert_eq!(rehearsal.kind, PathKind::Straight);
+    assert_eq!(rehearsal.measurement.kind, PathKind::Straight);
     for (whole, ends) in step.runs.iter().zip(&straight.runs) {
         let cell_ends: Vec<_> = whole.deviations.iter().step_by(3).copied().collect();
         assert_eq!(ends.deviations, cell_ends, "{}", whole.diagonal);

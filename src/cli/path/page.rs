@@ -5,7 +5,7 @@ use crate::cli::outcome::joined;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
 use crate::cli::show;
 use crate::kit::Inputs;
-use crate::page::{Ink, Picture, Trace, path};
+use crate::page::{Ink, Locale, Picture, Trace, path};
 use crate::quantity::axis::Axis;
 use crate::quantity::units::Figure;
 use crate::text::problem::Problem;
@@ -30,7 +30,7 @@ pub(super) struct Page {
 
 impl Page {
     /// The error along the path, and at the worst holes.
-    pub(super) fn picture(&self) -> Picture {
+    pub(super) fn picture(&self, locale: Locale<'_>) -> Picture {
         let hole = |hole: &Hole| {
             let of = |[x, y, _]: [f64; 3]| (x, y);
             let before = (Ink::AsFound, of(hole.error_um));
@@ -39,7 +39,8 @@ impl Page {
         };
         let holes: Vec<_> = self.holes.worst().iter().map(hole).collect();
         let machine = &self.inputs.job.machine.name;
-        path(&format!("{machine}: error along {}", self.program), &self.traces, &holes)
+        let heading = format!("{machine}: error along {}", self.program);
+        path(locale, &heading, &self.traces, &holes)
     }
 }
 

@@ -129,15 +129,13 @@ impl Page<'_> {
     pub(super) fn what_decides(&self) -> Option<WhatDecides> {
         let is_sound = self.verification.agrees() && self.doubts().is_empty();
         let forecast = self.verification.forecast.as_ref().filter(|_| is_sound)?;
-        let (job, errors) = (&self.inputs.job, Some(&self.inputs.errors));
         let Some((second, look)) = &self.second else {
-            let model = self.inputs.as_measured();
-            let judged = Judged { job, errors, model, figures: forecast, expected: None };
-            return judged.what_decides();
+            return self.inputs.judged(forecast).what_decides();
         };
         if look.diagnosis.as_ref().is_some_and(|found| !found.as_forecast) {
             return None;
         }
+        let job = &self.inputs.job;
         let judged = Judged {
             job: &Job { acceptance: job.acceptance, ..second.job.as_ref().unwrap_or(job).clone() },
             errors: second.errors.as_ref(),
@@ -190,8 +188,8 @@ impl Page<'_> {
     /// The nine errors as found, as forecast, as left.
     pub(in crate::cli) fn picture(&self, locale: Locale<'_>) -> Result<Picture, Problems> {
         let loaded = &self.verification.loaded;
-        let control = loaded.control().ok().map(|control| (&loaded.asked.plan, control));
-        let mut picture = show::nine_errors(locale, self.inputs, control, self.as_left())?;
+        let effect = loaded.control.is_ok().then(|| loaded.effect()).transpose()?;
+        let mut picture = show::nine_errors(locale, self.inputs, effect.as_ref(), self.as_left());
         if self.is_simulated() {
             picture.note = format!("{}; {}", locale.words("simulated"), picture.note);
         }

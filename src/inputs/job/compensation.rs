@@ -8,6 +8,7 @@ use crate::text::document::keys::LIMITS;
 use crate::text::document::{LONGEST_MM, Section, section};
 use crate::text::problem::{did_you_mean, shown};
 use crate::text::words::{Word, words};
+use serde::Serialize;
 
 /// What is asked of a job: whether it needs `[compensation]`, and which empty keys have to be filled in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,6 +81,8 @@ pub enum WantedTerms {
 
 words! {
     /// What to do with the difference of the two directions of travel.
+    #[derive(Serialize)]
+    #[serde(rename_all = "kebab-case")]
     pub enum BacklashPolicy {
         /// One table with the mean of both directions.
         Mean = "mean",

@@ -1,8 +1,8 @@
 //! `[program]`: the part programs of a measuring run (contract §2.3, docs/program.md).
 
-use crate::inputs::job::diagonals::{DiagonalMeasurement, Reflector, volume};
+use crate::inputs::job::diagonals::{DiagonalMeasurement, Frame, Reflector, SetUp, volume};
 use crate::inputs::job::measurement::{MeasuredData, Measurement};
-use crate::quantity::axis::Axis;
+use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
 use crate::text::document::keys::Places;
@@ -138,6 +138,24 @@ impl ProgramRequest {
             number: None,
             target: measurement.target,
         }
+    }
+
+    /// The measurement of this run of diagonals, of which the job states nothing else; `None` = of single axes.
+    pub(crate) fn measured(&self) -> Option<DiagonalMeasurement> {
+        Some(DiagonalMeasurement {
+            readings: String::new(),
+            kind: self.what.path()?,
+            volume: self.volume.clone(),
+            laser_sign: Direction::Plus,
+            setup: SetUp::Solve,
+            frame: Frame::XPrimary,
+            target: self.target,
+            overrun: Some(self.overrun.mm() > 0.0),
+            linear: Vec::new(),
+            beams: Vec::new(),
+            material: None,
+            closure_errors: None,
+        })
     }
 
     /// The usual run along one axis at the same feed and with the same standstill, at the positions of the

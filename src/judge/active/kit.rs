@@ -9,7 +9,7 @@ use crate::control::claims::Assumption;
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{Profile, Role};
 use crate::inputs::job::Job;
-use crate::judge::findings::InControl;
+use crate::judge::findings::{FileFault, InControl};
 use crate::quantity::axis::PerAxis;
 use crate::read::{KitFile, read};
 use crate::text::document::{json_page, sha256};
@@ -17,7 +17,8 @@ use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems, shown};
 use crate::write::plan::axis_names;
 use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 const SAME: f64 = 1e-6; // mm, µm
 
@@ -36,7 +37,7 @@ pub fn from_kit(
             "name the kit as it was made, or the files read out of the control",
         )
     })?;
-    let files = listed(job, path, &document, files)?;
+    let files = acting(job, path, &document, files)?;
     let mut problems = Problems::none();
     let (controller, state) = (word(&document["controller"]), &document["state"]);
     if controller != profile.id {
@@ -81,46 +82,85 @@ fn items(value: &Value) -> impl Iterator<Item = &Value> {
 }
 
 /// The files that act, after every listed one was compared with its hash.
-fn listed(
+fn acting(
     job: &Job,
     path: &str,
     document: &Value,
     files: Vec<(String, Vec<u8>)>,
 ) -> Result<Vec<(Role, String, Vec<u8>)>, Problems> {
     let mut problems = Problems::none();
-    let mut acting = Vec::new();
     let mut files: BTreeMap<String, Vec<u8>> = files.into_iter().collect();
-    let mut seen = BTreeSet::new();
-    for entry in items(&document["files"]) {
-        let name = word(&entry["path"]);
-        let role = Role::of_word(word(&entry["role"]));
-        if !seen.insert(name) {
-            problems.push_with(|| changed(job, path, name, "is listed twice"));
-            continue;
-        }
-        let acts = |role: &Role| matches!(role, Role::Table | Role::Parameters | Role::Enable);
-        match files.remove(name) {
-            None => problems.push_with(|| changed(job, path, name, "is missing")),
-            Some(_) if role.is_some_and(Role::is_written_into) => {}
-            Some(bytes) if sha256(&bytes) != word(&entry["sha256"]) => {
-                problems.push(changed(job, path, name, "was changed after it was made"));
-            }
-            Some(bytes) => {
-                let role = role.filter(acts);
-                acting.extend(role.map(|role| (role, name.to_string(), bytes)));
-            }
-        }
+    let bytes = |name: &str| Ok(files.get(name).map(|bytes| (None, bytes.as_slice().into())));
+    for Fault { kind, role } in faults(document, bytes) {
+        let is_written_into = role.is_some_and(Role::is_written_into);
+        let (name, what) = match kind {
+            FileFault::Changed { .. } if is_written_into => continue,
+            FileFault::Changed { file } => (file, "was changed after it was made"),
+            FileFault::ListedTwice { file } => (file, "is listed twice"),
+            FileFault::Missing { file } | FileFault::NoPlainName { file } => (file, "is missing"),
+            FileFault::NotReadable { message } => (message, "cannot be read"),
+        };
+        problems.push(problem(
+            job,
+            format!("`{name}` of the kit `{path}` {what}, so what was active is not known"),
+            "name the kit as it was loaded, or the files read out of the control",
+        ));
     }
+    let acts = |role: &Role| matches!(role, Role::Table | Role::Parameters | Role::Enable);
+    let acting = listed(document).filter_map(|(name, entry)| {
+        let role = Role::of_word(word(&entry["role"])).filter(acts)?;
+        Some((role, name.to_string(), files.remove(name)?))
+    });
+    let acting = acting.collect();
     problems.or_ok(acting)
 }
 
-fn changed(job: &Job, path: &str, name: &str, what: &str) -> Problem {
-    let name = shown(name);
-    problem(
-        job,
-        format!("`{name}` of the kit `{path}` {what}, so what was active is not known"),
-        "name the kit as it was loaded, or the files read out of the control",
-    )
+/// What the manifest lists, by path.
+pub(crate) fn listed(document: &Value) -> impl Iterator<Item = (&str, &Value)> {
+    items(&document["files"]).map(|entry| (word(&entry["path"]), entry))
+}
+
+/// A difference of the files from what their manifest lists.
+pub struct Fault {
+    /// Which.
+    pub kind: FileFault,
+    /// What the file is for, as far as known.
+    pub role: Option<Role>,
+}
+
+/// Purpose (where it is known better than from the manifest) and bytes of a file.
+type Bytes<'a> = (Option<Role>, Cow<'a, [u8]>);
+
+/// How the files of a directory differ from what its manifest lists.
+pub fn faults<'a>(
+    document: &Value,
+    bytes_of: impl Fn(&str) -> Result<Option<Bytes<'a>>, Problem>,
+) -> Vec<Fault> {
+    let mut seen = BTreeMap::<&str, usize>::new();
+    let fault = |(path, entry): (_, &Value)| {
+        let (file, times) = (shown(path), seen.entry(path).or_default());
+        *times += 1;
+        let role = Role::of_word(word(&entry["role"]));
+        let (kind, role) = match *times {
+            1 if !is_plain_name(path) => (FileFault::NoPlainName { file }, None),
+            1 => match bytes_of(path) {
+                Err(Problem { message, .. }) => (FileFault::NotReadable { message }, None),
+                Ok(None) => (FileFault::Missing { file }, role),
+                Ok(Some((_, bytes))) if sha256(&bytes) == word(&entry["sha256"]) => return None,
+                Ok(Some((known, _))) => (FileFault::Changed { file }, known.or(role)),
+            },
+            2 => (FileFault::ListedTwice { file }, None),
+            _ => return None,
+        };
+        Some(Fault { kind, role })
+    };
+    listed(document).filter_map(fault).collect()
+}
+
+/// A manifest lists files of its own directory and nothing else.
+fn is_plain_name(name: &str) -> bool {
+    std::path::Path::new(name).file_name() == Some(name.as_ref())
+        && !name.contains(['/', '\\', ':'])
 }
 
 /// Serial number, name and chain of the machine of the kit against those of the job: another

@@ -23,8 +23,7 @@ use serde_json::{Value, json};
 
 /// The sign proofs of a kit, read back to what was meant.
 pub(super) struct Proofs {
-    /// As they were read from their files, each with the names of these.
-    written: Vec<(SignProof, Vec<String>)>,
+    pub(super) shown: Vec<Shown>,
     pub(super) files: Vec<RenderedFile>,
     /// Mechanisms without a sign proof.
     pub(super) missing: Vec<Finding>,
@@ -39,9 +38,12 @@ pub(super) struct Shown {
 }
 
 impl Proofs {
-    /// Writes the proofs and reads each back through its own reader.
-    pub(super) fn write(made: &Made<'_>) -> Result<Proofs, Problems> {
+    /// Writes the proofs and reads each back through its own reader; what the emulated control does once they
+    /// are loaded over the kit's own files.
+    pub(super) fn of(made: &Made<'_>) -> Result<Proofs, Problems> {
+        let profile = &made.inputs.profile;
         let SignProofs { proofs, missing } = sign_proofs(made.task(), &made.plan, &made.compiled);
+        let mut loaded = made.compiled.tables.clone();
         let (mut written, mut files) = (Vec::new(), Vec::new());
         for proof in proofs {
             let own = proof_files(made, &proof)?;
@@ -52,30 +54,19 @@ impl Proofs {
             if tables != proof.tables {
                 return Err(shows_otherwise("they hold other tables than were meant"));
             }
-            let paths = own.iter().map(|file| file.path.clone()).collect();
-            written.push((SignProof { tables, ..proof }, paths));
+            load(profile, &mut loaded, tables);
+            let paths: Vec<String> = own.iter().map(|file| file.path.clone()).collect();
+            written.push((proof, paths));
             files.extend(own);
         }
-        Ok(Proofs { written, files, missing })
-    }
-
-    /// What the emulated control does once they are loaded over the kit's own files.
-    pub(super) fn shown(&self, made: &Made<'_>) -> Result<Vec<Shown>, Problems> {
-        if self.written.is_empty() {
-            return Ok(Vec::new());
-        }
-        let mut state = made.tables.clone();
-        for (proof, _) in &self.written {
-            load(&made.inputs.profile, &mut state, proof.tables.clone());
-        }
-        let control = emulator(&made.inputs.profile, &state, &made.compiled.state)
+        let control = emulator(profile, &loaded, &made.compiled.state)
             .map_err(|reason| shows_otherwise(&reason.0))?;
-        let shown = |(proof, paths): &(SignProof, Vec<String>)| {
-            let shown_um = shown_um(&made.plan, control.as_ref(), proof)
+        let shown = written.into_iter().map(|(proof, paths)| {
+            let shown_um = shown_um(&made.plan, control.as_ref(), &proof)
                 .map_err(|reason| shows_otherwise(&reason.0))?;
-            Ok(Shown { proof: proof.clone(), paths: paths.clone(), shown_um })
-        };
-        self.written.iter().map(shown).collect()
+            Ok(Shown { proof, paths, shown_um })
+        });
+        Ok(Proofs { shown: shown.collect::<Result<_, Problems>>()?, files, missing })
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::{Noise, Rehearsal, SIMULATED, SimulatedMachine, written};
 use crate::inputs::error_table::{Draft, Series};
-use crate::inputs::job::{Job, MeasuredData};
+use crate::inputs::job::{DiagonalMeasurement, Job, MeasuredData};
 use crate::judge::after::{not_known, outside};
 use crate::kit::Inputs;
 use crate::kit::manifest::HashedFile;
@@ -21,6 +21,7 @@ use crate::write::emit::TOOL;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
+use serde::Serialize;
 
 /// Simulated readings.
 #[derive(Clone, Debug)]
@@ -37,15 +38,15 @@ pub struct Simulation {
     pub read_over_all_um: f64,
 }
 
-/// Readings of a pass by node, zero at the forward start, µm; the return pass where it is measured.
-type Passes = (Vec<f64>, Option<Vec<f64>>);
+/// Readings of each pass by node, zero at the forward start, µm.
+type Passes = Vec<(Pass, Vec<f64>)>;
 
 /// Lines of the file beside its readings: some for each input and each note.
 const MOST_COMMENTS: usize = 1000;
 
 /// No file of readings is written that would be refused when it is read.
 fn check_rows(rehearsal: &Rehearsal, problems: &mut Problems) {
-    let nodes = rehearsal.volume.last_node(rehearsal.kind) + 1;
+    let nodes = rehearsal.measurement.volume.last_node(rehearsal.measurement.kind) + 1;
     let runs = usize::try_from(rehearsal.runs).unwrap_or(usize::MAX);
     let passes = Diagonal::ALL.len() * (1 + usize::from(rehearsal.both_directions));
     let rows = nodes.saturating_mul(passes).saturating_mul(runs);
@@ -75,8 +76,9 @@ pub fn readings(
         exact.extend(as_runs(rehearsal, diagonal, 1, &passes));
         runs.extend(noisy_runs(rehearsal, diagonal, index, &passes));
     }
-    let (predicted, predicted_over_all_um) = figures(&exact, rehearsal.kind);
-    let (read, read_over_all_um) = figures(&runs, rehearsal.kind);
+    let kind = rehearsal.measurement.kind;
+    let (predicted, predicted_over_all_um) = figures(&exact, kind);
+    let (read, read_over_all_um) = figures(&runs, kind);
     for run in &mut runs {
         add_expansion(rehearsal, run);
     }
@@ -88,24 +90,21 @@ fn passes(
     rehearsal: &Rehearsal,
     diagonal: Diagonal,
 ) -> Option<Passes> {
-    let walked = |pass: Pass| {
-        let error = |node: usize| error_at(machine, rehearsal, diagonal, pass, node);
-        rehearsal.volume.along_beam(diagonal, rehearsal.kind, error)
+    let DiagonalMeasurement { volume, kind, .. } = &rehearsal.measurement;
+    let along = |pass: &Pass| {
+        let error = |node: usize| error_at(machine, rehearsal, diagonal, *pass, node);
+        Some((*pass, volume.along_beam(diagonal, *kind, error)?))
     };
-    let forward = walked(Pass::Forward)?;
-    let zero = *forward.first()?;
-    let read = |pass: Pass, along: Vec<f64>| -> Vec<f64> {
-        let angles = rehearsal.angles.as_ref();
-        let angles = angles.and_then(|a| a.of(diagonal, pass));
-        let effect = |node: usize| angles.and_then(|a| a.get(node).copied()).unwrap_or(0.0);
-        let nodes = along.into_iter().enumerate();
-        nodes.map(|(node, um)| um - zero + effect(node)).collect()
-    };
-    let back = match rehearsal.both_directions {
-        true => Some(read(Pass::Reverse, walked(Pass::Reverse)?)),
-        false => None,
-    };
-    Some((read(Pass::Forward, forward), back))
+    let passes = &Pass::BOTH[..=usize::from(rehearsal.both_directions)];
+    let mut passes: Passes = passes.iter().map(along).collect::<Option<_>>()?;
+    let zero = *passes.first()?.1.first()?;
+    for (pass, readings) in &mut passes {
+        let angles = rehearsal.angles.as_ref().and_then(|angles| angles.of(diagonal, *pass));
+        let effect = |node: usize| angles.and_then(|of| of.get(node).copied()).unwrap_or(0.0);
+        let nodes = readings.iter_mut().enumerate();
+        nodes.for_each(|(node, um)| *um = *um - zero + effect(node));
+    }
+    Some(passes)
 }
 
 /// The error of the tool at a node, µm, each term in the direction in which its axis arrived.
@@ -116,7 +115,8 @@ fn error_at(
     pass: Pass,
     node: usize,
 ) -> Option<PerAxis<f64>> {
-    let place = rehearsal.volume.place(diagonal, rehearsal.kind, node);
+    let DiagonalMeasurement { volume, kind, .. } = &rehearsal.measurement;
+    let place = volume.place(diagonal, *kind, node);
     let mut error = PerAxis::default();
     for term in ErrorTerm::ALL {
         let direction = rehearsal.arrived(diagonal, pass, node, term.along);
@@ -125,19 +125,22 @@ fn error_at(
     Some(error)
 }
 
-fn as_runs(rehearsal: &Rehearsal, diagonal: Diagonal, number: u32, passes: &Passes) -> Vec<Run> {
+fn as_runs(
+    rehearsal: &Rehearsal,
+    diagonal: Diagonal,
+    number: u32,
+    passes: &Passes,
+) -> impl Iterator<Item = Run> {
     let recorded = rehearsal.recorded();
-    let run = |pass: Pass, readings: &Vec<f64>| Run {
+    passes.iter().map(move |(pass, readings)| Run {
         diagonal,
         number,
-        pass,
+        pass: *pass,
         deviations: readings.iter().copied().map(Deviation::from_um).collect(),
         temperatures_c: PerAxis::from_fn(|axis| {
             recorded[axis].then(|| vec![REFERENCE_C; readings.len()])
         }),
-    };
-    let back = passes.1.iter().map(|back| run(Pass::Reverse, back));
-    std::iter::once(run(Pass::Forward, &passes.0)).chain(back).collect()
+    })
 }
 
 /// The runs of a diagonal. Each draws from a stream of its own, so that more runs or the return pass
@@ -151,32 +154,36 @@ fn noisy_runs(
     let mut runs = Vec::new();
     let mut zero_um = None;
     for number in 1..=rehearsal.runs {
-        let mut random = ChaCha8Rng::seed_from_u64(rehearsal.noise.seed);
         let stream = u64::from(number - 1) * Diagonal::ALL.len() as u64 + index as u64;
-        random.set_stream(stream);
-        let mut noisy = |readings: &Vec<f64>| -> Vec<f64> {
-            let mut read = Vec::new();
-            for um in readings {
-                let draw: f64 = StandardNormal.sample(&mut random);
-                let off = rehearsal.noise.um * draw;
-                read.push(um + off - *zero_um.get_or_insert(off));
-            }
-            read
-        };
-        let forward = noisy(&passes.0);
-        let back = passes.1.as_ref().map(&mut noisy);
-        runs.extend(as_runs(rehearsal, diagonal, number, &(forward, back)));
+        let mut off_um = rehearsal.noise.draws(stream);
+        let mut noisy = passes.clone();
+        for um in noisy.iter_mut().flat_map(|(_, readings)| readings) {
+            let off = off_um();
+            *um = *um + off - *zero_um.get_or_insert(off);
+        }
+        runs.extend(as_runs(rehearsal, diagonal, number, &noisy));
     }
     runs
 }
 
+impl Noise {
+    /// Draws of a stream of its own, µm.
+    fn draws(self, stream: u64) -> impl FnMut() -> f64 {
+        let mut random = ChaCha8Rng::seed_from_u64(self.seed);
+        random.set_stream(stream);
+        move || {
+            let draw: f64 = StandardNormal.sample(&mut random);
+            self.um * draw
+        }
+    }
+}
+
 /// Adds the expansion that the job takes off again, and rounds to the digits of a file.
 fn add_expansion(rehearsal: &Rehearsal, run: &mut Run) {
-    let material = rehearsal.material.filter(|m| !m.material_corrected);
+    let DiagonalMeasurement { volume, kind, .. } = &rehearsal.measurement;
+    let material = rehearsal.material();
     let expansion = |node: usize| {
-        material.map_or(0.0, |material| {
-            expansion_um(&rehearsal.volume, rehearsal.kind, &material, run, node)
-        })
+        material.map_or(0.0, |material| expansion_um(volume, *kind, &material, run, node))
     };
     let nodes = run.deviations.iter().enumerate();
     let read = nodes.map(|(node, um)| Deviation::from_um(written(um.um() + expansion(node))));
@@ -203,7 +210,7 @@ fn check_measured(
         (MeasuredData::Errors(_), Some(program)) => program.size_path,
         _ => "measurement.step_diagonal.size_mm",
     };
-    for words in outside(machine.model, &rehearsal.volume) {
+    for words in outside(machine.model, &rehearsal.measurement.volume) {
         let problem = job.problem_at(key, words);
         problems
             .push(problem.help("keep the box inside the measured range: nothing is extrapolated"));
@@ -219,14 +226,14 @@ pub fn single_axes(
     (noise, stated_um): (Noise, Option<f64>),
     comments: Vec<String>,
 ) -> Draft {
-    let mut series = Vec::new();
-    for axis in Axis::ALL {
-        for direction in directions(machine, axis) {
-            let stream = series.len() as u64;
-            let noise = OneSeries::new(runs, noise, stream, stated_um.unwrap_or(0.0));
-            series.push(one_series(machine, axis, direction, noise));
-        }
-    }
+    let noise = Noise { um: noise.um / f64::from(runs).sqrt(), ..noise };
+    let more = noise.um.squared() - stated_um.unwrap_or(0.0).squared();
+    let column_um = more.max(0.0).sqrt();
+    let of = |axis| directions(machine, axis).into_iter().map(move |way| (axis, way));
+    let series = (0..).zip(Axis::ALL.into_iter().flat_map(of));
+    let series = series
+        .map(|(stream, of)| one_series(machine, of, noise.draws(stream), column_um))
+        .collect();
     Draft { comments, series }
 }
 
@@ -248,35 +255,12 @@ fn directions(machine: &SimulatedMachine<'_>, axis: Axis) -> Vec<Option<Directio
     }
 }
 
-/// The noise of one series.
-struct OneSeries {
-    random: ChaCha8Rng,
-    /// Standard deviation of a mean over the runs, µm.
-    u_um: f64,
-    /// What the columns state of it, beside `noise_um` of the job, µm.
-    column_um: f64,
-}
-
-impl OneSeries {
-    fn new(runs: u32, noise: Noise, stream: u64, stated_um: f64) -> OneSeries {
-        let mut random = ChaCha8Rng::seed_from_u64(noise.seed);
-        random.set_stream(stream);
-        let u_um = noise.um / f64::from(runs).sqrt();
-        let more = u_um.squared() - stated_um.squared();
-        OneSeries { random, u_um, column_um: more.max(0.0).sqrt() }
-    }
-
-    fn draw(&mut self) -> f64 {
-        let draw: f64 = StandardNormal.sample(&mut self.random);
-        self.u_um * draw
-    }
-}
-
+/// What one series shows with its noise; `column_um` = what the columns state of that.
 fn one_series(
     machine: &SimulatedMachine<'_>,
-    axis: Axis,
-    direction: Option<Direction>,
-    mut noise: OneSeries,
+    (axis, direction): (Axis, Option<Direction>),
+    mut off_um: impl FnMut() -> f64,
+    column_um: f64,
 ) -> Series {
     let positions = positions(machine, axis);
     let moving = direction.unwrap_or(Direction::Plus);
@@ -285,11 +269,10 @@ fn one_series(
         let term = ErrorTerm { of, along: axis };
         let at = |position: &Millimetres| machine.left_um(term, moving, *position);
         let left: Option<Vec<f64>> = positions.iter().map(at).collect();
-        let noisy = |um: f64| Deviation::from_um(written(um + noise.draw()));
-        Some(left?.into_iter().map(noisy).collect())
+        Some(left?.into_iter().map(|um| Deviation::from_um(written(um + off_um()))).collect())
     });
-    if noise.column_um > 0.0 {
-        let stated = |known: &Vec<Deviation>| vec![noise.column_um; known.len()];
+    if column_um > 0.0 {
+        let stated = |known: &Vec<Deviation>| vec![column_um; known.len()];
         series.uncertainties_um = PerAxis::from_fn(|of| series.deviations[of].as_ref().map(stated));
     }
     series
@@ -312,15 +295,16 @@ fn positions(machine: &SimulatedMachine<'_>, axis: Axis) -> Vec<Millimetres> {
 }
 
 /// Where a simulation comes from, for the comments of its file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct SimulationSource {
+    /// By how much every scale has grown, µm/m.
+    pub scale_um_per_m: f64,
     /// The tables that were active, in words.
     pub tables: String,
     /// The files that hold them.
     pub table_files: Vec<HashedFile>,
-    /// By how much every scale has grown, µm/m.
-    pub scale_um_per_m: f64,
     /// What was taken for granted.
+    #[serde(skip)]
     pub notes: Vec<Finding>,
 }
 
@@ -354,33 +338,32 @@ pub fn write(simulation: &Simulation, rehearsal: &Rehearsal, comments: &[String]
     let recorded = rehearsal.recorded();
     let recorded = recorded.iter().filter(|(_, is_recorded)| **is_recorded);
     let recorded: String = recorded.map(|(axis, _)| format!(",t_{}_c", axis.key())).collect();
-    let moved = if rehearsal.kind == PathKind::Step { ",moved" } else { "" };
+    let moved = if rehearsal.measurement.kind == PathKind::Step { ",moved" } else { "" };
     let header = format!("diagonal,run,direction,node{moved},deviation_um{recorded}");
-    let rows = simulation.runs.iter().flat_map(|run| rows(run, rehearsal));
+    let rows = simulation.runs.iter().flat_map(|run| {
+        let nodes = run.deviations.len();
+        // In the order in which they are measured.
+        let node = move |turn: usize| match run.pass {
+            Pass::Forward => turn,
+            Pass::Reverse => nodes - 1 - turn,
+        };
+        (0..nodes).map(move |turn| row(run, node(turn), rehearsal))
+    });
     let comments = comments.iter().map(|comment| plain::comment(comment));
     comments.chain([header]).chain(rows).map(|line| line + "\n").collect()
 }
 
-/// The rows of a run in the order in which they are measured.
-fn rows(run: &Run, rehearsal: &Rehearsal) -> Vec<String> {
-    let nodes = 0..run.deviations.len();
-    let mut rows: Vec<String> = nodes.map(|node| row(run, node, rehearsal)).collect();
-    if run.pass == Pass::Reverse {
-        rows.reverse();
-    }
-    rows
-}
-
 fn row(run: &Run, node: usize, rehearsal: &Rehearsal) -> String {
     let um = run.deviations[node].um();
-    let um = Figure(match rehearsal.laser_sign {
+    let DiagonalMeasurement { volume, kind, laser_sign, .. } = &rehearsal.measurement;
+    let um = Figure(match laser_sign {
         Direction::Plus => um,
         Direction::Minus => 0.0 - um,
     });
-    let moved = match (rehearsal.kind, node) {
+    let moved = match (kind, node) {
         (PathKind::Straight, _) => String::new(),
         (PathKind::Step, 0) => ",".to_string(),
-        (PathKind::Step, node) => format!(",{}", rehearsal.volume.moved(node).key()),
+        (PathKind::Step, node) => format!(",{}", volume.moved(node).key()),
     };
     let celsius = run.temperatures_c.iter();
     let celsius = celsius.filter_map(|(_, t)| Some(format!(",{}", t.as_ref()?.get(node)?)));

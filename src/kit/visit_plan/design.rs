@@ -3,8 +3,8 @@
 use super::variant::{Variant, Visit, expanded_um};
 use crate::inputs::error_table::{ErrorTable, write};
 use crate::inputs::job::{
-    Acceptance, DiagonalMeasurement, Frame, GridRequest, Job, Linear, LinearSlope, MeasuredData,
-    Measurement, ProgramRequest, RunType, SetUp,
+    DiagonalMeasurement, GridRequest, Job, Linear, LinearSlope, MeasuredData, Measurement,
+    ProgramRequest, RunType,
 };
 use crate::judge::after::alone;
 use crate::judge::forecast::Forecast;
@@ -12,7 +12,7 @@ use crate::machine::model::ErrorModel;
 use crate::machine::separation::campaign::{NamedTables, campaign};
 use crate::machine::separation::corrections::AngleEvidence;
 use crate::machine::separation::{Instrument, Part, Separation, expected, table};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
+use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind};
 use crate::quantity::units::Millimetres;
 use crate::text::document::Source;
@@ -44,7 +44,7 @@ pub struct SetUpTimes {
 /// A visit as the job describes it.
 #[derive(Clone, Debug)]
 pub struct Design<'a> {
-    pub(super) job: &'a Job,
+    pub(crate) job: &'a Job,
     angles: Option<ErrorTable>,
     /// What is known of angles; `None` = what `angles` says.
     evidence: Option<AngleEvidence>,
@@ -67,14 +67,10 @@ impl<'a> Design<'a> {
         times: SetUpTimes,
     ) -> Result<Design<'a>, Problems> {
         ensure_axes(job)?;
-        let measured = match &job.measurement.data {
-            MeasuredData::Diagonals(how) if how.kind == PathKind::Step => Some(how),
-            _ => None,
-        };
-        let run = described_run(job, measured)?;
+        let (run, measurement) = described(job).ok_or_else(|| no_run(job))?;
         let stated = job.measurement.uncertainty;
         Ok(Design {
-            measurement: measured.map_or_else(|| usual(&run), Clone::clone),
+            measurement,
             described: Variant { run, linear: Vec::new(), angles: Vec::new() },
             instrument: Instrument { noise_um: stated.noise_um.unwrap_or(NOISE_UM), stated },
             job,
@@ -109,22 +105,10 @@ impl<'a> Design<'a> {
         self.evidence.as_ref().map_or(1, |_| self.described.run.runs)
     }
 
-    /// The limits of the job.
-    pub(crate) fn acceptance(&self) -> Acceptance {
-        self.job.acceptance
-    }
-
     /// Axes whose linear measurement the job names: they take no time.
     pub(crate) fn axes_named(&self) -> Vec<Axis> {
         let named = self.measurement.linear.iter();
         named.map(|linear| linear.axis).collect()
-    }
-
-    /// Axes that could be measured along their length beside those.
-    pub(crate) fn axes_open(&self) -> Vec<Axis> {
-        let named = self.axes_named();
-        let open = |axis: &Axis| !named.contains(axis);
-        Axis::ALL.into_iter().filter(open).collect()
     }
 
     /// Half and twice the steps, where a program can make them and they show enough of an axis.
@@ -139,7 +123,8 @@ impl<'a> Design<'a> {
             let is_close = volume.steps > steps || other.target_spacing_mm() <= WIDEST_MM;
             is_close && volume.steps <= MOST_STEPS && Axis::ALL.into_iter().all(is_whole)
         };
-        let others = [steps.div_ceil(2), 2 * steps].map(|steps| variant.in_steps(steps));
+        let others = [steps.div_ceil(2), 2 * steps];
+        let others = others.map(|steps| variant.run_as(|run| run.volume.steps = steps));
         others.into_iter().filter(fits).collect()
     }
 
@@ -210,8 +195,10 @@ impl<'a> Design<'a> {
 
     /// What can be measured in addition: each linear axis, that angle of the stated ones that does most, all of them.
     pub(super) fn additions(&self, described: &Visit, parts: &[(Part, f64)]) -> Vec<Variant> {
-        let one = |axis: Axis| self.described.with(&[axis], &[]);
-        let mut additions: Vec<Variant> = self.axes_open().into_iter().map(one).collect();
+        let named = self.axes_named();
+        let axes = Axis::ALL.into_iter().filter(|axis| !named.contains(axis));
+        let mut additions: Vec<Variant> =
+            axes.map(|axis| self.described.with(&[axis], &[])).collect();
         let open = &described.expected.angle_evidence().missing;
         let angle = |(part, _): &(Part, f64)| match part {
             Part::Angle(angle) => open.contains(angle).then_some(*angle),
@@ -271,15 +258,17 @@ impl<'a> Design<'a> {
     }
 }
 
-/// The run of `[program]` where it walks step diagonals, else that of the measurement.
-fn described_run(
-    job: &Job,
-    measured: Option<&DiagonalMeasurement>,
-) -> Result<ProgramRequest, Problem> {
+/// The run of `[program]` where it walks step diagonals, else that of the measurement; how it is measured.
+fn described(job: &Job) -> Option<(ProgramRequest, DiagonalMeasurement)> {
+    let measured = match &job.measurement.data {
+        MeasuredData::Diagonals(how) if how.kind == PathKind::Step => Some(how),
+        _ => None,
+    };
     let is_step = |run: &&ProgramRequest| run.what == RunType::StepDiagonal;
     let program = job.program.as_ref().filter(is_step).cloned();
-    let run = program.or_else(|| measured.map(ProgramRequest::of_measurement));
-    run.ok_or_else(|| no_run(job))
+    let run = program.or_else(|| measured.map(ProgramRequest::of_measurement))?;
+    let measurement = measured.cloned().or_else(|| run.measured())?;
+    Some((run, measurement))
 }
 
 /// A diagonal moves all three axes.
@@ -303,24 +292,6 @@ fn no_run(job: &Job) -> Problem {
     };
     job.problem_at(key, "the job describes no run of step diagonals, so there is no visit to plan")
         .help("add `[program]` with `what = \"step-diagonal\"`, `start_mm`, `size_mm`, `steps` and `order` (docs/program.md); `nonius new … --readings` writes them")
-}
-
-/// A measurement of which the job states nothing but the run.
-fn usual(run: &ProgramRequest) -> DiagonalMeasurement {
-    DiagonalMeasurement {
-        readings: String::new(),
-        kind: PathKind::Step,
-        volume: run.volume.clone(),
-        laser_sign: Direction::Plus,
-        setup: SetUp::Solve,
-        frame: Frame::XPrimary,
-        target: run.target,
-        overrun: None,
-        linear: Vec::new(),
-        beams: Vec::new(),
-        material: None,
-        closure_errors: None,
-    }
 }
 
 /// The forecast of the error table that `separate` would write, as if no table were loaded.

@@ -2,7 +2,7 @@
 
 use crate::inputs::job::{Acceptance, Job, ProgramRequest};
 use crate::judge::conformity::Verdict;
-use crate::judge::forecast::{Forecast, JudgedRange, Missed};
+use crate::judge::forecast::{Forecast, Missed};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::joint::Measured;
 use crate::machine::separation::{MeasuredLine, Part, Separation};
@@ -67,31 +67,23 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// The diagonals walked one way only.
-    pub(super) fn one_way(&self) -> Variant {
+    /// The same with another run.
+    pub(super) fn run_as(&self, change: impl FnOnce(&mut ProgramRequest)) -> Variant {
         let mut other = self.clone();
-        other.run.bidirectional = false;
+        change(&mut other.run);
         other
     }
 
     /// The diagonals walked back too, without overrun.
     pub(super) fn turning(&self) -> Variant {
-        let mut other = self.clone();
-        other.run.bidirectional = true;
-        other.run.overrun = Millimetres::new(0.0);
-        other
+        self.run_as(|run| {
+            run.bidirectional = true;
+            run.overrun = Millimetres::new(0.0);
+        })
     }
 
     pub(super) fn in_runs(&self, runs: u32) -> Variant {
-        let mut other = self.clone();
-        other.run.runs = runs;
-        other
-    }
-
-    pub(super) fn in_steps(&self, steps: usize) -> Variant {
-        let mut other = self.clone();
-        other.run.volume.steps = steps;
-        other
+        self.run_as(|run| run.runs = runs)
     }
 
     pub(super) fn with(&self, linear: &[Axis], angles: &[Rotation]) -> Variant {
@@ -216,12 +208,6 @@ impl Visit {
     /// Whether all wanted terms are determined and their U alone keeps the acceptance.
     pub fn reaches(&self, acceptance: Acceptance) -> bool {
         self.open.is_empty() && self.forecast.verdict(acceptance) == Verdict::Pass
-    }
-
-    /// Why less than the judged range is known, a sentence for each axis.
-    pub(super) fn short_ranges(&self) -> Vec<String> {
-        let ranges = self.forecast.ranges.iter();
-        ranges.filter_map(JudgedRange::missing).collect()
     }
 }
 

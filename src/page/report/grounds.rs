@@ -130,10 +130,7 @@ impl Report<'_> {
     /// Why the verdict is no pass, the gravest first, short enough for the first page.
     pub(super) fn because(&self) -> Vec<String> {
         let visit = self.visit;
-        let off = self
-            .document("verify")
-            .pointer("/diagnosis/as_forecast")
-            .is_some_and(|value| value == false);
+        let off = self.document("verify").pointer("/diagnosis/as_forecast") == Some(&false.into());
         let off = off.then(|| self.fill("not_as_forecast", [("part", self.link("findings"))]));
         let misses = self.misses();
         let more = misses.len().saturating_sub(MOST);

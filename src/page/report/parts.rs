@@ -75,6 +75,21 @@ impl Table {
     }
 }
 
+/// A line of a table: what it is of, then its figures.
+fn line(name: String, figures: impl IntoIterator<Item = String>) -> Vec<String> {
+    std::iter::once(name).chain(figures).collect()
+}
+
+/// A file with its hash.
+fn hashed(path: &str, sha256: &str) -> Vec<String> {
+    vec![escaped(path), format!("<code>{}</code>", escaped(sha256))]
+}
+
+/// A text of an entry; empty where there is none.
+fn text<'a>(entry: &'a Value, key: &str) -> &'a str {
+    entry[key].as_str().unwrap_or_default()
+}
+
 impl Report<'_> {
     fn part(&self, id: &'static str) -> Part {
         let own = self.visit.pictures.iter().filter(|(of, _)| *of == id);
@@ -119,49 +134,38 @@ impl Report<'_> {
         let rows = FIGURES.map(|(figure, shown)| {
             let at = format!("/iso_230_2/{figure}_um");
             let own = names.iter().map(|name| self.figure(name, &at, Kind::Deviation));
-            std::iter::once(shown.to_string()).chain(own).collect::<Vec<_>>()
+            line(shown.to_string(), own)
         });
-        let rows = rows.into_iter().filter(|row| row.iter().skip(1).any(|cell| cell != NONE));
-        let head = std::iter::once(self.unit().to_string()).chain(files.iter().map(|f| escaped(f)));
+        let rows = rows.into_iter().filter(|row| row[1..].iter().any(|cell| cell != NONE));
+        let head = line(self.unit().to_string(), files.iter().map(|file| escaped(file)));
         let said = names.iter().zip(files).flat_map(|(name, file)| {
-            let label = self.document(name).pointer("/iso_230_2/label");
-            let label = label.and_then(Value::as_str).map(escaped);
-            let notes = self.sentences(name, "/iso_230_2/notes", usize::MAX);
-            let said = label.into_iter().chain(notes);
+            let said = ["label", "notes"].map(|key| format!("/iso_230_2/{key}"));
+            let said = said.into_iter().flat_map(|at| self.sentences(name, &at));
             said.map(move |words| format!("{}: {words}", escaped(file)))
         });
-        Part {
-            tables: vec![Table::new(head.collect(), rows, false)],
-            said: said.collect(),
-            ..self.part("linear")
-        }
+        let tables = vec![Table::new(head, rows, false)];
+        Part { tables, said: said.collect(), ..self.part("linear") }
     }
 
     /// Figures of the diagonals as they were read.
     fn readings(&self) -> Part {
         const OF: &str = "/iso_230_6/diagonals";
         let names = self.keys("standards", OF);
-        let figures = ["E", "B", "R", "A", "range"];
         let at = |name: &str, figure: &str| {
             let at = format!("{OF}/{name}/{figure}_um");
             self.figure("standards", &at, Kind::Deviation)
         };
-        let is_there = |figure: &&str| names.iter().any(|name| at(name, figure) != NONE);
-        let figures: Vec<&str> = figures.into_iter().filter(is_there).collect();
+        let mut figures = vec!["E", "B", "R", "A", "range"];
+        figures.retain(|figure| names.iter().any(|name| at(name, figure) != NONE));
         let rows = names.iter().map(|name| {
             let own = figures.iter().map(|figure| at(name, figure));
-            std::iter::once(escaped(name)).chain(own).collect()
+            line(escaped(name), own)
         });
-        let shown = figures.iter().map(|figure| match *figure {
-            "range" => self.t("range"),
-            letter => letter.to_string(),
-        });
-        let head = std::iter::once(format!("{}, {}", self.t("diagonal"), self.unit()));
-        let label = self.document("standards").pointer("/iso_230_6/label");
-        let label = label.and_then(Value::as_str).map(escaped);
+        let shown = figures.iter().map(|figure| self.named(figure, figure));
+        let head = line(format!("{}, {}", self.t("diagonal"), self.unit()), shown);
         Part {
-            tables: vec![Table::new(head.chain(shown).collect(), rows, false)],
-            said: label.into_iter().collect(),
+            tables: vec![Table::new(head, rows, false)],
+            said: self.sentences("standards", "/iso_230_6/label"),
             ..self.part("readings")
         }
     }
@@ -169,13 +173,12 @@ impl Report<'_> {
     fn volume(&self) -> Part {
         let part = self.part("volume");
         if self.document("assess").is_null() {
-            let why = self.visit.without_volume.iter().map(|words| escaped(words));
-            let words = vec![self.t("no_volume")];
-            return Part { words, said: why.collect(), ..part };
+            let said = self.visit.without_volume.iter().map(|words| escaped(words));
+            return Part { words: vec![self.t("no_volume")], said: said.collect(), ..part };
         }
         let nodes = [0, 1, 2].map(|n| self.figure("assess", &format!("/grid/{n}"), Kind::Count));
         let found: HashSet<String> = self.findings().into_iter().collect();
-        let labels = self.sentences("assess", "/labels", usize::MAX).into_iter();
+        let labels = self.sentences("assess", "/labels").into_iter();
         Part {
             words: vec![format!("{}: {}", self.t("grid"), nodes.join(" × "))],
             said: labels.filter(|words| !found.contains(words)).collect(),
@@ -184,75 +187,56 @@ impl Report<'_> {
     }
 
     fn tables(&self) -> Part {
-        let rows = self.list("kit", "/tables").enumerate().map(|(n, table)| {
-            let text = |key: &str| table[key].as_str().map(escaped);
-            vec![
-                text("term").unwrap_or_default(),
-                text("direction").unwrap_or_else(|| self.t("both")),
-                text("place").unwrap_or_default(),
-                self.figure("kit", &format!("/tables/{n}/points"), Kind::Count),
-                self.figure("kit", &format!("/tables/{n}/grid_residual_um"), Kind::Deviation),
-            ]
-        });
         if !self.is_kit_known() {
             return self.listed("tables", Vec::new(), "no_manifest");
         }
+        let rows = self.list("kit", "/tables").enumerate().map(|(n, table)| {
+            let figure = |key: &str, kind| self.figure("kit", &format!("/tables/{n}/{key}"), kind);
+            let direction = table["direction"].as_str();
+            vec![
+                escaped(text(table, "term")),
+                direction.map_or_else(|| self.t("both"), escaped),
+                escaped(text(table, "place")),
+                figure("points", Kind::Count),
+                figure("grid_residual_um", Kind::Deviation),
+            ]
+        });
         let residual = format!("{}, {}", self.t("residual"), self.unit());
         let head = ["term", "direction", "place", "points"].map(|key| self.t(key));
         let placed = Table::new(head.into_iter().chain([residual]).collect(), rows, true);
         let files = self.list("kit", "/files").map(|file| {
-            let text = |key: &str| file[key].as_str().map(escaped).unwrap_or_default();
-            let size = self
-                .visit
-                .sizes
-                .iter()
-                .find(|(name, _)| Some(name.as_str()) == file["path"].as_str());
-            let size = size.map_or_else(String::new, |(_, bytes)| bytes.to_string());
-            let role = format!("role_{}", file["role"].as_str().unwrap_or_default());
-            vec![
-                text("path"),
-                match self.locale.texts.has(&role) {
-                    true => self.t(&role),
-                    false => text("role"),
-                },
-                size,
-                format!("<code>{}</code>", text("sha256")),
-            ]
+            let (path, role) = (text(file, "path"), text(file, "role"));
+            let size = self.visit.sizes.get(path).map_or_else(String::new, usize::to_string);
+            let mut cells = hashed(path, text(file, "sha256"));
+            cells.splice(1..1, [self.named(&format!("role_{role}"), role), size]);
+            cells
         });
         let head = ["file", "role", "bytes", "sha256"].map(|key| self.t(key));
         let files = Table::new(head.to_vec(), files, true);
         Part { tables: vec![placed.in_english(), files], ..self.part("tables") }
     }
 
+    /// The entries of a list, two of their texts each.
+    fn pairs(&self, document: &str, at: &str, [name, words]: [&str; 2]) -> Vec<String> {
+        let pair = |of: &Value| escaped(&format!("{}: {}", text(of, name), text(of, words)));
+        self.list(document, at).map(pair).collect()
+    }
+
     fn missing(&self) -> Part {
         if self.is_found() {
-            let missing = self.list("assess", "/missing").map(|missing| {
-                let text = |key: &str| missing[key].as_str().unwrap_or_default();
-                escaped(&format!("{}: {}", text("name"), text("consequence")))
-            });
-            return self.listed("missing_found", missing.collect(), "nothing_missing_found");
+            let missing = self.pairs("assess", "/missing", ["name", "consequence"]);
+            return self.listed("missing_found", missing, "nothing_missing_found");
         }
         let known = self.keys("verify", "/terms");
         let names = ErrorTerm::ALL.map(|term| term.to_string());
         let unmeasured = names.into_iter().filter(|name| !known.contains(name));
         let unmeasured = unmeasured.map(|name| format!("{name}: {}", self.t("not_measured")));
-        let omitted = self.list("kit", "/omitted").map(|omitted| {
-            let text = |key: &str| omitted[key].as_str().unwrap_or_default();
-            escaped(&format!("{}: {}", text("term"), text("reason")))
-        });
-        let without = match self.is_kit_known() {
-            true => "nothing_missing",
-            false => "no_manifest",
-        };
+        let without = if self.is_kit_known() { "nothing_missing" } else { "no_manifest" };
         let items: Vec<String> = unmeasured.collect();
-        let said: Vec<String> = omitted.collect();
+        let said = self.pairs("kit", "/omitted", ["term", "reason"]);
         let is_none = items.is_empty() && said.is_empty();
-        Part {
-            words: is_none.then(|| self.t(without)).into_iter().collect(),
-            items,
-            said,
-            ..self.part("missing")
-        }
+        let words = is_none.then(|| self.t(without)).into_iter().collect();
+        Part { words, items, said, ..self.part("missing") }
     }
 
     /// Whether the directory says what it holds.
@@ -271,14 +255,11 @@ impl Report<'_> {
 
     /// Every finding once: of two measurements both may have it, and what misses a limit is a reason.
     fn findings(&self) -> Vec<String> {
-        let places = match self.is_found() {
-            true => ["/labels", ""],
-            false => ["/causes", "/notes"],
-        };
+        let places: &[&str] = if self.is_found() { &["/labels"] } else { &["/causes", "/notes"] };
         let misses = self.visit.grounds.misses.iter();
         let misses: HashSet<String> = misses.map(|miss| escaped(&miss.to_string())).collect();
-        let all = places.map(|at| self.sentences(self.main(), at, usize::MAX));
-        once(all.into_iter().flatten().filter(|words| !misses.contains(words)).collect())
+        let all = places.iter().flat_map(|at| self.sentences(self.main(), at));
+        once(all.filter(|words| !misses.contains(words)).collect())
     }
 
     fn assumed(&self) -> Part {
@@ -292,32 +273,22 @@ impl Report<'_> {
     }
 
     fn undo(&self) -> Part {
-        let files = self.list("kit", "/files").filter_map(|file| {
-            let role = file["role"].as_str()?;
-            let is_back = role == "rollback" || role == "disable";
-            is_back.then(|| escaped(file["path"].as_str().unwrap_or_default()))
-        });
-        let files: Vec<String> = files.collect();
-        let words = match (self.is_kit_known(), files.is_empty()) {
+        let is_back = |file: &&Value| ["rollback", "disable"].contains(&text(file, "role"));
+        let files = self.list("kit", "/files").filter(is_back);
+        let items: Vec<String> = files.map(|file| escaped(text(file, "path"))).collect();
+        let words = match (self.is_kit_known(), items.is_empty()) {
             (false, _) => "no_manifest",
             (true, true) => "undo_hand",
             (true, false) => "undo_words",
         };
-        Part { words: vec![self.t(words)], items: files, ..self.part("undo") }
+        Part { words: vec![self.t(words)], items, ..self.part("undo") }
     }
 
     /// What was read now, what the kit was made from, what was measured afterwards.
     fn provenance(&self) -> Part {
-        let row = |path: &str, sha256: &str| {
-            vec![escaped(path), format!("<code>{}</code>", escaped(sha256))]
-        };
-        let own = self.visit.inputs.iter();
-        let own = own.map(|file| row(&file.path, &file.sha256));
+        let own = self.visit.inputs.iter().map(|file| hashed(&file.path, &file.sha256));
         let stated = self.list("kit", "/inputs").chain(self.list("verify", "/after"));
-        let stated = stated.map(|file| {
-            let text = |key: &str| file[key].as_str().unwrap_or_default();
-            row(text("path"), text("sha256"))
-        });
+        let stated = stated.map(|file| hashed(text(file, "path"), text(file, "sha256")));
         let head = vec![self.t("file"), self.t("sha256")];
         let table = Table::new(head, once(own.chain(stated).collect()), true);
         Part { tables: vec![table], ..self.part("provenance") }
