@@ -25,7 +25,6 @@ mod screen;
 mod separate;
 mod show;
 mod simulate;
-mod squareness;
 mod standards;
 mod tables;
 #[cfg(feature = "disk")]

@@ -15,6 +15,7 @@ use crate::quantity::chain::Chain;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, file_name};
 use crate::visit::inputs;
+use crate::visit::job_files::Given;
 use crate::visit::tables::Corrected;
 use crate::volume::assessment::{Grid, GridChoice, MOST_POINTS, Request, assess};
 use crate::volume::volume_model::VolumeModel;
@@ -105,12 +106,11 @@ fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {
         grouping: options.grouping,
         vectors: options.vectors,
     };
-    let (name, bytes) = files.argument(&options.file)?;
-    if FileKind::of(&name, &bytes) != FileKind::Job {
-        return page_of_table(options, &request, name, &bytes);
+    let file = Given::read(files, &options.file)?;
+    if file.kind() != FileKind::Job {
+        return page_of_table(options, &request, &file);
     }
-    let use_of = options.tables.use_of();
-    let (mut inputs, _) = inputs::read_job(files, None, (&options.file, &name, &bytes), use_of)?;
+    let (mut inputs, _) = inputs::read_job(files, None, &file, options.tables.use_of())?;
     take_chain(&mut inputs, options.chain)?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
     check(&volume, options)?;
@@ -134,15 +134,12 @@ pub(super) fn for_report(inputs: &Inputs, loaded: Option<&Loaded<'_>>) -> Result
 }
 
 /// The page of a report of an error table alone, with its least job and its errors.
-pub(super) fn of_table_for_report(
-    name: &str,
-    bytes: &[u8],
-) -> Result<(Job, ErrorModel, Page), Problems> {
-    let table = page::of_table(name, bytes, None)?;
+pub(super) fn of_table_for_report(file: &Given<'_>) -> Result<(Job, ErrorModel, Page), Problems> {
+    let table = page::of_table(file, None)?;
     let (job, model) = (table.job.clone(), table.model.clone());
     let request = request_of_report(&table.volume)?;
-    let name = file_name(Path::new(name));
-    let page = figures_of_table(name, table, grid_of_report(), &request)?;
+    let name = file_name(Path::new(&file.name));
+    let page = figures_of_table(&name, table, grid_of_report(), &request)?;
     Ok((job, model, page))
 }
 
@@ -186,12 +183,8 @@ fn va_um(volume: &VolumeModel, grid: &Grid) -> Result<f64, Problem> {
     Ok(assess(volume, grid, &alone)?.definitions.va_um)
 }
 
-fn page_of_table(
-    options: &Options,
-    request: &Request,
-    name: String,
-    bytes: &[u8],
-) -> Result<Page, Problems> {
+fn page_of_table(options: &Options, request: &Request, file: &Given<'_>) -> Result<Page, Problems> {
+    let name = &file.name;
     if options.tables.is_any() {
         return Err(Problem::new(format!(
             "`{name}` is an error table, which names no control: tables cannot be read or made for it"
@@ -199,13 +192,13 @@ fn page_of_table(
         .help("give the job that names it")
         .into());
     }
-    let table = page::of_table(&name, bytes, options.chain)?;
+    let table = page::of_table(file, options.chain)?;
     check(&table.volume, options)?;
     figures_of_table(name, table, options.grid, request)
 }
 
 fn figures_of_table(
-    name: String,
+    name: &str,
     table: Table,
     grid: GridChoice,
     request: &Request,
@@ -213,7 +206,7 @@ fn figures_of_table(
     let nodes = Grid::of(grid, &table.volume, &[])?;
     let before = assess(&table.volume, &nodes, request)?;
     let found = Found::of(&table.job, &table.model, None)?;
-    Ok(Page::of(name, table.volume, grid, table.basis, found, before))
+    Ok(Page::of(name.to_string(), table.volume, grid, table.basis, found, before))
 }
 
 /// `--chain` is for a job that states none.

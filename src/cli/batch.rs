@@ -251,40 +251,38 @@ type Run = fn(&dyn Files, &[&str]) -> Answer;
 
 /// The answer to one question; what it does not hold is read beneath.
 pub(super) fn answered(question: &[u8], beneath: Box<dyn Files>, run: Run) -> Answered {
-    let help = "a question is one line of JSON; see `nonius batch` in docs/interface.md";
-    let read = match question.len() as u64 >= LONGEST {
+    let mut id = None;
+    let made = asked(question).and_then(|question| {
+        id = question.id;
+        let (memory, job) = memory(question.job, question.files)?;
+        let given = memory.all();
+        let memory = memory.over(beneath);
+        let options = question.options;
+        let is_open = !options.iter().any(|word| word.starts_with("--format"));
+        let format = is_open.then_some(["--format", "json"]).into_iter().flatten();
+        let words = std::iter::once(&question.command).chain(&job).chain(&options);
+        let words: Vec<&str> = words.map(String::as_str).chain(format).collect();
+        let answer = run(&memory, &words);
+        let mut made = memory.all();
+        made.retain(|name, bytes| given.get(name) != Some(bytes));
+        Ok((answer, made))
+    });
+    let (answer, files) = made.unwrap_or_else(|problem| {
+        let problems = Problems::from(problem);
+        let err = problems.render();
+        (Answer { status: 2, err, problems, ..Answer::default() }, BTreeMap::new())
+    });
+    line(id, &answer, files)
+}
+
+fn asked(question: &[u8]) -> Result<Question, Problem> {
+    let asked = match question.len() as u64 >= LONGEST {
         true => Err(format!("the line holds {LARGEST_FILE_MIB} MiB or more")),
         false => serde_json::from_slice(question)
             .map_err(|error| format!("this is not a question: {error}")),
     };
-    let read = read.map_err(|words| Problem::new(words).help(help));
-    let (id, asked) = match read {
-        Ok(Question { id, command, job, options, files }) => {
-            (id, memory(job, files).map(|(memory, job)| (command, job, options, memory)))
-        }
-        Err(problem) => (None, Err(problem)),
-    };
-    let (answer, files) = match asked {
-        Ok((command, job, options, memory)) => {
-            let given = memory.all();
-            let memory = memory.over(beneath);
-            let words = std::iter::once(&command).chain(&job).chain(&options);
-            let format = ["--format", "json"].into_iter();
-            let format =
-                format.filter(|_| !options.iter().any(|word| word.starts_with("--format")));
-            let words: Vec<&str> = words.map(String::as_str).chain(format).collect();
-            let answer = run(&memory, &words);
-            let mut made = memory.all();
-            made.retain(|name, bytes| given.get(name) != Some(bytes));
-            (answer, made)
-        }
-        Err(problem) => {
-            let problems = Problems::from(problem);
-            let err = problems.render();
-            (Answer { status: 2, err, problems, ..Answer::default() }, BTreeMap::new())
-        }
-    };
-    line(id, &answer, files)
+    let help = "a question is one line of JSON; see `nonius batch` in docs/interface.md";
+    asked.map_err(|words| Problem::new(words).help(help))
 }
 
 fn line(id: Option<Value>, answer: &Answer, files: BTreeMap<String, Vec<u8>>) -> Answered {

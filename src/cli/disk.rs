@@ -7,9 +7,10 @@ use crate::visit::files::{
     Begun, Files, Kind, Long, NamedBytes, Ready, STANDARD_INPUT, not_put_out, not_written,
     plain_words, printed, written_over,
 };
+use indicatif::ProgressBar;
 use std::cell::RefCell;
 use std::fs::{File, Metadata, TryLockError};
-use std::io::{Error, IsTerminal, Read, Seek};
+use std::io::{Error, Read, Seek};
 use std::path::{Path, PathBuf};
 
 /// A file or directory that was read.
@@ -183,12 +184,11 @@ impl Files for Disk {
         place(one).is_some_and(|place_of_one| Some(place_of_one) == place(other))
     }
 
-    fn ensure_new(&self, file: &Path, force: bool) -> Result<(), Problems> {
-        write::ensure_new(file, force)
-    }
-
-    fn ensure_free(&self, folder: &Path, force: bool) -> Result<(), Problems> {
-        write::ensure_free(folder, force)
+    fn ensure(&self, place: &Path, kind: Kind, force: bool) -> Result<(), Problems> {
+        match kind {
+            Kind::File => write::ensure_new(place, force),
+            Kind::Folder => write::ensure_free(place, force),
+        }
     }
 
     fn write(&self, file: &Path, bytes: &[u8], force: bool) -> Result<Box<dyn Ready>, Problems> {
@@ -218,8 +218,9 @@ impl Files for Disk {
         Ok((Box::new(handle), Some(Box::new(ready))))
     }
 
-    fn is_watched(&self) -> bool {
-        std::io::stderr().is_terminal()
+    fn progress(&self, steps: usize) -> Box<dyn FnMut()> {
+        let bar = ProgressBar::new(steps as u64);
+        Box::new(move || bar.inc(1))
     }
 }
 

@@ -53,8 +53,9 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let kit = generate(&inputs)?;
     let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
     let next_steps = next_steps(&options.job, directory, &inputs, &kit);
-    let (manifest, screen) = (kit.manifest_bytes()?, || screen(&inputs, &kit));
-    let outcome = options.output.deliver_directory(own, manifest, screen, next_steps);
+    let (manifest, print) = (kit.manifest_bytes()?, options.output.print);
+    let outcome = print.outcome(|| screen(&inputs, &kit), || &kit.manifest)?;
+    let outcome = options.output.deliver_files(outcome, own, (MANIFEST, &manifest), next_steps);
     let outcome = outcome.answering(kit.verdict == Verdict::Pass);
     options.plot.beside(outcome, options.output.force, |locale| {
         Ok(show::nine_errors(locale, &inputs, Some(&kit.effect), None))

@@ -1,19 +1,19 @@
 //! `nonius import FILE -o errors.csv`, and lists of captures into a form
 
-use crate::cli::outcome::{Content, Outcome, Output};
+use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::{Screen, paragraphs, table};
 use crate::inputs::error_table::Series;
 use crate::inputs::import::stated::{Stated, word};
 use crate::inputs::import::{
     self, Imported, List, Measurement, encoding_word, fill, squareness_lines,
 };
-use crate::kit::sha256;
 use crate::quantity::axis::Direction;
 use crate::quantity::diagonal::Diagonal;
 use crate::text::document::Source;
 use crate::text::finding::{Severity, of_severity};
 use crate::text::problem::Problems;
 use crate::visit::files::{Files, file_name, with_slashes};
+use crate::visit::job_files::Given;
 use clap::Args;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
@@ -45,7 +45,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         return fill_in(options, form, files);
     }
     options.output.ensure_new(files, "the error table")?;
-    let file = File::read(options.file.as_deref().unwrap_or(Path::new("-")), files)?;
+    let file = Given::read(files, options.file.as_deref().unwrap_or(Path::new("-")))?;
     let file = file.measurement();
     let imported = import::import(file, options.from, options.encoding, &options.stated)?;
     let place = options.output.place().unwrap_or(Path::new("-"));
@@ -54,7 +54,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         file_name(place)
     );
     options.output.deliver(
-        Some(Content::Bytes(imported.text.clone().into_bytes())),
+        Some(held(imported.text.clone())),
         || screen(&imported),
         || document(file, place, &options.stated, &imported),
         &next,
@@ -146,21 +146,6 @@ struct Lists {
     ppn: Option<PathBuf>,
 }
 
-/// A file as it was read: path, name, hash and bytes.
-struct File(String, String, String, Vec<u8>);
-
-impl File {
-    fn read(file: &Path, files: &dyn Files) -> Result<File, Problems> {
-        let (path, bytes) = files.argument(file)?;
-        Ok(File(path, file_name(file), sha256(&bytes), bytes))
-    }
-
-    fn measurement(&self) -> Measurement<'_> {
-        let File(path, name, sha256, bytes) = self;
-        Measurement { path, name, sha256, bytes }
-    }
-}
-
 /// Fills the form in; a file without diagonal is the list of an axis.
 fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome, Problems> {
     options.output.ensure_new(files, "the readings")?;
@@ -170,8 +155,8 @@ fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome,
     let of_diagonals = Diagonal::ALL.map(Some).into_iter().zip([ppp, npp, pnp, ppn]);
     let named = of_diagonals.chain([(None, &options.file)]);
     let named = named.filter_map(|(of, file)| Some((of, file.as_deref()?)));
-    let lists = named.map(|(of, file)| Ok((of, File::read(file, files)?)));
-    let lists: Vec<(Option<Diagonal>, File)> = lists.collect::<Result<_, Problems>>()?;
+    let lists = named.map(|(of, file)| Ok((of, Given::read(files, file)?)));
+    let lists: Vec<(Option<Diagonal>, Given<'_>)> = lists.collect::<Result<_, Problems>>()?;
     let lists: Vec<List<'_>> = lists.iter().map(|(of, file)| (*of, file.measurement())).collect();
     let text = fill(&form, &lists, options.encoding, &options.stated)?;
     let verdict = "every capture of the form has its value".to_string();
@@ -183,6 +168,6 @@ fn fill_in(options: &Options, form: &Path, files: &dyn Files) -> Result<Outcome,
         "lists": sources.collect::<Vec<Value>>(),
         "stated": statements(&options.stated),
     });
-    let bytes = Some(Content::Bytes(text.into_bytes()));
-    options.output.deliver(bytes, || Screen { verdict, ..Screen::default() }, || document, "")
+    let screen = || Screen { verdict, ..Screen::default() };
+    options.output.deliver(Some(held(text)), screen, || document, "")
 }

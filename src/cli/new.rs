@@ -10,12 +10,12 @@ use crate::kit::manifest::MANIFEST;
 use crate::kit::visit::{AFTER, AFTER_JOB, Begun, Earlier, JOB, KIT, Measured, Visit};
 use crate::quantity::axis::PerAxis;
 use crate::quantity::units::{Figure, MM_PER_INCH};
-use crate::text::document::{LONGEST_MM, Source};
+use crate::text::document::LONGEST_MM;
 use crate::text::finding::{Severity, joined};
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, Kind, printed, with_slashes};
 use crate::visit::inputs::{errors, of_control};
-use crate::visit::job_files::{JobFiles, folder_of, profile, read_page};
+use crate::visit::job_files::{Given, JobFiles, profile};
 use crate::write::plan::axis_names;
 use clap::Args;
 use serde_json::json;
@@ -104,8 +104,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let (place, names) = (printed(directory), names.join(", "));
     let talk = format!("wrote {place}: {names}\nthen:\n  {}", stages.join("\n  "));
     let outcome = options.output.print.outcome(|| screen, || document)?;
-    let job = (JOB, begun.job.into_bytes());
-    Ok(options.output.deliver_files(outcome, tables, job, talk))
+    Ok(options.output.deliver_files(outcome, tables, (JOB, begun.job.as_bytes()), talk))
 }
 
 /// The control, the files, and what has to be said of them.
@@ -141,22 +140,20 @@ fn again(
     read_out: Option<&Path>,
     directory: &Path,
 ) -> Result<Beginning, Problems> {
-    let (name, bytes) = files.argument(path)?;
-    let job = read_page(files, Source::from_bytes(&name, &bytes)?, folder_of(path), UseOf::Tables)?;
-    let mut named = JobFiles::new(files, &job, path);
-    let profile = named.profile()?;
+    let named = JobFiles::of(files, &Given::read(files, path)?, UseOf::Tables)?;
+    let (job, profile) = (&named.job, named.profile()?);
     let measured = match &job.measurement.data {
         MeasuredData::Diagonals(how) => {
             Measured::Readings(named.source(&how.readings, "measurement.readings")?.0)
         }
         MeasuredData::Errors(_) => {
-            Measured::Errors(Box::new(errors(&mut named)?.table(&job)?.into_owned()))
+            Measured::Errors(Box::new(errors(&named)?.table(job)?.into_owned()))
         }
     };
     let folder = named.folder;
     let kit = read_out.map_or_else(|| folder.join(KIT), Path::to_path_buf);
     let mut words = vec!["carried over as they stand: machine, control, box, uncertainty and protocol; compare them with the machine".to_string()];
-    let held = read_out.map(|path| held(files, &job, &profile, path, &mut words)).transpose()?;
+    let held = read_out.map(|path| held(files, job, &profile, path, &mut words)).transpose()?;
     let held = held.unwrap_or_default();
     let is_kit = read_out.is_some() || files.is(Kind::File, &kit.join(MANIFEST));
     let place = ["first_table", "first_set"].into_iter();
@@ -172,7 +169,7 @@ fn again(
         (true, None) => format!("the new tables replace those of {name}"),
     });
     let kit = if is_kit { inside(&kit, directory) } else { String::new() };
-    let earlier = Earlier { job: &job, measured, place, kit, held };
+    let earlier = Earlier { job, measured, place, kit, held };
     let begun = earlier.again(|path| inside(&folder.join(path), directory))?;
     Ok((profile, begun, words))
 }

@@ -3,15 +3,15 @@
 //! `--plot FILE` adds what was found as a picture: in English, mm and µm.
 
 use crate::cli::screen::{Detail, Screen};
-use crate::kit::manifest::{self, MANIFEST};
+use crate::kit::manifest;
 use crate::page::{Locale, Picture, Shown, Texts};
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
-use crate::visit::files::{Begun, Files, Long, NamedBytes, Ready, not_written, printed};
+use crate::visit::files::{Begun, Files, Kind, Long, NamedBytes, Ready, not_written, printed};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::Value;
-use std::io::{ErrorKind, Write};
+use std::io::{Cursor, ErrorKind, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -79,7 +79,7 @@ impl Output {
             let help = "name a file with `-o`, or leave `--format json` out";
             return Err(Problem::new(words).help(help).into());
         }
-        self.place().map_or(Ok(()), |place| files.ensure_new(place, self.force))
+        self.place().map_or(Ok(()), |place| files.ensure(place, Kind::File, self.force))
     }
 
     /// A long file beside its place, to write into.
@@ -91,38 +91,33 @@ impl Output {
     /// talk. `next` is said behind the name of a file that was written.
     pub(super) fn deliver<D: Serialize>(
         &self,
-        content: Option<Content>,
+        content: Option<Begun>,
         screen: impl FnOnce() -> Screen,
         document: impl FnOnce() -> D,
         next: &str,
     ) -> Result<Outcome, Problems> {
-        let detail = self.print.detail;
-        let write = match (content, self.place()) {
-            (None, _) => return self.print.outcome(screen, document),
-            (Some(Content::Bytes(bytes)), Some(place)) => {
-                ToWrite::File(place.to_path_buf(), bytes, self.force)
-            }
-            (Some(Content::Begun(_, Some(ready))), _) => ToWrite::Begun(ready),
-            (Some(Content::Begun(mut long, None)), Some(place)) => {
-                let mut bytes = Vec::new();
-                long.read_to_end(&mut bytes).map_err(|e| not_written("cannot write", place, &e))?;
-                ToWrite::File(place.to_path_buf(), bytes, self.force)
-            }
-            (Some(Content::Bytes(bytes)), None) => {
-                return Ok(Outcome::bytes(bytes).saying(detail, screen().page(detail)));
-            }
-            (Some(Content::Begun(long, None)), None) => {
-                return Ok(Outcome::of(Data::Long(long)).saying(detail, screen().page(detail)));
-            }
+        let (detail, force) = (self.print.detail, self.force);
+        let Some((mut long, ready)) = content else {
+            return self.print.outcome(screen, document);
         };
-        let place = printed(self.place().unwrap_or(Path::new("-")));
-        let outcome = self.print.outcome(screen, document)?.writing(write);
-        Ok(outcome.saying(detail, format!("wrote {place}{next}")))
+        let Some(place) = self.place().map(Path::to_path_buf) else {
+            return Ok(Outcome::of(long).saying(detail, screen().page(detail)));
+        };
+        let said = format!("wrote {}{next}", printed(&place));
+        let outcome = self.print.outcome(screen, document)?.writing(move |files| {
+            if let Some(ready) = ready {
+                return Ok(ready);
+            }
+            let mut bytes = Vec::new();
+            long.read_to_end(&mut bytes).map_err(|e| not_written("cannot write", &place, &e))?;
+            files.write(&place, &bytes, force)
+        });
+        Ok(outcome.saying(detail, said))
     }
 
     /// Refuses a directory that is not free, before anything is computed.
     pub(super) fn free_directory(&self, files: &dyn Files) -> Result<&Path, Problems> {
-        files.ensure_free(self.directory(), self.force)?;
+        files.ensure(self.directory(), Kind::Folder, self.force)?;
         Ok(self.directory())
     }
 
@@ -130,33 +125,23 @@ impl Output {
         self.output.as_deref().unwrap_or(Path::new("."))
     }
 
-    /// The files and then the bytes of the manifest; the screen or the manifest is printed, `next_steps` are said.
-    pub(super) fn deliver_directory<'a>(
-        &self,
-        files: impl IntoIterator<Item = NamedBytes<'a>>,
-        manifest: Vec<u8>,
-        screen: impl FnOnce() -> Screen,
-        next_steps: String,
-    ) -> Outcome {
-        let outcome = match self.print.format {
-            Format::Json => Outcome::bytes(manifest.clone()),
-            Format::Text => Outcome::text(&screen().page(self.print.detail)),
-        };
-        self.deliver_files(outcome, files, (MANIFEST, manifest), next_steps)
-    }
-
-    /// The files, and then the last one.
+    /// The files, and then the last one; `next_steps` are said.
     pub(super) fn deliver_files<'a>(
         &self,
         outcome: Outcome,
         files: impl IntoIterator<Item = NamedBytes<'a>>,
-        (last, bytes): (&str, Vec<u8>),
+        last: NamedBytes<'a>,
         next_steps: String,
     ) -> Outcome {
-        let own = files.into_iter().map(|(name, bytes)| (name.to_string(), bytes.to_vec()));
-        let own = own.chain([(last.to_string(), bytes)]).collect();
-        let write = ToWrite::Folder(self.directory().to_path_buf(), own, self.force);
-        outcome.writing(write).saying(self.print.detail, next_steps)
+        let own = files.into_iter().chain([last]);
+        let own = own.map(|(name, bytes)| (name.to_string(), bytes.to_vec()));
+        let (own, place) = (own.collect::<Vec<_>>(), self.directory().to_path_buf());
+        let force = self.force;
+        let outcome = outcome.writing(move |files| {
+            let own = own.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
+            files.write_folder(&place, &own.collect::<Vec<_>>(), force)
+        });
+        outcome.saying(self.print.detail, next_steps)
     }
 }
 
@@ -177,36 +162,13 @@ pub(super) fn positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected a number above 0, e.g. 10".to_string())
 }
 
-/// What a file is to hold.
-pub(super) enum Content {
-    Bytes(Vec<u8>),
-    /// What may be too long for the memory, from here to its end; on its way to a place, or to standard output.
-    Begun(Box<dyn Long>, Option<Box<dyn Ready>>),
+/// What a file is to hold, where it is in memory.
+pub(super) fn held(bytes: impl Into<Vec<u8>>) -> Begun {
+    (Box::new(Cursor::new(bytes.into())), None)
 }
 
-/// An output with its place, and whether it may take the place of an old one.
-pub(super) enum ToWrite {
-    File(PathBuf, Vec<u8>, bool),
-    /// With the names of its files.
-    Folder(PathBuf, Vec<(String, Vec<u8>)>, bool),
-    Begun(Box<dyn Ready>),
-}
-
-impl ToWrite {
-    /// Complete beside its place.
-    fn complete(self, files: &dyn Files) -> Result<Box<dyn Ready>, Problems> {
-        let ready = match self {
-            ToWrite::File(place, bytes, force) => files.write(&place, &bytes, force)?,
-            ToWrite::Folder(place, own, force) => {
-                let own = own.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()));
-                files.write_folder(&place, &own.collect::<Vec<_>>(), force)?
-            }
-            ToWrite::Begun(ready) => ready,
-        };
-        ready.complete()?;
-        Ok(ready)
-    }
-}
+/// An output, complete beside its place.
+type Beside = Result<Box<dyn Ready>, Problems>;
 
 /// What a command answered.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -224,20 +186,14 @@ pub struct Answer {
 /// What a command made; nothing of it is outside yet.
 pub(super) struct Outcome {
     yes: bool,
-    data: Data,
-    writes: Vec<ToWrite>,
+    /// What goes to standard output, from here to its end.
+    data: Box<dyn Long>,
+    writes: Vec<Box<dyn FnOnce(&dyn Files) -> Beside>>,
     talk: String,
 }
 
-/// What goes to standard output.
-enum Data {
-    Bytes(Vec<u8>),
-    /// What may be too long for the memory, from here to its end.
-    Long(Box<dyn Long>),
-}
-
 impl Outcome {
-    fn of(data: Data) -> Outcome {
+    fn of(data: Box<dyn Long>) -> Outcome {
         Outcome { yes: true, data, writes: Vec::new(), talk: String::new() }
     }
 
@@ -254,7 +210,7 @@ impl Outcome {
 
     /// A file, as it stands.
     pub(super) fn bytes(bytes: Vec<u8>) -> Outcome {
-        Outcome::of(Data::Bytes(bytes))
+        Outcome::of(held(bytes).0)
     }
 
     /// The same with another answer: exit status 0 or 1.
@@ -264,8 +220,8 @@ impl Outcome {
     }
 
     /// The same, and this is put into its place.
-    pub(super) fn writing(mut self, write: ToWrite) -> Outcome {
-        self.writes.push(write);
+    pub(super) fn writing(mut self, write: impl FnOnce(&dyn Files) -> Beside + 'static) -> Outcome {
+        self.writes.push(Box::new(write));
         self
     }
 
@@ -280,17 +236,28 @@ impl Outcome {
 
     /// Lets everything out; the answer, and what is to be said.
     pub(super) fn deliver(
-        self,
+        mut self,
         files: &dyn Files,
         out: &mut dyn Write,
     ) -> Result<(bool, String), Problems> {
-        let ready = self.writes.into_iter().map(|write| write.complete(files));
-        let ready = ready.collect::<Result<Vec<_>, _>>()?;
-        self.data
-            .print(out)
+        let mut ready = Vec::new();
+        for write in std::mem::take(&mut self.writes) {
+            let written = write(files)?;
+            written.complete()?;
+            ready.push(written);
+        }
+        self.print(out)
             .map_err(|error| Problem::new(format!("standard output cannot be written: {error}")))?;
         ready.into_iter().try_for_each(|ready| ready.put())?;
         Ok((self.yes, self.talk))
+    }
+
+    /// To standard output, flushed. A reader that went away (`| head`) is no failure.
+    fn print(&mut self, out: &mut dyn Write) -> std::io::Result<()> {
+        match std::io::copy(&mut self.data, out).and_then(|_| out.flush()) {
+            Err(error) if is_reader_gone(&error) => Ok(()),
+            printed => printed,
+        }
     }
 }
 
@@ -310,20 +277,6 @@ pub(super) fn known(parts: impl IntoIterator<Item = Value>) -> Value {
         fields.retain(|_, value| !value.is_null());
     }
     document
-}
-
-impl Data {
-    /// To standard output, flushed. A reader that went away (`| head`) is no failure.
-    fn print(self, out: &mut dyn Write) -> std::io::Result<()> {
-        let printed = match self {
-            Data::Bytes(bytes) => out.write_all(&bytes),
-            Data::Long(mut long) => std::io::copy(&mut long, out).map(|_| ()),
-        };
-        match printed.and_then(|()| out.flush()) {
-            Err(error) if is_reader_gone(&error) => Ok(()),
-            printed => printed,
-        }
-    }
 }
 
 /// Whether whoever reads the output went away (`| head`), which is no failure.
@@ -364,7 +317,8 @@ impl Plot {
         let texts = Texts::english()?;
         let locale = Locale { texts: &texts, shown: Shown::Metric };
         let bytes = picture(locale)?.svg(locale).into_bytes();
-        Ok(outcome.writing(ToWrite::File(place.clone(), bytes, force)))
+        let place = place.clone();
+        Ok(outcome.writing(move |files| files.write(&place, &bytes, force)))
     }
 }
 
@@ -398,7 +352,7 @@ mod tests {
 
     #[test]
     fn a_reader_that_went_away_is_no_failure_on_any_system() {
-        let prints = |number| Data::Bytes(b"page".to_vec()).print(&mut Refusing(number)).is_ok();
+        let prints = |number| Outcome::bytes(b"page".to_vec()).print(&mut Refusing(number)).is_ok();
         let number = if cfg!(windows) { 109 } else { 32 };
         assert!([number, 232, 233].into_iter().all(prints));
         let full = if cfg!(windows) { 112 } else { 28 };

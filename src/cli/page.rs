@@ -1,7 +1,7 @@
 //! The page for a browser: a visit in one file, which sends nothing anywhere.
 //! Feature `page` puts it into the program as packaging/page/build made it.
 
-use crate::cli::outcome::{Outcome, ToWrite};
+use crate::cli::outcome::Outcome;
 use crate::cli::screen::Detail;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::printed;
@@ -26,11 +26,11 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options) -> Result<Outcome, Problems> {
     let missing = "this program was built without the page; a released one holds it, or one built as packaging/README.md says";
     let page = PAGE.ok_or_else(|| Problem::new(missing))?.to_vec();
-    let place = &options.output;
+    let (place, force) = (options.output.clone(), options.force);
     if place == Path::new("-") {
         return Ok(Outcome::bytes(page));
     }
-    let write = ToWrite::File(place.clone(), page, options.force);
-    let said = format!("wrote {}: open it in a browser", printed(place));
-    Ok(Outcome::bytes(Vec::new()).writing(write).saying(Detail::default(), said))
+    let said = format!("wrote {}: open it in a browser", printed(&place));
+    let outcome = Outcome::bytes(Vec::new()).saying(Detail::default(), said);
+    Ok(outcome.writing(move |files| files.write(&place, &page, force)))
 }

@@ -16,7 +16,7 @@ use clap::Args;
 use page::{After, Followed, Page};
 use part_program::{Line, Mark, Refused, Text, run as run_program};
 use samples::{Holes, Points};
-use std::io::{BufRead, BufReader, Read, Seek, SeekFrom};
+use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 // Options of `path`.
@@ -45,7 +45,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
             .into());
     }
     let (page, points) = page(options, files)?;
-    let content = points.map(Points::content).transpose()?;
+    let content = points.map(|points| points.content(options.output.place())).transpose()?;
     let next = format!(" ({} samples)", page.before.summary.samples);
     let output = &options.output;
     let outcome = output.deliver(content, || page.screen(), || page.document(), &next)?;
@@ -59,36 +59,29 @@ fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), 
     let map = path_map(&inputs.job, &volume);
     let tables = options.tables.corrected(files, &inputs, &volume)?;
     let after_map = tables.as_ref().map(|t| path_map(&inputs.job, &t.volume));
-    let after_map = after_map.as_ref();
     let mut text = ProgramText::open(files, &options.program)?;
-    let program = text.name().to_string();
+    let program = text.name.clone();
     let mut before = Profile::new(&map, limits(&inputs.job, &volume));
-    let with_map = tables.as_ref().zip(after_map);
+    let with_map = tables.as_ref().zip(after_map.as_ref());
     let mut after = with_map.map(|(t, map)| Profile::new(map, limits(&inputs.job, &t.volume)));
     let points = options.output.is_asked_for();
     let points = points.then(|| Points::create(files, &options.output, after_map.is_some()));
     let mut points = points.transpose()?;
     let mut holes = Holes::default();
     let mut traces = vec![Trace::new(Ink::AsFound)];
-    traces.extend(after_map.map(|_| Trace::new(Ink::Forecast)));
+    traces.extend(after_map.as_ref().map(|_| Trace::new(Ink::Forecast)));
     let ran = run_program(&mut text, &inputs.job.path.setup, |step| {
         before.follow(step, &mut |sample| {
-            holes.take(sample, after_map);
-            for trace in &mut traces {
-                let error_um = match (trace.ink(), after_map) {
-                    (Ink::Forecast, Some(map)) => map.error_at(sample.place, sample.longer_mm),
-                    _ => sample.error_um,
-                };
-                trace.take(sample.s_mm, error_um);
-            }
+            let after_um = after_map.as_ref();
+            let after_um = after_um.map(|map| map.error_at(sample.place, sample.longer_mm));
+            holes.take(sample, after_um);
+            let both = [Some(sample.error_um), after_um].into_iter().flatten();
+            traces.iter_mut().zip(both).for_each(|(trace, um)| trace.take(sample.s_mm, um));
             if let Some(points) = &mut points {
-                points.write(sample, after_map);
+                points.write(sample, after_um);
             }
         })?;
-        match &mut after {
-            Some(after) => after.follow(step, &mut |_| {}),
-            None => Ok(()),
-        }
+        after.as_mut().map_or(Ok(()), |after| after.follow(step, &mut |_| {}))
     })
     .map_err(|refused| problems(&program, refused))?;
     let before = Followed::of(before, &program)?;
@@ -126,10 +119,6 @@ impl ProgramText {
             mark: Mark::default(),
         })
     }
-
-    fn name(&self) -> &str {
-        &self.name
-    }
 }
 
 fn failed(name: &str, error: &std::io::Error) -> Refused {
@@ -165,14 +154,9 @@ impl Text for ProgramText {
     }
 
     fn go_to(&mut self, mark: Mark) -> Result<(), Refused> {
-        let by = i64::try_from(mark.bytes).ok();
-        let here = i64::try_from(self.mark.bytes).ok();
+        let by = mark.bytes.cast_signed() - self.mark.bytes.cast_signed();
         // What is in the buffer is not read again.
-        let moved = match by.zip(here) {
-            Some((to, here)) => self.reader.seek_relative(to - here),
-            None => self.reader.seek(SeekFrom::Start(mark.bytes)).map(|_| ()),
-        };
-        moved.map_err(|error| failed(&self.name, &error))?;
+        self.reader.seek_relative(by).map_err(|error| failed(&self.name, &error))?;
         self.mark = mark;
         Ok(())
     }

@@ -10,11 +10,10 @@ use crate::machine::separation::findings::SeparationFinding;
 use crate::machine::separation::metric::PerPlane;
 use crate::quantity::axis::{Axis, ErrorTerm, PerTerm};
 use crate::quantity::diagonal::Diagonal;
-use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::visit::files::Files;
-use crate::visit::job_files::JobFiles;
+use crate::visit::job_files::{Given, JobFiles};
 use clap::Args;
 use serde_json::{Value, json};
 use std::path::PathBuf;
@@ -39,16 +38,16 @@ fn minutes(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
-    let (name, bytes) = files.argument(&options.job)?;
-    let job = Job::read_for(Source::from_bytes(&name, &bytes)?, UseOf::Plan)?;
+    let job = Job::read_for(Given::read(files, &options.job)?.source()?, UseOf::Plan)?;
+    let named = JobFiles::new(files, job, &options.job);
+    let job = &named.job;
     let times = SetUpTimes {
         diagonal_min: options.diagonal_set_up_min,
         linear_min: options.linear_set_up_min,
     };
-    let mut named = JobFiles::new(files, &job, &options.job);
     let angles = job.measurement.angles.as_deref();
     let angles = angles.map(|path| named.table(path, "measurement.angles"));
-    let design = Design::of(&job, angles.transpose()?, times)?;
+    let design = Design::of(job, angles.transpose()?, times)?;
     let found = plan(&design)?;
     let page = Page { machine: &job.machine.name, design: &design, found: &found };
     let outcome = options.print.outcome(|| page.screen(), || document(&page))?;

@@ -3,7 +3,7 @@
 use crate::cli::outcome::{Outcome, Output};
 use crate::cli::screen::{Screen, paragraphs, table, wrapped};
 use crate::cli::show;
-use crate::inputs::job::{Job, MeasuredData, RunType, TargetGrid};
+use crate::inputs::job::{Job, MeasuredData, RunType, TargetGrid, UseOf};
 use crate::kit::manifest::MANIFEST;
 use crate::kit::program_kit::{ProgramKit, make};
 use crate::quantity::axis::Axis;
@@ -12,7 +12,7 @@ use crate::text::delimited::{Line, header_and_rows};
 use crate::text::document::Source;
 use crate::text::problem::Problems;
 use crate::visit::files::{Files, printed};
-use crate::visit::job_files::{folder_of, read_job_and_profile};
+use crate::visit::job_files::{Given, JobFiles};
 use crate::write::emit::program::FileRole;
 use crate::write::program::left_open;
 use clap::Args;
@@ -31,16 +31,21 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let directory = options.output.free_directory(files)?;
-    let (job, profile, hashes) = read_job_and_profile(files, &options.job)?;
-    let mut kit = make(&job, &profile, &hashes)?;
-    let table = Table::of(files, &job, folder_of(&options.job), &kit);
+    let file = Given::read(files, &options.job)?;
+    let job = Job::read_for(file.source()?, UseOf::Programs)?;
+    let named = JobFiles::new(files, job, &options.job);
+    named.hashes.borrow_mut().push(file.hash);
+    let (profile, job) = (named.profile()?, &named.job);
+    let mut kit = make(job, &profile, &named.hashes.borrow())?;
+    let table = Table::of(&named, &kit);
     if table.as_ref().is_some_and(|table| table.is_ready) {
         kit = kit.without_form();
     }
     let own = kit.files.iter().map(|file| (file.path.as_str(), file.bytes.as_slice()));
-    let (manifest, screen) = (kit.manifest_bytes()?, || screen(&job, &profile.name, &kit));
+    let (manifest, print) = (kit.manifest_bytes()?, options.output.print);
+    let outcome = print.outcome(|| screen(job, &profile.name, &kit), || kit.manifest())?;
     let next_steps = next_steps(directory, &kit, table);
-    Ok(options.output.deliver_directory(own, manifest, screen, next_steps))
+    Ok(options.output.deliver_files(outcome, own, (MANIFEST, &manifest), next_steps))
 }
 
 /// The table of readings that the job names for this run.
@@ -51,15 +56,15 @@ struct Table {
 }
 
 impl Table {
-    fn of(files: &dyn Files, job: &Job, folder: &Path, kit: &ProgramKit) -> Option<Table> {
-        let MeasuredData::Diagonals(measured) = &job.measurement.data else {
+    fn of(named: &JobFiles<'_>, kit: &ProgramKit) -> Option<Table> {
+        let MeasuredData::Diagonals(measured) = &named.job.measurement.data else {
             return None;
         };
         if kit.request.what.path() != Some(measured.kind) {
             return None;
         }
-        let place = folder.join(&measured.readings);
-        let source = files.bytes(&place).ok();
+        let place = named.folder.join(&measured.readings);
+        let source = named.files.bytes(&place).ok();
         let source = source.and_then(|bytes| Source::from_bytes("", &bytes).ok());
         let rows = source.as_ref().and_then(header_and_rows);
         let is_empty =

@@ -1,6 +1,6 @@
 //! `nonius report JOB|ERRORS [--tables DIR] [--after FILE|JOB] [--linear FILE] -o report.html`
 
-use crate::cli::outcome::{Content, Outcome, Output};
+use crate::cli::outcome::{Outcome, Output, held};
 use crate::cli::screen::Screen;
 use crate::cli::{assess, standards, verify};
 use crate::control::claims::Assumption;
@@ -10,16 +10,16 @@ use crate::inputs::kind::FileKind;
 use crate::judge::conformity::Verdict;
 use crate::judge::forecast::Machine;
 use crate::kit::manifest::{MANIFEST, rounded};
-use crate::kit::{self, Inputs, generate, hashed};
+use crate::kit::{self, Inputs, generate};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Placed, Report, Shown, Texts, Visit, linear_document, terms};
-use crate::text::document::{Source, template_text};
+use crate::text::document::template_text;
 use crate::text::finding::{Finding, joined};
 use crate::text::problem::{Problem, Problems};
-use crate::visit::files::{Files, Kind, file_name};
+use crate::visit::files::{Files, Kind};
 use crate::visit::inputs;
-use crate::visit::job_files::{folder_of, read_page};
+use crate::visit::job_files::{Given, JobFiles};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -88,7 +88,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         job: &job,
         visit: &visit,
     };
-    let content = Content::Bytes(report.html()?.into_bytes());
+    let content = held(report.html()?);
     let is_found = visit.verdict.is_none();
     let word = visit.verdict.map_or(AS_FOUND, Verdict::word);
     let screen = || {
@@ -113,14 +113,13 @@ type OfJob = (Job, Visit);
 
 /// With the tables of a directory or of the job; as found where neither are there.
 fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJob, Problems> {
-    let (name, bytes) = files.argument(&options.job)?;
+    let file = Given::read(files, &options.job)?;
     let without_tables = options.tables.is_none();
-    if without_tables && FileKind::of(&name, &bytes) == FileKind::Table {
-        return of_table(locale, &options.job, &name, &bytes);
+    if without_tables && file.kind() == FileKind::Table {
+        return of_table(locale, file);
     }
-    let is_found = without_tables && !states_tables(options, files, &name, &bytes)?;
-    let use_of = UseOf::with(!is_found);
-    let (inputs, _) = inputs::read_job(files, None, (&options.job, &name, &bytes), use_of)?;
+    let is_found = without_tables && !states_tables(files, &file)?;
+    let (inputs, _) = inputs::read_job(files, None, &file, UseOf::with(!is_found))?;
     let mut visit = match is_found {
         true => of_job(locale, &inputs)?,
         false => with_tables(options, files, locale, &inputs)?,
@@ -136,23 +135,17 @@ fn visit(options: &Options, files: &dyn Files, locale: Locale<'_>) -> Result<OfJ
 }
 
 /// Whether the job says how the points of any axis are chosen.
-fn states_tables(
-    options: &Options,
-    files: &dyn Files,
-    name: &str,
-    bytes: &[u8],
-) -> Result<bool, Problems> {
-    let source = Source::from_bytes(name, bytes)?;
-    let job = read_page(files, source, folder_of(&options.job), UseOf::Figures)?;
-    Ok(job.compensation.axes.iter().any(|(_, axis)| axis.is_some()))
+fn states_tables(files: &dyn Files, file: &Given<'_>) -> Result<bool, Problems> {
+    let named = JobFiles::of(files, file, UseOf::Figures)?;
+    Ok(named.job.compensation.axes.iter().any(|(_, axis)| axis.is_some()))
 }
 
 /// An error table alone, as found.
-fn of_table(locale: Locale<'_>, path: &Path, name: &str, bytes: &[u8]) -> Result<OfJob, Problems> {
-    let (mut job, model, page) = assess::of_table_for_report(name, bytes)?;
+fn of_table(locale: Locale<'_>, file: Given<'_>) -> Result<OfJob, Problems> {
+    let (mut job, model, page) = assess::of_table_for_report(&file)?;
     job.machine.name.clear();
     let mut visit = Visit::found(locale, &job, &model, Machine::alone(&model), &page)?;
-    visit.inputs = vec![hashed(&file_name(path), bytes)];
+    visit.inputs = vec![file.hash];
     Ok((job, visit))
 }
 
@@ -241,12 +234,12 @@ impl Visit {
         locale: Locale<'_>,
         file: &Path,
     ) -> Result<(), Problems> {
-        let (name, bytes) = files.argument(file)?;
-        let (document, picture) = standards::of_axis(locale, &name, &bytes)?;
-        self.linear.push(file_name(file));
+        let file = Given::read(files, file)?;
+        let (document, picture) = standards::of_axis(locale, &file)?;
+        self.linear.push(file.hash.path.clone());
         let name = linear_document(self.linear.len());
         self.add(&name, &document, ("linear", picture))?;
-        self.inputs.push(hashed(&file_name(file), &bytes));
+        self.inputs.push(file.hash);
         Ok(())
     }
 }
@@ -303,10 +296,9 @@ fn texts(files: &dyn Files, language: &str) -> Result<Texts, Problems> {
         let help = format!("expected one of {shipped}, or a file of texts (docs/report.md)");
         return Err(Problem::new(format!("there are no texts `{language}`")).help(help).into());
     }
-    let (name, bytes) = files.argument(path)?;
-    let stem = Path::new(language).file_stem();
+    let stem = path.file_stem();
     let stem = stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    Texts::read(&Source::from_bytes(&name, &bytes)?, &stem)
+    Texts::read(&Given::read(files, path)?.source()?, &stem)
 }
 
 fn own_template(files: &dyn Files, path: &Path) -> Result<Template, Problems> {

@@ -6,19 +6,16 @@ mod text;
 mod words;
 
 use crate::cli::diagonals::StandardFigures;
-use crate::cli::outcome::{Content, Outcome, Output, Plot};
+use crate::cli::outcome::{Outcome, Output, Plot, held};
 use crate::inputs::error_table;
-use crate::machine::separation::Separation;
-use crate::machine::separation::monte_carlo::{Simulated, Trials, simulate};
+use crate::machine::separation::monte_carlo::{Trials, simulate};
 use crate::page::{Locale, separated};
 use crate::quantity::diagonal::PathKind;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::campaign::{CampaignFiles, read_campaign};
 use crate::visit::files::Files;
 use clap::Args;
-use std::io::Write;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 // Options of `separate`.
 #[derive(Args, Debug)]
@@ -38,8 +35,6 @@ pub(super) struct Options {
 }
 
 const MOST_TRIALS: usize = 200_000;
-/// A simulation that is not done by then shows how far it is.
-const PATIENCE: Duration = Duration::from_secs(1);
 
 fn trials(text: &str) -> Result<usize, String> {
     match text.parse() {
@@ -57,8 +52,10 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
         return straight_runs(options, &campaign);
     }
     let separation = campaign.separate()?;
-    let simulated = (options.trials > 0).then(|| simulated(options, files, &separation)).flatten();
-    let csv = || Content::Bytes(error_table::write(&campaign.draft(&separation)).into_bytes());
+    let plan = Trials { trials: options.trials, seed: options.seed };
+    let simulated = || simulate(&separation, plan, files.progress(plan.trials));
+    let simulated = (plan.trials > 0).then(simulated).flatten();
+    let csv = || held(error_table::write(&campaign.draft(&separation)));
     let csv = output.is_asked_for().then(csv);
     let figures =
         StandardFigures::of(&separation.volume, PathKind::Step, &separation.zeroed_runs, true)?;
@@ -89,47 +86,4 @@ fn straight_runs(options: &Options, campaign: &CampaignFiles) -> Result<Outcome,
     let screen = || straight::screen(&result, &figures);
     let outcome = options.output.print.outcome(screen, || straight::document(&result, &figures))?;
     Ok(outcome.answering(result.doubts.is_empty()))
-}
-
-fn simulated(options: &Options, files: &dyn Files, separation: &Separation) -> Option<Simulated> {
-    let mut progress = Progress::new(options.trials, files.is_watched());
-    let plan = Trials { trials: options.trials, seed: options.seed };
-    let simulated = simulate(separation, plan, || progress.add());
-    progress.close();
-    simulated
-}
-
-/// A bar on standard error, if that is a terminal and the simulation takes long.
-struct Progress {
-    done: usize,
-    all: usize,
-    /// `None` where nobody looks on.
-    begun: Option<Instant>,
-}
-
-impl Progress {
-    fn new(all: usize, is_watched: bool) -> Progress {
-        Progress { done: 0, all, begun: is_watched.then(Instant::now) }
-    }
-
-    fn is_shown(&self) -> bool {
-        self.begun.is_some_and(|begun| begun.elapsed() > PATIENCE)
-    }
-
-    fn add(&mut self) {
-        let percent = |done: usize| 100 * done / self.all.max(1);
-        let (before, now) = (percent(self.done), percent(self.done + 1));
-        self.done += 1;
-        if now > before && self.is_shown() {
-            let bar = "#".repeat(now / 4);
-            // A bar that cannot be drawn is no failure.
-            let _ = write!(std::io::stderr(), "\rsimulating [{bar:<25}] {now} %");
-        }
-    }
-
-    fn close(&self) {
-        if self.is_shown() {
-            let _ = write!(std::io::stderr(), "\r{:40}\r", "");
-        }
-    }
 }

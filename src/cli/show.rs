@@ -9,11 +9,15 @@ use crate::judge::field::Field;
 use crate::judge::forecast::{Change, Forecast, Grounds, terms_words};
 use crate::kit::Inputs;
 use crate::machine::model::ErrorModel;
+use crate::machine::separation::metric::Plane;
+use crate::machine::separation::table::ErrorSource;
 use crate::page::{Curves, Locale, Picture, terms};
-use crate::quantity::axis::{Axis, Direction, ErrorTerm};
+use crate::quantity::axis::{Direction, ErrorTerm};
 use crate::quantity::units::Figure;
 use crate::text::finding::{Finding, Severity, joined, of_severity};
+use crate::text::words::Named;
 use crate::write::compensation::Placement;
+use serde::Serialize;
 use std::fmt::Display;
 
 /// The nine errors of a job as found, as forecast with the tables that are loaded, as left.
@@ -29,9 +33,14 @@ pub(super) fn nine_errors(
     terms(locale, &format!("{machine}: {}, {control}", locale.words("nine_errors")), &curves)
 }
 
+/// A figure, or the word that says why there is none.
+pub(super) fn figure(um: Option<f64>, absent: &str) -> String {
+    um.map_or_else(|| absent.to_string(), |um| format!("{:.3}", Figure(um)))
+}
+
 /// A figure in µm, `-` where there is none.
 pub(super) fn um(um: Option<f64>) -> String {
-    um.map_or_else(|| "-".to_string(), |um| format!("{:.3}", Figure(um)))
+    figure(um, "-")
 }
 
 /// `what`, then all of them; nothing without any.
@@ -128,7 +137,7 @@ pub(super) fn at_most(forecast: &Forecast) -> &'static str {
 }
 
 pub(super) fn stated(um: Option<f64>) -> String {
-    um.map_or_else(|| "not stated".to_string(), |um| format!("{um:.3}"))
+    figure(um, "not stated")
 }
 
 /// Slope of each cross term.
@@ -142,10 +151,10 @@ pub(super) fn slopes(model: &ErrorModel) -> String {
 
 /// Squareness where both terms of a pair were measured, and reversal where both directions were.
 pub(super) fn squareness_and_reversals(model: &ErrorModel) -> String {
-    let pairs = [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)];
-    let squareness = pairs.into_iter().filter_map(|(a, b)| {
-        let slope = Figure(model.squareness_um_per_m(a, b)?);
-        Some(format!("{}{} {slope:+.3}", a.key(), b.key()))
+    let squareness = Plane::ALL.into_iter().filter_map(|plane| {
+        let (first, second) = plane.axes();
+        let slope = Figure(model.squareness_um_per_m(first, second)?);
+        Some(format!("{} {slope:+.3}", plane.key()))
     });
     let mut squareness = named("squareness, µm/m", squareness);
     if !squareness.is_empty() {
@@ -266,4 +275,49 @@ pub(super) fn questions(notes: &[Finding]) -> impl Iterator<Item = String> {
 pub(super) fn notes(notes: impl IntoIterator<Item = impl Display>) -> Vec<String> {
     let notes = notes.into_iter();
     notes.map(|note| format!("note: {note}")).collect()
+}
+
+/// What documents say of a plane.
+#[derive(Serialize)]
+pub(super) struct PlaneFigures {
+    pub(super) before_um_per_m: f64,
+    /// Only where there are tables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) after_um_per_m: Option<Option<f64>>,
+    /// U of the last of them.
+    pub(super) expanded_um_per_m: Option<f64>,
+}
+
+/// A machine as it was measured, and what it was measured with where that is known.
+pub(super) type Measured<'a> = (&'a ErrorModel, Option<&'a ErrorSource>);
+
+/// Of each plane that is known as found: then and, where there are tables, as left, as far as that was measured.
+pub(super) fn planes(
+    found: Measured<'_>,
+    left: Option<Option<Measured<'_>>>,
+) -> Named<&'static str, PlaneFigures> {
+    let planes = Plane::ALL.into_iter().filter_map(|plane| {
+        let before = squareness(found, plane)?;
+        let after = left.flatten().and_then(|left| squareness(left, plane));
+        let figures = PlaneFigures {
+            before_um_per_m: before.0,
+            after_um_per_m: left.map(|_| after.map(|(um_per_m, _)| um_per_m)),
+            expanded_um_per_m: after.unwrap_or(before).1,
+        };
+        Some((plane.key(), figures))
+    });
+    planes.collect()
+}
+
+/// Squareness of a plane with U (95 %; `None` = not stated), µm/m: of readings what their totals say, else the sum of
+/// the slopes of both terms; `None` = not determined, or not both measured.
+///
+/// limits  an error table states no uncertainty of a slope
+fn squareness((model, errors): Measured<'_>, plane: Plane) -> Option<(f64, Option<f64>)> {
+    if let Some(ErrorSource::Separated { separation, .. }) = errors {
+        let found = separation.metric.squareness(plane);
+        return Some((found.um_per_m?, found.expanded_um_per_m()));
+    }
+    let (first, second) = plane.axes();
+    Some((model.squareness_um_per_m(first, second)?, None))
 }

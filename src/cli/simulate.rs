@@ -1,6 +1,6 @@
 //! `nonius simulate JOB -o readings.csv`
 
-use crate::cli::outcome::{Content, Outcome, Output, joined, number};
+use crate::cli::outcome::{Outcome, Output, held, joined, number};
 use crate::cli::screen::{Screen, table};
 use crate::cli::show;
 use crate::inputs::error_table;
@@ -18,6 +18,7 @@ use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::visit::files::{Files, file_name};
 use crate::visit::inputs;
+use crate::visit::job_files::Given;
 use crate::visit::tables::read_directory;
 use clap::Args;
 use serde_json::{Value, json};
@@ -81,15 +82,12 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     options.output.ensure_new(files, "the readings")?;
     let Simulated { bytes, screen, document } = simulated(options, files)?;
     let next = format!(" ({SIMULATED})");
-    let bytes = Some(Content::Bytes(bytes));
-    options.output.deliver(bytes, || screen, || document, &next)
+    options.output.deliver(Some(held(bytes)), || screen, || document, &next)
 }
 
 fn simulated(options: &Options, files: &dyn Files) -> Result<Simulated, Problems> {
-    let (name, bytes) = files.argument(&options.job)?;
-    let machine = options.machine.as_deref();
-    let named = (options.job.as_path(), name.as_str(), bytes.as_slice());
-    let (inputs, angles) = inputs::read_job(files, machine, named, UseOf::Tables)?;
+    let (job, machine) = (Given::read(files, &options.job)?, options.machine.as_deref());
+    let (inputs, angles) = inputs::read_job(files, machine, &job, UseOf::Tables)?;
     // The angles of an error table are no part of a measurement of diagonals.
     let is_of_diagonals = matches!(inputs.job.measurement.data, MeasuredData::Diagonals(_));
     let angles = angles.filter(|_| is_of_diagonals);

@@ -8,17 +8,16 @@ use crate::control::controller::TableSign;
 use crate::inputs::import::stated::{
     self, MaterialCorrected, Runs as Ways, axis_word, direction_word, millimetres,
 };
-use crate::inputs::import::{Measurement, encoding_word, measured_runs};
+use crate::inputs::import::{encoding_word, measured_runs};
 use crate::inputs::kind::FileKind;
 use crate::inputs::target_runs::{Runs, Stated, Values};
-use crate::kit::sha256;
 use crate::page::{Locale, Picture};
 use crate::quantity::axis::{Axis, Direction};
 use crate::text::delimited::LengthUnit;
-use crate::text::document::Source;
 use crate::text::finding::Finding;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, file_name};
+use crate::visit::job_files::Given;
 use axis::Page;
 use clap::Args;
 pub(super) use diagonals::of_separation;
@@ -65,49 +64,37 @@ pub(super) struct Options {
 }
 
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
-    let (name, bytes) = files.argument(&options.file)?;
-    let input = FileKind::of(&name, &bytes);
+    let file = Given::read(files, &options.file)?;
+    let input = file.kind();
     options.refuse_foreign(input)?;
     match input {
         FileKind::Job => diagonals::of_job(files, &options.file, options.print, &options.plot),
-        FileKind::Readings => {
-            let source = Source::from_bytes(&name, &bytes)?;
-            diagonals::of_readings(source, options.print, &options.plot)
-        }
+        FileKind::Readings => diagonals::of_readings(file.source()?, options.print, &options.plot),
         FileKind::Table => {
             let stated = Stated { unit: options.unit, values: options.values };
-            let runs = Runs::read(&Source::from_bytes(&name, &bytes)?, stated)?;
-            options.axis(&name, &runs, Vec::new())
+            options.axis(&file.name, &Runs::read(&file.source()?, stated)?, Vec::new())
         }
         FileKind::Rtl => {
-            let file = Measurement {
-                path: &name,
-                name: &file_name(&options.file),
-                sha256: &sha256(&bytes),
-                bytes: &bytes,
-            };
-            let (runs, findings) = measured_runs(file, options.encoding, &options.stated())?;
-            options.axis(&name, &runs, findings)
+            let (runs, findings) =
+                measured_runs(file.measurement(), options.encoding, &options.stated())?;
+            options.axis(&file.name, &runs, findings)
         }
     }
 }
 
 /// The document and the picture of runs of one axis, which say by themselves what they hold.
-pub(super) fn of_axis(
-    locale: Locale<'_>,
-    name: &str,
-    bytes: &[u8],
-) -> Result<(Value, Picture), Problems> {
-    let kind = FileKind::of(name, bytes);
+pub(super) fn of_axis(locale: Locale<'_>, file: &Given<'_>) -> Result<(Value, Picture), Problems> {
+    let kind = file.kind();
     if kind != FileKind::Table {
-        let words = format!("`{name}` is {}, expected runs of one axis (CSV)", kind.words());
+        let (name, is) = (&file.name, kind.words());
+        let words = format!("`{name}` is {is}, expected runs of one axis (CSV)");
         return Err(Problem::new(words)
             .help("a table of targets and runs as in docs/interface.md §2.4")
             .into());
     }
     let stated = Stated { unit: None, values: None };
-    let runs = Runs::read(&Source::from_bytes(name, bytes)?, stated)?;
-    let name = file_name(Path::new(name));
+    let runs = Runs::read(&file.source()?, stated)?;
+    let name = file_name(Path::new(&file.name));
     let page = Page::of(&name, &runs, None, Vec::new())?;
     Ok((page.document(), page.picture(locale)))
 }

@@ -117,10 +117,6 @@ impl Output {
 }
 
 impl Ready for Output {
-    fn place(&self) -> &Path {
-        &self.place
-    }
-
     fn complete(&self) -> Result<(), Problems> {
         let synced = self.file.as_ref().map_or(Ok(()), File::sync_all);
         synced.map_err(|error| not_written("cannot write", &self.place, &error))

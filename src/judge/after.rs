@@ -37,11 +37,13 @@ use crate::quantity::units::smaller;
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
 use crate::write::plan::Plan;
+use serde::Serialize;
 
-/// What stands on one line of the page; `None` = not measured, or no forecast.
-#[derive(Clone, Debug, PartialEq)]
+/// What stands on one line of the page, and in the document; `None` = not measured, or no forecast.
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComparedLine {
     /// `EXX`, or `PPP`.
+    #[serde(skip)]
     pub name: String,
     /// As found, µm.
     pub before_um: Option<f64>,
@@ -55,6 +57,8 @@ pub struct ComparedLine {
     pub expanded_um: Option<f64>,
     /// What the as-left figure is at most, with 95 %, µm; `None` = not stated.
     pub at_most_um: Option<f64>,
+    /// The figure that is judged, µm: as left.
+    max_residual_um: Option<f64>,
     /// Largest |as left − forecast| over the positions measured afterwards, µm.
     pub difference_um: Option<f64>,
 }
@@ -226,6 +230,7 @@ fn line(
         u_um: after.and_then(|row| row.u_um),
         expanded_um: after.and_then(|row| row.expanded_um),
         at_most_um: after.and_then(|row| row.at_most_um),
+        max_residual_um: after.map(|row| row.after_um),
         difference_um,
     })
 }

@@ -26,11 +26,6 @@ impl Trace {
         Trace { ink, stretch_mm: 0.01, stretches: Vec::new() }
     }
 
-    /// Whose errors they are.
-    pub(crate) fn ink(&self) -> Ink {
-        self.ink
-    }
-
     /// One sample: how far along the path, mm, and its error, µm.
     pub fn take(&mut self, s_mm: f64, error_um: [f64; 3]) {
         while s_mm >= self.stretch_mm * f64::from(u32::try_from(MOST).unwrap_or(u32::MAX)) {

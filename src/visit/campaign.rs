@@ -12,10 +12,9 @@ use crate::machine::separation::straight::{StraightResult, straight};
 use crate::machine::separation::table::{self, ErrorSource};
 use crate::machine::separation::{self, Campaign, Separation};
 use crate::quantity::diagonal::{Pass, PathKind, PerDiagonal, Run};
-use crate::text::document::Source;
 use crate::text::problem::Problems;
 use crate::visit::files::Files;
-use crate::visit::job_files::{JobFiles, folder_of, read_page};
+use crate::visit::job_files::{Given, JobFiles};
 use crate::write::emit::TOOL;
 use std::path::Path;
 use std::sync::Arc;
@@ -36,7 +35,7 @@ pub(crate) struct CampaignFiles {
 impl CampaignFiles {
     /// The readings of a job, and every file that it names for them.
     pub(crate) fn read(
-        files: &mut JobFiles<'_>,
+        files: &JobFiles<'_>,
         measurement: &DiagonalMeasurement,
     ) -> Result<CampaignFiles, Problems> {
         const KEY: &str = "measurement.step_diagonal";
@@ -52,8 +51,8 @@ impl CampaignFiles {
                 }
             });
         }
-        let job = files.job;
-        let mut table = |path: &Option<String>, key: &str| {
+        let job = &files.job;
+        let table = |path: &Option<String>, key: &str| {
             let table = path.as_ref().map(|path| files.table(path, key));
             table.transpose()
         };
@@ -164,11 +163,10 @@ impl CampaignFiles {
 
 /// Reads a job with readings and everything it names.
 pub(crate) fn read_campaign(files: &dyn Files, job_path: &Path) -> Result<CampaignFiles, Problems> {
-    let (name, bytes) = files.argument(job_path)?;
-    let source = Source::from_bytes(&name, &bytes)?;
-    let job = read_page(files, source, folder_of(job_path), UseOf::Separation)?;
-    let MeasuredData::Diagonals(measurement) = &job.measurement.data else {
-        return Err(job
+    let named = JobFiles::of(files, &Given::read(files, job_path)?, UseOf::Separation)?;
+    let MeasuredData::Diagonals(measurement) = &named.job.measurement.data else {
+        return Err(named
+            .job
             .problem_at(
                 "measurement.errors",
                 "this job gives `errors`, which are separated already",
@@ -176,5 +174,5 @@ pub(crate) fn read_campaign(files: &dyn Files, job_path: &Path) -> Result<Campai
             .help("a job with `readings` is needed here")
             .into());
     };
-    CampaignFiles::read(&mut JobFiles::new(files, &job, job_path), measurement)
+    CampaignFiles::read(&named, measurement)
 }

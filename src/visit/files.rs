@@ -23,9 +23,6 @@ pub enum Kind {
 
 /// An output that is complete, and not in its place yet. Dropped before it is there, it goes.
 pub trait Ready {
-    /// Where it will be.
-    fn place(&self) -> &Path;
-
     /// Waits until what was begun is where it stays.
     fn complete(&self) -> Result<(), Problems> {
         Ok(())
@@ -63,16 +60,14 @@ pub trait Files {
     /// Whether two paths lead to the same.
     fn same(&self, one: &Path, other: &Path) -> bool;
 
-    /// Refuses a file that exists, and with `force` anything but a regular one, before any work is done.
-    fn ensure_new(&self, file: &Path, force: bool) -> Result<(), Problems>;
+    /// Refuses a file that exists, or a folder that holds something, before any work is done; with `force` anything but
+    /// a regular file, or a folder.
+    fn ensure(&self, place: &Path, kind: Kind, force: bool) -> Result<(), Problems>;
 
-    /// Refuses a folder that holds something, before any work is done.
-    fn ensure_free(&self, folder: &Path, force: bool) -> Result<(), Problems>;
-
-    /// Writes a file, whole; refuses what [`Files::ensure_new`] does.
+    /// Writes a file, whole; refuses what [`Files::ensure`] does.
     fn write(&self, file: &Path, bytes: &[u8], force: bool) -> Result<Box<dyn Ready>, Problems>;
 
-    /// Writes the files of a folder, the last one last; refuses what [`Files::ensure_free`] does.
+    /// Writes the files of a folder, the last one last; refuses what [`Files::ensure`] does.
     fn write_folder(
         &self,
         folder: &Path,
@@ -86,9 +81,9 @@ pub trait Files {
         Ok((Box::new(Cursor::new(Vec::new())), None))
     }
 
-    /// Whether somebody looks on while the run is at work.
-    fn is_watched(&self) -> bool {
-        false
+    /// What is called after each of so many steps of a long run, and shows how far it is to somebody who looks on.
+    fn progress(&self, _steps: usize) -> Box<dyn FnMut()> {
+        Box::new(|| {})
     }
 
     /// A file argument with its name: `-` is standard input.

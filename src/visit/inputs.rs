@@ -9,11 +9,10 @@ use crate::kit::{Inputs, hashed};
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::axis::PerAxis;
 use crate::quantity::diagonal::PathKind;
-use crate::text::document::Source;
 use crate::text::problem::{Problem, Problems};
 use crate::visit::campaign::CampaignFiles;
 use crate::visit::files::{Files, Kind, file_name, plain_words};
-use crate::visit::job_files::{JobFiles, folder_of, read_page};
+use crate::visit::job_files::{Given, JobFiles};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -28,42 +27,39 @@ pub(crate) fn read_for(
     job_path: &Path,
     use_of: UseOf,
 ) -> Result<Inputs, Problems> {
-    let (name, bytes) = files.argument(job_path)?;
-    Ok(read_job(files, None, (job_path, &name, &bytes), use_of)?.0)
+    Ok(read_job(files, None, &Given::read(files, job_path)?, use_of)?.0)
 }
 
-/// Reads everything that a job names, the table of its angles too; `bytes` are those of the job, `machine` an error
-/// table in place of what it measured.
+/// Reads everything that a job names, the table of its angles too; `machine` is an error table in place of what it
+/// measured.
 pub(crate) fn read_job(
     files: &dyn Files,
     machine: Option<&Path>,
-    (job_path, name, bytes): (&Path, &str, &[u8]),
+    job: &Given<'_>,
     use_of: UseOf,
 ) -> Result<(Inputs, Option<ErrorTable>), Problems> {
-    let source = Source::from_bytes(name, bytes)?;
-    let mut job = read_page(files, source, folder_of(job_path), use_of)?;
+    let mut named = JobFiles::of(files, job, use_of)?;
     if use_of == UseOf::Figures {
-        let policies = job.compensation.backlash;
+        let policies = named.job.compensation.backlash;
         let or_mean = |axis| policies[axis].or(Some(BacklashPolicy::Mean));
-        job.compensation.backlash = PerAxis::from_fn(or_mean);
+        named.job.compensation.backlash = PerAxis::from_fn(or_mean);
     }
-    let mut named = JobFiles::new(files, &job, job_path);
-    named.hashes.push(hashed(&file_name(job_path), bytes));
     let mut problems = Problems::none();
     let profile = problems.take(named.profile());
     let errors = match machine {
-        None => errors(&mut named),
-        Some(path) => stated(&mut named, path),
+        None => errors(&named),
+        Some(path) => stated(&named, path),
     };
     let errors = problems.take(errors);
     let (Some(profile), Some(errors)) = (profile, errors) else {
         return Err(problems);
     };
-    let angles = job.measurement.angles.as_deref();
+    let angles = named.job.measurement.angles.as_deref();
     let angles = angles.map(|path| named.table(path, "measurement.angles"));
     let angles = angles.transpose()?;
-    let active = active(&mut named, &profile)?;
-    let hashes = named.hashes;
+    let active = active(&named, &profile)?;
+    let JobFiles { mut job, hashes, .. } = named;
+    let hashes = hashes.into_inner();
     if let ErrorSource::Table(table) = &errors
         && let Some(lines) = table.remarks.lines
     {
@@ -78,16 +74,16 @@ pub(crate) fn read_job(
 }
 
 /// An error table that no job names.
-fn stated(files: &mut JobFiles<'_>, path: &Path) -> Result<ErrorSource, Problems> {
-    let (name, bytes) = files.files.argument(path)?;
-    files.hashes.push(hashed(&file_name(path), &bytes));
-    let table = ErrorTable::read(Source::from_bytes(&name, &bytes)?)?;
+fn stated(files: &JobFiles<'_>, path: &Path) -> Result<ErrorSource, Problems> {
+    let file = Given::read(files.files, path)?;
+    let table = ErrorTable::read(file.source()?)?;
+    files.hashes.borrow_mut().push(file.hash);
     Ok(ErrorSource::Table(Arc::new(table)))
 }
 
 /// The errors of a job: those that it names, or those that its readings hold.
-pub(crate) fn errors(files: &mut JobFiles<'_>) -> Result<ErrorSource, Problems> {
-    let job = files.job;
+pub(crate) fn errors(files: &JobFiles<'_>) -> Result<ErrorSource, Problems> {
+    let job = &files.job;
     let paths = match &job.measurement.data {
         MeasuredData::Errors(paths) => paths,
         MeasuredData::Diagonals(measurement) if measurement.kind == PathKind::Straight => {
@@ -117,10 +113,10 @@ pub(crate) const ACTIVE: &str = "measurement.active_while_measuring";
 
 /// `active_while_measuring`: the control as it was while measuring; every file that was read is hashed.
 pub(crate) fn active(
-    files: &mut JobFiles<'_>,
+    files: &JobFiles<'_>,
     profile: &Profile,
 ) -> Result<Option<ActiveControl>, Problems> {
-    let job = files.job;
+    let job = &files.job;
     let ActiveTables::Path(path) = &job.measurement.active else {
         return without_tables(job, profile);
     };
@@ -139,7 +135,7 @@ pub(crate) fn active(
     };
     let manifest = manifest.iter().map(|bytes| hashed(&inside(MANIFEST), bytes));
     let own = active.files.iter().map(|(name, bytes)| hashed(&inside(name), bytes));
-    files.hashes.extend(manifest.chain(own));
+    files.hashes.borrow_mut().extend(manifest.chain(own));
     Ok(Some(active))
 }
 

@@ -2,8 +2,9 @@
 
 use crate::control::controller::{Profile, ProfileSource, builtin, load};
 use crate::inputs::error_table::ErrorTable;
-use crate::inputs::import::source_of;
+use crate::inputs::import::{Measurement, source_of};
 use crate::inputs::job::{Job, UseOf};
+use crate::inputs::kind::FileKind;
 use crate::inputs::readings::Readings;
 use crate::kit::hashed;
 use crate::kit::manifest::HashedFile;
@@ -13,18 +14,79 @@ use crate::visit::files::{Files, beside_job, file_name, printed};
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
+/// A file that a command names, as it was read.
+pub(crate) struct Given<'a> {
+    pub(crate) path: &'a Path,
+    /// The path as people read it.
+    pub(crate) name: String,
+    pub(crate) bytes: Vec<u8>,
+    /// Its name without folders, and the hash of its bytes.
+    pub(crate) hash: HashedFile,
+}
+
+impl<'a> Given<'a> {
+    /// `-` is standard input.
+    pub(crate) fn read(files: &dyn Files, path: &'a Path) -> Result<Given<'a>, Problems> {
+        let (name, bytes) = files.argument(path)?;
+        let hash = hashed(&file_name(path), &bytes);
+        Ok(Given { path, name, bytes, hash })
+    }
+
+    /// What kind of file it is.
+    pub(crate) fn kind(&self) -> FileKind {
+        FileKind::of(&self.name, &self.bytes)
+    }
+
+    /// Its text.
+    pub(crate) fn source(&self) -> Result<Source, Problems> {
+        Source::from_bytes(&self.name, &self.bytes)
+    }
+
+    /// As a file of another maker.
+    pub(crate) fn measurement(&self) -> Measurement<'_> {
+        let HashedFile { path: name, sha256, .. } = &self.hash;
+        Measurement { path: &self.name, name, sha256, bytes: &self.bytes }
+    }
+}
+
 /// A job and where it lies, with the hash of everything that was read for it.
 pub(crate) struct JobFiles<'a> {
     pub(crate) files: &'a dyn Files,
-    pub(crate) job: &'a Job,
+    pub(crate) job: Job,
     pub(crate) folder: &'a Path,
-    pub(crate) hashes: Vec<HashedFile>,
+    pub(crate) hashes: RefCell<Vec<HashedFile>>,
 }
 
 impl<'a> JobFiles<'a> {
     /// Of a job that was read from `path`.
-    pub(crate) fn new(files: &'a dyn Files, job: &'a Job, path: &'a Path) -> JobFiles<'a> {
-        JobFiles { files, job, folder: folder_of(path), hashes: Vec::new() }
+    pub(crate) fn new(files: &'a dyn Files, job: Job, path: &'a Path) -> JobFiles<'a> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        JobFiles { files, job, folder, hashes: RefCell::default() }
+    }
+
+    /// Of a job; one that is refused is refused for everything at once.
+    pub(crate) fn of(
+        files: &'a dyn Files,
+        file: &Given<'a>,
+        use_of: UseOf,
+    ) -> Result<JobFiles<'a>, Problems> {
+        let folder = file.path.parent().unwrap_or(Path::new(""));
+        let find = |word: &str| Ok(profile(files, word, folder)?.0);
+        let look_at = |path: &str, are_readings: bool| {
+            let path = folder.join(path);
+            let Ok(bytes) = files.bytes(&path) else {
+                return Ok(()); // told when the job can be read
+            };
+            let source = Source::from_bytes(&printed(&path), &bytes)?;
+            match are_readings {
+                true => Readings::look_at_cells(&source),
+                false => ErrorTable::look_at_cells(source),
+            }
+        };
+        let job = Job::read_with_its_tables(file.source()?, use_of, find, look_at)?;
+        let job = JobFiles::new(files, job, file.path);
+        job.hashes.borrow_mut().push(file.hash.clone());
+        Ok(job)
     }
 
     /// A problem of what stands at `key`.
@@ -41,7 +103,7 @@ impl<'a> JobFiles<'a> {
     }
 
     /// A text that stands at `key`, and its hash; the measurement that it came from is hashed too.
-    pub(crate) fn source(&mut self, path: &str, key: &str) -> Result<(Source, String), Problems> {
+    pub(crate) fn source(&self, path: &str, key: &str) -> Result<(Source, String), Problems> {
         let full = self.folder.join(path);
         let bytes = self.bytes(&full, key)?;
         let hash = hashed(path, &bytes);
@@ -54,21 +116,22 @@ impl<'a> JobFiles<'a> {
         });
         let sha256 = hash.sha256.clone();
         let new = std::iter::once(hash).chain(measured);
-        let new: Vec<HashedFile> = new.filter(|hash| !self.hashes.contains(hash)).collect();
-        self.hashes.extend(new);
+        let mut hashes = self.hashes.borrow_mut();
+        let new: Vec<HashedFile> = new.filter(|hash| !hashes.contains(hash)).collect();
+        hashes.extend(new);
         Ok((source, sha256))
     }
 
     /// An error table that stands at `key`.
-    pub(crate) fn table(&mut self, path: &str, key: &str) -> Result<ErrorTable, Problems> {
+    pub(crate) fn table(&self, path: &str, key: &str) -> Result<ErrorTable, Problems> {
         ErrorTable::read(self.source(path, key)?.0)
     }
 
     /// The profile of the job's control.
-    pub(crate) fn profile(&mut self) -> Result<Profile, Problems> {
+    pub(crate) fn profile(&self) -> Result<Profile, Problems> {
         let (profile, hashes) = profile(self.files, &self.job.compensation.controller, self.folder)
             .map_err(|problems| self.at_controller(&problems))?;
-        self.hashes.extend(hashes);
+        self.hashes.borrow_mut().extend(hashes);
         Ok(profile)
     }
 
@@ -83,46 +146,6 @@ impl<'a> JobFiles<'a> {
         }
         placed
     }
-}
-
-/// The folder that the paths of a job are relative to.
-pub(crate) fn folder_of(job_path: &Path) -> &Path {
-    job_path.parent().unwrap_or(Path::new(""))
-}
-
-/// The job of a page that lies in `folder`; a job that is refused is refused for everything at once.
-pub(crate) fn read_page(
-    files: &dyn Files,
-    source: Source,
-    folder: &Path,
-    use_of: UseOf,
-) -> Result<Job, Problems> {
-    let find = |word: &str| Ok(profile(files, word, folder)?.0);
-    let look_at = |path: &str, are_readings: bool| {
-        let path = folder.join(path);
-        let Ok(bytes) = files.bytes(&path) else {
-            return Ok(()); // told when the job can be read
-        };
-        let source = Source::from_bytes(&printed(&path), &bytes)?;
-        match are_readings {
-            true => Readings::look_at_cells(&source),
-            false => ErrorTable::look_at_cells(source),
-        }
-    };
-    Job::read_with_its_tables(source, use_of, find, look_at)
-}
-
-/// Reads a job and the profile of its control for a run, and nothing that was measured.
-pub(crate) fn read_job_and_profile(
-    files: &dyn Files,
-    job_path: &Path,
-) -> Result<(Job, Profile, Vec<HashedFile>), Problems> {
-    let (name, bytes) = files.argument(job_path)?;
-    let job = Job::read_for(Source::from_bytes(&name, &bytes)?, UseOf::Programs)?;
-    let mut named = JobFiles::new(files, &job, job_path);
-    named.hashes.push(hashed(&file_name(job_path), &bytes));
-    let (profile, hashes) = (named.profile()?, named.hashes);
-    Ok((job, profile, hashes))
 }
 
 /// A built-in profile by id, or a user's own by path (relative to `folder`), with the hashes of its files.

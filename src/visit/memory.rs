@@ -77,21 +77,8 @@ impl Memory {
         }
     }
 
-    /// Refuses what is there already, and with `force` what is something else.
-    fn ensure(&self, path: &Path, kind: Kind, force: bool) -> Result<(), Problems> {
-        match self.own_kind(path) {
-            Some(found) if found != kind || !force => {
-                let words = format!("`{}` is there, so it is not overwritten", path.display());
-                Err(Problem::new(words)
-                    .help("choose another name, or `--force` to replace it")
-                    .into())
-            }
-            _ => Ok(()),
-        }
-    }
-
-    fn pending(&self, place: &Path, put: impl FnOnce(&mut ByName) + 'static) -> Box<dyn Ready> {
-        Box::new(Pending { place: place.to_path_buf(), all: Rc::clone(&self.all), put })
+    fn pending(&self, put: impl FnOnce(&mut ByName) + 'static) -> Box<dyn Ready> {
+        Box::new(Pending(Rc::clone(&self.all), put))
     }
 }
 
@@ -123,22 +110,20 @@ impl Files for Memory {
             return beneath.bytes(path);
         }
         let name = path.display();
-        match self.kind(path) {
-            Ok(Kind::File) => {}
-            Ok(Kind::Folder) => {
-                let words = format!("`{name}` is a directory, expected a file");
-                return Err(Problem::new(words).help("name a file in it"));
-            }
-            Err(_) => {
-                return Err(Problem::new(format!("`{name}` cannot be read: it does not exist")));
-            }
-        }
+        let refused = |words: String| Err(Problem::new(format!("`{name}` {words}")));
+        let Some(bytes) = self.all.borrow().get(&plain(path)).cloned() else {
+            let is_folder = self.own_kind(path).is_some();
+            return match is_folder {
+                true => refused("is a directory, expected a file".to_string())
+                    .map_err(|problem| problem.help("name a file in it")),
+                false => refused("cannot be read: it does not exist".to_string()),
+            };
+        };
         self.read.borrow_mut().push(plain(path));
-        let bytes = self.all.borrow().get(&plain(path)).cloned().unwrap_or_default();
         match bytes.len() as u64 > LARGEST_FILE_MIB << 20 {
-            true => Err(Problem::new(format!(
-                "`{name}` holds more than {LARGEST_FILE_MIB} MiB, too much for an input"
-            ))),
+            true => {
+                refused(format!("holds more than {LARGEST_FILE_MIB} MiB, too much for an input"))
+            }
             false => Ok(bytes),
         }
     }
@@ -189,19 +174,23 @@ impl Files for Memory {
         plain(one) == plain(other)
     }
 
-    fn ensure_new(&self, file: &Path, force: bool) -> Result<(), Problems> {
-        self.ensure(file, Kind::File, force)
-    }
-
-    fn ensure_free(&self, folder: &Path, force: bool) -> Result<(), Problems> {
-        self.ensure(folder, Kind::Folder, force)
+    fn ensure(&self, path: &Path, kind: Kind, force: bool) -> Result<(), Problems> {
+        match self.own_kind(path) {
+            Some(found) if found != kind || !force => {
+                let words = format!("`{}` is there, so it is not overwritten", path.display());
+                Err(Problem::new(words)
+                    .help("choose another name, or `--force` to replace it")
+                    .into())
+            }
+            _ => Ok(()),
+        }
     }
 
     fn write(&self, file: &Path, bytes: &[u8], force: bool) -> Result<Box<dyn Ready>, Problems> {
         self.ensure(file, Kind::File, force)?;
         self.refuse_input(file)?;
         let (place, bytes) = (plain(file), bytes.to_vec());
-        Ok(self.pending(file, move |all| _ = all.insert(place, bytes)))
+        Ok(self.pending(move |all| _ = all.insert(place, bytes)))
     }
 
     fn write_folder(
@@ -215,7 +204,7 @@ impl Files for Memory {
         let place = plain(folder);
         let files = files.iter().map(|(name, bytes)| (place.join(name), bytes.to_vec()));
         let files: ByName = files.collect();
-        Ok(self.pending(folder, move |all| {
+        Ok(self.pending(move |all| {
             keep(all, &place);
             all.extend(files);
         }))
@@ -237,19 +226,11 @@ fn keep(all: &mut ByName, folder: &Path) {
 }
 
 /// An output on its way.
-struct Pending<F> {
-    place: PathBuf,
-    all: Rc<RefCell<ByName>>,
-    put: F,
-}
+struct Pending<F>(Rc<RefCell<ByName>>, F);
 
 impl<F: FnOnce(&mut ByName)> Ready for Pending<F> {
-    fn place(&self) -> &Path {
-        &self.place
-    }
-
     fn put(self: Box<Self>) -> Result<(), Problems> {
-        let Pending { all, put, .. } = *self;
+        let Pending(all, put) = *self;
         put(&mut all.borrow_mut());
         Ok(())
     }

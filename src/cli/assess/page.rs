@@ -1,7 +1,7 @@
 //! What `assess` prints, and what its figures rest on: frame, levers, tables that were active, how much
 //! of the machine was measured (what is missing must not look like an error of 0); each error as it was measured.
 
-use crate::cli::squareness::{PlaneFigures, planes};
+use crate::cli::show::{PlaneFigures, planes};
 use crate::inputs::error_table::{ErrorTable, Remarks};
 use crate::inputs::job::{ActiveTables, Frame, Job, UseOf};
 use crate::judge::after::alone;
@@ -18,6 +18,7 @@ use crate::text::document::Source;
 use crate::text::finding::{Finding, Severity};
 use crate::text::problem::{Problem, Problems};
 use crate::text::words::Named;
+use crate::visit::job_files::Given;
 use crate::volume::assessment::{Assessment, GridChoice};
 use crate::volume::findings::VolumeFinding;
 use crate::volume::volume_model::{Component, Missing, VolumeModel};
@@ -283,10 +284,10 @@ pub(super) struct Table {
 
 /// The model of a table and what it rests on: each axis travels where it was measured, its reference is its lowest
 /// measured position.
-pub(super) fn of_table(name: &str, bytes: &[u8], chain: Option<Chain>) -> Result<Table, Problems> {
-    let table = ErrorTable::read(Source::from_bytes(name, bytes)?)?;
+pub(super) fn of_table(file: &Given<'_>, chain: Option<Chain>) -> Result<Table, Problems> {
+    let table = ErrorTable::read(file.source()?)?;
     let page = least_job(&table, chain);
-    let job = Job::read_for(Source::from_bytes(name, page.as_bytes())?, UseOf::Figures)?;
+    let job = Job::read_for(Source::from_bytes(&file.name, page.as_bytes())?, UseOf::Figures)?;
     let mut model = ErrorModel::for_figures(&job, &table)?;
     model.lacks_squareness(model.level());
     if chain.is_none() && model.rotations.iter().any(|(_, angle)| angle.is_some()) {

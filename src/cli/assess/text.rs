@@ -12,13 +12,12 @@ use crate::volume::definitions::Definitions;
 use crate::volume::volume_model::{Component, ERRORS};
 
 pub(super) fn screen(page: &Page) -> Screen {
-    let before = &page.before;
-    let after = page.after.as_ref().map(|after| &after.assessment);
     let differences = page.after.as_ref().map_or(&[][..], |after| &after.disagreements);
     let missing: Vec<String> =
         page.missing.iter().map(|m| format!("{}: {}", m.component, m.consequence)).collect();
     let left_out = list("not measured, so left out of every figure:", &missing);
     let verdict = [headline(page), list("job and tables DISAGREE:", differences), heading(page)];
+    let doubts = page.doubts().iter().map(ToString::to_string);
     Screen {
         verdict: verdict.join("\n").replace("\n\n", "\n"),
         figures: paragraphs(&[
@@ -26,15 +25,10 @@ pub(super) fn screen(page: &Page) -> Screen {
             worst_pairs(page),
             contributions(page),
             windows(page),
-            histogram(before, after),
+            histogram(page),
             grouping(page),
         ]),
-        findings: page
-            .doubts()
-            .iter()
-            .map(ToString::to_string)
-            .chain(show::notes(&page.basis.labels))
-            .collect(),
+        findings: doubts.chain(show::notes(&page.basis.labels)).collect(),
         more: vec![More::new(
             missing.len(),
             ["error not measured", "errors not measured"],
@@ -42,6 +36,11 @@ pub(super) fn screen(page: &Page) -> Screen {
         )],
         ..Screen::default()
     }
+}
+
+/// A column of the machine as it is, and where there are tables one with them.
+fn with_tables(page: &Page, as_it_is: &str, with: &str) -> String {
+    format!("{as_it_is}{}", if page.after.is_some() { with } else { "" })
 }
 
 fn heading(page: &Page) -> String {
@@ -133,20 +132,18 @@ fn headline(page: &Page) -> String {
 }
 
 fn figures(page: &Page) -> String {
-    let before = &page.before.definitions;
-    let after = page.after.as_ref().map(|a| &a.assessment.definitions);
-    let with = after.map_or("", |_| "\t>with tables/µm");
-    let second = after.map(rows);
-    let rows = rows(before).into_iter().enumerate();
-    let rows = rows.map(|(index, [name, value, what])| {
-        let other = second.as_ref().and_then(|rows| rows.get(index));
-        let other = other.map_or_else(String::new, |[_, value, _]| format!("\t{value}"));
-        format!("{name}\t{value}{other}\t{what}")
+    let sides: Vec<&Definitions> = page.sides().map(|(_, of)| &of.definitions).collect();
+    let columns: Vec<_> = sides.iter().map(|of| rows(of)).collect();
+    let rows = columns[0].iter().enumerate().map(|(row, [name, _, what])| {
+        let values = columns.iter().map(|of| of[row][1].as_str());
+        format!("{name}\t{}\t{what}", values.collect::<Vec<_>>().join("\t"))
     });
-    let heading = format!("figure\t>µm{with}\twhat it is");
-    let mut lines = vec![table(&heading, rows), PAPERS.to_string()];
-    let mut all = [Some(before), after].into_iter().flatten();
-    if all.any(|d| !d.length_exact || d.max_from_reference_bound_um > d.max_from_reference_um) {
+    let heading = with_tables(page, "figure\t>µm", "\t>with tables/µm");
+    let mut lines = vec![table(&format!("{heading}\twhat it is"), rows), PAPERS.to_string()];
+    let is_open = |d: &&Definitions| {
+        !d.length_exact || d.max_from_reference_bound_um > d.max_from_reference_um
+    };
+    if sides.iter().any(is_open) {
         lines.push(
             "  a … b: the search reached its limit; a was found, no node exceeds b".to_string(),
         );
@@ -191,7 +188,7 @@ fn rows(d: &Definitions) -> Vec<[String; 3]> {
 }
 
 fn measured(value: Option<f64>) -> String {
-    value.map_or_else(|| "not measured".to_string(), um)
+    show::figure(value, "not measured")
 }
 
 /// A figure, or what it lies between.
@@ -218,29 +215,26 @@ fn worst_pairs(page: &Page) -> String {
 /// Parts and changes of VA below the last digit that is shown are none, µm.
 const SHOWN_UM: f64 = 0.000_5;
 
-pub(super) fn contributions(page: &Page) -> String {
+fn contributions(page: &Page) -> String {
     let before = &page.before;
-    let after = page.after.as_ref().map(|after| &after.assessment);
-    let with = after.map_or("", |_| "\t>part with tables/µm\t>VA without it, with tables/µm");
-    let heading = format!("error\t>part of VA/µm\t>%\t>VA without it/µm{with}");
     let va = before.definitions.va_um;
     let row = |part: &Contribution| {
         let share = Figure(if va > 0.0 { 100.0 * part.um / va } else { 0.0 });
-        let other = after.map(|after| with_tables(after, part.component));
-        format!(
-            "{}\t{}\t{share:.2}\t{}{}",
-            error_name(part.component),
-            um(part.um),
-            um(part.va_without_um),
-            other.unwrap_or_default()
-        )
+        let (name, um, without) = (error_name(part.component), um(part.um), um(part.va_without_um));
+        let other = page.after.as_ref().map(|after| left(&after.assessment, part.component));
+        format!("{name}\t{um}\t{share:.2}\t{without}{}", other.unwrap_or_default())
     };
     let acts = |part: &&Contribution| {
-        let other = after.and_then(|after| Some((after, find(after, part.component)?)));
-        acts(before, part) || other.is_some_and(|(after, part)| acts(after, part))
+        let mut sides = page.sides().filter_map(|(_, of)| Some((of, find(of, part.component)?)));
+        sides.any(|(of, part)| acts(of, part))
     };
     let (acting, idle): (Vec<&Contribution>, Vec<&Contribution>) =
         before.contributions.iter().partition(acts);
+    let heading = with_tables(
+        page,
+        "error\t>part of VA/µm\t>%\t>VA without it/µm",
+        "\t>part with tables/µm\t>VA without it, with tables/µm",
+    );
     let mut lines = vec![
         table(&heading, acting.into_iter().map(row)),
         "  the parts add up to VA; a negative one works against the others".to_string(),
@@ -261,7 +255,7 @@ fn acts(of: &Assessment, part: &Contribution) -> bool {
 }
 
 /// A table takes off squareness and straightness as one: what is left of both stands at the latter.
-fn with_tables(after: &Assessment, component: Component) -> String {
+fn left(after: &Assessment, component: Component) -> String {
     match (find(after, component), component) {
         (Some(part), _) => format!("\t{}\t{}", um(part.um), um(part.va_without_um)),
         (None, Component::Squareness(term)) => format!("\tin {term}\t"),
@@ -292,7 +286,7 @@ fn error_name(component: Component) -> String {
     if name == iso { name } else { format!("{name} ({iso})") }
 }
 
-pub(super) fn windows(page: &Page) -> String {
+fn windows(page: &Page) -> String {
     let Some(found) = &page.before.windows else {
         return String::new();
     };
@@ -317,29 +311,24 @@ pub(super) fn windows(page: &Page) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-pub(super) fn histogram(before: &Assessment, after: Option<&Assessment>) -> String {
-    let Some(found) = &before.histogram else {
+fn histogram(page: &Page) -> String {
+    let sides = page.sides().filter_map(|(_, of)| of.histogram.as_ref());
+    let sides: Vec<&Histogram> = sides.collect();
+    let [found, after @ ..] = &sides[..] else {
         return String::new();
     };
-    let after = after.and_then(|after| after.histogram.as_ref());
-    let with = after.map_or("", |_| "\t>with tables");
-    let (own, others) = (bins(found), after.map(bins));
-    let most = own.len().max(others.as_ref().map_or(0, Vec::len));
-    let rows = (0..most).map(|bin| {
+    let columns: Vec<Vec<String>> = sides.iter().map(|of| bins(of)).collect();
+    let rows = (0..columns.iter().map(Vec::len).max().unwrap_or(0)).map(|bin| {
         let from = bin as f64 * found.bin_um;
-        let other = others.as_ref().map(|others| format!("\t{}", in_bin(others, bin)));
-        let (from, to) = (short(from), short(from + found.bin_um));
-        let (own, other) = (in_bin(&own, bin), other.unwrap_or_default());
-        format!("{from} … {to}\t{own}{other}")
+        // Behind the last bin there are none for certain.
+        let pairs = columns.iter().map(|bins| bins.get(bin).map_or("0", String::as_str));
+        let pairs = pairs.collect::<Vec<_>>().join("\t");
+        format!("{} … {}\t{pairs}", short(from), short(from + found.bin_um))
     });
-    let heading = format!("differences/µm\t>pairs{with}");
-    let mut lines = vec![table(&heading, rows), format!("  {}", how(found))];
-    lines.extend(
-        after
-            .filter(|after| after.sampled != found.sampled)
-            .map(|after| format!("  with the tables {}", how(after))),
-    );
-    lines.join("\n")
+    let heading = with_tables(page, "differences/µm\t>pairs", "\t>with tables");
+    let others = after.iter().filter(|after| after.sampled != found.sampled);
+    let others = others.map(|after| format!("\n  with the tables {}", how(after)));
+    format!("{}\n  {}{}", table(&heading, rows), how(found), others.collect::<String>())
 }
 
 /// Pairs of each bin.
@@ -356,11 +345,6 @@ fn bins(histogram: &Histogram) -> Vec<String> {
     histogram.counts.each().into_iter().enumerate().map(words).collect()
 }
 
-/// Behind the last bin there are none for certain.
-fn in_bin(bins: &[String], bin: usize) -> &str {
-    bins.get(bin).map_or("0", String::as_str)
-}
-
 fn how(histogram: &Histogram) -> String {
     let Some(Sampled { drawn, standard_errors: errors }) = &histogram.sampled else {
         return format!("all {} pairs of nodes were counted", histogram.pairs);
@@ -373,7 +357,7 @@ fn how(histogram: &Histogram) -> String {
     )
 }
 
-pub(super) fn grouping(page: &Page) -> String {
+fn grouping(page: &Page) -> String {
     let Some(found) = &page.before.grouping else {
         return String::new();
     };
@@ -397,7 +381,7 @@ pub(super) fn grouping(page: &Page) -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-pub(super) fn place(place: PerAxis<f64>) -> String {
+fn place(place: PerAxis<f64>) -> String {
     format!("({}, {}, {}) mm", short(place.x), short(place.y), short(place.z))
 }
 
@@ -407,7 +391,7 @@ pub(super) fn short(mm: f64) -> f64 {
 }
 
 /// A figure with the digits of the page.
-pub(super) fn um(um: f64) -> String {
+fn um(um: f64) -> String {
     show::um(Some(um))
 }
 

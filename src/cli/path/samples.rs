@@ -1,11 +1,11 @@
 //! The samples of a path as CSV, written as they come: whole or not at all; and the worst of the holes
 //! that canned cycles drill.
 
-use crate::cli::outcome::{Content, Output};
+use crate::cli::outcome::Output;
 use crate::quantity::units::Figure;
 use crate::text::problem::Problems;
-use crate::visit::files::{Files, Long, Ready, not_put_out, not_written};
-use crate::volume::tool_path::{PathMap, Sample};
+use crate::visit::files::{Begun, Files, Long, Ready, not_put_out, not_written};
+use crate::volume::tool_path::Sample;
 use serde::Serialize;
 use std::io::{BufWriter, Seek, Write};
 use std::path::Path;
@@ -15,7 +15,7 @@ pub(super) struct Points {
     /// `None` = standard output.
     ready: Option<Box<dyn Ready>>,
     writer: BufWriter<Box<dyn Long>>,
-    failed: Option<std::io::Error>,
+    written: std::io::Result<()>,
 }
 
 const COLUMNS: &str =
@@ -30,44 +30,32 @@ impl Points {
         has_after: bool,
     ) -> Result<Points, Problems> {
         let (long, ready) = output.begin(files)?;
-        let mut points =
-            Points { ready, writer: BufWriter::with_capacity(1 << 18, long), failed: None };
+        let mut writer = BufWriter::with_capacity(1 << 18, long);
         let after = if has_after { AFTER } else { "" };
-        let head = writeln!(points.writer, "{COLUMNS}{after}");
-        points.note(head);
-        Ok(points)
+        let written = writeln!(writer, "{COLUMNS}{after}");
+        Ok(Points { ready, writer, written })
     }
 
-    fn note(&mut self, outcome: std::io::Result<()>) {
-        if let Err(error) = outcome {
-            self.failed.get_or_insert(error);
-        }
-    }
-
-    /// Writes one sample; `after` = the machine with its tables.
-    pub(super) fn write(&mut self, sample: &Sample, after: Option<&PathMap>) {
-        if self.failed.is_none() {
-            let outcome = row(&mut self.writer, sample, after);
-            self.note(outcome);
+    /// Writes one sample; `after_um` = the error with tables.
+    pub(super) fn write(&mut self, sample: &Sample, after_um: Option<[f64; 3]>) {
+        if self.written.is_ok() {
+            self.written = row(&mut self.writer, sample, after_um);
         }
     }
 
     /// All samples, to be delivered.
-    pub(super) fn content(mut self) -> Result<Content, Problems> {
-        let flushed = self.writer.flush();
-        self.note(flushed);
-        let path = self.ready.as_ref().map(|ready| ready.place());
-        if let Some(error) = &self.failed {
-            return Err(refused(path, error));
-        }
+    pub(super) fn content(mut self, place: Option<&Path>) -> Result<Begun, Problems> {
+        let written = self.written.and_then(|()| self.writer.flush());
         let (mut long, _) = self.writer.into_parts();
-        let rewound = long.rewind();
-        rewound.map_err(|error| refused(path, &error))?;
-        Ok(Content::Begun(long, self.ready))
+        written.and_then(|()| long.rewind()).map_err(|error| match place {
+            Some(place) => not_written("cannot write", place, &error),
+            None => not_put_out(&error).into(),
+        })?;
+        Ok((long, self.ready))
     }
 }
 
-fn row(out: &mut impl Write, sample: &Sample, after: Option<&PathMap>) -> std::io::Result<()> {
+fn row(out: &mut impl Write, sample: &Sample, after_um: Option<[f64; 3]>) -> std::io::Result<()> {
     let [x, y, z] = sample.place.map(Figure);
     write!(out, "{},{:.4},{x:.4},{y:.4},{z:.4},", sample.line, sample.s_mm)?;
     error(out, sample, sample.error_um)?;
@@ -75,9 +63,9 @@ fn row(out: &mut impl Write, sample: &Sample, after: Option<&PathMap>) -> std::i
     if let Some(hole) = sample.hole {
         write!(out, "{hole}")?;
     }
-    if let Some(map) = after {
+    if let Some(after_um) = after_um {
         write!(out, ",")?;
-        error(out, sample, map.error_at(sample.place, sample.longer_mm))?;
+        error(out, sample, after_um)?;
     }
     writeln!(out)
 }
@@ -92,13 +80,6 @@ fn error(out: &mut impl Write, sample: &Sample, error: [f64; 3]) -> std::io::Res
     match sample.left {
         Some(left) => write!(out, "{:.6}", Figure(along(left))),
         None => Ok(()),
-    }
-}
-
-fn refused(path: Option<&Path>, error: &std::io::Error) -> Problems {
-    match path {
-        Some(path) => not_written("cannot write", path, error),
-        None => not_put_out(error).into(),
     }
 }
 
@@ -125,8 +106,8 @@ pub(super) struct Hole {
 pub(super) struct Holes(Vec<Hole>);
 
 impl Holes {
-    /// Takes a sample if it is the bottom of a hole; `after` = the machine with tables.
-    pub(super) fn take(&mut self, sample: &Sample, after: Option<&PathMap>) {
+    /// Takes a sample if it is the bottom of a hole; `after_um` = the error with tables.
+    pub(super) fn take(&mut self, sample: &Sample, after_um: Option<[f64; 3]>) {
         let Some(number) = sample.hole else { return };
         let size = length(sample.error_um);
         let place = self.0.partition_point(|hole| hole.e_um >= size);
@@ -134,7 +115,6 @@ impl Holes {
             return;
         }
         self.0.truncate(MOST_HOLES - 1);
-        let after_um = after.map(|map| map.error_at(sample.place, sample.longer_mm));
         let hole = Hole {
             number,
             line: sample.line,

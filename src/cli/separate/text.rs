@@ -5,7 +5,7 @@ use super::document::open_advice;
 use super::words::{self, Found, expanded, freedom};
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::screen::{More, Screen, paragraphs, table};
-use crate::cli::show::um;
+use crate::cli::show::{figure, um};
 use crate::inputs::job::SetUp;
 use crate::machine::separation::closure::Closure;
 use crate::machine::separation::curves::{ReferenceLine, range};
@@ -304,7 +304,7 @@ fn reversal(separation: &Separation) -> String {
     };
     let k = coverage_factor(separation.noise.and_then(|noise| noise.freedom_f64()));
     let shown = |b: Estimate| {
-        let u = b.u_um.map_or_else(|| "not known".into(), |u| format!("{:.3}", Figure(k * u)));
+        let u = figure(b.u_um.map(|u| k * u), "not known");
         format!("{:.3} ± {u}", Figure(b.um))
     };
     paragraphs(&[

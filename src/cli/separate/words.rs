@@ -3,7 +3,7 @@
 
 use crate::cli::diagonals::StandardFigures;
 use crate::cli::screen::{More, Screen, list, paragraphs, table};
-use crate::cli::show::um;
+use crate::cli::show::figure;
 use crate::machine::separation::Separation;
 use crate::machine::separation::agreement::Agreement;
 use crate::machine::separation::findings::CHECK;
@@ -26,7 +26,7 @@ const SQUARENESS_SIGN: &str = "positive = the angle between the two positive axi
 pub(super) fn squareness(metric: &Metric, more: &str, cells: impl Fn(Plane) -> String) -> String {
     let rows = Plane::ALL.into_iter().map(|plane| {
         let found = metric.squareness(plane);
-        let slope = found.um_per_m.map_or_else(|| "not determined".into(), |slope| um(Some(slope)));
+        let slope = figure(found.um_per_m, "not determined");
         let (u, freedom) =
             (expanded(found.expanded_um_per_m()), freedom(found.u.map(|u| u.freedom)));
         format!("{}\t{slope}\t{u}\t{freedom}{}", plane.key().to_uppercase(), cells(plane))
@@ -38,9 +38,8 @@ pub(super) fn squareness(metric: &Metric, more: &str, cells: impl Fn(Plane) -> S
 /// U with its coverage factor; one that is known never reads 0 unless it is.
 pub(super) fn expanded(expanded: Option<f64>) -> String {
     match expanded {
-        None => "not known".to_string(),
         Some(expanded) if expanded > 0.0 && expanded < 0.0005 => "< 0.001".to_string(),
-        known => um(known),
+        known => figure(known, "not known"),
     }
 }
 

@@ -76,11 +76,13 @@ impl Page<'_> {
             figures: paragraphs(&[self.axis_table(), vdi_table(self.vdi.as_ref())]),
             findings: [missed(&self.conditions), show::notes(&self.notes)].concat(),
             more: vec![
-                More::part("every target", self.targets_table()),
+                More::part("every target", target_rows(self.iso.targets.iter().map(by_iso))),
                 conditions("conditions of ISO 230-2", &self.conditions),
                 More::part(
                     "every target of VDI/DGQ 3441",
-                    self.vdi.as_ref().map_or_else(String::new, vdi_targets),
+                    self.vdi
+                        .as_ref()
+                        .map_or_else(String::new, |of| target_rows(of.targets.iter().map(by_vdi))),
                 ),
             ],
             ..Screen::default()
@@ -104,11 +106,6 @@ impl Page<'_> {
             format!("{letter}\t{what}{mark}\t{up}\t{down}\t{both}")
         });
         table("figure\t\t>up/µm\t>down/µm\t>both/µm", rows)
-    }
-
-    fn targets_table(&self) -> String {
-        let heading = ">target/mm\t>mean/µm\t>mean up/µm\t>mean down/µm\t>s up/µm\t>s down/µm\t>B/µm\t>R/µm\t>R up/µm\t>R down/µm";
-        target_rows(heading, self.iso.targets.iter().map(by_iso))
     }
 
     pub(super) fn document(&self) -> Value {
@@ -151,12 +148,15 @@ fn vdi_document(figures: &vdi_3441::Figures) -> Value {
 /// A target, mm, and its figures, each by its name in the document.
 type AtTarget<const N: usize> = (f64, [(&'static str, Option<f64>); N]);
 
-fn target_rows<const N: usize>(heading: &str, all: impl Iterator<Item = AtTarget<N>>) -> String {
+fn target_rows<const N: usize>(all: impl Iterator<Item = AtTarget<N>>) -> String {
+    let mut heading = String::new();
     let rows = all.map(|(mm, figures)| {
-        let figures = figures.map(|(_, figure)| um(figure));
-        format!("{}\t{}", in_words(mm), figures.join("\t"))
+        let names = figures.map(|(name, _)| format!("\t>{}/µm", name.replace('_', " ")));
+        heading = format!(">target/mm{}", names.concat());
+        format!("{}\t{}", in_words(mm), figures.map(|(_, figure)| um(figure)).join("\t"))
     });
-    table(heading, rows)
+    let rows: Vec<String> = rows.collect();
+    table(&heading, rows)
 }
 
 fn target_list<const N: usize>(all: impl Iterator<Item = AtTarget<N>>) -> Value {
@@ -232,9 +232,4 @@ fn vdi_table(figures: Option<&vdi_3441::Figures>) -> String {
         format!("{letter}\t{what}\t{}", um(figure))
     });
     format!("{heading}\n{}", table("figure\t\t>value/µm", rows))
-}
-
-fn vdi_targets(figures: &vdi_3441::Figures) -> String {
-    let heading = ">target/mm\t>mean/µm\t>U/µm\t>s mean/µm";
-    target_rows(heading, figures.targets.iter().map(by_vdi))
 }

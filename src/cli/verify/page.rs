@@ -1,9 +1,9 @@
 //! What `verify` tells: the screen, and the document for scripts. With a second measurement as found,
 //! forecast and as left stand beside each other.
 
+use crate::cli::outcome::joined;
 use crate::cli::screen::{Screen, list, table};
-use crate::cli::show::{self, um};
-use crate::cli::squareness::{PlaneFigures, planes};
+use crate::cli::show::{self, PlaneFigures, planes, um};
 use crate::cli::verify::second::Second;
 use crate::control::claims::Assumption;
 use crate::inputs::job::Job;
@@ -23,6 +23,7 @@ use crate::text::problem::Problems;
 use crate::text::words::Named;
 use crate::visit::files::printed;
 use serde::Serialize;
+use serde_json::{Value, json};
 use std::path::Path;
 
 /// Everything that goes on the page.
@@ -41,11 +42,11 @@ pub(in crate::cli) struct Document<'a> {
     scope: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     after: Option<&'a [HashedFile]>,
-    terms: Named<String, Line>,
+    terms: Value,
     max_residual_um: Option<f64>,
     max_residual_expanded_um: Option<f64>,
     max_residual_at_most_um: Option<f64>,
-    diagonals: Option<Named<String, Line>>,
+    diagonals: Option<Value>,
     squareness: Named<&'static str, PlaneFigures>,
     causes: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -54,52 +55,6 @@ pub(in crate::cli) struct Document<'a> {
     what_decides: Option<&'a WhatDecides>,
     assumptions: &'a [Assumption],
     notes: Vec<Finding>,
-}
-
-/// A term, or a diagonal.
-#[derive(Default, Serialize)]
-struct Line {
-    before_um: Option<f64>,
-    forecast_um: Option<f64>,
-    /// Only with a second measurement.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    after_um: Option<Option<f64>>,
-    u_um: Option<f64>,
-    expanded_um: Option<f64>,
-    at_most_um: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    max_residual_um: Option<Option<f64>>,
-    /// Only with a second measurement.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    difference_um: Option<Option<f64>>,
-}
-
-impl From<&Change> for Line {
-    fn from(change: &Change) -> Line {
-        Line {
-            before_um: Some(change.before_um),
-            forecast_um: Some(change.after_um),
-            u_um: change.u_um,
-            expanded_um: change.expanded_um,
-            at_most_um: change.at_most_um,
-            ..Line::default()
-        }
-    }
-}
-
-impl From<&ComparedLine> for Line {
-    fn from(line: &ComparedLine) -> Line {
-        Line {
-            before_um: line.before_um,
-            forecast_um: line.forecast_um,
-            after_um: Some(line.after_um),
-            u_um: line.u_um,
-            expanded_um: line.expanded_um,
-            at_most_um: line.at_most_um,
-            max_residual_um: Some(line.after_um),
-            difference_um: Some(line.difference_um),
-        }
-    }
 }
 
 fn read_from(directory: &str) -> String {
@@ -302,6 +257,7 @@ impl Page<'_> {
         let causes = causes.chain(self.doubts().iter().map(ToString::to_string));
         let scope = self.rehearsal().into_iter();
         let scope = scope.chain(show::scope(&self.inputs.job, &self.grounds()));
+        let diagonal = |of: &DiagonalForecast| (of.name, figure(&of.change));
         let page = Document {
             schema: 1,
             verdict: self.verdict().word(),
@@ -387,24 +343,28 @@ fn explanation(look: &SecondLook) -> Vec<String> {
     lines
 }
 
-fn term(of: &TermForecast) -> (String, Line) {
-    let max_residual_um = Some(Some(of.change.after_um));
-    (of.term.to_string(), Line { max_residual_um, ..Line::from(&of.change) })
+/// A figure as measured and as forecast.
+fn figure(change: &Change) -> Value {
+    json!({
+        "before_um": change.before_um,
+        "forecast_um": change.after_um,
+        "u_um": change.u_um,
+        "expanded_um": change.expanded_um,
+        "at_most_um": change.at_most_um,
+    })
 }
 
-fn diagonal(of: &DiagonalForecast) -> (String, Line) {
-    (of.name.to_string(), Line::from(&of.change))
+fn term(of: &TermForecast) -> (String, Value) {
+    let judged = json!({ "max_residual_um": of.change.after_um });
+    (of.term.to_string(), joined([figure(&of.change), judged]))
 }
 
-fn figures(lines: &[ComparedLine]) -> Named<String, Line> {
-    lines.iter().map(|line| (line.name.clone(), Line::from(line))).collect()
+fn figures(lines: &[ComparedLine]) -> Value {
+    lines.iter().map(|line| (line.name.as_str(), json!(line))).collect()
 }
 
 fn lines(comparison: &Comparison) -> String {
-    let measured = |value: Option<f64>| match value {
-        None => "not measured".to_string(),
-        some => um(some),
-    };
+    let measured = |um| show::figure(um, "not measured");
     let row = |what: &str, line: &ComparedLine| {
         let at_most = match line.after_um {
             None => "-".to_string(),

@@ -9,7 +9,7 @@ use crate::judge::causes::{Corrected, Slip};
 use crate::judge::disagreement::{compare, measuring_systems};
 use crate::kit::findings::KitFinding;
 use crate::kit::manifest::HashedFile;
-use crate::kit::{Inputs, Loaded, cannot_emulate, emulator, hashed};
+use crate::kit::{Inputs, Loaded, cannot_emulate, emulator};
 use crate::machine::model::ErrorModel;
 use crate::machine::separation::table::ErrorSource;
 use crate::quantity::diagonal::PathKind;
@@ -18,9 +18,9 @@ use crate::text::document::Source;
 use crate::text::finding::{Finding, joined};
 use crate::text::problem::{Problem, Problems};
 use crate::visit::campaign::CampaignFiles;
-use crate::visit::files::{Files, file_name, printed};
+use crate::visit::files::{Files, printed};
 use crate::visit::inputs::{self, ACTIVE};
-use crate::visit::job_files::JobFiles;
+use crate::visit::job_files::{Given, JobFiles};
 use std::path::Path;
 
 /// A second measurement, and every file that it was read from.
@@ -43,10 +43,10 @@ pub(in crate::cli) struct Second {
 /// that are judged.
 fn active(
     first: &Inputs,
-    files: &mut JobFiles<'_>,
+    files: &JobFiles<'_>,
     tables: &Path,
 ) -> Result<Option<ActiveControl>, Problems> {
-    let job = files.job;
+    let job = &files.job;
     match &job.measurement.active {
         ActiveTables::NotStated => Ok(None),
         ActiveTables::None => Err(job
@@ -91,14 +91,13 @@ impl Second {
         path: &Path,
         tables: &Path,
     ) -> Result<Second, Problems> {
-        let (name, bytes) = files.argument(path)?;
-        let own = hashed(&file_name(path), &bytes);
-        let source = Source::from_bytes(&name, &bytes)?;
-        if FileKind::of(&name, &bytes) != FileKind::Job {
+        let file = Given::read(files, path)?;
+        let source = file.source()?;
+        if file.kind() != FileKind::Job {
             return Ok(Second {
                 measurement: of_table(first, source)?,
                 errors: None,
-                hashes: vec![own],
+                hashes: vec![file.hash],
                 protocol: Vec::new(),
                 notes: Vec::new(),
                 job: None,
@@ -107,14 +106,15 @@ impl Second {
         }
         let job = Job::read_second(source, &first.job)?;
         ensure_same_machine(&first.job, &job)?;
-        let mut named = JobFiles::new(files, &job, path);
-        let active = active(first, &mut named, tables)?;
-        named.hashes = vec![own];
-        let (measurement, errors) = of_job(&first.job, &mut named)?;
+        let named = JobFiles::new(files, job, path);
+        let active = active(first, &named, tables)?;
+        named.hashes.replace(vec![file.hash]);
+        let (measurement, errors) = of_job(&first.job, &named)?;
+        let JobFiles { job, hashes, .. } = named;
         Ok(Second {
             measurement,
             errors,
-            hashes: named.hashes,
+            hashes: hashes.into_inner(),
             protocol: protocol(&job),
             notes: notes(&job, tables),
             job: Some(job),
@@ -193,9 +193,9 @@ fn refuse_readings(source: &Source) -> Result<(), Problem> {
 
 fn of_job(
     first: &Job,
-    files: &mut JobFiles<'_>,
+    files: &JobFiles<'_>,
 ) -> Result<(AfterMeasurement, Option<ErrorSource>), Problems> {
-    let job = files.job;
+    let job = &files.job;
     if let MeasuredData::Diagonals(measurement) = &job.measurement.data
         && measurement.kind == PathKind::Straight
     {
@@ -222,7 +222,7 @@ pub(super) fn corrected(
     if measurement.kind != PathKind::Step {
         return Ok(Vec::new());
     }
-    let campaign = CampaignFiles::read(&mut JobFiles::new(files, job, job_path), measurement)?;
+    let campaign = CampaignFiles::read(&JobFiles::new(files, job.clone(), job_path), measurement)?;
     // The machine without tables, by the way that the job itself is read.
     let model = |slip| -> Result<ErrorModel, Problems> {
         let errors = campaign.without(slip).errors()?;
