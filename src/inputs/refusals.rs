@@ -11,6 +11,7 @@ pub(super) const SAVE_SO: &str = "save the table again so, or the measurement it
 const SEPARATE: &str =
     "save separate forward and reverse tables, or the measurement itself (`.rtl`)";
 const LEAVE_OUT: &str = "a missing value is never filled in: leave the run out";
+const TERMS: &str = "write \"all\", or for instance [\"EXX\", \"EYX\"]";
 const KEEP_ONE: &str = "keep one of the two";
 const SEPARATOR: &str = "the separator is `;`, a tab or a comma";
 const PLAIN_DECIMALS: &str = "write all numbers with a decimal point or all with a comma, and nothing between thousands; `--decimal` says which of them stands before decimals";
@@ -186,4 +187,23 @@ refusals! {
     temperatures_for_what(column) => "`{column}` gives temperatures, but the job does not say whether the readings are corrected for them already", "add `[measurement.step_diagonal.material]` with `material_corrected` and `air_corrected`";
     two_temperatures(axis, column) => "the temperature of axis {axis} is given twice: by `{column}` and by `temperature_c` in the job", "keep one of the two";
     no_expansion(column, axis, key) => "`{column}` gives temperatures, but the job does not give the expansion of axis {axis}", format!("add `{key} = {{ alpha_per_k = … }}` to [measurement.step_diagonal.material]");
+    // Jobs.
+    without_grid(axis, path) => "axis {axis} is compensated, but [{path}] does not say how its points are chosen", "add `spacing_mm = …`, `points = …` or `max_residual_um = …`";
+    without_unit(path, control) => "[{path}] has no `detection_unit_um`, and {control} counts in it", "read it from the control (CMR, DMR, feed gear); it is often 1.0 (IS-B) or 0.1 (IS-C)";
+    other_schema(found) => "`schema` is {found}, expected `schema = 1` in the first line", "add `schema = 1` above everything else; a job of another schema needs the version of the program that it was written for";
+    table_not_job(name, what, key) => "`{name}` is {what}, expected the job (TOML) that names it", format!("give the job with `{key} = …` in [measurement]; fixtures/start holds jobs to begin with");
+    far_reference(reference, outside, low, high, most, next) => "the reference point {reference} mm lies {outside} mm outside the travel {low} … {high} mm, expected at most {most} mm", format!("correct `reference_mm` or `travel_mm` (machine coordinates); if the axis really has it there, write `reference_outside_mm = {next}` below it");
+    no_error_tables() => "the list of error tables is empty, expected at least one path", "write e.g. `errors = [\"x.csv\", \"y.csv\", \"z.csv\"]`";
+    two_lines(axis) => "axis {axis} has two linear measurements, expected one", "keep one of the two, or give their mean";
+    beam_of_one_place() => "the beam begins and ends at one place, expected two", "give the two ends of the measured line";
+    no_terms_word(word) => "`terms` is `{word}`, expected `all` or a list of terms", TERMS;
+    no_term_at_all() => "`terms` names no term, expected at least one", TERMS;
+    term_twice(name) => "`{name}` is given twice in `terms`", "remove one";
+    unknown_term(name, help) => "unknown term `{name}`", help.to_string();
+    no_axis_id(id, what) => "`{id}` {what}, expected letters, digits and `_`", "write every physical axis once, as the control shows it, e.g. `AX1`";
+    block_backwards(first, last) => "the block [{first}, {last}] ends before it begins", "write [first, last]";
+    other_axes() => "`program.axes` names each of `x`, `y`, `z` at most once, and at least one", "for instance `axes = [\"x\", \"z\"]`";
+    no_overrun() => "`overrun_mm` is 0, so the last target would be approached from one side only", "give an overrun larger than the reversal of every axis, e.g. `overrun_mm = 2.0`";
+    no_coordinate_system(name) => "`{name}` is no coordinate system", "expected G54 … G59, G59.1 … G59.3 or G54.1 P1 … P300; of Siemens G500, G54 … G57, G505 … G599";
+    entry_twice(entry) => "`{entry}` is given twice", KEEP_ONE;
 }
