@@ -10,18 +10,19 @@ mod remarks;
 mod text;
 
 pub use self::component::{Component, Kind};
+pub(crate) use self::read::known_columns;
 pub use self::read::{Heading, Series};
-pub(crate) use self::read::{Quantity, known_columns};
 pub use self::remarks::{
     Cause, LargestErrors, Remarks, SIMULATED, Silence, Sizes, is_simulated, keys,
 };
 pub use self::text::{Draft, write};
 
-use self::read::{Columns, refuse_single_positions};
+use self::read::{headings, record, refuse_single_positions, series_of, table};
+use crate::inputs::refusals;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::quantity::units::AT_PLACE_MM;
 use crate::text::document::Source;
-use crate::text::problem::{Place, Problem, Problems};
+use crate::text::problem::{Notes, Place, Problem, Problems};
 
 /// A checked error table.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,27 +43,21 @@ pub struct ErrorTable {
 impl ErrorTable {
     /// Reads and checks a table; all problems of the file are given at once.
     pub fn read(source: Source) -> Result<ErrorTable, Problems> {
-        let columns = Columns::read(&source)?;
-        let mut problems = Problems::none();
-        let records = columns.table.readable_rows(&mut problems, |row| columns.record(row));
-        let all_rows_read = problems.is_empty();
-        let series = PerAxis::from_fn(|axis| columns.series_of(axis, &records, &mut problems));
-        for (axis, series) in series.iter().filter(|_| all_rows_read) {
-            refuse_single_positions(axis, &records, series, &mut problems);
+        let notes = Notes::default();
+        let table = table(&source, &notes)?;
+        let records = table.rows(|row| record(&table, row));
+        let all_rows_read = notes.is_sound();
+        let series = PerAxis::from_fn(|axis| series_of(axis, &table, &records));
+        if all_rows_read {
+            refuse_single_positions(&table, &records, &series);
         }
-        if columns.table.is_empty() {
-            let message = "the table has a header but no rows, expected measured positions";
-            let help = "write one row for each measured position, e.g. x,0,0";
-            problems.push(columns.table.at_header(message, help));
+        if table.lines.is_empty() {
+            table.refuse(refusals::no_positions());
         }
-        problems.or_ok(ErrorTable {
-            header: columns.table.header.whole(),
-            remarks: Remarks::read(&source.text),
-            series,
-            headings: vec![columns.headings()],
-            more: Vec::new(),
-            source,
-        })
+        let (header, headings) = (table.header.whole(), vec![headings(&table)]);
+        notes.end(())?;
+        let remarks = Remarks::read(&source.text);
+        Ok(ErrorTable { header, remarks, series, headings, more: Vec::new(), source })
     }
 
     /// Whether it is a single file.
@@ -114,9 +109,7 @@ impl ErrorTable {
 
     /// That no deviation was filled in.
     pub(crate) fn holds_nothing(&self) -> Problem {
-        Problem::new("the table holds no deviation, expected ex, ey or ez of an axis")
-            .at(self.header.clone())
-            .help("fill in what was measured; angles alone make no table for a control")
+        refusals::holds_nothing().at(self.header.clone())
     }
 
     /// One table with the series of all; `None` = there is none. What stands in two of them, or
@@ -150,46 +143,27 @@ impl ErrorTable {
     }
 
     fn refuse_what_does_not_fit(&self, axis: Axis, other: &ErrorTable, problems: &mut Problems) {
-        let Some(new) = other.series[axis].first() else {
-            return;
-        };
-        if let Some((message, help)) = self.misfit(axis, new, other) {
-            let mut problem = Problem::new(message).help(help);
+        let new = other.series[axis].first();
+        let misfit = new.and_then(|new| Some((new, self.misfit(axis, new, other)?)));
+        if let Some((new, mut problem)) = misfit {
             problem.place = other.place(new, 0);
             problems.push(problem);
         }
     }
 
-    /// What does not fit together, and what to do.
-    fn misfit(
-        &self,
-        axis: Axis,
-        new: &Series,
-        other: &ErrorTable,
-    ) -> Option<(String, &'static str)> {
+    /// What does not fit together.
+    fn misfit(&self, axis: Axis, new: &Series, other: &ErrorTable) -> Option<Problem> {
         let known = &self.series[axis];
         if let Some(old) = known.iter().find(|old| !shared(old, new).is_empty()) {
-            let names = shared(old, new).join(", ");
             let one = self.source_of(old).map_or("", |source| &source.name);
-            let two = &other.source.name;
-            return Some((
-                format!("{names} stands in two tables, `{one}` and `{two}`"),
-                "give each component of an axis in one table: the zeros of two measurements differ by what nobody measured",
-            ));
+            let names = shared(old, new).join(", ");
+            return Some(refusals::in_two_tables(names, one, &other.source.name));
         }
         let is_directed = |series: &Series| series.direction.is_some();
         if known.iter().any(|old| is_directed(old) != is_directed(new)) {
-            return Some((
-                format!("axis {axis} is given with directions in one table and without in another"),
-                "measure all components of an axis with `+` and `-`, or import them with `--direction both`",
-            ));
+            return Some(refusals::directed_in_one(axis));
         }
-        self.other_range(axis, &other.series[axis]).then(|| {
-            (
-                format!("axis {axis} was measured over another range than in the table before"),
-                "measure the components of an axis over the same range, in machine coordinates",
-            )
-        })
+        self.other_range(axis, &other.series[axis]).then(|| refusals::other_range(axis))
     }
 
     fn other_range(&self, axis: Axis, new: &[Series]) -> bool {

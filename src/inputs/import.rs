@@ -13,12 +13,10 @@
 mod captures;
 mod columns;
 mod encoding;
-mod facts;
 mod findings;
 mod form;
 mod groups;
 mod intake;
-mod list_column;
 mod located;
 mod mapping;
 mod parameters;
@@ -87,8 +85,7 @@ pub fn import(
     }
     let ((series, squareness), findings) = intake.end(contents)?;
     let mut comments = vec![file.comment(), format!("format: {}", described(format))];
-    let given = stated.given().into_iter();
-    comments.extend(given.map(|(option, value)| format!("stated: {option} {value}")));
+    comments.extend(stated.comments());
     comments.extend(of_severity(&findings, Severity::Label).iter().map(ToString::to_string));
     let warnings = of_severity(&findings, Severity::Note);
     comments.extend(warnings.iter().map(|found| format!("warning: {found}")));

@@ -24,8 +24,11 @@ pub use self::measurement::{
 };
 pub use self::path::PathRequest;
 pub use self::program::{ProgramRequest, RunType, TargetGrid, WayBack};
+pub(crate) use crate::inputs::refusals::{without_grid, without_unit};
 
 use crate::control::controller::Profile;
+use crate::inputs::kind::{has_column, head};
+use crate::inputs::refusals;
 use crate::quantity::axis::Axis;
 use crate::text::document::{Key, Section, Source, read_page_for, read_page_over, states};
 use crate::text::problem::{Problem, Problems};
@@ -112,6 +115,11 @@ impl Job {
         Ok(Job { source, ..job })
     }
 
+    /// A problem that is made already, at a key of the job.
+    pub(crate) fn at(&self, path: &str, problem: Problem) -> Problem {
+        self.source.at(path, problem)
+    }
+
     /// A problem at a key of the job, by its dotted path.
     pub(crate) fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
         self.source.problem_at(path, message)
@@ -122,11 +130,7 @@ fn refuse_other_schema(root: &Section<'_>) {
     let schema = root.whole("schema");
     if schema != Some(1) && (schema.is_some() || !root.has("schema")) {
         let found = schema.map_or("missing".to_string(), |schema| schema.to_string());
-        root.problem(
-            "schema",
-            format!("`schema` is {found}, expected `schema = 1` in the first line"),
-            "add `schema = 1` above everything else; a job of another schema needs the version of the program that it was written for",
-        );
+        root.refuse("schema", refusals::other_schema(found));
     }
 }
 
@@ -143,7 +147,7 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
         root.required_section("compensation");
     }
     let program = root.sub("program", |s| ProgramRequest::read(s, measurement.as_ref()));
-    let path = root.sub_or_usual("path", |s| path::path(s, &axes));
+    let path = root.sub_or_usual("path", |s| PathRequest::read(s, &axes));
     let compensation = root.sub_or_usual("compensation", Compensation::read);
     let limits = root.sub_or_usual("limits", Limits::read);
     let acceptance = root.sub_or_usual("acceptance", |s| Acceptance::read(s, &axes));
@@ -161,34 +165,23 @@ fn job(root: &Section<'_>, use_of: UseOf, source: Source) -> Option<Job> {
 
 /// A table in place of the job would be refused line by line.
 fn refuse_table(source: &Source) -> Result<(), Problem> {
-    let is_content = |line: &&str| !line.is_empty() && !line.starts_with('#');
-    let mut lines = source.text.lines().map(str::trim).filter(is_content);
-    let head = lines.next().unwrap_or_default().to_ascii_lowercase();
+    let head = head(&source.text).to_ascii_lowercase();
     if head.contains(['=', '[']) || !head.contains([',', ';', '\t']) {
         return Ok(());
     }
-    let has = |name: &str| {
-        let mut cells = head.split([',', ';', '\t']);
-        cells.any(|cell| cell.trim().trim_matches('"') == name)
-    };
-    let (what, key) = match (has("diagonal"), has("axis")) {
+    let (what, key) = match (has_column(&head, "diagonal"), has_column(&head, "axis")) {
         (true, _) => ("a table of readings", "readings"),
         (false, true) => ("an error table", "errors"),
         (false, false) => ("a table", "errors"),
     };
-    let name = &source.name;
-    let message = format!("`{name}` is {what}, expected the job (TOML) that names it");
-    let help = format!(
-        "give the job with `{key} = …` in [measurement]; fixtures/start holds jobs to begin with"
-    );
-    Err(Problem::new(message).help(help))
+    Err(refusals::table_not_job(&source.name, what, key))
 }
 
 /// The keys of a job, each with the section that it stands in; those of `[path]` are in docs/path.md.
 pub fn keys() -> impl Iterator<Item = (&'static str, Key)> {
     let sections = [
         ("machine", Machine::KEYS),
-        ("machine.axes.x", machine::AxisKeys::KEYS),
+        ("machine.axes.x", MachineAxis::KEYS),
         ("measurement", Measurement::KEYS),
         ("measurement", ActiveSettings::KEYS),
         ("measurement", Levers::KEYS),
@@ -201,8 +194,6 @@ pub fn keys() -> impl Iterator<Item = (&'static str, Key)> {
         ("measurement.uncertainty", StatedUncertainty::KEYS),
         ("compensation", Compensation::KEYS),
         ("compensation.axes.x", AxisSettings::KEYS),
-        ("compensation.axes.x", compensation::GridKeys::KEYS),
-        ("compensation.axes.x", compensation::IdKeys::KEYS),
         ("limits", Limits::KEYS),
         ("acceptance", Acceptance::KEYS),
         ("program", ProgramRequest::KEYS),
@@ -220,13 +211,11 @@ const ROOT: [&str; 8] =
 
 fn ask_for_all(section: &Section<'_>, find: impl Fn(&str) -> Result<Profile, Problems>) {
     let profile = section.text("controller").and_then(|word| {
-        let told = |problems: Problems| {
-            for problem in problems.iter() {
-                let help = problem.help.clone().unwrap_or_default();
-                section.problem("controller", &problem.message, help);
-            }
+        let refuse = |own: &Problem| {
+            let help = own.help.clone().unwrap_or_default();
+            section.problem("controller", &own.message, help);
         };
-        find(&word).map_err(told).ok()
+        find(&word).map_err(|problems| problems.iter().for_each(refuse)).ok()
     });
     let Some(axes) = section.section("axes") else {
         return;
@@ -242,26 +231,10 @@ fn ask(section: &Section<'_>, axis: Axis, profile: Option<&Profile>) {
     let path = section.path();
     let chosen = ["spacing_mm", "points", "max_residual_um"];
     if !chosen.into_iter().any(|key| section.has(key)) {
-        section.problem("", without_grid(axis, path), GRID_HELP);
+        section.refuse("", without_grid(axis, path));
     }
     let counts = profile.filter(|profile| profile.detection_unit_required.value);
     if let Some(profile) = counts.filter(|_| !section.has("detection_unit_um")) {
-        section.problem("", without_unit(path, &profile.name), UNIT_HELP);
+        section.refuse("", without_unit(path, &profile.name));
     }
-}
-
-/// The next step for [`without_grid`].
-pub const GRID_HELP: &str = "add `spacing_mm = …`, `points = …` or `max_residual_um = …`";
-/// The next step for [`without_unit`].
-pub const UNIT_HELP: &str =
-    "read it from the control (CMR, DMR, feed gear); it is often 1.0 (IS-B) or 0.1 (IS-C)";
-
-/// An axis whose points nobody chose; `path` is that of its section.
-pub(crate) fn without_grid(axis: Axis, path: &str) -> String {
-    format!("axis {axis} is compensated, but [{path}] does not say how its points are chosen")
-}
-
-/// An axis without detection unit, on a control that counts in it.
-pub(crate) fn without_unit(path: &str, control: &str) -> String {
-    format!("[{path}] has no `detection_unit_um`, and {control} counts in it")
 }

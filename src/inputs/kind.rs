@@ -13,21 +13,26 @@ pub enum FileKind {
     Table,
 }
 
+/// The first line of a text that is neither empty nor a comment: a key or a section, or the names of columns.
+pub(super) fn head(text: &str) -> &str {
+    let is_content = |line: &&str| !line.is_empty() && !line.starts_with('#');
+    text.lines().map(str::trim).find(is_content).unwrap_or_default()
+}
+
+/// Whether a line names a column, in capitals or not.
+pub(super) fn has_column(head: &str, name: &str) -> bool {
+    let mut cells = head.split([',', ';', '\t']);
+    cells.any(|cell| cell.trim().trim_matches('"').eq_ignore_ascii_case(name))
+}
+
 impl FileKind {
-    /// By the ending of the name, else by the first line that is neither empty nor a comment: a key or a
-    /// section, or the names of columns.
+    /// By the ending of the name, else by the first line of content.
     pub fn of(name: &str, bytes: &[u8]) -> FileKind {
         let text = String::from_utf8_lossy(bytes);
-        let text = text.trim_start_matches('\u{feff}');
-        let is_content = |line: &&str| !line.is_empty() && !line.starts_with('#');
-        let head = text.lines().map(str::trim).find(is_content).unwrap_or("");
+        let head = head(text.trim_start_matches('\u{feff}'));
         let name = name.to_ascii_lowercase();
         let is_key = |c: char| c.is_ascii_alphanumeric() || "_-.\" ".contains(c);
         let key = head.split_once('=').map(|(key, _)| key);
-        let has = |column: &str| {
-            let mut cells = head.split([',', ';', '\t']);
-            cells.any(|cell| cell.trim().trim_matches('"').eq_ignore_ascii_case(column))
-        };
         if name.ends_with(".rtl") || head == "HEADER::" {
             FileKind::Rtl
         } else if name.ends_with(".toml")
@@ -35,7 +40,7 @@ impl FileKind {
             || key.is_some_and(|key| key.chars().all(is_key))
         {
             FileKind::Job
-        } else if has("diagonal") {
+        } else if has_column(head, "diagonal") {
             FileKind::Readings
         } else {
             FileKind::Table

@@ -13,15 +13,18 @@ mod values;
 
 use crate::inputs::error_table::Remarks;
 use crate::inputs::findings::Remark;
-use crate::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp};
+use crate::inputs::job::{DiagonalMeasurement, Material};
 use crate::inputs::readings::rows::{Row, Walk};
+use crate::inputs::refusals;
+use crate::inputs::table::{Content, Table};
+use crate::inputs::target_runs::Values;
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass, PathKind, Run, Volume};
 use crate::quantity::units::Millimetres;
-use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
 use crate::text::finding::Finding;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::{Notes, Problems};
+use std::collections::BTreeMap;
 
 /// Checked readings.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,20 +43,23 @@ impl Readings {
     /// Reads a file and checks it against what the job says of the measurement; all problems of
     /// the file are given at once.
     pub fn read(source: Source, measurement: &DiagonalMeasurement) -> Result<Readings, Problems> {
-        let (runs, own_zero, zeros_um) = runs_of(&source, measurement)?;
+        let path = |_: &Table<'_>, _: &[Row<'_>]| Ok(Path::of(measurement));
+        let ((runs, own_zero, zeros_um), _) = runs_of(&source, path)?;
         Ok(Readings { source, runs, own_zero, zeros_um })
     }
 
     /// Whether every cell of a file can be read, whatever was measured.
     pub(crate) fn look_at_cells(source: &Source) -> Result<(), Problems> {
-        let (table, _) = rows::columns(source)?;
-        rows::rows(&table).map(|_| ())
+        let notes = Notes::default();
+        let (table, _) = rows::table(source, &notes)?;
+        rows::rows(&table);
+        notes.end(())
     }
 
     /// Reads a file by itself, in a box of unit cells.
-    pub(crate) fn without_job(source: Source) -> Result<(Readings, DiagonalMeasurement), Problems> {
-        let measurement = shown_measurement(&source)?;
-        Ok((Readings::read(source, &measurement)?, measurement))
+    pub(crate) fn without_job(source: Source) -> Result<(Readings, Volume, PathKind), Problems> {
+        let ((runs, own_zero, zeros_um), path) = runs_of(&source, shown_path)?;
+        Ok((Readings { source, runs, own_zero, zeros_um }, path.volume, path.kind))
     }
 
     /// What the file says of itself in comments `# note: …`, one sentence each, and what was subtracted.
@@ -92,41 +98,82 @@ impl Readings {
     }
 }
 
+/// The rows of each walk, by ascending node.
+type Walks<'r, 'a> = BTreeMap<Walk, Vec<&'r Row<'a>>>;
+
+/// How the readings were measured, and what they hold beside the errors.
+struct Path {
+    kind: PathKind,
+    volume: Volume,
+    laser_sign: Direction,
+    material: Option<Material>,
+}
+
+impl Path {
+    fn of(measured: &DiagonalMeasurement) -> Path {
+        let DiagonalMeasurement { kind, laser_sign, material, .. } = *measured;
+        Path { kind, volume: measured.volume.clone(), laser_sign, material }
+    }
+}
+
+/// The walks of a file, beside the path that they shall be.
+struct Walked<'r, 'a> {
+    table: &'r Table<'a>,
+    walks: Walks<'r, 'a>,
+    path: &'r Path,
+    /// Displacements as they were read (`Positions`), or measured − nominal ones.
+    values: Values,
+    /// The last node of the path.
+    last: usize,
+}
+
 type Found = (Vec<Run>, Vec<(Diagonal, u32)>, Vec<(Diagonal, f64)>);
 
-fn runs_of(source: &Source, measurement: &DiagonalMeasurement) -> Result<Found, Problems> {
-    let (table, quantity) = rows::columns(source)?;
-    let rows = rows::rows(&table)?;
-    let walks = nodes::walks(&rows);
-    let mut problems = Problems::none();
-    nodes::check_set(&walks, &table, &mut problems);
-    if nodes::check_nodes(&walks, measurement, &mut problems) {
-        nodes::check_moves(&walks, &table, measurement, &mut problems);
-        values::check(&walks, quantity, measurement, &mut problems);
+/// The runs of a file, checked against the path that `measured` says of it.
+fn runs_of(
+    source: &Source,
+    measured: impl FnOnce(&Table<'_>, &[Row<'_>]) -> Result<Path, Problems>,
+) -> Result<(Found, Path), Problems> {
+    let notes = Notes::default();
+    let (table, values) = rows::table(source, &notes)?;
+    let rows = rows::rows(&table);
+    let path = measured(&table, &rows)?;
+    notes.end(())?;
+    let mut walks = Walks::new();
+    for row in &rows {
+        walks.entry(row.walk).or_default().push(row);
     }
-    values::check_temperatures(&walks, &table, measurement, &mut problems);
-    problems.or_ok(())?;
-    let zero_um = |walk: &Walk| values::zero_um(*walk, &walks, quantity, measurement);
-    let run = |(walk, rows): (&Walk, &Vec<&Row<'_>>)| {
-        values::run(*walk, rows, zero_um(walk).unwrap_or(0.0), quantity, measurement)
-    };
-    let mut runs: Vec<Run> = walks.iter().map(run).collect();
-    let zeros_um = walks.keys().filter_map(|walk| Some((walk.diagonal, zero_um(walk)?)));
+    walks.values_mut().for_each(|rows| rows.sort_by_key(|row| row.node));
+    let last = path.volume.last_node(path.kind);
+    let walked = Walked { table: &table, walks, path: &path, values, last };
+    walked.check_set();
+    if walked.check_nodes() {
+        walked.check_moves();
+        walked.check_readings();
+    }
+    walked.check_temperatures();
+    notes.end(())?;
+    let runs = walked.walks.iter().map(|(walk, rows)| walked.run(*walk, rows));
+    let mut runs: Vec<Run> = runs.collect();
+    runs.sort_by_key(|run| (run.diagonal, run.number, run.pass));
+    let walks = || walked.walks.keys();
+    let zeros_um = walks().filter_map(|walk| Some((walk.diagonal, walked.zero_um(*walk)?)));
     let mut zeros_um: Vec<(Diagonal, f64)> = zeros_um.collect();
     zeros_um.dedup();
-    runs.sort_by_key(|run| (run.diagonal, run.number, run.pass));
-    let own = walks.keys().filter(|walk| walk.is_own());
+    let own = walks().filter(|walk| walk.is_own());
     let own_zero = own.map(|walk| (walk.diagonal, walk.run)).collect();
-    Ok((runs, own_zero, zeros_um))
+    Ok(((runs, own_zero, zeros_um), path))
 }
 
 /// How the readings of a file were measured, as far as they show it. The box is not among it, so a box of
 /// unit cells takes its place: no figure that depends on it may be made.
-fn shown_measurement(source: &Source) -> Result<DiagonalMeasurement, Problem> {
-    let nodes = nodes(source)?;
-    let last = nodes.iter().map(|(node, _)| *node).max().unwrap_or(0);
-    let is_step = nodes.iter().any(|(_, moved)| moved.is_some());
-    let moved_to = |wanted: usize| nodes.iter().find(|(node, _)| *node == wanted)?.1;
+fn shown_path(table: &Table<'_>, rows: &[Row<'_>]) -> Result<Path, Problems> {
+    if let Some(column) = table.column(Content::reading(Values::Positions)) {
+        return Err(table.at(column, refusals::displacements_alone()).into());
+    }
+    let last = rows.iter().map(|row| row.node).max().unwrap_or(0);
+    let is_step = rows.iter().any(|row| row.moved.is_some());
+    let moved_to = |wanted: usize| rows.iter().find(|row| row.node == wanted)?.moved;
     let (kind, steps) = match is_step {
         true => (PathKind::Step, last.div_ceil(3)),
         false => (PathKind::Straight, last),
@@ -142,43 +189,5 @@ fn shown_measurement(source: &Source) -> Result<DiagonalMeasurement, Problem> {
         },
     };
     volume.size = edges(volume.steps_f64());
-    Ok(DiagonalMeasurement {
-        readings: source.name.clone(),
-        kind,
-        volume,
-        laser_sign: Direction::Plus,
-        setup: SetUp::Solve,
-        frame: Frame::XPrimary,
-        target: Reflector::FlatMirror,
-        overrun: None,
-        linear: Vec::new(),
-        beams: Vec::new(),
-        material: None,
-        closure_errors: None,
-    })
-}
-
-/// The number of each node, and the axis that moved to it.
-fn nodes(source: &Source) -> Result<Vec<(usize, Option<Axis>)>, Problem> {
-    let (header, lines) = header_and_rows(source).ok_or_else(|| {
-        Problem::new(format!("`{}` holds no readings", source.name))
-            .help("first line: diagonal,run,direction,node,moved,deviation_um")
-    })?;
-    let cells = header.cells();
-    if let Some(index) = cells.iter().position(|c| c.starts_with("displacement_")) {
-        return Err(Problem::new(
-            "the readings are displacements: their deviations need the box, which stands in the job",
-        )
-        .at(header.cell_place(index))
-        .help("give the job instead: `nonius standards job.toml`"));
-    }
-    let at = |name: &str| cells.iter().position(|cell| cell == name);
-    let (node, moved) = (at("node"), at("moved"));
-    let nodes = lines.iter().filter_map(|line| {
-        let cells = line.cells();
-        let node = cells.get(node?)?.parse().ok()?;
-        let moved = moved.and_then(|at| cells.get(at));
-        Some((node, moved.and_then(|cell| Axis::from_letter(cell))))
-    });
-    Ok(nodes.collect())
+    Ok(Path { kind, volume, laser_sign: Direction::Plus, material: None })
 }

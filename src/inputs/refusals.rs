@@ -1,7 +1,6 @@
 //! What is refused of files that were measured: each kind with its facts, its words and the next step, one a line.
 
-use crate::text::problem::Problem;
-use std::fmt::Display;
+use crate::text::problem::refusals;
 
 /// The next step where a file cannot be what its program wrote.
 pub(super) const AGAIN: &str = "the file is incomplete or was changed: save it again";
@@ -12,6 +11,7 @@ pub(super) const SAVE_SO: &str = "save the table again so, or the measurement it
 const SEPARATE: &str =
     "save separate forward and reverse tables, or the measurement itself (`.rtl`)";
 const LEAVE_OUT: &str = "a missing value is never filled in: leave the run out";
+const TERMS: &str = "write \"all\", or for instance [\"EXX\", \"EYX\"]";
 const KEEP_ONE: &str = "keep one of the two";
 const SEPARATOR: &str = "the separator is `;`, a tab or a comma";
 const PLAIN_DECIMALS: &str = "write all numbers with a decimal point or all with a comma, and nothing between thousands; `--decimal` says which of them stands before decimals";
@@ -22,14 +22,10 @@ pub(super) const RUNS: &str =
     "first line: target_mm,up1_mm,up2_mm,dn1_mm,dn2_mm or target_mm,run,direction,deviation_um";
 pub(super) const STATE_VALUES: &str = "add `--values deviations` or `--values positions`";
 
-/// Each kind a function of its facts.
-macro_rules! refusals {
-    ($($kind:ident($($fact:ident),*) => $words:literal $(, $help:expr)?;)*) => {
-        $(pub(super) fn $kind($($fact: impl Display),*) -> Problem {
-            Problem::new(format!($words))$(.help($help))?
-        })*
-    };
-}
+pub(super) const ALL_DIAGONALS: &str = "the separation needs all four body diagonals";
+pub(super) const ALL_BACK: &str = "the separation of the two directions needs the return pass on all four body diagonals; measure it, or leave its rows out";
+pub(super) const MOVED: &str =
+    "`moved` names the axis of the forward step that ends at the node, and is empty at node 0";
 
 refusals! {
     // Whatever the format.
@@ -156,4 +152,58 @@ refusals! {
     read_twice(what, line) => "{what} stands here again, the first time in line {line}", "keep one of the two rows";
     no_reading(target, run, direction) => "target {target} mm has no reading of run {run} moving {direction}, which other targets have", "a missing reading is not filled in; write a target the same way in every row, or leave out the run or the target as a whole";
     far(off, target, limit, least, more, help) => "the reading is {off:.4} mm from its target at {target} mm, expected less than {limit:.4} mm (half the way to the next target, or {least} mm where they are closer){more}", help.to_string();
+    // Whatever table.
+    no_column_for(what, example, first_line) => "there is no column for {what}, expected {example}", first_line.to_string();
+    // Error tables.
+    no_positions() => "the table has a header but no rows, expected measured positions", "write one row for each measured position, e.g. x,0,0";
+    mixed_directions(axis) => "axis {axis} has rows with and without a direction, expected one kind", "give every row of the axis `+` or `-`, or none";
+    given_twice_along(position, unit, axis) => "position {position} {unit} of axis {axis} is given twice", "average repeated runs, or give them directions `+` and `-`";
+    unordered(position, unit, axis, before) => "position {position} {unit} of axis {axis} comes after {before} {unit}, expected ascending positions", "sort the rows of each axis and direction by position";
+    empty_in_one_row(name, axis) => "`{name}` is empty in one row of axis {axis}, expected a number as in its other rows", "a missing value is never filled in: measure it, or leave the whole column empty for this axis";
+    only_position(axis) => "axis {axis} has a single position, expected at least two", "one position makes no curve: give another one, or leave the axis out";
+    holds_nothing() => "the table holds no deviation, expected ex, ey or ez of an axis", "fill in what was measured; angles alone make no table for a control";
+    in_two_tables(names, one, two) => "{names} stands in two tables, `{one}` and `{two}`", "give each component of an axis in one table: the zeros of two measurements differ by what nobody measured";
+    directed_in_one(axis) => "axis {axis} is given with directions in one table and without in another", "measure all components of an axis with `+` and `-`, or import them with `--direction both`";
+    other_range(axis) => "axis {axis} was measured over another range than in the table before", "measure the components of an axis over the same range, in machine coordinates";
+    // Readings of the diagonals.
+    displacements_alone() => "the readings are displacements: their deviations need the box, which stands in the job", "give the job instead: `nonius standards job.toml`";
+    no_walk(pass, diagonals, help) => "there is no {pass} run of {diagonals}", help.to_string();
+    named_back(walk, name, diagonal) => "{walk}: `{name}` already names the return pass of {diagonal}", format!("write `{diagonal}` and `reverse`");
+    walked_twice(walk, twin) => "{walk} stands a second time as {twin}", "keep one of the two, or give them different runs";
+    no_forward_rows(walk) => "{walk} has no forward rows of the same run, whose start is its zero", "give both ways of a run the same number";
+    node_twice(walk, node) => "{walk}: node {node} stands more than once", "number repeated runs in the column `run`, and mark the return pass in the column `direction`";
+    beyond_last_node(walk, node, last) => "{walk} reaches node {node}, but the last node of this path is {last}", "nodes count from 0 at the start of the forward run; check `steps` and `kind` of the job";
+    other_last_node(found, kind, steps, last, help) => "the runs end at node {found}, but {kind} runs with `steps = {steps}` end at node {last}", help.to_string();
+    nodes_missing(walk, nodes) => "{walk}: {nodes} missing", "measure it again: a missing reading is never filled in";
+    straight_moved() => "straight runs have no column `moved`: all axes move together", "remove the column, or write `kind = \"step\"` in the job";
+    no_moved() => "there is no column `moved`, which runs of single-axis steps need", "name the axis of the forward step that ends at each node, or write `kind = \"straight\"` in the job";
+    forward_order(walk, order, diagonal, back) => "{walk} takes the axes in the order {order}, as the forward run does, so its nodes are not those of {diagonal}: walked backwards, the order is {back}", format!("measure the return pass over the same nodes; if these are such rows with the numbers of the forward run, write `{diagonal}` and `reverse`");
+    other_move(walk, node, found, expected, help) => "{walk}, node {node}: {found} moved, expected {expected}", help.to_string();
+    no_such_deviation(walk, node, mm) => "{walk}, node {node}: the deviation is {mm} mm, which no machine has", "check the reading, and the unit in the column's name; a column of the displacement itself is named `displacement_mm`";
+    other_displacement(walk, node, mm, expected, help) => "{walk}, node {node}: the displacement is {mm} mm, expected about {expected} mm", help.to_string();
+    no_room_temperature(name, celsius, low, high) => "`{name}` is {celsius} °C, expected {low} … {high} °C", "give degrees Celsius";
+    temperature_missing(walk, node, name) => "{walk}, node {node}: `{name}` is empty, expected a number as in the other rows of this run", "a missing value is never filled in: leave the column empty for the whole run";
+    no_temperature(axis, key) => "there is no temperature of axis {axis}: neither a column `t_{key}_c` nor `temperature_c` in the job's [measurement.step_diagonal.material]", "give the mean temperature of the scale in the job, or a column with that of every reading";
+    temperatures_for_what(column) => "`{column}` gives temperatures, but the job does not say whether the readings are corrected for them already", "add `[measurement.step_diagonal.material]` with `material_corrected` and `air_corrected`";
+    two_temperatures(axis, column) => "the temperature of axis {axis} is given twice: by `{column}` and by `temperature_c` in the job", "keep one of the two";
+    no_expansion(column, axis, key) => "`{column}` gives temperatures, but the job does not give the expansion of axis {axis}", format!("add `{key} = {{ alpha_per_k = … }}` to [measurement.step_diagonal.material]");
+    // Jobs.
+    without_grid(axis, path) => "axis {axis} is compensated, but [{path}] does not say how its points are chosen", "add `spacing_mm = …`, `points = …` or `max_residual_um = …`";
+    without_unit(path, control) => "[{path}] has no `detection_unit_um`, and {control} counts in it", "read it from the control (CMR, DMR, feed gear); it is often 1.0 (IS-B) or 0.1 (IS-C)";
+    other_schema(found) => "`schema` is {found}, expected `schema = 1` in the first line", "add `schema = 1` above everything else; a job of another schema needs the version of the program that it was written for";
+    table_not_job(name, what, key) => "`{name}` is {what}, expected the job (TOML) that names it", format!("give the job with `{key} = …` in [measurement]; fixtures/start holds jobs to begin with");
+    far_reference(reference, outside, low, high, most, next) => "the reference point {reference} mm lies {outside} mm outside the travel {low} … {high} mm, expected at most {most} mm", format!("correct `reference_mm` or `travel_mm` (machine coordinates); if the axis really has it there, write `reference_outside_mm = {next}` below it");
+    no_error_tables() => "the list of error tables is empty, expected at least one path", "write e.g. `errors = [\"x.csv\", \"y.csv\", \"z.csv\"]`";
+    two_lines(axis) => "axis {axis} has two linear measurements, expected one", "keep one of the two, or give their mean";
+    beam_of_one_place() => "the beam begins and ends at one place, expected two", "give the two ends of the measured line";
+    no_terms_word(word) => "`terms` is `{word}`, expected `all` or a list of terms", TERMS;
+    no_term_at_all() => "`terms` names no term, expected at least one", TERMS;
+    term_twice(name) => "`{name}` is given twice in `terms`", "remove one";
+    unknown_term(name, help) => "unknown term `{name}`", help.to_string();
+    no_axis_id(id, what) => "`{id}` {what}, expected letters, digits and `_`", "write every physical axis once, as the control shows it, e.g. `AX1`";
+    block_backwards(first, last) => "the block [{first}, {last}] ends before it begins", "write [first, last]";
+    other_axes() => "`program.axes` names each of `x`, `y`, `z` at most once, and at least one", "for instance `axes = [\"x\", \"z\"]`";
+    no_overrun() => "`overrun_mm` is 0, so the last target would be approached from one side only", "give an overrun larger than the reversal of every axis, e.g. `overrun_mm = 2.0`";
+    no_coordinate_system(name) => "`{name}` is no coordinate system", "expected G54 … G59, G59.1 … G59.3 or G54.1 P1 … P300; of Siemens G500, G54 … G57, G505 … G599";
+    entry_twice(entry) => "`{entry}` is given twice", KEEP_ONE;
 }

@@ -1,148 +1,315 @@
-//! A table that a person brings: its header is read, and its rows come cell by cell.
+//! A table that a person brings: what its columns may hold, its header, and its rows cell by cell.
+//!
+//! One vocabulary for all of them: an error table, readings of the diagonals, runs of an axis, and the sheets of
+//! other programs, whose columns are mapped to these words.
 
-use crate::text::delimited::{Cell, Expected, Line, columns_of, header_and_rows};
+use crate::inputs::error_table::Kind;
+use crate::inputs::refusals;
+use crate::inputs::target_runs::Values;
+use crate::quantity::axis::{Axis, Direction};
+use crate::quantity::units::UM_PER_MM;
+use crate::text::delimited::{LengthUnit, Line, columns_of, header_and_rows};
 use crate::text::document::Source;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::{Notes, Problem, Problems, shown};
 use std::borrow::Cow;
+use std::fmt;
+
+/// What a column holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Content {
+    /// The moving axis.
+    Axis,
+    /// Direction of travel.
+    Direction,
+    /// Number of the run.
+    Run,
+    /// Number of the target; not used.
+    Index,
+    /// A machine coordinate.
+    Position,
+    /// A position that counts from the instrument's zero.
+    Target,
+    /// What was measured of an error.
+    Value(Kind),
+    /// The standard uncertainty of what was measured.
+    Uncertainty(Kind),
+    /// What the instrument showed at the target.
+    Reading(Reading),
+    /// The diagonal, the node on it, and the axis that moved there.
+    Diagonal,
+    Node,
+    Moved,
+    /// Of the scale of an axis, °C.
+    Temperature(Axis),
+}
+
+/// A reading at a target.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Reading {
+    /// The way of the axis, where the column has one of its own.
+    pub(crate) direction: Option<Direction>,
+    /// The run, where the column has one of its own.
+    pub(crate) run: Option<u32>,
+    /// Where the axis stood, or how far from the target; `None` = the values show it.
+    pub(crate) values: Option<Values>,
+}
+
+impl Content {
+    /// A reading whose direction and run stand in other columns.
+    pub(crate) const fn reading(values: Values) -> Content {
+        Content::Reading(Reading { direction: None, run: None, values: Some(values) })
+    }
+
+    /// What was read, of a column that holds it.
+    pub(crate) const fn as_reading(self) -> Option<Reading> {
+        match self {
+            Content::Reading(reading) => Some(reading),
+            _ => None,
+        }
+    }
+
+    pub(crate) const fn is_reading(self) -> bool {
+        self.as_reading().is_some()
+    }
+
+    /// The reading of a sheet that has a column for each run.
+    pub(crate) fn of_run(self) -> Option<Reading> {
+        self.as_reading().filter(|reading| reading.run.is_some())
+    }
+
+    /// Whether two columns give the same.
+    pub(crate) fn is_same(self, other: Content) -> bool {
+        let place = |reading: Reading| (reading.direction, reading.run);
+        match (self.as_reading(), other.as_reading()) {
+            (Some(own), Some(other)) => place(own) == place(other),
+            _ => self == other,
+        }
+    }
+}
+
+/// A unit as it ends the name of a column, and how many µm or µrad it has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Unit {
+    pub(crate) word: &'static str,
+    pub(crate) factor: f64,
+}
+
+impl Unit {
+    pub(crate) const fn of(length: LengthUnit) -> Unit {
+        Unit { word: length.word(), factor: length.um() }
+    }
+}
+
+const UM: Unit = Unit::of(LengthUnit::Um);
+pub(crate) const MM: Unit = Unit::of(LengthUnit::Mm);
+pub(crate) const INCH: Unit = Unit::of(LengthUnit::In);
+/// Units of lengths.
+pub(crate) const LENGTHS: [Unit; 4] = [UM, MM, INCH, Unit::of(LengthUnit::Uin)];
+
+/// A column by its name; without a unit it holds words or counts, or its name does not say the unit.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Column {
+    /// Its place in the row.
+    pub(crate) index: usize,
+    pub(crate) name: String,
+    pub(crate) content: Content,
+    pub(crate) unit: Option<Unit>,
+}
+
+impl Column {
+    /// What turns its numbers into mm (places), µm or µrad.
+    pub(crate) fn factor(&self) -> f64 {
+        let factor = self.unit.map_or(1.0, |unit| unit.factor);
+        match self.content {
+            Content::Position | Content::Target => factor / UM_PER_MM,
+            _ => factor,
+        }
+    }
+}
+
+/// Every name of some quantities: each with every unit of it, or alone where it has none.
+pub(crate) fn named(quantities: &[(&str, Content, &[Unit])]) -> Vec<Column> {
+    let of = |(name, content, units): &(&str, Content, &[Unit])| {
+        let column = |name, unit| Column { index: 0, name, content: *content, unit };
+        match units {
+            [] => vec![column(name.to_string(), None)],
+            units => {
+                let named = |unit: &Unit| column(format!("{name}_{}", unit.word), Some(*unit));
+                units.iter().map(named).collect::<Vec<Column>>()
+            }
+        }
+    };
+    quantities.iter().flat_map(of).collect()
+}
 
 /// A table whose columns are known.
-pub(super) struct Table<'a, C> {
-    pub(super) header: Line<'a>,
-    pub(super) kinds: Vec<C>,
-    pub(super) names: Vec<String>,
-    lines: Vec<Line<'a>>,
+pub(crate) struct Table<'a> {
+    pub(crate) header: Line<'a>,
+    pub(crate) columns: Vec<Column>,
+    pub(crate) lines: Vec<Line<'a>>,
+    pub(crate) notes: &'a Notes,
     first_line: &'static str,
 }
 
-impl<'a, C: Copy> Table<'a, C> {
-    /// Reads the header; `what` is what the table should hold.
+impl<'a> Table<'a> {
+    /// Reads the header; the words are what the table should hold, its first line, and its columns.
     pub(super) fn read(
         source: &'a Source,
-        what: &str,
-        first_line: &'static str,
-        expected: impl FnOnce(&Line<'a>) -> Result<Expected<'static, C>, Problem>,
-    ) -> Result<Table<'a, C>, Problems> {
-        let Some((header, lines)) = header_and_rows(source) else {
-            let name = &source.name;
-            let message = format!("`{name}` holds no {what}");
-            return Err(Problem::new(message).help(first_line).into());
-        };
-        let (kinds, names) = columns_of(&header, &expected(&header)?)?;
-        Ok(Table { header, kinds, names, lines, first_line })
+        notes: &'a Notes,
+        [what, first_line, columns]: [&'static str; 3],
+        known: impl FnOnce(&Line<'a>) -> Result<Vec<Column>, Problem>,
+    ) -> Result<Table<'a>, Problems> {
+        let (header, lines) = header_and_rows(source).ok_or_else(|| {
+            Problem::new(format!("`{}` holds no {what}", source.name)).help(first_line)
+        })?;
+        let known = known(&header)?;
+        let names: Vec<&str> = known.iter().map(|column| column.name.as_str()).collect();
+        let same = |one: usize, other: usize| known[one].content.is_same(known[other].content);
+        let found = columns_of(&header, &names, same, [first_line, columns])?;
+        let found = found.into_iter().enumerate();
+        let columns = found.map(|(index, at)| Column { index, ..known[at].clone() }).collect();
+        Ok(Table { header, columns, lines, notes, first_line })
     }
 
-    /// Where the first column of a kind stands.
-    pub(super) fn find(&self, is_wanted: impl Fn(C) -> bool) -> Option<usize> {
-        self.kinds.iter().position(|kind| is_wanted(*kind))
+    /// A table of some columns of a file.
+    pub(super) fn of(
+        (header, columns): (Line<'a>, Vec<Column>),
+        lines: Vec<Line<'a>>,
+        notes: &'a Notes,
+    ) -> Table<'a> {
+        Table { header, columns, lines, notes, first_line: "" }
     }
 
-    /// Notes a column that is needed and was not found.
-    pub(super) fn require(
-        &self,
-        found: Option<usize>,
-        what: &str,
-        example: &str,
-        problems: &mut Problems,
-    ) -> usize {
+    /// The first column that holds such a thing.
+    pub(super) fn find(&self, is_wanted: impl Fn(Content) -> bool) -> Option<&Column> {
+        self.columns.iter().find(|column| is_wanted(column.content))
+    }
+
+    /// The first column that holds it.
+    pub(super) fn column(&self, content: Content) -> Option<&Column> {
+        self.find(|own| own == content)
+    }
+
+    /// Notes that a column is needed and was not found.
+    pub(super) fn require(&self, found: Option<&Column>, what: &str, example: &str) {
         if found.is_none() {
-            let message = format!("there is no column for {what}, expected {example}");
-            problems.push(self.at_header(message, self.first_line));
+            self.refuse(refusals::no_column_for(what, example, self.first_line));
         }
-        found.unwrap_or_default()
     }
 
-    /// A problem of the header as a whole.
-    pub(super) fn at_header(&self, message: impl Into<String>, help: &str) -> Problem {
-        Problem::new(message).at(self.header.whole()).help(help)
+    /// Notes a problem of the header as a whole.
+    pub(super) fn refuse(&self, problem: Problem) {
+        self.notes.refuse(problem.at(self.header.whole()));
     }
 
     /// A problem of a column.
-    pub(super) fn at_column(&self, index: usize, message: String, help: &str) -> Problem {
-        let place = self.header.cell_place(index);
-        Problem::new(message).at(place).help(help)
-    }
-
-    /// What `read` makes of each row; all problems of the rows are given at once.
-    pub(super) fn rows<T>(
-        &self,
-        read: impl FnMut(&mut Row<'_, 'a>) -> Option<T>,
-    ) -> Result<Vec<T>, Problems> {
-        let mut problems = Problems::none();
-        let rows = self.readable_rows(&mut problems, read);
-        problems.or_ok(rows)
+    pub(super) fn at(&self, column: &Column, problem: Problem) -> Problem {
+        problem.at(self.header.cell_place(column.index))
     }
 
     /// What `read` makes of each row that can be read; the problems of the others are noted.
-    pub(super) fn readable_rows<T>(
-        &self,
-        problems: &mut Problems,
-        mut read: impl FnMut(&mut Row<'_, 'a>) -> Option<T>,
-    ) -> Vec<T> {
+    pub(super) fn rows<T>(&self, mut read: impl FnMut(&Row<'_, 'a>) -> Option<T>) -> Vec<T> {
+        let width = self.header.cells().len();
         let mut rows = Vec::with_capacity(self.lines.len());
         for line in &self.lines {
-            let Some(cells) = line.cells_under(self.kinds.len(), problems) else {
-                continue;
-            };
-            rows.extend(read(&mut Row { line: *line, names: &self.names, cells, problems }));
+            if let Some(cells) = self.notes.with(|problems| line.cells_under(width, problems)) {
+                rows.extend(read(&Row { line: *line, table: self, cells }));
+            }
         }
         rows
     }
+}
 
-    /// Whether there is no row at all.
-    pub(super) fn is_empty(&self) -> bool {
-        self.lines.is_empty()
-    }
+/// What the number of a run has to be, and the next step where it is something else.
+pub(super) const RUN: (&str, &str) = ("a whole number from 1", "number the runs 1, 2, 3 …");
+
+/// A whole number from 1.
+pub(super) fn count(text: &str) -> Option<u32> {
+    text.parse().ok().filter(|count| *count > 0)
 }
 
 /// The cells of one row, while it is read.
-pub(super) struct Row<'r, 'a> {
-    pub(super) line: Line<'a>,
-    names: &'r [String],
+pub(crate) struct Row<'t, 'a> {
+    pub(crate) line: Line<'a>,
+    table: &'t Table<'a>,
     cells: Vec<Cow<'a, str>>,
-    problems: &'r mut Problems,
 }
 
-impl<'a> Row<'_, 'a> {
-    /// What stands in a cell.
-    pub(super) fn cell(&self, index: usize) -> &str {
-        &self.cells[index]
+impl Row<'_, '_> {
+    /// A cell under the name of its column.
+    pub(super) fn cell<'r>(&'r self, column: &'r Column) -> Cell<'r> {
+        let text = &self.cells[column.index];
+        Cell { notes: self.table.notes, line: &self.line, column, text }
     }
 
-    /// A cell under the name of its column, and where its problems go.
-    pub(super) fn named(&mut self, index: usize) -> (Cell<'a, '_>, &mut Problems) {
-        let cell =
-            Cell { line: &self.line, index, text: &self.cells[index], name: &self.names[index] };
-        (cell, self.problems)
-    }
-
-    /// What a cell means; `absent` where the table has no such column.
+    /// What the cell of a column means; `absent` where the table has no such column.
     pub(super) fn parsed<T>(
-        &mut self,
-        index: Option<usize>,
+        &self,
+        content: Content,
         absent: Option<T>,
         parse: impl Fn(&str) -> Option<T>,
         expected: (&str, &str),
     ) -> Option<T> {
-        let Some(index) = index else { return absent };
-        let (cell, problems) = self.named(index);
-        cell.read(parse, format_args!("`{}` is", cell.name), expected, problems)
+        let Some(column) = self.table.column(content) else { return absent };
+        self.cell(column).read(parse, format_args!("`{}` is", column.name), expected)
+    }
+}
+
+/// A cell, which notes what is wrong with it.
+pub(crate) struct Cell<'r> {
+    notes: &'r Notes,
+    line: &'r Line<'r>,
+    column: &'r Column,
+    pub(crate) text: &'r str,
+}
+
+impl Cell<'_> {
+    /// Notes what is wrong here.
+    pub(super) fn refuse(&self, message: impl Into<String>, help: &str) {
+        let index = self.column.index;
+        self.notes.refuse_with(|| {
+            Problem::new(message).at(self.line.cell_place(index)).in_column(index).help(help)
+        });
     }
 
-    /// The number of a cell, which must not be empty.
-    pub(super) fn number(&mut self, index: usize, help: &str) -> Option<f64> {
-        let (cell, problems) = self.named(index);
-        if cell.text.is_empty() {
-            let message = format!("`{}` is empty, expected a number", cell.name);
-            problems.push_with(|| cell.problem(message, help));
+    /// What is read from the cell; where that is nothing, a problem says what was expected and the next step.
+    pub(super) fn read<T>(
+        &self,
+        read: impl Fn(&str) -> Option<T>,
+        what: impl fmt::Display,
+        (expected, help): (&str, &str),
+    ) -> Option<T> {
+        let value = read(self.text);
+        if value.is_none() {
+            self.refuse(format!("{what} `{}`, expected {expected}", shown(self.text)), help);
+        }
+        value
+    }
+
+    /// The finite number of the cell in the unit of its column; `expected` is the next step where it is none.
+    pub(super) fn number(&self, expected: &str) -> Option<f64> {
+        let Column { index, name, .. } = self.column;
+        self.notes.with(|problems| self.line.number_in(*index, self.text, name, expected, problems))
+    }
+
+    /// A number that must be there.
+    pub(super) fn reading(&self, missing: &str) -> Option<f64> {
+        if self.text.is_empty() {
+            let name = &self.column.name;
+            self.refuse(format!("`{name}` is empty, expected a number"), missing);
             return None;
         }
-        let expected = "write a plain number; its unit stands in the header";
-        cell.number(expected, problems)
+        self.number("write a plain number; its unit stands in the header")
     }
 
-    /// Notes what is wrong with a cell.
-    pub(super) fn refuse(&mut self, index: usize, message: String, help: &str) {
-        let (cell, problems) = self.named(index);
-        problems.push_with(|| cell.problem(message, help));
+    /// A number that is not below 0.
+    pub(super) fn uncertainty(&self, expected: &str) -> Option<f64> {
+        let number = self.number(expected)?;
+        if number < 0.0 {
+            let (name, found) = (&self.column.name, shown(self.text));
+            let message = format!("`{name}` is {found}, expected an uncertainty of at least 0");
+            self.refuse(message, "give the standard uncertainty, k = 1");
+        }
+        Some(number).filter(|number| *number >= 0.0)
     }
 }

@@ -30,11 +30,6 @@ words! {
     }
 }
 
-impl Values {
-    /// Both.
-    pub const ALL: [Values; 2] = [Values::Positions, Values::Deviations];
-}
-
 /// The direction of approach of a word: `+` or `up`, `-`, `dn` or `down`.
 pub(crate) fn approach(word: &str) -> Option<Direction> {
     match word {

@@ -7,8 +7,8 @@
 use crate::quantity::units::{MM_PER_INCH, UM_PER_MM};
 use crate::text::document::{LARGEST_NUMBER, Source};
 use crate::text::problem::{Place, Problem, Problems, nearest, shown};
+use crate::text::refused;
 use std::borrow::Cow;
-use std::fmt;
 use std::ops::Range;
 
 /// A unit of length that a measurement is given in.
@@ -123,11 +123,7 @@ impl<'a> Line<'a> {
         problems: &mut Problems,
     ) -> Option<Vec<Cow<'a, str>>> {
         if self.text.bytes().filter(|byte| *byte == b'"').count() % 2 == 1 {
-            problems.push(
-                Problem::new("a quotation mark is opened but not closed in this row")
-                    .at(self.whole())
-                    .help("remove it; numbers need none"),
-            );
+            problems.push(refused::open_quote().at(self.whole()));
             return None;
         }
         let cells = self.cells();
@@ -186,57 +182,6 @@ impl<'a> Line<'a> {
                 .help(help)
         });
         None
-    }
-}
-
-/// A cell under the name of its column.
-pub(crate) struct Cell<'a, 'b> {
-    /// Its row.
-    pub(crate) line: &'b Line<'a>,
-    /// Its place in the row.
-    pub(crate) index: usize,
-    /// What stands in it.
-    pub(crate) text: &'b str,
-    /// The name of its column.
-    pub(crate) name: &'b str,
-}
-
-impl Cell<'_, '_> {
-    /// A problem that stands here.
-    pub(crate) fn problem(&self, message: impl Into<String>, help: &str) -> Problem {
-        Problem::new(message).at(self.line.cell_place(self.index)).in_column(self.index).help(help)
-    }
-
-    /// What is read from the cell; where that is nothing, a problem says what was expected and the next step.
-    pub(crate) fn read<T>(
-        &self,
-        read: impl Fn(&str) -> Option<T>,
-        what: impl fmt::Display,
-        (expected, help): (&str, &str),
-        problems: &mut Problems,
-    ) -> Option<T> {
-        let value = read(self.text);
-        if value.is_none() {
-            let message = format!("{what} `{}`, expected {expected}", shown(self.text));
-            problems.push_with(|| self.problem(message, help));
-        }
-        value
-    }
-
-    /// The finite number of the cell; `expected` is the next step where it is none.
-    pub(crate) fn number(&self, expected: &str, problems: &mut Problems) -> Option<f64> {
-        self.line.number_in(self.index, self.text, self.name, expected, problems)
-    }
-
-    /// A number that is not below 0.
-    pub(crate) fn uncertainty(&self, expected: &str, problems: &mut Problems) -> Option<f64> {
-        let number = self.number(expected, problems)?;
-        if number < 0.0 {
-            let (name, found) = (self.name, shown(self.text));
-            let message = format!("`{name}` is {found}, expected an uncertainty of at least 0");
-            problems.push_with(|| self.problem(message, "give the standard uncertainty, k = 1"));
-        }
-        Some(number).filter(|number| *number >= 0.0)
     }
 }
 
@@ -344,43 +289,29 @@ fn starts_of(line: &str, delimiter: u8) -> Vec<usize> {
     starts
 }
 
-/// What a file of rows and columns is expected to begin with.
-pub struct Expected<'a, C> {
-    /// The columns that may stand in the header.
-    pub known: Vec<(String, C)>,
-    /// Whether two columns give the same thing.
-    pub same: fn(&C, &C) -> bool,
-    /// The next step where the first line is something else.
-    pub first_line: &'a str,
-    /// The next step where a column's name is near none of the known ones.
-    pub columns: &'a str,
-}
-
-/// The columns of a header, in its order, and their names.
-pub(crate) fn columns_of<C: Copy>(
+/// Which of the known columns stand in a header, in its order; the words are the next step where the first line is
+/// something else, and where the name of a column is near none of the known ones.
+pub(crate) fn columns_of(
     header: &Line<'_>,
-    expected: &Expected<'_, C>,
-) -> Result<(Vec<C>, Vec<String>), Problems> {
-    refuse_other_first_line(header, expected.first_line)?;
+    known: &[&str],
+    is_same: impl Fn(usize, usize) -> bool,
+    [first_line, columns]: [&str; 2],
+) -> Result<Vec<usize>, Problems> {
+    refuse_other_first_line(header, first_line)?;
     let mut problems = Problems::none();
-    let mut kinds: Vec<C> = Vec::new();
-    let mut names: Vec<String> = Vec::new();
+    let mut found: Vec<usize> = Vec::new();
     for (index, name) in header.cells().iter().enumerate() {
-        let Some((name, kind)) = expected.known.iter().find(|(known, _)| known == name) else {
-            problems.push(unknown_column(header, index, name, expected));
+        let Some(own) = known.iter().position(|own| **own == **name) else {
+            problems.push(unknown_column(name, known, columns).at(header.cell_place(index)));
             continue;
         };
-        let twin = kinds.iter().position(|other| (expected.same)(other, kind));
-        if let Some(twin) = twin {
-            let other = &names[twin];
-            let message = format!("column `{name}` gives the same as column `{other}` before it");
-            let problem = Problem::new(message).at(header.cell_place(index));
-            problems.push(problem.help("keep one of the two"));
+        if let Some(twin) = found.iter().find(|other| is_same(**other, own)) {
+            let other = known[*twin];
+            problems.push(refused::same_column(name, other).at(header.cell_place(index)));
         }
-        kinds.push(*kind);
-        names.push(name.clone());
+        found.push(own);
     }
-    problems.or_ok((kinds, names))
+    problems.or_ok(found)
 }
 
 /// Columns of a table; runs of a linear axis are far fewer.
@@ -390,11 +321,7 @@ const MOST_COLUMNS: usize = 1000;
 pub(crate) fn refuse_many_columns(header: &Line<'_>, help: &str) -> Result<(), Problem> {
     match header.cells().len() {
         0..=MOST_COLUMNS => Ok(()),
-        count => {
-            let message =
-                format!("the first line has {count} columns, at most {MOST_COLUMNS} are read");
-            Err(Problem::new(message).at(header.whole()).help(help))
-        }
+        count => Err(refused::many_columns(count, MOST_COLUMNS, help).at(header.whole())),
     }
 }
 
@@ -408,42 +335,35 @@ fn refuse_other_first_line(header: &Line<'_>, help: &str) -> Result<(), Problem>
     } else {
         return Ok(());
     };
-    Err(Problem::new(message).at(header.whole()).help(help))
+    Err(refused::other_first_line(message, help).at(header.whole()))
 }
 
-fn unknown_column<C>(
-    header: &Line<'_>,
-    index: usize,
-    name: &str,
-    expected: &Expected<'_, C>,
-) -> Problem {
-    let names = || expected.known.iter().map(|(name, _)| name.as_str());
-    let with_unit = |quantity: &str| -> Vec<String> {
-        names()
-            .filter(|known| known.rsplit_once('_').is_some_and(|(q, _)| q == quantity))
-            .map(|known| format!("`{known}`"))
-            .collect()
+/// What stands before the unit of a name.
+fn quantity(name: &str) -> Option<&str> {
+    name.rsplit_once('_').map(|(quantity, _)| quantity)
+}
+
+fn unknown_column(name: &str, known: &[&str], columns: &str) -> Problem {
+    let with_unit = |wanted: &str| -> Vec<String> {
+        let of = known.iter().filter(|known| quantity(known) == Some(wanted));
+        of.map(|name| format!("`{name}`")).collect()
     };
-    let at = |message: String| Problem::new(message).at(header.cell_place(index));
     let found = shown(name);
-    let quantity = |name| str::rsplit_once(name, '_').map(|(quantity, _)| quantity);
     let other = quantity(name).map(with_unit).unwrap_or_default();
     for (list, what) in [(with_unit(name), "no unit"), (other, "an unknown unit")] {
         if !list.is_empty() {
-            let list = list.join(", ");
-            return at(format!("column `{found}` has {what}, expected {list}"))
-                .help("the unit is part of the column's name");
+            return refused::column_unit(found, what, list.join(", "));
         }
     }
-    let problem = at(format!("unknown column `{found}`"));
-    let Some(near) = nearest(name, names()) else {
-        return problem.help(expected.columns);
+    let Some(near) = nearest(name, known.iter().copied()) else {
+        return refused::unknown_column(found, columns);
     };
     // A quantity may stand in several units; which of them was meant nobody knows.
-    match with_unit(quantity(near).unwrap_or(near)).as_slice() {
-        [] => problem.help(format!("did you mean `{near}`?")),
-        meant => problem.help(format!("did you mean {}?", meant.join(" or "))),
-    }
+    let meant = match with_unit(quantity(near).unwrap_or(near)).as_slice() {
+        [] => format!("`{near}`"),
+        meant => meant.join(" or "),
+    };
+    refused::unknown_column(found, format!("did you mean {meant}?"))
 }
 
 #[cfg(test)]

@@ -12,6 +12,7 @@ mod section;
 pub(crate) use self::page::{read_page_for, read_page_over, states};
 
 use crate::text::problem::{LineIndex, Place, Problem, Problems, refuse_long_lines};
+use crate::text::refused;
 pub use schema::Key;
 pub(crate) use schema::{part, section};
 pub use section::Section;
@@ -82,9 +83,14 @@ impl Source {
 
     /// A problem at a key, or at the nearest section above it that exists.
     pub(crate) fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
+        self.at(path, Problem::new(message))
+    }
+
+    /// The same of a problem that is made already.
+    pub(crate) fn at(&self, path: &str, problem: Problem) -> Problem {
         let mut paths = std::iter::successors(Some(path), |path| Some(path.rsplit_once('.')?.0));
         let place = paths.find_map(|path| self.place_of(path));
-        Problem::new(message).at(place.unwrap_or_else(|| self.place(&(0..0))))
+        problem.at(place.unwrap_or_else(|| self.place(&(0..0))))
     }
 }
 
@@ -110,25 +116,16 @@ impl Spot {
 
 /// Refuses a text of more than [`MOST_LINES`] lines.
 pub(crate) fn refuse_many_lines(name: &str, text: &str) -> Result<(), Problem> {
-    let too_many = || {
-        Problem::new(format!(
-            "`{name}` has more than {MOST_LINES} lines, too many for a measurement or a job"
-        ))
-        .help("check that the file is what it should be; remove blank lines, and measure fewer points")
-    };
-    text.split('\n').nth(MOST_LINES + 1).map_or(Ok(()), |_| Err(too_many()))
+    let too_many = || Err(refused::many_lines(name, MOST_LINES));
+    text.split('\n').nth(MOST_LINES + 1).map_or(Ok(()), |_| too_many())
 }
 
 /// Refuses a page that is larger than anybody writes.
 pub(crate) fn refuse_large_page(name: &str, bytes: usize) -> Result<(), Problem> {
-    if bytes <= LARGEST_PAGE {
-        return Ok(());
+    match bytes <= LARGEST_PAGE {
+        true => Ok(()),
+        false => Err(refused::large_page(name, LARGEST_PAGE >> 10)),
     }
-    Err(Problem::new(format!(
-        "`{name}` holds more than {} KiB, too much for a job, a profile, a template or a manifest",
-        LARGEST_PAGE >> 10
-    ))
-    .help("check that the file is what it should be"))
 }
 
 /// The text of a template: a page, too.
@@ -160,9 +157,7 @@ fn not_text(name: &str, bytes: &[u8]) -> Problems {
         let line = bytes[..good].split(|byte| *byte == b'\n').count();
         format!("holds a letter in another encoding in line {line}")
     };
-    Problem::new(format!("`{name}` {what}, expected UTF-8 text"))
-        .help("save it as plain text in UTF-8 (a spreadsheet: `CSV UTF-8`)")
-        .into()
+    refused::not_text(name, what).into()
 }
 
 /// Files larger than this are no job, table or profile (an error table of 10 000 points has 1 MB), and none

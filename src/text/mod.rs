@@ -6,6 +6,7 @@ pub mod finding;
 pub(crate) mod html;
 pub mod plain;
 pub mod problem;
+mod refused;
 pub(crate) mod words;
 
 pub(crate) use self::document::part;

@@ -8,6 +8,7 @@ use crate::text::finding::joined;
 use crate::text::plain::line as seen;
 use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
 use serde::Serialize;
+use std::cell::RefCell;
 use std::fmt;
 use std::sync::OnceLock;
 
@@ -412,6 +413,59 @@ impl Problems {
     }
 }
 
+/// Problems of an input while it is looked through, each noted where it is met.
+#[derive(Debug, Default)]
+pub(crate) struct Notes(RefCell<Problems>);
+
+impl Notes {
+    /// What is done with all of them so far.
+    pub(crate) fn with<T>(&self, act: impl FnOnce(&mut Problems) -> T) -> T {
+        act(&mut self.0.borrow_mut())
+    }
+
+    /// Notes what is wrong.
+    pub(crate) fn refuse(&self, problem: Problem) {
+        self.with(|problems| problems.push(problem));
+    }
+
+    /// Notes what is wrong, which is only made if it is going to be looked at.
+    pub(crate) fn refuse_with(&self, make: impl FnOnce() -> Problem) {
+        self.with(|problems| problems.push_with(make));
+    }
+
+    /// Notes what is wrong, and gives nothing.
+    pub(crate) fn refused<T>(&self, problem: Problem) -> Option<T> {
+        self.refuse(problem);
+        None
+    }
+
+    /// The value, or its problems are noted.
+    pub(crate) fn take<T>(&self, result: Result<T, impl Into<Problems>>) -> Option<T> {
+        self.with(|problems| problems.take(result))
+    }
+
+    /// Whether nothing is wrong so far.
+    pub(crate) fn is_sound(&self) -> bool {
+        self.0.borrow().is_empty()
+    }
+
+    /// Whether the next one would only be counted.
+    pub(crate) fn is_full(&self) -> bool {
+        self.0.borrow().is_full()
+    }
+
+    /// The value, if nothing is wrong; else all problems, which are taken from here.
+    pub(crate) fn end<T>(&self, value: T) -> Result<T, Problems> {
+        self.0.take().or_ok(value)
+    }
+}
+
+impl From<Problems> for Notes {
+    fn from(problems: Problems) -> Notes {
+        Notes(RefCell::new(problems))
+    }
+}
+
 impl From<Problem> for Problems {
     fn from(problem: Problem) -> Self {
         let mut problems = Problems::none();
@@ -446,6 +500,16 @@ pub fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, candidate)| candidate)
 }
+
+/// What a room refuses: each kind a function of its facts, with its words and the next step, one a line.
+macro_rules! refusals {
+    ($($kind:ident($($fact:ident),*) => $words:literal $(, $help:expr)?;)*) => {
+        $(pub(crate) fn $kind($($fact: impl std::fmt::Display),*) -> $crate::text::problem::Problem {
+            $crate::text::problem::Problem::new(format!($words))$(.help($help))?
+        })*
+    };
+}
+pub(crate) use refusals;
 
 #[cfg(test)]
 mod tests {

@@ -313,13 +313,7 @@ mod tests {
     use super::*;
 
     fn axis(low: f64, high: f64, reference: f64) -> MachineAxis {
-        MachineAxis {
-            low: Millimetres::new(low),
-            high: Millimetres::new(high),
-            reference: Millimetres::new(reference),
-            reference_direction: None,
-            max_feed: None,
-        }
+        MachineAxis::of([low, high, reference])
     }
 
     const MICRON: LengthDigit = LengthDigit { unit: ControlUnit::Millimetre, decimals: 3 };

@@ -78,14 +78,13 @@ pub(super) fn of_readings(
     plot: &PlotOnly,
 ) -> Result<Outcome, Problems> {
     let name = source.name.clone();
-    let (readings, measurement) = Readings::without_job(source)?;
+    let (readings, volume, kind) = Readings::without_job(source)?;
     let known = readings.runs.iter().cloned();
     let known: Vec<Run> = known.filter(|run| readings.offset_known(run)).collect();
     let mut notes = notes(known.len() < readings.runs.len());
     notes.extend(readings.zeroed());
     notes.push(StandardFinding::NoJob.into());
-    let (volume, kind) = (&measurement.volume, measurement.kind);
-    let figures = StandardFigures::of(volume, kind, &known, false)?;
+    let figures = StandardFigures::of(&volume, kind, &known, false)?;
     let name = &name;
     let page = Page { name, across: ALONG_STEPS, notes, figures };
     page.outcome(print, plot)

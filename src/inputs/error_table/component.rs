@@ -31,6 +31,11 @@ impl Kind {
         Kind::Angle(Axis::Y),
         Kind::Angle(Axis::Z),
     ];
+
+    /// Its word in the names of columns, e.g. `ex` or `ea`.
+    pub(crate) fn word(self) -> String {
+        Component { kind: self, along: Axis::X }.to_string()[..2].to_ascii_lowercase()
+    }
 }
 
 impl Component {

@@ -26,6 +26,7 @@ use crate::quantity::diagonal::{Diagonal, PerDiagonal};
 use crate::quantity::units::{Millimetres, smaller};
 use crate::text::finding::{Finding, joined, once};
 use crate::text::problem::bounded;
+use crate::text::words::{Word, words};
 use serde::Serialize;
 use std::fmt;
 
@@ -57,44 +58,33 @@ fn beyond<T>(remarks: &mut Vec<T>) -> usize {
 /// The words by which a simulation is told from a measurement: a note of the table begins so.
 pub const SIMULATED: &str = "SIMULATED, not measured";
 
-/// A cause of uncertainty that the readings of a separation cannot show: who is silent about it gets no pass.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub enum Cause {
-    /// Pitch, yaw and roll without a measurement.
-    #[serde(rename = "angle_urad")]
-    Angles,
-    /// A change of scale from one set-up to the next.
-    #[serde(rename = "setup_ppm")]
-    SetUps,
-    /// The slopes of linear axes and other beams.
-    #[serde(rename = "u_um_per_m")]
-    Slopes,
-    /// The tilt of a mirror whose set-up is assumed perfect.
-    #[serde(rename = "tilt_arcsec")]
-    Tilt,
-    /// The squareness of axes whose straightness has no slope that could hold it.
-    Squareness,
+words! {
+    /// A cause of uncertainty that the readings of a separation cannot show, each with the key of the job that states
+    /// it, the usual largest first: who is silent about it gets no pass.
+    #[derive(Serialize)]
+    pub enum Cause {
+        /// Pitch, yaw and roll without a measurement.
+        #[serde(rename = "angle_urad")]
+        Angles = "angle_urad",
+        /// A change of scale from one set-up to the next.
+        #[serde(rename = "setup_ppm")]
+        SetUps = "setup_ppm",
+        /// The slopes of linear axes and other beams.
+        #[serde(rename = "u_um_per_m")]
+        Slopes = "u_um_per_m",
+        /// The tilt of a mirror whose set-up is assumed perfect.
+        #[serde(rename = "tilt_arcsec")]
+        Tilt = "tilt_arcsec",
+        /// The squareness of axes whose straightness has no slope that could hold it.
+        Squareness = "squareness_um_per_m",
+    }
 }
 
 impl Cause {
-    /// All of them, the usual largest first.
-    pub const ALL: [Cause; 5] =
-        [Cause::Angles, Cause::SetUps, Cause::Slopes, Cause::Tilt, Cause::Squareness];
-
-    /// The key of the job that states it.
-    pub const fn key(self) -> &'static str {
-        match self {
-            Cause::Angles => "angle_urad",
-            Cause::SetUps => "setup_ppm",
-            Cause::Slopes => "u_um_per_m",
-            Cause::Tilt => "tilt_arcsec",
-            Cause::Squareness => "squareness_um_per_m",
-        }
-    }
-
     fn listed(words: &str) -> Vec<Cause> {
         let keys: Vec<&str> = words.split(',').map(str::trim).collect();
-        Cause::ALL.into_iter().filter(|cause| keys.contains(&cause.key())).collect()
+        let known = Cause::WORDS.iter().filter(|(key, _)| keys.contains(key));
+        known.map(|(_, cause)| *cause).collect()
     }
 }
 
@@ -433,7 +423,7 @@ pub fn is_simulated(note: &Finding) -> bool {
 
 /// The keys of causes, one after the other.
 pub fn keys(causes: &[Cause]) -> String {
-    joined(causes.iter().map(|cause| cause.key()))
+    joined(causes.iter().map(|cause| cause.word()))
 }
 
 fn join(own: &mut Vec<Cause>, other: Vec<Cause>) {

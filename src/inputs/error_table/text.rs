@@ -9,7 +9,8 @@
 //! measured has a column. Numbers are the shortest text that reads back to the same number, lines
 //! end with LF: the same draft gives the same bytes everywhere.
 
-use crate::inputs::error_table::read::{Column, Quantity, Series, known_columns};
+use crate::inputs::error_table::read::{Series, known_columns};
+use crate::inputs::table::{Column, Content};
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::Figure;
 use crate::text::plain;
@@ -30,12 +31,12 @@ pub struct Draft {
 /// The text of a draft.
 pub fn write(draft: &Draft) -> String {
     let columns = columns(draft);
-    let header = columns.iter().map(|(name, _)| name.clone()).collect::<Vec<String>>();
+    let header = columns.iter().map(|column| column.name.clone()).collect::<Vec<String>>();
     let of = |axis: Axis| draft.series.iter().filter(move |series| series.axis == axis);
     let rows = Axis::ALL.into_iter().flat_map(of).flat_map(|series| {
         let columns = &columns;
         let rows = 0..series.positions.len();
-        rows.map(|row| columns.iter().map(|(_, column)| cell(series, column.holds, row)).collect())
+        rows.map(|row| columns.iter().map(|column| cell(series, column.content, row)).collect())
     });
     let table = std::iter::once(header).chain(rows).map(|cells| cells.join(","));
     let comments = draft.comments.iter().map(|comment| plain::comment(comment));
@@ -43,24 +44,23 @@ pub fn write(draft: &Draft) -> String {
 }
 
 /// Empty = not measured.
-fn cell(series: &Series, holds: Quantity, row: usize) -> String {
+fn cell(series: &Series, holds: Content, row: usize) -> String {
     match holds {
-        Quantity::Axis => series.axis.key().to_string(),
-        Quantity::Direction => series.direction.map_or("", Direction::symbol).to_string(),
+        Content::Axis => series.axis.key().to_string(),
+        Content::Direction => series.direction.map_or("", Direction::symbol).to_string(),
         _ => series.number(holds, row).map_or_else(String::new, |it| Figure(it).to_string()),
     }
 }
 
 /// Where and which way, then deviations, angles and uncertainties; only those that some series holds.
-fn columns(draft: &Draft) -> Vec<(String, Column)> {
+fn columns(draft: &Draft) -> Vec<Column> {
     let mut columns = known_columns();
-    columns.retain(|(_, column)| {
-        let is_held = |series: &Series| !cell(series, column.holds, 0).is_empty();
-        let is_needed = matches!(column.holds, Quantity::Axis | Quantity::Position);
+    columns.dedup_by_key(|column| column.content);
+    columns.retain(|column| {
+        let is_held = |series: &Series| !cell(series, column.content, 0).is_empty();
+        let is_needed = matches!(column.content, Content::Axis | Content::Position);
         is_needed || draft.series.iter().any(is_held)
     });
-    columns.sort_by_key(|(_, column)| column.holds);
-    columns.dedup_by_key(|(_, column)| column.holds);
     columns
 }
 

@@ -8,16 +8,15 @@
 //! too many is located and named, and never filled in or left out.
 
 use crate::inputs::import::encoding::{Measurement, text_of};
-use crate::inputs::import::form::{Form, Row};
+use crate::inputs::import::form::{Capture, DISPLACEMENT, Form, ListColumn, Row};
 use crate::inputs::import::intake::Intake;
-use crate::inputs::import::list_column::{Capture, DISPLACEMENT, ListColumn};
 use crate::inputs::import::located::Located;
 use crate::inputs::import::stated::{CAPTURES, Counting, Format, Stated};
 use crate::inputs::readings::Readings;
 use crate::inputs::refusals;
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{Figure, rounded};
-use crate::text::delimited::{LengthUnit, Line};
+use crate::text::delimited::Line;
 use crate::text::document::Source;
 use crate::text::plain;
 use crate::text::problem::{Problem, Problems};
@@ -119,7 +118,7 @@ impl Filling<'_> {
 
     /// Whether the values hold the way to the target.
     fn with_targets(&self) -> bool {
-        self.form.of_axis() && self.column.quantity == DISPLACEMENT
+        self.form.of_axis() && self.column.column.content == DISPLACEMENT
     }
 
     /// What is wrong with the number of values, and the value at which it shows.
@@ -154,27 +153,25 @@ impl Filling<'_> {
         lists: &[List<'_>],
         stated: &Stated,
     ) -> String {
-        let (heading, unit) = match self.form.of_axis() {
-            true => ("deviation", LengthUnit::Um),
-            false => (self.column.quantity, self.column.unit),
+        let (heading, factor) = match self.form.of_axis() {
+            true => ("deviation_um", 1.0),
+            false => (&*self.column.column.name, self.column.column.factor()),
         };
         let kept = form.text.lines().filter(|line| line.starts_with('#'));
         let kept = kept.map(|line| plain::comment(line.strip_prefix("# ").unwrap_or(&line[1..])));
         let sources = lists.iter().map(|(_, file)| file.comment());
-        let given = stated.given().into_iter();
-        let given = given.map(|(option, value)| format!("stated: {option} {value}"));
-        let own = sources.chain(given).map(|words| plain::comment(&words));
+        let own = sources.chain(stated.comments()).map(|words| plain::comment(&words));
         let with_last = |line: &Line<'_>, last: String| {
             let cells = line.cells();
             let cells = cells.iter().take(cells.len() - 1).map(ToString::to_string);
             let cells: Vec<String> = cells.chain([last]).collect();
             cells.join(&char::from(self.form.header.delimiter()).to_string())
         };
-        let header = with_last(&self.form.header, format!("{heading}_{}", unit.word()));
+        let header = with_last(&self.form.header, heading.to_string());
         let values: HashMap<usize, f64> = values.iter().copied().collect();
         let rows = self.form.rows.iter().map(|row| {
             let own = values.get(&row.line.number());
-            let value = own.map(|um| Figure(rounded(um / unit.um(), 9)).to_string());
+            let value = own.map(|um| Figure(rounded(um / factor, 9)).to_string());
             with_last(&row.line, value.unwrap_or_default())
         });
         let lines: Vec<String> = kept.chain(own).chain([header]).chain(rows).collect();

@@ -4,17 +4,18 @@
 //! cannot stand between thousands: `1,000` may be one or a thousand.
 
 use crate::control::controller::TableSign;
-use crate::inputs::error_table::{Component, Kind, Quantity};
+use crate::inputs::error_table::{Component, Kind};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::groups::{Row, is_ascending, series};
 use crate::inputs::import::intake::{Contents, Intake};
-use crate::inputs::import::mapping::{Content, Mapped, Mapping, Named, unit_of_name};
+use crate::inputs::import::mapping::{Mapping, Named, unit_of_name};
 use crate::inputs::import::stated::{COLUMNS, Decimal, PLUS_MOVES, Travel};
 use crate::inputs::refusals;
+use crate::inputs::table::{Cell, Column, Content, RUN, Row as Cells, Table, count};
 use crate::inputs::target_runs::{Values, approach, small_um};
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::UM_PER_MM;
-use crate::text::delimited::{Cell, Line, lines};
+use crate::text::delimited::{Line, lines};
 use crate::text::problem::{Problem, Problems, shown};
 use std::borrow::Cow;
 
@@ -22,7 +23,7 @@ pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
     let stated = intake.stated;
     let columns = intake.settled(&COLUMNS, None, stated.columns.as_deref())?;
     let mapping = intake.take(Mapping::read(columns))?;
-    let table = Table::read(intake, &mapping);
+    let sheet = Sheet::read(intake, &mapping);
     mapping.require(intake);
     let is_error = mapping.holds_positions();
     let sign = if is_error { Some(TableSign::AsError) } else { intake.sign(None) };
@@ -30,20 +31,21 @@ pub(super) fn read<'a>(intake: &'a Intake<'a>) -> Option<Contents> {
     if is_error && term.is_some_and(|term| !term.is_positioning()) {
         intake.refuse(refusals::position_of_straightness());
     }
-    let table = table?;
+    let mut sheet = sheet?;
+    let header = sheet.table.header;
     if is_error && stated.sign == Some(TableSign::AsCorrection) {
         let problem = refusals::is_measured_less_target("columns give", "leave `--sign` out");
-        intake.refuse(problem.at(table.header.whole()));
+        intake.refuse(problem.at(header.whole()));
     }
-    let rows = table.rows(term);
-    table.refuse_unclear_values(&rows);
+    let rows = sheet.rows(term);
+    sheet.refuse_unclear_values(&rows);
     let sign = intake.if_sound(sign)??;
-    intake.say([ImportFinding::ColumnsNamed { line: table.header.number() }]);
+    intake.say([ImportFinding::ColumnsNamed { line: header.number() }]);
     let has_targets = mapping.has(Content::Target);
     let ascending = !has_targets || is_ascending(&rows, intake);
     if mapping.has_directions() {
         let all_agree = !has_targets || (ascending && stated.targets_run == Some(Direction::Plus));
-        intake.say([table.sense_of_plus(all_agree)]);
+        intake.say([sheet.sense_of_plus(all_agree)]);
     }
     let first_target = rows.first().map(|row| row.position).filter(|_| has_targets);
     Some((series(&rows, (first_target, ascending), sign, intake), Vec::new()))
@@ -54,30 +56,20 @@ const DIRECTION: (&str, &str) =
     ("`+` or `-`", "write the direction in which the axis moved, in machine coordinates");
 const NUMBER: &str =
     "write a plain number; its unit stands in the mapping, and a missing value is never filled in";
-const RUN: (&str, &str) = ("a whole number from 1", "number the runs 1, 2, 3 …");
-
-/// A mapped column where it stands in the file.
-struct Column<'m> {
-    index: usize,
-    name: String,
-    mapped: &'m Mapped,
-}
 
 /// The part of the file below the names of its columns.
-pub(super) struct Table<'a, 'm> {
+struct Sheet<'a> {
     intake: &'a Intake<'a>,
-    header: Line<'a>,
-    lines: Vec<Line<'a>>,
-    columns: Vec<Column<'m>>,
+    table: Table<'a>,
 }
 
-impl<'a, 'm> Table<'a, 'm> {
-    pub(super) fn read(intake: &'a Intake<'a>, mapping: &'m Mapping) -> Option<Self> {
+impl<'a> Sheet<'a> {
+    fn read(intake: &'a Intake<'a>, mapping: &Mapping) -> Option<Self> {
         let mut lines: Vec<Line<'a>> = lines(intake.source).collect();
         let header = intake.take(header_of(&lines, mapping))?;
         lines.drain(..header.number());
         let columns = intake.take(columns_of(&header, mapping))?;
-        Some(Table { intake, header, lines, columns })
+        Some(Sheet { intake, table: Table::of((header, columns), lines, &intake.notes) })
     }
 
     /// What `+` of a mapped direction means: where targets, outward run and axis do not all go the
@@ -85,7 +77,7 @@ impl<'a, 'm> Table<'a, 'm> {
     fn sense_of_plus(&self, all_agree: bool) -> ImportFinding {
         let stated = self.intake.stated;
         if stated.plus_moves.is_none() && !all_agree && stated.targets_run.is_some() {
-            self.intake.refuse(PLUS_MOVES.missing().at(self.header.whole()));
+            self.table.refuse(PLUS_MOVES.missing());
         }
         ImportFinding::PlusRows {
             moves: stated.plus_moves.unwrap_or(Direction::Plus),
@@ -94,45 +86,47 @@ impl<'a, 'm> Table<'a, 'm> {
     }
 
     /// What the rows hold, if all can be read; a row of the file for each run of it.
-    pub(super) fn rows(&self, term: Option<Component>) -> Vec<Row<'a>> {
-        let (delimiter, width) = (self.header.delimiter(), self.header.cells().len());
-        let separated = self.lines.iter().map(|line| line.separated_by(delimiter, false));
+    fn rows(&mut self, term: Option<Component>) -> Vec<Row<'a>> {
+        let (notes, header) = (self.table.notes, self.table.header);
+        let (delimiter, width) = (header.delimiter(), header.cells().len());
+        let separated = self.table.lines.iter().map(|line| line.separated_by(delimiter, false));
         let filled = separated.filter(|line| !line.is_empty_row());
-        let whole =
-            filled.filter(|line| line.cells_under(width, &mut self.intake.problems()).is_some());
         // Cells are taken apart again where they are needed: together they are many times the file.
-        let whole: Vec<Line<'a>> = whole.collect();
-        let decimal = self.intake.take(self.decimal(&whole));
-        let Some(decimal) = decimal.and_then(|decimal| self.intake.if_sound(decimal)) else {
+        let is_whole =
+            |line: &Line<'_>| notes.with(|problems| line.cells_under(width, problems).is_some());
+        self.table.lines = filled.filter(is_whole).collect();
+        let decimal = notes.take(self.decimal());
+        let Some(decimal) = decimal.filter(|_| notes.is_sound()) else {
             return Vec::new();
         };
-        let rows = whole.into_iter().filter_map(|line| {
-            self.rows_of(line.separated_by(delimiter, decimal == Decimal::Comma), term)
-        });
-        rows.flatten().collect()
+        for line in &mut self.table.lines {
+            *line = line.separated_by(delimiter, decimal == Decimal::Comma);
+        }
+        self.table.rows(|row| self.rows_of(row, term)).into_iter().flatten().collect()
     }
 
     /// Where no name says whether values are positions, each has to be near its target.
     fn refuse_unclear_values(&self, rows: &[Row<'_>]) {
         const NAME_VALUES: &str = "`up1_actual_mm` holds positions, `up1_deviation_mm` deviations";
         let small_um = small_um(rows.iter().map(|row| row.position));
-        let open = self.columns.iter().find(|column| column.mapped.content.is_open());
+        let is_open = |own: Content| own.as_reading().is_some_and(|own| own.values.is_none());
         let mut values = rows.iter().flat_map(|row| &row.values);
+        let open = self.table.find(is_open);
         if let Some(open) = open.filter(|_| values.any(|(_, um)| um.abs() > small_um)) {
             let found =
                 "they are far from the targets; map them to `…_actual_…` or `…_deviation_…`";
             let problem = refusals::unclear_values(&open.name, found, NAME_VALUES);
-            self.intake.refuse(problem.at(self.header.cell_place(open.index)));
+            self.intake.refuse(self.table.at(open, problem));
         }
     }
 
     /// The sign before the decimals: as stated, else as all numbers of the file show it.
-    fn decimal(&self, rows: &[Line<'a>]) -> Result<Decimal, Problem> {
+    fn decimal(&self) -> Result<Decimal, Problem> {
+        let Table { header, columns, lines, .. } = &self.table;
         let (mut comma, mut point, mut only_thousands) = (None, None, true);
-        for (row, line) in rows.iter().enumerate() {
+        for (row, line) in lines.iter().enumerate() {
             let cells = line.cells();
-            let numbers = self.columns.iter().filter(|column| column.mapped.unit.is_some());
-            for index in numbers.map(|column| column.index) {
+            for index in columns.iter().filter(|own| own.unit.is_some()).map(|own| own.index) {
                 if cells[index].contains(',') {
                     comma.get_or_insert((row, index));
                     only_thousands &= may_be_thousands(&cells[index]);
@@ -142,10 +136,10 @@ impl<'a, 'm> Table<'a, 'm> {
                 }
             }
         }
-        let (stated, by_commas) = (self.intake.stated.decimal, self.header.delimiter() == b',');
+        let (stated, by_commas) = (self.intake.stated.decimal, header.delimiter() == b',');
         let refused = |(row, index): (usize, usize), problem: fn(String) -> Problem| {
-            let number = shown(&rows[row].cells()[index]);
-            Err(problem(number).at(rows[row].cell_place(index)))
+            let number = shown(&lines[row].cells()[index]);
+            Err(problem(number).at(lines[row].cell_place(index)))
         };
         match (stated, comma, point) {
             (Some(Decimal::Point), Some(at), _) => refused(at, refusals::comma_not_point),
@@ -162,44 +156,35 @@ impl<'a, 'm> Table<'a, 'm> {
     }
 
     /// What a line holds, if its mapped cells can be read: a row for each run of it.
-    fn rows_of(&self, line: Line<'a>, term: Option<Component>) -> Option<Vec<Row<'a>>> {
-        let (stated, cells) = (self.intake.stated, line.cells());
-        let mut axis = stated.axis.or(term.map(|term| term.along));
-        let mut direction = match stated.travel {
-            Some(Travel::Plus) => Some(Direction::Plus),
-            Some(Travel::Minus) => Some(Direction::Minus),
-            _ => None,
-        };
+    fn rows_of(&self, line: &Cells<'_, 'a>, term: Option<Component>) -> Option<Vec<Row<'a>>> {
+        let stated = self.intake.stated;
         // The way of the axis where the file says `+` or `-`, whose sense may have been stated.
         let way = |symbol: Direction| match stated.plus_moves {
             Some(Direction::Minus) => symbol.opposite(),
             _ => symbol,
         };
+        let mut axis = stated.axis.or(term.map(|term| term.along));
+        let mut direction = stated.travel.and_then(Travel::direction);
         let (mut run, mut position, mut complete) = (Some(1), None, true);
-        let mut values = Vec::with_capacity(self.columns.len());
-        for Column { index, name, mapped } in &self.columns {
-            let cell = Cell { line: &line, index: *index, text: &cells[*index], name };
-            let problems = &mut self.intake.problems();
-            match mapped.content {
-                Content::Table(Quantity::Axis) => axis = axis_of(&cell, stated.axis, problems),
-                Content::Table(Quantity::Direction) => {
-                    let read = cell.read(approach, "the direction is", DIRECTION, problems);
-                    direction = read.map(way);
+        let mut values = Vec::with_capacity(self.table.columns.len());
+        for column in &self.table.columns {
+            let cell = line.cell(column);
+            match column.content {
+                Content::Axis => axis = axis_of(&cell, stated.axis),
+                Content::Direction => {
+                    direction = cell.read(approach, "the direction is", DIRECTION).map(way);
                     complete &= direction.is_some();
                 }
-                Content::Run => {
-                    let count = |text: &str| text.parse().ok().filter(|count| *count >= 1_usize);
-                    run = cell.read(count, format_args!("`{}` is", cell.name), RUN, problems);
-                }
+                Content::Run => run = line.parsed(Content::Run, None, count, RUN),
                 content => {
                     let number = match content {
-                        own if own.is_uncertainty() => cell.uncertainty(NUMBER, problems),
-                        _ => cell.number(NUMBER, problems),
+                        Content::Uncertainty(_) => cell.uncertainty(NUMBER),
+                        _ => cell.number(NUMBER),
                     };
-                    let number = number.map(|number| number * mapped.factor);
+                    let number = number.map(|number| number * column.factor());
                     complete &= number.is_some();
                     match content {
-                        Content::Target | Content::Table(Quantity::Position) => position = number,
+                        Content::Target | Content::Position => position = number,
                         _ => values.extend(number.map(|number| (content, number))),
                     }
                 }
@@ -209,21 +194,22 @@ impl<'a, 'm> Table<'a, 'm> {
         let mut rows: Vec<Row<'a>> = Vec::with_capacity(1);
         for (content, number) in values {
             let (direction, run, value) = match (content, term.map(|term| term.kind)) {
-                (Content::Table(quantity), _) => (direction, run, (quantity, number)),
                 (Content::Reading(own), Some(kind @ Kind::Deviation(_))) => {
                     let zero = match own.values {
                         Some(Values::Deviations) => 0.0,
                         _ => position * UM_PER_MM,
                     };
-                    let value = (Quantity::Value(kind), number - zero);
+                    let value = (Content::Value(kind), number - zero);
                     (own.direction.map(way).or(direction), own.run.unwrap_or(run), value)
                 }
-                _ => continue,
+                (Content::Reading(_), _) => continue,
+                _ => (direction, run, (content, number)),
             };
             match rows.iter_mut().find(|row| (row.direction, row.run) == (direction, run)) {
                 Some(row) => row.values.push(value),
                 None => {
-                    rows.push(Row { line, axis, direction, run, position, values: vec![value] })
+                    let (line, values) = (line.line, vec![value]);
+                    rows.push(Row { line, axis, direction, run, position, values })
                 }
             }
         }
@@ -231,7 +217,7 @@ impl<'a, 'm> Table<'a, 'm> {
     }
 }
 
-fn axis_of(cell: &Cell<'_, '_>, stated: Option<Axis>, problems: &mut Problems) -> Option<Axis> {
+fn axis_of(cell: &Cell<'_>, stated: Option<Axis>) -> Option<Axis> {
     let axis = Axis::from_letter(cell.text);
     let message = match (axis, stated) {
         (None, _) => format!("the axis is `{}`, expected X, Y or Z", shown(cell.text)),
@@ -240,7 +226,7 @@ fn axis_of(cell: &Cell<'_, '_>, stated: Option<Axis>, problems: &mut Problems) -
         }
         _ => return axis,
     };
-    problems.push_with(|| cell.problem(message, "leave `--axis` out, or take the right file"));
+    cell.refuse(message, "leave `--axis` out, or take the right file");
     None
 }
 
@@ -255,12 +241,12 @@ fn may_be_thousands(text: &str) -> bool {
 }
 
 /// Where the mapped columns stand.
-fn columns_of<'m>(header: &Line<'_>, mapping: &'m Mapping) -> Result<Vec<Column<'m>>, Problems> {
+fn columns_of(header: &Line<'_>, mapping: &Mapping) -> Result<Vec<Column>, Problems> {
     let cells = header.cells();
     let mut problems = Problems::none();
-    let mut columns: Vec<Column<'m>> = Vec::new();
-    for mapped in &mapping.columns {
-        let Some(index) = problems.take(column_of(header, &cells, &mapped.name)) else {
+    let mut columns: Vec<Column> = Vec::new();
+    for (named, mapped) in &mapping.columns {
+        let Some(index) = problems.take(place_of(header, &cells, named)) else {
             continue;
         };
         let mut refuse = |problem: Problem| problems.push(problem.at(header.cell_place(index)));
@@ -269,18 +255,18 @@ fn columns_of<'m>(header: &Line<'_>, mapping: &'m Mapping) -> Result<Vec<Column<
         }
         let name = cells[index].to_string();
         // The file's own header says which unit its numbers have.
-        if let (Some((_, found)), Some(unit)) = (unit_of_name(&name), mapped.unit.as_deref())
-            && found != unit
+        if let (Some((_, found)), Some(unit)) = (unit_of_name(&name), mapped.unit)
+            && found != unit.word
         {
-            refuse(refusals::other_unit(shown(&name), found, unit));
+            refuse(refusals::other_unit(shown(&name), found, unit.word));
         }
-        columns.push(Column { index, name, mapped });
+        columns.push(Column { index, name, ..mapped.clone() });
     }
     problems.or_ok(columns)
 }
 
 /// The column of this name, two of which are not told apart by it, or of this number.
-fn column_of(header: &Line<'_>, cells: &[Cow<'_, str>], named: &Named) -> Result<usize, Problem> {
+fn place_of(header: &Line<'_>, cells: &[Cow<'_, str>], named: &Named) -> Result<usize, Problem> {
     let name = match named {
         Named::Text(name) => name,
         Named::Number(number) if (1..=cells.len()).contains(number) => return Ok(number - 1),
@@ -304,7 +290,7 @@ fn column_of(header: &Line<'_>, cells: &[Cow<'_, str>], named: &Named) -> Result
 fn header_of<'a>(lines: &[Line<'a>], mapping: &Mapping) -> Result<Line<'a>, Problems> {
     let lacks = |line: &Line<'_>| -> Vec<&str> {
         let cells = line.cells();
-        let names = mapping.columns.iter().filter_map(|column| match &column.name {
+        let names = mapping.columns.iter().filter_map(|(name, _)| match name {
             Named::Text(name) => Some(name.as_str()),
             Named::Number(_) => None,
         });

@@ -1,11 +1,16 @@
 //! A form of readings, as `nonius new` and `nonius program` write it: its rows are the captures in their order,
-//! and the cells of its last column are empty.
+//! and the cells of its last column are empty. And the column of a list that fills it: stated by its name or number,
+//! with what it holds and in which unit.
 
 use crate::inputs::import::located::Expected;
+use crate::inputs::import::mapping::Named;
+use crate::inputs::import::stated::{DECIMAL, Decimal, LIST_COLUMNS, Stated};
 use crate::inputs::refusals;
+use crate::inputs::table::{Column, Content, LENGTHS, named};
+use crate::inputs::target_runs::Values;
 use crate::quantity::diagonal::Diagonal;
 use crate::quantity::units::{MM_PER_INCH, UM_PER_MM};
-use crate::text::delimited::{Line, header_and_rows, plain_number};
+use crate::text::delimited::{Line, header_and_rows, lines, plain_number};
 use crate::text::document::Source;
 use crate::text::finding::joined;
 use crate::text::problem::{Problem, Problems, shown};
@@ -112,4 +117,104 @@ impl<'a> Form<'a> {
             period: if self.column(MOVED).is_some() { 3 } else { 1 },
         }
     }
+}
+
+/// One value of a list.
+pub(super) struct Capture<'a> {
+    pub(super) line: Line<'a>,
+    pub(super) um: f64,
+}
+
+/// Which column of the lists holds what.
+pub(super) struct ListColumn {
+    name: Named,
+    /// `displacement_…`, the way as it was read; else `deviation_…`, measured − nominal.
+    pub(super) column: Column,
+}
+
+/// The way as it was read.
+pub(super) const DISPLACEMENT: Content = Content::reading(Values::Positions);
+
+impl ListColumn {
+    pub(super) fn stated(stated: &Stated) -> Result<ListColumn, Problem> {
+        let text = stated.columns.as_deref();
+        let text = text.ok_or_else(|| LIST_COLUMNS.missing())?;
+        ListColumn::parse(text).ok_or_else(|| refusals::no_readings(shown(text)))
+    }
+
+    fn parse(text: &str) -> Option<ListColumn> {
+        let (name, target) = text.rsplit_once('=')?;
+        let name = Named::of(name);
+        let known = named(&[
+            ("displacement", DISPLACEMENT, &LENGTHS),
+            ("deviation", Content::reading(Values::Deviations), &LENGTHS),
+        ]);
+        let column = known.into_iter().find(|known| known.name == target.trim())?;
+        (name != Named::Number(0)).then_some(ListColumn { name, column })
+    }
+
+    /// The values of a list: below the name of the column, or from the first number in it.
+    pub(super) fn captures<'a>(
+        &self,
+        source: &'a Source,
+        decimal: Option<Decimal>,
+    ) -> Result<Vec<Capture<'a>>, Problems> {
+        let all = content(source, decimal)?;
+        let Some((index, start)) = self.found(&all) else {
+            return Err(refusals::no_list_column(&source.name, self.words()).into());
+        };
+        let mut problems = Problems::none();
+        let expected =
+            "every line below the first value holds one: a missing capture is never filled in";
+        let captures = all[start..].iter().filter_map(|line| {
+            let cells = line.cells();
+            let cell = cells.get(index).map_or("", |cell| cell);
+            let at = index.min(cells.len() - 1);
+            let number = line.number_in(at, cell, &self.words(), expected, &mut problems)?;
+            Some(Capture { line: *line, um: number * self.column.factor() })
+        });
+        let captures = captures.collect();
+        problems.or_ok(captures)
+    }
+
+    /// Where the column stands, and at which line its values begin.
+    fn found(&self, all: &[Line<'_>]) -> Option<(usize, usize)> {
+        match &self.name {
+            Named::Text(name) => all.iter().zip(1..).find_map(|(line, below)| {
+                Some((line.cells().iter().position(|cell| cell == name)?, below))
+            }),
+            Named::Number(number) => {
+                let is_number = |cell: &str| cell.replace(',', ".").parse::<f64>().is_ok();
+                let has_one = |line: &Line<'_>| {
+                    line.cells().get(number - 1).is_some_and(|cell| is_number(cell))
+                };
+                Some((number - 1, all.iter().position(has_one)?))
+            }
+        }
+    }
+
+    fn words(&self) -> String {
+        match &self.name {
+            Named::Text(name) => shown(name),
+            Named::Number(number) => format!("#{number}"),
+        }
+    }
+}
+
+/// The lines of a list without comments and empty ones. A comma between digits may stand before decimals or
+/// between columns, so one of the two has to be stated.
+fn content(source: &Source, decimal: Option<Decimal>) -> Result<Vec<Line<'_>>, Problem> {
+    let all = lines(source)
+        .filter(|line| !line.text().trim_start().starts_with('#') && !line.is_empty_row());
+    let all: Vec<Line<'_>> = all.collect();
+    let is_open = |w: &[u8]| w[0].is_ascii_digit() && w[1] == b',' && w[2].is_ascii_digit();
+    let mut open = all.iter().filter(|line| line.text().as_bytes().windows(3).any(is_open));
+    if let (None, Some(line)) = (decimal, open.next()) {
+        return Err(DECIMAL.missing_because("a comma stands between digits").at(line.whole()));
+    }
+    let has_comma = decimal == Some(Decimal::Comma);
+    let separated = |line: &Line<'_>| {
+        if has_comma && line.delimiter() == b',' { b';' } else { line.delimiter() }
+    };
+    Ok(all.iter().map(|line| line.separated_by(separated(line), has_comma)).collect())
 }

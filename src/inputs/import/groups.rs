@@ -1,11 +1,12 @@
 //! Rows of one axis and direction of a mapped text → one series of the error table.
 
 use crate::control::controller::TableSign;
-use crate::inputs::error_table::{Component, Kind, Quantity, Series};
+use crate::inputs::error_table::{Component, Kind, Series};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::intake::Intake;
 use crate::inputs::import::reading::{Placing, freedom, means, tidy};
 use crate::inputs::refusals;
+use crate::inputs::table::Content;
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::SAME_PLACE_MM;
 use crate::text::delimited::Line;
@@ -17,11 +18,11 @@ pub(super) struct Row<'a> {
     pub(super) line: Line<'a>,
     pub(super) axis: Axis,
     pub(super) direction: Option<Direction>,
-    pub(super) run: usize,
+    pub(super) run: u32,
     /// mm.
     pub(super) position: f64,
     /// What was measured there, µm or µrad; the same quantities in every row.
-    pub(super) values: Vec<(Quantity, f64)>,
+    pub(super) values: Vec<(Content, f64)>,
 }
 
 /// Whether the targets ascend from the first row of the file, which holds its first target: one end, the same
@@ -102,9 +103,9 @@ impl<'a, 'b> Group<'a, 'b> {
     }
 
     /// The component of a quantity.
-    fn component(&self, quantity: Quantity) -> Option<Component> {
+    fn component(&self, quantity: Content) -> Option<Component> {
         match quantity {
-            Quantity::Value(kind) => Some(Component { kind, along: self.axis }),
+            Content::Value(kind) => Some(Component { kind, along: self.axis }),
             _ => None,
         }
     }
@@ -131,7 +132,7 @@ impl<'a, 'b> Group<'a, 'b> {
 
     /// The rows of each run, in the order of their positions; all runs at the same positions.
     fn runs(&self) -> Option<Vec<Vec<&'b Row<'a>>>> {
-        let mut runs: BTreeMap<usize, Vec<&'b Row<'a>>> = BTreeMap::new();
+        let mut runs: BTreeMap<u32, Vec<&'b Row<'a>>> = BTreeMap::new();
         for row in &self.rows {
             runs.entry(row.run).or_default().push(row);
         }
@@ -161,7 +162,7 @@ impl<'a, 'b> Group<'a, 'b> {
     }
 
     fn refuse(&self, row: &Row<'_>, problem: Problem) -> bool {
-        self.intake.problems().push_with(|| problem.at(row.line.whole()));
+        self.intake.notes.refuse_with(|| problem.at(row.line.whole()));
         false
     }
 

@@ -5,86 +5,28 @@
 //! from the instrument's zero; `run`; or a reading at these targets of the term that is stated: `deviation_um`,
 //! `actual_mm`, and where each run has a column of its own `up1_deviation_um`, `dn1_actual_mm`, `run1_…`.
 
-use crate::inputs::error_table::{Kind, Quantity, known_columns};
+use crate::inputs::error_table::{Kind, known_columns};
 use crate::inputs::import::intake::Intake;
 use crate::inputs::import::stated::{AXIS, DIRECTION};
 use crate::inputs::refusals;
+use crate::inputs::table::{Column, Content, LENGTHS, Reading, Unit, named};
 use crate::inputs::target_runs::{Values, approach};
-use crate::quantity::axis::{Axis, Direction};
-use crate::quantity::units::UM_PER_MM;
+use crate::quantity::axis::Axis;
 use crate::text::delimited::LengthUnit;
 use crate::text::problem::{Problem, Problems, did_you_mean, shown};
 
-/// What a mapped column holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Content {
-    /// As in an error table; a position is a machine coordinate.
-    Table(Quantity),
-    /// A position that counts from the instrument's zero.
-    Target,
-    /// The number of the run.
-    Run,
-    /// What was read at the target, of the term that is stated.
-    Reading(Reading),
+/// Whether it is measured, and neither says where nor in which run.
+fn is_value(content: Content) -> bool {
+    matches!(content, Content::Value(_) | Content::Reading(_))
 }
 
-/// A reading at a target.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Reading {
-    /// The way of the axis, where the column has one of its own.
-    pub(super) direction: Option<Direction>,
-    /// The run, where the column has one of its own.
-    pub(super) run: Option<usize>,
-    /// Where the axis stood, or how far from the target; `None` = the values show it.
-    pub(super) values: Option<Values>,
+/// Whether it says where the axis stood, or may say so.
+fn is_position(content: Content) -> bool {
+    content.as_reading().is_some_and(|reading| reading.values != Some(Values::Deviations))
 }
 
-impl Content {
-    /// Whether it is measured, and neither says where nor in which run.
-    fn is_value(self) -> bool {
-        matches!(self, Content::Table(Quantity::Value(_)) | Content::Reading(_))
-    }
-
-    fn is_reading(self) -> bool {
-        matches!(self, Content::Reading(_))
-    }
-
-    /// Whether it says where the axis stood.
-    fn is_position(self) -> bool {
-        self.is_reading() && !self.is_deviation()
-    }
-
-    /// Whether it says how far from the target the axis stood.
-    fn is_deviation(self) -> bool {
-        matches!(self, Content::Reading(Reading { values: Some(Values::Deviations), .. }))
-    }
-
-    /// Whether only the values show which of both it says.
-    pub(super) fn is_open(self) -> bool {
-        matches!(self, Content::Reading(Reading { values: None, .. }))
-    }
-
-    pub(super) fn is_uncertainty(self) -> bool {
-        matches!(self, Content::Table(Quantity::Uncertainty(_)))
-    }
-
-    /// The reading of a sheet that has a column for each run.
-    fn wide(self) -> Option<Reading> {
-        match self {
-            Content::Reading(reading) => Some(reading).filter(|reading| reading.run.is_some()),
-            _ => None,
-        }
-    }
-
-    /// Whether two columns give the same.
-    fn is_same(self, other: Content) -> bool {
-        match (self, other) {
-            (Content::Reading(own), Content::Reading(other)) => {
-                (own.direction, own.run) == (other.direction, other.run)
-            }
-            _ => self == other,
-        }
-    }
+fn is_uncertainty(content: Content) -> bool {
+    matches!(content, Content::Uncertainty(_))
 }
 
 /// How the mapping names a column of the file.
@@ -102,16 +44,6 @@ impl Named {
         let number = text.trim().strip_prefix('#').and_then(|number| number.trim().parse().ok());
         number.map_or_else(|| Named::Text(text.trim().to_string()), Named::Number)
     }
-}
-
-/// A column of the file.
-pub(super) struct Mapped {
-    pub(super) name: Named,
-    pub(super) content: Content,
-    /// What turns its numbers into mm, µm or µrad.
-    pub(super) factor: f64,
-    /// The unit of its numbers; `None` = words or counts.
-    pub(super) unit: Option<String>,
 }
 
 /// The unit that the name of a column ends with, and what stands before it: `Delta [mm]`, `Delta (mm)`,
@@ -140,24 +72,22 @@ fn unit(text: &str) -> Option<&'static str> {
 }
 
 /// Every name that may stand behind `=`, but for those of readings.
-fn known() -> Vec<(String, Content, f64)> {
-    let of_table = known_columns().into_iter();
-    let of_table = of_table.map(|(name, own)| (name, Content::Table(own.holds), own.factor));
-    let in_rad = Axis::ALL.into_iter().zip(["ea_rad", "eb_rad", "ec_rad"]).map(|(about, name)| {
-        (name.to_string(), Content::Table(Quantity::Value(Kind::Angle(about))), 1e6)
-    });
-    let targets = LengthUnit::ALL
-        .map(|unit| (format!("target_{}", unit.word()), Content::Target, unit.um() / UM_PER_MM));
-    let run = ("run".to_string(), Content::Run, 1.0);
-    of_table.chain(targets).chain(in_rad).chain([run]).collect()
+fn known() -> Vec<Column> {
+    let mut known = known_columns();
+    known.extend(named(&[("target", Content::Target, &LENGTHS), ("run", Content::Run, &[])]));
+    for kind in Axis::ALL.map(Kind::Angle) {
+        let rad = Unit { word: "rad", factor: 1e6 };
+        known.extend(named(&[(&kind.word(), Content::Value(kind), &[rad])]));
+    }
+    known
 }
 
-/// What a word such as `ex_um` or `up1_actual_mm` says, with its factor.
-pub(super) fn content_of(word: &str) -> Option<(Content, f64)> {
-    let known = known().into_iter().find(|(known, ..)| known == word);
-    known.map(|(_, content, factor)| (content, factor)).or_else(|| {
+/// The column of a word such as `ex_um` or `up1_actual_mm`.
+pub(super) fn column_of(word: &str) -> Option<Column> {
+    let known = known().into_iter().find(|known| known.name == word);
+    known.or_else(|| {
         let (name, unit) = word.rsplit_once('_')?;
-        let unit = LengthUnit::ALL.into_iter().find(|known| known.word() == unit)?;
+        let unit = LENGTHS.into_iter().find(|known| known.word == unit)?;
         let (own, values) = match name.rsplit_once('_').unwrap_or(("", name)) {
             (own, "actual") => (own, Some(Values::Positions)),
             (own, "deviation") => (own, Some(Values::Deviations)),
@@ -170,45 +100,49 @@ pub(super) fn content_of(word: &str) -> Option<(Content, f64)> {
         };
         let run = if way.is_empty() { None } else { Some(own[way.len()..].parse().ok()?) };
         let is_reading = run.is_some() || (own.is_empty() && values.is_some());
-        let reading = Content::Reading(Reading { direction, run, values });
-        is_reading.then_some((reading, unit.um()))
+        let content = Content::Reading(Reading { direction, run, values });
+        let (name, unit) = (word.to_string(), Some(unit));
+        is_reading.then_some(Column { index: 0, name, content, unit })
     })
 }
 
 /// What the columns of the file hold.
 pub(super) struct Mapping {
-    pub(super) columns: Vec<Mapped>,
+    pub(super) columns: Vec<(Named, Column)>,
 }
 
 impl Mapping {
     pub(super) fn read(text: &str) -> Result<Mapping, Problems> {
         let mut problems = Problems::none();
-        let mut columns: Vec<Mapped> = Vec::new();
+        let mut columns: Vec<(Named, Column)> = Vec::new();
         for pair in pairs(text) {
             let Some((name, target)) = pair.rsplit_once('=') else {
                 problems.push(refusals::no_equals(shown(&pair)));
                 continue;
             };
             let target = target.trim();
-            let Some((content, factor)) = content_of(target) else {
+            let Some(column) = column_of(target) else {
                 problems.push(unknown_target(target));
                 continue;
             };
-            if columns.iter().any(|other| other.content.is_same(content)) {
+            if columns.iter().any(|(_, other)| other.content.is_same(column.content)) {
                 problems.push(refusals::mapped_like_another(target));
             }
-            let unit = target.rsplit_once('_').map(|(_, unit)| unit.to_string());
-            columns.push(Mapped { name: Named::of(name), content, factor, unit });
+            columns.push((Named::of(name), column));
         }
-        let is_number = |column: &Mapped| matches!(column.name, Named::Number(_));
+        let is_number = |(name, _): &(Named, Column)| matches!(name, Named::Number(_));
         if columns.iter().all(is_number) && problems.is_empty() {
             problems.push(refusals::only_numbers());
         }
         problems.or_ok(Mapping { columns })
     }
 
+    fn contents(&self) -> impl Iterator<Item = Content> {
+        self.columns.iter().map(|(_, column)| column.content)
+    }
+
     fn has_any(&self, is: impl Fn(Content) -> bool) -> bool {
-        self.columns.iter().any(|column| is(column.content))
+        self.contents().any(is)
     }
 
     pub(super) fn has(&self, content: Content) -> bool {
@@ -217,8 +151,7 @@ impl Mapping {
 
     /// Whether it says where and what was measured.
     pub(super) fn is_whole(&self) -> bool {
-        let is_place = |own| matches!(own, Content::Target | Content::Table(Quantity::Position));
-        self.has_any(is_place) && self.has_any(Content::is_value)
+        (self.has(Content::Target) || self.has(Content::Position)) && self.has_any(is_value)
     }
 
     /// Whether it holds readings of the term that is stated.
@@ -228,30 +161,29 @@ impl Mapping {
 
     /// Whether a column, or each of several, says which way the axis went.
     pub(super) fn has_directions(&self) -> bool {
-        let of_its_own = |reading: Reading| reading.direction.is_some();
-        self.has(Content::Table(Quantity::Direction))
-            || self.has_any(|content| content.wide().is_some_and(of_its_own))
+        let is_directed = |reading: Reading| reading.direction.is_some();
+        self.has(Content::Direction)
+            || self.has_any(|content| content.of_run().is_some_and(is_directed))
     }
 
     /// Whether all that was measured are positions, from which deviations as measured − target are taken.
     pub(super) fn holds_positions(&self) -> bool {
-        let mut values = self.columns.iter().filter(|column| column.content.is_value()).peekable();
-        values.peek().is_some() && values.all(|column| column.content.is_position())
+        let mut values = self.contents().filter(|content| is_value(*content)).peekable();
+        values.peek().is_some() && values.all(is_position)
     }
 
     /// What the mapping has to hold, what has to be stated beside it, and what the mapping says already.
     pub(super) fn require(&self, intake: &Intake<'_>) {
         let stated = intake.stated;
-        let has = |content| self.has(Content::Table(content));
-        let (positions, axes) = (has(Quantity::Position), has(Quantity::Axis));
+        let (positions, axes) = (self.has(Content::Position), self.has(Content::Axis));
         let (targets, runs) = (self.has(Content::Target), self.has(Content::Run));
         let only_positions = positions && !targets;
         let (directions, readings) = (self.has_directions(), self.has_readings());
-        let wide = self.has_any(|content| content.wide().is_some());
-        let others = self.has_any(|content| content.is_value() && content.wide().is_none());
-        let other_values = self.has_any(|content| content.is_value() && !content.is_reading());
-        let uncertain = self.has_any(Content::is_uncertainty);
-        let mixed = self.has_any(Content::is_position) && !self.holds_positions();
+        let wide = self.has_any(|content| content.of_run().is_some());
+        let others = self.has_any(|own| is_value(own) && own.of_run().is_none());
+        let other_values = self.has_any(|own| matches!(own, Content::Value(_)));
+        let uncertain = self.has_any(is_uncertainty);
+        let mixed = self.has_any(is_position) && !self.holds_positions();
         let first_target = stated.first_target_at_mm.is_some();
         let runs_apart = "a column for each run";
         let reading = "a reading of `--term`";
@@ -306,7 +238,7 @@ fn pairs(text: &str) -> Vec<String> {
 fn unknown_target(target: &str) -> Problem {
     let columns = "columns: axis, direction, run, position_mm, target_mm, ex_um, ex_mm … ec_urad, u_ex_um, deviation_um, actual_mm, up1_actual_mm …";
     let known = known();
-    let help = did_you_mean(target, known.iter().map(|(name, ..)| name.as_str()), columns);
+    let help = did_you_mean(target, known.iter().map(|own| own.name.as_str()), columns);
     refusals::unknown_column(shown(target), help)
 }
 

@@ -159,7 +159,7 @@ fn assemble(parameters: &[Parameter<'_>], intake: &Intake<'_>) -> Option<Content
     intake.say([ImportFinding::UnitOfFormat { unit }]);
     let mut found = Contents::default();
     for (index, parameter) in parameters.iter().enumerate() {
-        if intake.problems().is_full() {
+        if intake.notes.is_full() {
             break; // each is compared with all before it
         }
         parameter.take(&parameters[..index], sign, &mut found);

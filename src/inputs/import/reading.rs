@@ -2,11 +2,12 @@
 //! mean of the runs and its uncertainty → series of the error table.
 
 use crate::control::controller::TableSign;
-use crate::inputs::error_table::{Component, Kind, Quantity, Series};
+use crate::inputs::error_table::{Component, Kind, Series};
 use crate::inputs::import::findings::ImportFinding;
 use crate::inputs::import::intake::{Contents, Intake};
 use crate::inputs::import::stated::{FIRST_TARGET, TARGETS_RUN};
 use crate::inputs::refusals;
+use crate::inputs::table::Content;
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::units::{Deviation, Millimetres, Squared, rounded};
 use crate::text::problem::Place;
@@ -178,7 +179,7 @@ impl Placing {
         let figures = means(runs);
         let of_targets: Vec<f64> = figures.iter().map(|(mean, _)| *mean).collect();
         let deviations = self.deviations(&of_targets, component, sign);
-        series.put(Quantity::Value(component.kind), Some(deviations));
+        series.put(Content::Value(component.kind), Some(deviations));
         let scatter: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
         if let (Kind::Deviation(of), Some(u)) = (component.kind, scatter) {
             let mean_square = u.iter().map(|u| u.squared()).sum::<f64>() / float(u.len());

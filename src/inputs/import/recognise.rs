@@ -3,7 +3,7 @@
 
 use crate::inputs::error_table::{Component, Kind};
 use crate::inputs::import::intake::Intake;
-use crate::inputs::import::mapping::{Mapping, content_of, unit_of_name};
+use crate::inputs::import::mapping::{Mapping, column_of, unit_of_name};
 use crate::inputs::import::parameters::is_isg_header;
 use crate::inputs::import::stated::{Format, Stated, Travel};
 use crate::inputs::import::{pos, rtl};
@@ -108,7 +108,7 @@ fn columns(line: &Line<'_>) -> Option<(String, Mapping)> {
     let is_target = |name: &str| name == "position_mm" && !is_word("axis");
     let ours = |name: &str| match word_of(name) {
         Some(("position", "", unit)) if has_targets => Some(format!("actual_{}", unit?)),
-        _ if content_of(name).is_some() && !is_target(name) => Some(name.to_string()),
+        _ if column_of(name).is_some() && !is_target(name) => Some(name.to_string()),
         Some(("position", "", unit)) => Some(format!("target_{}", unit?)),
         Some((word @ ("run" | "direction" | "axis"), "", _)) => Some(word.to_string()),
         Some((word, run, unit)) => Some(format!("{word}{run}_{}", unit?)),

@@ -10,9 +10,8 @@
 
 use crate::inputs::error_table::{Component, Kind};
 use crate::inputs::import::encoding::{Measurement, text_of};
-use crate::inputs::import::facts::named_axis;
 use crate::inputs::import::findings::ImportFinding;
-use crate::inputs::import::intake::{Contents, Fields, Intake, Piece};
+use crate::inputs::import::intake::{Contents, Fields, Intake, Piece, named_axis};
 use crate::inputs::import::reading::{Passes, Placing, Way, Ways};
 use crate::inputs::import::stated::{Format, RUNS, Runs, Stated};
 use crate::inputs::refusals;
@@ -278,7 +277,7 @@ impl<'a> Sections<'a> {
                 _ => refusals::targets_missing(run, shown(&missing.join(", "))),
             };
             run_count.refuse(problem);
-            if self.intake.problems().is_full() {
+            if self.intake.notes.is_full() {
                 break; // few lines may promise 10 000 runs of 10 000 targets
             }
         }

@@ -59,6 +59,17 @@ pub enum Travel {
     Both,
 }
 
+impl Travel {
+    /// `None` = not distinguished.
+    pub(super) const fn direction(self) -> Option<Direction> {
+        match self {
+            Travel::Plus => Some(Direction::Plus),
+            Travel::Minus => Some(Direction::Minus),
+            Travel::Both => None,
+        }
+    }
+}
+
 /// What the values of a list of captures count from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Counting {
@@ -251,6 +262,12 @@ impl Stated {
     pub fn given(&self) -> Vec<(&'static str, String)> {
         let given = FACTS.iter();
         given.filter_map(|fact| Some((fact.option, (fact.value)(self)?))).collect()
+    }
+
+    /// A comment for each option.
+    pub(super) fn comments(&self) -> impl Iterator<Item = String> {
+        let given = self.given().into_iter();
+        given.map(|(option, value)| format!("stated: {option} {value}"))
     }
 
     /// What is given here, but not there, as options.

@@ -1,6 +1,7 @@
 //! `[compensation]`: what the control shall hold.
 
 use crate::control::controller::ControlUnit;
+use crate::inputs::refusals;
 use crate::quantity::axis::{ErrorTerm, PerAxis};
 use crate::quantity::curve::Interpolation;
 use crate::quantity::fit::Fit;
@@ -146,10 +147,20 @@ section! {
     /// `[compensation.axes.*]`.
     #[derive(Clone, Debug, PartialEq)]
     pub struct AxisSettings(section: &Section<'_>) {
+        /// distance of the points; or points, or max_residual_um: exactly one
+        spacing_mm: Option<f64> = between(1e-6..=LONGEST_MM, "mm");
+        /// their number
+        points: Option<u32> = count(2..=u32::MAX, "write a larger number");
+        /// as few as keep this residual
+        max_residual_um: Option<f64> = between(LIMITS, "µm");
         /// How its points are chosen.
-        pub grid: Option<GridRequest> => grid(section);
+        pub grid: Option<GridRequest> => grid(section, spacing_mm, points, max_residual_um);
+        /// the physical axis on the control
+        id: Option<String> = text();
+        /// several of a gantry
+        several as ids: Option<Vec<String>> = texts();
         /// How the control names its physical axes (several for a gantry); empty = the profile's default.
-        pub ids: Vec<String> => ids(section);
+        pub ids: Vec<String> => ids(section, id.as_ref(), several.as_ref());
         /// Siemens: 1 or 2
         pub measuring_system: Option<u32> = count(1..=2, SYSTEMS);
         /// required on Fanuc; on generic tables it switches rounding on
@@ -175,26 +186,6 @@ const BITS: [&str; 2] = [
     "eight digits 0 or 1, bit 7 first",
     "read the parameter out of the control and copy it, e.g. \"00000000\"",
 ];
-
-section! {
-    pub(super) struct GridKeys(section: &Section<'_>) {
-        /// distance of the points; or points, or max_residual_um: exactly one
-        spacing_mm: Option<f64> = between(1e-6..=LONGEST_MM, "mm");
-        /// their number
-        points: Option<u32> = count(2..=u32::MAX, "write a larger number");
-        /// as few as keep this residual
-        max_residual_um: Option<f64> = between(LIMITS, "µm");
-    }
-}
-
-section! {
-    pub(super) struct IdKeys(section: &Section<'_>) {
-        /// the physical axis on the control
-        id: Option<String> = text();
-        /// several of a gantry
-        ids: Option<Vec<String>> = texts();
-    }
-}
 
 impl AxisSettings {
     /// Whether Fanuc 3605#1 is taken to be on: as stated, else as found, else off.
@@ -250,15 +241,11 @@ fn policies(section: &Section<'_>, key: &'static str) -> PerAxis<Option<Backlash
     PerAxis::from_fn(|_| policy)
 }
 
-const TERMS: &str = "write \"all\", or for instance [\"EXX\", \"EYX\"]";
-
 /// `"all"`, or a list of terms, each once.
 fn terms(section: &Section<'_>, key: &'static str) -> WantedTerms {
     if !section.is_list(key) {
         if let Some(word) = section.text(key).filter(|word| word != "all") {
-            let word = shown(&word);
-            let message = format!("`terms` is `{word}`, expected `all` or a list of terms");
-            section.problem(key, message, TERMS);
+            section.refuse(key, refusals::no_terms_word(shown(&word)));
         }
         return WantedTerms::All;
     }
@@ -267,16 +254,14 @@ fn terms(section: &Section<'_>, key: &'static str) -> WantedTerms {
     for name in &names {
         match ErrorTerm::from_name(name) {
             Some(term) if listed.contains(&term) => {
-                let message = format!("`{}` is given twice in `terms`", shown(name));
-                section.problem(key, message, "remove one");
+                section.refuse(key, refusals::term_twice(shown(name)));
             }
             Some(term) => listed.push(term),
             None => unknown_term(section, name),
         }
     }
     if names.is_empty() {
-        let message = "`terms` names no term, expected at least one";
-        section.problem(key, message, TERMS);
+        section.refuse(key, refusals::no_term_at_all());
     }
     WantedTerms::Listed(listed)
 }
@@ -285,7 +270,7 @@ fn unknown_term(section: &Section<'_>, name: &str) {
     let names: Vec<String> = ErrorTerm::ALL.iter().map(ToString::to_string).collect();
     let all = format!("terms: {}", names.join(", "));
     let help = did_you_mean(name, names.iter().map(String::as_str), &all);
-    section.problem("terms", format!("unknown term `{}`", shown(name)), help);
+    section.refuse("terms", refusals::unknown_term(shown(name), help));
 }
 
 fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
@@ -296,35 +281,31 @@ fn axis_settings(section: &Section<'_>) -> Option<AxisSettings> {
     Some(settings)
 }
 
-fn grid(section: &Section<'_>) -> Option<GridRequest> {
-    let keys = GridKeys::read(section)?;
+fn grid(
+    section: &Section<'_>,
+    spacing_mm: Option<f64>,
+    points: Option<u32>,
+    max_residual_um: Option<f64>,
+) -> Option<GridRequest> {
     section.not_both("points", "spacing_mm", "keep one");
     section.not_both("max_residual_um", "spacing_mm", "keep one");
     section.not_both("max_residual_um", "points", "keep one");
-    let spacing = keys.spacing_mm.map(GridRequest::Spacing);
-    let points = keys.points.map(GridRequest::Points);
-    let residual = keys.max_residual_um.map(GridRequest::MaxResidual);
-    spacing.or(points).or(residual)
+    let spacing = spacing_mm.map(GridRequest::Spacing);
+    let residual = max_residual_um.map(GridRequest::MaxResidual);
+    spacing.or(points.map(GridRequest::Points)).or(residual)
 }
 
 /// `id`, or the `ids` of a gantry.
-fn ids(section: &Section<'_>) -> Vec<String> {
-    let keys = IdKeys::read(section);
-    let help = "`ids` is for a gantry of several physical axes";
-    section.not_both("ids", "id", help);
-    let (id, ids) = keys.map_or((None, None), |keys| (keys.id, keys.ids));
+fn ids(section: &Section<'_>, id: Option<&String>, ids: Option<&Vec<String>>) -> Vec<String> {
+    section.not_both("ids", "id", "`ids` is for a gantry of several physical axes");
     let key = if ids.is_some() { "ids" } else { "id" };
-    let all: Vec<String> = ids.unwrap_or_else(|| id.into_iter().collect());
+    let all = ids.cloned().unwrap_or_else(|| id.cloned().into_iter().collect());
     for (index, id) in all.iter().enumerate() {
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let is_twice = all[..index].contains(id);
         if id.is_empty() || !id.chars().all(is_name) || is_twice {
             let what = if is_twice { "is given twice" } else { "is no name of an axis" };
-            section.problem(
-                key,
-                format!("`{}` {what}, expected letters, digits and `_`", shown(id)),
-                "write every physical axis once, as the control shows it, e.g. `AX1`",
-            );
+            section.refuse(key, refusals::no_axis_id(shown(id), what));
         }
     }
     all
@@ -340,8 +321,7 @@ fn blocks(section: &Section<'_>, key: &'static str) -> Option<Vec<[u32; 2]>> {
     let blocks = section.whole_pairs(key);
     let mut all = blocks.iter().flatten();
     if let Some([first, last]) = all.find(|[first, last]| first > last) {
-        let message = format!("the block [{first}, {last}] ends before it begins");
-        section.problem(key, message, "write [first, last]");
+        section.refuse(key, refusals::block_backwards(first, last));
     }
     blocks
 }

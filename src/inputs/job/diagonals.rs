@@ -1,6 +1,7 @@
 //! `[measurement.step_diagonal]`: how the body diagonals were measured (contract §2.3).
 
 use crate::inputs::job::machine::{Axes, inside_travel};
+use crate::inputs::refusals;
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
@@ -259,9 +260,7 @@ fn linear(section: &Section<'_>, key: &'static str) -> Vec<Linear> {
     section.subs(key, |section| {
         let linear = Linear::read(section)?;
         if seen.contains(&linear.axis) {
-            let axis = linear.axis;
-            let message = format!("axis {axis} has two linear measurements, expected one");
-            section.problem("axis", message, "keep one of the two, or give their mean");
+            section.refuse("axis", refusals::two_lines(linear.axis));
         }
         seen.push(linear.axis);
         Some(linear)
@@ -295,8 +294,7 @@ fn one_beam(section: &Section<'_>, axes: &Axes, volume: Option<&Volume>) -> Opti
     let length = |axis: Axis| (to[axis] - from[axis]).mm().abs();
     let is_short = |axis: &Axis| length(*axis) < SMALLEST_SIZE_MM;
     if Axis::ALL.iter().all(is_short) {
-        let message = "the beam begins and ends at one place, expected two";
-        section.problem("to_mm", message, "give the two ends of the measured line");
+        section.refuse("to_mm", refusals::beam_of_one_place());
     }
     refuse_unreachable(section, (from, to), axes, volume);
     Some(beam)

@@ -1,5 +1,6 @@
 //! `[machine]`, `[limits]` and `[acceptance]`: the machine, what is refused, and what is judged by.
 
+use crate::inputs::refusals;
 use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::chain::Chain;
 use crate::quantity::units::Millimetres;
@@ -17,7 +18,7 @@ section! {
         /// kinematic chain (section 1), e.g. `wXYZt`; optional, needed with angles
         pub chain: Option<Chain> = parsed(Chain::parse, CHAIN);
         /// likewise y, z: every axis that was measured or is corrected
-        pub axes: Axes = axis_sections(machine_axis);
+        pub axes: Axes = axis_sections(MachineAxis::checked);
     }
 }
 
@@ -26,25 +27,65 @@ const CHAIN: [&str; 2] = [
     "for instance `wXYZt`, `XwYZt` or `XYwZt`",
 ];
 
-/// One axis of the machine.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MachineAxis {
-    /// Smallest machine coordinate.
-    pub low: Millimetres,
-    /// Largest machine coordinate.
-    pub high: Millimetres,
-    /// Reference (home) point: every table is zero here.
-    pub reference: Millimetres,
-    /// Direction of the reference return, if the job states it.
-    pub reference_direction: Option<Direction>,
-    /// Largest feed, mm/min.
-    pub max_feed: Option<f64>,
+section! {
+    /// One axis of the machine.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct MachineAxis(section: &Section<'_>) {
+        /// machine coordinates of both ends
+        travel as travel_mm: (Millimetres, Millimetres) = ascending(),
+            must "the ends of the travel, e.g. [0.0, 900.0]";
+        /// Smallest machine coordinate.
+        pub low: Millimetres => travel.map(|(low, _)| low), must;
+        /// Largest machine coordinate.
+        pub high: Millimetres => travel.map(|(_, high)| high), must;
+        /// reference (home) point, machine coordinate: every table is zero here
+        pub reference as reference_mm: Millimetres = coordinate(),
+            must "the machine coordinate of the reference point";
+        /// how far it may lie outside travel_mm; default 100
+        reference_outside_mm: f64 = not_negative(), or REFERENCE_OUTSIDE_MM;
+        /// direction of the reference return, "+" or "-"
+        pub reference_direction: Option<Direction> = direction();
+        /// largest feed; enables the check of the smallest Fanuc interval
+        pub max_feed as max_feed_mm_per_min: Option<f64> = between(1e-3..=1e6, "mm/min");
+    }
 }
 
 /// The axes of a machine.
 pub(super) type Axes = PerAxis<Option<MachineAxis>>;
 
 impl MachineAxis {
+    fn checked(section: &Section<'_>) -> Option<MachineAxis> {
+        let axis = MachineAxis::read(section)?;
+        axis.refuse_far_reference(section);
+        Some(axis)
+    }
+
+    /// The tables are zero at the reference point: far from the travel, they would be zero nowhere on it.
+    fn refuse_far_reference(&self, section: &Section<'_>) {
+        let (low, high, reference) = (self.low.mm(), self.high.mm(), self.reference.mm());
+        let (outside, most) = ((low - reference).max(reference - high), self.reference_outside_mm);
+        if outside > most {
+            let (far, next) = (Millimetres::new(outside).shown(), outside.ceil());
+            let problem = refusals::far_reference(reference, far, low, high, most, next);
+            section.refuse("reference_mm", problem);
+        }
+    }
+
+    /// One without feed and direction of its return.
+    #[cfg(test)]
+    pub(crate) fn of([low, high, reference]: [f64; 3]) -> MachineAxis {
+        let [low, high, reference] = [low, high, reference].map(Millimetres::new);
+        MachineAxis {
+            travel: (low, high),
+            low,
+            high,
+            reference,
+            reference_outside_mm: REFERENCE_OUTSIDE_MM,
+            reference_direction: None,
+            max_feed: None,
+        }
+    }
+
     /// The stated direction of the reference return, or +.
     pub(crate) fn homing(&self) -> Direction {
         self.reference_direction.unwrap_or(Direction::Plus)
@@ -98,51 +139,9 @@ impl Acceptance {
     }
 }
 
-section! {
-    pub(super) struct AxisKeys(section: &Section<'_>) {
-        /// machine coordinates of both ends
-        travel_mm: (Millimetres, Millimetres) = ascending(),
-            must "the ends of the travel, e.g. [0.0, 900.0]";
-        /// reference (home) point, machine coordinate: every table is zero here
-        reference_mm: f64 = millimetres(), must "the machine coordinate of the reference point";
-        /// how far it may lie outside travel_mm; default 100
-        reference_outside_mm: f64 = not_negative(), or REFERENCE_OUTSIDE_MM;
-        /// direction of the reference return, "+" or "-"
-        reference_direction: Option<Direction> = direction();
-        /// largest feed; enables the check of the smallest Fanuc interval
-        max_feed_mm_per_min: Option<f64> = between(1e-3..=1e6, "mm/min");
-    }
-}
-
 /// A reference point may lie this far outside the travel unless the job allows more, mm: some machines
 /// have it a few millimetres beyond their limits; what is farther is more often a slip.
 const REFERENCE_OUTSIDE_MM: f64 = 100.0; // contract §2.3
-
-fn machine_axis(section: &Section<'_>) -> Option<MachineAxis> {
-    let keys = AxisKeys::read(section)?;
-    let axis = MachineAxis {
-        low: keys.travel_mm.0,
-        high: keys.travel_mm.1,
-        reference: Millimetres::new(keys.reference_mm),
-        reference_direction: keys.reference_direction,
-        max_feed: keys.max_feed_mm_per_min,
-    };
-    refuse_far_reference(section, &axis, keys.reference_outside_mm);
-    Some(axis)
-}
-
-/// The tables are zero at the reference point: far from the travel, they would be zero nowhere on it.
-fn refuse_far_reference(section: &Section<'_>, axis: &MachineAxis, most: f64) {
-    let (low, high, reference) = (axis.low.mm(), axis.high.mm(), axis.reference.mm());
-    let outside = (low - reference).max(reference - high);
-    if outside > most {
-        section.problem(
-            "reference_mm",
-            format!("the reference point {reference} mm lies {} mm outside the travel {low} … {high} mm, expected at most {most} mm", Millimetres::new(outside).shown()),
-            format!("correct `reference_mm` or `travel_mm` (machine coordinates); if the axis really has it there, write `reference_outside_mm = {}` below it", outside.ceil()),
-        );
-    }
-}
 
 /// Notes the coordinates of a place where the machine cannot be.
 pub(super) fn inside_travel(

@@ -4,6 +4,7 @@ use crate::inputs::error_table::Sizes;
 use crate::inputs::findings::Remark;
 use crate::inputs::job::diagonals::DiagonalMeasurement;
 use crate::inputs::job::machine::Axes;
+use crate::inputs::refusals;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::PerDiagonal;
 use crate::quantity::units::Millimetres;
@@ -293,11 +294,7 @@ fn error_tables(section: &Section<'_>) -> Option<Vec<String>> {
     }
     let paths = section.texts("errors")?;
     if paths.is_empty() {
-        section.problem(
-            "errors",
-            "the list of error tables is empty, expected at least one path",
-            "write e.g. `errors = [\"x.csv\", \"y.csv\", \"z.csv\"]`",
-        );
+        section.refuse("errors", refusals::no_error_tables());
     }
     Some(paths)
 }

@@ -1,33 +1,37 @@
 //! `[path]`: what the control knows before a part program starts, and how its path is followed.
 
 use crate::inputs::job::machine::{Axes, inside_travel};
+use crate::inputs::refusals;
 use crate::quantity::axis::{Axis, PerAxis};
-use crate::text::document::Section;
 use crate::text::document::keys::Places;
+use crate::text::document::{Section, section};
 use crate::text::problem::shown;
 use crate::text::words::Word;
 use part_program::{G43WithoutH, Language, Place, Setup, WithoutPoint, system_number};
 use std::collections::BTreeMap;
 
-/// `[path]`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PathRequest {
-    /// What the control knows before the program starts.
-    pub setup: Setup,
-    /// The job says where the axes stand before the program; else they are taken to be at the reference.
-    pub has_start: bool,
-    /// Length of the tool that was measured with, mm; `None` = not stated.
-    pub measured_tool_mm: Option<f64>,
-    /// Rapid moves count too.
-    pub rapid: bool,
-    /// How far chords may leave an arc, mm.
-    pub chord_mm: f64,
-    /// Largest distance of two samples, mm.
-    pub sample_mm: f64,
-    /// Places outside the measured range are refused.
-    pub refuse_outside: bool,
-    /// Probed places whose mean error is the datum, machine coordinates, mm.
-    pub datum: Vec<Place>,
+section! {
+    /// `[path]`.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct PathRequest(section: &Section<'_>, axes: &Axes) {
+        /// What the control knows before the program starts.
+        pub setup: Setup => setup(section, axes);
+        /// The job says where the axes stand before the program; else they are taken to be at the reference.
+        pub has_start: bool => section.has("start_mm");
+        /// how far chords may leave an arc
+        pub chord_mm: f64 = between(1e-5..=1.0, "mm"), or CHORD_MM;
+        /// largest distance of two samples
+        pub sample_mm: f64 = between(1e-3..=1e4, "mm"), or SAMPLE_MM;
+        /// length of the tool that was measured with
+        pub measured_tool_mm: Option<f64> = between(0.0..=LONGEST_TOOL_MM, "mm");
+        /// "all": rapid moves count too
+        pub rapid as moves: bool = choice(&[("feed", false), ("all", true)]), or false;
+        /// "refuse": places outside the measured range are refused
+        pub refuse_outside as outside: bool =
+            choice(&[("hold", false), ("refuse", true)]), or false;
+        /// probed places whose mean error is the datum, machine coordinates
+        pub datum: Vec<Place> = subs(|entry| datum(entry, axes));
+    }
 }
 
 /// Chords leave an arc by no more than the last digit of a program.
@@ -59,7 +63,7 @@ impl Word for G43WithoutH {
 
 const COORDINATES: PerAxis<&str> = PerAxis { x: "x_mm", y: "y_mm", z: "z_mm" };
 
-pub(super) fn path(section: &Section<'_>, axes: &Axes) -> Option<PathRequest> {
+fn setup(section: &Section<'_>, axes: &Axes) -> Setup {
     let reference = |axis: Axis| axes[axis].map_or(0.0, |machine| machine.reference.mm());
     let usual = Setup::at(Axis::ALL.map(reference));
     let inside = |key: &'static str| {
@@ -71,42 +75,34 @@ pub(super) fn path(section: &Section<'_>, axes: &Axes) -> Option<PathRequest> {
         let word = section.choice(key, &[(first, false), (second, true)]);
         word.unwrap_or(false)
     };
-    let start = inside("start_mm");
+    let start = inside("start_mm").unwrap_or(usual.start);
     let (tools, tool_names) = tools(section);
-    let setup = Setup {
-        language: section.choice("language", Language::WORDS).unwrap_or_default(),
-        start: start.unwrap_or(usual.start),
-        reference: usual.reference,
-        second_reference: inside("second_reference_mm"),
-        systems: systems(section),
+    let language = section.choice("language", Language::WORDS).unwrap_or_default();
+    let second_reference = inside("second_reference_mm");
+    let systems = systems(section);
+    let inch = is_second("program_unit", "mm", "inch");
+    let without_point = section.choice("without_point", WithoutPoint::WORDS);
+    let g43_without_h = section.choice("g43_without_h", G43WithoutH::WORDS);
+    Setup {
+        language,
+        start,
+        second_reference,
+        systems,
         tools,
         tool_names,
-        inch: is_second("program_unit", "mm", "inch"),
-        without_point: section
-            .choice("without_point", WithoutPoint::WORDS)
-            .unwrap_or(usual.without_point),
-        g43_without_h: section
-            .choice("g43_without_h", G43WithoutH::WORDS)
-            .unwrap_or(usual.g43_without_h),
+        inch,
+        without_point: without_point.unwrap_or(usual.without_point),
+        g43_without_h: g43_without_h.unwrap_or(usual.g43_without_h),
         arc_mm: section.between("arc_mm", 1e-4..=COARSEST_ARC_MM, "mm"),
         skip_deletable: is_second("block_delete", "execute", "skip"),
-    };
-    let chord_mm = section.between("chord_mm", 1e-5..=1.0, "mm");
-    let sample_mm = section.between("sample_mm", 1e-3..=1e4, "mm");
-    Some(PathRequest {
-        setup,
-        has_start: start.is_some(),
-        measured_tool_mm: section.between("measured_tool_mm", 0.0..=LONGEST_TOOL_MM, "mm"),
-        rapid: is_second("moves", "feed", "all"),
-        chord_mm: chord_mm.unwrap_or(CHORD_MM),
-        sample_mm: sample_mm.unwrap_or(SAMPLE_MM),
-        refuse_outside: is_second("outside", "hold", "refuse"),
-        datum: section.subs("datum", |entry| {
-            let place = entry.coordinates(COORDINATES)?;
-            inside_travel(entry, |axis| COORDINATES[axis], &place, axes);
-            Some(plain(place))
-        }),
-    })
+        ..usual
+    }
+}
+
+fn datum(entry: &Section<'_>, axes: &Axes) -> Option<Place> {
+    let place = entry.coordinates(COORDINATES)?;
+    inside_travel(entry, |axis| COORDINATES[axis], &place, axes);
+    Some(plain(place))
 }
 
 fn plain(place: Places) -> Place {
@@ -122,9 +118,7 @@ fn systems(section: &Section<'_>) -> BTreeMap<u32, Place> {
         let place = entry.coordinates(COORDINATES);
         let name = name?;
         let Some(number) = system_number(&name) else {
-            let message = format!("`{}` is no coordinate system", shown(&name));
-            let help = "expected G54 … G59, G59.1 … G59.3 or G54.1 P1 … P300; of Siemens G500, G54 … G57, G505 … G599";
-            entry.problem("system", message, help);
+            entry.refuse("system", refusals::no_coordinate_system(shown(&name)));
             return None;
         };
         insert(entry, "system", &mut systems, (number, plain(place?)))
@@ -146,8 +140,8 @@ fn tools(section: &Section<'_>) -> (BTreeMap<u32, f64>, BTreeMap<String, u32>) {
         if let Some((name, number)) = entry.text("name").zip(number)
             && names.insert(name.clone(), number).is_some()
         {
-            let message = format!("`name = \"{}\"` is given twice", shown(&name));
-            entry.problem("name", message, "keep one of the two");
+            let name = format!("name = \"{}\"", shown(&name));
+            entry.refuse("name", refusals::entry_twice(name));
         }
         insert(entry, "number", &mut tools, (number?, length?))
     });
@@ -163,8 +157,7 @@ fn insert<T>(
 ) -> Option<()> {
     if list.insert(number, value).is_some() {
         let written = entry.as_written(key).unwrap_or_default();
-        let message = format!("`{key} = {}` is given twice", shown(written));
-        entry.problem(key, message, "keep one of the two");
+        entry.refuse(key, refusals::entry_twice(format!("{key} = {}", shown(written))));
     }
     Some(())
 }

@@ -2,6 +2,7 @@
 
 use crate::inputs::job::diagonals::{DiagonalMeasurement, Frame, Reflector, SetUp, volume};
 use crate::inputs::job::measurement::{MeasuredData, Measurement};
+use crate::inputs::refusals;
 use crate::quantity::axis::{Axis, Direction};
 use crate::quantity::diagonal::{PathKind, Volume};
 use crate::quantity::units::Millimetres;
@@ -257,11 +258,7 @@ fn axes(section: &Section<'_>, key: &'static str, what: Option<RunType>) -> Opti
     let axes: Vec<Axis> = axes.collect();
     let is_twice = |(n, axis): (usize, &Axis)| axes[..n].contains(axis);
     if axes.is_empty() || axes.len() < names.len() || axes.iter().enumerate().any(is_twice) {
-        section.problem(
-            key,
-            "`program.axes` names each of `x`, `y`, `z` at most once, and at least one",
-            "for instance `axes = [\"x\", \"z\"]`",
-        );
+        section.refuse(key, refusals::other_axes());
     }
     Some(axes)
 }
@@ -290,11 +287,7 @@ fn overrun(
     section.only_with(key, bidirectional, "`bidirectional = true`");
     let turns = overrun.is_some_and(|mm| mm <= 0.0) && bidirectional;
     if turns && what != Some(RunType::StepDiagonal) {
-        section.problem(
-            key,
-            "`overrun_mm` is 0, so the last target would be approached from one side only",
-            "give an overrun larger than the reversal of every axis, e.g. `overrun_mm = 2.0`",
-        );
+        section.refuse(key, refusals::no_overrun());
     }
     Millimetres::new(overrun.unwrap_or(DEFAULT_OVERRUN_MM))
 }

@@ -1,85 +1,51 @@
 //! The columns and rows of a file of readings, and the walks that the rows belong to.
 
-use crate::inputs::table::{self, Table};
+use crate::inputs::table::{Column, Content, LENGTHS, Row as Cells, Table, count, named};
+use crate::inputs::target_runs::Values;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
-use crate::text::delimited::{Expected, LengthUnit, Line};
+use crate::text::delimited::Line;
 use crate::text::document::Source;
-use crate::text::problem::Problems;
+use crate::text::problem::{Notes, Problems};
 use std::fmt;
 
-/// What the readings are counted from.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Quantity {
-    /// Measured − nominal displacement.
-    Deviation,
-    /// The displacement as the instrument showed it.
-    Displacement,
+const WORDS: [&str; 3] = [
+    "readings, expected a header and a row for each node",
+    "first line: diagonal,run,direction,node,moved,deviation_um",
+    "columns: diagonal, run, direction, node, moved, deviation_um or displacement_mm, t_x_c …",
+];
+
+fn known_columns() -> Vec<Column> {
+    let mut known = named(&[
+        ("diagonal", Content::Diagonal, &[]),
+        ("run", Content::Run, &[]),
+        ("direction", Content::Direction, &[]),
+        ("node", Content::Node, &[]),
+        ("moved", Content::Moved, &[]),
+        ("deviation", Content::reading(Values::Deviations), &LENGTHS),
+        ("displacement", Content::reading(Values::Positions), &LENGTHS),
+    ]);
+    for axis in Axis::ALL {
+        let name = format!("t_{}_c", axis.key());
+        known.extend(named(&[(&name, Content::Temperature(axis), &[])]));
+    }
+    known
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Column {
-    Diagonal,
-    Run,
-    Direction,
-    Node,
-    Moved,
-    Value { quantity: Quantity, to_um: f64 },
-    Temperature { of: Axis },
-}
-
-const FIRST_LINE: &str = "first line: diagonal,run,direction,node,moved,deviation_um";
-
-fn known_columns() -> Vec<(String, Column)> {
-    let plain = [
-        ("diagonal", Column::Diagonal),
-        ("run", Column::Run),
-        ("direction", Column::Direction),
-        ("node", Column::Node),
-        ("moved", Column::Moved),
-    ];
-    let plain = plain.map(|(name, column)| (name.to_string(), column));
-    let values = [("deviation", Quantity::Deviation), ("displacement", Quantity::Displacement)];
-    let values = values.into_iter().flat_map(|(name, quantity)| {
-        LengthUnit::ALL.map(|unit| {
-            (format!("{name}_{}", unit.word()), Column::Value { quantity, to_um: unit.um() })
-        })
-    });
-    let temperature = |of: Axis| (format!("t_{}_c", of.key()), Column::Temperature { of });
-    let temperatures = Axis::ALL.map(temperature);
-    plain.into_iter().chain(values).chain(temperatures).collect()
-}
-
-fn is_value(column: Column) -> bool {
-    matches!(column, Column::Value { .. })
-}
-
-/// A file of readings whose header was read.
-pub(super) type Columns<'a> = Table<'a, Column>;
-
-/// The table of a file of readings, and what its readings are counted from.
-pub(super) fn columns(source: &Source) -> Result<(Columns<'_>, Quantity), Problems> {
-    let what = "readings, expected a header and a row for each node";
-    let table = Table::read(source, what, FIRST_LINE, |_| {
-        Ok(Expected {
-            known: known_columns(),
-            same: |a, b| is_value(*a) && is_value(*b) || a == b,
-            first_line: FIRST_LINE,
-            columns: "columns: diagonal, run, direction, node, moved, deviation_um or displacement_mm, t_x_c …",
-        })
-    })?;
-    let mut problems = Problems::none();
-    let find = |column| table.find(|kind| kind == column);
-    let mut require = |found, what, example| table.require(found, what, example, &mut problems);
-    require(find(Column::Diagonal), "the diagonal", "`diagonal`");
-    require(find(Column::Node), "the node", "`node`");
+/// The table of a file of readings, and whether they are displacements as the instrument showed them
+/// (`Positions`) or measured − nominal ones.
+pub(super) fn table<'a>(
+    source: &'a Source,
+    notes: &'a Notes,
+) -> Result<(Table<'a>, Values), Problems> {
+    let table = Table::read(source, notes, WORDS, |_| Ok(known_columns()))?;
+    table.require(table.column(Content::Diagonal), "the diagonal", "`diagonal`");
+    table.require(table.column(Content::Node), "the node", "`node`");
+    let reading = table.find(Content::is_reading);
     let example = "`deviation_um`, or `displacement_mm` for the displacement itself";
-    let value = require(table.find(is_value), "the reading", example);
-    let quantity = match table.kinds.get(value) {
-        Some(Column::Value { quantity, .. }) => *quantity,
-        _ => Quantity::Deviation,
-    };
-    problems.or_ok((table, quantity))
+    table.require(reading, "the reading", example);
+    let values = reading.and_then(|column| column.content.as_reading()?.values);
+    notes.end((table, values.unwrap_or(Values::Deviations)))
 }
 
 /// One walk along a diagonal, as the file names it.
@@ -153,56 +119,38 @@ const MOVED: (&str, &str) = (
 );
 const NEVER_FILLED_IN: &str = "a missing reading is never filled in: measure it again";
 
-pub(super) fn rows<'a>(table: &Columns<'a>) -> Result<Vec<Row<'a>>, Problems> {
-    let temperatures = PerAxis::from_fn(|of| table.find(|c| c == Column::Temperature { of }));
-    let find = |column| table.find(|kind| kind == column);
-    let named = [Column::Diagonal, Column::Run, Column::Direction].map(find);
-    let (node, moved) = (find(Column::Node), find(Column::Moved));
+/// The rows that can be read.
+pub(super) fn rows<'a>(table: &Table<'a>) -> Vec<Row<'a>> {
+    let reading = table.find(Content::is_reading);
+    let temperatures = PerAxis::from_fn(|of| table.column(Content::Temperature(of)));
     table.rows(|cells| {
         let axis = |text: &str| match text {
             "" => Some(None),
             letter => Axis::from_letter(letter).map(Some),
         };
-        let walk = walk(cells, named);
+        let walk = walk(cells);
         let is_node = |node: &usize| *node <= MOST_NODES;
-        let node = cells.parsed(node, None, |t| t.parse().ok().filter(is_node), NODE);
-        let moved = cells.parsed(moved, Some(None), axis, MOVED);
-        let um = reading(table, cells);
-        let temperatures_c = PerAxis::from_fn(|axis| {
-            let index = temperatures[axis].filter(|index| !cells.cell(*index).is_empty());
-            cells.number(index?, "") // a problem where it is no number
+        let node = cells.parsed(Content::Node, None, |t| t.parse().ok().filter(is_node), NODE);
+        let moved = cells.parsed(Content::Moved, Some(None), axis, MOVED);
+        let um = reading.and_then(|column| {
+            Some(cells.cell(column).reading(NEVER_FILLED_IN)? * column.factor())
         });
-        Some(Row {
-            line: cells.line,
-            walk: walk?,
-            node: node?,
-            moved: moved?,
-            um: um?,
-            temperatures_c,
-        })
+        let temperatures_c = PerAxis::from_fn(|axis| {
+            let cell = cells.cell(temperatures[axis]?);
+            if cell.text.is_empty() { None } else { cell.reading("") }
+        });
+        let line = cells.line;
+        Some(Row { line, walk: walk?, node: node?, moved: moved?, um: um?, temperatures_c })
     })
 }
 
 /// The walk that a row names by its diagonal, run and direction.
-fn walk(
-    cells: &mut table::Row<'_, '_>,
-    [diagonal, run, direction]: [Option<usize>; 3],
-) -> Option<Walk> {
+fn walk(cells: &Cells<'_, '_>) -> Option<Walk> {
     let pass = |text: &str| Pass::BOTH.into_iter().find(|pass| pass.word() == text);
     let name = |text: &str| Diagonal::from_name(&text.to_ascii_uppercase());
-    let name = cells.parsed(diagonal, None, name, DIAGONAL);
-    let whole = |text: &str| text.parse().ok().filter(|run| *run > 0);
-    let run = cells.parsed(run, Some(1), whole, RUN);
-    let direction = cells.parsed(direction, Some(Pass::Forward), pass, DIRECTION);
+    let name = cells.parsed(Content::Diagonal, None, name, DIAGONAL);
+    let run = cells.parsed(Content::Run, Some(1), count, RUN);
+    let direction = cells.parsed(Content::Direction, Some(Pass::Forward), pass, DIRECTION);
     let (diagonal, named) = name?;
     Some(Walk { diagonal, run: run?, named, direction: direction? })
-}
-
-/// The reading of a row, µm.
-fn reading(table: &Columns<'_>, cells: &mut table::Row<'_, '_>) -> Option<f64> {
-    let mut values = table.kinds.iter().enumerate();
-    values.find_map(|(index, kind)| match kind {
-        Column::Value { to_um, .. } => Some(cells.number(index, NEVER_FILLED_IN)? * to_um),
-        _ => None,
-    })
 }

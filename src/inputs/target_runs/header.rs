@@ -1,89 +1,77 @@
 //! The header of a file of runs: which columns, in which layout, unit and sense.
 
 use crate::inputs::refusals::{self, RUNS};
-use crate::inputs::table::Table;
+use crate::inputs::table::{Column, Content, LENGTHS, Reading, Table, Unit, named};
 use crate::inputs::target_runs::{Stated, Values};
 use crate::quantity::axis::Direction;
-use crate::text::delimited::{Expected, LengthUnit, Line};
+use crate::text::delimited::{LengthUnit, Line};
 use crate::text::document::Source;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::{Notes, Problem, Problems};
 use std::collections::BTreeSet;
 
-/// What a column holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Content {
-    /// Number of the target; not used.
-    Index,
-    Target,
-    /// All readings of one run, in the layout of one row for each target.
-    RunOf(Direction, u32),
-    /// Number of the run, in the layout of one row for each reading.
-    Run,
-    Direction,
-    Reading(Values),
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Column {
-    pub(super) content: Content,
-    /// `None` only where the content is no length.
-    pub(super) unit: Option<LengthUnit>,
-}
-
-impl Column {
-    fn is_length(&self) -> bool {
-        !matches!(self.content, Content::Index | Content::Run | Content::Direction)
-    }
-
-    fn is_reading(&self) -> bool {
-        matches!(self.content, Content::Reading(_))
-    }
-
-    pub(super) fn is_run(&self) -> bool {
-        matches!(self.content, Content::RunOf(..))
-    }
-}
-
 pub(super) struct Layout<'a> {
-    pub(super) table: Table<'a, Column>,
+    pub(super) table: Table<'a>,
+    /// Which column holds the targets.
     pub(super) target: usize,
-    pub(super) form: Form,
+    /// Which column holds the readings, in the layout of one row for each of them.
+    pub(super) reading: Option<usize>,
     /// What the runs hold; `None` where neither a name nor a statement says it.
     pub(super) values: Option<Values>,
 }
 
-#[derive(Clone, Copy)]
-pub(super) enum Form {
-    RowForTarget,
-    RowForReading { run: usize, direction: usize, reading: usize },
-}
-
 impl<'a> Layout<'a> {
     /// The layout of a file, with what was stated beside it.
-    pub(super) fn read(source: &'a Source, stated: Stated) -> Result<Layout<'a>, Problems> {
+    pub(super) fn read(
+        source: &'a Source,
+        notes: &'a Notes,
+        stated: Stated,
+    ) -> Result<Layout<'a>, Problems> {
         let what = "table, expected a header and the runs of an axis";
-        let table = Table::read(source, what, RUNS, |header| {
+        let table = Table::read(source, notes, [what, RUNS, RUNS], |header| {
             refuse_other_tables(header)?;
-            let same =
-                |a: &Column, b: &Column| a.content == b.content || a.is_reading() && b.is_reading();
-            Ok(Expected { known: known_columns(header), same, first_line: RUNS, columns: RUNS })
+            Ok(known_columns(header))
         })?;
-        let mut layout = form(table)?;
+        let mut layout = Layout::of(table)?;
         layout.take_unit(stated.unit)?;
         layout.take_values(stated.values)?;
         Ok(layout)
     }
 
+    /// Which of the two layouts the columns make.
+    fn of(table: Table<'a>) -> Result<Layout<'a>, Problems> {
+        let [target, run, direction] =
+            [Content::Target, Content::Run, Content::Direction].map(|own| table.column(own));
+        let of_run = table.find(|content| content.of_run().is_some());
+        let reading = table.find(|content| content.is_reading() && content.of_run().is_none());
+        table.require(target, "the targets", "`target_mm`, `target_in` or `target_um`");
+        match (of_run, run.or(direction).or(reading)) {
+            (Some(_), Some(other)) => {
+                return Err(table.at(other, refusals::other_layout(&other.name)).into());
+            }
+            (None, Some(_)) => {
+                table.require(run, "the number of the run", "`run`");
+                table.require(direction, "the direction of approach", "`direction`");
+                table.require(reading, "the reading", "`deviation_um` or `position_mm`");
+            }
+            (found, None) => table.require(found, "any run", "`up1_mm`, `dn1_mm` …"),
+        }
+        let target = target.map_or(0, |column| column.index);
+        let values = reading.and_then(|column| column.content.as_reading()?.values);
+        let reading = reading.map(|column| column.index);
+        table.notes.end(Layout { target, reading, values, table })
+    }
+
     /// A problem of a column.
     pub(super) fn at(&self, index: usize, problem: Problem) -> Problem {
-        problem.at(self.table.header.cell_place(index))
+        self.table.at(&self.table.columns[index], problem)
     }
 
     /// The columns of lengths whose unit is such.
-    fn lengths(&self, is_such: impl Fn(Option<LengthUnit>) -> bool) -> Vec<usize> {
-        let columns = self.table.kinds.iter().enumerate();
-        let such = columns.filter(|(_, column)| column.is_length() && is_such(column.unit));
-        such.map(|(index, _)| index).collect()
+    fn lengths(&self, is_such: impl Fn(Option<Unit>) -> bool) -> Vec<usize> {
+        let is_length = |own: Content| own == Content::Target || own.is_reading();
+        let columns = self.table.columns.iter();
+        let such = columns.filter(|column| is_length(column.content) && is_such(column.unit));
+        such.map(|column| column.index).collect()
     }
 
     /// The unit that was stated goes to the columns whose names have none.
@@ -91,33 +79,33 @@ impl<'a> Layout<'a> {
         let without = self.lengths(|unit| unit.is_none());
         match (without.first(), stated) {
             (None, Some(unit)) => {
-                Err(refusals::unit_twice(unit.word()).at(self.table.header.whole()))
+                return Err(refusals::unit_twice(unit.word()).at(self.table.header.whole()));
             }
             (Some(first), None) => {
                 let more = and_more(without.len() - 1, " has none", " have none");
-                Err(self.at(*first, refusals::no_unit(&self.table.names[*first], more)))
+                let name = &self.table.columns[*first].name;
+                return Err(self.at(*first, refusals::no_unit(name, more)));
             }
-            (_, _) => {
-                without.iter().for_each(|index| self.table.kinds[*index].unit = stated);
-                Ok(())
-            }
+            (_, _) => {}
         }
+        without.iter().for_each(|at| self.table.columns[*at].unit = stated.map(Unit::of));
+        Ok(())
     }
 
     /// Positions or deviations: a name decides, else what was stated. Columns of runs that have
     /// the unit of the target are left open: the values themselves may show it.
     fn take_values(&mut self, stated: Option<Values>) -> Result<(), Problem> {
-        let names = &self.table.names;
-        if let (Form::RowForReading { reading, .. }, Some(named)) = (self.form, self.values) {
+        let columns = &self.table.columns;
+        if let Some((reading, named)) = self.reading.zip(self.values) {
             return stated.filter(|other| *other != named).map_or(Ok(()), |other| {
-                let problem = refusals::other_values(other.word(), &names[reading], named.word());
-                Err(self.at(reading, problem))
+                let name = &columns[reading].name;
+                Err(self.at(reading, refusals::other_values(other.word(), name, named.word())))
             });
         }
-        let unit = self.table.kinds[self.target].unit;
-        let others = self.lengths(|other| other != unit);
+        let target = &columns[self.target];
+        let others = self.lengths(|other| other != target.unit);
         if let (Some(other), None) = (others.first(), stated) {
-            let problem = refusals::two_units(&names[*other], &names[self.target]);
+            let problem = refusals::two_units(&columns[*other].name, &target.name);
             return Err(self.at(*other, problem));
         }
         self.values = stated;
@@ -134,27 +122,30 @@ pub(super) fn and_more(more: usize, one: &str, many: &str) -> String {
     }
 }
 
-/// The columns that may stand in a header: those of runs for every number that it holds.
-fn known_columns(header: &Line<'_>) -> Vec<(String, Column)> {
+/// The columns that may stand in a header, a length with or without its unit: those of runs for every number that
+/// it holds.
+fn known_columns(header: &Line<'_>) -> Vec<Column> {
     let mut lengths = vec![
         ("target".to_string(), Content::Target),
-        ("deviation".to_string(), Content::Reading(Values::Deviations)),
-        ("position".to_string(), Content::Reading(Values::Positions)),
+        ("deviation".to_string(), Content::reading(Values::Deviations)),
+        ("position".to_string(), Content::reading(Values::Positions)),
     ];
     let ways = [("up", Direction::Plus), ("dn", Direction::Minus), ("down", Direction::Minus)];
     for run in run_numbers(header) {
-        lengths.extend(ways.map(|(word, way)| (format!("{word}{run}"), Content::RunOf(way, run))));
+        lengths.extend(ways.map(|(word, way)| {
+            let reading = Reading { direction: Some(way), run: Some(run), values: None };
+            (format!("{word}{run}"), Content::Reading(reading))
+        }));
     }
-    let units = LengthUnit::ALL.map(|unit| (format!("_{}", unit.word()), Some(unit)));
-    let with_units = units.into_iter().chain([(String::new(), None)]).flat_map(|(end, unit)| {
-        let column = |(name, content): &(String, Content)| {
-            (format!("{name}{end}"), Column { content: *content, unit })
-        };
-        lengths.iter().map(column).collect::<Vec<_>>()
-    });
-    let others = [("i", Content::Index), ("run", Content::Run), ("direction", Content::Direction)];
-    let others = others.map(|(name, content)| (name.to_string(), Column { content, unit: None }));
-    with_units.chain(others).collect()
+    let mut known = named(&[
+        ("i", Content::Index, &[]),
+        ("run", Content::Run, &[]),
+        ("direction", Content::Direction, &[]),
+    ]);
+    for (name, content) in lengths {
+        known.extend(named(&[(&name, content, &LENGTHS), (&name, content, &[])]));
+    }
+    known
 }
 
 /// Numbers that stand behind the words of a header, as in `up3_mm`; 1 always.
@@ -182,37 +173,4 @@ fn refuse_other_tables(header: &Line<'_>) -> Result<(), Problem> {
     } else {
         Ok(())
     }
-}
-
-/// Which of the two layouts the columns make.
-fn form(table: Table<'_, Column>) -> Result<Layout<'_>, Problems> {
-    let mut problems = Problems::none();
-    let find = |content| table.find(|column| column.content == content);
-    let mut require = |found, what, example| table.require(found, what, example, &mut problems);
-    let examples = "`target_mm`, `target_in` or `target_um`";
-    let target = require(find(Content::Target), "the targets", examples);
-    let for_target = table.find(|column| column.is_run());
-    let (run, direction) = (find(Content::Run), find(Content::Direction));
-    let reading = table.find(|column| column.is_reading());
-    let (mut form, mut values) = (Form::RowForTarget, None);
-    match (for_target, run.or(direction).or(reading)) {
-        (Some(_), Some(other)) => {
-            let problem = refusals::other_layout(&table.names[other]);
-            return Err(problem.at(table.header.cell_place(other)).into());
-        }
-        (None, Some(_)) => {
-            form = Form::RowForReading {
-                run: require(run, "the number of the run", "`run`"),
-                direction: require(direction, "the direction of approach", "`direction`"),
-                reading: require(reading, "the reading", "`deviation_um` or `position_mm`"),
-            };
-            values = reading.and_then(|reading| match table.kinds[reading].content {
-                Content::Reading(values) => Some(values),
-                _ => None,
-            });
-        }
-        (found, None) => _ = require(found, "any run", "`up1_mm`, `dn1_mm` …"),
-    }
-    problems.or_ok(())?;
-    Ok(Layout { table, target, form, values })
 }

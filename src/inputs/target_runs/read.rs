@@ -2,14 +2,14 @@
 //! a value is a position or a deviation, unless the values leave no doubt.
 
 use crate::inputs::refusals;
-use crate::inputs::table;
-use crate::inputs::target_runs::header::{Column, Content, Form, Layout, and_more};
+use crate::inputs::table::{Column, Content, RUN, Row, Unit, count};
+use crate::inputs::target_runs::header::{Layout, and_more};
 use crate::inputs::target_runs::{Runs, Stated, Values, approach, small_um};
 use crate::quantity::axis::Direction;
 use crate::quantity::units::{Figure, UM_PER_MM};
-use crate::text::delimited::{LengthUnit, Line};
+use crate::text::delimited::Line;
 use crate::text::document::Source;
-use crate::text::problem::{Problem, Problems};
+use crate::text::problem::{Notes, Problem, Problems};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// One value of a run, with the cell it stands in.
@@ -26,12 +26,12 @@ struct Reading<'a> {
 #[derive(Clone, Copy)]
 struct Length {
     number: f64,
-    unit: LengthUnit,
+    unit: Unit,
 }
 
 impl Length {
     fn um(self) -> f64 {
-        self.number * self.unit.um()
+        self.number * self.unit.factor
     }
 }
 
@@ -47,7 +47,7 @@ impl Reading<'_> {
         match values {
             Values::Deviations => value.um(),
             Values::Positions if value.unit == target.unit => {
-                (value.number - target.number) * target.unit.um()
+                (value.number - target.number) * target.unit.factor
             }
             Values::Positions => value.um() - target.um(),
         }
@@ -65,23 +65,24 @@ impl Runs {
     /// Two layouts: one row for each target (`target_mm,up1_mm,…,dn1_mm,…`), or one row for each
     /// reading (`target_mm,run,direction,deviation_um`). See docs/interface.md §2.4.
     pub fn read(source: &Source, stated: Stated) -> Result<Runs, Problems> {
-        let layout = Layout::read(source, stated)?;
-        let readings = readings(&layout)?;
+        let notes = Notes::default();
+        let layout = Layout::read(source, &notes, stated)?;
+        let readings = readings(&layout);
+        notes.end(())?;
         if readings.is_empty() {
             return Err(refusals::no_rows().at(layout.table.header.whole()).into());
         }
-        let mut problems = Problems::none();
-        let targets = by_target(&layout, &readings, &mut problems);
+        let targets = by_target(&layout, &readings);
         if targets.len() < 2 {
-            problems.push(refusals::one_target().at(layout.table.header.whole()));
+            layout.table.refuse(refusals::one_target());
         }
         let runs: BTreeSet<(Direction, u32)> =
             readings.iter().map(|r| (r.direction, r.run)).collect();
         for (_, of_target) in &targets {
-            refuse_gaps(&layout, of_target, &runs, &mut problems);
+            refuse_gaps(&layout, of_target, &runs);
         }
         // Without its neighbours a reading cannot be determined to be far.
-        problems.or_ok(())?;
+        notes.end(())?;
         let values = values_of(&layout, &targets)?;
         refuse_far_readings(&layout, values, &targets)?;
         let of = |direction: Direction| {
@@ -101,70 +102,55 @@ impl Runs {
 /// targets with five runs each way has 1000.
 const MOST_READINGS: usize = 50_000;
 
-const RUN: (&str, &str) = ("a whole number from 1", "number the runs 1, 2, 3 …");
 const DIRECTION: (&str, &str) =
     ("`+` (up) or `-` (down)", "`+` = the axis came from smaller coordinates");
 
-fn readings<'a>(layout: &Layout<'a>) -> Result<Vec<Reading<'a>>, Problems> {
-    let mut count = 0;
+fn readings<'a>(layout: &Layout<'a>) -> Vec<Reading<'a>> {
+    let (mut all, columns) = (0, &layout.table.columns);
     let rows = layout.table.rows(|row| {
-        let target = length(layout, row, layout.target);
+        let target = length(row, &columns[layout.target]);
         let cells = cells(layout, row);
-        count += cells.len();
-        if count > MOST_READINGS {
+        all += cells.len();
+        if all > MOST_READINGS {
             let message =
                 format!("here are more than {MOST_READINGS} readings, too many for a test");
-            row.refuse(0, message, "check that the file is a test of one axis");
+            row.cell(&columns[0]).refuse(message, "check that the file is a test of one axis");
             return None;
         }
         let (line, target) = (row.line, target?);
         let reading =
             |(cell, direction, run, value)| Reading { line, cell, direction, run, target, value };
         Some(cells.into_iter().map(reading).collect::<Vec<_>>())
-    })?;
-    Ok(rows.into_iter().flatten().collect())
+    });
+    rows.into_iter().flatten().collect()
 }
 
 /// The readings of a row: cell, direction of approach, number of the run, value.
-fn cells(
-    layout: &Layout<'_>,
-    row: &mut table::Row<'_, '_>,
-) -> Vec<(usize, Direction, u32, Length)> {
-    match layout.form {
-        Form::RowForReading { run, direction, reading } => {
-            let whole = |text: &str| text.parse().ok().filter(|run| *run > 0);
-            let run = row.parsed(Some(run), None, whole, RUN);
-            let direction = row.parsed(Some(direction), None, approach, DIRECTION);
-            let value = length(layout, row, reading);
-            let all = || Some((reading, direction?, run?, value?));
-            all().into_iter().collect()
-        }
-        Form::RowForTarget => {
-            let columns = layout.table.kinds.iter().enumerate();
-            let run = |(cell, column): (usize, &Column)| match column.content {
-                Content::RunOf(direction, run) => {
-                    Some((cell, direction, run, length(layout, row, cell)?))
-                }
-                _ => None,
-            };
-            columns.filter_map(run).collect()
-        }
+fn cells(layout: &Layout<'_>, row: &Row<'_, '_>) -> Vec<(usize, Direction, u32, Length)> {
+    let columns = &layout.table.columns;
+    if let Some(reading) = layout.reading {
+        let run = row.parsed(Content::Run, None, count, RUN);
+        let direction = row.parsed(Content::Direction, None, approach, DIRECTION);
+        let value = length(row, &columns[reading]);
+        let all = || Some((reading, direction?, run?, value?));
+        return all().into_iter().collect();
     }
+    let run = |column: &Column| {
+        let reading = column.content.of_run()?;
+        let (direction, run) = reading.direction.zip(reading.run)?;
+        Some((column.index, direction, run, length(row, column)?))
+    };
+    columns.iter().filter_map(run).collect()
 }
 
-fn length(layout: &Layout<'_>, row: &mut table::Row<'_, '_>, index: usize) -> Option<Length> {
+fn length(row: &Row<'_, '_>, column: &Column) -> Option<Length> {
     let help = "a missing reading is not filled in; leave out its run or its target as a whole";
-    let number = row.number(index, help)?;
-    let unit = layout.table.kinds[index].unit?;
-    Some(Length { number, unit })
+    let number = row.cell(column).reading(help)?;
+    Some(Length { number, unit: column.unit? })
 }
 
 /// Targets in ascending order with their readings; a reading that comes twice is refused.
-fn by_target<'r, 'a>(
-    layout: &Layout<'_>,
-    readings: &'r [Reading<'a>],
-    problems: &mut Problems,
-) -> Targets<'r, 'a> {
+fn by_target<'r, 'a>(layout: &Layout<'_>, readings: &'r [Reading<'a>]) -> Targets<'r, 'a> {
     let mut sorted: Vec<&Reading<'_>> = readings.iter().collect();
     sorted.sort_by(|a, b| a.target_mm().total_cmp(&b.target_mm()));
     let mut targets: Targets<'_, '_> = Vec::new();
@@ -174,7 +160,7 @@ fn by_target<'r, 'a>(
         match targets.last_mut() {
             Some((mm, of_target)) if *mm >= target_mm => match of_target.get(&key) {
                 None => _ = of_target.insert(key, reading),
-                Some(first) => problems.push_with(|| twice(layout, first, reading)),
+                Some(first) => layout.table.notes.refuse_with(|| twice(layout, first, reading)),
             },
             _ => targets.push((target_mm, BTreeMap::from([(key, reading)]))),
         }
@@ -184,9 +170,9 @@ fn by_target<'r, 'a>(
 
 fn twice(layout: &Layout<'_>, first: &Reading<'_>, second: &Reading<'_>) -> Problem {
     let (mm, run, way) = (second.target_mm(), second.run, second.direction);
-    let what = match layout.form {
-        Form::RowForTarget => format!("target {mm} mm"),
-        Form::RowForReading { .. } => format!("target {mm} mm, run {run} moving {way}"),
+    let what = match layout.reading {
+        None => format!("target {mm} mm"),
+        Some(_) => format!("target {mm} mm, run {run} moving {way}"),
     };
     refusals::read_twice(what, first.line.number()).at(second.line.cell_place(layout.target))
 }
@@ -196,14 +182,13 @@ fn refuse_gaps(
     layout: &Layout<'_>,
     of_target: &OfTarget<'_, '_>,
     runs: &BTreeSet<(Direction, u32)>,
-    problems: &mut Problems,
 ) {
     let Some(first) = of_target.values().next() else {
         return;
     };
     for (direction, run) in runs.iter().filter(|key| !of_target.contains_key(key)) {
         let problem = || refusals::no_reading(first.target_mm(), run, direction);
-        problems.push_with(|| problem().at(first.line.cell_place(layout.target)));
+        layout.table.notes.refuse_with(|| problem().at(first.line.cell_place(layout.target)));
     }
 }
 
@@ -227,11 +212,10 @@ fn values_of(layout: &Layout<'_>, targets: &Targets<'_, '_>) -> Result<Values, P
         true => "they look like deviations",
         false => "they are far from the targets as either",
     };
-    let first = layout.table.find(|column| column.is_run()).unwrap_or(layout.target);
-    Err(layout.at(
-        first,
-        refusals::unclear_values(&layout.table.names[first], found, refusals::STATE_VALUES),
-    ))
+    let first = layout.table.find(|content| content.of_run().is_some());
+    let first = first.unwrap_or(&layout.table.columns[layout.target]);
+    let problem = refusals::unclear_values(&first.name, found, refusals::STATE_VALUES);
+    Err(layout.table.at(first, problem))
 }
 
 /// No machine tool is off by a millimetre and more, unless something else is wrong.
@@ -260,14 +244,14 @@ fn refuse_far_readings(
     let Some((limit_mm, reading)) = first else {
         return Ok(());
     };
-    let help = match (layout.form, values) {
-        (Form::RowForTarget, Values::Positions) => {
+    let help = match (layout.reading, values) {
+        (None, Values::Positions) => {
             "the values are read as positions; if they are deviations add `--values deviations`"
         }
-        (Form::RowForTarget, Values::Deviations) => {
+        (None, Values::Deviations) => {
             "the values are read as deviations; if they are positions add `--values positions`"
         }
-        (Form::RowForReading { .. }, _) => {
+        (Some(_), _) => {
             "check the row and the units; `position_mm` is where the axis stood, `deviation_um` its distance from the target"
         }
     };

@@ -282,7 +282,7 @@ impl fmt::Display for Miss {
         let (of, um, at_most_um, limit_um, verdict) = match self {
             Miss::Range(range) => return out.write_str(&range.missing().unwrap_or_default()),
             Miss::NotStated(cause) => {
-                let (what, key, advice) = (words(*cause), cause.key(), advice(*cause));
+                let (what, key, advice) = (words(*cause), cause.word(), advice(*cause));
                 return write!(out, "{what} not stated: state `{key}` ({advice}): undecided");
             }
             Miss::Figure { of, um, at_most_um, limit_um, verdict } => {

@@ -123,7 +123,7 @@ impl Report<'_> {
     }
 
     fn neglected(&self, causes: &[Cause]) -> String {
-        let words = causes.iter().map(|cause| self.t(&format!("cause_{}", cause.key())));
+        let words = causes.iter().map(|cause| self.t(&format!("cause_{}", cause.word())));
         self.fill("neglected", [("causes", joined(words))])
     }
 
@@ -237,8 +237,8 @@ impl Report<'_> {
             Miss::Range(range) => return self.too_little(range),
             Miss::NotStated(cause) => {
                 let facts = [
-                    ("cause", self.t(&format!("cause_{}", cause.key()))),
-                    ("key", cause.key().to_string()),
+                    ("cause", self.t(&format!("cause_{}", cause.word()))),
+                    ("key", cause.word().to_string()),
                     ("verdict", self.t(Verdict::Undecided.word())),
                 ];
                 return self.fill("reason_not_stated", facts);

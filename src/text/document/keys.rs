@@ -8,6 +8,7 @@ use crate::quantity::axis::{Axis, Direction, PerAxis};
 use crate::quantity::units::Millimetres;
 use crate::text::plain::is_unseen;
 use crate::text::problem::shown;
+use crate::text::refused;
 use std::ops::RangeInclusive;
 
 /// What a place may pass the travel by: the last digit of a coordinate, mm.
@@ -87,20 +88,14 @@ impl Section<'_> {
     /// Notes a key that has an effect only with something else, which is not so.
     pub(crate) fn only_with(&self, key: &'static str, is_so: bool, with: &str) {
         if self.has(key) && !is_so {
-            let path = self.path_of(key);
-            self.problem(
-                key,
-                format!("`{path}` as it stands goes only with {with}"),
-                format!("remove or change it, or write {with}"),
-            );
+            self.refuse(key, refused::only_with(self.path_of(key), with));
         }
     }
 
     /// Notes two keys of which one is enough.
     pub(crate) fn not_both(&self, key: &'static str, other: &'static str, help: &str) {
         if self.has(key) && self.has(other) {
-            let message = format!("`{other}` and `{key}` are both given, expected one of the two");
-            self.problem(key, message, help);
+            self.refuse(key, refused::not_both(key, other, help));
         }
     }
 
@@ -140,7 +135,7 @@ impl Section<'_> {
             return Some(value);
         }
         let (path, written) = (self.path_of(key), self.written(key));
-        self.problem(key, format!("`{path}` is `{written}`, expected {}", expected()), help);
+        self.refuse(key, refused::out_of_range(path, written, expected(), help));
         None
     }
 
@@ -158,12 +153,7 @@ impl Section<'_> {
         if low < high {
             return Some((Millimetres::new(low), Millimetres::new(high)));
         }
-        let path = self.path_of(key);
-        self.problem(
-            key,
-            format!("`{path}` makes a range from {low} to {high} mm, expected the smaller coordinate first"),
-            "write the smallest machine coordinate, then the largest",
-        );
+        self.refuse(key, refused::backwards(self.path_of(key), low, high));
         None
     }
 
@@ -178,19 +168,20 @@ impl Section<'_> {
         let (low, high) = (low.mm(), high.mm());
         if at.mm() < low - TRAVEL_TOLERANCE_MM || at.mm() > high + TRAVEL_TOLERANCE_MM {
             let (path, at) = (self.path_of(key), at.shown());
-            self.problem(
-                key,
-                format!("`{path}` puts {axis} at {at} mm, outside {range} {low} … {high} mm"),
-                "machine coordinates are meant: check them, and `travel_mm`",
-            );
+            self.refuse(key, refused::outside(path, axis, at, range, low, high));
         }
+    }
+
+    /// A machine coordinate, if the key is present.
+    pub(crate) fn coordinate(&self, key: &'static str) -> Option<Millimetres> {
+        self.millimetres(key).map(Millimetres::new)
     }
 
     /// The coordinates that stand under these keys; all three must be given.
     pub(crate) fn coordinates(&self, keys: PerAxis<&'static str>) -> Option<Places> {
         let read = PerAxis::from_fn(|axis| {
             self.require(keys[axis], "a number of each axis, mm");
-            self.millimetres(keys[axis]).map(Millimetres::new)
+            self.coordinate(keys[axis])
         });
         read.all()
     }
@@ -202,19 +193,14 @@ impl Section<'_> {
 
     /// Places of some of the axes.
     pub(crate) fn some_places(&self, key: &'static str) -> PerAxis<Option<Millimetres>> {
-        self.axes(key, |s, axis| s.millimetres(axis.key()).map(Millimetres::new))
+        self.axes(key, |s, axis| s.coordinate(axis.key()))
     }
 
     /// A text that is printed; a character that is not seen would reach files and the terminal as a command.
     pub(crate) fn plain_text(&self, key: &'static str) -> Option<String> {
         let text = self.text(key)?;
         if text.contains(is_unseen) {
-            let path = self.path_of(key);
-            self.problem(
-                key,
-                format!("`{path}` holds a line break or another character that is not seen"),
-                "write it in one line of plain letters and digits",
-            );
+            self.refuse(key, refused::unseen(self.path_of(key)));
         }
         Some(text)
     }
@@ -229,8 +215,7 @@ impl Section<'_> {
         let text = self.text(key)?;
         let value = read(&text);
         if value.is_none() {
-            let message = format!("`{key}` is `{}`, expected {expected}", shown(&text));
-            self.problem(key, message, help);
+            self.refuse(key, refused::other_text(key, shown(&text), expected, help));
         }
         value
     }

@@ -3,6 +3,7 @@
 use crate::text::document::section::{Notes, Section, empty_keys};
 use crate::text::document::{LARGEST_PAGE, Source, refuse_large_page};
 use crate::text::problem::{Place, Problem, Problems, shown};
+use crate::text::refused;
 use std::ops::Range;
 use toml::de::DeTable;
 
@@ -96,8 +97,7 @@ fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
         1 => "a key is empty, expected a value".to_string(),
         many => format!("{many} keys are empty, expected a value of each"),
     };
-    let help = "write the value in place of `\"\"`";
-    let mut problem = Problem::new(message).at(first).help(help);
+    let mut problem = refused::to_be_filled_in(message).at(first);
     problem.also = lines;
     problem.into()
 }
@@ -118,24 +118,18 @@ fn syntax_problems(source: &Source, errors: &[toml::de::Error]) -> Problems {
             if !commas.contains(&comma) {
                 commas.push(comma);
                 let number = with_a_point(&source.text, comma);
-                let problem = Problem::new("`,` in a number, expected a decimal point")
-                    .help(format!("{number}; numbers of a list stand in brackets, as `[0, 500]`"));
+                let problem = refused::comma_in_number(number);
                 problems.push(problem.at(source.place(&(comma..comma + 1))));
             }
             continue;
         }
         let written = span.clone().and_then(|span| source.text.get(span));
         let problem = match (message, written) {
-            ("duplicate key", Some(key)) => {
-                Problem::new(format!("`{}` is given twice in its section", shown(key)))
-                    .help("keep one of the two")
-            }
+            ("duplicate key", Some(key)) => refused::key_twice(shown(key)),
             _ if span.clone().is_some_and(|span| in_escape(&source.text, span.start)) => {
-                Problem::new("a backslash between double quotes begins an escape such as `\\n`, expected a text without it")
-                    .help(WINDOWS_PATH)
+                refused::escape()
             }
-            _ => Problem::new(format!("not valid TOML: {message}"))
-                .help("see https://toml.io; strings need quotes, numbers a decimal point"),
+            _ => refused::not_toml(message),
         };
         problems.push(match span {
             Some(span) => problem.at(source.place(&span)),
@@ -159,8 +153,6 @@ fn with_a_point(text: &str, comma: usize) -> String {
         false => "write a point, as in `0.5`".to_string(),
     }
 }
-
-const WINDOWS_PATH: &str = r"write `/` in a path, which Windows takes as well, or single quotes around it: 'C:\data\x.csv'";
 
 /// Whether a complaint at `at` is one of an escape: in its line an odd number of double quotes stands
 /// before it, and a backslash at it or behind the last of them.

@@ -7,8 +7,6 @@ pub struct Key {
     pub name: &'static str,
     /// What it says, with unit and default.
     pub words: &'static str,
-    /// The type that it is read into.
-    pub of: &'static str,
 }
 
 /// A struct that is read from a section of a page. Each key stands here once, with its words, how it is
@@ -44,7 +42,7 @@ macro_rules! section {
             $how const KEYS: &'static [Option<$crate::text::document::Key>] = &[$(
                 $crate::text::part!(
                     @key $crate::text::part!(@name $field $($key)?),
-                    concat!($($words),*), $type $(, $read)?
+                    concat!($($words),*) $(, $read)?
                 )
             ),+];
 
@@ -71,13 +69,9 @@ pub(crate) use section;
 macro_rules! part {
     (@name $field:ident) => { stringify!($field) };
     (@name $field:ident $key:ident) => { stringify!($key) };
-    (@key $name:expr, $words:expr, $type:ty) => { None };
-    (@key $name:expr, $words:expr, $type:ty, $read:ident) => {
-        Some($crate::text::document::Key {
-            name: $name,
-            words: $words,
-            of: stringify!($type),
-        })
+    (@key $name:expr, $words:expr) => { None };
+    (@key $name:expr, $words:expr, $read:ident) => {
+        Some($crate::text::document::Key { name: $name, words: $words })
     };
     (@require $section:ident $name:expr) => {};
     (@require $section:ident $name:expr, $what:expr) => { $section.require($name, $what) };

@@ -2,6 +2,7 @@
 
 use crate::text::finding::once;
 use crate::text::problem::{Problem, Problems, did_you_mean, nearest, shown};
+use crate::text::refused;
 
 use super::{LARGEST_NUMBER, LONGEST_MM, Source, Spot};
 use std::cell::RefCell;
@@ -54,8 +55,13 @@ impl<'a> Section<'a> {
 
     /// Notes a problem at a key (or at the section, if the key is absent).
     pub fn problem(&self, key: &str, message: impl Into<String>, help: impl Into<String>) {
+        self.refuse(key, Problem::new(message).help(help));
+    }
+
+    /// The same of a problem that is made already.
+    pub(crate) fn refuse(&self, key: &str, problem: Problem) {
         let span = self.table.get(key).map_or_else(|| self.span.clone(), Spanned::span);
-        self.note(|| Problem::new(message).at(self.source.place(&span)).help(help));
+        self.note(|| problem.at(self.source.place(&span)));
     }
 
     /// The same at an entry of a list.
@@ -96,8 +102,7 @@ impl<'a> Section<'a> {
     }
 
     fn unexpected(&self, key: &str, found: &str, expected: &str) {
-        let message = format!("`{}` is {found}, expected {expected}", self.path_of(key));
-        self.problem(key, message, format!("write `{key} = …` with {expected}"));
+        self.refuse(key, refused::unexpected(self.path_of(key), found, expected, key));
     }
 
     /// Whether the key is present (it then counts as known).
@@ -120,11 +125,7 @@ impl<'a> Section<'a> {
         } else {
             format!("`{key}` is missing in [{}]", self.path)
         };
-        self.note(|| {
-            Problem::new(format!("{place}, expected {expected}"))
-                .at(self.source.place(&self.span))
-                .help(format!("add `{key} = …`"))
-        });
+        self.note(|| refused::missing(place, expected, key).at(self.source.place(&self.span)));
     }
 
     /// A sub-section that must be there.
@@ -133,11 +134,7 @@ impl<'a> Section<'a> {
             let name = self.path_of(key);
             let end = self.source.text.trim_end().len();
             let span = if self.path.is_empty() { end..end } else { self.span.clone() };
-            self.note(|| {
-                Problem::new(format!("there is no section [{name}]"))
-                    .at(self.source.place(&span))
-                    .help(format!("add `[{name}]`"))
-            });
+            self.note(|| refused::no_section(name).at(self.source.place(&span)));
         }
         self.section(key)
     }
@@ -232,12 +229,7 @@ impl<'a> Section<'a> {
     /// What was read, unless it is too large.
     fn sized<T>(&self, key: &str, value: T, fits: bool) -> Option<T> {
         if !fits {
-            let (path, written) = (self.path_of(key), self.written(key));
-            self.problem(
-                key,
-                format!("`{path}` is `{written}`, which is too large for any machine"),
-                "check the number and its unit",
-            );
+            self.refuse(key, refused::too_large(self.path_of(key), self.written(key)));
         }
         fits.then_some(value)
     }
@@ -286,9 +278,8 @@ impl<'a> Section<'a> {
         if found.is_none() {
             let known: Vec<&str> = words.iter().map(|(known, _)| *known).collect();
             let help = did_you_mean(&word, known.iter().copied(), "choose one of them");
-            let (path, word, list) = (self.path_of(key), shown(&word), quoted(&known));
-            let message = format!("`{path}` is `{word}`, expected one of {list}");
-            self.problem(key, message, help);
+            let (path, list) = (self.path_of(key), quoted(&known));
+            self.refuse(key, refused::other_word(path, shown(&word), list, help));
         }
         found.map(|(_, value)| *value)
     }
@@ -411,9 +402,7 @@ impl<'a> Section<'a> {
         );
         let section =
             if self.path.is_empty() { String::new() } else { format!(" in [{}]", self.path) };
-        Problem::new(format!("unknown key `{}`{section}", shown(name)))
-            .at(self.source.place(&span))
-            .help(help)
+        refused::unknown_key(shown(name), section, help).at(self.source.place(&span))
     }
 }
 

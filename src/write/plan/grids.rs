@@ -2,8 +2,7 @@
 
 use crate::control::controller::Profile;
 use crate::inputs::job::{
-    AxisSettings, GRID_HELP, GridRequest, MachineAxis, OutsideMeasured, UNIT_HELP, without_grid,
-    without_unit,
+    AxisSettings, GridRequest, MachineAxis, OutsideMeasured, without_grid, without_unit,
 };
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::fit::{residual, table_values};
@@ -48,13 +47,11 @@ fn check_settings(task: Task<'_>, targets: &[Target], problems: &mut Problems) {
         let settings = task.job.compensation.axes[axis].as_ref();
         let path = format!("compensation.axes.{}", axis.key());
         if moves && settings.is_none_or(|s| s.grid.is_none()) {
-            problems.push(task.job.problem_at(&path, without_grid(axis, &path)).help(GRID_HELP));
+            problems.push(task.job.at(&path, without_grid(axis, &path)));
         }
         let unit_missing = settings.is_none_or(|s| s.detection_unit_um.is_none());
         if (moves || corrected) && task.profile.detection_unit_required.value && unit_missing {
-            problems.push(
-                task.job.problem_at(&path, without_unit(&path, &task.profile.name)).help(UNIT_HELP),
-            );
+            problems.push(task.job.at(&path, without_unit(&path, &task.profile.name)));
         }
         if corrected && task.job.machine.axes[axis].is_none() {
             problems.push(
