@@ -169,6 +169,11 @@ pub struct Profile {
 }
 
 impl Profile {
+    /// The file of a kit that is called so.
+    pub(crate) fn file(&self, name: &str) -> Option<&EmittedFile> {
+        self.files.iter().find(|file| file.is_called(name))
+    }
+
     /// How the characters of the control's files are stored.
     pub(crate) fn encoding(&self) -> Encoding {
         let stated = self.encoding.as_ref();

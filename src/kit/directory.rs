@@ -54,7 +54,8 @@ impl Directory {
     ) -> Result<Directory, Problem> {
         let profile = &inputs.profile;
         let named = |(name, bytes): (String, _)| {
-            let role = role_of(profile, &name);
+            // What the profile does not know is taken for tables.
+            let role = profile.file(&name).map_or(Role::Table, |file| file.role);
             (name, role, bytes)
         };
         let files = files.into_iter().map(named).collect();
@@ -241,7 +242,9 @@ impl Directory {
         for file in std::mem::take(&mut self.files) {
             if listed.contains(file.0.as_str()) {
                 self.files.push(file);
-            } else if is_of_a_kit(profile, &file.0) || may_be_meant_for(profile, &kit_file(&file)) {
+            } else if profile.file(&file.0).is_some_and(|own| !own.role.is_written_into())
+                || may_be_meant_for(profile, &kit_file(&file))
+            {
                 let found = InDirectory::NotListed { file: shown(&file.0) };
                 self.findings.push(found.into());
                 self.files.push(file);
@@ -290,17 +293,4 @@ impl Directory {
             self.other_inputs = Some(InDirectory::OtherInputs { names }.into());
         }
     }
-}
-
-/// A file that the profile does not know is taken for tables.
-fn role_of(profile: &Profile, name: &str) -> Role {
-    let mut files = profile.files.iter();
-    let known = files.find(|file| file.is_called(name));
-    known.map_or(Role::Table, |file| file.role)
-}
-
-/// Whether the profile writes a file of this name, other than those into which people write.
-fn is_of_a_kit(profile: &Profile, name: &str) -> bool {
-    let mut files = profile.files.iter();
-    files.any(|file| !file.role.is_written_into() && file.is_called(name))
 }

@@ -117,13 +117,9 @@ fn proof_files<'a>(
     inputs: &Inputs,
     files: &[KitFile<'a>],
 ) -> Vec<(Option<Mechanism>, Vec<KitFile<'a>>)> {
-    let mechanism_of = |path: &str| {
-        let mut known = inputs.profile.files.iter();
-        known.find(|file| file.is_called(path))?.mechanism
-    };
     let mut proofs: Vec<(Option<Mechanism>, Vec<KitFile<'a>>)> = Vec::new();
     for file in files.iter().filter(|file| file.role == Role::SignProof) {
-        let mechanism = mechanism_of(file.path);
+        let mechanism = inputs.profile.file(file.path).and_then(|own| own.mechanism);
         match proofs.iter_mut().find(|(own, _)| *own == mechanism) {
             Some((_, own)) => own.push(*file),
             None => proofs.push((mechanism, vec![*file])),

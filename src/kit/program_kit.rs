@@ -232,32 +232,25 @@ fn mirror(size: MirrorSize) -> Value {
 /// What differs between the rows and what the job asks for, one sentence each; empty = nothing.
 /// Diagonals are compared with the nodes that `separate` will expect.
 fn position_differences(rows: &[Position], request: &ProgramRequest, digit_mm: f64) -> Vec<String> {
+    const MOST: usize = 20;
     let expected = order(request);
-    let mut words = Vec::new();
-    if expected.len() != rows.len() {
-        words.push(format!(
-            "positions.csv has {} readings, expected {}",
-            rows.len(),
-            expected.len()
-        ));
-    }
-    for (row, (of, run, pass, node)) in rows.iter().zip(&expected) {
-        let same = (row.of, row.run, row.pass, row.node) == (*of, *run, *pass, *node);
-        if !same {
-            words.push(format!(
+    let (read, wanted) = (rows.len(), expected.len());
+    let count = format!("positions.csv has {read} readings, expected {wanted}");
+    let wrong = rows.iter().zip(&expected).filter_map(|(row, (of, run, pass, node))| {
+        let is_same = (row.of, row.run, row.pass, row.node) == (*of, *run, *pass, *node);
+        match is_same {
+            false => Some(format!(
                 "reading {} of run {} should be node {node} of run {run}, {}",
                 row.node,
                 row.run,
                 pass.word()
-            ));
-        } else if !is_at_node(row, request, digit_mm) {
-            words.push(format!("node {} of run {} is not where the job has it", row.node, row.run));
+            )),
+            true => (!is_at_node(row, request, digit_mm)).then(|| {
+                format!("node {} of run {} is not where the job has it", row.node, row.run)
+            }),
         }
-        if words.len() > 20 {
-            break;
-        }
-    }
-    words
+    });
+    (read != wanted).then_some(count).into_iter().chain(wrong).take(MOST + 1).collect()
 }
 
 type Key = (Named, u32, Pass, usize);
