@@ -1,7 +1,9 @@
 //! Benchmarks of `nonius path`: the error at points of a path, and a program from end to end.
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use nonius::quantity::axis::{Axis, PerAxis};
 use nonius::volume::tool_path::{PathMap, Profile, ProfileLimits};
+use nonius::volume::volume_model::AxisState;
 use part_program::{Line, Mark, Move, Plane, Refused, Setup, Shape, Text, run};
 use std::fmt::Write;
 use std::hint::black_box;
@@ -11,12 +13,15 @@ const LINES: u32 = 200_000;
 /// A machine of 900 mm with 31 nodes an axis and all eighteen curves.
 fn machine() -> PathMap {
     let nodes = || (0..31_u8).map(|node| f64::from(node) * 30.0).collect::<Vec<f64>>();
-    PathMap::new([0, 1, 2], [nodes(), nodes(), nodes()], [0.0; 3], false, |axis, x| {
-        let shift = [0.3, 1.1, 2.7][axis];
+    let nodes = PerAxis { x: nodes(), y: nodes(), z: nodes() };
+    PathMap::new(Axis::ALL, &nodes, PerAxis::default(), false, |axis, x| {
+        let shift = [0.3, 1.1, 2.7][axis as usize];
         let wave = |k: f64| 5.0 * (x / 97.0 * k + shift).sin();
-        ([wave(1.0), wave(1.7), wave(2.3)], [wave(0.7), wave(1.3), wave(1.9)])
+        AxisState {
+            deviation_um: PerAxis { x: wave(1.0), y: wave(1.7), z: wave(2.3) },
+            rotation_urad: PerAxis { x: wave(0.7), y: wave(1.3), z: wave(1.9) },
+        }
     })
-    .expect("a machine")
 }
 
 fn limits(sample_mm: f64) -> ProfileLimits {

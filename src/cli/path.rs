@@ -6,12 +6,11 @@ mod samples;
 use crate::cli::outcome::{Outcome, Output, Plot};
 use crate::cli::tables::AskedTables;
 use crate::inputs::part_program::problems;
-use crate::kit::Inputs;
 use crate::page::{Ink, Trace};
 use crate::text::problem::{Problem, Problems};
 use crate::visit::files::{Files, Long, plain_words};
 use crate::visit::inputs;
-use crate::volume::tool_path::{PathMap, Profile, limits, path_map};
+use crate::volume::tool_path::{Profile, limits, path_map};
 use crate::volume::volume_model::VolumeModel;
 use clap::Args;
 use page::{After, Followed, Page};
@@ -57,10 +56,9 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
 fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), Problems> {
     let inputs = inputs::read_for(files, &options.job, options.tables.use_of())?;
     let volume = VolumeModel::build(&inputs.job, inputs.as_measured())?;
-    let map = map_of(&inputs, &volume)?;
+    let map = path_map(&inputs.job, &volume);
     let tables = options.tables.corrected(files, &inputs, &volume)?;
-    let after_map = tables.as_ref().map(|t| map_of(&inputs, &t.volume));
-    let after_map = after_map.transpose()?;
+    let after_map = tables.as_ref().map(|t| path_map(&inputs.job, &t.volume));
     let after_map = after_map.as_ref();
     let mut text = ProgramText::open(files, &options.program)?;
     let program = text.name().to_string();
@@ -99,14 +97,6 @@ fn page(options: &Options, files: &dyn Files) -> Result<(Page, Option<Points>), 
     let after = after.map(|(followed, tables)| After { tables, followed });
     let page = Page { program, inputs, volume, ran, before, after, holes, traces };
     Ok((page, points))
-}
-
-fn map_of(inputs: &Inputs, volume: &VolumeModel) -> Result<PathMap, Problem> {
-    path_map(&inputs.job, volume).ok_or_else(|| {
-        Problem::new(
-            "the error curves have no ascending positions, so no error can be told along a path",
-        )
-    })
 }
 
 /// No control reads a longer line.

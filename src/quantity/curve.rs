@@ -25,6 +25,9 @@ use pieces::{Cubic, value_of};
 /// Micrometres per metre in one micrometre per millimetre.
 const MM_PER_M: f64 = 1000.0;
 
+/// A stretch that bends less is straight, in parts of its values (and µm near 0).
+const ROUNDING: f64 = 1e-9;
+
 /// A curve has one value at a place. Where a control adds a whole step at once, the step is written
 /// as a straight line over this nanometre, mm: the value before it stands so far below the place,
 /// the value behind it at the place. No measured curve moves by more than 10⁻⁶ µm over it.
@@ -238,6 +241,15 @@ impl ErrorCurve {
             visit(knot.mm(), self.last);
         }
         visit(to, self.um_at(to));
+    }
+
+    /// Whether it runs straight between its knots, to within rounding.
+    pub(crate) fn is_straight(&self) -> bool {
+        let spans = self.knots.windows(2).map(|pair| (pair[1] - pair[0]).mm());
+        self.pieces.iter().zip(spans).all(|([um, _, square, cube], mm)| {
+            let bent = (square.abs() + cube.abs() * mm) * mm * mm;
+            bent <= ROUNDING * (1.0 + um.abs())
+        })
     }
 
     /// The knots strictly between two positions (mm).

@@ -7,12 +7,14 @@
 //! ```
 //! Which one to quote when, and why they differ: docs/volumetric.md §4.
 
+use crate::machine::separation::curves::range;
 use crate::quantity::axis::{Axis, ErrorTerm, Listed, PerAxis, PerTerm};
+use crate::quantity::curve::ErrorCurve;
 use crate::quantity::diagonal::PerDiagonal;
 use crate::quantity::units::{Millimetres, SAME_PLACE_MM};
 use crate::volume::space::boxes::Boxes;
 use crate::volume::space::diameter::diameter;
-use crate::volume::volume_model::{AxisState, Component, ErrorMap, Nodes, VolumeModel};
+use crate::volume::volume_model::{Component, ErrorMap, Nodes, VolumeModel};
 use serde::Serialize;
 
 /// Largest and smallest value of each of the nine deviations, µm (or any one unit of length).
@@ -40,7 +42,6 @@ impl ByComponent {
     pub fn of(extremes: &Extremes) -> ByComponent {
         let range = |(low, high): (f64, f64)| high - low;
         let own = |axis| extremes[ErrorTerm::positioning(axis)];
-        let all: Option<Vec<(f64, f64)>> = extremes.iter().map(|(_, pair)| *pair).collect();
         let summed = |of: Axis, value: fn((f64, f64)) -> f64| -> Option<f64> {
             let pairs = Axis::ALL.map(|along| extremes[ErrorTerm { of, along }]);
             pairs.into_iter().map(|pair| pair.map(value)).sum()
@@ -48,8 +49,7 @@ impl ByComponent {
         let by_direction =
             |value: fn((f64, f64)) -> f64| root_of_squares(Axis::ALL.map(|of| summed(of, value)));
         let nine = |value: fn((f64, f64)) -> f64| {
-            let all = all.as_ref()?;
-            root_of_squares(all.iter().map(|pair| Some(value(*pair))))
+            root_of_squares(extremes.iter().map(|(_, pair)| pair.map(value)))
         };
         let low: fn((f64, f64)) -> f64 = |pair| pair.0;
         let high: fn((f64, f64)) -> f64 = |pair| pair.1;
@@ -162,40 +162,19 @@ pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
     }
 }
 
-/// Rounding of a curve between two nodes, in parts of its values (and µm near 0).
-const ROUNDING: f64 = 1e-9;
-
 /// Whether no place of the volume differs by more than the nodes do.
 ///
 /// why    where each curve runs straight between neighbouring nodes, the error is a straight line
 ///        in each coordinate and |e(p) − e(q)| convex in it, so its largest value lies at nodes
-/// limits a curve is straight here if it meets the line at ¼, ½ and ¾ between two places where
-///        it bends: enough for the cubic pieces of a curve, times a lever
 fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
-    let own = model.own_nodes();
     Axis::ALL.into_iter().all(|axis| {
-        let among = |place: &f64| {
+        let (low, high) = model.range(axis);
+        let is_node = |place: f64| {
             let next = nodes[axis].partition_point(|node| *node < place - SAME_PLACE_MM);
             nodes[axis].get(next).is_some_and(|n| *n <= place + SAME_PLACE_MM)
         };
-        let straight = |ends: &[f64]| is_straight(model, axis, [ends[0], ends[1]]);
-        own[axis].iter().all(among) && own[axis].windows(2).all(straight)
-    })
-}
-
-fn is_straight(model: &VolumeModel, axis: Axis, [from, to]: [f64; 2]) -> bool {
-    let values = |part: f64| {
-        let place = from + (to - from) * part;
-        let AxisState { deviation_um: d, rotation_urad: r } = model.state(axis, place, |_| true);
-        [d.x, d.y, d.z, r.x, r.y, r.z]
-    };
-    let (first, last) = (values(0.0), values(1.0));
-    [0.25, 0.5, 0.75].into_iter().all(|part| {
-        let inside = values(part).into_iter().zip(first).zip(last);
-        inside.into_iter().all(|((value, a), b)| {
-            let room = ROUNDING * (1.0 + a.abs() + b.abs());
-            (value - (a + (b - a) * part)).abs() <= room
-        })
+        let inside = model.bends(axis).into_iter().filter(|bend| *bend > low && *bend < high);
+        model.all_along(axis).all(ErrorCurve::is_straight) && inside.chain([low, high]).all(is_node)
     })
 }
 
@@ -232,18 +211,15 @@ fn diagonal_ranges(model: &VolumeModel) -> PerDiagonal<f64> {
         });
         let mut bends: Vec<f64> = bends.collect();
         bends.sort_by(f64::total_cmp);
-        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-        for pair in bends.windows(2) {
+        let extremes = bends.windows(2).flat_map(|pair| {
             let (a, b) = (pair[0], pair[1]);
             let (first, middle, last) = (along(a), along(f64::midpoint(a, b)), along(b));
             let bent = 2.0 * (first - 2.0 * middle + last);
             let slope = last - first - bent;
             let turn = -slope / (2.0 * bent);
             let vertex = (turn > 0.0 && turn < 1.0).then_some(first + turn * (slope + bent * turn));
-            for value in [first, last].into_iter().chain(vertex) {
-                (least, most) = (least.min(value), most.max(value));
-            }
-        }
-        if bends.is_empty() { 0.0 } else { most - least }
+            [first, last].into_iter().chain(vertex)
+        });
+        range(extremes)
     })
 }

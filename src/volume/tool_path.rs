@@ -20,6 +20,6 @@ mod profile;
 mod tests;
 
 pub use self::extremes::{Channel, Extreme, Range};
+pub use self::map::PathMap;
 pub(crate) use self::map::path_map;
-pub use self::map::{AxisPart, PathMap};
 pub use self::profile::{Outside, Profile, ProfileLimits, Sample, Summary, limits};

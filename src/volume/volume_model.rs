@@ -26,6 +26,7 @@ pub use self::map::{ErrorMap, Nodes};
 pub use self::missing::{ERRORS, Missing};
 use crate::inputs::job::{Job, Levers, MachineAxis};
 use crate::machine::model::{ErrorModel, Measured};
+use crate::machine::separation::metric::Plane;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::chain::{Chain, displaced, unit};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
@@ -48,7 +49,7 @@ pub struct VolumeModel {
     pub chain: Chain,
     /// Whether the job states it; else all axes are taken to move the tool.
     pub chain_is_stated: bool,
-    /// The nine deviations without stated squareness, zero at the reference; mean of the directions.
+    /// The nine deviations with stated squareness, zero at the reference; mean of the directions.
     deviations: PerTerm<Option<ErrorCurve>>,
     /// What the lever of an optic on the table adds to the straightness of its axis.
     optics: PerTerm<Option<ErrorCurve>>,
@@ -87,6 +88,14 @@ pub struct AxisState {
     pub deviation_um: PerAxis<f64>,
     /// Its rotation as it acts through the positions of other axes, µrad.
     pub rotation_urad: PerAxis<f64>,
+}
+
+impl AxisState {
+    /// All six values.
+    pub(super) fn values(self) -> [f64; 6] {
+        let AxisState { deviation_um: d, rotation_urad: r } = self;
+        [d.x, d.y, d.z, r.x, r.y, r.z]
+    }
 }
 
 impl VolumeModel {
@@ -134,7 +143,7 @@ impl VolumeModel {
         VolumeModel { deviations: self.deviations(model), ..self.clone() }
     }
 
-    /// The curves of a model without stated squareness, with the levers of optics. The mean of two
+    /// The curves of a model with the levers of optics. The mean of two
     /// directions is zero at the reference: which direction a return to it takes is no error
     /// of the volume.
     fn deviations(&self, model: &ErrorModel) -> PerTerm<Option<ErrorCurve>> {
@@ -144,20 +153,21 @@ impl VolumeModel {
             if let (true, Some(machine)) = (measured.has_both_ways(), self.machine[term.along]) {
                 curve = curve.rezeroed_at(machine.reference);
             }
-            let stated = self.squareness.iter().filter(|s| s.term == term);
-            let lines = stated.map(|s| line(&s.line, -s.um_per_m, self.machine[term.along]));
-            let optic = self.optics[term].iter().cloned();
-            Some(lines.chain(optic).fold(curve, |sum, more| sum.plus(&more)))
+            Some(self.optics[term].iter().fold(curve, |sum, optic| sum.plus(optic)))
         })
+    }
+
+    /// Every curve of an axis, rotations also as they act through the positions of others.
+    pub(super) fn all_along(&self, axis: Axis) -> impl Iterator<Item = &ErrorCurve> {
+        let swings =
+            Axis::ALL.map(move |about| self.swings[Rotation { about, along: axis }].as_ref());
+        self.curves_along(axis).chain(swings.into_iter().flatten())
     }
 
     /// Every position where a curve of an axis bends or ends, mm, ascending; where it has none, the
     /// ends of its range.
     pub fn bends(&self, axis: Axis) -> Vec<f64> {
-        let swings = Axis::ALL.map(|about| self.swings[Rotation { about, along: axis }].as_ref());
-        let swings = swings.into_iter().flatten();
-        let knots = self.curves_along(axis).chain(swings);
-        let knots = knots.flat_map(ErrorCurve::knots);
+        let knots = self.all_along(axis).flat_map(ErrorCurve::knots);
         let mut bends: Vec<f64> = knots.map(|knot| knot.mm()).collect();
         if bends.is_empty() {
             bends.extend([self.ranges[axis].0, self.ranges[axis].1]);
@@ -201,12 +211,15 @@ impl VolumeModel {
         };
         let deviation = PerAxis::from_fn(|of| {
             let term = ErrorTerm { of, along: axis };
-            let curve = self.deviations[term].as_ref();
-            let kept = curve.filter(|_| keep(Component::Deviation(term)));
-            let stated = self.squareness.iter();
-            let lines = stated.filter(|s| s.term == term && keep(Component::Squareness(term)));
-            let lines = lines.map(|s| &s.line);
-            kept.into_iter().chain(lines).map(|curve| curve.at(at).um()).sum()
+            let all = self.deviations[term].as_ref().map_or(0.0, |curve| curve.at(at).um());
+            let stated = self.squareness.iter().filter(|s| s.term == term);
+            let stated: f64 = stated.map(|s| s.line.at(at).um()).sum();
+            match [Component::Deviation(term), Component::Squareness(term)].map(&keep) {
+                [true, true] => all,
+                [true, false] => all - stated,
+                [false, true] => stated,
+                [false, false] => 0.0,
+            }
         });
         AxisState {
             deviation_um: deviation
@@ -234,20 +247,17 @@ impl VolumeModel {
         states.iter().fold(swung, |sum, (_, state)| sum.plus(state.deviation_um))
     }
 
-    /// The components that were measured or stated, in the order EXX … EZZ, EAX … ECZ, squareness.
+    /// The components that were measured or stated, in the order of [`Component::all`].
     pub fn components(&self) -> Vec<Component> {
-        let deviations = ErrorTerm::ALL.into_iter().map(Component::Deviation);
-        let rotations = Rotation::all().map(Component::Rotation);
-        let squareness = self.squareness.iter();
-        deviations
-            .chain(rotations)
-            .filter(|component| match component {
-                Component::Deviation(term) => self.deviations[*term].is_some(),
-                Component::Rotation(rotation) => self.rotations[*rotation].is_some(),
-                Component::Squareness(_) => false,
-            })
-            .chain(squareness.map(|s| Component::Squareness(s.term)))
-            .collect()
+        Component::all().filter(|component| self.holds(*component)).collect()
+    }
+
+    fn holds(&self, component: Component) -> bool {
+        match component {
+            Component::Deviation(term) => self.deviations[term].is_some(),
+            Component::Rotation(rotation) => self.rotations[rotation].is_some(),
+            Component::Squareness(term) => self.squareness.iter().any(|s| s.term == term),
+        }
     }
 
     /// Adds what a control adds to one term. Squareness of this term is from now on part of it: a
@@ -262,9 +272,7 @@ impl VolumeModel {
         correction: &ErrorCurve,
         at_reference: Option<Deviation>,
     ) {
-        let Some(curve) = self.deviation(term) else {
-            return;
-        };
+        let Some(curve) = self.deviation(term) else { return };
         let homing = self.homing(term.along).zip(at_reference);
         let reversal = homing.map(|((reference, _), um)| correction.at(reference) - um);
         let mean = reversal.map_or(correction.clone(), |um| correction.less(um));
@@ -284,10 +292,8 @@ impl VolumeModel {
     }
 
     /// The deviation of a term with stated squareness.
-    pub fn deviation(&self, term: ErrorTerm) -> Option<ErrorCurve> {
-        let curve = self.deviations[term].clone()?;
-        let stated = self.squareness.iter().filter(|s| s.term == term);
-        Some(stated.fold(curve, |sum, s| sum.plus(&s.line)))
+    pub fn deviation(&self, term: ErrorTerm) -> Option<&ErrorCurve> {
+        self.deviations[term].as_ref()
     }
 
     /// The deviation of a term with stated squareness, zero at the reference.
@@ -298,28 +304,20 @@ impl VolumeModel {
     }
 }
 
-/// The lines of stated squareness, each over the range in which its term was measured.
+/// The lines of stated squareness, each over the range in which its term was measured, held beyond it; with the
+/// reference outside the range a line is zero at the nearer end, which is what is held there.
 fn squareness(job: &Job, model: &ErrorModel) -> Vec<Squareness> {
     let stated = job.measurement.squareness.iter();
     let lines = stated.filter_map(|(term, um_per_m)| {
-        let measured = model.terms[*term].as_ref()?.measured.mean();
-        Some(Squareness {
-            term: *term,
-            um_per_m: *um_per_m,
-            line: line(&measured, *um_per_m, job.machine.axes[term.along]),
-        })
+        let (low, high) = model.terms[*term].as_ref()?.measured.mean().measured_range();
+        let machine = job.machine.axes[term.along];
+        let zero = machine.map_or(low, |machine| machine.reference).mm();
+        let zero = zero.clamp(low.mm(), high.mm());
+        let at = |place: Millimetres| Deviation::from_um(um_per_m * (place.mm() - zero) / MM_PER_M);
+        let line = ErrorCurve::through(&[low, high], &[at(low), at(high)], Interpolation::Linear);
+        Some(Squareness { term: *term, um_per_m: *um_per_m, line })
     });
     lines.collect()
-}
-
-/// φ·(position − reference) over the range of a curve, held beyond it; with the reference outside
-/// the range the line is zero at its nearer end, which is what is held there.
-fn line(curve: &ErrorCurve, um_per_m: f64, machine: Option<MachineAxis>) -> ErrorCurve {
-    let (low, high) = curve.measured_range();
-    let reference = machine.map_or(low.mm(), |machine| machine.reference.mm());
-    let zero = reference.clamp(low.mm(), high.mm());
-    let at = |place: Millimetres| Deviation::from_um(um_per_m * (place.mm() - zero) / MM_PER_M);
-    ErrorCurve::through(&[low, high], &[at(low), at(high)], Interpolation::Linear)
 }
 
 /// An optic can ride on a table only.
@@ -353,6 +351,13 @@ pub enum Component {
 }
 
 impl Component {
+    /// All of them, in the order EXX … EZZ, EAX … ECZ, squareness XY, XZ, YZ.
+    pub(super) fn all() -> impl Iterator<Item = Component> {
+        let deviations = ErrorTerm::ALL.into_iter().map(Component::Deviation);
+        let squareness = Plane::ALL.map(|plane| Component::Squareness(plane.carrier()));
+        deviations.chain(Rotation::all().map(Component::Rotation)).chain(squareness)
+    }
+
     /// Its name in ISO 230-1 with the sign that turns it into ours, where the two differ
     /// (contract §1): EC0Y = −φxy, EB0Z = +φxz, EA0Z = −φyz.
     pub(crate) fn iso_name(self) -> String {

@@ -87,7 +87,7 @@ impl Followed {
         let extremes = Channel::ALL.into_iter().map(|channel| {
             let key = match channel {
                 Channel::Length => "e",
-                channel => channel.name(),
+                channel => channel.word(),
             };
             (key.to_string(), json!(s.range(channel)))
         });
@@ -109,7 +109,7 @@ impl Followed {
         let rows = Channel::ALL.into_iter().filter_map(|channel| {
             let range = self.summary.range(channel)?;
             let (min, max) = (cells(&range.min), cells(&range.max));
-            Some(format!("{}\t{min}\t{max}", channel.name()))
+            Some(format!("{}\t{min}\t{max}", channel.word()))
         });
         let heading = "\t>min/µm\tat x, y, z/mm\t>line\t>max/µm\tat x, y, z/mm\t>line";
         format!("{name}\n{}", table(heading, rows))

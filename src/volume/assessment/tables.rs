@@ -1,10 +1,10 @@
 //! The machine as the tables of a control leave it.
 
-use crate::machine::model::{ErrorModel, Measured};
+use crate::machine::model::ErrorModel;
 use crate::quantity::axis::{Direction, Rotation};
 use crate::quantity::curve::{ErrorCurve, Interpolation, JUMP_MM};
 use crate::quantity::units::{Deviation, Millimetres};
-use crate::read::emulate::{Emulated, Emulator, NodeTable, Response, Stretch};
+use crate::read::emulate::{Emulated, Emulator, Response, Stretch};
 use crate::volume::volume_model::VolumeModel;
 use crate::write::plan::{Plan, axis_pairs};
 
@@ -32,10 +32,15 @@ pub(crate) fn with_tables(
             continue;
         };
         let mut responses = Vec::new();
-        for direction in directions(&measured.measured) {
-            responses.push((*direction, control.response(base, output, *direction)?));
+        // Both directions, if nothing is said of them.
+        let is_measured = |way: &Direction| measured.measured.curve(*way).is_some();
+        for direction in Direction::BOTH.into_iter().filter(is_measured) {
+            responses.push((direction, control.response(base, output, direction)?));
         }
-        let (from, to) = acts_over(&responses, measured.measured.mean().measured_range());
+        // Beyond the measured range with that of the tables both are held.
+        let tables = responses.iter().flat_map(|(_, response)| tables(response));
+        let all = tables.chain([measured.measured.mean().measured_range()]);
+        let Some((from, to)) = reach(all) else { continue };
         let curve = |(_, r): &(Direction, Response)| correction(&r.stretches(from, to));
         let corrections: Vec<ErrorCurve> = responses.iter().map(curve).collect();
         if let Some(mean) = mean(&corrections).filter(acts) {
@@ -47,15 +52,9 @@ pub(crate) fn with_tables(
     for rotation in Rotation::all() {
         let base = plan.names[rotation.along].first();
         let own = base.and_then(|base| control.rotation(base, rotation.about));
-        if let Some(response) = own {
-            let nodes = response.tables().iter().flat_map(NodeTable::nodes);
-            let mut places: Vec<f64> = nodes.map(|(at, _)| at.mm()).collect();
-            places.sort_by(f64::total_cmp);
-            let ends = places.first().zip(places.last());
-            let ends = ends.map(|(from, to)| (Millimetres::new(*from), Millimetres::new(*to)));
-            if let Some((from, to)) = ends {
-                left.correct_rotation(rotation, &correction(&response.stretches(from, to)));
-            }
+        let ends = own.as_ref().and_then(|response| reach(tables(response)));
+        if let Some((response, (from, to))) = own.zip(ends) {
+            left.correct_rotation(rotation, &correction(&response.stretches(from, to)));
         }
     }
     Ok(left)
@@ -70,26 +69,18 @@ fn at_reference(
     Some(Deviation::from_um(response.correction(reference).um()))
 }
 
-/// The directions that a term was measured in: both, if nothing is said of it.
-fn directions(measured: &Measured) -> &'static [Direction] {
-    match measured {
-        Measured::OneWay(Direction::Plus, _) => &[Direction::Plus],
-        Measured::OneWay(Direction::Minus, _) => &[Direction::Minus],
-        _ => &Direction::BOTH,
-    }
+/// From where to where each table of a response goes.
+fn tables(response: &Response) -> impl Iterator<Item = (Millimetres, Millimetres)> {
+    response.tables().iter().map(|table| (table.first(), table.last()))
 }
 
-/// The measured range with that of the tables: beyond it both are held.
-fn acts_over(
-    responses: &[(Direction, Response)],
-    (from, to): (Millimetres, Millimetres),
-) -> (Millimetres, Millimetres) {
-    let tables = || responses.iter().flat_map(|(_, response)| response.tables());
-    let firsts = tables().map(NodeTable::first);
-    let lasts = tables().map(NodeTable::last);
-    let from = firsts.fold(from, |low, first| if first < low { first } else { low });
-    let to = lasts.fold(to, |high, last| if last > high { last } else { high });
-    (from, to)
+/// From the first beginning to the last end.
+fn reach(
+    ranges: impl Iterator<Item = (Millimetres, Millimetres)>,
+) -> Option<(Millimetres, Millimetres)> {
+    ranges.reduce(|(low, high), (from, to)| {
+        (if from < low { from } else { low }, if to > high { to } else { high })
+    })
 }
 
 /// The stretches of a correction as one curve, a jump between two as a line over [`JUMP_MM`].

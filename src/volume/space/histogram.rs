@@ -66,24 +66,21 @@ pub(super) fn prepared(vectors: &[Vector], bin_um: f64) -> Option<Cloud<'_>> {
 
 /// Integers add up to the same sum however the work is divided.
 fn in_threads(cloud: &Cloud<'_>, threads: usize) -> Vec<Tally> {
-    let parts = parts(cloud.exact.len(), threads.max(1));
     let work = |part: Range<usize>| {
         let mut tally = Tally::new();
         count(cloud, part, &mut tally);
         tally
     };
-    if let [whole] = parts.as_slice() {
-        return vec![work(whole.clone())];
-    }
+    let mut parts = parts(cloud.exact.len(), threads.max(1)).into_iter();
+    let first = parts.next();
     std::thread::scope(|scope| {
-        let work = &work;
-        let running: Vec<_> =
-            parts.into_iter().map(|part| scope.spawn(move || work(part))).collect();
-        let joined = running.into_iter().map(|thread| match thread.join() {
-            Ok(tally) => tally,
-            Err(reason) => std::panic::resume_unwind(reason),
-        });
-        joined.collect()
+        let running: Vec<_> = parts.map(|part| scope.spawn(move || work(part))).collect();
+        // One part in this thread: a page in a browser has no other.
+        let own = first.map(work);
+        let joined = running
+            .into_iter()
+            .map(|thread| thread.join().unwrap_or_else(|reason| std::panic::resume_unwind(reason)));
+        own.into_iter().chain(joined).collect()
     })
 }
 

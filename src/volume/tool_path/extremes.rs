@@ -1,41 +1,31 @@
 //! Smallest and largest values along a path, with the places where they are, and where a polynomial turns.
 
+use crate::text::words::words;
 use part_program::Place;
 use serde::Serialize;
 
-/// What is followed along a path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
-    /// Error in X.
-    X,
-    /// Error in Y.
-    Y,
-    /// Error in Z.
-    Z,
-    /// Along the path: positive ahead.
-    Tangent,
-    /// Across the path in the selected plane: positive to the left.
-    Normal,
-    /// Length of the error vector.
-    Length,
+words! {
+    /// What is followed along a path, by its name in tables and documents.
+    pub enum Channel {
+        /// Error in X.
+        X = "ex",
+        /// Error in Y.
+        Y = "ey",
+        /// Error in Z.
+        Z = "ez",
+        /// Along the path: positive ahead.
+        Tangent = "tangent",
+        /// Across the path in the selected plane: positive to the left.
+        Normal = "normal",
+        /// Length of the error vector.
+        Length = "|e|",
+    }
 }
 
 impl Channel {
     /// All of them, in the order in which they are shown.
     pub const ALL: [Channel; 6] =
         [Channel::X, Channel::Y, Channel::Z, Channel::Tangent, Channel::Normal, Channel::Length];
-
-    /// Its name in tables and documents.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Channel::X => "ex",
-            Channel::Y => "ey",
-            Channel::Z => "ez",
-            Channel::Tangent => "tangent",
-            Channel::Normal => "normal",
-            Channel::Length => "|e|",
-        }
-    }
 }
 
 /// An extreme value and where it is.
@@ -118,14 +108,8 @@ pub(super) fn turning_points(coefficients: &[f64]) -> Vec<f64> {
 }
 
 fn derivative(coefficients: &[f64]) -> Vec<f64> {
-    let mut power = 0.0;
-    let terms = coefficients.iter().skip(1);
-    terms
-        .map(|coefficient| {
-            power += 1.0;
-            coefficient * power
-        })
-        .collect()
+    let terms = coefficients.iter().enumerate().skip(1);
+    terms.map(|(power, coefficient)| coefficient * power as f64).collect()
 }
 
 fn value(coefficients: &[f64], t: f64) -> f64 {

@@ -2,17 +2,14 @@
 //! nodes of each axis.
 
 use crate::inputs::job::Job;
-use crate::quantity::axis::Axis;
+use crate::quantity::axis::{Axis, PerAxis};
 use crate::quantity::curve::{Interpolation, JUMP_MM};
 use crate::volume::space::pair::cross;
-use crate::volume::volume_model::VolumeModel;
+use crate::volume::volume_model::{AxisState, Nodes, VolumeModel};
 use part_program::Place;
 
 /// µrad × mm = 10⁻³ µm.
 const PER_M: f64 = 1e-3;
-
-/// Deviation (X, Y, Z, µm) and rotation (about X, Y, Z, µrad) of one axis where it stands.
-pub type AxisPart = ([f64; 3], [f64; 3]);
 
 /// Six cubics in the distance from the node on the left.
 type Piece = [[f64; 6]; 4];
@@ -23,8 +20,6 @@ struct AxisPieces {
     nodes: Vec<f64>,
     /// One more than nodes: before the first, between two, behind the last.
     pieces: Vec<Piece>,
-    /// Where the lever counts from.
-    origin: f64,
 }
 
 /// The errors of a machine along a path.
@@ -32,16 +27,20 @@ struct AxisPieces {
 /// ```text
 ///   e = Σ dᵢ + r₁ × (a₂ + a₃) + r₂ × a₃ + (r₁ + r₂ + r₃) × t           1, 2, 3: workpiece → tool
 /// ```
-/// t is what the tool is longer than the one that was measured with: (0, 0, −ΔL). Rotations swing it;
-/// squareness, a slope of dᵢ, tilts the way of an axis and not what it carries
-/// ([`crate::volume::volume_model`]), so ΔL adds nothing to it.
+/// The formula of [`crate::quantity::chain::displaced`], in half of its time. t is what the tool is longer than the one
+/// that was measured with: (0, 0, −ΔL). Rotations swing it; squareness, a slope of dᵢ, tilts the way of an axis and not
+/// what it carries ([`crate::volume::volume_model`]), so ΔL adds nothing to it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathMap {
     /// Numbers of the axes from the workpiece to the tool.
     order: [usize; 3],
     axes: [AxisPieces; 3],
-    /// 1: linear curves, 3: cubic ones.
-    degree: usize,
+    /// Where levers count from.
+    origins: [f64; 3],
+    /// 1 for the axes whose travel is a lever of the first axis, and of the second one, else 0.
+    behind: [[f64; 3]; 2],
+    /// Whether the curves are straight between nodes; else cubic.
+    is_linear: bool,
     /// Subtracted everywhere (datum), µm.
     zero: [f64; 3],
 }
@@ -49,47 +48,45 @@ pub struct PathMap {
 impl PathMap {
     /// The map of three axes.
     ///
-    /// `order`: numbers of the axes from the workpiece to the tool; `nodes`: where the curves of an
-    /// axis bend, ascending, at least one; `origins`: where levers count from, mm; `part`: what an
-    /// axis contributes at a position; `cubic`: the curves are cubic between nodes, else straight.
-    /// `None` where the order names an axis twice or nodes do not ascend.
+    /// `order`: the axes from the workpiece to the tool; `nodes`: where the curves of an axis bend, ascending, at
+    /// least one; `origins`: where levers count from, mm; `state`: what an axis contributes at a position; `cubic`: the
+    /// curves are cubic between nodes, else straight.
     pub fn new(
-        order: [usize; 3],
-        nodes: [Vec<f64>; 3],
-        origins: [f64; 3],
+        order: [Axis; 3],
+        nodes: &Nodes,
+        origins: PerAxis<f64>,
         cubic: bool,
-        part: impl Fn(usize, f64) -> AxisPart,
-    ) -> Option<PathMap> {
-        let each_once = (0..3).all(|axis| order.contains(&axis));
-        let ascend = |nodes: &Vec<f64>| {
-            !nodes.is_empty()
-                && nodes.iter().all(|node| node.is_finite())
-                && nodes.windows(2).all(|pair| pair[0] < pair[1])
-        };
-        if !each_once || !nodes.iter().all(ascend) {
-            return None;
-        }
-        let axes = [0, 1, 2].map(|axis| {
-            let (nodes, pieces) = pieces(&nodes[axis], cubic, |at| part(axis, at));
-            AxisPieces { nodes, pieces, origin: origins[axis] }
+        state: impl Fn(Axis, f64) -> AxisState,
+    ) -> PathMap {
+        let axes = Axis::ALL.map(|axis| {
+            let (nodes, pieces) = pieces(&nodes[axis], cubic, |at| state(axis, at).values());
+            AxisPieces { nodes, pieces }
         });
-        Some(PathMap { order, axes, degree: if cubic { 3 } else { 1 }, zero: [0.0; 3] })
+        let counts = |behind: &[Axis]| Axis::ALL.map(|axis| f64::from(behind.contains(&axis)));
+        PathMap {
+            behind: [counts(&order[1..]), counts(&order[2..])],
+            order: order.map(|axis| axis as usize),
+            origins: Axis::ALL.map(|axis| origins[axis]),
+            axes,
+            is_linear: !cubic,
+            zero: [0.0; 3],
+        }
     }
 
     /// The map less the mean error at these places (a datum that was probed on the machine).
     #[must_use]
     pub(crate) fn zeroed_at(mut self, places: &[Place]) -> PathMap {
-        let errors = places.iter().map(|place| self.error_at(*place, 0.0));
-        let sum = errors.fold([0.0; 3], plus);
-        if !places.is_empty() {
-            self.zero = plus(self.zero, sum.map(|um| um / places.len() as f64));
+        let errors: Vec<Place> = places.iter().map(|place| self.error_at(*place, 0.0)).collect();
+        if !errors.is_empty() {
+            let mean = |k: usize| errors.iter().map(|um| um[k]).sum::<f64>() / errors.len() as f64;
+            self.zero = std::array::from_fn(|k| self.zero[k] + mean(k));
         }
         self
     }
 
     /// Whether the curves are straight between nodes.
     pub(super) fn is_linear(&self) -> bool {
-        self.degree == 1
+        self.is_linear
     }
 
     /// The nodes of an axis.
@@ -120,54 +117,12 @@ impl PathMap {
         self.error_in(self.cell(place, [0; 3]), place, longer)
     }
 
-    /// The same in a cell that is known.
+    /// The same in a cell that is known. **The only place where an error is computed.**
     #[inline]
     pub(super) fn error_in(&self, cell: [usize; 3], place: Place, longer: f64) -> [f64; 3] {
-        self.in_cell(cell).error_at(place, longer)
-    }
-
-    /// What the errors are made from in a cell, ready for many places.
-    #[inline]
-    pub(super) fn in_cell(&self, cell: [usize; 3]) -> Cell<'_> {
-        let [first, _, third] = self.order;
-        let pieces = |axis: usize| &self.axes[axis].pieces[cell[axis]];
-        let left = |axis: usize| self.axes[axis].nodes[cell[axis].max(1) - 1];
-        Cell {
-            order: self.order,
-            pieces: self.order.map(pieces),
-            lefts: self.order.map(left),
-            origins: [0, 1, 2].map(|axis| self.axes[axis].origin),
-            beyond_first: [0, 1, 2].map(|axis| f64::from(u8::from(axis != first))),
-            beyond_second: [0, 1, 2].map(|axis| f64::from(u8::from(axis == third))),
-            degree: self.degree,
-            zero: self.zero,
-        }
-    }
-}
-
-/// The errors between neighbouring nodes of all axes.
-pub(super) struct Cell<'m> {
-    order: [usize; 3],
-    /// Of the axes from the workpiece to the tool.
-    pieces: [&'m Piece; 3],
-    lefts: [f64; 3],
-    origins: [f64; 3],
-    /// 1 for the axes whose travel is a lever of the first axis, else 0.
-    beyond_first: [f64; 3],
-    /// 1 for the axis whose travel is a lever of the second axis, else 0.
-    beyond_second: [f64; 3],
-    degree: usize,
-    zero: [f64; 3],
-}
-
-impl Cell<'_> {
-    /// The error vector at a place of the cell. **The only place where an error is computed.**
-    #[inline(always)]
-    pub(super) fn error_at(&self, place: Place, longer: f64) -> [f64; 3] {
-        if self.degree == 1 {
-            self.error_with(line_at, place, longer)
-        } else {
-            self.error_with(cubic_at, place, longer)
+        match self.is_linear {
+            true => self.error_with(line_at, cell, place, longer),
+            false => self.error_with(cubic_at, cell, place, longer),
         }
     }
 
@@ -175,29 +130,29 @@ impl Cell<'_> {
     fn error_with(
         &self,
         value: impl Fn(&Piece, f64) -> [f64; 6],
+        cell: [usize; 3],
         place: Place,
         longer: f64,
     ) -> [f64; 3] {
-        let part = |n: usize| value(self.pieces[n], place[self.order[n]] - self.lefts[n]);
-        let [first, second, third] = [part(0), part(1), part(2)];
+        let part = |axis: usize| {
+            let (AxisPieces { nodes, pieces }, number) = (&self.axes[axis], cell[axis]);
+            value(&pieces[number], place[axis] - nodes[number.max(1) - 1])
+        };
+        let [first, second, third] = self.order;
+        let [first, second, third] = [part(first), part(second), part(third)];
         let tool = [0.0, 0.0, -longer];
-        let travel: [f64; 3] = std::array::from_fn(|k| place[k] - self.origins[k]);
         let lever = |counts: &[f64; 3]| -> [f64; 3] {
-            std::array::from_fn(|k| travel[k] * counts[k] + tool[k])
+            std::array::from_fn(|k| (place[k] - self.origins[k]) * counts[k] + tool[k])
         };
         let rotation = |part: &[f64; 6]| [part[3], part[4], part[5]];
-        let swung = plus(
-            cross(&rotation(&first), &lever(&self.beyond_first)),
-            cross(&rotation(&second), &lever(&self.beyond_second)),
-        );
-        let swung = plus(swung, cross(&rotation(&third), &tool));
-        std::array::from_fn(|k| (first[k] + second[k]) + third[k] + swung[k] * PER_M - self.zero[k])
+        let by_first = cross(&rotation(&first), &lever(&self.behind[0]));
+        let by_second = cross(&rotation(&second), &lever(&self.behind[1]));
+        let by_third = cross(&rotation(&third), &tool);
+        std::array::from_fn(|k| {
+            let swung = (by_first[k] + by_second[k]) + by_third[k];
+            (first[k] + second[k]) + third[k] + swung * PER_M - self.zero[k]
+        })
     }
-}
-
-#[inline]
-fn plus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|k| a[k] + b[k])
 }
 
 #[inline]
@@ -215,41 +170,31 @@ fn cubic_at(piece: &Piece, s: f64) -> [f64; 6] {
 /// ([`JUMP_MM`]) is two pieces, the value before it and the value behind it: whichever way a path
 /// goes, it meets both, and where exactly it is there does not matter. Gives the nodes between the
 /// pieces too.
-fn pieces(nodes: &[f64], cubic: bool, part: impl Fn(f64) -> AxisPart) -> (Vec<f64>, Vec<Piece>) {
-    let at = |position: f64| {
-        let (deviation, rotation) = part(position);
-        let mut six = [0.0; 6];
-        six[..3].copy_from_slice(&deviation);
-        six[3..].copy_from_slice(&rotation);
-        six
-    };
+fn pieces(nodes: &[f64], cubic: bool, at: impl Fn(f64) -> [f64; 6]) -> (Vec<f64>, Vec<Piece>) {
     let (first, last) = (nodes[0], nodes[nodes.len() - 1]);
-    let (before, behind) = (at(first - 1.0), at(last + 1.0));
     let mut split = vec![first];
-    let mut pieces = vec![straight(at(first), slopes(before, at(first), 1.0))];
+    let mut pieces = vec![straight(at(first), at(first - 1.0), -1.0)];
     for pair in nodes.windows(2) {
         let (left, width) = (pair[0], pair[1] - pair[0]);
         let ends = (at(left), at(pair[1]));
         if width < 2.0 * JUMP_MM {
             split.push(f64::midpoint(left, pair[1]));
-            pieces.extend([straight(ends.0, [0.0; 6]), straight(ends.1, [0.0; 6])]);
+            pieces.extend([straight(ends.0, ends.0, 1.0), straight(ends.1, ends.1, 1.0)]);
         } else if cubic {
             let inner = [1.0 / 3.0, 2.0 / 3.0].map(|part| at(left + width * part));
             pieces.push(through_four(ends.0, inner[0], inner[1], ends.1, width));
         } else {
-            pieces.push(straight(ends.0, slopes(ends.0, ends.1, width)));
+            pieces.push(straight(ends.0, ends.1, width));
         }
         split.push(pair[1]);
     }
-    pieces.push(straight(at(last), slopes(at(last), behind, 1.0)));
+    pieces.push(straight(at(last), at(last + 1.0), 1.0));
     (split, pieces)
 }
 
-fn slopes(from: [f64; 6], to: [f64; 6], width: f64) -> [f64; 6] {
-    std::array::from_fn(|k| (to[k] - from[k]) / width)
-}
-
-fn straight(value: [f64; 6], slope: [f64; 6]) -> Piece {
+/// From a value on, with the slope to another one so far away.
+fn straight(value: [f64; 6], other: [f64; 6], away: f64) -> Piece {
+    let slope = std::array::from_fn(|k| (other[k] - value[k]) / away);
     [value, slope, [0.0; 6], [0.0; 6]]
 }
 
@@ -268,24 +213,10 @@ fn through_four(a: [f64; 6], b: [f64; 6], c: [f64; 6], d: [f64; 6], width: f64) 
 }
 
 /// The errors of a machine along a path, less the mean error at the probed places of the job.
-/// `None` where curves do not ascend, which a model that exists does not do.
-pub(crate) fn path_map(job: &Job, volume: &VolumeModel) -> Option<PathMap> {
-    let number = |axis: Axis| Axis::ALL.iter().position(|other| *other == axis);
-    let [first, second, third] = volume.chain.order().map(number);
-    let origin = volume.lever_origin();
+pub(crate) fn path_map(job: &Job, volume: &VolumeModel) -> PathMap {
+    let nodes = PerAxis::from_fn(|axis| volume.bends(axis));
     let cubic = job.compensation.curve != Interpolation::Linear;
-    let map = PathMap::new(
-        [first?, second?, third?],
-        Axis::ALL.map(|axis| volume.bends(axis)),
-        Axis::ALL.map(|axis| origin[axis]),
-        cubic,
-        |axis, position_mm| {
-            let state = volume.state(Axis::ALL[axis], position_mm, |_| true);
-            (
-                Axis::ALL.map(|of| state.deviation_um[of]),
-                Axis::ALL.map(|about| state.rotation_urad[about]),
-            )
-        },
-    )?;
-    Some(map.zeroed_at(&job.path.datum))
+    let state = |axis, mm| volume.state(axis, mm, |_| true);
+    let map = PathMap::new(volume.chain.order(), &nodes, volume.lever_origin(), cubic, state);
+    map.zeroed_at(&job.path.datum)
 }

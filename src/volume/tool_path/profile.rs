@@ -49,7 +49,7 @@ pub fn limits(job: &Job, volume: &VolumeModel) -> ProfileLimits {
 }
 
 /// A sample of the path.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Length of the path up to here, mm (followed moves only).
     pub s_mm: f64,
@@ -126,12 +126,9 @@ pub struct Profile<'m> {
 struct Stretch {
     from: Place,
     to: Place,
-    line: usize,
-    longer: f64,
-    tangent: [f64; 3],
-    normal: Option<[f64; 3]>,
     begins: bool,
-    hole: Option<u64>,
+    /// What all of its samples have in common.
+    common: Sample,
 }
 
 impl<'m> Profile<'m> {
@@ -155,16 +152,9 @@ impl<'m> Profile<'m> {
         }
         let longer = step.tool_mm.map_or(0.0, |mm| mm - self.limits.measured_tool_mm);
         self.found.with_tool |= step.tool_mm.is_some();
-        let mut stretch = Stretch {
-            from: step.from,
-            to: step.to,
-            line: step.line,
-            longer,
-            tangent: [0.0; 3],
-            normal: None,
-            begins: true,
-            hole: step.hole,
-        };
+        let Move { from, to, line, hole, .. } = *step;
+        let common = Sample { line, hole, longer_mm: longer, ..Sample::default() };
+        let mut stretch = Stretch { from, to, begins: true, common };
         let chords = match step.shape {
             Shape::Line => {
                 self.found.lines += 1;
@@ -199,12 +189,12 @@ impl<'m> Profile<'m> {
         if length <= 0.0 {
             return Ok(());
         }
-        stretch.tangent = way.map(|part| part / length);
-        stretch.normal = normal(plane, stretch.tangent);
+        stretch.common.ahead = way.map(|part| part / length);
+        stretch.common.left = normal(plane, stretch.common.ahead);
         self.cut(&stretch);
         if stretch.begins {
             self.cell = self.map.cell(stretch.from, self.cell);
-            let error = self.map.error_in(self.cell, stretch.from, stretch.longer);
+            let error = self.map.error_in(self.cell, stretch.from, stretch.common.longer_mm);
             self.take(&stretch, stretch.from, error);
             self.sample(&stretch, (stretch.from, error, None), 0.0, sample);
         }
@@ -259,20 +249,20 @@ impl<'m> Profile<'m> {
         self.cell = self.map.cell(at(f64::midpoint(from, to)), self.cell);
         self.turns(stretch, &at, (from, to));
         let steps = steps((to - from) * length, self.limits.sample_mm);
-        let cell = self.map.in_cell(self.cell);
+        let (map, cell, longer) = (self.map, self.cell, stretch.common.longer_mm);
         for step in 1..steps {
             let part = from + (to - from) * f64::from(step) / f64::from(steps);
             let place = at(part);
-            let error = cell.error_at(place, stretch.longer);
+            let error = map.error_in(cell, place, longer);
             if !self.map.is_linear() {
                 self.take(stretch, place, error);
             } // else the ends and the turning points hold the extremes
             self.sample(stretch, (place, error, None), part * length, sample);
         }
         let place = at(to);
-        let error = cell.error_at(place, stretch.longer);
+        let error = map.error_in(cell, place, longer);
         self.take(stretch, place, error);
-        let hole = stretch.hole.filter(|_| to >= 1.0);
+        let hole = stretch.common.hole.filter(|_| to >= 1.0);
         self.sample(stretch, (place, error, hole), to * length, sample);
     }
 
@@ -281,7 +271,7 @@ impl<'m> Profile<'m> {
     fn turns(&mut self, stretch: &Stretch, at: &impl Fn(f64) -> Place, (from, to): (f64, f64)) {
         let error = |part: f64| {
             let place = at(from + (to - from) * part);
-            channels(stretch, self.map.error_in(self.cell, place, stretch.longer))
+            channels(stretch, self.map.error_in(self.cell, place, stretch.common.longer_mm))
         };
         if self.map.is_linear() {
             let values = [error(0.0), error(0.5), error(1.0)];
@@ -327,7 +317,7 @@ impl<'m> Profile<'m> {
         turns.extend(turning_points(&squares(&five[..3])));
         for turn in turns {
             let place = at(from + (to - from) * turn);
-            let error = self.map.error_in(self.cell, place, stretch.longer);
+            let error = self.map.error_in(self.cell, place, stretch.common.longer_mm);
             self.take(stretch, place, error);
         }
     }
@@ -335,11 +325,11 @@ impl<'m> Profile<'m> {
     #[inline]
     fn take(&mut self, stretch: &Stretch, place: Place, error: [f64; 3]) {
         let values = channels(stretch, error);
-        let count = if stretch.normal.is_some() { 5 } else { 4 };
+        let count = if stretch.common.left.is_some() { 5 } else { 4 };
         for (range, value) in self.found.ranges.iter_mut().zip(&values[..count]) {
-            range.take(*value, place, stretch.line);
+            range.take(*value, place, stretch.common.line);
         }
-        self.found.ranges[5].take(dot(&error, &error).sqrt(), place, stretch.line);
+        self.found.ranges[5].take(dot(&error, &error).sqrt(), place, stretch.common.line);
     }
 
     #[inline]
@@ -356,12 +346,9 @@ impl<'m> Profile<'m> {
             s_mm: self.found.length_mm + done,
             place,
             error_um: error,
-            longer_mm: stretch.longer,
-            line: stretch.line,
             is_held: self.is_held(place),
-            ahead: stretch.tangent,
-            left: stretch.normal,
             hole,
+            ..stretch.common
         });
     }
 
@@ -403,7 +390,7 @@ impl<'m> Profile<'m> {
                             Figure(at)
                         )).help("measure there, or write `outside = \"hold\"` in [path]"));
                 }
-                self.note_outside(axis, at, stretch.line);
+                self.note_outside(axis, at, stretch.common.line);
             }
         }
         Ok(())
@@ -445,8 +432,8 @@ impl Summary {
 /// X, Y, Z, tangent, normal (0 where there is none).
 #[inline]
 fn channels(stretch: &Stretch, e: [f64; 3]) -> [f64; 5] {
-    let normal = stretch.normal.unwrap_or([0.0; 3]);
-    [e[0], e[1], e[2], dot(&stretch.tangent, &e), dot(&normal, &e)]
+    let Sample { ahead, left, .. } = stretch.common;
+    [e[0], e[1], e[2], dot(&ahead, &e), dot(&left.unwrap_or_default(), &e)]
 }
 
 /// To the left of the path in the plane; `None` where the path runs along the third axis.

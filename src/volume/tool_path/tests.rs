@@ -1,10 +1,23 @@
 //! The extremes of a path against what is found by dense sampling.
 use super::*;
+use crate::quantity::axis::{Axis, PerAxis};
+use crate::volume::volume_model::AxisState;
 use part_program::{Arc, Move, Place, Plane, Shape};
 use proptest::prelude::*;
 
+fn state(deviation_um: [f64; 3], rotation_urad: [f64; 3]) -> AxisState {
+    let vector = |[x, y, z]: [f64; 3]| PerAxis { x, y, z };
+    AxisState { deviation_um: vector(deviation_um), rotation_urad: vector(rotation_urad) }
+}
+
+/// A machine of straight curves whose levers count from zero.
+fn linear(nodes: [Vec<f64>; 3], state: impl Fn(Axis, f64) -> AxisState) -> PathMap {
+    let [x, y, z] = nodes;
+    PathMap::new(Axis::ALL, &PerAxis { x, y, z }, PerAxis::default(), false, state)
+}
+
 /// Three axes with nodes at 0, 10 … 40 and values from a list.
-fn machine(values: &[f64], order: [usize; 3], cubic: bool) -> PathMap {
+fn machine(values: &[f64], order: [Axis; 3], cubic: bool) -> PathMap {
     let nodes = || (0..5_u8).map(|node| f64::from(node) * 10.0).collect::<Vec<f64>>();
     let table = |axis: usize, what: usize, node: usize| {
         values[(axis * 30 + what * 5 + node) % values.len()]
@@ -17,11 +30,12 @@ fn machine(values: &[f64], order: [usize; 3], cubic: bool) -> PathMap {
         let (low, high) = (table(axis, what, node), table(axis, what, node + 1));
         low + smooth * (high - low)
     };
-    PathMap::new(order, [nodes(), nodes(), nodes()], [5.0, 0.0, -3.0], cubic, |axis, position| {
-        let six = [0, 1, 2, 3, 4, 5].map(|what| at(axis, what, position));
-        ([six[0], six[1], six[2]], [six[3] * 300.0, six[4] * 300.0, six[5] * 300.0])
+    let nodes = PerAxis { x: nodes(), y: nodes(), z: nodes() };
+    let origins = PerAxis { x: 5.0, y: 0.0, z: -3.0 };
+    PathMap::new(order, &nodes, origins, cubic, |axis, position| {
+        let six = [0, 1, 2, 3, 4, 5].map(|what| at(axis as usize, what, position));
+        state([six[0], six[1], six[2]], [six[3], six[4], six[5]].map(|urad| urad * 300.0))
     })
-    .expect("a machine")
 }
 
 fn limits() -> ProfileLimits {
@@ -99,7 +113,7 @@ proptest! {
         values in proptest::collection::vec(-5.0..5.0_f64, 90),
         from in place(),
         to in place(),
-        order in proptest::sample::select(vec![[0, 1, 2], [1, 0, 2], [2, 1, 0]]),
+        order in proptest::sample::select(vec![Axis::ORDERS[0], Axis::ORDERS[2], Axis::ORDERS[5]]),
         cubic in any::<bool>(),
     ) {
         compared(&machine(&values, order, cubic), &line(from, to))?;
@@ -109,14 +123,9 @@ proptest! {
 #[test]
 fn a_parabola_between_nodes_is_found() {
     // ECX = x µrad per mm, arm y = 30 − x on the move: e_x = −ECX·y/1000 has its vertex at x = 15.
-    let map = PathMap::new(
-        [0, 1, 2],
-        [vec![0.0, 30.0], vec![0.0, 30.0], vec![0.0]],
-        [0.0; 3],
-        false,
-        |axis, x| ([0.0; 3], [0.0, 0.0, if axis == 0 { x } else { 0.0 }]),
-    )
-    .expect("a machine");
+    let map = linear([vec![0.0, 30.0], vec![0.0, 30.0], vec![0.0]], |axis, x| {
+        state([0.0; 3], [0.0, 0.0, if axis == Axis::X { x } else { 0.0 }])
+    });
     let summary = followed(&map, limits(), &line([0.0, 30.0, 0.0], [30.0, 0.0, 0.0]));
     let least = summary.range(Channel::X).expect("a range").min;
     assert!((least.um + 0.225).abs() < 1e-12, "{}", least.um);
@@ -126,11 +135,9 @@ fn a_parabola_between_nodes_is_found() {
 
 #[test]
 fn tool_length_swings_with_every_axis() {
-    let map =
-        PathMap::new([0, 1, 2], [vec![0.0], vec![0.0], vec![0.0]], [0.0; 3], false, |axis, _| {
-            ([0.0; 3], [0.0, if axis == 2 { 10.0 } else { 0.0 }, 0.0])
-        })
-        .expect("a machine");
+    let map = linear([vec![0.0], vec![0.0], vec![0.0]], |axis, _| {
+        state([0.0; 3], [0.0, if axis == Axis::Z { 10.0 } else { 0.0 }, 0.0])
+    });
     // EBZ = 10 µrad × 100 mm below: the tip goes 1 µm towards −X.
     assert!((map.error_at([0.0; 3], 100.0)[0] + 1.0).abs() < 1e-12);
 }
@@ -138,14 +145,9 @@ fn tool_length_swings_with_every_axis() {
 #[test]
 fn a_circle_is_followed_within_its_tolerance() {
     // ex = x/10 µm: on a circle of 10 mm around 0 the largest is 1 µm.
-    let map = PathMap::new(
-        [0, 1, 2],
-        [vec![-50.0, 50.0], vec![0.0], vec![0.0]],
-        [0.0; 3],
-        false,
-        |axis, x| ([if axis == 0 { x / 10.0 } else { 0.0 }, 0.0, 0.0], [0.0; 3]),
-    )
-    .expect("a machine");
+    let map = linear([vec![-50.0, 50.0], vec![0.0], vec![0.0]], |axis, x| {
+        state([if axis == Axis::X { x / 10.0 } else { 0.0 }, 0.0, 0.0], [0.0; 3])
+    });
     let mut step = line([0.0, 10.0, 0.0], [0.0, 10.0, 0.0]);
     step.shape = Shape::Arc(Arc {
         centre: [0.0, 0.0],
@@ -164,7 +166,7 @@ fn a_circle_is_followed_within_its_tolerance() {
 
 #[test]
 fn what_was_probed_is_the_datum() {
-    let map = machine(&[1.0, 2.0, 4.0, -3.0, 0.5, 7.0, 1.5], [0, 1, 2], false);
+    let map = machine(&[1.0, 2.0, 4.0, -3.0, 0.5, 7.0, 1.5], Axis::ALL, false);
     let (a, b) = ([3.0, 4.0, 5.0], [30.0, 20.0, 10.0]);
     let (at_a, at_b) = (map.error_at(a, 0.0), map.error_at(b, 0.0));
     let zeroed = map.zeroed_at(&[a, b]);
@@ -176,7 +178,7 @@ fn what_was_probed_is_the_datum() {
 
 #[test]
 fn places_outside_the_measured_range_are_named_or_refused() {
-    let map = machine(&[1.0], [0, 1, 2], false);
+    let map = machine(&[1.0], Axis::ALL, false);
     let step = line([0.0; 3], [50.0, 0.0, 0.0]);
     let summary = followed(&map, limits(), &step);
     assert_eq!(summary.outside.len(), 1);

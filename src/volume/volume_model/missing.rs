@@ -27,10 +27,11 @@ impl VolumeModel {
     /// How many of the 21 were measured or stated; squareness also counts where the slopes of both
     /// straightnesses hold it.
     pub fn known_errors(&self) -> usize {
-        let components = self.components();
-        let is_squareness = |of: &&Component| matches!(of, Component::Squareness(_));
-        let others = components.iter().filter(|of| !is_squareness(of));
-        others.count() + 3 - self.no_slopes().len()
+        let is_known = |of: &Component| match of {
+            Component::Squareness(term) => !self.is_open(*term),
+            _ => self.holds(*of),
+        };
+        Component::all().filter(is_known).count()
     }
 
     /// Axes along which nothing was measured, and whose travel nobody states: they stand at one place.
@@ -76,19 +77,19 @@ impl VolumeModel {
 
     /// Which of the 21 errors were neither measured nor stated, and what that leaves out.
     pub fn missing(&self) -> Vec<Missing> {
-        let deviations = ErrorTerm::ALL.into_iter();
-        let deviations =
-            deviations.filter(|term| self.deviations[*term].is_none()).map(|term| Missing {
-                component: Component::Deviation(term),
-                consequence: format!("whatever {} does in {} while it moves", term.along, term.of),
-            });
-        let rotations = Rotation::all()
-            .filter(|rotation| self.rotations[*rotation].is_none())
-            .filter_map(|rotation| {
-                let consequence = self.left_out(rotation)?;
-                Some(Missing { component: Component::Rotation(rotation), consequence })
-            });
-        deviations.chain(rotations).chain(self.no_slopes()).collect()
+        let left_out = |component: Component| match component {
+            Component::Squareness(term) if self.is_open(term) => {
+                Some(format!("{} and {} count as square", term.of, term.along))
+            }
+            Component::Squareness(_) => None,
+            _ if self.holds(component) => None,
+            Component::Deviation(ErrorTerm { of, along }) => {
+                Some(format!("whatever {along} does in {of} while it moves"))
+            }
+            Component::Rotation(rotation) => self.left_out(rotation),
+        };
+        let missing = |component| Some(Missing { component, consequence: left_out(component)? });
+        Component::all().filter_map(missing).collect()
     }
 
     /// The effects of a rotation that was not measured, at the far end of its levers; `None` = it
@@ -129,20 +130,11 @@ impl VolumeModel {
         )
     }
 
-    /// Squareness that is neither stated nor can stand in slopes of measured straightness.
-    fn no_slopes(&self) -> Vec<Missing> {
-        let pairs = [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)];
-        let terms = pairs.into_iter().map(|(of, along)| ErrorTerm { of, along });
-        let is_open = |term: &ErrorTerm| {
-            let in_slopes = [*term, term.twin()].iter().all(|t| self.deviations[*t].is_some());
-            let is_stated = self.squareness.iter().any(|s| s.term == *term);
-            self.without_squareness.contains(term) || !in_slopes && !is_stated
-        };
-        let missing = |term: ErrorTerm| Missing {
-            component: Component::Squareness(term),
-            consequence: format!("{} and {} count as square", term.of, term.along),
-        };
-        terms.filter(is_open).map(missing).collect()
+    /// Whether a squareness is neither stated nor can stand in slopes of measured straightness.
+    fn is_open(&self, term: ErrorTerm) -> bool {
+        let in_slopes = [term, term.twin()].iter().all(|term| self.deviations[*term].is_some());
+        let is_stated = self.holds(Component::Squareness(term));
+        self.without_squareness.contains(&term) || !in_slopes && !is_stated
     }
 
     /// What the model takes for granted.
