@@ -2,7 +2,8 @@
 //!
 //! The volumetric accuracy of a machine is the largest difference of two error vectors. A grid
 //! of 21 nodes an axis has 43 million pairs, one of 401 nodes 2·10¹⁵; none of the methods here
-//! but [`histogram`] looks at all of them. They work on numbers alone: no job, no file.
+//! but [`histogram`] looks at all of them. They work on numbers alone: no job, no file. Vectors are plain arrays: in a
+//! program that is not optimised those of nalgebra take fifty times as long.
 //!
 //! ```text
 //! curves at the nodes ─→ grid_map ─┬─→ diameter: volumetric accuracy, its pair, every sub-volume of a size

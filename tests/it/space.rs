@@ -8,7 +8,7 @@ use nonius::quantity::axis::Axis;
 use nonius::volume::space::boxes::Boxes;
 use nonius::volume::space::cloud;
 use nonius::volume::space::diameter::{Diameter, WindowMap, diameter};
-use nonius::volume::space::grid_map::{AxisNodes, GridMap, Node, Vector};
+use nonius::volume::space::grid_map::{AxisNode, GridMap, Node, Vector};
 use nonius::volume::space::grouping::{Tolerance, grouping};
 use nonius::volume::space::histogram::exact;
 use nonius::volume::space::pair::square;
@@ -178,7 +178,7 @@ fn grouping_of_machine_h() {
 fn random_machines_against_all_pairs() {
     for (number, family) in machines(short_or(70, 560)) {
         let (chain, axes) = random_map::axes(number, family);
-        let map = GridMap::new(chain, axes.clone()).unwrap();
+        let map = GridMap::new(chain, &axes).unwrap();
         let found = agrees(&map, &format!("machine {number}, {family:?}"));
         let vectors = map.vectors();
         let boxes = Boxes::of(&map);
@@ -189,7 +189,9 @@ fn random_machines_against_all_pairs() {
         };
         let from = vectors[0].map(|um| um + 0.1);
         let far = vectors.iter().map(|v| square(v, &from).sqrt()).fold(0.0, f64::max);
-        let length = brute_length(&map, axes.each_ref().map(|axis| axis.arm_m.as_slice()));
+        let arms =
+            axes.each_ref().map(|axis| axis.iter().map(|node| node.arm_m).collect::<Vec<_>>());
+        let length = brute_length(&map, arms.each_ref().map(Vec::as_slice));
         for steps in [0, 3, 30, usize::MAX].into_iter().filter(|_| number % 4 == 0) {
             let (one, two) = (boxes.furthest_from(from, steps), boxes.length_error(&found, steps));
             holds((one.um, one.bound_um), far, steps);
@@ -217,7 +219,7 @@ fn random_machines_against_all_pairs() {
 fn larger_random_machines_against_the_cloud() {
     for (number, family) in machines(short_or(35, 105)) {
         let (chain, axes) = random_map::axes_of(number, family, 20..75);
-        let map = GridMap::new(chain, axes).unwrap();
+        let map = GridMap::new(chain, &axes).unwrap();
         let cloud = cloud::longest(&map.vectors()).unwrap();
         let found = diameter(&map);
         assert_eq!(found.um, cloud.um(), "{number}, {family:?}");
@@ -244,18 +246,15 @@ fn windows_of_random_machines_against_all_pairs() {
 }
 
 /// Nodes of one axis that does not turn, from a function of the place 0…1.
-fn axis(count: usize, shift: impl Fn(f64) -> Vector) -> AxisNodes {
-    let at: Vec<f64> = (0..count).map(|n| n as f64 / (count.max(2) - 1) as f64).collect();
-    AxisNodes {
-        translation_um: at.iter().map(|t| shift(*t)).collect(),
-        rotation_urad: vec![[0.0; 3]; count],
-        arm_m: at,
-    }
+fn axis(count: usize, shift: impl Fn(f64) -> Vector) -> Vec<AxisNode> {
+    let at = (0..count).map(|n| n as f64 / (count.max(2) - 1) as f64);
+    let node = |t| AxisNode { translation_um: shift(t), rotation_urad: [0.0; 3], arm_m: t };
+    at.map(node).collect()
 }
 
 #[test]
 fn degenerate_maps() {
-    let map_of = |axes| GridMap::new(Axis::ALL, axes).unwrap();
+    let map_of = |axes| GridMap::new(Axis::ALL, &axes).unwrap();
     let none = |count| axis(count, |_| [0.0; 3]);
     let constant = |count| axis(count, |_| [0.1, 0.7, -2000.3]);
     let circle = |count, r: f64| axis(count, |t| [r * (TAU * t).cos(), r * (TAU * t).sin(), 0.0]);
@@ -265,7 +264,7 @@ fn degenerate_maps() {
     let jump = |count| axis(count, |t| [if t > 0.4 && t < 0.6 { 5.0 } else { 0.0 }, 0.0, 0.0]);
     let tiny = |count| {
         let mut axis = axis(count, |t| [2000.0 + 1e-13 * t, 0.1, 0.3]);
-        axis.rotation_urad = axis.arm_m.iter().map(|t| [1e-15 * t; 3]).collect();
+        axis.iter_mut().for_each(|node| node.rotation_urad = [1e-15 * node.arm_m; 3]);
         axis
     };
     for (what, axes) in [
@@ -307,15 +306,15 @@ fn the_map_is_the_sum_of_its_cross_products() {
     for number in 0..40 {
         let (chain, axes) = random_map::axes(number, Family::Smooth);
         chains.insert(chain.map(Axis::letter));
-        let map = GridMap::new(chain, axes.clone()).unwrap();
+        let map = GridMap::new(chain, &axes).unwrap();
         for n in 0..map.count() {
             let [i, j, k] = map.node(n);
             assert_eq!(map.number([i, j, k]), n);
-            let [a, b, c] = &axes;
-            let third = along(chain[2], c.arm_m[k]);
-            let arm = plus(along(chain[1], b.arm_m[j]), third);
-            let shift = plus(plus(a.translation_um[i], b.translation_um[j]), c.translation_um[k]);
-            let turn = plus(cross(a.rotation_urad[i], arm), cross(b.rotation_urad[j], third));
+            let [a, b, c] = [&axes[0][i], &axes[1][j], &axes[2][k]];
+            let third = along(chain[2], c.arm_m);
+            let arm = plus(along(chain[1], b.arm_m), third);
+            let shift = plus(plus(a.translation_um, b.translation_um), c.translation_um);
+            let turn = plus(cross(a.rotation_urad, arm), cross(b.rotation_urad, third));
             let (found, expected) = (map.at([i, j, k]), plus(shift, turn));
             for c in 0..3 {
                 close(found[c], expected[c], 1e-11);
@@ -328,18 +327,14 @@ fn the_map_is_the_sum_of_its_cross_products() {
 #[test]
 fn unsound_maps_are_refused() {
     let sound = || axis(3, |t| [t, 0.0, 0.0]);
-    assert!(GridMap::new(Axis::ALL, [sound(), sound(), sound()]).is_some());
-    assert!(GridMap::new([Axis::X, Axis::X, Axis::Z], [sound(), sound(), sound()]).is_none());
-    let broken: [fn(&mut AxisNodes); 4] = [
-        |axis| axis.arm_m.reverse(),
-        |axis| axis.arm_m.clear(),
-        |axis| axis.translation_um[1][2] = f64::NAN,
-        |axis| axis.rotation_urad.truncate(2),
-    ];
+    assert!(GridMap::new(Axis::ALL, &[sound(), sound(), sound()]).is_some());
+    assert!(GridMap::new([Axis::X, Axis::X, Axis::Z], &[sound(), sound(), sound()]).is_none());
+    let broken: [fn(&mut Vec<AxisNode>); 3] =
+        [|axis| axis.reverse(), |axis| axis.clear(), |axis| axis[1].translation_um[2] = f64::NAN];
     for break_it in broken {
         let mut axis = sound();
         break_it(&mut axis);
-        assert!(GridMap::new(Axis::ALL, [sound(), axis, sound()]).is_none());
+        assert!(GridMap::new(Axis::ALL, &[sound(), axis, sound()]).is_none());
     }
     assert!(cloud::longest(&[]).is_none());
     assert!(cloud::longest(&[[0.0; 3], [f64::INFINITY, 0.0, 0.0]]).is_none());

@@ -1,7 +1,7 @@
 //! Machine H: a machine of 12 × 4 × 2 m with errors in closed form, tabulated in
 //! fixtures/machine_h. It passes through figure 2 of paper 002 at (9, 3.5, 1.35) m.
 use nonius::quantity::axis::Axis;
-use nonius::volume::space::grid_map::{AxisNodes, GridMap, Vector};
+use nonius::volume::space::grid_map::{AxisNode, GridMap, Vector};
 use std::f64::consts::PI;
 
 /// Offsets of the measurement of Y and Z, m.
@@ -61,27 +61,25 @@ fn nodes(length: f64, count: usize) -> Vec<f64> {
 
 /// The map with so many nodes on X, Y and Z, errors zero at none of them in particular.
 pub(crate) fn machine_h(counts: [usize; 3]) -> GridMap {
-    let [mut x, mut y, mut z] = [0, 1, 2].map(|_| AxisNodes::default());
-    for at in nodes(12.0, counts[0]) {
-        let (shift, turn) = x_errors(at);
-        x.translation_um.push(shift);
-        x.rotation_urad.push(turn);
-        x.arm_m.push(at);
-    }
-    for at in nodes(4.0, counts[1]) {
-        let (mut shift, turn) = y_errors(at);
-        shift[0] += XY * (at - Y_OFFSET);
-        y.translation_um.push(shift);
-        y.rotation_urad.push(turn);
-        y.arm_m.push(at - Y_OFFSET);
-    }
-    for at in nodes(2.0, counts[2]) {
-        let mut shift = z_errors(at);
-        shift[0] += XZ * (at - Z_OFFSET);
-        shift[1] += YZ * (at - Z_OFFSET);
-        z.translation_um.push(shift);
-        z.rotation_urad.push([0.0; 3]);
-        z.arm_m.push(at - Z_OFFSET);
-    }
-    GridMap::new([Axis::X, Axis::Y, Axis::Z], [x, y, z]).expect("a sound map")
+    let x = |at: f64| {
+        let (translation_um, rotation_urad) = x_errors(at);
+        AxisNode { translation_um, rotation_urad, arm_m: at }
+    };
+    let y = |at: f64| {
+        let ((mut translation_um, rotation_urad), arm_m) = (y_errors(at), at - Y_OFFSET);
+        translation_um[0] += XY * arm_m;
+        AxisNode { translation_um, rotation_urad, arm_m }
+    };
+    let z = |at: f64| {
+        let (mut translation_um, arm_m) = (z_errors(at), at - Z_OFFSET);
+        translation_um[0] += XZ * arm_m;
+        translation_um[1] += YZ * arm_m;
+        AxisNode { translation_um, rotation_urad: [0.0; 3], arm_m }
+    };
+    let axes = [
+        nodes(12.0, counts[0]).into_iter().map(x).collect(),
+        nodes(4.0, counts[1]).into_iter().map(y).collect(),
+        nodes(2.0, counts[2]).into_iter().map(z).collect(),
+    ];
+    GridMap::new([Axis::X, Axis::Y, Axis::Z], &axes).expect("a sound map")
 }

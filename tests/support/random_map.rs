@@ -1,6 +1,6 @@
 //! Random machines, some of them on purpose without shape, seeded.
 use nonius::quantity::axis::Axis;
-use nonius::volume::space::grid_map::{AxisNodes, GridMap};
+use nonius::volume::space::grid_map::{AxisNode, GridMap};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use std::ops::Range;
@@ -66,12 +66,16 @@ fn curve(numbers: &mut Numbers, count: usize, family: Family, size: f64) -> Vec<
 }
 
 /// The order of the chain and its axes of up to 9 nodes.
-pub(crate) fn axes(seed: u64, family: Family) -> ([Axis; 3], [AxisNodes; 3]) {
+pub(crate) fn axes(seed: u64, family: Family) -> ([Axis; 3], [Vec<AxisNode>; 3]) {
     axes_of(seed, family, 1..10)
 }
 
 /// The order of the chain and its axes of so many nodes.
-pub(crate) fn axes_of(seed: u64, family: Family, nodes: Range<u32>) -> ([Axis; 3], [AxisNodes; 3]) {
+pub(crate) fn axes_of(
+    seed: u64,
+    family: Family,
+    nodes: Range<u32>,
+) -> ([Axis; 3], [Vec<AxisNode>; 3]) {
     let mut numbers = Numbers(ChaCha8Rng::seed_from_u64(seed));
     let mut chain = Axis::ALL;
     chain.swap(0, numbers.below(3));
@@ -87,15 +91,17 @@ pub(crate) fn axes_of(seed: u64, family: Family, nodes: Range<u32>) -> ([Axis; 3
         let size = if family == Family::Ties { 1.0 } else { 1.0 + 50.0 * numbers.next().abs() };
         let vectors = |numbers: &mut Numbers, size: f64| {
             let curves = [(); 3].map(|()| curve(numbers, count, family, size));
-            (0..count).map(|n| [curves[0][n], curves[1][n], curves[2][n]]).collect()
+            move |n: usize| [curves[0][n], curves[1][n], curves[2][n]]
         };
         let start = if family == Family::Ties { -1.0 } else { numbers.next() };
         let step = if family == Family::Ties { 1.0 } else { 0.3 };
-        AxisNodes {
-            translation_um: vectors(&mut numbers, size),
-            rotation_urad: vectors(&mut numbers, turns),
-            arm_m: (0..count).map(|n| start + step * n as f64).collect(),
-        }
+        let (shift, turn) = (vectors(&mut numbers, size), vectors(&mut numbers, turns));
+        let node = |n: usize| AxisNode {
+            translation_um: shift(n),
+            rotation_urad: turn(n),
+            arm_m: start + step * n as f64,
+        };
+        (0..count).map(node).collect()
     });
     (chain, axes)
 }
@@ -103,5 +109,5 @@ pub(crate) fn axes_of(seed: u64, family: Family, nodes: Range<u32>) -> ([Axis; 3
 /// A map of up to 9 nodes an axis.
 pub(crate) fn random_map(seed: u64, family: Family) -> GridMap {
     let (chain, axes) = axes(seed, family);
-    GridMap::new(chain, axes).expect("a sound map")
+    GridMap::new(chain, &axes).expect("a sound map")
 }

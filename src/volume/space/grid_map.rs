@@ -10,15 +10,15 @@ pub type Vector = [f64; 3];
 /// A node of the grid: its place on the first, second and third axis of the chain.
 pub type Node = [usize; 3];
 
-/// What one axis does at each of its nodes.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct AxisNodes {
+/// What one axis does at one of its nodes.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct AxisNode {
     /// Translation x, y, z in µm, tool side relative to workpiece side.
-    pub translation_um: Vec<Vector>,
+    pub translation_um: Vector,
     /// Rotation about x, y, z in µrad, right-handed.
-    pub rotation_urad: Vec<Vector>,
-    /// Lever of the axis in m: position less offset, strictly ascending.
-    pub arm_m: Vec<f64>,
+    pub rotation_urad: Vector,
+    /// Lever of the axis in m: position less offset.
+    pub arm_m: f64,
 }
 
 /// What an axis does at one of its nodes, components in the order of the chain: its shift, what it adds for a metre of the
@@ -54,33 +54,30 @@ pub struct GridMap {
 
 impl GridMap {
     /// The map of three axes in the order of the chain. `None` where the chain names an axis
-    /// twice, an axis has no node or lists of different lengths, a number is not finite or
-    /// levers do not ascend.
-    pub fn new(chain: [Axis; 3], axes: [AxisNodes; 3]) -> Option<GridMap> {
-        let at = |axis: Axis| Axis::ALL.iter().position(|known| *known == axis);
-        let roles = [at(chain[0])?, at(chain[1])?, at(chain[2])?];
+    /// twice, an axis has no node, a number is not finite or levers do not ascend.
+    pub fn new(chain: [Axis; 3], axes: &[Vec<AxisNode>; 3]) -> Option<GridMap> {
+        let roles = chain.map(|axis| axis as usize);
         let mut place = [3; 3];
         for (role, component) in roles.into_iter().enumerate() {
             place[component] = role;
         }
-        if place.contains(&3) || !axes.iter().all(AxisNodes::is_sound) {
+        if place.contains(&3) || !axes.iter().all(|nodes| is_sound(nodes)) {
             return None;
         }
         let right_handed = (roles[0] + 1) % 3 == roles[1];
         let parity = if right_handed { 1.0 } else { -1.0 };
         let rows = [0, 1, 2].map(|role| {
-            let vectors = axes[role].translation_um.iter().zip(&axes[role].rotation_urad);
-            let row = |((shift, rotation), arm): ((&Vector, &Vector), &f64)| {
-                let [x, y, z] = roles.map(|axis| shift[axis]);
+            let row = |node: &AxisNode| {
+                let ([x, y, z], arm) = (roles.map(|axis| node.translation_um[axis]), node.arm_m);
                 let [about_first, about_second, about_third] =
-                    roles.map(|axis| parity * rotation[axis]);
+                    roles.map(|axis| parity * node.rotation_urad[axis]);
                 match role {
-                    0 => [x, y, z, -about_third, about_second, about_first, *arm],
-                    1 => [x, y, z, 0.0, about_second, about_first, *arm],
-                    _ => [x, y, z, 0.0, 0.0, 0.0, *arm],
+                    0 => [x, y, z, -about_third, about_second, about_first, arm],
+                    1 => [x, y, z, 0.0, about_second, about_first, arm],
+                    _ => [x, y, z, 0.0, 0.0, 0.0, arm],
                 }
             };
-            vectors.zip(&axes[role].arm_m).map(row).collect()
+            axes[role].iter().map(row).collect()
         });
         Some(GridMap { chain, place, rows })
     }
@@ -208,16 +205,11 @@ pub(super) fn number(node: Node, [_, second, third]: Node) -> usize {
     (node[0] * second + node[1]) * third + node[2]
 }
 
-impl AxisNodes {
-    fn is_sound(&self) -> bool {
-        let count = self.arm_m.len();
-        let vectors = || self.translation_um.iter().chain(&self.rotation_urad);
-        count > 0
-            && self.translation_um.len() == count
-            && self.rotation_urad.len() == count
-            && vectors().flatten().chain(&self.arm_m).all(|v| v.is_finite())
-            && self.arm_m.windows(2).all(|pair| pair[0] < pair[1])
-    }
+fn is_sound(nodes: &[AxisNode]) -> bool {
+    let vectors = nodes.iter().flat_map(|node| [node.translation_um, node.rotation_urad]);
+    let mut numbers = vectors.flatten().chain(nodes.iter().map(|node| node.arm_m));
+    let ascend = nodes.windows(2).all(|pair| pair[0].arm_m < pair[1].arm_m);
+    !nodes.is_empty() && ascend && numbers.all(f64::is_finite)
 }
 
 /// A box of nodes: the lowest node and how many nodes of each axis of the chain.

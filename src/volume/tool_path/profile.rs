@@ -424,8 +424,7 @@ impl<'m> Profile<'m> {
 impl Summary {
     /// Range of a channel; `None` where nothing was followed.
     pub fn range(&self, channel: Channel) -> Option<&Range> {
-        let index = Channel::ALL.iter().position(|other| *other == channel)?;
-        Some(&self.ranges[index]).filter(|range| range.is_found())
+        Some(&self.ranges[channel as usize]).filter(|range| range.is_found())
     }
 }
 

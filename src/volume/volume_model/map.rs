@@ -7,7 +7,7 @@ use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::curve::ErrorCurve;
 use crate::quantity::units::SAME_PLACE_MM;
 use crate::text::problem::{Problem, Problems};
-use crate::volume::space::grid_map::{AxisNodes, GridMap, Node};
+use crate::volume::space::grid_map::{AxisNode, GridMap, Node};
 
 /// The positions of each axis, mm, ascending.
 pub type Nodes = PerAxis<Vec<f64>>;
@@ -74,14 +74,14 @@ impl VolumeModel {
     pub fn map_of(&self, nodes: &Nodes, keep: impl Fn(Component) -> bool) -> Option<ErrorMap> {
         let order = self.chain.order();
         let lists = order.map(|axis| {
-            let states = nodes[axis].iter().map(|mm| self.state(axis, *mm, &keep));
-            let vector = |v: PerAxis<f64>| [v.x, v.y, v.z];
-            let vectors = states.map(|of| (vector(of.deviation_um), vector(of.rotation_urad)));
-            let (translation_um, rotation_urad) = vectors.unzip();
-            let arm_m = nodes[axis].iter().map(|mm| (mm - self.origin[axis]) / MM_PER_M).collect();
-            AxisNodes { translation_um, rotation_urad, arm_m }
+            let node = |mm: &f64| {
+                let [x, y, z, a, b, c] = self.state(axis, *mm, &keep).values();
+                let arm_m = (mm - self.origin[axis]) / MM_PER_M;
+                AxisNode { translation_um: [x, y, z], rotation_urad: [a, b, c], arm_m }
+            };
+            nodes[axis].iter().map(node).collect()
         });
-        Some(ErrorMap { nodes: nodes.clone(), vectors: GridMap::new(order, lists)? })
+        Some(ErrorMap { nodes: nodes.clone(), vectors: GridMap::new(order, &lists)? })
     }
 }
 
