@@ -169,6 +169,8 @@ pub(super) fn held(bytes: impl Into<Vec<u8>>) -> Begun {
 
 /// An output, complete beside its place.
 type Beside = Result<Box<dyn Ready>, Problems>;
+/// What makes it.
+type Making = Box<dyn FnOnce(&dyn Files) -> Beside>;
 
 /// What a command answered.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -188,7 +190,7 @@ pub(super) struct Outcome {
     yes: bool,
     /// What goes to standard output, from here to its end.
     data: Box<dyn Long>,
-    writes: Vec<Box<dyn FnOnce(&dyn Files) -> Beside>>,
+    writes: Vec<Making>,
     talk: String,
 }
 
