@@ -262,7 +262,7 @@ impl Draft {
         complaints: &mut Vec<Complaint>,
     ) {
         let variable = format!("${place}");
-        let lacking = optional(&place).iter().filter(|field| self.cell(**field).is_none());
+        let lacking = optional(&place).iter().filter(|field| self.cell(field).is_none());
         all.unwritten.extend(lacking.map(|field| format!("{} of {variable}", &field[1..])));
         let is_readable = self.complaints.is_empty();
         let content = self.content(&variable, writer);
