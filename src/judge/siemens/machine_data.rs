@@ -12,18 +12,12 @@ use std::ops::RangeInclusive;
 /// A machine or setting datum of the job.
 struct Owned {
     datum: Datum,
-    index: String,
+    variable: String,
     /// What it belongs to.
     of: String,
     /// What a file has to set, and the same in words.
     right: RangeInclusive<f64>,
     expected: String,
-}
-
-impl Owned {
-    fn is(&self, datum: &MachineDatum) -> bool {
-        variable(self.datum, &self.index) == datum.variable
-    }
 }
 
 /// What a file of a role sets, and what is said where no file does, or another value is set.
@@ -42,17 +36,17 @@ fn owned(role: Role, wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned>
         Role::Parameters => return memory(wanted, facts),
         _ => return Vec::new(),
     };
-    let own = |datum, index, of| Owned {
+    let own = |datum, index: &str, of| Owned {
         datum,
-        index,
+        variable: variable(datum, index),
         of,
         right: switched..=switched,
         expected: switched.to_string(),
     };
     let places = wanted.tables.iter().map(|table| &table.place);
-    let tables = places.map(|place| own(of_place(place)[0], place.index(), place.name()));
+    let tables = places.map(|place| own(of_place(place)[0], &place.index(), place.name()));
     let outputs = wanted.cec_outputs().into_iter();
-    let axes = outputs.map(|axis| own(CEC_ON, axis.clone(), format!("CEC of axis {axis}")));
+    let axes = outputs.map(|axis| own(CEC_ON, &axis, format!("CEC of axis {axis}")));
     tables.chain(axes).collect()
 }
 
@@ -61,7 +55,7 @@ fn memory(wanted: &SiemensTables, facts: &SiemensFacts) -> Vec<Owned> {
         |table: &&SiemensTable| table.place.cec().is_none() || !facts.cec_memory_fixed.value;
     let own = |table: &SiemensTable| Owned {
         datum: of_place(&table.place)[1],
-        index: table.place.index(),
+        variable: variable(of_place(&table.place)[1], &table.place.index()),
         of: table.place.name(),
         right: table.values.len() as f64..=f64::INFINITY,
         expected: format!("at least {}", table.values.len()),
@@ -84,7 +78,7 @@ pub(super) fn differences(
         let owned = owned(file.role, wanted, facts);
         let is_foreign = |datum: &&MachineDatum| {
             let is_old = file.role == Role::Disable && switches_off(datum);
-            !is_old && !owned.iter().any(|own| own.is(datum))
+            !is_old && !owned.iter().any(|own| own.variable == datum.variable)
         };
         let foreign = file.data.iter().filter(is_foreign);
         let foreign =
@@ -108,7 +102,8 @@ pub(super) fn differences(
 fn wrong(task: &'static str, owned: &[Owned], data: &[&MachineDatum]) -> Vec<Difference> {
     let mut groups: Vec<(String, Vec<String>)> = Vec::new();
     for own in owned {
-        let value = data.iter().rev().find(|datum| own.is(datum)).map(|datum| &datum.value);
+        let value = data.iter().rev().find(|datum| own.variable == datum.variable);
+        let value = value.map(|datum| &datum.value);
         if value.and_then(MachineValue::number).is_some_and(|number| own.right.contains(&number)) {
             continue;
         }
