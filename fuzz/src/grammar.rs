@@ -24,7 +24,7 @@ pub(crate) fn judge(family: &Dialect, name: &str, bytes: &[u8]) -> Result<(), St
         Dialect::Linuxcnc(_) => comp(text),
         Dialect::Isg(_) if name.ends_with(".lis") => list(text),
         Dialect::Isg(_) => parameters(text),
-        Dialect::Klipper(_) => skew(text),
+        Dialect::Declared(facts) if facts.factors.is_some() => skew(text),
         Dialect::Declared(_) => declared(text),
     };
     wrong.map_err(|line| format!("{name}: foreign line {line:?}"))

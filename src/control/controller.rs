@@ -17,14 +17,13 @@ mod form;
 mod generic;
 mod isg;
 mod job_keys;
-mod klipper;
 mod linuxcnc;
 pub mod load;
 mod pattern;
 pub mod program;
 mod siemens;
 
-pub use self::declared::{BesideTable, DeclaredFacts, Size};
+pub use self::declared::{BesideTable, DeclaredFacts, Factor, Size};
 pub use self::example::{Added, Example, ExampleAxis, ExampleFile};
 pub(crate) use self::fact::RULE;
 pub use self::fact::{
@@ -39,7 +38,6 @@ pub use self::form::{Form, Order, ValueForm};
 pub use self::generic::{GenericFacts, TypedValue};
 pub use self::isg::{IsgFacts, LeverOrigin};
 pub use self::job_keys::{JobKey, JobSection};
-pub use self::klipper::KlipperFacts;
 pub(crate) use self::linuxcnc::MOST_JOINTS;
 pub use self::linuxcnc::{Columns, CrossTerms, LinuxcncFacts};
 pub use self::pattern::Pattern;
@@ -48,6 +46,7 @@ pub use self::siemens::{MultiplyMode, SiemensFacts};
 
 use self::fact::Facts;
 use crate::control::checklist::Step;
+use crate::control::claims::Precondition;
 use crate::text::document::section;
 use crate::text::words::words;
 
@@ -81,8 +80,6 @@ pub enum Dialect {
     Linuxcnc(LinuxcncFacts),
     /// Volumetric compensation of the ISG kernel.
     Isg(IsgFacts),
-    /// Skew correction of Klipper.
-    Klipper(KlipperFacts),
 }
 
 words! {
@@ -154,6 +151,12 @@ pub struct Profile {
     pub files: Vec<EmittedFile>,
     /// Keys of a job that it needs, in order.
     pub job_keys: Vec<JobKey>,
+    /// What a person has to see to on the control whatever the kit holds.
+    pub preconditions: Vec<Precondition>,
+    /// What switches tables off, as a remark on a kit without a file for it; `None` = a person has to see to it.
+    pub off_by_hand: Option<String>,
+    /// The page that explains the order of loading.
+    pub page: Option<String>,
     /// The steps of a service visit, in order.
     pub checklist: Vec<Step>,
     /// The display that shows the correction that acts on an axis; `None` = none is known.

@@ -7,7 +7,6 @@
 pub mod fanuc;
 pub mod generic;
 pub mod isg;
-pub mod klipper;
 pub mod listed;
 pub mod siemens;
 
@@ -26,8 +25,6 @@ pub enum Tables {
     Listed(listed::ListedTables),
     /// Parameters of an ISG volumetric compensation.
     Isg(isg::IsgTables),
-    /// The factors of a Klipper skew correction.
-    Klipper(klipper::KlipperTables),
 }
 
 impl Tables {
@@ -39,7 +36,6 @@ impl Tables {
             Tables::Generic(own) => own,
             Tables::Listed(own) => own,
             Tables::Isg(own) => own,
-            Tables::Klipper(own) => own,
         };
         own.downcast_ref()
     }

@@ -95,6 +95,5 @@ pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
         Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
         Dialect::Isg(facts) => facts,
-        Dialect::Klipper(facts) => facts,
     }
 }

@@ -6,7 +6,6 @@ mod declared;
 mod fanuc;
 mod generic;
 mod isg;
-mod klipper;
 mod linuxcnc;
 mod listed;
 mod siemens;

@@ -49,6 +49,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(active_note(&task.job.measurement.active).map(Finding::from));
     notes.extend(parameter_note(task, plan).map(Finding::from));
     compiled.notes = notes;
+    compiled.preconditions.extend_from_slice(&task.profile.preconditions);
     Ok(compiled)
 }
 

@@ -2,7 +2,10 @@
 //!
 //! How a plan becomes numbers stands in [`listed`].
 
+mod factors;
+
 use crate::control::claims::Precondition;
+use crate::control::control_state::ControlState;
 use crate::control::controller::{
     ControlUnit, DeclaredFacts, Evidence, Listed, Mechanism, RULE, ValueForm,
 };
@@ -25,9 +28,22 @@ use serde_json::{Value, json};
 
 impl Family for DeclaredFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
+        if self.factors.is_some() {
+            let is_axis = Axis::ALL.iter().any(|axis| axis.key() == name);
+            return (!is_axis).then_some("x, y or z");
+        }
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let is_plain = !name.is_empty() && name.chars().all(plain);
         (!is_plain).then_some("letters, digits and `_`")
+    }
+
+    /// A factor has the names of its axes in its own.
+    fn names_reach_axes(&self) -> bool {
+        self.factors.is_none()
+    }
+
+    fn refuses(&self, term: ErrorTerm) -> Option<String> {
+        self.without_factor(term)
     }
 
     /// Positions are in the unit of the profile, whatever the control is in.
@@ -51,7 +67,10 @@ impl Family for DeclaredFacts {
     }
 
     fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
-        (self.points.value, "a table")
+        match self.factors.is_some() {
+            true => (u32::MAX, "a factor"),
+            false => (self.points.value, "a table"),
+        }
     }
 
     fn takes_points_beyond(&self) -> bool {
@@ -59,6 +78,9 @@ impl Family for DeclaredFacts {
     }
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
+        if self.factors.is_some() {
+            return Ok(self.compile_factors(task, plan));
+        }
         Ok(Compiled {
             preconditions: self.preconditions(task, plan),
             notes: self.form_assumed().into_iter().map(Finding::from).collect(),
@@ -72,15 +94,28 @@ impl Family for DeclaredFacts {
 
     fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
         let own: &ListedTables = emitted.tables.own()?;
-        Some(self.seen(emitted.task, &own.tables))
+        let mut seen = self.seen(emitted.task, &own.tables);
+        if let Some(set) = &own.set {
+            seen["set"] = set.as_str().into();
+        }
+        Some(seen)
+    }
+
+    fn displayed(&self, tables: &Tables, _state: &ControlState) -> Vec<String> {
+        self.shown_factors(tables)
     }
 
     fn has(&self, mechanism: Mechanism) -> bool {
-        mechanism != Mechanism::CrossTable || self.cross_terms.value > 0
+        let has_cross = mechanism != Mechanism::CrossTable || self.cross_terms.value > 0;
+        self.factors.is_some() == (mechanism == Mechanism::Skew) && has_cross
     }
 
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
-        table.term.is_cross() == (mechanism == Mechanism::CrossTable)
+        table.term.is_cross() == (mechanism != Mechanism::OwnTable)
+    }
+
+    fn proves_by_slope(&self) -> bool {
+        self.factors.is_some()
     }
 
     /// What the control takes in one section of increments.
@@ -98,6 +133,9 @@ impl Family for DeclaredFacts {
     }
 
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
+        if self.factors.is_some() {
+            return Some(self.proof_factors(proof));
+        }
         Some(listed::proof_tables(self, proof, |planned| self.belongs(proof.mechanism, planned)))
     }
 }

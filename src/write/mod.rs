@@ -13,7 +13,6 @@ mod declared;
 pub mod fanuc;
 mod generic;
 mod isg;
-mod klipper;
 mod linuxcnc;
 mod listed;
 pub mod siemens;

@@ -141,7 +141,7 @@ pub(crate) fn needs_unit(id: &str) -> bool {
 pub(crate) fn has_two_directions(profile: &Profile) -> bool {
     match &profile.dialect {
         Dialect::Declared(facts) => facts.has_two(),
-        Dialect::Isg(_) | Dialect::Klipper(_) => false,
+        Dialect::Isg(_) => false,
         Dialect::Generic(facts) => facts.typed_value.value != TypedValue::Increment,
         _ => true,
     }
@@ -206,7 +206,6 @@ pub(crate) fn with_signs_turned(profile: &Profile) -> Profile {
             turn(&mut facts.trim_sign.value);
             turn(&mut facts.sum_sign.value);
         }
-        Dialect::Klipper(facts) => turn(&mut facts.skew_sign.value),
         Dialect::Isg(facts) => {
             turn(&mut facts.error_sign.value);
             turn(&mut facts.angle_sign.value);

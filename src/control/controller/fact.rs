@@ -120,7 +120,7 @@ words! {
         Volcomp = "volcomp",
         /// ISG: its angles.
         VolcompAngles = "volcomp-angles",
-        /// Klipper: skew correction.
+        /// Declared: factors, one for the slope of a term.
         Skew = "skew",
         /// Basic system mm.
         Metric = "metric",
@@ -448,13 +448,21 @@ impl<'a> Facts<'a> {
         self.within(name, ..=9, "0 … 9")
     }
 
+    /// The section of a fact; a control that lists no points need not state what they are.
+    fn needed(&self, name: &'static str) -> Option<Section<'a>> {
+        match OF_POINTS.split(' ').any(|own| own == name) && self.section.has(WITHOUT_POINTS) {
+            true => self.section.section(name),
+            false => self.section.required_section(name),
+        }
+    }
+
     /// A fact whose value `value` reads. One that a family reads besides is stated once.
     pub(super) fn read<T>(
         &self,
         name: &'static str,
         value: impl FnOnce(&Section<'_>) -> Option<T>,
     ) -> Option<Fact<T>> {
-        let section = self.section.required_section(name)?;
+        let section = self.needed(name)?;
         let value = value(&section);
         section.require("value", "what is stated");
         let origin = complete_origin(&section);
@@ -476,7 +484,19 @@ impl<'a> Facts<'a> {
     }
 }
 
+/// Facts of tables that list their points.
+const OF_POINTS: &str = "own_sign cross_terms value_form value_size largest_value position_size position_decimals order \
+    first_point points backlash points_beyond_travel zero_reverse_is_forward file_name";
+
+/// What a control states that has none.
+const WITHOUT_POINTS: &str = "factors";
+
 impl<T> Fact<T> {
+    /// A rule of this program in place of a fact.
+    pub(crate) fn rule(value: T) -> Fact<T> {
+        Fact { value, evidence: Evidence::Manual, source: RULE.to_string(), consequence: None }
+    }
+
     /// The same origin for another value.
     pub(crate) fn with<V>(self, value: V) -> Fact<V> {
         Fact { value, evidence: self.evidence, source: self.source, consequence: self.consequence }
@@ -511,11 +531,6 @@ pub(crate) fn origin_or_rule(section: &Section<'_>) -> Option<Fact<()>> {
     let is_stated = ["evidence", "source", "consequence"].map(|key| section.has(key));
     match is_stated.contains(&true) {
         true => complete_origin(section),
-        false => Some(Fact {
-            value: (),
-            evidence: Evidence::Manual,
-            source: RULE.to_string(),
-            consequence: None,
-        }),
+        false => Some(Fact::rule(())),
     }
 }

@@ -55,6 +55,8 @@ pub struct Form {
     pub zero_reverse_is_forward: bool,
     /// The control holds what it adds as a C float.
     pub is_float: bool,
+    /// One number in place of points: what is added in a mm, zero at the reference.
+    pub is_factor: bool,
 }
 
 impl Form {

@@ -16,8 +16,6 @@ pub(super) static FAMILY: Family = Family {
     no_tables: Tables::Generic(GenericTable { rows: Vec::new() }),
     off: "removed",
     restarts: true,
-    off_by_hand: ", see to it by hand",
-    page: None,
     proofs: &[],
 };
 

@@ -20,8 +20,6 @@ pub(super) static FAMILY: Family = Family {
     no_tables: Tables::Listed(ListedTables::NONE),
     off: "removed",
     restarts: true,
-    off_by_hand: ": take COMP_FILE and COMP_FILE_TYPE out of their sections",
-    page: Some("docs/linuxcnc.md §3"),
     proofs: &[
         Proof {
             mechanism: Mechanism::Comp,
@@ -125,6 +123,7 @@ impl Listed for LinuxcncFacts {
             beyond_travel: true,
             zero_reverse_is_forward: false,
             is_float: is_own,
+            is_factor: false,
         }
     }
 

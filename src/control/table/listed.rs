@@ -54,6 +54,8 @@ pub(crate) fn name(base: &str, output: &str) -> String {
 pub struct ListedTables {
     /// Ascending by corrected axis, then by the axis that is looked up.
     pub tables: Vec<ListedTable>,
+    /// The name of their set, where the control loads one of several.
+    pub set: Option<String>,
 }
 
 impl ListedTables {
@@ -61,9 +63,9 @@ impl ListedTables {
     pub(crate) fn of(mut tables: Vec<ListedTable>) -> ListedTables {
         let place = |name: &String| (name.len(), name.clone()); // 2 stands before 10
         tables.sort_by_cached_key(|own| (place(&own.output), place(&own.base)));
-        ListedTables { tables }
+        ListedTables { tables, set: None }
     }
 
     /// No table.
-    pub(crate) const NONE: ListedTables = ListedTables { tables: Vec::new() };
+    pub(crate) const NONE: ListedTables = ListedTables { tables: Vec::new(), set: None };
 }
