@@ -34,8 +34,8 @@ pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::files::{EmittedFile, Template};
 pub(crate) use self::form::Listed;
-pub use self::form::{Form, Order, ValueForm};
-pub use self::generic::{GenericFacts, TypedValue};
+pub use self::form::{Form, Order, Rounding, ValueForm};
+pub use self::generic::{Typed, TypedValue};
 pub use self::isg::{IsgFacts, LeverOrigin};
 pub use self::job_keys::{JobKey, JobSection};
 pub(crate) use self::linuxcnc::MOST_JOINTS;
@@ -67,14 +67,13 @@ section! {
 
 /// The family of formats that a control reads.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "a program holds a handful of profiles")]
 pub enum Dialect {
     /// `$AA_ENC_COMP` and `$AN_CEC` assignments.
     Siemens(SiemensFacts),
     /// Numbered parameters and pitch points.
     Fanuc(FanucFacts),
-    /// One CSV and its JSON twin.
-    Generic(GenericFacts),
-    /// Lines and tables as the profile declares them.
+    /// Tables in lines as the profile declares them, or as the generic table has them.
     Declared(DeclaredFacts),
     /// Tables of joints, named in the ini file, and curves of a HAL file.
     Linuxcnc(LinuxcncFacts),

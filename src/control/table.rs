@@ -5,7 +5,6 @@
 //! control's own unit, sense and numbering. A point that no file writes is missing (`None`).
 
 pub mod fanuc;
-pub mod generic;
 pub mod isg;
 pub mod listed;
 pub mod siemens;
@@ -19,9 +18,7 @@ pub enum Tables {
     Siemens(siemens::SiemensTables),
     /// Fanuc parameters and points.
     Fanuc(fanuc::FanucMemory),
-    /// The rows of the generic table.
-    Generic(generic::GenericTable),
-    /// Tables whose points stand one by one, of LinuxCNC and of a control whose profile declares its files.
+    /// Tables whose points stand one by one, of LinuxCNC, of a control whose profile declares its files, and the generic ones.
     Listed(listed::ListedTables),
     /// Parameters of an ISG volumetric compensation.
     Isg(isg::IsgTables),
@@ -33,7 +30,6 @@ impl Tables {
         let own: &dyn Any = match self {
             Tables::Siemens(own) => own,
             Tables::Fanuc(own) => own,
-            Tables::Generic(own) => own,
             Tables::Listed(own) => own,
             Tables::Isg(own) => own,
         };

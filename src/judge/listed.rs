@@ -16,7 +16,7 @@ pub(super) fn own(tables: &Tables) -> &[ListedTable] {
 pub(super) fn entries(facts: &impl Listed, side: &Side<'_>, first_point: u32) -> Entries {
     let of_table = |table: &ListedTable| {
         let told = side.tells(&table.base, &table.output);
-        let name = facts.table_name(&table.base, &table.output);
+        let name = facts.table_name(table);
         let entry = move |(index, point): (u32, &Point)| {
             let numbers = vec![Some(point.position), Some(point.forward), point.reverse];
             let key = (name.clone(), Item::Point(index));

@@ -4,7 +4,6 @@
 
 mod declared;
 mod fanuc;
-mod generic;
 mod isg;
 mod linuxcnc;
 mod listed;

@@ -21,6 +21,7 @@ use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables, Point};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
+use crate::read::generic;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::read::listed;
 use crate::text::problem::{Problem, Problems, shown};
@@ -29,7 +30,11 @@ use std::ops::Range;
 impl Family for DeclaredFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
         let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
-        Ok(Tables::Listed(read(&texts, self)?).into())
+        let tables = match self.typed.is_some() {
+            true => generic::tables(&texts, false)?,
+            false => read(&texts, self)?,
+        };
+        Ok(Tables::Listed(tables).into())
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
@@ -46,6 +51,9 @@ impl Family for DeclaredFacts {
     }
 
     fn may_obey(&self, text: &str) -> bool {
+        if self.typed.is_some() {
+            return text.contains("position_mm");
+        }
         let patterns = self.lines.value.iter().filter(|own| own.has_fields());
         let patterns: Vec<_> = patterns.collect();
         let is_taken = |line: &str| patterns.iter().any(|own| own.take(line).is_some());

@@ -26,7 +26,7 @@ pub(super) fn control(
     state: &ControlState,
 ) -> Emulated<PairControl> {
     let load = |table: &ListedTable| {
-        let name = own.table_name(&table.base, &table.output);
+        let name = own.table_name(table);
         let form = own.form(table.is_own(), state.unit);
         load_table(table, (&name, &form), known_axis(state, &table.base)?)
     };

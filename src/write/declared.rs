@@ -3,11 +3,12 @@
 //! How a plan becomes numbers stands in [`listed`].
 
 mod factors;
+mod typed;
 
 use crate::control::claims::Precondition;
 use crate::control::control_state::ControlState;
 use crate::control::controller::{
-    ControlUnit, DeclaredFacts, Evidence, Listed, Mechanism, RULE, ValueForm,
+    ControlUnit, DeclaredFacts, Evidence, Listed, Mechanism, RULE, TypedValue, ValueForm,
 };
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables, Point, name};
@@ -32,14 +33,17 @@ impl Family for DeclaredFacts {
             let is_axis = Axis::ALL.iter().any(|axis| axis.key() == name);
             return (!is_axis).then_some("x, y or z");
         }
+        if self.typed.is_some() {
+            return None;
+        }
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let is_plain = !name.is_empty() && name.chars().all(plain);
         (!is_plain).then_some("letters, digits and `_`")
     }
 
-    /// A factor has the names of its axes in its own.
+    /// A factor has the names of its axes in its own, and the generic table reaches no axis.
     fn names_reach_axes(&self) -> bool {
-        self.factors.is_none()
+        self.factors.is_none() && self.typed.is_none()
     }
 
     fn refuses(&self, term: ErrorTerm) -> Option<String> {
@@ -54,8 +58,12 @@ impl Family for DeclaredFacts {
         }
     }
 
+    /// Increments are zero at the reference and do not hold what a second table has there.
     fn takes_directions(&self, term: ErrorTerm) -> bool {
-        term.is_positioning() && self.has_two()
+        match &self.typed {
+            Some(typed) => typed.value.value != TypedValue::Increment,
+            None => term.is_positioning() && self.has_two(),
+        }
     }
 
     fn replaces_backlash(&self) -> bool {
@@ -84,7 +92,7 @@ impl Family for DeclaredFacts {
         Ok(Compiled {
             preconditions: self.preconditions(task, plan),
             notes: self.form_assumed().into_iter().map(Finding::from).collect(),
-            ..listed::compile(self, task, plan, |own| place(plan, own))?
+            ..listed::compile(self, task, plan, |own| self.place(plan, own))?
         })
     }
 
@@ -94,7 +102,10 @@ impl Family for DeclaredFacts {
 
     fn context(&self, emitted: &Emitted<'_>) -> Option<Value> {
         let own: &ListedTables = emitted.tables.own()?;
-        let mut seen = self.seen(emitted.task, &own.tables);
+        let mut seen = match &self.typed {
+            Some(typed) => typed::seen(typed, emitted, own),
+            None => self.seen(emitted.task, &own.tables),
+        };
         if let Some(set) = &own.set {
             seen["set"] = set.as_str().into();
         }
@@ -150,7 +161,10 @@ impl DeclaredFacts {
     }
 
     fn preconditions(&self, task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
-        let source = "the profile, fact `backlash`";
+        let source = match self.typed.is_some() {
+            true => "contract of the generic table",
+            false => "the profile, fact `backlash`",
+        };
         let named = |um| backlash_text(um).0;
         let of_axis = |axis: Axis| {
             let what = format!("backlash parameter of {axis}");
@@ -167,7 +181,8 @@ impl DeclaredFacts {
         let has_table = |axis: &Axis| plan.of_axis(*axis).next().is_some();
         let is_set = |axis: &Axis| match self.replaces_backlash() {
             true => has_table(axis),
-            false => plan.backlash_um[*axis].is_some() || plan.has_two_tables(*axis),
+            false if self.typed.is_some() => plan.backlash_um[*axis].is_some(),
+            false => plan.sets_backlash(*axis),
         };
         let axes = Axis::ALL.into_iter().filter(is_set);
         let reference = Precondition::new(
@@ -177,7 +192,7 @@ impl DeclaredFacts {
             RULE,
         )
         .dangerous();
-        axes.map(of_axis).chain([reference]).collect()
+        axes.map(of_axis).chain(self.typed.is_none().then_some(reference)).collect()
     }
 
     /// What templates see.
@@ -243,16 +258,19 @@ impl DeclaredFacts {
             "points": table.points.iter().enumerate().map(point).collect::<Vec<Value>>(),
         })
     }
-}
 
-/// `table of X`, or `table of Y by X`; with `moving up` or `moving down` one column of it.
-fn place(plan: &Plan, planned: &PlannedTable) -> String {
-    let names = plan.names[planned.term.of].iter();
-    let names = names.map(|output| name(plan.base_of(planned.term, output), output));
-    let column = match planned.direction {
-        None => "",
-        Some(Direction::Plus) => " moving in +",
-        Some(Direction::Minus) => " moving in -",
-    };
-    names.collect::<Vec<String>>().join(", ") + column
+    /// `table of X`, or `table of Y by X`; with `moving up` or `moving down` one column of it.
+    fn place(&self, plan: &Plan, planned: &PlannedTable) -> String {
+        if self.typed.is_some() {
+            return "rows".to_string();
+        }
+        let names = plan.names[planned.term.of].iter();
+        let names = names.map(|output| name(plan.base_of(planned.term, output), output));
+        let column = match planned.direction {
+            None => "",
+            Some(Direction::Plus) => " moving in +",
+            Some(Direction::Minus) => " moving in -",
+        };
+        names.collect::<Vec<String>>().join(", ") + column
+    }
 }

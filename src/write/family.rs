@@ -158,7 +158,6 @@ pub(crate) fn family(profile: &Profile) -> &dyn Family {
     match &profile.dialect {
         Dialect::Siemens(facts) => facts,
         Dialect::Fanuc(facts) => facts,
-        Dialect::Generic(facts) => facts,
         Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
         Dialect::Isg(facts) => facts,

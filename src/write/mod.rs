@@ -11,7 +11,6 @@ mod task;
 
 mod declared;
 pub mod fanuc;
-mod generic;
 mod isg;
 mod linuxcnc;
 mod listed;

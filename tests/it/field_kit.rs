@@ -178,8 +178,7 @@ fn ensure_contract(id: &str) {
 #[test]
 fn sign_proofs_are_legal_and_move_nothing_else() {
     let has_bump = |id: &&str| match builtin::profile(id).unwrap().dialect {
-        Dialect::Generic(_) => false,
-        Dialect::Declared(facts) => facts.factors.is_none(),
+        Dialect::Declared(facts) => facts.factors.is_none() && facts.typed.is_none(),
         _ => true,
     };
     let ids = builtin::ids().into_iter().filter(has_bump);

@@ -10,10 +10,11 @@
 
 use super::fact::{Comments, ControlUnit, Fact, Facts, Mechanism, Outside, Stated, TableSign};
 use super::family::{Family, Proof};
-use super::form::{Form, Listed, Order, ValueForm};
+use super::form::{Form, Listed, Order, Rounding, ValueForm};
+use super::generic::Typed;
 use super::pattern::{Field, Pattern};
 use crate::control::table::Tables;
-use crate::control::table::listed::{ListedTables, name};
+use crate::control::table::listed::{ListedTable, ListedTables};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::units::UM_PER_MM;
 use crate::text::delimited::LengthUnit;
@@ -138,17 +139,19 @@ section! {
         /// What the control shows of a factor, with `{of}`, `{by}` and `{value}`.
         pub shown: Option<Fact<String>> = if_stated();
         /// Sense of the table of an axis for itself.
-        pub own_sign: Fact<TableSign> = stated(), or Fact::rule(TableSign::AsError);
+        pub own_sign: Fact<TableSign> = stated(), or Fact::rule(TableSign::AsCorrection);
         /// How many other axes an axis can follow.
         pub cross_terms: Fact<u32> = within(..=OTHER_AXES, "0, 1 or 2"), or Fact::rule(OTHER_AXES);
+        /// What is typed in, of a control without files of its own.
+        pub typed: Option<Typed> => facts.is_typed.get().then(|| Typed::read(facts)).flatten();
         /// Sense of the table of an axis that follows another, or of a factor.
-        pub cross_sign: Fact<TableSign> => facts.stated(sign_fact(factors.is_some())), must;
+        pub cross_sign: Fact<TableSign> => facts.stated(sign_fact(factors.is_some())), or Fact::rule(TableSign::AsCorrection);
         /// In which form a number says it.
         pub value_form: Fact<ValueForm> = stated(), or Fact::rule(ValueForm::Amount);
         /// Size of 1 of a value.
-        pub value_size: Fact<Size> = stated(), or Fact::rule(Size { um: UM_PER_MM });
+        pub value_size: Fact<Size> = stated(), or Fact::rule(Size { um: if factors.is_some() { UM_PER_MM } else { 1.0 } });
         /// Decimals of values; one count is the last decimal.
-        pub value_decimals: Fact<u32> = decimals(), must;
+        pub value_decimals: Fact<u32> = decimals(), or Fact::rule(0);
         /// Largest value that the control takes, either sign, as in the file.
         pub largest_value: Fact<f64> = stated(), or Fact::rule(f64::INFINITY);
         /// Size of 1 of a position.
@@ -164,15 +167,15 @@ section! {
         /// What the backlash parameter does beside a table.
         pub backlash: Fact<BesideTable> = stated(), or Fact::rule(BesideTable::Adds);
         /// What a control adds outside a table.
-        pub outside: Fact<Outside> = stated(), must;
+        pub outside: Fact<Outside> => facts.of_lines("outside", Outside::Hold), must;
         /// Whether a point may lie behind the end of the travel.
         pub points_beyond_travel: Fact<bool> = stated(), or Fact::rule(true);
         /// A column for − that is zero everywhere stands for that for +.
         pub zero_reverse_is_forward: Fact<bool> = stated(), or Fact::rule(false);
         /// What begins a comment.
-        pub comments: Fact<Comments> = stated(), must;
+        pub comments: Fact<Comments> => facts.of_lines("comments", Comments::None), must;
         /// What a line of a file can be, in this order.
-        pub lines: Fact<Vec<Pattern>> = stated(), must;
+        pub lines: Fact<Vec<Pattern>> = stated(), or Fact::rule(Vec::new());
         /// What the name of a file says; a pattern that takes none says nothing.
         pub file_name: Fact<Vec<Pattern>> = stated(), or Fact::rule(Vec::new());
     }
@@ -187,13 +190,22 @@ const fn sign_fact(is_factor: bool) -> &'static str {
 const OTHER_AXES: u32 = 2;
 
 impl DeclaredFacts {
+    /// Those of a control whose files are the generic table.
+    pub(super) fn typed(facts: &Facts<'_>) -> Option<DeclaredFacts> {
+        facts.is_typed.set(true);
+        facts.stated::<u32>("points"); // as its pages have them, the first of all
+        DeclaredFacts::checked(facts)
+    }
+
     /// Reads and checks them.
     pub(super) fn checked(facts: &Facts<'_>) -> Option<DeclaredFacts> {
         let own = DeclaredFacts::read(facts)?;
         for (name, is_right, expected) in own.rules() {
             facts.expect(name, is_right, expected);
         }
-        own.check_lines(facts);
+        if facts.section.has("lines") {
+            own.check_lines(facts);
+        }
         Some(own)
     }
 
@@ -291,7 +303,7 @@ impl DeclaredFacts {
 
     /// Points have no positions of their own: the first one and the distance are given.
     pub(crate) fn is_spaced(&self) -> bool {
-        self.factors.is_none() && !self.has(Field::Position)
+        self.factors.is_none() && self.typed.is_none() && !self.has(Field::Position)
     }
 
     /// The patterns together have a field for all that a table holds.
@@ -329,6 +341,7 @@ impl Listed for DeclaredFacts {
             value: self.value_form.value,
             value_um: self.value_size.value.um,
             value_decimals: self.value_decimals.value,
+            rounding: Rounding::LastDecimal,
             largest: self.largest_value.value,
             position_um: self.position_size.value.um,
             position_decimals: self.position_decimals.value,
@@ -339,6 +352,7 @@ impl Listed for DeclaredFacts {
             zero_reverse_is_forward: self.zero_reverse_is_forward.value,
             is_float: false,
             is_factor: self.factors.is_some(),
+            names_terms: self.typed.is_some(),
         }
     }
 
@@ -346,9 +360,9 @@ impl Listed for DeclaredFacts {
         self.backlash.value == BesideTable::Replaced
     }
 
-    fn table_name(&self, base: &str, output: &str) -> String {
+    fn table_name(&self, table: &ListedTable) -> String {
         let mut factors = self.factors().iter();
-        let own = factors.find(|own| own.axes() == [base, output]);
-        own.map_or_else(|| name(base, output), |own| own.name.clone())
+        let own = factors.find(|own| own.axes() == [table.base.as_str(), table.output.as_str()]);
+        own.map_or_else(|| table.name(), |own| own.name.clone())
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::control::controller::fact::{Facts, Mechanism};
 use crate::control::controller::{
-    DeclaredFacts, Dialect, Family, FanucFacts, GenericFacts, IsgFacts, LinuxcncFacts, SiemensFacts,
+    DeclaredFacts, Dialect, Family, FanucFacts, IsgFacts, LinuxcncFacts, SiemensFacts,
 };
 use crate::control::controller::{declared, fanuc, generic, isg, linuxcnc, siemens};
 
@@ -13,7 +13,7 @@ pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 pub(super) const FAMILIES: [Known; 6] = [
     (&siemens::FAMILY, |facts| SiemensFacts::read(facts).map(Dialect::Siemens)),
     (&fanuc::FAMILY, |facts| FanucFacts::read(facts).map(Dialect::Fanuc)),
-    (&generic::FAMILY, |facts| GenericFacts::read(facts).map(Dialect::Generic)),
+    (&generic::FAMILY, |facts| DeclaredFacts::typed(facts).map(Dialect::Declared)),
     (&declared::FAMILY, |facts| DeclaredFacts::checked(facts).map(Dialect::Declared)),
     (&linuxcnc::FAMILY, |facts| LinuxcncFacts::read(facts).map(Dialect::Linuxcnc)),
     (&isg::FAMILY, |facts| IsgFacts::read(facts).map(Dialect::Isg)),

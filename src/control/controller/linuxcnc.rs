@@ -2,9 +2,9 @@
 
 use super::fact::{ControlUnit, Fact, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
-use super::form::{Form, Listed, Order, ValueForm};
+use super::form::{Form, Listed, Order, Rounding, ValueForm};
 use crate::control::table::Tables;
-use crate::control::table::listed::ListedTables;
+use crate::control::table::listed::{ListedTable, ListedTables};
 use crate::quantity::units::UM_PER_MM;
 use crate::text::document::section;
 use crate::text::words::words;
@@ -114,6 +114,7 @@ impl Listed for LinuxcncFacts {
             value,
             value_um: um,
             value_decimals: self.value_decimals.value,
+            rounding: Rounding::LastDecimal,
             largest: f64::INFINITY,
             position_um: um,
             position_decimals: self.position_decimals.value,
@@ -124,6 +125,7 @@ impl Listed for LinuxcncFacts {
             zero_reverse_is_forward: false,
             is_float: is_own,
             is_factor: false,
+            names_terms: false,
         }
     }
 
@@ -132,7 +134,8 @@ impl Listed for LinuxcncFacts {
     }
 
     /// A joint for itself by its section of the ini file.
-    fn table_name(&self, base: &str, output: &str) -> String {
+    fn table_name(&self, table: &ListedTable) -> String {
+        let ListedTable { base, output, .. } = table;
         match base == output {
             true => format!("table of JOINT_{output}"),
             false => format!("correction of joint {output} by joint {base}"),

@@ -2,6 +2,8 @@
 //!
 //! Positions and values are in the units of the file, in its order ([`crate::control::controller::Form`]).
 
+use crate::quantity::axis::ErrorTerm;
+
 /// One point of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
@@ -16,6 +18,8 @@ pub struct Point {
 /// What one axis gets because another one, or itself, stands somewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ListedTable {
+    /// Which error it is for, where the file says it.
+    pub term: Option<ErrorTerm>,
     /// The axis that is looked up.
     pub base: String,
     /// The axis that is corrected.
@@ -35,9 +39,12 @@ impl ListedTable {
         self.base.eq_ignore_ascii_case(base) && self.output.eq_ignore_ascii_case(output)
     }
 
-    /// `table of X`, or `table of Y by X`.
+    /// `table of X`, `table of Y by X`, or `EYX (Y while X moves)`.
     pub(crate) fn name(&self) -> String {
-        name(&self.base, &self.output)
+        match self.term {
+            Some(term) => format!("{term} ({} while {} moves)", self.output, self.base),
+            None => name(&self.base, &self.output),
+        }
     }
 }
 

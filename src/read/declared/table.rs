@@ -128,7 +128,7 @@ impl Draft {
             check_order(facts, points.last().map(|last| last.position), position, row)?;
             points.push(point(facts.value_fields(is_own), position, row)?);
         }
-        Ok(ListedTable { base, output, points })
+        Ok(ListedTable { term: None, base, output, points })
     }
 
     /// As many points as the file and the control say.

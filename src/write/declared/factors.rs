@@ -52,7 +52,7 @@ impl DeclaredFacts {
             let forward = rounded(factor, self.value_decimals.value) + 0.0; // −0 is 0
             let [base, output] = own.axes().map(str::to_string);
             let points = vec![Point { position: 0.0, forward, reverse: None }];
-            ListedTable { base, output, points }
+            ListedTable { term: None, base, output, points }
         };
         let set = self.set_name.as_ref().map(|own| format!("{}{ending}", own.value));
         ListedTables { set, ..ListedTables::of(self.factors().iter().map(table).collect()) }
