@@ -16,15 +16,17 @@ pub(crate) fn judge(family: &Dialect, name: &str, bytes: &[u8]) -> Result<(), St
     let wrong = match family {
         Dialect::Siemens(_) => siemens(text),
         Dialect::Fanuc(_) => fanuc(text),
-        Dialect::Generic(_) if name.ends_with(".json") => json(text),
-        Dialect::Generic(_) if name == "typed.csv" => typed(text),
-        Dialect::Generic(_) => csv(text),
         Dialect::Linuxcnc(_) if name.ends_with(".ini") => ini(text),
         Dialect::Linuxcnc(_) if name.ends_with(".hal") => hal(text),
         Dialect::Linuxcnc(_) => comp(text),
         Dialect::Isg(_) if name.ends_with(".lis") => list(text),
         Dialect::Isg(_) => parameters(text),
-        Dialect::Klipper(_) => skew(text),
+        Dialect::Declared(facts) if facts.factors.is_some() => skew(text),
+        Dialect::Declared(facts) if facts.typed.is_some() => match name {
+            _ if name.ends_with(".json") => json(text),
+            "typed.csv" => typed(text),
+            _ => csv(text),
+        },
         Dialect::Declared(_) => declared(text),
     };
     wrong.map_err(|line| format!("{name}: foreign line {line:?}"))

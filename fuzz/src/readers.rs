@@ -233,7 +233,7 @@ pub fn klipper(input: &[u8]) -> Answer {
 pub fn generic_table(input: &[u8]) -> Answer {
     let source = Source::from_bytes("x", input)?;
     let table = generic::read("x", &source.text)?;
-    generic::merge(vec![table.clone(), table]).map(|table| table.rows.len().to_string())
+    generic::merge(vec![table.clone(), table]).map(|rows| rows.len().to_string())
 }
 
 /// A part program of a measuring run, in every language, and the list of positions.

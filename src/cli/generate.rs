@@ -126,13 +126,15 @@ fn checklist(kit: &Kit) -> Option<&str> {
 /// Archive, what switches off, and where the order of loading stands.
 fn before_loading(inputs: &Inputs, kit: &Kit) -> String {
     let disable = kit.files.iter().find(|file| file.role == Role::Disable);
-    let family = inputs.profile.family;
+    let profile = &inputs.profile;
+    let by_hand = profile.off_by_hand.as_deref().unwrap_or(", see to it by hand");
     let off = match disable {
         Some(file) => format!("{} switches off what the files replace", file.path),
-        None => format!("no file of this kit switches off what is there{}", family.off_by_hand),
+        None => format!("no file of this kit switches off what is there{by_hand}"),
     };
-    let why = family.page.map_or_else(String::new, |page| format!(", why: {page}"));
-    let order = match (checklist(kit), family.page) {
+    let page = profile.page.as_deref();
+    let why = page.map_or_else(String::new, |page| format!(", why: {page}"));
+    let order = match (checklist(kit), page) {
         (Some(file), _) => format!("; order of loading and rollback: {file}{why}"),
         (None, Some(page)) => {
             format!("; order of loading: {page}, as this kit has no checklist")

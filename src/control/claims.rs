@@ -1,5 +1,6 @@
 //! What a kit relies on without being able to prove it: assumptions and preconditions.
 
+use crate::text::document::Section;
 use serde::Serialize;
 
 /// A fact about the control that nobody has shown yet (contract §4).
@@ -105,6 +106,13 @@ impl Precondition {
             source: source.into(),
             when: SeenTo::Before,
         }
+    }
+
+    /// One `[[preconditions]]` of a profile.
+    pub(crate) fn read(section: &Section<'_>) -> Option<Precondition> {
+        let texts = ["what", "value", "why", "source"];
+        let [what, value, why, source] = texts.map(|key| section.required_text(key, "a text"));
+        Some(Precondition::new(what?, value?, why?, source?))
     }
 
     /// The same, where data are overwritten or an axis moves unless it holds.

@@ -17,14 +17,13 @@ mod form;
 mod generic;
 mod isg;
 mod job_keys;
-mod klipper;
 mod linuxcnc;
 pub mod load;
 mod pattern;
 pub mod program;
 mod siemens;
 
-pub use self::declared::{BesideTable, DeclaredFacts, Size};
+pub use self::declared::{BesideTable, DeclaredFacts, Factor, Size};
 pub use self::example::{Added, Example, ExampleAxis, ExampleFile};
 pub(crate) use self::fact::RULE;
 pub use self::fact::{
@@ -35,11 +34,10 @@ pub use self::family::{Family, Proof};
 pub use self::fanuc::{FanucFacts, IntervalForm, StraightnessForm};
 pub use self::files::{EmittedFile, Template};
 pub(crate) use self::form::Listed;
-pub use self::form::{Form, Order, ValueForm};
-pub use self::generic::{GenericFacts, TypedValue};
+pub use self::form::{Form, Order, Rounding, ValueForm};
+pub use self::generic::{Typed, TypedValue};
 pub use self::isg::{IsgFacts, LeverOrigin};
 pub use self::job_keys::{JobKey, JobSection};
-pub use self::klipper::KlipperFacts;
 pub(crate) use self::linuxcnc::MOST_JOINTS;
 pub use self::linuxcnc::{Columns, CrossTerms, LinuxcncFacts};
 pub use self::pattern::Pattern;
@@ -48,6 +46,7 @@ pub use self::siemens::{MultiplyMode, SiemensFacts};
 
 use self::fact::Facts;
 use crate::control::checklist::Step;
+use crate::control::claims::Precondition;
 use crate::text::document::section;
 use crate::text::words::words;
 
@@ -68,21 +67,18 @@ section! {
 
 /// The family of formats that a control reads.
 #[derive(Clone, Debug, PartialEq)]
+#[allow(clippy::large_enum_variant, reason = "a program holds a handful of profiles")]
 pub enum Dialect {
     /// `$AA_ENC_COMP` and `$AN_CEC` assignments.
     Siemens(SiemensFacts),
     /// Numbered parameters and pitch points.
     Fanuc(FanucFacts),
-    /// One CSV and its JSON twin.
-    Generic(GenericFacts),
-    /// Lines and tables as the profile declares them.
+    /// Tables in lines as the profile declares them, or as the generic table has them.
     Declared(DeclaredFacts),
     /// Tables of joints, named in the ini file, and curves of a HAL file.
     Linuxcnc(LinuxcncFacts),
     /// Volumetric compensation of the ISG kernel.
     Isg(IsgFacts),
-    /// Skew correction of Klipper.
-    Klipper(KlipperFacts),
 }
 
 words! {
@@ -154,6 +150,12 @@ pub struct Profile {
     pub files: Vec<EmittedFile>,
     /// Keys of a job that it needs, in order.
     pub job_keys: Vec<JobKey>,
+    /// What a person has to see to on the control whatever the kit holds.
+    pub preconditions: Vec<Precondition>,
+    /// What switches tables off, as a remark on a kit without a file for it; `None` = a person has to see to it.
+    pub off_by_hand: Option<String>,
+    /// The page that explains the order of loading.
+    pub page: Option<String>,
     /// The steps of a service visit, in order.
     pub checklist: Vec<Step>,
     /// The display that shows the correction that acts on an axis; `None` = none is known.

@@ -5,9 +5,7 @@
 //! control's own unit, sense and numbering. A point that no file writes is missing (`None`).
 
 pub mod fanuc;
-pub mod generic;
 pub mod isg;
-pub mod klipper;
 pub mod listed;
 pub mod siemens;
 
@@ -20,14 +18,10 @@ pub enum Tables {
     Siemens(siemens::SiemensTables),
     /// Fanuc parameters and points.
     Fanuc(fanuc::FanucMemory),
-    /// The rows of the generic table.
-    Generic(generic::GenericTable),
-    /// Tables whose points stand one by one, of LinuxCNC and of a control whose profile declares its files.
+    /// Tables whose points stand one by one, of LinuxCNC, of a control whose profile declares its files, and the generic ones.
     Listed(listed::ListedTables),
     /// Parameters of an ISG volumetric compensation.
     Isg(isg::IsgTables),
-    /// The factors of a Klipper skew correction.
-    Klipper(klipper::KlipperTables),
 }
 
 impl Tables {
@@ -36,10 +30,8 @@ impl Tables {
         let own: &dyn Any = match self {
             Tables::Siemens(own) => own,
             Tables::Fanuc(own) => own,
-            Tables::Generic(own) => own,
             Tables::Listed(own) => own,
             Tables::Isg(own) => own,
-            Tables::Klipper(own) => own,
         };
         own.downcast_ref()
     }

@@ -10,11 +10,15 @@ use crate::judge::family::{Family, Side};
 use crate::judge::findings::InControl;
 use crate::judge::listed;
 use crate::read::declared::read;
+use crate::read::generic;
 use crate::text::problem::Problems;
 
 impl Family for DeclaredFacts {
     fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
-        let mut found = read(reading.texts, self)?;
+        let mut found = match self.typed.is_some() {
+            true => generic::tables(reading.texts, true)?,
+            false => read(reading.texts, self)?,
+        };
         let held = Tables::Listed(found.clone());
         tell_others(reading, &mut found);
         Ok(Found { tables: Tables::Listed(found), ..Found::all(held) })

@@ -91,10 +91,8 @@ pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
     match dialect {
         Dialect::Siemens(facts) => facts,
         Dialect::Fanuc(facts) => facts,
-        Dialect::Generic(facts) => facts,
         Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
         Dialect::Isg(facts) => facts,
-        Dialect::Klipper(facts) => facts,
     }
 }

@@ -102,7 +102,7 @@ fn check_homes(reading: &mut ReadOutReader<'_>, found: &Contents) {
 /// Tables of joints that the job does not have.
 fn tell_others(facts: &LinuxcncFacts, reading: &mut ReadOutReader<'_>, found: &mut ListedTables) {
     for table in listed::take_others(reading, found) {
-        let what = format!("the {}", facts.table_name(&table.base, &table.output));
+        let what = format!("the {}", facts.table_name(&table));
         let axes = "a joint";
         reading.tell(InControl::OfOthers { what, axes });
     }

@@ -12,11 +12,11 @@ pub(super) fn own(tables: &Tables) -> &[ListedTable] {
     tables.own().map_or(&[], |own: &ListedTables| &own.tables)
 }
 
-/// Point by point what tables hold; the first one has this number.
+/// Point by point what tables hold, of which the first one has this number, and the name of their set.
 pub(super) fn entries(facts: &impl Listed, side: &Side<'_>, first_point: u32) -> Entries {
     let of_table = |table: &ListedTable| {
         let told = side.tells(&table.base, &table.output);
-        let name = facts.table_name(&table.base, &table.output);
+        let name = facts.table_name(table);
         let entry = move |(index, point): (u32, &Point)| {
             let numbers = vec![Some(point.position), Some(point.forward), point.reverse];
             let key = (name.clone(), Item::Point(index));
@@ -24,7 +24,12 @@ pub(super) fn entries(facts: &impl Listed, side: &Side<'_>, first_point: u32) ->
         };
         (first_point..).zip(&table.points).map(entry).collect::<Vec<_>>()
     };
-    own(side.tables).iter().flat_map(of_table).collect()
+    let set = side.tables.own().and_then(|own: &ListedTables| own.set.clone());
+    let set = set.map(|name| {
+        let key = ("set of tables".to_string(), Item::Name("its name".to_string()));
+        (key, Entry::of(Value::Text(name), true, true))
+    });
+    own(side.tables).iter().flat_map(of_table).chain(set).collect()
 }
 
 /// Takes out tables of axes that the job does not have.

@@ -4,9 +4,7 @@
 
 mod declared;
 mod fanuc;
-mod generic;
 mod isg;
-mod klipper;
 mod linuxcnc;
 mod listed;
 mod siemens;

@@ -4,6 +4,7 @@
 //!   line ─┬ blank, comment ──────────────────────────→ nothing
 //!         ├ axis, base, output ──→ the pair of axes that the lines below are for
 //!         ├ table ──→ the table of that name, until a line with base or output says of which pair it is
+//!         ├ set, other ──→ lines of tables begin, of which the control loads one set; or of something else
 //!         ├ start, spacing, count, last ──→ of the table
 //!         ├ unit ──→ has to be that of the profile
 //!         └ point, position, value, forward, reverse ──→ a point of it
@@ -15,11 +16,12 @@ mod table;
 
 use self::table::{Draft, Whose};
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Comments, DeclaredFacts, Field, Pattern, Said, Size};
+use crate::control::controller::{Comments, DeclaredFacts, Factor, Field, Pattern, Said, Size};
 use crate::control::table::Tables;
-use crate::control::table::listed::{ListedTable, ListedTables};
+use crate::control::table::listed::{ListedTable, ListedTables, Point};
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
+use crate::read::generic;
 use crate::read::lexer::{Complaint, MOST_COMPLAINTS, lines, located};
 use crate::read::listed;
 use crate::text::problem::{Problem, Problems, shown};
@@ -28,11 +30,19 @@ use std::ops::Range;
 impl Family for DeclaredFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
         let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
-        Ok(Tables::Listed(read(&texts, self)?).into())
+        let tables = match self.typed.is_some() {
+            true => generic::tables(&texts, false)?,
+            false => read(&texts, self)?,
+        };
+        Ok(Tables::Listed(tables).into())
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
-        Ok(Box::new(listed::control(own(tables)?, self, state)?))
+        let tables: &ListedTables = own(tables)?;
+        Ok(Box::new(match self.chained.as_ref().is_some_and(|own| own.value) {
+            true => listed::control(&chained(tables, self), self, state)?,
+            false => listed::control(tables, self, state)?,
+        }))
     }
 
     /// A pair of axes has one table.
@@ -41,10 +51,20 @@ impl Family for DeclaredFacts {
     }
 
     fn may_obey(&self, text: &str) -> bool {
+        if self.typed.is_some() {
+            return text.contains("position_mm");
+        }
         let patterns = self.lines.value.iter().filter(|own| own.has_fields());
         let patterns: Vec<_> = patterns.collect();
         let is_taken = |line: &str| patterns.iter().any(|own| own.take(line).is_some());
         lines(text).any(|span| is_taken(&text[span]))
+    }
+
+    /// One that holds something else, too.
+    fn is_whole(&self, text: &str) -> bool {
+        let says = |line: &str| self.lines.value.iter().find(|own| own.take(line).is_some());
+        let is_other = |own: &Pattern| own.fields().any(|field| field == Field::Other);
+        self.has(Field::Other) && lines(text).any(|span| says(&text[span]).is_some_and(is_other))
     }
 }
 
@@ -54,9 +74,11 @@ pub(crate) fn read(
     facts: &DeclaredFacts,
 ) -> Result<ListedTables, Problems> {
     let mut problems = Problems::none();
-    let mut all: Vec<ListedTable> = Vec::new();
+    let (mut all, mut set) = (Vec::<ListedTable>::new(), None);
     for (name, text) in texts {
-        for table in problems.take(file(name, text, facts)).into_iter().flatten() {
+        let own = problems.take(file(name, text, facts)).unwrap_or_default();
+        set = set.or(own.set);
+        for table in own.tables {
             if all.iter().any(|own| own.is_for(&table.base, &table.output)) {
                 let message = format!("`{}` holds another {}", shown(name), table.name());
                 problems.push(
@@ -66,19 +88,22 @@ pub(crate) fn read(
             all.push(table);
         }
     }
-    if problems.is_empty() && all.is_empty() {
+    let is_whole = || texts.iter().any(|(_, text)| facts.is_whole(text));
+    if problems.is_empty() && all.is_empty() && !is_whole() {
         let message = "no line of the files holds a value";
         let help = "compare the files with the patterns of the profile (`lines`)";
         problems.push(Problem::new(message).help(help));
     }
-    problems.or_ok(ListedTables::of(all))
+    problems.or_ok(ListedTables { set, ..ListedTables::of(all) })
 }
 
 /// The tables of one file.
-fn file(name: &str, text: &str, facts: &DeclaredFacts) -> Result<Vec<ListedTable>, Problems> {
+fn file(name: &str, text: &str, facts: &DeclaredFacts) -> Result<ListedTables, Problems> {
     let mut reading = Reading {
         facts,
         axes: Axes::of_name(name, facts),
+        set: None,
+        is_other: facts.has(Field::Set),
         drafts: Vec::new(),
         complaints: Vec::new(),
     };
@@ -96,10 +121,45 @@ fn file(name: &str, text: &str, facts: &DeclaredFacts) -> Result<Vec<ListedTable
             Err(complaint) => reading.complaints.push(complaint),
         }
     }
+    let set = reading.set.take();
+    let is_lost = |own: &&Factor| {
+        let [base, output] = own.axes();
+        set.is_some() && !tables.iter().any(|table| table.is_for(base, output))
+    };
+    for lost in facts.factors().iter().filter(is_lost) {
+        let message = format!("a set without {}: the control takes all together", lost.name);
+        let help = "state all factors, 0 where nothing is to be corrected";
+        let span = set.as_ref().map_or(0..0, |(_, span)| span.clone());
+        reading.complaints.push(Complaint::new(span, message, help));
+    }
+    let set = set.map(|(name, _)| name);
     match reading.complaints.is_empty() {
-        true => Ok(tables),
+        true => Ok(ListedTables { tables, set }),
         false => Err(located(name, text, reading.complaints)),
     }
+}
+
+/// Factors of a control on which an axis follows the corrected position of another one: each with what reaches its axis
+/// through others.
+///
+/// ```text
+///   y' = y − z·yz     x' = x − y'·xy − z·xz = x − y·xy − z·(xz − xy·yz)
+/// ```
+fn chained(tables: &ListedTables, facts: &DeclaredFacts) -> ListedTables {
+    let sense = facts.cross_sign.value.correction(1.0).um();
+    let factor = |base: &str, output: &str| {
+        let own = tables.tables.iter().find(|own| own.is_for(base, output));
+        own.and_then(|own| own.points.first()).map_or(0.0, |point| point.forward)
+    };
+    let whole = |table: &ListedTable| {
+        let others = tables.tables.iter().filter(|other| other.output == table.output);
+        let through = others
+            .map(|other| factor(&other.base, &other.output) * factor(&table.base, &other.base));
+        let forward = factor(&table.base, &table.output) + sense * through.sum::<f64>();
+        let points = vec![Point { position: 0.0, forward, reverse: None }];
+        ListedTable { points, ..table.clone() }
+    };
+    ListedTables::of(tables.tables.iter().map(whole).collect())
 }
 
 /// The axes that the lines are for.
@@ -153,6 +213,10 @@ fn unit_of_comment<'a>(
 struct Reading<'a> {
     facts: &'a DeclaredFacts,
     axes: Axes,
+    /// The set of tables that has begun, and where it says its name.
+    set: Option<(String, Range<usize>)>,
+    /// Whether the lines are of something else.
+    is_other: bool,
     drafts: Vec<Draft>,
     complaints: Vec<Complaint>,
 }
@@ -177,6 +241,9 @@ impl Reading<'_> {
             true => unit_of_comment(patterns, line),
         };
         let Some(found) = found else {
+            if self.is_other {
+                return;
+            }
             if is_comment {
                 return self.check_comment(line, span);
             }
@@ -190,6 +257,9 @@ impl Reading<'_> {
 
     /// Takes what a line says of one table.
     fn say(&mut self, text: &str, line: &Range<usize>, said: Said) {
+        if self.is_other && !said.iter().any(|(field, _)| *field == Field::Set) {
+            return;
+        }
         let (mut name, mut fields, mut names_axes) = (None, Vec::new(), false);
         for (field, part) in said {
             let part = line.start + part.start..line.start + part.end;
@@ -201,15 +271,17 @@ impl Reading<'_> {
                 Field::Same => self.check_same(text, part),
                 Field::Table => name = Some(text[part].to_string()),
                 Field::Unit => self.check_unit(text, part),
+                Field::Other => self.is_other = true,
+                Field::Set => self.begin(text[part.clone()].trim(), part),
                 _ => fields.push((field, part)),
             }
         }
         if fields.is_empty() && name.is_none() {
             return;
         }
-        let axes = match name.is_none() || names_axes {
-            true => self.axes.pair(),
-            false => None,
+        let axes = match &name {
+            Some(name) if !names_axes => self.facts.axes_of(name),
+            _ => self.axes.pair(),
         };
         if name.is_none() && axes.is_none() {
             let help = "a line before it, or the line itself, has to name the axis";
@@ -224,6 +296,18 @@ impl Reading<'_> {
         let most = self.facts.points.value as usize;
         let taken = self.drafts[at].take(text, (line, own), fields, most);
         self.complaints.extend(taken.err());
+    }
+
+    /// A set of tables begins.
+    fn begin(&mut self, name: &str, span: Range<usize>) {
+        self.is_other = self.set.is_some();
+        match &self.set {
+            None => self.set = Some((name.to_string(), span)),
+            Some((own, _)) => {
+                let message = format!("a second set beside `{}`, and one is loaded", shown(own));
+                self.complain(span, message, "name a file that holds the one that is loaded");
+            }
+        }
     }
 
     /// A comment that names a unit says it as the profile does: one that begins with the word, or holds it beside a size.

@@ -46,11 +46,9 @@ pub(crate) fn family(dialect: &Dialect) -> &dyn Family {
     match dialect {
         Dialect::Siemens(facts) => facts,
         Dialect::Fanuc(facts) => facts,
-        Dialect::Generic(facts) => facts,
         Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
         Dialect::Isg(facts) => facts,
-        Dialect::Klipper(facts) => facts,
     }
 }
 

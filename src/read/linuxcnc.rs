@@ -116,7 +116,12 @@ pub(crate) fn read(texts: &[(&str, &str)], facts: &LinuxcncFacts) -> Result<Cont
                     false => rows.into_iter().map(in_other_columns).collect(),
                 });
                 let [base, output] = [number, number].map(ToString::to_string);
-                tables.extend(points.map(|points| ListedTable { base, output, points }));
+                tables.extend(points.map(|points| ListedTable {
+                    term: None,
+                    base,
+                    output,
+                    points,
+                }));
             }
         }
     }

@@ -4,6 +4,8 @@
 //!   value → error or correction at each point (amount, position − point, sum of increments, zero at the
 //!   reference) → straight lines between, outside held or nothing
 //! ```
+//! A factor stands for a line. It counts from the reference: what is added there is a shift of all positions, which no
+//! error against the reference sees.
 
 use crate::control::control_state::{AxisState, ControlState};
 use crate::control::controller::{Form, Listed, Outside, ValueForm};
@@ -24,7 +26,7 @@ pub(super) fn control(
     state: &ControlState,
 ) -> Emulated<PairControl> {
     let load = |table: &ListedTable| {
-        let name = own.table_name(&table.base, &table.output);
+        let name = own.table_name(table);
         let form = own.form(table.is_own(), state.unit);
         load_table(table, (&name, &form), known_axis(state, &table.base)?)
     };
@@ -51,7 +53,10 @@ pub(super) fn load(
 
 fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emulated<Pair> {
     let (name, form) = own;
-    let mut points = table.points.clone();
+    let mut points = match form.is_factor {
+        true => line(table, base),
+        false => table.points.clone(),
+    };
     points.sort_by(|a, b| a.position.total_cmp(&b.position));
     let way = |value: fn(&Point) -> f64| {
         let column = OneWay { points: &points, value, form };
@@ -73,6 +78,18 @@ fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emul
         }
     }
     Ok(Pair { base: table.base.clone(), output: table.output.clone(), ways })
+}
+
+/// The line of a factor over the travel, in mm.
+fn line(table: &ListedTable, base: &AxisState) -> Vec<Point> {
+    let factor = table.points.first().map_or(0.0, |own| own.forward);
+    let ends = [base.travel.0, base.travel.1];
+    let point = |place: Millimetres| Point {
+        position: place.mm(),
+        forward: factor * (place - base.reference).mm(),
+        reverse: None,
+    };
+    ends.map(point).to_vec()
 }
 
 /// Whether ascending places cover the travel of the axis that is looked up and do not go beyond it, where a control

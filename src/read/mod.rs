@@ -15,7 +15,6 @@ pub mod fanuc;
 mod findings;
 pub mod generic;
 pub mod isg;
-pub mod klipper;
 mod lexer;
 pub mod linuxcnc;
 mod listed;

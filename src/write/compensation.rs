@@ -1,7 +1,7 @@
 //! The plan in a control's own numbers: rounded once, numbered, within its limits.
 //!
 //! ```text
-//!   Plan ─→ Family (siemens, fanuc, generic) ─→ Compiled { tables, state, assumptions, preconditions }
+//!   Plan ─→ Family (siemens, fanuc, declared) ─→ Compiled { tables, state, assumptions, preconditions }
 //! ```
 //! Deviations become table values through [`crate::control::controller::TableSign`], the only place where
 //! a profile's sense of a table enters. Rounding is half away from zero, on totals, so no point
@@ -49,6 +49,7 @@ pub fn compile(task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
     notes.extend(active_note(&task.job.measurement.active).map(Finding::from));
     notes.extend(parameter_note(task, plan).map(Finding::from));
     compiled.notes = notes;
+    compiled.preconditions.extend_from_slice(&task.profile.preconditions);
     Ok(compiled)
 }
 

@@ -2,9 +2,13 @@
 //!
 //! How a plan becomes numbers stands in [`listed`].
 
+mod factors;
+mod typed;
+
 use crate::control::claims::Precondition;
+use crate::control::control_state::ControlState;
 use crate::control::controller::{
-    ControlUnit, DeclaredFacts, Evidence, Listed, Mechanism, RULE, ValueForm,
+    ControlUnit, DeclaredFacts, Evidence, Listed, Mechanism, RULE, TypedValue, ValueForm,
 };
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables, Point, name};
@@ -19,15 +23,31 @@ use crate::write::family::{Emitted, Family, ProofOf};
 use crate::write::findings::TableFinding;
 use crate::write::grid::LengthDigit;
 use crate::write::listed;
-use crate::write::seen::{Seen, seen};
+use crate::write::seen::{Seen, seen, with};
 use crate::write::selection::TableStock;
 use crate::write::task::{Plan, PlannedTable, Target, Task};
 
 impl Family for DeclaredFacts {
     fn expected_name(&self, name: &str) -> Option<&'static str> {
+        if self.factors.is_some() {
+            let is_axis = Axis::ALL.iter().any(|axis| axis.key() == name);
+            return (!is_axis).then_some("x, y or z");
+        }
+        if self.typed.is_some() {
+            return None;
+        }
         let plain = |c: char| c.is_ascii_alphanumeric() || c == '_';
         let is_plain = !name.is_empty() && name.chars().all(plain);
         (!is_plain).then_some("letters, digits and `_`")
+    }
+
+    /// A factor has the names of its axes in its own, and the generic table reaches no axis.
+    fn names_reach_axes(&self) -> bool {
+        self.factors.is_none() && self.typed.is_none()
+    }
+
+    fn refuses(&self, term: ErrorTerm) -> Option<String> {
+        self.without_factor(term)
     }
 
     /// Positions are in the unit of the profile, whatever the control is in.
@@ -38,8 +58,12 @@ impl Family for DeclaredFacts {
         }
     }
 
+    /// Increments are zero at the reference and do not hold what a second table has there.
     fn takes_directions(&self, term: ErrorTerm) -> bool {
-        term.is_positioning() && self.has_two()
+        match &self.typed {
+            Some(typed) => typed.value.value != TypedValue::Increment,
+            None => term.is_positioning() && self.has_two(),
+        }
     }
 
     fn replaces_backlash(&self) -> bool {
@@ -51,7 +75,10 @@ impl Family for DeclaredFacts {
     }
 
     fn point_limit(&self, _targets: &[&Target]) -> (u32, &'static str) {
-        (self.points.value, "a table")
+        match self.factors.is_some() {
+            true => (u32::MAX, "a factor"),
+            false => (self.points.value, "a table"),
+        }
     }
 
     fn takes_points_beyond(&self) -> bool {
@@ -59,10 +86,13 @@ impl Family for DeclaredFacts {
     }
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
+        if self.factors.is_some() {
+            return Ok(self.compile_factors(task, plan));
+        }
         Ok(Compiled {
             preconditions: self.preconditions(task, plan),
             notes: self.form_assumed().into_iter().map(Finding::from).collect(),
-            ..listed::compile(self, task, plan, |own| place(plan, own))?
+            ..listed::compile(self, task, plan, |own| self.place(plan, own))?
         })
     }
 
@@ -72,15 +102,31 @@ impl Family for DeclaredFacts {
 
     fn context(&self, emitted: &Emitted<'_>) -> Option<Seen> {
         let own: &ListedTables = emitted.tables.own()?;
-        Some(self.seen(emitted.task, &own.tables))
+        let seen = match &self.typed {
+            Some(typed) => typed::of_tables(typed, emitted, own),
+            None => self.seen(emitted.task, &own.tables),
+        };
+        Some(match &own.set {
+            Some(set) => with(seen, "set", set.as_str().into()),
+            None => seen,
+        })
+    }
+
+    fn displayed(&self, tables: &Tables, _state: &ControlState) -> Vec<String> {
+        self.shown_factors(tables)
     }
 
     fn has(&self, mechanism: Mechanism) -> bool {
-        mechanism != Mechanism::CrossTable || self.cross_terms.value > 0
+        let has_cross = mechanism != Mechanism::CrossTable || self.cross_terms.value > 0;
+        self.factors.is_some() == (mechanism == Mechanism::Skew) && has_cross
     }
 
     fn belongs(&self, mechanism: Mechanism, table: &PlannedTable) -> bool {
-        table.term.is_cross() == (mechanism == Mechanism::CrossTable)
+        table.term.is_cross() == (mechanism != Mechanism::OwnTable)
+    }
+
+    fn proves_by_slope(&self) -> bool {
+        self.factors.is_some()
     }
 
     /// What the control takes in one section of increments.
@@ -98,6 +144,9 @@ impl Family for DeclaredFacts {
     }
 
     fn proof_tables(&self, proof: &ProofOf<'_>) -> Option<Tables> {
+        if self.factors.is_some() {
+            return Some(self.proof_factors(proof));
+        }
         Some(listed::proof_tables(self, proof, |planned| self.belongs(proof.mechanism, planned)))
     }
 }
@@ -112,7 +161,10 @@ impl DeclaredFacts {
     }
 
     fn preconditions(&self, task: Task<'_>, plan: &Plan) -> Vec<Precondition> {
-        let source = "the profile, fact `backlash`";
+        let source = match self.typed.is_some() {
+            true => "contract of the generic table",
+            false => "the profile, fact `backlash`",
+        };
         let named = |um| backlash_text(um).0;
         let of_axis = |axis: Axis| {
             let what = format!("backlash parameter of {axis}");
@@ -129,7 +181,8 @@ impl DeclaredFacts {
         let has_table = |axis: &Axis| plan.of_axis(*axis).next().is_some();
         let is_set = |axis: &Axis| match self.replaces_backlash() {
             true => has_table(axis),
-            false => plan.backlash_um[*axis].is_some() || plan.has_two_tables(*axis),
+            false if self.typed.is_some() => plan.backlash_um[*axis].is_some(),
+            false => plan.sets_backlash(*axis),
         };
         let axes = Axis::ALL.into_iter().filter(is_set);
         let reference = Precondition::new(
@@ -139,7 +192,7 @@ impl DeclaredFacts {
             RULE,
         )
         .dangerous();
-        axes.map(of_axis).chain([reference]).collect()
+        axes.map(of_axis).chain(self.typed.is_none().then_some(reference)).collect()
     }
 
     /// What templates see.
@@ -205,16 +258,19 @@ impl DeclaredFacts {
             "points": table.points.iter().enumerate().map(point).collect::<Vec<Seen>>(),
         }
     }
-}
 
-/// `table of X`, or `table of Y by X`; with `moving up` or `moving down` one column of it.
-fn place(plan: &Plan, planned: &PlannedTable) -> String {
-    let names = plan.names[planned.term.of].iter();
-    let names = names.map(|output| name(plan.base_of(planned.term, output), output));
-    let column = match planned.direction {
-        None => "",
-        Some(Direction::Plus) => " moving in +",
-        Some(Direction::Minus) => " moving in -",
-    };
-    names.collect::<Vec<String>>().join(", ") + column
+    /// `table of X`, or `table of Y by X`; with `moving up` or `moving down` one column of it.
+    fn place(&self, plan: &Plan, planned: &PlannedTable) -> String {
+        if self.typed.is_some() {
+            return "rows".to_string();
+        }
+        let names = plan.names[planned.term.of].iter();
+        let names = names.map(|output| name(plan.base_of(planned.term, output), output));
+        let column = match planned.direction {
+            None => "",
+            Some(Direction::Plus) => " moving in +",
+            Some(Direction::Minus) => " moving in -",
+        };
+        names.collect::<Vec<String>>().join(", ") + column
+    }
 }

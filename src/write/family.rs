@@ -52,7 +52,7 @@ pub(crate) trait Family {
     }
 
     /// Why the control cannot take a term at all; `None` = it can.
-    fn refuses(&self, _term: ErrorTerm) -> Option<&'static str> {
+    fn refuses(&self, _term: ErrorTerm) -> Option<String> {
         None
     }
 
@@ -158,10 +158,8 @@ pub(crate) fn family(profile: &Profile) -> &dyn Family {
     match &profile.dialect {
         Dialect::Siemens(facts) => facts,
         Dialect::Fanuc(facts) => facts,
-        Dialect::Generic(facts) => facts,
         Dialect::Declared(facts) => facts,
         Dialect::Linuxcnc(facts) => facts,
         Dialect::Isg(facts) => facts,
-        Dialect::Klipper(facts) => facts,
     }
 }

@@ -4,7 +4,7 @@
 //! * Values are rounded to the last decimal once; increments are differences of rounded values, so that rounding
 //!   never adds up.
 
-use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, ValueForm};
+use crate::control::controller::{Form, Listed, Mechanism, Order, Outside, Rounding, ValueForm};
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables, Point};
 use crate::quantity::axis::{Axis, Direction};
@@ -22,7 +22,6 @@ pub(super) fn compile(
     plan: &Plan,
     place: impl Fn(&PlannedTable) -> String,
 ) -> Result<Compiled, Problems> {
-    let unit = task.job.compensation.control_unit;
     let backlash_um = |axis| match own.replaces_parameter() {
         true => 0.0,
         false => plan.backlash_um[axis].map_or(0.0, |um| backlash_text(um).1),
@@ -33,7 +32,7 @@ pub(super) fn compile(
         let axis = plan.names[planned.term.of].first().and_then(|own| state.axis(own));
         column(plan, planned.term, axis.filter(|_| replaced), way)
     };
-    let form = |planned: &PlannedTable| own.form(planned.term.is_positioning(), unit);
+    let form = |planned: &PlannedTable| form_of(own, task, planned);
     let tables = tables(plan, form, |_| true, cancels);
     check(own, task, &tables)?;
     check_ends(task, plan, form, cancels)?;
@@ -48,6 +47,23 @@ pub(super) fn compile(
         assumptions: Vec::new(),
         notes: Vec::new(),
     })
+}
+
+/// What the numbers mean of a planned table. Of the generic table each direction has its own block, and values are
+/// multiples of the detection unit.
+fn form_of(own: &impl Listed, task: Task<'_>, planned: &PlannedTable) -> Form {
+    let unit = task.job.compensation.control_unit;
+    let form = own.form(planned.term.is_positioning(), unit);
+    match form.names_terms {
+        false => form,
+        true => Form {
+            has_two: planned.direction.is_some(),
+            rounding: task
+                .detection_unit_um(planned.term.of)
+                .map_or(Rounding::None, Rounding::Multiple),
+            ..form
+        },
+    }
 }
 
 /// Whether a kit uses the mechanism of tables of axes for themselves, or that of tables that follow another axis.
@@ -69,8 +85,7 @@ pub(super) fn proof_tables(
     proof: &ProofOf<'_>,
     belongs: impl Fn(&PlannedTable) -> bool,
 ) -> Tables {
-    let unit = proof.task.job.compensation.control_unit;
-    let form = |planned: &PlannedTable| own.form(planned.term.is_positioning(), unit);
+    let form = |planned: &PlannedTable| form_of(own, proof.task, planned);
     let bump = |planned: &PlannedTable, _| {
         proof.deviations(planned.term == proof.term, planned.values.len())
     };
@@ -92,10 +107,12 @@ fn tables(
                 continue; // of two directions the first wrote both columns
             }
             let ways = Direction::BOTH.map(|way| cancels(planned, way));
+            let form = form(planned);
             tables.push(ListedTable {
+                term: form.names_terms.then_some(planned.term),
                 base: base.to_string(),
                 output: output.clone(),
-                points: points(&form(planned), planned, ways),
+                points: points(&form, planned, ways),
             });
         }
     }
@@ -127,12 +144,19 @@ fn file_place(form: &Form, written: f64) -> f64 {
     rounded(written * (unit_um / form.position_um), form.position_decimals) + 0.0
 }
 
+/// Multiples of a detection unit are freed from binary dust at a femtometre.
+pub(super) const DUST_DECIMALS: u32 = 9;
+
 /// The numbers of a column that cancels deviations.
 fn numbers(form: &Form, places: &[f64], deviations: &[Deviation]) -> Vec<f64> {
     let mut before: Option<f64> = None;
     let value = |(place, deviation): (&f64, &Deviation)| {
         let um = form.sign.table_um(*deviation);
-        let amount = rounded(um / form.value_um, form.value_decimals);
+        let amount = match form.rounding {
+            Rounding::LastDecimal => rounded(um / form.value_um, form.value_decimals),
+            Rounding::Multiple(step) => rounded((um / step).round() * step, DUST_DECIMALS),
+            Rounding::None => um,
+        };
         let last = before.replace(amount).unwrap_or(amount);
         0.0 + match form.value {
             ValueForm::Amount => amount,
@@ -156,7 +180,7 @@ fn check(own: &impl Listed, task: Task<'_>, tables: &[ListedTable]) -> Result<()
             let largest = fixed(largest, form.decimals());
             let message = format!(
                 "the {} would hold {largest}, the control takes {most} at most",
-                own.table_name(&table.base, &table.output)
+                own.table_name(table)
             );
             let problem = task.job.problem_at("compensation.axes", message);
             problems.push(

@@ -12,9 +12,7 @@ mod task;
 
 mod declared;
 pub mod fanuc;
-mod generic;
 mod isg;
-mod klipper;
 mod linuxcnc;
 mod listed;
 pub mod siemens;

@@ -12,6 +12,13 @@ pub(crate) fn named<const N: usize>(names: [(&'static str, Seen); N]) -> Seen {
     names.into_iter().map(|(name, own)| (Key::Str(name), own)).collect::<Map>().into()
 }
 
+/// Names, and one more.
+pub(crate) fn with(names: Seen, name: &'static str, own: Seen) -> Seen {
+    let mut names = names.into_map().unwrap_or_default();
+    names.insert(Key::Str(name), own);
+    names.into()
+}
+
 /// `seen! { "name": text, … }`: names in this order, each with a text, a list of texts, or what is seen of something.
 macro_rules! seen {
     ($($name:literal: $own:expr),* $(,)?) => {

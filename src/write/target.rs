@@ -29,7 +29,6 @@ pub fn targets(
     let mut omitted = Vec::new();
     for (term, measured) in model.measured() {
         if let Some(reason) = family(profile).refuses(term) {
-            let reason = reason.to_string();
             omitted.push(Omission { term, reason });
         } else if wants(job, term) {
             if let Some(of_term) = problems.take(term_targets(job, profile, term, measured)) {

@@ -173,8 +173,8 @@ fn check_stages(stages: &[(Axis, Stage)], id: &str, policy: &str) {
             false => (largest(&reversal) + at_zero.abs()) / 2.0,
         };
         let (after, near) = match (&profile.dialect, &tables) {
-            (Dialect::Generic(_), _) if support::needs_unit(id) => (ideal, UNIT_UM / 2.0),
-            (Dialect::Generic(_), _) => (ideal, 0.0),
+            _ if support::is_generic(&profile) && support::needs_unit(id) => (ideal, UNIT_UM / 2.0),
+            _ if support::is_generic(&profile) => (ideal, 0.0),
             (Dialect::Declared(facts), _) => (ideal, support::count_um(facts) / 2.0),
             (Dialect::Siemens(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_), _) => {
                 (ideal, HALF_COUNT_UM)

@@ -31,8 +31,8 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
     let profile = builtin::profile("klipper-skew").unwrap();
     let mut turned = profile.clone();
     match &mut turned.dialect {
-        Dialect::Klipper(facts) => facts.skew_sign.value = TableSign::AsCorrection,
-        _ => unreachable!("the profile is Klipper's"),
+        Dialect::Declared(facts) => facts.cross_sign.value = TableSign::AsCorrection,
+        _ => unreachable!("the profile is a declared one"),
     }
     let mut random = Random::new(7);
     for _ in 0..40 {
@@ -55,13 +55,14 @@ fn the_bytes_take_off_the_lean_by_klippers_formula() {
             for mm in [0.0, 37.0, 200.0] {
                 let mut at = reference;
                 at[index] = mm;
-                let expected = klipper(factors, at)[of] - klipper(factors, reference)[of];
+                let by = |factors| klipper(factors, at)[of] - klipper(factors, reference)[of];
+                let (expected, turned) = (by(factors), by(factors.map(|own| -own)));
                 for direction in Direction::BOTH {
                     let response = support::response(right.as_ref(), base, output, direction);
                     let um = um_at(&response, mm);
                     assert!((um - expected * 1000.0).abs() < 1e-9, "{base} {output}: {um}");
                     let response = support::response(wrong.as_ref(), base, output, direction);
-                    assert!((um + um_at(&response, mm)).abs() < 1e-9);
+                    assert!((um_at(&response, mm) - turned * 1000.0).abs() < 1e-9);
                 }
             }
         }

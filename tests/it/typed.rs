@@ -113,7 +113,7 @@ fn a_list_that_is_not_whole_is_refused_at_its_place() {
     for (changed, words) in [
         (unseen, "`seen` is empty in 1 of"),
         (cut, "page `1` has no sum"),
-        (list.replace("increment_um", "increment"), "column `increment` is unknown"),
+        (list.replace("increment_um", "increment"), "unknown column `increment`"),
         (list.replace(",increment_um", ",increment_um,correction_um"), "expected one"),
         (list.replace("EXX,x,x,,0,", "EXX,x,x,,50,"), "no point of this table lies at `zero_mm`"),
         (list.replace(",1,sum,", ",1,total,"), "`point` is `total`"),

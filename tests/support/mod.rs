@@ -137,12 +137,19 @@ pub(crate) fn needs_unit(id: &str) -> bool {
     builtin::profile(id).unwrap().detection_unit_required.value
 }
 
+/// Whether its files are the generic table.
+pub(crate) fn is_generic(profile: &Profile) -> bool {
+    matches!(&profile.dialect, Dialect::Declared(facts) if facts.typed.is_some())
+}
+
 /// Whether the table of an axis for itself holds both directions.
 pub(crate) fn has_two_directions(profile: &Profile) -> bool {
     match &profile.dialect {
-        Dialect::Declared(facts) => facts.has_two(),
-        Dialect::Isg(_) | Dialect::Klipper(_) => false,
-        Dialect::Generic(facts) => facts.typed_value.value != TypedValue::Increment,
+        Dialect::Declared(facts) => match &facts.typed {
+            Some(typed) => typed.value.value != TypedValue::Increment,
+            None => facts.has_two(),
+        },
+        Dialect::Isg(_) => false,
         _ => true,
     }
 }
@@ -152,7 +159,6 @@ pub(crate) fn has_cross_terms(profile: &Profile) -> bool {
     match &profile.dialect {
         Dialect::Linuxcnc(facts) => facts.cross_terms.value == CrossTerms::Hal,
         Dialect::Declared(facts) => facts.cross_terms.value > 0,
-        Dialect::Generic(facts) => facts.cross_terms.value > 0,
         _ => true,
     }
 }
@@ -197,7 +203,8 @@ pub(crate) fn with_signs_turned(profile: &Profile) -> Profile {
             turn(&mut facts.pitch_sign.value);
             turn(&mut facts.straightness_sign.value);
         }
-        Dialect::Generic(_) => {}
+        // The generic table says correction and deviation.
+        Dialect::Declared(facts) if facts.typed.is_some() => {}
         Dialect::Declared(facts) => {
             turn(&mut facts.own_sign.value);
             turn(&mut facts.cross_sign.value);
@@ -206,7 +213,6 @@ pub(crate) fn with_signs_turned(profile: &Profile) -> Profile {
             turn(&mut facts.trim_sign.value);
             turn(&mut facts.sum_sign.value);
         }
-        Dialect::Klipper(facts) => turn(&mut facts.skew_sign.value),
         Dialect::Isg(facts) => {
             turn(&mut facts.error_sign.value);
             turn(&mut facts.angle_sign.value);

@@ -4,16 +4,19 @@
 //! ```text
 //!   what a number is    value_form, own_sign, cross_sign, value_size, value_decimals, largest_value
 //!   where it stands     position_size, position_decimals, order, first_point, points
-//!   which tables        cross_terms, backlash
+//!   which tables        cross_terms, backlash; in place of tables with points `factors`
 //!   how a line is read  lines, file_name, comments; their fields say how points lie, and whether a value has two directions
 //! ```
 
 use super::fact::{Comments, ControlUnit, Fact, Facts, Mechanism, Outside, Stated, TableSign};
 use super::family::{Family, Proof};
-use super::form::{Form, Listed, Order, ValueForm};
+use super::form::{Form, Listed, Order, Rounding, ValueForm};
+use super::generic::Typed;
 use super::pattern::{Field, Pattern};
 use crate::control::table::Tables;
-use crate::control::table::listed::{ListedTables, name};
+use crate::control::table::listed::{ListedTable, ListedTables};
+use crate::quantity::axis::{Axis, ErrorTerm};
+use crate::quantity::units::UM_PER_MM;
 use crate::text::delimited::LengthUnit;
 use crate::text::document::{Section, section};
 use crate::text::words::words;
@@ -26,8 +29,6 @@ pub(super) static FAMILY: Family = Family {
     no_tables: Tables::Listed(ListedTables::NONE),
     off: "removed",
     restarts: true,
-    off_by_hand: ", see to it by hand",
-    page: None,
     proofs: &[
         Proof {
             mechanism: Mechanism::OwnTable,
@@ -39,6 +40,12 @@ pub(super) static FAMILY: Family = Family {
             mechanism: Mechanism::CrossTable,
             name: "tables that follow another axis",
             sign_fact: "cross_sign",
+            beside: None,
+        },
+        Proof {
+            mechanism: Mechanism::Skew,
+            name: "skew correction",
+            sign_fact: "skew_sign",
             beside: None,
         },
     ],
@@ -81,6 +88,39 @@ impl Stated for Size {
     }
 }
 
+/// A number in place of a table: how far an axis leans while another one moves, mm in a mm, zero at position 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Factor {
+    /// The control's name of it.
+    pub name: String,
+    /// The term whose slope it takes off.
+    pub term: ErrorTerm,
+}
+
+impl Factor {
+    /// The axis that is looked up, and the one that is corrected.
+    pub(crate) fn axes(&self) -> [&'static str; 2] {
+        [self.term.along, self.term.of].map(Axis::key)
+    }
+}
+
+impl Stated for Vec<Factor> {
+    fn read(fact: &Section<'_>) -> Option<Self> {
+        let own = fact.entries("value").into_iter();
+        let own = own.map(|(name, term)| Some(Factor { name, term: ErrorTerm::from_name(&term)? }));
+        let factors: Option<Vec<Factor>> = own.collect();
+        if factors.as_ref().is_none_or(Vec::is_empty) {
+            let help = "for instance { xy_skew = \"EXY\", yz_skew = \"EYZ\" }";
+            fact.problem(
+                "value",
+                "factors are names with the terms whose slopes they take off",
+                help,
+            );
+        }
+        factors
+    }
+}
+
 const SIZES: &[(&str, LengthUnit)] =
     &[("mm", LengthUnit::Mm), ("um", LengthUnit::Um), ("inch", LengthUnit::In)];
 
@@ -88,58 +128,84 @@ section! {
     /// Facts of a declared control.
     #[derive(Clone, Debug, PartialEq)]
     pub struct DeclaredFacts(facts: &Facts<'_>) {
+        /// The numbers that stand in place of tables.
+        pub factors: Option<Fact<Vec<Factor>>> = if_stated();
+        /// Whether an axis follows the corrected position of another one: what that one gets moves it, too.
+        pub chained: Option<Fact<bool>> = if_stated();
+        /// Why a slope has no factor.
+        pub no_factor: Option<Fact<String>> = if_stated();
+        /// The name of the set of factors, of which the control loads one.
+        pub set_name: Option<Fact<String>> = if_stated();
+        /// What the control shows of a factor, with `{of}`, `{by}` and `{value}`.
+        pub shown: Option<Fact<String>> = if_stated();
         /// Sense of the table of an axis for itself.
-        pub own_sign: Fact<TableSign> = stated(), must;
+        pub own_sign: Fact<TableSign> = stated(), or Fact::rule(TableSign::AsCorrection);
         /// How many other axes an axis can follow.
-        pub cross_terms: Fact<u32> = within(..=OTHER_AXES, "0, 1 or 2"), must;
-        /// Sense of the table of an axis that follows another.
-        pub cross_sign: Fact<TableSign> = stated(), must;
+        pub cross_terms: Fact<u32> = within(..=OTHER_AXES, "0, 1 or 2"), or Fact::rule(OTHER_AXES);
+        /// What is typed in, of a control without files of its own.
+        pub typed: Option<Typed> => facts.is_typed.get().then(|| Typed::read(facts)).flatten();
+        /// Sense of the table of an axis that follows another, or of a factor.
+        pub cross_sign: Fact<TableSign> => facts.stated(sign_fact(factors.is_some())), or Fact::rule(TableSign::AsCorrection);
         /// In which form a number says it.
-        pub value_form: Fact<ValueForm> = stated(), must;
+        pub value_form: Fact<ValueForm> = stated(), or Fact::rule(ValueForm::Amount);
         /// Size of 1 of a value.
-        pub value_size: Fact<Size> = stated(), must;
+        pub value_size: Fact<Size> = stated(), or Fact::rule(Size { um: if factors.is_some() { UM_PER_MM } else { 1.0 } });
         /// Decimals of values; one count is the last decimal.
-        pub value_decimals: Fact<u32> = decimals(), must;
+        pub value_decimals: Fact<u32> = decimals(), or Fact::rule(0);
         /// Largest value that the control takes, either sign, as in the file.
-        pub largest_value: Fact<f64> = stated(), must;
+        pub largest_value: Fact<f64> = stated(), or Fact::rule(f64::INFINITY);
         /// Size of 1 of a position.
-        pub position_size: Fact<Size> = stated(), must;
+        pub position_size: Fact<Size> = stated(), or Fact::rule(Size { um: UM_PER_MM });
         /// Decimals of positions.
-        pub position_decimals: Fact<u32> = decimals(), must;
+        pub position_decimals: Fact<u32> = decimals(), or Fact::rule(6);
         /// Order of the points.
-        pub order: Fact<Order> = stated(), must;
+        pub order: Fact<Order> = stated(), or Fact::rule(Order::Ascending);
         /// Number of the first point of a table.
-        pub first_point: Fact<u32> = stated(), must;
-        /// Most points of a table.
-        pub points: Fact<u32> = within(2.., "at least 2"), must;
+        pub first_point: Fact<u32> = stated(), or Fact::rule(0);
+        /// Most points of a table; a factor is one.
+        pub points: Fact<u32> = within(2.., "at least 2"), or Fact::rule(1);
         /// What the backlash parameter does beside a table.
-        pub backlash: Fact<BesideTable> = stated(), must;
+        pub backlash: Fact<BesideTable> = stated(), or Fact::rule(BesideTable::Adds);
         /// What a control adds outside a table.
-        pub outside: Fact<Outside> = stated(), must;
+        pub outside: Fact<Outside> => facts.of_lines("outside", Outside::Hold), must;
         /// Whether a point may lie behind the end of the travel.
-        pub points_beyond_travel: Fact<bool> = stated(), must;
+        pub points_beyond_travel: Fact<bool> = stated(), or Fact::rule(true);
         /// A column for − that is zero everywhere stands for that for +.
-        pub zero_reverse_is_forward: Fact<bool> = stated(), must;
+        pub zero_reverse_is_forward: Fact<bool> = stated(), or Fact::rule(false);
         /// What begins a comment.
-        pub comments: Fact<Comments> = stated(), must;
+        pub comments: Fact<Comments> => facts.of_lines("comments", Comments::None), must;
         /// What a line of a file can be, in this order.
-        pub lines: Fact<Vec<Pattern>> = stated(), must;
+        pub lines: Fact<Vec<Pattern>> = stated(), or Fact::rule(Vec::new());
         /// What the name of a file says; a pattern that takes none says nothing.
-        pub file_name: Fact<Vec<Pattern>> = stated(), must;
+        pub file_name: Fact<Vec<Pattern>> = stated(), or Fact::rule(Vec::new());
     }
+}
+
+/// The fact that says the sense of what moves another axis.
+const fn sign_fact(is_factor: bool) -> &'static str {
+    if is_factor { "skew_sign" } else { "cross_sign" }
 }
 
 /// Axes that one axis can follow.
 const OTHER_AXES: u32 = 2;
 
 impl DeclaredFacts {
+    /// Those of a control whose files are the generic table.
+    pub(super) fn typed(facts: &Facts<'_>) -> Option<DeclaredFacts> {
+        facts.is_typed.set(true);
+        facts.stated::<u32>("points"); // as its pages have them, the first of all
+        DeclaredFacts::checked(facts)
+    }
+
     /// Reads and checks them.
     pub(super) fn checked(facts: &Facts<'_>) -> Option<DeclaredFacts> {
         let own = DeclaredFacts::read(facts)?;
         for (name, is_right, expected) in own.rules() {
             facts.expect(name, is_right, expected);
         }
-        own.check_lines(facts);
+        if facts.section.has("lines") {
+            own.check_lines(facts);
+        }
         Some(own)
     }
 
@@ -180,7 +246,7 @@ impl DeclaredFacts {
             ),
             (
                 "comments",
-                self.comments.value != Comments::OfFamily,
+                self.comments.value != Comments::OfFamily || self.has(Field::Set),
                 "`false`, or the sign that begins a comment in quotes",
             ),
         ]
@@ -195,6 +261,17 @@ impl DeclaredFacts {
                 (um / self.position_size.value.um - 1.0).abs() < 1e-12
             })
             .map(|more| more + decimals)
+    }
+
+    /// The numbers that stand in place of tables with points; none of a control with tables.
+    pub fn factors(&self) -> &[Factor] {
+        self.factors.as_ref().map_or(&[], |own| &own.value)
+    }
+
+    /// The axes of a factor: the one that is looked up, and the one that is corrected.
+    pub(crate) fn axes_of(&self, factor: &str) -> Option<[String; 2]> {
+        let own = self.factors().iter().find(|own| own.name == factor)?;
+        Some(own.axes().map(str::to_string))
     }
 
     /// What a table of these axes means.
@@ -214,7 +291,7 @@ impl DeclaredFacts {
     }
 
     /// Whether the patterns have a field.
-    fn has(&self, field: Field) -> bool {
+    pub(crate) fn has(&self, field: Field) -> bool {
         let mut all = self.lines.value.iter().chain(&self.file_name.value);
         all.any(|pattern| pattern.fields().any(|own| own == field))
     }
@@ -226,7 +303,7 @@ impl DeclaredFacts {
 
     /// Points have no positions of their own: the first one and the distance are given.
     pub(crate) fn is_spaced(&self) -> bool {
-        !self.has(Field::Position)
+        self.factors.is_none() && self.typed.is_none() && !self.has(Field::Position)
     }
 
     /// The patterns together have a field for all that a table holds.
@@ -239,13 +316,17 @@ impl DeclaredFacts {
             0 => &[],
             _ => &[Field::Base, Field::Value],
         };
-        let wanted = [self.value_fields(true), places, cross].concat();
+        let wanted = match self.factors.is_some() {
+            true => vec![Field::Table, Field::Value],
+            false => [self.value_fields(true), places, cross].concat(),
+        };
         for field in wanted.iter().filter(|field| !self.has(**field)) {
             let message = format!("no pattern has the field `{}`", field.word());
             let help = format!("write `(?<{}>…)` where it stands in a line", field.word());
             facts.section.problem("lines", message, help);
         }
-        if !self.has(Field::Axis) && !self.has(Field::Output) {
+        let names_axes = self.has(Field::Axis) || self.has(Field::Output);
+        if !names_axes && self.factors.is_none() {
             let message = "no pattern has the field `axis`, so no table says whose it is";
             let help = "`axis` in a line before the values, in each line, or in `file_name`";
             facts.section.problem("lines", message, help);
@@ -260,6 +341,7 @@ impl Listed for DeclaredFacts {
             value: self.value_form.value,
             value_um: self.value_size.value.um,
             value_decimals: self.value_decimals.value,
+            rounding: Rounding::LastDecimal,
             largest: self.largest_value.value,
             position_um: self.position_size.value.um,
             position_decimals: self.position_decimals.value,
@@ -269,6 +351,8 @@ impl Listed for DeclaredFacts {
             beyond_travel: self.points_beyond_travel.value,
             zero_reverse_is_forward: self.zero_reverse_is_forward.value,
             is_float: false,
+            is_factor: self.factors.is_some(),
+            names_terms: self.typed.is_some(),
         }
     }
 
@@ -276,7 +360,9 @@ impl Listed for DeclaredFacts {
         self.backlash.value == BesideTable::Replaced
     }
 
-    fn table_name(&self, base: &str, output: &str) -> String {
-        name(base, output)
+    fn table_name(&self, table: &ListedTable) -> String {
+        let mut factors = self.factors().iter();
+        let own = factors.find(|own| own.axes() == [table.base.as_str(), table.output.as_str()]);
+        own.map_or_else(|| table.name(), |own| own.name.clone())
     }
 }

@@ -4,7 +4,7 @@ use crate::quantity::units::{Correction, Deviation};
 use crate::text::document::Section;
 use crate::text::words::{Word, words};
 use serde::Serialize;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::RangeBounds;
 
 words! {
@@ -120,7 +120,7 @@ words! {
         Volcomp = "volcomp",
         /// ISG: its angles.
         VolcompAngles = "volcomp-angles",
-        /// Klipper: skew correction.
+        /// Declared: factors, one for the slope of a term.
         Skew = "skew",
         /// Basic system mm.
         Metric = "metric",
@@ -399,11 +399,13 @@ impl Stated for Vec<NumberRange> {
 pub(crate) struct Facts<'a> {
     pub(super) section: Section<'a>,
     pub(super) statements: RefCell<Vec<Statement>>,
+    /// Whether they are of a control whose files are the generic table.
+    pub(super) is_typed: Cell<bool>,
 }
 
 impl<'a> Facts<'a> {
     pub(super) fn of(section: Section<'a>) -> Facts<'a> {
-        Facts { section, statements: RefCell::default() }
+        Facts { section, statements: RefCell::default(), is_typed: Cell::default() }
     }
 
     pub(super) fn stated<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
@@ -413,6 +415,11 @@ impl<'a> Facts<'a> {
     /// The same of one that may be absent.
     pub(super) fn if_stated<T: Stated>(&self, name: &'static str) -> Option<Fact<T>> {
         self.section.has(name).then(|| self.stated(name)).flatten()
+    }
+
+    /// The same of one that only matters where lines of files are declared.
+    pub(super) fn of_lines<T: Stated>(&self, name: &'static str, usual: T) -> Option<Fact<T>> {
+        if self.is_typed.get() { Some(Fact::rule(usual)) } else { self.stated(name) }
     }
 
     /// The value of a fact that was read, as it is written.
@@ -448,13 +455,25 @@ impl<'a> Facts<'a> {
         self.within(name, ..=9, "0 … 9")
     }
 
+    /// The section of a fact; a control whose files are no lines of points need not state what is not in them.
+    fn needed(&self, name: &'static str) -> Option<Section<'a>> {
+        let has = |list: &str| list.split(' ').any(|own| own == name);
+        let factors = self.section.has("factors") && (has(OF_LINES) || has("points cross_terms"));
+        let typed =
+            self.is_typed.get() && (has(OF_LINES) || has("cross_sign value_decimals lines"));
+        match factors || typed {
+            true => self.section.section(name),
+            false => self.section.required_section(name),
+        }
+    }
+
     /// A fact whose value `value` reads. One that a family reads besides is stated once.
     pub(super) fn read<T>(
         &self,
         name: &'static str,
         value: impl FnOnce(&Section<'_>) -> Option<T>,
     ) -> Option<Fact<T>> {
-        let section = self.section.required_section(name)?;
+        let section = self.needed(name)?;
         let value = value(&section);
         section.require("value", "what is stated");
         let origin = complete_origin(&section);
@@ -476,7 +495,17 @@ impl<'a> Facts<'a> {
     }
 }
 
+/// Facts of tables that list their points in lines: what a control with factors does not state, and one whose files
+/// are the generic table.
+const OF_LINES: &str = "own_sign value_form value_size largest_value position_size position_decimals order first_point \
+    backlash points_beyond_travel zero_reverse_is_forward file_name";
+
 impl<T> Fact<T> {
+    /// A rule of this program in place of a fact.
+    pub(crate) fn rule(value: T) -> Fact<T> {
+        Fact { value, evidence: Evidence::Manual, source: RULE.to_string(), consequence: None }
+    }
+
     /// The same origin for another value.
     pub(crate) fn with<V>(self, value: V) -> Fact<V> {
         Fact { value, evidence: self.evidence, source: self.source, consequence: self.consequence }
@@ -511,11 +540,6 @@ pub(crate) fn origin_or_rule(section: &Section<'_>) -> Option<Fact<()>> {
     let is_stated = ["evidence", "source", "consequence"].map(|key| section.has(key));
     match is_stated.contains(&true) {
         true => complete_origin(section),
-        false => Some(Fact {
-            value: (),
-            evidence: Evidence::Manual,
-            source: RULE.to_string(),
-            consequence: None,
-        }),
+        false => Some(Fact::rule(())),
     }
 }

@@ -2,22 +2,20 @@
 
 use crate::control::controller::fact::{Facts, Mechanism};
 use crate::control::controller::{
-    DeclaredFacts, Dialect, Family, FanucFacts, GenericFacts, IsgFacts, KlipperFacts,
-    LinuxcncFacts, SiemensFacts,
+    DeclaredFacts, Dialect, Family, FanucFacts, IsgFacts, LinuxcncFacts, SiemensFacts,
 };
-use crate::control::controller::{declared, fanuc, generic, isg, klipper, linuxcnc, siemens};
+use crate::control::controller::{declared, fanuc, generic, isg, linuxcnc, siemens};
 
 /// A family, and how the facts of its controls are read.
 pub(super) type Known = (&'static Family, fn(&Facts<'_>) -> Option<Dialect>);
 
 /// All of them, in the order in which they are named.
-pub(super) const FAMILIES: [Known; 7] = [
+pub(super) const FAMILIES: [Known; 6] = [
     (&siemens::FAMILY, |facts| SiemensFacts::read(facts).map(Dialect::Siemens)),
     (&fanuc::FAMILY, |facts| FanucFacts::read(facts).map(Dialect::Fanuc)),
-    (&generic::FAMILY, |facts| GenericFacts::read(facts).map(Dialect::Generic)),
+    (&generic::FAMILY, |facts| DeclaredFacts::typed(facts).map(Dialect::Declared)),
     (&declared::FAMILY, |facts| DeclaredFacts::checked(facts).map(Dialect::Declared)),
     (&linuxcnc::FAMILY, |facts| LinuxcncFacts::read(facts).map(Dialect::Linuxcnc)),
-    (&klipper::FAMILY, |facts| KlipperFacts::read(facts).map(Dialect::Klipper)),
     (&isg::FAMILY, |facts| IsgFacts::read(facts).map(Dialect::Isg)),
 ];
 

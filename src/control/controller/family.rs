@@ -21,10 +21,6 @@ pub struct Family {
     /// Whether compensation off and on have no common zero: the power goes off between them, so that the reference
     /// point is found anew, or the correction is not zero at the reference.
     pub(crate) restarts: bool,
-    /// What switches old tables off where a kit has no file for it, as a remark on that.
-    pub(crate) off_by_hand: &'static str,
-    /// The page that explains the order of loading.
-    pub(crate) page: Option<&'static str>,
     /// The mechanisms of which a sign proof can show the sign.
     pub(crate) proofs: &'static [Proof],
 }

@@ -16,8 +16,6 @@ pub(super) static FAMILY: Family = Family {
     no_tables: Tables::Fanuc(FanucMemory { parameters: BTreeMap::new(), points: BTreeMap::new() }),
     off: "0",
     restarts: true,
-    off_by_hand: ": 3623 = 0 stops the pitch points of an axis (assumed)",
-    page: Some("docs/fanuc.md §4.2"),
     proofs: &[
         Proof {
             mechanism: Mechanism::Pitch,

@@ -1,6 +1,7 @@
 //! What the numbers of tables say whose points stand one by one, whichever control holds them.
 
 use super::fact::{ControlUnit, Outside, TableSign};
+use crate::control::table::listed::ListedTable;
 use crate::text::delimited::LengthUnit;
 use crate::text::words::words;
 
@@ -26,6 +27,17 @@ words! {
     }
 }
 
+/// What values are rounded to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rounding {
+    /// The last decimal.
+    LastDecimal,
+    /// Multiples of this many µm.
+    Multiple(f64),
+    /// Nothing.
+    None,
+}
+
 /// What the numbers of a table mean. One that writes a table and one that emulates it share nothing else.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Form {
@@ -35,8 +47,10 @@ pub struct Form {
     pub value: ValueForm,
     /// Size of 1 of a value, µm.
     pub value_um: f64,
-    /// Decimals of values; one count is the last decimal.
+    /// Decimals of values.
     pub value_decimals: u32,
+    /// What they are rounded to; one count is that.
+    pub rounding: Rounding,
     /// Largest number that the control takes, either sign, as in the file.
     pub largest: f64,
     /// Size of 1 of a position, µm.
@@ -55,6 +69,10 @@ pub struct Form {
     pub zero_reverse_is_forward: bool,
     /// The control holds what it adds as a C float.
     pub is_float: bool,
+    /// One number in place of points: what is added in a mm, zero at the reference.
+    pub is_factor: bool,
+    /// The file says of each table which error it is for.
+    pub names_terms: bool,
 }
 
 impl Form {
@@ -71,9 +89,15 @@ impl Form {
         (self.position_um - LengthUnit::In.um()).abs() < f64::EPSILON
     }
 
-    /// The last decimal of a value, µm.
+    /// What values are rounded to, µm; 0 = nothing.
     pub(crate) fn count_um(&self) -> f64 {
-        self.value_um / crate::quantity::units::power_of_ten(self.value_decimals)
+        match self.rounding {
+            Rounding::LastDecimal => {
+                self.value_um / crate::quantity::units::power_of_ten(self.value_decimals)
+            }
+            Rounding::Multiple(um) => um,
+            Rounding::None => 0.0,
+        }
     }
 }
 
@@ -86,6 +110,6 @@ pub(crate) trait Listed {
     /// Whether the table of an axis for itself stands in place of its backlash parameter.
     fn replaces_parameter(&self) -> bool;
 
-    /// What people call the table of `output` by `base`.
-    fn table_name(&self, base: &str, output: &str) -> String;
+    /// What people call a table.
+    fn table_name(&self, table: &ListedTable) -> String;
 }

@@ -1,9 +1,10 @@
-//! No particular control: facts of the generic table (docs/interface.md §4.1).
+//! No particular control: facts of the generic table (docs/interface.md §4.1), whose files are not declared line by line
+//! but fixed, and of what is typed in from it.
 
 use super::fact::{Fact, Facts, Outside};
 use super::family::Family;
 use crate::control::table::Tables;
-use crate::control::table::generic::GenericTable;
+use crate::control::table::listed::ListedTables;
 use crate::text::delimited::LengthUnit;
 use crate::text::document::section;
 use crate::text::words::{Word, words};
@@ -13,35 +14,28 @@ pub(super) static FAMILY: Family = Family {
     backlash_parameter: "backlash parameter",
     between: "linear",
     outside: &[Outside::Hold],
-    no_tables: Tables::Generic(GenericTable { rows: Vec::new() }),
+    no_tables: Tables::Listed(ListedTables::NONE),
     off: "removed",
     restarts: true,
-    off_by_hand: ", see to it by hand",
-    page: None,
     proofs: &[],
 };
 
 section! {
-    /// Facts of the generic dialect (contract §4.1). Its table carries deviation, correction and
-    /// increment, so no sign has to be assumed.
+    /// What a person types into the control. The generic table carries deviation, correction and increment, so no
+    /// sign has to be assumed.
     #[derive(Clone, Debug, PartialEq)]
-    pub struct GenericFacts(facts: &Facts<'_>) {
-        /// Most points of one table, if the control has a limit.
-        pub points: Fact<u32> = stated(), must;
-        /// How many other axes an axis can follow.
-        pub cross_terms: Fact<u32> = stated(), must;
-        /// What a person types into the control.
-        pub typed_value: Fact<TypedValue> = stated(), must;
+    pub struct Typed(facts: &Facts<'_>) {
+        /// What it is.
+        pub value as typed_value: Fact<TypedValue> = stated(), must;
         /// In which unit its screen takes it.
-        pub typed_unit: Fact<LengthUnit> = stated(), must;
+        pub unit as typed_unit: Fact<LengthUnit> = stated(), must;
     }
 }
 
-impl GenericFacts {
+impl Typed {
     /// The column of a typed list that holds the values.
-    pub(crate) fn typed_column(&self) -> String {
-        let (value, unit) = (self.typed_value.value, self.typed_unit.value);
-        format!("{}_{}", value.word(), unit.word())
+    pub(crate) fn column(&self) -> String {
+        format!("{}_{}", self.value.value.word(), self.unit.value.word())
     }
 }
 

@@ -15,8 +15,6 @@ pub(super) static FAMILY: Family = Family {
     no_tables: Tables::Isg(IsgTables::NONE),
     off: "removed",
     restarts: false,
-    off_by_hand: ": `#VOLCOMP OFF`",
-    page: Some("docs/isg.md §3"),
     proofs: &[Proof {
         mechanism: Mechanism::Volcomp,
         name: "volumetric compensation",

@@ -2,9 +2,9 @@
 
 use super::fact::{ControlUnit, Fact, Facts, Mechanism, Outside, TableSign};
 use super::family::{Family, LanguageFacts, Proof};
-use super::form::{Form, Listed, Order, ValueForm};
+use super::form::{Form, Listed, Order, Rounding, ValueForm};
 use crate::control::table::Tables;
-use crate::control::table::listed::ListedTables;
+use crate::control::table::listed::{ListedTable, ListedTables};
 use crate::quantity::units::UM_PER_MM;
 use crate::text::document::section;
 use crate::text::words::words;
@@ -20,8 +20,6 @@ pub(super) static FAMILY: Family = Family {
     no_tables: Tables::Listed(ListedTables::NONE),
     off: "removed",
     restarts: true,
-    off_by_hand: ": take COMP_FILE and COMP_FILE_TYPE out of their sections",
-    page: Some("docs/linuxcnc.md §3"),
     proofs: &[
         Proof {
             mechanism: Mechanism::Comp,
@@ -116,6 +114,7 @@ impl Listed for LinuxcncFacts {
             value,
             value_um: um,
             value_decimals: self.value_decimals.value,
+            rounding: Rounding::LastDecimal,
             largest: f64::INFINITY,
             position_um: um,
             position_decimals: self.position_decimals.value,
@@ -125,6 +124,8 @@ impl Listed for LinuxcncFacts {
             beyond_travel: true,
             zero_reverse_is_forward: false,
             is_float: is_own,
+            is_factor: false,
+            names_terms: false,
         }
     }
 
@@ -133,7 +134,8 @@ impl Listed for LinuxcncFacts {
     }
 
     /// A joint for itself by its section of the ini file.
-    fn table_name(&self, base: &str, output: &str) -> String {
+    fn table_name(&self, table: &ListedTable) -> String {
+        let ListedTable { base, output, .. } = table;
         match base == output {
             true => format!("table of JOINT_{output}"),
             false => format!("correction of joint {output} by joint {base}"),

@@ -4,6 +4,7 @@
 //! then read once. Whether a page is ours or a user's makes no difference.
 
 use crate::control::checklist::steps;
+use crate::control::claims::Precondition;
 use crate::control::controller::example::Example;
 use crate::control::controller::fact::{Facts, origin};
 use crate::control::controller::families::{FAMILIES, Known, proved};
@@ -123,6 +124,8 @@ fn read_profile(
     let program = root.sub("program", |own| program_facts(own, templates));
     let job_keys = job_keys(root);
     let checklist = steps(root);
+    let preconditions = root.subs("preconditions", Precondition::read);
+    let [off_by_hand, page] = ["off_by_hand", "page"].map(|key| root.text(key));
     let display = root.sub("display", display);
     let examples = root.subs("example", Example::read);
     let no_example = root.text("no_example");
@@ -141,6 +144,9 @@ fn read_profile(
         detection_unit_required: common.detection_unit_required,
         files: files?,
         job_keys,
+        preconditions,
+        off_by_hand,
+        page,
         checklist,
         display,
         examples,

@@ -41,6 +41,10 @@ words! {
         Last = "last",
         /// The unit of the values, as a word.
         Unit = "unit",
+        /// The name of a set of tables, of which the control loads one; the lines before it mean something else.
+        Set = "set",
+        /// Something else, of which the lines below are, to the next set.
+        Other = "other",
     }
 }
 
@@ -124,9 +128,9 @@ impl Pattern {
         self.fields.iter().map(|group| group.field)
     }
 
-    /// Whether a line of it says anything.
+    /// Whether a line of it says anything of tables.
     pub(crate) fn has_fields(&self) -> bool {
-        !self.fields.is_empty()
+        self.fields().any(|field| field != Field::Other)
     }
 
     /// What a line says, if it is of this pattern, of each table that it names.

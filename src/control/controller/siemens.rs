@@ -15,8 +15,6 @@ pub(super) static FAMILY: Family = Family {
     no_tables: Tables::Siemens(SiemensTables::NONE),
     off: "0",
     restarts: false,
-    off_by_hand: ", see to it by hand",
-    page: Some("docs/siemens.md §4.2"),
     proofs: &[
         Proof {
             mechanism: Mechanism::EncComp,

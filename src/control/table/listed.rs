@@ -2,6 +2,8 @@
 //!
 //! Positions and values are in the units of the file, in its order ([`crate::control::controller::Form`]).
 
+use crate::quantity::axis::ErrorTerm;
+
 /// One point of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
@@ -16,6 +18,8 @@ pub struct Point {
 /// What one axis gets because another one, or itself, stands somewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ListedTable {
+    /// Which error it is for, where the file says it.
+    pub term: Option<ErrorTerm>,
     /// The axis that is looked up.
     pub base: String,
     /// The axis that is corrected.
@@ -35,9 +39,12 @@ impl ListedTable {
         self.base.eq_ignore_ascii_case(base) && self.output.eq_ignore_ascii_case(output)
     }
 
-    /// `table of X`, or `table of Y by X`.
+    /// `table of X`, `table of Y by X`, or `EYX (Y while X moves)`.
     pub(crate) fn name(&self) -> String {
-        name(&self.base, &self.output)
+        match self.term {
+            Some(term) => format!("{term} ({} while {} moves)", self.output, self.base),
+            None => name(&self.base, &self.output),
+        }
     }
 }
 
@@ -54,6 +61,8 @@ pub(crate) fn name(base: &str, output: &str) -> String {
 pub struct ListedTables {
     /// Ascending by corrected axis, then by the axis that is looked up.
     pub tables: Vec<ListedTable>,
+    /// The name of their set, where the control loads one of several.
+    pub set: Option<String>,
 }
 
 impl ListedTables {
@@ -61,9 +70,9 @@ impl ListedTables {
     pub(crate) fn of(mut tables: Vec<ListedTable>) -> ListedTables {
         let place = |name: &String| (name.len(), name.clone()); // 2 stands before 10
         tables.sort_by_cached_key(|own| (place(&own.output), place(&own.base)));
-        ListedTables { tables }
+        ListedTables { tables, set: None }
     }
 
     /// No table.
-    pub(crate) const NONE: ListedTables = ListedTables { tables: Vec::new() };
+    pub(crate) const NONE: ListedTables = ListedTables { tables: Vec::new(), set: None };
 }

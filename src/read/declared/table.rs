@@ -89,7 +89,10 @@ impl Draft {
         if of_point.is_empty() {
             return Ok(());
         }
-        let known = number.and_then(|_| self.rows.iter().rposition(|row| row.number == number));
+        let known = match most {
+            1 => (!self.rows.is_empty()).then_some(0),
+            _ => number.and_then(|_| self.rows.iter().rposition(|row| row.number == number)),
+        };
         let at = known.unwrap_or(self.rows.len());
         if at > most {
             return Ok(()); // the point before it is refused in the end
@@ -125,7 +128,7 @@ impl Draft {
             check_order(facts, points.last().map(|last| last.position), position, row)?;
             points.push(point(facts.value_fields(is_own), position, row)?);
         }
-        Ok(ListedTable { base, output, points })
+        Ok(ListedTable { term: None, base, output, points })
     }
 
     /// As many points as the file and the control say.
@@ -142,7 +145,7 @@ impl Draft {
             let message = format!("a point behind the {most} that the control takes");
             return wrong(&self.rows[most].line, message, "use a larger spacing");
         }
-        if rows < 2 {
+        if rows < most.min(2) {
             let message = format!("the {what} has {rows} points, expected at least 2");
             return wrong(&self.line, message, "take the whole file");
         }
@@ -187,7 +190,10 @@ impl Draft {
             Complaint::new(row.line.clone(), message, "take the whole file")
         };
         match facts.is_spaced() {
-            false => row.of(Field::Position).ok_or_else(|| missing("position")),
+            false => {
+                let of_factor = facts.factors.as_ref().map(|_| 0.0);
+                row.of(Field::Position).or(of_factor).ok_or_else(|| missing("position"))
+            }
             true => {
                 let head = |field| self.head(field).map(|placed| placed.0);
                 let start = head(Field::Start).ok_or_else(|| missing("start"))?;

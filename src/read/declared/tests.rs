@@ -180,3 +180,44 @@ fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
         assert!(words.contains("own.toml:"), "{fact} = {value}\n{words}");
     }
 }
+
+/// The set and the factors of a text of Klipper.
+fn skew(text: &str) -> Result<(Option<String>, Vec<f64>), String> {
+    let Dialect::Declared(facts) = builtin::profile("klipper-skew").unwrap().dialect else {
+        panic!("it is declared");
+    };
+    let read = read(&[("printer.cfg", text)], &facts).map_err(|problems| problems.render())?;
+    Ok((read.set, read.tables.iter().map(|own| own.points[0].forward).collect()))
+}
+
+/// A printer.cfg as SAVE_CONFIG leaves it: the profile stands behind `#*#`.
+#[test]
+fn a_saved_set_of_factors_is_read() {
+    let text = "[printer]\nkinematics: corexy\n[skew_correction]\n#*# <---- SAVE_CONFIG ---->\n\
+                #*# [skew_correction my_skew_profile]\n#*# xy_skew = -0.001\n#*# xz_skew = 0.0\n\
+                #*# yz_skew = 2.5e-4\n#*#\n#*# [bed_mesh default]\n#*# version = 1\n";
+    let expected = (Some("my_skew_profile".to_string()), vec![-0.001, 0.0, 0.000_25]);
+    assert_eq!(skew(text), Ok(expected));
+    assert_eq!(skew("[printer]\n[skew_correction]\n"), Ok((None, Vec::new())));
+    assert!(skew("[skew_correction]\n").is_err());
+}
+
+#[test]
+fn factors_that_are_lost_doubled_or_foreign_are_refused_at_their_place() {
+    let own = "[skew_correction a]\n# a comment\nxy_skew: 0.001 # half a degree\nxz_skew = 0\nyz_skew = 0\n";
+    assert!(skew(own).is_ok());
+    for (from, to, words) in [
+        ("yz_skew = 0\n", "", "a set without yz_skew"),
+        ("yz_skew = 0\n", "", "printer.cfg:1:18"),
+        ("0.001", "0,001", "printer.cfg:3:1"),
+        ("0.001", "1.5", "no pattern of the profile takes this line"),
+        ("xz_skew", "xy_skew", "a second `value` here"),
+        ("xz_skew", "zx_skew", "no line says which axes the table `zx_skew` is for"),
+        ("xz_skew = 0", "xz_skew", "printer.cfg:4:1"),
+        ("yz_skew = 0", "yz_skew = 0\n[skew_correction b]\nxy_skew=0", "printer.cfg:6:18"),
+        ("yz_skew = 0", "yz_skew = 0\n[skew_correction b]\nxy_skew=0", "a second set beside `a`"),
+    ] {
+        let told = skew(&own.replace(from, to)).unwrap_err();
+        assert!(told.contains(words), "{to}: {told}");
+    }
+}

@@ -1,6 +1,5 @@
 //! What a row of the generic table must be, and what the rows must be to each other.
 
-use crate::control::table::generic::{GenericRow, GenericTable};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm};
 use crate::text::problem::{Problem, Problems};
 use serde::Deserialize;
@@ -19,22 +18,64 @@ const MOST_AXES: usize = 32;
 /// Nobody reads further.
 const MOST_RELATIONS: usize = 200;
 
-/// A row as either form holds it.
-#[derive(Deserialize)]
+/// One row: one point of one term (and direction).
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, expecting = "an object with the nine columns as keys")]
-pub(super) struct RawRow {
-    pub(super) term: String,
-    pub(super) base_axis: String,
-    pub(super) output_axis: String,
-    // A key has to be there, also where it may be null.
+pub struct Row {
+    /// Which error, by its name.
+    pub term: String,
+    /// Name of the moving axis.
+    pub base_axis: String,
+    /// Name of the corrected axis.
+    pub output_axis: String,
+    /// Direction of the moving axis the row is for, `+` or `-`; `None` = both.
+    #[serde(deserialize_with = "Option::deserialize")] // the key has to be there
+    pub direction: Option<String>,
+    /// Index of the point, from 0.
+    pub index: u32,
+    /// Machine coordinate, mm.
+    pub position_mm: f64,
+    /// Deviation relative to the reference, µm.
+    pub deviation_um: f64,
+    /// Correction, µm.
+    pub correction_um: f64,
+    /// Change of the correction from the point before, µm; `None` at the first.
     #[serde(deserialize_with = "Option::deserialize")]
-    pub(super) direction: Option<String>,
-    pub(super) index: u32,
-    pub(super) position_mm: f64,
-    pub(super) deviation_um: f64,
-    pub(super) correction_um: f64,
-    #[serde(deserialize_with = "Option::deserialize")]
-    pub(super) increment_um: Option<f64>,
+    pub increment_um: Option<f64>,
+}
+
+impl Row {
+    /// Its error; every row that was checked has one.
+    pub fn term(&self) -> Option<ErrorTerm> {
+        ErrorTerm::from_name(&self.term)
+    }
+
+    /// Its direction.
+    pub(super) fn way(&self) -> Option<Direction> {
+        self.direction.as_deref().and_then(Direction::from_symbol)
+    }
+
+    /// `EYX+ from `X` to `Y`, index 3`.
+    pub(super) fn name(&self) -> String {
+        let Row { term, base_axis, output_axis, index, .. } = self;
+        let direction = self.direction.as_deref().unwrap_or_default();
+        format!("{term}{direction} from `{base_axis}` to `{output_axis}`, index {index}")
+    }
+
+    /// Its cells as text, in the order of the columns; different numbers have different texts.
+    pub(super) fn texts(&self) -> [String; 9] {
+        [
+            self.term.clone(),
+            self.base_axis.clone(),
+            self.output_axis.clone(),
+            self.direction.clone().unwrap_or_default(),
+            self.index.to_string(),
+            self.position_mm.to_string(),
+            self.deviation_um.to_string(),
+            self.correction_um.to_string(),
+            self.increment_um.map_or(String::new(), |um| um.to_string()),
+        ]
+    }
 }
 
 /// What is wrong with a row, counted from 0, and the column it is shown at.
@@ -52,21 +93,22 @@ impl Flaw {
     }
 }
 
-/// The table of these rows. What the rows are to each other is told where each of them can be read: a
+/// These rows, each as it has to be. What the rows are to each other is told where each of them can be read: a
 /// row that is lost would only be missed there again. `problem` knows the places of the form.
-pub(super) fn table(
-    raw: impl Iterator<Item = Result<RawRow, Problems>>,
+pub(super) fn checked(
+    read: impl Iterator<Item = Result<Row, Problems>>,
     problem: impl Fn(&Flaw) -> Problem,
-) -> Result<GenericTable, Problems> {
+) -> Result<Vec<Row>, Problems> {
     let problem = |flaw: Flaw| problem(&flaw).help(flaw.help);
     let mut problems = Problems::none();
     let (mut rows, mut flaws) = (Vec::new(), Vec::new());
-    for (number, raw) in raw.enumerate() {
+    for (number, row) in read.enumerate() {
         if problems.is_full() {
             break;
         }
-        if let Some(raw) = problems.take(raw) {
-            rows.extend(row(number, raw, &mut flaws));
+        if let Some(row) = problems.take(row) {
+            check(number, &row, &mut flaws);
+            rows.push(row);
         }
         let told = flaws.drain(..);
         told.for_each(|flaw| problems.push(problem(flaw)));
@@ -78,48 +120,32 @@ pub(super) fn table(
         let told = flaws.into_iter();
         told.for_each(|flaw| problems.push(problem(flaw)));
     }
-    problems.or_ok(GenericTable { rows })
+    problems.or_ok(rows)
 }
 
-/// The values of a row; what is wrong inside it is noted.
-fn row(number: usize, raw: RawRow, flaws: &mut Vec<Flaw>) -> Option<GenericRow> {
-    let before = flaws.len();
+/// Notes what is wrong inside a row.
+fn check(number: usize, row: &Row, flaws: &mut Vec<Flaw>) {
     let mut flaw = |column, message, help: &str| {
         flaws.push(Flaw::new(number, column, message, help));
     };
-    let term = ErrorTerm::from_name(&raw.term);
-    if term.is_none() {
+    if row.term().is_none() {
         let names = ErrorTerm::ALL.map(|term| term.to_string()).join(" ");
-        let message = format!("`term` is `{}`, expected the name of a term", raw.term);
+        let message = format!("`term` is `{}`, expected the name of a term", row.term);
         flaw("term", message, &format!("known terms: {names}"));
     }
-    refuse_nameless_axes(&raw, &mut flaw);
-    let symbol = raw.direction.as_deref();
-    let direction = symbol.and_then(Direction::from_symbol);
-    if let (Some(symbol), None) = (symbol, direction) {
+    refuse_nameless_axes(row, &mut flaw);
+    if let (Some(symbol), None) = (&row.direction, row.way()) {
         let message = format!("`direction` is `{symbol}`, expected `+`, `-` or nothing");
         flaw("direction", message, "an empty direction means both");
     }
-    refuse_other_values(&raw, &mut flaw);
-    let term = term.filter(|_| flaws.len() == before)?;
-    Some(GenericRow {
-        term,
-        base_axis: raw.base_axis,
-        output_axis: raw.output_axis,
-        direction,
-        index: raw.index,
-        position_mm: raw.position_mm + 0.0, // −0 is 0
-        deviation_um: raw.deviation_um + 0.0,
-        correction_um: raw.correction_um + 0.0,
-        increment_um: raw.increment_um.map(|um| um + 0.0),
-    })
+    refuse_other_values(row, &mut flaw);
 }
 
-fn refuse_nameless_axes(raw: &RawRow, flaw: &mut impl FnMut(&'static str, String, &str)) {
+fn refuse_nameless_axes(row: &Row, flaw: &mut impl FnMut(&'static str, String, &str)) {
     let is_name = |name: &str| {
         !name.trim().is_empty() && !name.contains(|c: char| c.is_control() || c == '"')
     };
-    for (column, name) in [("base_axis", &raw.base_axis), ("output_axis", &raw.output_axis)] {
+    for (column, name) in [("base_axis", &row.base_axis), ("output_axis", &row.output_axis)] {
         if !is_name(name) {
             let message = format!("`{column}` is `{name}`, expected the name of an axis");
             let help = "write the control's name of the axis, as in the job";
@@ -129,16 +155,16 @@ fn refuse_nameless_axes(raw: &RawRow, flaw: &mut impl FnMut(&'static str, String
 }
 
 /// A correction that is not the opposite of its deviation, and an increment at the wrong place.
-fn refuse_other_values(raw: &RawRow, flaw: &mut impl FnMut(&'static str, String, &str)) {
-    if (raw.deviation_um + raw.correction_um).abs() > 0.0 {
-        let (correction, opposite) = (raw.correction_um, 0.0 - raw.deviation_um);
+fn refuse_other_values(row: &Row, flaw: &mut impl FnMut(&'static str, String, &str)) {
+    if (row.deviation_um + row.correction_um).abs() > 0.0 {
+        let (correction, opposite) = (row.correction_um, 0.0 - row.deviation_um);
         let message = format!(
             "`correction_um` is {correction}, expected {opposite}, the opposite of the deviation"
         );
         let help = "a correction cancels the deviation of its row exactly";
         flaw("correction_um", message, help);
     }
-    let (message, help) = match (raw.index, raw.increment_um) {
+    let (message, help) = match (row.index, row.increment_um) {
         (0, Some(um)) => (
             format!("`increment_um` is `{um}`, expected nothing at index 0"),
             "there is no point before the first one",
@@ -153,12 +179,12 @@ fn refuse_other_values(raw: &RawRow, flaw: &mut impl FnMut(&'static str, String,
 }
 
 /// What the rows are to each other: one axis for each name, and equal steps in each block.
-fn relations(rows: &[GenericRow]) -> Vec<Flaw> {
+fn relations(rows: &[Row]) -> Vec<Flaw> {
     let mut flaws = names(rows);
-    let mut blocks: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    let mut blocks = Blocks::new();
     for (number, row) in rows.iter().enumerate() {
         let axes = [&row.base_axis, &row.output_axis].map(|name| name.to_ascii_uppercase());
-        let block = blocks.entry((row.term, axes, row.direction)).or_default();
+        let block = blocks.entry((row.term(), axes, row.way())).or_default();
         block.push(number);
     }
     for block in blocks.values() {
@@ -171,18 +197,47 @@ fn relations(rows: &[GenericRow]) -> Vec<Flaw> {
             flaws.extend(spacing_flaw(rows, block));
         }
     }
+    if flaws.is_empty() {
+        flaws.extend(blocks.keys().filter_map(|own| direction_flaw(rows, &blocks, own)));
+    }
     flaws
+}
+
+/// The blocks of a file by term, axes and direction, each with its rows.
+type Blocks = BTreeMap<Whose, Vec<usize>>;
+type Whose = (Option<ErrorTerm>, [String; 2], Option<Direction>);
+
+/// What a block of one direction contradicts: one for both directions, or that of the other one.
+fn direction_flaw(rows: &[Row], blocks: &Blocks, (term, axes, way): &Whose) -> Option<Flaw> {
+    let of = |way| blocks.get(&(*term, axes.clone(), way));
+    let (own, other) = (of(*way)?, of(Some((*way)?.opposite())));
+    if let Some(both) = of(None) {
+        let row = own[0].max(both[0]);
+        let Row { base_axis, output_axis, .. } = &rows[row];
+        let message = format!(
+            "from {base_axis} to {output_axis} there are blocks with and without direction; which one acts is not known"
+        );
+        let help = "a pair of axes has one block, or one for each direction";
+        return Some(Flaw::new(row, "direction", message, help));
+    }
+    let at = |row: &usize| rows[*row].position_mm;
+    let same = own.iter().zip(other?).take_while(|(a, b)| (at(a) - at(b)).abs() <= 0.0).count();
+    let row = *own.get(same).filter(|_| own.len() >= other.map_or(0, Vec::len))?;
+    let message = "a position that the block of the other direction does not have".to_string();
+    let help = "both directions of a pair of axes lie at the same positions";
+    Some(Flaw::new(row, "position_mm", message, help))
 }
 
 /// The name of an axis stands for one axis of the machine; so a pair of axes has one term,
 /// and a straightness cannot act on its own moving axis.
-fn names(rows: &[GenericRow]) -> Vec<Flaw> {
+fn names(rows: &[Row]) -> Vec<Flaw> {
     let mut flaws = Vec::new();
     let mut known: Vec<(&str, Axis)> = Vec::new();
-    for (number, row) in rows.iter().enumerate() {
+    let terms = rows.iter().enumerate().filter_map(|(n, row)| Some((n, row, row.term()?)));
+    for (number, row, term) in terms {
         for (column, name, axis) in [
-            ("base_axis", row.base_axis.as_str(), row.term.along),
-            ("output_axis", row.output_axis.as_str(), row.term.of),
+            ("base_axis", row.base_axis.as_str(), term.along),
+            ("output_axis", row.output_axis.as_str(), term.of),
         ] {
             let met = known.iter().find(|(met, _)| met.eq_ignore_ascii_case(name));
             match met {
@@ -209,7 +264,7 @@ fn names(rows: &[GenericRow]) -> Vec<Flaw> {
 }
 
 /// The first row that is not the next one of its block, or a block of one row.
-fn index_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
+fn index_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
     let mut counted = block.iter().zip(0_u32..);
     if let Some((row, expected)) = counted.find(|(row, expected)| rows[**row].index != *expected) {
         let message = format!(
@@ -229,7 +284,7 @@ fn index_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
 }
 
 /// Rows that do not lie behind the one before, or whose increment is not the change.
-fn step_flaws(rows: &[GenericRow], block: &[usize]) -> impl Iterator<Item = Flaw> {
+fn step_flaws(rows: &[Row], block: &[usize]) -> impl Iterator<Item = Flaw> {
     block.windows(2).filter_map(|pair| {
         let (before, row) = (&rows[pair[0]], &rows[pair[1]]);
         let (from, to) = (before.position_mm, row.position_mm);
@@ -252,7 +307,7 @@ fn step_flaws(rows: &[GenericRow], block: &[usize]) -> impl Iterator<Item = Flaw
 }
 
 /// The row with the most unusual step, if the positions are not equally spaced.
-fn spacing_flaw(rows: &[GenericRow], block: &[usize]) -> Option<Flaw> {
+fn spacing_flaw(rows: &[Row], block: &[usize]) -> Option<Flaw> {
     let at: Vec<f64> = block.iter().map(|row| rows[*row].position_mm).collect();
     if is_equally_spaced(&at) {
         return None;

@@ -1,11 +1,11 @@
 //! The two forms of the generic table, CSV and `{"schema":1,"rows":[{…}, …]}`, row by row.
 
-use super::check::{Flaw, RawRow, table};
-use crate::control::table::generic::GenericTable;
+use super::check::{Flaw, Row, checked};
 use crate::text::delimited::{Line, lines, refuse_many_columns};
 use crate::text::document::{MOST_ROWS, Source};
-use crate::text::problem::{LineIndex, Problem, Problems, nearest, refuse_long_lines};
+use crate::text::problem::{LineIndex, Problem, Problems, nearest, refuse_long_lines, shown};
 use serde::Deserialize;
+use std::borrow::Cow;
 
 /// Columns of the CSV and keys of a row of the JSON.
 pub(super) const COLUMNS: [&str; 9] = [
@@ -24,11 +24,11 @@ pub(super) const COLUMNS: [&str; 9] = [
 #[serde(deny_unknown_fields)]
 struct Document {
     schema: u32,
-    rows: Vec<RawRow>,
+    rows: Vec<Row>,
 }
 
 /// Reads the JSON form. What is no such document is told at its first place.
-pub(super) fn read_json(file: &str, text: &str) -> Result<GenericTable, Problems> {
+pub(super) fn read_json(file: &str, text: &str) -> Result<Vec<Row>, Problems> {
     const HELP: &str =
         "expected {\"schema\":1,\"rows\":[…]} with the nine columns as keys of each row";
     // JSON may stand in one line; the columns of a long one are not counted.
@@ -53,7 +53,7 @@ pub(super) fn read_json(file: &str, text: &str) -> Result<GenericTable, Problems
         let (start, end) = place_of(text, document.rows.len(), "rows");
         return Err(at(problem.message, start, end).help(HELP).into());
     }
-    table(document.rows.into_iter().map(Ok), |flaw| {
+    checked(document.rows.into_iter().map(Ok), |flaw| {
         let (start, end) = place_of(text, flaw.row, flaw.column);
         at(format!("rows[{}]: {}", flaw.row, flaw.message), start, end)
     })
@@ -69,28 +69,28 @@ fn place_of(text: &str, row: usize, key: &str) -> (usize, usize) {
 }
 
 /// Reads the CSV form; blank lines are ignored.
-pub(super) fn read_csv(file: &str, text: &str) -> Result<GenericTable, Problems> {
+pub(super) fn read_csv(file: &str, text: &str) -> Result<Vec<Row>, Problems> {
     let source = Source::from_bytes(file, text.as_bytes())?;
     let mut rows = lines(&source)
         .filter(|line| !line.text().trim().is_empty())
         .map(|line| line.separated_by(b',', false));
+    let first_line = format!("first line: {}", COLUMNS.join(","));
     let Some(header) = rows.next() else {
         return Err(Problem::new("the file is empty, expected a generic table")
             .at(source.place(&(0..0)))
-            .help(format!("first line: {}", COLUMNS.join(",")))
+            .help(first_line)
             .into());
     };
-    refuse_many_columns(&header, &format!("first line: {}", COLUMNS.join(",")))?;
-    let columns = columns(&header)?;
+    refuse_many_columns(&header, &first_line)?;
+    let help = "a generic table has nine columns, separated by commas";
+    let names = columns(&header, (&COLUMNS, &[]), help)?;
     let rows: Vec<Line<'_>> = rows.take(MOST_ROWS + 1).collect();
     if let Some(problem) = wrong_count(rows.len()) {
         return Err(problem.at(header.whole()).into());
     }
-    let raw = rows.iter().map(|row| raw_row(row, &columns));
-    table(raw, |flaw: &Flaw| {
-        let cell = COLUMNS.iter().position(|name| *name == flaw.column);
-        let cell = cell.map_or(0, |column| columns[column]);
-        Problem::new(flaw.message.clone()).at(rows[flaw.row].cell_place(cell))
+    checked(rows.iter().map(|line| row(*line, &names)), |flaw: &Flaw| {
+        let place = rows[flaw.row].cell_place(place_among(&names, flaw.column));
+        Problem::new(flaw.message.clone()).at(place)
     })
 }
 
@@ -109,64 +109,109 @@ pub(super) fn wrong_count(rows: usize) -> Option<Problem> {
     Some(Problem::new(message).help(help))
 }
 
-/// In which cell of a row each of [`COLUMNS`] stands.
-fn columns(header: &Line<'_>) -> Result<[usize; 9], Problems> {
-    let cells = header.cells();
+/// The names of the columns of a header: all that are needed, and some that may be there.
+pub(super) fn columns(
+    header: &Line<'_>,
+    (needed, others): (&[&str], &[&str]),
+    help: &str,
+) -> Result<Vec<String>, Problems> {
+    let names: Vec<String> = header.cells().iter().map(ToString::to_string).collect();
+    let known = || needed.iter().chain(others).copied();
     let mut problems = Problems::none();
-    for (index, cell) in cells.iter().enumerate() {
+    for (index, name) in names.iter().enumerate() {
         let at = |message: String| Problem::new(message).at(header.cell_place(index));
-        if !COLUMNS.contains(&cell.as_ref()) {
-            problems.push(at(format!("unknown column `{cell}`")).help(
-                match nearest(cell, COLUMNS) {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("expected {}", COLUMNS.join(",")),
-                },
-            ));
-        } else if cells[..index].contains(cell) {
-            let message = format!("column `{cell}` stands in the header twice");
+        if !known().any(|known| known == name.as_str()) {
+            let near = nearest(name, known()).map(|near| format!("did you mean `{near}`?"));
+            let help = near.unwrap_or_else(|| format!("expected {}", needed.join(",")));
+            problems.push(at(format!("unknown column `{}`", shown(name))).help(help));
+        } else if names[..index].contains(name) {
+            let message = format!("column `{name}` stands in the header twice");
             problems.push(at(message).help("remove one of the two"));
         }
     }
-    let place = |name: &str| cells.iter().position(|cell| cell == name);
-    for name in COLUMNS.iter().filter(|name| place(name).is_none()) {
+    for name in needed.iter().filter(|name| !names.iter().any(|own| own == **name)) {
         let message = format!("the header has no column `{name}`");
-        let help = "a generic table has nine columns, separated by commas";
         problems.push(Problem::new(message).at(header.whole()).help(help));
     }
-    problems.or_ok(COLUMNS.map(|name| place(name).unwrap_or_default()))
+    problems.or_ok(names)
+}
+
+/// Where a column stands.
+pub(super) fn place_among(names: &[String], column: &str) -> usize {
+    names.iter().position(|own| own == column).unwrap_or_default()
+}
+
+/// The cells of a row under the names of their columns, and what is wrong with them.
+pub(super) struct Cells<'a, 'b> {
+    pub(super) line: Line<'a>,
+    names: &'b [String],
+    cells: Vec<Cow<'a, str>>,
+    /// The next step where a number is none.
+    help: &'static str,
+    pub(super) problems: Problems,
+}
+
+impl<'a, 'b> Cells<'a, 'b> {
+    pub(super) fn of(
+        line: Line<'a>,
+        names: &'b [String],
+        help: &'static str,
+    ) -> Result<Self, Problems> {
+        let mut problems = Problems::none();
+        match line.cells_under(names.len(), &mut problems) {
+            Some(cells) => Ok(Cells { line, names, cells, help, problems }),
+            None => Err(problems),
+        }
+    }
+
+    pub(super) fn text(&self, column: &str) -> String {
+        self.cells[place_among(self.names, column)].to_string()
+    }
+
+    /// The text of a cell that may be empty.
+    pub(super) fn text_if_any(&self, column: &str) -> Option<String> {
+        Some(self.text(column)).filter(|text| !text.is_empty())
+    }
+
+    /// The number of a cell; 0 where a problem says that it is none.
+    pub(super) fn number(&mut self, column: &str) -> f64 {
+        let place = place_among(self.names, column);
+        let (cell, problems) = (&self.cells[place], &mut self.problems);
+        self.line.number_in(place, cell, column, self.help, problems).unwrap_or_default()
+    }
+
+    /// The same of one that may be empty.
+    pub(super) fn number_if_any(&mut self, column: &str) -> Option<f64> {
+        self.text_if_any(column).map(|_| self.number(column))
+    }
+
+    /// Notes what is wrong with a cell.
+    pub(super) fn refuse(&mut self, column: &str, message: String, help: &str) {
+        let place = self.line.cell_place(place_among(self.names, column));
+        self.problems.push(Problem::new(message).at(place).help(help));
+    }
 }
 
 /// The row of a line, or what its columns cannot hold.
-fn raw_row(line: &Line<'_>, columns: &[usize; 9]) -> Result<RawRow, Problems> {
+fn row(line: Line<'_>, names: &[String]) -> Result<Row, Problems> {
     const NUMBER: &str = "write digits with a decimal point; a row without a value is left out";
-    let mut problems = Problems::none();
-    let Some(cells) = line.cells_under(COLUMNS.len(), &mut problems) else {
-        return Err(problems);
+    let mut cells = Cells::of(line, names, NUMBER)?;
+    let index = cells.text("index").parse::<u32>();
+    if index.is_err() {
+        let message =
+            format!("`index` is `{}`, expected a whole number from 0", cells.text("index"));
+        cells.refuse("index", message, "the points of a block are counted 0, 1, 2, …");
+    }
+    let row = Row {
+        term: cells.text("term"),
+        base_axis: cells.text("base_axis"),
+        output_axis: cells.text("output_axis"),
+        direction: cells.text_if_any("direction"),
+        index: index.unwrap_or_default(),
+        position_mm: cells.number("position_mm"),
+        deviation_um: cells.number("deviation_um"),
+        correction_um: cells.number("correction_um"),
+        increment_um: cells.number_if_any("increment_um"),
     };
-    let cell = |column: usize| cells[columns[column]].as_ref();
-    let index = cell(4).parse().unwrap_or_else(|_| {
-        let message = format!("`index` is `{}`, expected a whole number from 0", cell(4));
-        let problem = Problem::new(message).at(line.cell_place(columns[4]));
-        problems.push(problem.help("the points of a block are counted 0, 1, 2, …"));
-        0
-    });
-    let mut number = |column: usize| {
-        let (place, name) = (columns[column], COLUMNS[column]);
-        line.number_in(place, cell(column), name, NUMBER, &mut problems)
-    };
-    let row = RawRow {
-        term: cell(0).to_string(),
-        base_axis: cell(1).to_string(),
-        output_axis: cell(2).to_string(),
-        direction: Some(cell(3).to_string()).filter(|symbol| !symbol.is_empty()),
-        index,
-        position_mm: number(5).unwrap_or_default(),
-        deviation_um: number(6).unwrap_or_default(),
-        correction_um: number(7).unwrap_or_default(),
-        increment_um: match cell(8) {
-            "" => None,
-            _ => number(8),
-        },
-    };
-    problems.or_ok(row)
+    cells.problems.or_ok(row)
 }

@@ -1,5 +1,10 @@
 use super::*;
-use crate::quantity::axis::{Direction, ErrorTerm};
+use crate::control::control_state::{AxisState, ControlState};
+use crate::control::controller::{ControlUnit, builtin};
+use crate::control::table::Tables;
+use crate::quantity::units::Millimetres;
+use crate::read::emulate::{Emulated, Emulator};
+use crate::read::emulator;
 use std::fmt::Write;
 
 const HEADER: &str = "term,base_axis,output_axis,direction,index,position_mm,deviation_um,correction_um,increment_um\n";
@@ -28,7 +33,7 @@ fn json_text(csv: &str) -> String {
     text + "\n]}\n"
 }
 
-fn table(text: &str) -> GenericTable {
+fn table(text: &str) -> Vec<Row> {
     read("table", text).unwrap_or_else(|problems| panic!("{text}\n{problems}"))
 }
 
@@ -65,12 +70,12 @@ fn check(text: &str, cases: &str) {
 
 #[test]
 fn a_row_is_read_as_it_stands() {
-    let rows = table(&csv_text()).rows;
-    let expected = GenericRow {
-        term: ErrorTerm::from_name("EYX").expect("a term"),
+    let rows = table(&csv_text());
+    let expected = Row {
+        term: "EYX".into(),
         base_axis: "X".into(),
         output_axis: "Y".into(),
-        direction: Some(Direction::Plus),
+        direction: Some("+".into()),
         index: 1,
         position_mm: 25.4,
         deviation_um: 0.1,
@@ -78,7 +83,7 @@ fn a_row_is_read_as_it_stands() {
         increment_um: Some(-0.1),
     };
     assert_eq!((rows.len(), &rows[4]), (5, &expected));
-    assert_eq!((rows[0].direction, rows[0].increment_um), (None, None));
+    assert_eq!((&rows[0].direction, rows[0].increment_um), (&None, None));
 }
 
 #[test]
@@ -105,7 +110,7 @@ fn what_means_the_same_is_read_the_same() {
         assert_eq!(table(&text), table(&plain), "{case}");
     }
     let interleaved = [0, 1, 4, 2, 5, 3].map(|line| lines[line]).join("\n");
-    assert_eq!(table(&interleaved).rows.len(), 5);
+    assert_eq!(table(&interleaved).len(), 5);
 }
 
 #[test]
@@ -164,6 +169,10 @@ EYX,X,Y,+,1,25.4,0.1,-0.1,-0.1¶ |      | 5:1  | block of one point
 -- terms and axes
 EYX,X,Y,+,0       | EYX,X,X,+,0        | 5:7  | `X` stands for the Y axis in EYX, but for the X axis
 EYX,X,Y,+,0       | EYZ,x,Y,+,0        | 5:5  | `x` stands for the Z axis in EYZ
+-- the directions of a pair of axes
++,1,25.4,0.1,-0.1,-0.1¶ | +,1,25.4,0.1,-0.1,-0.1¶EYX,X,Y,,0,0,0,0,¶EYX,X,Y,,1,25.4,0,0,0¶ | 7:9 | blocks with and without direction
++,1,25.4,0.1,-0.1,-0.1¶ | +,1,25.4,0.1,-0.1,-0.1¶EYX,X,Y,-,0,0,0,0,¶EYX,X,Y,-,1,25,0,0,0¶ | 6:13 | a position that the block of the other direction does not have
++,1,25.4,0.1,-0.1,-0.1¶ | +,1,25.4,0.1,-0.1,-0.1¶EYX,X,Y,-,0,0,0,0,¶EYX,X,Y,-,1,25.4,0,0,0¶EYX,X,Y,-,2,50.8,0,0,0¶ | 9:13 | a position that the block of the other
 "#;
 
 #[test]
@@ -264,7 +273,7 @@ fn a_long_grid_of_fractions_is_equally_spaced() {
         let increment = if index == 0 { "" } else { "0" };
         writeln!(text, "EZZ,3,3,-,{index},{position},2,-2,{increment}").expect("a string");
     }
-    assert_eq!(table(&text).rows.len(), 1001);
+    assert_eq!(table(&text).len(), 1001);
 }
 
 #[test]
@@ -273,7 +282,7 @@ fn twins_give_one_table() {
     let json = table(&json_text(&csv_text()));
     assert_eq!(merge(vec![csv.clone(), json]), Ok(csv.clone()));
     assert_eq!(merge(vec![csv.clone()]), Ok(csv));
-    assert_eq!(merge(Vec::new()), Ok(GenericTable::default()));
+    assert_eq!(merge(Vec::new()), Ok(Vec::new()));
 }
 
 #[test]
@@ -300,4 +309,154 @@ fn what_is_no_twin_is_refused_with_its_first_differing_row() {
         let problems = merge(vec![first, other]).expect_err(part).render();
         assert!(problems.contains(part), "{part}\n{problems}");
     }
+}
+
+/// Rows of one block without their number, position in mm and deviation in µm.
+fn rows(head: &str, points: &[(f64, f64)]) -> String {
+    let mut text = String::new();
+    for (index, (position, deviation)) in points.iter().enumerate() {
+        let increment = match index {
+            0 => String::new(),
+            _ => (points[index - 1].1 - deviation).to_string(),
+        };
+        let correction = -deviation;
+        text += &format!("{head},{index},{position},{deviation},{correction},{increment}\n");
+    }
+    text
+}
+
+fn of_blocks(rows: &[String]) -> ListedTables {
+    let text = format!("{HEADER}{}", rows.concat());
+    tables(&[("table.csv", &text)], false).unwrap_or_else(|problems| panic!("{problems}"))
+}
+
+fn state() -> ControlState {
+    let axis = |name: &str| AxisState {
+        name: name.to_string(),
+        reference: Millimetres::new(0.0),
+        reference_direction: Direction::Plus,
+        detection_unit_um: None,
+        backlash_um: 0.0,
+        bidirectional: false,
+        interpolated: false,
+        travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
+        ends: (Millimetres::new(0.0), Millimetres::new(1000.0)),
+        rest: Millimetres::new(0.0),
+    };
+    ControlState {
+        unit: ControlUnit::Inch, // has no say
+        axes: ["X", "Y"].map(axis).to_vec(),
+    }
+}
+
+fn emulated(tables: ListedTables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
+    emulator(&builtin::profile("generic").unwrap(), &Tables::Listed(tables), state)
+}
+
+fn control(rows: &[String]) -> Box<dyn Emulator> {
+    emulated(of_blocks(rows), &state()).unwrap_or_else(|why| panic!("{}", why.0))
+}
+
+fn at(control: &dyn Emulator, pair: [&str; 2], direction: Direction, mm: f64) -> f64 {
+    let response = control.response(pair[0], pair[1], direction);
+    let response = response.unwrap_or_else(|why| panic!("{}", why.0));
+    response.correction(Millimetres::new(mm)).um()
+}
+
+/// In + and in −, freed from dust.
+fn both(control: &dyn Emulator, pair: [&str; 2], mm: f64) -> [u64; 2] {
+    let um = Direction::BOTH.map(|direction| at(control, pair, direction, mm));
+    um.map(|um| ((um * 1e6).round() / 1e6 + 0.0).to_bits())
+}
+
+const RAMP: [(f64, f64); 3] = [(-50.0, 4.0), (0.0, 0.0), (50.0, -2.0)];
+const FLAT: [(f64, f64); 3] = [(-50.0, 1.0), (0.0, 1.0), (50.0, 1.0)];
+
+/// Straight between points, ends held; the correction is the opposite of the deviation.
+#[test]
+fn corrections_are_interpolated_and_held() {
+    let control = control(&[rows("EXX,X,X,", &RAMP)]);
+    let cases = [
+        (-90.0, -4.0),
+        (-50.0, -4.0),
+        (-25.0, -2.0),
+        (0.0, 0.0),
+        (25.0, 1.0),
+        (50.0, 2.0),
+        (80.0, 2.0),
+    ];
+    for (mm, um) in cases {
+        for direction in Direction::BOTH {
+            let found = at(control.as_ref(), ["x", "X"], direction, mm);
+            assert!((found - um).abs() < 1e-12, "{mm} mm: {found} µm");
+        }
+    }
+}
+
+/// Block directions, and the corrections in + and − at one place.
+#[test]
+fn a_direction_acts_only_in_its_own() {
+    let plus = || rows("EYX,X,Y,+", &FLAT);
+    let minus = || rows("EYX,X,Y,-", &RAMP);
+    let cases = [
+        (vec![rows("EYX,X,Y,", &FLAT)], [-1.0, -1.0]),
+        (vec![plus()], [-1.0, 0.0]),
+        (vec![minus()], [0.0, 2.0]),
+        (vec![plus(), minus()], [-1.0, 2.0]),
+    ];
+    for (blocks, expected) in cases {
+        let control = control(&blocks);
+        let found = both(control.as_ref(), ["X", "Y"], 50.0);
+        assert_eq!(found, expected.map(f64::to_bits), "{blocks:?}");
+    }
+}
+
+#[test]
+fn connected_pairs_are_named_once_and_others_get_nothing() {
+    let blocks = [rows("EYX,X,Y,+", &FLAT), rows("EYX,X,Y,-", &FLAT), rows("EXX,X,X,", &RAMP)];
+    let control = control(&blocks);
+    let pair = |base: &str, output: &str| (base.to_string(), output.to_string());
+    assert_eq!(control.connected_axes(), [pair("X", "X"), pair("X", "Y")]);
+    for other in [["Y", "X"], ["Y", "Y"], ["Y", "Q"]] {
+        assert!(at(control.as_ref(), other, Direction::Plus, 50.0).abs() <= 0.0, "{other:?}");
+    }
+    assert!(control.response("Q", "Q", Direction::Plus).is_err());
+}
+
+/// Reference direction; correction of an axis to itself in + and −.
+#[test]
+fn backlash_acts_away_from_the_reference_direction() {
+    for (reference, expected) in [(Direction::Plus, [-1.0, -9.0]), (Direction::Minus, [7.0, -1.0])]
+    {
+        let mut state = state();
+        state.axes[0].reference_direction = reference;
+        state.axes[0].backlash_um = 8.0;
+        let blocks = of_blocks(&[rows("EXX,X,X,", &FLAT), rows("EYX,X,Y,", &FLAT)]);
+        let control = emulated(blocks, &state).unwrap_or_else(|why| panic!("{}", why.0));
+        assert_eq!(
+            both(control.as_ref(), ["X", "X"], 10.0),
+            expected.map(f64::to_bits),
+            "{reference}"
+        );
+        assert_eq!(
+            both(control.as_ref(), ["X", "Y"], 10.0),
+            [(-1.0_f64).to_bits(); 2],
+            "{reference}"
+        );
+    }
+}
+
+/// What the reader takes, and part of the reason.
+#[test]
+fn what_a_control_would_do_is_not_guessed() {
+    for block in [rows("EZZ,Z,Z,", &FLAT), rows("EZX,X,Z,", &FLAT)] {
+        let why = emulated(of_blocks(&[block]), &state()).err().unwrap().0;
+        assert!(why.contains("no axis `Z`"), "{why}");
+    }
+}
+
+#[test]
+fn an_empty_table_connects_nothing() {
+    let control = emulated(ListedTables::NONE, &state()).unwrap_or_else(|why| panic!("{}", why.0));
+    assert!(control.connected_axes().is_empty());
 }

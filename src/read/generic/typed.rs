@@ -6,23 +6,14 @@
 //! A list holds one of deviation, correction and increment; the other two follow. Increments do not say where
 //! the correction is zero, so a list names the place, `zero_mm`.
 
-use super::check::{Flaw, RawRow, table};
-use super::rows::wrong_count;
-use crate::control::table::generic::GenericTable;
+use super::check::{Flaw, Row, checked};
+use super::rows::{Cells, columns, place_among, wrong_count};
+use crate::control::controller::TypedValue;
 use crate::quantity::units;
 use crate::text::delimited::{LengthUnit, Line, header_and_rows, refuse_many_columns};
 use crate::text::document::{MOST_ROWS, Source};
 use crate::text::problem::{Problem, Problems, shown};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
-
-/// What a value of a list is.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Deviation,
-    Correction,
-    Increment,
-}
 
 /// Columns of every list.
 const COLUMNS: [&str; 9] = [
@@ -36,16 +27,14 @@ const COLUMNS: [&str; 9] = [
     "position_mm",
     "seen",
 ];
-/// The columns that hold words; there may be fifty thousand rows, each with its own.
-const NAMES: [&str; 5] = ["term", "base_axis", "output_axis", "direction", "page"];
 /// The columns of values; a list has one of them.
-const VALUES: [(&str, Kind, LengthUnit); 6] = [
-    ("deviation_um", Kind::Deviation, LengthUnit::Um),
-    ("deviation_mm", Kind::Deviation, LengthUnit::Mm),
-    ("correction_um", Kind::Correction, LengthUnit::Um),
-    ("correction_mm", Kind::Correction, LengthUnit::Mm),
-    ("increment_um", Kind::Increment, LengthUnit::Um),
-    ("increment_mm", Kind::Increment, LengthUnit::Mm),
+const VALUES: [(&str, TypedValue, LengthUnit); 6] = [
+    ("deviation_um", TypedValue::Deviation, LengthUnit::Um),
+    ("deviation_mm", TypedValue::Deviation, LengthUnit::Mm),
+    ("correction_um", TypedValue::Correction, LengthUnit::Um),
+    ("correction_mm", TypedValue::Correction, LengthUnit::Mm),
+    ("increment_um", TypedValue::Increment, LengthUnit::Um),
+    ("increment_mm", TypedValue::Increment, LengthUnit::Mm),
 ];
 /// What stands under `point` in the row of a sum.
 const SUM: &str = "sum";
@@ -63,17 +52,8 @@ pub(super) fn is_list(text: &str) -> bool {
     })
 }
 
-/// Reads a list: what was seen, where it is filled in, else what was to be typed.
-pub(super) fn read(file: &str, text: &str) -> Result<GenericTable, Problems> {
-    read_as(file, text, false)
-}
-
-/// Reads what was seen; a list in which nothing was filled in is refused.
-pub(super) fn read_seen(file: &str, text: &str) -> Result<GenericTable, Problems> {
-    read_as(file, text, true)
-}
-
-fn read_as(file: &str, text: &str, is_seen: bool) -> Result<GenericTable, Problems> {
+/// Reads a list: what was seen, where it is filled in, else what was to be typed, unless that does not count.
+pub(super) fn read(file: &str, text: &str, as_shown: bool) -> Result<Vec<Row>, Problems> {
     let source = Source::from_bytes(file, text.as_bytes())?;
     let Some((header, lines)) = header_and_rows(&source) else {
         return Err(Problem::new(format!("`{file}` is empty")).into());
@@ -84,61 +64,49 @@ fn read_as(file: &str, text: &str, is_seen: bool) -> Result<GenericTable, Proble
         return Err(problem.at(header.whole()).into());
     }
     let mut problems = Problems::none();
-    let mut rows = Vec::with_capacity(lines.len());
-    rows.extend(lines.iter().filter_map(|line| problems.take(row(line, &columns))));
-    let mut points = problems.or_ok(rows)?;
-    let sums: Vec<Row<'_>> = points.extract_if(.., |row| row.is_sum()).collect();
+    let mut points = Vec::with_capacity(lines.len());
+    points.extend(lines.iter().filter_map(|line| problems.take(point(*line, &columns))));
+    let mut points = problems.or_ok(points)?;
+    let sums: Vec<Point<'_>> = points.extract_if(.., |point| point.is_sum).collect();
     refuse_other_sums(&points, &sums, &columns)?;
     let was_seen = points.iter().any(|point| point.seen_um.is_some());
-    if was_seen {
-        take_seen(&mut points, &columns)?;
+    let (unseen, mut told_last) = (unseen(&points, &columns), Problems::none());
+    match (was_seen, unseen) {
+        (true, Some(problem)) => return Err(problem.into()),
+        (false, Some(problem)) if as_shown => told_last.push(problem),
+        _ => points.iter_mut().for_each(|point| point.um = point.seen_um.unwrap_or(point.um)),
     }
-    let corrections = corrections(&points, &columns)?;
-    let raw = points.iter().zip(&corrections);
-    let table = table(raw.map(|(point, um)| point.raw(*um)), |flaw: &Flaw| {
-        let place = points[flaw.row].line.cell_place(columns.place(flaw.column));
+    say_all(&mut points, &columns)?;
+    let lines: Vec<Line<'_>> = points.iter().map(|point| point.line).collect();
+    let rows = checked(points.into_iter().map(|point| Ok(point.row)), |flaw: &Flaw| {
+        let place = lines[flaw.row].cell_place(columns.place(flaw.column));
         Problem::new(flaw.message.clone()).at(place)
     })?;
-    if is_seen && !was_seen {
-        take_seen(&mut points, &columns)?;
-    }
-    Ok(table)
+    told_last.or_ok(rows)
 }
 
-/// Where each column stands, and what the values are.
+/// The columns of a list, and what the values are.
 struct Columns {
     names: Vec<String>,
     value: &'static str,
-    kind: Kind,
+    kind: TypedValue,
     unit: LengthUnit,
 }
 
 impl Columns {
     fn of(header: &Line<'_>) -> Result<Columns, Problems> {
-        refuse_many_columns(header, "take the whole file")?;
-        let names: Vec<String> = header.cells().iter().map(ToString::to_string).collect();
-        let mut problems = Problems::none();
+        const HELP: &str = "take the whole file";
+        refuse_many_columns(header, HELP)?;
         let values = VALUES.map(|(name, ..)| name);
-        for (index, name) in names.iter().enumerate() {
-            let is_known = COLUMNS.contains(&name.as_str()) || values.contains(&name.as_str());
-            if !is_known || names[..index].contains(name) {
-                let message = format!("column `{}` is unknown, or a duplicate", shown(name));
-                problems.push(Problem::new(message).at(header.cell_place(index)));
-            }
-        }
-        for name in COLUMNS.iter().filter(|name| !names.iter().any(|own| own == **name)) {
-            let message = format!("the header has no column `{name}`");
-            problems.push(Problem::new(message).at(header.whole()));
-        }
+        let names = columns(header, (&COLUMNS, &values), HELP)?;
         let own = VALUES.iter().filter(|(name, ..)| names.iter().any(|own| own == name));
         let own: Vec<_> = own.collect();
         let [(value, kind, unit)] = own.as_slice() else {
             let message = format!("the list has {} columns of values, expected one", own.len());
             let help = format!("one of {}", values.join(", "));
-            problems.push(Problem::new(message).at(header.whole()).help(help));
-            return Err(problems);
+            return Err(Problem::new(message).at(header.whole()).help(help).into());
         };
-        problems.or_ok(Columns { names, value, kind: *kind, unit: *unit })
+        Ok(Columns { names, value, kind: *kind, unit: *unit })
     }
 
     /// The cell of a column; whatever is said of a value stands at the value.
@@ -148,114 +116,80 @@ impl Columns {
             "deviation_um" | "correction_um" | "increment_um" => self.value,
             other => other,
         };
-        self.names.iter().position(|own| own == column).unwrap_or(0)
+        place_among(&self.names, column)
+    }
+
+    /// A problem at a cell of a column.
+    fn at(&self, line: &Line<'_>, column: &str, message: impl Into<String>) -> Problem {
+        Problem::new(message).at(line.cell_place(self.place(column)))
     }
 }
 
 /// A point, or the sum of a page.
-struct Row<'a> {
+struct Point<'a> {
     line: Line<'a>,
-    /// In the order of [`NAMES`].
-    names: [Cow<'a, str>; NAMES.len()],
-    point: Option<u32>,
-    position_mm: f64,
+    /// Its deviation, correction and increment once the values are known that count.
+    row: Row,
+    page: String,
+    is_sum: bool,
     zero_mm: f64,
     /// What was to be typed, µm; once what was seen is taken, that.
     um: f64,
     seen_um: Option<f64>,
 }
 
-impl Row<'_> {
-    fn is_sum(&self) -> bool {
-        self.point.is_none()
-    }
-
-    fn text(&self, column: &str) -> &str {
-        let place = NAMES.iter().position(|own| *own == column);
-        place.map_or("", |place| self.names[place].as_ref())
-    }
-
-    /// The block it belongs to.
-    fn block(&self) -> [&str; 4] {
-        ["term", "base_axis", "output_axis", "direction"].map(|column| self.text(column))
-    }
-
-    /// The same as a row of the generic table, from the corrections before it and at it.
-    fn raw(&self, (before, um): (Option<f64>, f64)) -> Result<RawRow, Problems> {
-        let text = |column: &str| self.text(column).to_string();
-        Ok(RawRow {
-            term: text("term"),
-            base_axis: text("base_axis"),
-            output_axis: text("output_axis"),
-            direction: Some(text("direction")).filter(|symbol| !symbol.is_empty()),
-            index: self.point.unwrap_or_default(),
-            position_mm: self.position_mm,
-            deviation_um: 0.0 - um,
-            correction_um: um,
-            increment_um: before.map(|before| units::rounded(um - before, DUST_DECIMALS)),
-        })
-    }
-}
-
-fn row<'a>(line: &Line<'a>, columns: &Columns) -> Result<Row<'a>, Problems> {
+fn point<'a>(line: Line<'a>, columns: &Columns) -> Result<Point<'a>, Problems> {
     const NUMBER: &str = "write digits; a decimal comma needs semicolons between the cells";
-    let mut problems = Problems::none();
-    let Some(own) = line.cells_under(columns.names.len(), &mut problems) else {
-        return Err(problems);
-    };
-    let cell = |column: &str| own[columns.place(column)].clone();
-    let point: Option<u32> = cell("point").parse().ok();
-    if point.is_none() && cell("point") != SUM {
-        let found = shown(&cell("point"));
+    let mut cells = Cells::of(line, &columns.names, NUMBER)?;
+    let text = cells.text("point");
+    let index: Option<u32> = text.parse().ok();
+    if index.is_none() && text != SUM {
+        let found = shown(&text);
         let message = format!("`point` is `{found}`, expected the number of a point or `{SUM}`");
-        problems.push(Problem::new(message).at(line.cell_place(columns.place("point"))));
+        cells.refuse("point", message, "take the list from the kit again");
     }
-    let mut number = |column: &str| {
-        let place = columns.place(column);
-        line.number_in(place, &own[place], column, NUMBER, &mut problems)
-    };
-    let is_point = point.is_some();
-    let position_mm = if is_point { number("position_mm") } else { None };
-    let zero_mm = if is_point { number("zero_mm") } else { None };
-    let value = number(columns.value);
-    let seen = match cell("seen").is_empty() {
-        true => None,
-        false => number("seen"),
-    };
+    let mut of_point = |column| if index.is_some() { cells.number(column) } else { 0.0 };
+    let [position_mm, zero_mm] = ["position_mm", "zero_mm"].map(&mut of_point);
     let um = |value: f64| units::rounded(value * columns.unit.um(), DUST_DECIMALS);
-    problems.or_ok(Row {
-        line: *line,
-        names: NAMES.map(cell),
-        point,
-        position_mm: position_mm.unwrap_or_default(),
-        zero_mm: zero_mm.unwrap_or_default(),
-        um: um(value.unwrap_or_default()),
-        seen_um: seen.map(um),
-    })
+    let point = Point {
+        line,
+        row: Row {
+            term: cells.text("term"),
+            base_axis: cells.text("base_axis"),
+            output_axis: cells.text("output_axis"),
+            direction: cells.text_if_any("direction"),
+            index: index.unwrap_or_default(),
+            position_mm,
+            ..Row::default()
+        },
+        page: cells.text("page"),
+        is_sum: index.is_none(),
+        zero_mm,
+        um: um(cells.number(columns.value)),
+        seen_um: cells.number_if_any("seen").map(um),
+    };
+    cells.problems.or_ok(point)
 }
 
 /// A page whose values do not add up to its sum, in either column, or that has none.
 fn refuse_other_sums(
-    points: &[Row<'_>],
-    sums: &[Row<'_>],
+    points: &[Point<'_>],
+    sums: &[Point<'_>],
     columns: &Columns,
 ) -> Result<(), Problems> {
-    let mut pages: BTreeMap<&str, Vec<&Row<'_>>> = BTreeMap::new();
+    let mut pages: BTreeMap<&str, Vec<&Point<'_>>> = BTreeMap::new();
     for point in points {
-        pages.entry(point.text("page")).or_default().push(point);
+        pages.entry(&point.page).or_default().push(point);
     }
     let mut problems = Problems::none();
     for (page, own) in pages {
-        let mut sums = sums.iter().filter(|sum| sum.text("page") == page);
+        let mut sums = sums.iter().filter(|sum| sum.page == page);
         match (sums.next(), sums.next()) {
             (Some(sum), None) => other_sums(&own, sum, columns, &mut problems),
             _ => {
                 let message = format!("page `{}` has no sum, or more than one", shown(page));
-                let problem = Problem::new(message).at(own[0].line.whole());
-                problems
-                    .push(problem.help(
-                        "rows of this page may be missing: take the list from the kit again",
-                    ));
+                let help = "rows of this page may be missing: take the list from the kit again";
+                problems.push(Problem::new(message).at(own[0].line.whole()).help(help));
             }
         }
     }
@@ -263,10 +197,10 @@ fn refuse_other_sums(
 }
 
 /// What the values of a page, and what was seen of them, add up to, against the sums that stand there.
-fn other_sums(own: &[&Row<'_>], sum: &Row<'_>, columns: &Columns, problems: &mut Problems) {
-    let total = |um: fn(&Row<'_>) -> Option<f64>| own.iter().map(|row| um(row)).sum();
-    let typed = (columns.value, total(|row| Some(row.um)), Some(sum.um));
-    let seen = ("seen", total(|row| row.seen_um), sum.seen_um);
+fn other_sums(own: &[&Point<'_>], sum: &Point<'_>, columns: &Columns, problems: &mut Problems) {
+    let total = |um: fn(&Point<'_>) -> Option<f64>| own.iter().map(|point| um(point)).sum();
+    let typed = (columns.value, total(|point| Some(point.um)), Some(sum.um));
+    let seen = ("seen", total(|point| point.seen_um), sum.seen_um);
     for (column, total, stated) in [typed, seen] {
         let (Some(total), Some(stated)): (Option<f64>, Option<f64>) = (total, stated) else {
             continue;
@@ -277,20 +211,20 @@ fn other_sums(own: &[&Row<'_>], sum: &Row<'_>, columns: &Columns, problems: &mut
             let message = format!(
                 "`{column}` adds up to {} {unit} on page {}, its sum is {} {unit}",
                 shown_in(total),
-                shown(sum.text("page")),
+                shown(&sum.page),
                 shown_in(stated)
             );
-            let place = sum.line.cell_place(columns.place(column));
-            problems.push(Problem::new(message).at(place).help(help_of_sum(own)));
+            problems.push(columns.at(&sum.line, column, message).help(help_of_sum(own)));
         }
     }
 }
 
 /// Where to look first: the rows in which something else was seen than was to be typed.
-fn help_of_sum(page: &[&Row<'_>]) -> String {
-    let differs = |row: &&&Row<'_>| row.seen_um.is_some_and(|um| (um - row.um).abs() > SAME);
+fn help_of_sum(page: &[&Point<'_>]) -> String {
+    let differs =
+        |point: &&&Point<'_>| point.seen_um.is_some_and(|um| (um - point.um).abs() > SAME);
     let lines = page.iter().filter(differs);
-    let lines: Vec<String> = lines.map(|row| row.line.number().to_string()).collect();
+    let lines: Vec<String> = lines.map(|point| point.line.number().to_string()).collect();
     match lines.is_empty() {
         true => "take the list from the kit again, or mend the sum".to_string(),
         false => format!(
@@ -300,74 +234,62 @@ fn help_of_sum(page: &[&Row<'_>]) -> String {
     }
 }
 
-/// Takes what was seen, all of it: a missing value is no zero.
-fn take_seen(points: &mut [Row<'_>], columns: &Columns) -> Result<(), Problems> {
+/// A missing value is no zero: what was seen counts whole or not at all.
+fn unseen(points: &[Point<'_>], columns: &Columns) -> Option<Problem> {
     let missing = points.iter().filter(|point| point.seen_um.is_none());
-    if let Some(first) = missing.clone().next() {
-        let message = format!("`seen` is empty in {} of {} lines", missing.count(), points.len());
-        return Err(Problem::new(message)
-            .at(first.line.cell_place(columns.place("seen")))
-            .help("read every point on the control's screen and fill in what it shows")
-            .into());
-    }
-    for point in points {
-        point.um = point.seen_um.unwrap_or(point.um);
-    }
-    Ok(())
+    let message =
+        format!("`seen` is empty in {} of {} lines", missing.clone().count(), points.len());
+    let problem = columns.at(&missing.clone().next()?.line, "seen", message);
+    Some(problem.help("read every point on the control's screen and fill in what it shows"))
 }
 
-/// Of each point the correction before it in its block, and its own, µm.
-fn corrections(points: &[Row<'_>], columns: &Columns) -> Result<Vec<(Option<f64>, f64)>, Problems> {
+/// Says of each point deviation, correction and increment, whichever of them the list holds.
+fn say_all(points: &mut [Point<'_>], columns: &Columns) -> Result<(), Problems> {
     let mut problems = Problems::none();
     let mut blocks: BTreeMap<[&str; 4], Vec<usize>> = BTreeMap::new();
-    for (index, point) in points.iter().enumerate() {
-        blocks.entry(point.block()).or_default().push(index);
+    for (index, Point { row, .. }) in points.iter().enumerate() {
+        let direction = row.direction.as_deref().unwrap_or_default();
+        let block = [&row.term, &row.base_axis, &row.output_axis, direction];
+        blocks.entry(block).or_default().push(index);
     }
-    let mut found = vec![(None, 0.0); points.len()];
-    for block in blocks.values() {
-        let own: Vec<&Row<'_>> = block.iter().map(|index| &points[*index]).collect();
-        let values = match columns.kind {
-            Kind::Deviation => own.iter().map(|row| 0.0 - row.um).collect(),
-            Kind::Correction => own.iter().map(|row| row.um).collect(),
-            Kind::Increment => match added_up(&own, columns) {
-                Ok(values) => values,
-                Err(problem) => {
-                    problems.push(problem);
-                    continue;
-                }
-            },
+    let blocks: Vec<Vec<usize>> = blocks.into_values().collect();
+    for block in &blocks {
+        let zero_um = match columns.kind {
+            TypedValue::Increment => problems.take(sum_at_zero(points, block, columns)),
+            _ => Some(0.0),
         };
-        let before = std::iter::once(None).chain(values.iter().copied().map(Some));
-        for ((index, before), um) in block.iter().zip(before).zip(&values) {
-            found[*index] = (before, *um);
+        let (mut sum, mut before) = (0.0, None);
+        for index in block {
+            let Point { row, um, .. } = &mut points[*index];
+            sum += *um;
+            row.correction_um = match columns.kind {
+                TypedValue::Deviation => 0.0 - *um,
+                TypedValue::Correction => *um,
+                TypedValue::Increment => {
+                    units::rounded(sum - zero_um.unwrap_or_default(), DUST_DECIMALS)
+                }
+            };
+            row.deviation_um = 0.0 - row.correction_um;
+            let change = before.replace(row.correction_um).map(|before| row.correction_um - before);
+            row.increment_um = change.map(|um: f64| units::rounded(um, DUST_DECIMALS));
         }
     }
-    problems.or_ok(found)
+    problems.or_ok(())
 }
 
-/// The corrections that increments add up to, zero where the list says.
-fn added_up(block: &[&Row<'_>], columns: &Columns) -> Result<Vec<f64>, Problem> {
-    let first = block[0];
+/// What increments add up to where the correction is zero.
+fn sum_at_zero(points: &[Point<'_>], block: &[usize], columns: &Columns) -> Result<f64, Problem> {
+    let first = &points[block[0]];
     if first.um.abs() > 0.0 {
         let message = "the first point of a table has an increment, expected 0";
-        let place = first.line.cell_place(columns.place(columns.value));
-        return Err(Problem::new(message)
-            .at(place)
-            .help("an increment is the change from the point before; there is none"));
+        let help = "an increment is the change from the point before; there is none";
+        return Err(columns.at(&first.line, columns.value, message).help(help));
     }
-    let mut sum = 0.0;
-    let sums = block.iter().map(|row| {
-        sum += row.um;
-        sum
-    });
-    let sums: Vec<f64> = sums.collect();
-    let at_zero = block.iter().position(|row| (row.position_mm - row.zero_mm).abs() <= SAME);
-    let Some(zero) = at_zero else {
+    let is_zero = |point: &Point<'_>| (point.row.position_mm - point.zero_mm).abs() <= SAME;
+    let Some(zero) = block.iter().position(|index| is_zero(&points[*index])) else {
         let message = "no point of this table lies at `zero_mm`, where the correction is zero";
-        let place = first.line.cell_place(columns.place("zero_mm"));
-        return Err(Problem::new(message)
-            .at(place)
-            .help("`zero_mm` is the reference point, in machine coordinates"));
+        let help = "`zero_mm` is the reference point, in machine coordinates";
+        return Err(columns.at(&first.line, "zero_mm", message).help(help));
     };
-    Ok(sums.iter().map(|um| units::rounded(um - sums[zero], DUST_DECIMALS)).collect())
+    Ok(block[..=zero].iter().fold(0.0, |sum, index| sum + points[*index].um))
 }

@@ -72,7 +72,7 @@ fn read(text: &str, facts: &LinuxcncFacts) -> Result<Vec<ListedTable>, Complaint
     }
     let table = |((output, base), pieces): ((u32, u32), Vec<Vec<Point>>)| {
         let [base, output] = [base, output].map(|joint| joint.to_string());
-        ListedTable { base, output, points: added_up(&pieces) }
+        ListedTable { term: None, base, output, points: added_up(&pieces) }
     };
     Ok(tables.into_iter().map(table).collect())
 }

@@ -29,7 +29,7 @@ fn table(points: &[(f64, f64, Option<f64>)]) -> ListedTables {
     };
     let points = points.iter().map(point).collect();
     let (base, output) = ("X".to_string(), "X".to_string());
-    ListedTables { tables: vec![ListedTable { base, output, points }] }
+    ListedTables::of(vec![ListedTable { term: None, base, output, points }])
 }
 
 /// X from 0 to 1000 mm, its reference at 10 mm, 4 µm in the backlash parameter.

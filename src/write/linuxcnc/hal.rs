@@ -52,7 +52,7 @@ impl LinuxcncFacts {
     /// The numbers of points repeat when there are more curves than numbers: then all curves have as many, and a
     /// table goes on behind its last point, which it holds.
     pub(super) fn pad(&self, tables: &mut Tables) {
-        let Tables::Listed(ListedTables { tables }) = tables else {
+        let Tables::Listed(ListedTables { tables, .. }) = tables else {
             return;
         };
         let cross: Vec<&ListedTable> = tables.iter().filter(|table| !table.is_own()).collect();

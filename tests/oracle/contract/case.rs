@@ -1,7 +1,7 @@
 //! A kit under test, what the control holds of it, and how far off it may be where.
 
-use crate::support::has_two_directions;
 use crate::support::machine::{Machine, Term};
+use crate::support::{has_two_directions, is_generic};
 use nonius::control::controller::{Dialect, Profile, StraightnessForm};
 use nonius::control::table::Tables;
 use nonius::control::table::fanuc::{FanucMemory, ParameterValue};
@@ -38,7 +38,9 @@ impl Case<'_> {
             // The sixth decimal of an inch, of a millimetre.
             (Dialect::Siemens(_) | Dialect::Linuxcnc(_), _) if self.machine.inch => 0.0254,
             (Dialect::Siemens(_) | Dialect::Linuxcnc(_) | Dialect::Isg(_), _) => 0.001,
-            (Dialect::Declared(facts), _) => crate::support::count_um(facts),
+            (Dialect::Declared(facts), _) if facts.typed.is_none() => {
+                crate::support::count_um(facts)
+            }
             (Dialect::Fanuc(facts), Tables::Fanuc(memory)) => {
                 let unit = self.machine.axis(term.of).unit_um.unwrap();
                 let output: u32 = output.parse().unwrap();
@@ -76,7 +78,8 @@ impl Case<'_> {
         let mut tables = self.kit.plan.tables.iter();
         let directed = tables.any(|t| t.term == term.term && t.direction.is_some());
         let asked = self.machine.policy == Some("two-tables") && term.both_ways();
-        let of_cross = matches!(self.profile.dialect, Dialect::Siemens(_) | Dialect::Generic(_));
+        let is_siemens = matches!(self.profile.dialect, Dialect::Siemens(_));
+        let of_cross = is_siemens || is_generic(self.profile);
         let takes = (of_cross || term.term.is_positioning()) && has_two_directions(self.profile);
         if asked && !directed && takes {
             let mut kinds = self.kit.plan.notes.iter().filter_map(|note| note.kind());

@@ -281,7 +281,7 @@ impl<'a> OneWay<'a> {
     /// (c) On a control that takes every sign the other way round the residual doubles. Whether the
     /// deviation is large enough to see that.
     fn turned_sign_doubles(&self, turned: &Held) -> bool {
-        let generic = matches!(self.case.profile.dialect, Dialect::Generic(_));
+        let generic = support::is_generic(self.case.profile);
         for (a, b) in self.held.um.iter().zip(&turned.um) {
             assert!(generic || (a + b).abs() < DUST_UM, "the sign acts on every node");
         }
