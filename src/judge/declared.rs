@@ -20,16 +20,22 @@ impl Family for DeclaredFacts {
             false => read(reading.texts, self)?,
         };
         let held = Tables::Listed(found.clone());
-        tell_others(reading, &mut found);
+        // A new list takes the place of the whole old one: an old table of another axis would be lost, and is
+        // refused where it is emulated.
+        if self.typed.is_none() || reading.judges() {
+            self.tell_others(reading, &mut found);
+        }
         Ok(Found { tables: Tables::Listed(found), ..Found::all(held) })
     }
 
     fn left_over(&self, old: &Tables, new: &Tables) -> Vec<String> {
         let (old, new) = (listed::own(old), listed::own(new));
-        let stays = |table: &&ListedTable| {
-            let mut new = new.iter();
-            !new.any(|new| new.is_for(&table.base, &table.output))
+        // Typed by hand, a table for each direction stays beside one for both.
+        let is_same = |one: &ListedTable, other: &ListedTable| {
+            one.is_for(&other.base, &other.output)
+                && (self.typed.is_none() || one.has_two() == other.has_two())
         };
+        let stays = |table: &&ListedTable| !new.iter().any(|new| is_same(new, table));
         old.iter().filter(stays).map(|table| format!("the old {}", table.name())).collect()
     }
 
@@ -43,14 +49,19 @@ impl Family for DeclaredFacts {
     }
 }
 
-/// Tables of axes that the job does not have; one that moves an axis of the job is told as such.
-fn tell_others(reading: &mut ReadOutReader<'_>, found: &mut ListedTables) {
-    for table in listed::take_others(reading, found) {
-        let what = format!("the {}", table.name());
-        let moving = table.base.clone();
-        reading.tell(match reading.has(&table.output) {
-            true => InControl::Follows { what, moving },
-            false => InControl::OfOthers { what, axes: "axes" },
-        });
+impl DeclaredFacts {
+    /// Tables of axes that the job does not have; one that moves an axis of the job is told as such. A set of factors
+    /// holds all, 0 for an axis that the machine does not have.
+    fn tell_others(&self, reading: &mut ReadOutReader<'_>, found: &mut ListedTables) {
+        let mut others = listed::take_others(reading, found);
+        others.retain(|table| self.factors.is_none() || !table.is_zero());
+        for table in others {
+            let what = format!("the {}", table.name());
+            let moving = table.base.clone();
+            reading.tell(match reading.has(&table.output) {
+                true => InControl::Follows { what, moving },
+                false => InControl::OfOthers { what, axes: "axes" },
+            });
+        }
     }
 }

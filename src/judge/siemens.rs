@@ -100,14 +100,17 @@ fn own(tables: &Tables) -> &SiemensTables {
 }
 
 /// The parameters of a table as files write them.
-fn fields(table: &SiemensTable) -> [(&'static str, String); 6] {
+fn fields(table: &SiemensTable) -> Vec<(&'static str, String)> {
     let number = |value: f64| Value::Numbers(vec![Some(value)]).words();
-    [
+    let mut fields = vec![
         ("MIN", number(table.grid.min)),
         ("STEP", number(table.grid.step)),
         ("MAX", number(table.grid.max)),
         ("IS_MODULO", u8::from(table.modulo).to_string()),
-        ("DIRECTION", table.direction_text().to_string()),
-        ("MULT_BY_TABLE", table.multiply_by.to_string()),
-    ]
+    ];
+    if table.place.cec().is_some() {
+        fields.push(("DIRECTION", table.direction_text().to_string()));
+        fields.push(("MULT_BY_TABLE", table.multiply_by.to_string()));
+    }
+    fields
 }

@@ -39,8 +39,8 @@ impl Family for DeclaredFacts {
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
         let tables: &ListedTables = own(tables)?;
-        Ok(Box::new(match self.chained.as_ref().is_some_and(|own| own.value) {
-            true => listed::control(&chained(tables, self), self, state)?,
+        Ok(Box::new(match self.factors.is_some() {
+            true => listed::control(&acting(tables, self), self, state)?,
             false => listed::control(tables, self, state)?,
         }))
     }
@@ -60,11 +60,11 @@ impl Family for DeclaredFacts {
         lines(text).any(|span| is_taken(&text[span]))
     }
 
-    /// One that holds something else, too.
+    /// One with a line that only such a file has.
     fn is_whole(&self, text: &str) -> bool {
         let says = |line: &str| self.lines.value.iter().find(|own| own.take(line).is_some());
-        let is_other = |own: &Pattern| own.fields().any(|field| field == Field::Other);
-        self.has(Field::Other) && lines(text).any(|span| says(&text[span]).is_some_and(is_other))
+        let is_whole = |own: &Pattern| own.fields().any(|field| field == Field::Whole);
+        self.has(Field::Whole) && lines(text).any(|span| says(&text[span]).is_some_and(is_whole))
     }
 }
 
@@ -139,6 +139,14 @@ fn file(name: &str, text: &str, facts: &DeclaredFacts) -> Result<ListedTables, P
     }
 }
 
+/// Factors as they act, without those that are 0: a set holds all, also of an axis that the machine does not have.
+fn acting(tables: &ListedTables, facts: &DeclaredFacts) -> ListedTables {
+    let is_chained = facts.chained.as_ref().is_some_and(|own| own.value);
+    let mut acting = if is_chained { chained(tables, facts) } else { tables.clone() };
+    acting.tables.retain(|table| !table.is_zero());
+    acting
+}
+
 /// Factors of a control on which an axis follows the corrected position of another one: each with what reaches its axis
 /// through others.
 ///
@@ -198,6 +206,11 @@ impl Axes {
         let output = self.output.as_ref().or(self.axis.as_ref())?;
         Some([base.clone(), output.clone()])
     }
+}
+
+/// Whether a text is a number that a factor can be.
+fn is_factor(text: &str) -> bool {
+    text.parse().is_ok_and(|factor: f64| factor.abs() < 1.0)
 }
 
 /// What a line says that looks like a comment and names the unit.
@@ -271,7 +284,12 @@ impl Reading<'_> {
                 Field::Same => self.check_same(text, part),
                 Field::Table => name = Some(text[part].to_string()),
                 Field::Unit => self.check_unit(text, part),
-                Field::Other => self.is_other = true,
+                Field::Other | Field::Whole => self.is_other = true,
+                Field::Value if self.facts.factors.is_some() && !is_factor(&text[part.clone()]) => {
+                    let message =
+                        format!("`{}`, expected a factor below 1", shown(&text[part.clone()]));
+                    self.complain(part, message, "a factor is how far an axis leans, mm in a mm");
+                }
                 Field::Set => self.begin(text[part.clone()].trim(), part),
                 _ => fields.push((field, part)),
             }

@@ -87,7 +87,7 @@ impl Family for DeclaredFacts {
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
         if self.factors.is_some() {
-            return Ok(self.compile_factors(task, plan));
+            return self.compile_factors(task, plan);
         }
         Ok(Compiled {
             preconditions: self.preconditions(task, plan),

@@ -49,7 +49,7 @@ fn text_of(page: &str, key: &str) -> Option<String> {
 }
 
 /// What a page takes of the one below: what it does not state. Facts are taken one by one, whole;
-/// `mechanism`, which says what a fact belongs to, also by itself. Its `steps` stand before the own ones; its examples
+/// `mechanism`, which says what a fact belongs to, also by itself. Its `steps` and `preconditions` stand before the own ones; its examples
 /// hold with its own facts only.
 fn lay_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
     for (key, value) in below {
@@ -64,7 +64,7 @@ fn lay_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
                 ("program", DeValue::Table(program)) => lay_over(own, program),
                 _ => {}
             },
-            Some(DeValue::Array(own)) if name == "steps" => {
+            Some(DeValue::Array(own)) if matches!(name, "steps" | "preconditions") => {
                 if let DeValue::Array(steps) = value.into_inner() {
                     *own =
                         steps.into_iter().chain(std::mem::replace(own, DeArray::new())).collect();

@@ -45,6 +45,8 @@ words! {
         Set = "set",
         /// Something else, of which the lines below are, to the next set.
         Other = "other",
+        /// The same, in a line that only the whole configuration of a control has.
+        Whole = "whole",
     }
 }
 

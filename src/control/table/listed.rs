@@ -39,6 +39,17 @@ impl ListedTable {
         self.base.eq_ignore_ascii_case(base) && self.output.eq_ignore_ascii_case(output)
     }
 
+    /// Whether it has a column for each direction.
+    pub(crate) fn has_two(&self) -> bool {
+        self.points.iter().any(|point| point.reverse.is_some())
+    }
+
+    /// Whether all that stands in it is 0.
+    pub(crate) fn is_zero(&self) -> bool {
+        let mut values = self.points.iter().flat_map(|point| [Some(point.forward), point.reverse]);
+        values.all(|value| value.is_none_or(|value| value.abs() <= 0.0))
+    }
+
     /// `table of X`, `table of Y by X`, or `EYX (Y while X moves)`.
     pub(crate) fn name(&self) -> String {
         match self.term {

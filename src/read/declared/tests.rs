@@ -12,7 +12,11 @@ fn weihong() -> DeclaredFacts {
 
 /// The facts of a profile on top of `weihong`.
 fn own(facts: &[(&str, &str)]) -> Result<DeclaredFacts, Problems> {
-    let mut page = "schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"weihong\"\n".to_string();
+    on_top_of("weihong", facts)
+}
+
+fn on_top_of(below: &str, facts: &[(&str, &str)]) -> Result<DeclaredFacts, Problems> {
+    let mut page = format!("schema = 1\nid = \"own\"\nname = \"own\"\nbased_on = \"{below}\"\n");
     for (name, value) in facts {
         page += &format!(
             "[facts.{name}]\nvalue = {value}\nevidence = \"manual\"\nsource = \"a page\"\n"
@@ -200,6 +204,59 @@ fn a_saved_set_of_factors_is_read() {
     assert_eq!(skew(text), Ok(expected));
     assert_eq!(skew("[printer]\n[skew_correction]\n"), Ok((None, Vec::new())));
     assert!(skew("[skew_correction]\n").is_err());
+    assert!(skew("[gcode_macro a]\ngcode = M117\n").is_err(), "the set may stand elsewhere");
+    assert!(
+        skew("[skew_correction a]\nxy_skew = 0.0e0\nxz_skew = 0e+00\nyz_skew = -.5e-3\n").is_ok()
+    );
+}
+
+/// What the numbers of a fixed format mean is no fact of a control: a sign that is turned there would pass every check.
+#[test]
+fn a_format_that_has_a_rule_takes_no_fact_against_it() {
+    for (below, facts) in [
+        ("generic", ["own_sign", "cross_sign", "value_size", "value_form"]),
+        ("klipper-skew", ["own_sign", "points", "value_size", "value_form"]),
+    ] {
+        assert!(on_top_of(below, &[]).is_ok());
+        for fact in facts {
+            let words = on_top_of(below, &[(fact, "\"as_error\"")]).unwrap_err().render();
+            assert!(words.contains(&format!("unknown key `{fact}`")), "{below}: {words}");
+        }
+    }
+}
+
+/// A machine with two axes has the factors of the third one, too: they are 0.
+#[test]
+fn a_factor_of_0_needs_no_axis() {
+    use crate::control::control_state::AxisState;
+    use crate::quantity::axis::Direction;
+    use crate::quantity::units::Millimetres;
+    let Dialect::Declared(facts) = builtin::profile("klipper-skew").unwrap().dialect else {
+        panic!("it is declared");
+    };
+    let axis = |name: &str| AxisState {
+        name: name.to_string(),
+        reference: Millimetres::new(0.0),
+        reference_direction: Direction::Minus,
+        detection_unit_um: None,
+        backlash_um: 0.0,
+        bidirectional: false,
+        interpolated: false,
+        travel: (Millimetres::new(0.0), Millimetres::new(100.0)),
+        ends: (Millimetres::new(0.0), Millimetres::new(100.0)),
+        rest: Millimetres::new(0.0),
+    };
+    let unit = crate::control::controller::ControlUnit::Millimetre;
+    let state = ControlState { unit, axes: vec![axis("x"), axis("y")] };
+    let of = |yz: &str| {
+        let text = format!("[skew_correction a]\nxy_skew = 0.001\nxz_skew = 0\nyz_skew = {yz}\n");
+        Tables::Listed(read(&[("printer.cfg", &text)], &facts).unwrap())
+    };
+    let control = facts.control(&of("0"), &state).expect("a control");
+    let moved = control.response("y", "x", Direction::Plus).expect("a response");
+    let um = moved.correction(Millimetres::new(100.0)).um();
+    assert!((um + 100.0).abs() < 1e-9, "{um}");
+    assert!(facts.control(&of("0.002"), &state).is_err());
 }
 
 #[test]
@@ -210,7 +267,9 @@ fn factors_that_are_lost_doubled_or_foreign_are_refused_at_their_place() {
         ("yz_skew = 0\n", "", "a set without yz_skew"),
         ("yz_skew = 0\n", "", "printer.cfg:1:18"),
         ("0.001", "0,001", "printer.cfg:3:1"),
-        ("0.001", "1.5", "no pattern of the profile takes this line"),
+        ("0.001", "1.5", "`1.5`, expected a factor below 1"),
+        ("0.001", "15e-1", "`15e-1`, expected a factor below 1"),
+        ("yz_skew", "[skew_correction]\nyz_skew", "a set without yz_skew"),
         ("xz_skew", "xy_skew", "a second `value` here"),
         ("xz_skew", "zx_skew", "no line says which axes the table `zx_skew` is for"),
         ("xz_skew = 0", "xz_skew", "printer.cfg:4:1"),

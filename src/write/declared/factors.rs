@@ -11,6 +11,7 @@ use crate::control::table::listed::{ListedTable, ListedTables, Point};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::fit::{Nodes, residual};
 use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, power_of_ten, rounded};
+use crate::text::problem::Problems;
 use crate::write::compiled::{Compiled, Placement, control_state};
 use crate::write::control_text::fixed;
 use crate::write::family::ProofOf;
@@ -30,11 +31,16 @@ impl DeclaredFacts {
     }
 
     /// A plan in factors; those of which nothing is planned are 0.
-    pub(super) fn compile_factors(&self, task: Task<'_>, plan: &Plan) -> Compiled {
+    pub(super) fn compile_factors(
+        &self,
+        task: Task<'_>,
+        plan: &Plan,
+    ) -> Result<Compiled, Problems> {
+        check_names(task, plan)?;
         let planned = |term| plan.tables.iter().find(|own| own.term == term);
         let tables = self.in_numbers("", |term| planned(term).map_or(Deviation::ZERO, slope));
         let placed = plan.tables.iter().map(|own| self.placement(task, own));
-        Compiled {
+        Ok(Compiled {
             placements: placed.collect(),
             notes: self.shifts(task, &tables).map(Into::into).collect(),
             tables: Tables::Listed(tables),
@@ -42,7 +48,7 @@ impl DeclaredFacts {
             assumptions: Vec::new(),
             preconditions: Vec::new(),
             stale: Vec::new(),
-        }
+        })
     }
 
     /// The factors for what terms gain in a mm; rounded here, once.
@@ -116,6 +122,19 @@ impl DeclaredFacts {
             .filter(|(_, um)| um.abs() >= 0.1)
             .map(|(axis, um)| TableFinding::Shifted { axis, um })
     }
+}
+
+/// A factor names its axes: each has its own name.
+fn check_names(task: Task<'_>, plan: &Plan) -> Result<(), Problems> {
+    let mut problems = Problems::none();
+    for (axis, names) in plan.names.iter() {
+        if names.iter().any(|name| name != axis.key()) {
+            let key = format!("compensation.axes.{}.id", axis.key());
+            let message = format!("this control calls the axis `{}`", axis.key());
+            problems.push(task.job.problem_at(&key, message).help("leave `id` out"));
+        }
+    }
+    problems.or_ok(())
 }
 
 /// What stands for a factor.
