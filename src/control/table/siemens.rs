@@ -216,17 +216,44 @@ impl SiemensTables {
         outputs
     }
 
-    /// Largest sum of CEC corrections of an output axis: the largest value of each table, the
+    /// Largest sum of CEC corrections of an output axis: the largest values of all tables that act together, the
     /// worse direction of each base axis, added up over the base axes. A bound, not a place.
     ///
     /// unit   as in the file
     pub(crate) fn largest_cec_sum(&self, output: &str) -> f64 {
-        let mut of_base: BTreeMap<&str, f64> = BTreeMap::new();
+        let mut of_base: BTreeMap<&str, [f64; 2]> = BTreeMap::new();
         for table in self.cec().filter(|t| t.output_axis == output) {
-            let largest = of_base.entry(&table.input_axis).or_default();
-            *largest =
-                table.values.iter().flatten().map(|value| value.abs()).fold(*largest, f64::max);
+            let values = table.values.iter().flatten().map(|value| value.abs());
+            let largest = values.fold(0.0, f64::max);
+            let ways = of_base.entry(&table.input_axis).or_default().iter_mut();
+            let acting = ways.zip(Direction::BOTH);
+            let acting = acting.filter(|(_, way)| table.direction.is_none_or(|own| own == *way));
+            acting.for_each(|(sum, _)| *sum += largest);
         }
-        of_base.values().sum()
+        of_base.values().map(|[plus, minus]| plus.max(*minus)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_that_act_together_add_up() {
+        let table = |number, direction, value| SiemensTable {
+            place: Place::Cec(number),
+            input_axis: "AX1".to_string(),
+            output_axis: "AX2".to_string(),
+            grid: SiemensGrid { min: 0.0, step: 50.0, max: 50.0 },
+            values: vec![Some(0.0), Some(value)],
+            direction,
+            multiply_by: 0,
+            modulo: false,
+        };
+        let sum = |tables: Vec<SiemensTable>| SiemensTables { tables }.largest_cec_sum("AX2");
+        let (plus, minus) = (Some(Direction::Plus), Some(Direction::Minus));
+        let one_each_way = sum(vec![table(0, plus, -0.004), table(1, minus, 0.003)]);
+        let twice = sum(vec![table(0, plus, -0.004), table(1, plus, 0.003), table(2, None, 0.001)]);
+        assert!((one_each_way - 0.004).abs() < 1e-12 && (twice - 0.008).abs() < 1e-12);
     }
 }
