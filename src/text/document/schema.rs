@@ -7,6 +7,8 @@ pub struct Key {
     pub name: &'static str,
     /// What it says, with unit and default.
     pub words: &'static str,
+    /// The type that it is read into.
+    pub of: &'static str,
 }
 
 /// A struct that is read from a section of a page. Each key stands here once, with its words, how it is
@@ -42,7 +44,7 @@ macro_rules! section {
             $how const KEYS: &'static [Option<$crate::text::document::Key>] = &[$(
                 $crate::text::part!(
                     @key $crate::text::part!(@name $field $($key)?),
-                    concat!($($words),*) $(, $read)?
+                    concat!($($words),*), $type $(, $read)?
                 )
             ),+];
 
@@ -69,9 +71,13 @@ pub(crate) use section;
 macro_rules! part {
     (@name $field:ident) => { stringify!($field) };
     (@name $field:ident $key:ident) => { stringify!($key) };
-    (@key $name:expr, $words:expr) => { None };
-    (@key $name:expr, $words:expr, $read:ident) => {
-        Some($crate::text::document::Key { name: $name, words: $words })
+    (@key $name:expr, $words:expr, $type:ty) => { None };
+    (@key $name:expr, $words:expr, $type:ty, $read:ident) => {
+        Some($crate::text::document::Key {
+            name: $name,
+            words: $words,
+            of: stringify!($type),
+        })
     };
     (@require $section:ident $name:expr) => {};
     (@require $section:ident $name:expr, $what:expr) => { $section.require($name, $what) };
