@@ -39,7 +39,7 @@ pub struct ReadOut {
     /// Variables of concern that the file holds with two values.
     pub twice: BTreeSet<String>,
     /// Switches that stand otherwise in another file.
-    pub contrary: Vec<String>,
+    pub contrary: BTreeSet<String>,
     /// The units that its data are in, where it says so (`METRIC`, `INCH`).
     pub units: Vec<ControlUnit>,
 }
@@ -127,7 +127,7 @@ pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems
                 Some(known) if known.value == datum.value => {}
                 Some(known) if is_switch(&datum.variable) => {
                     known.value = datum.value;
-                    all.read_out.contrary.push(datum.variable);
+                    all.read_out.contrary.insert(datum.variable);
                 }
                 Some(_) => problems.push(conflict(&datum.variable)),
             }
