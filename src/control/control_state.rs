@@ -32,6 +32,24 @@ pub struct AxisState {
 }
 
 impl AxisState {
+    /// An axis for tests: reference and rest at 0, returned to in +, nothing in its parameters.
+    #[cfg(test)]
+    pub(crate) fn plain(name: &str, travel_mm: [f64; 2]) -> AxisState {
+        let travel = travel_mm.map(Millimetres::new);
+        AxisState {
+            name: name.to_string(),
+            reference: Millimetres::new(0.0),
+            reference_direction: Direction::Plus,
+            detection_unit_um: None,
+            backlash_um: 0.0,
+            bidirectional: false,
+            interpolated: false,
+            travel: travel.into(),
+            ends: travel.into(),
+            rest: Millimetres::new(0.0),
+        }
+    }
+
     /// What the backlash parameter adds while the axis moves in `direction`.
     ///
     /// **sign** with positive backlash the encoder leads: having reversed, the machine lags by that

@@ -4,7 +4,8 @@
 //!   line ─┬ blank, comment ──────────────────────────→ nothing
 //!         ├ axis, base, output ──→ the pair of axes that the lines below are for
 //!         ├ table ──→ the table of that name, until a line with base or output says of which pair it is
-//!         ├ set, other ──→ lines of tables begin, of which the control loads one set; or of something else
+//!         ├ set ──→ lines of tables begin, of which the control loads one set
+//!         ├ other, whole ──→ lines of something else begin
 //!         ├ start, spacing, count, last ──→ of the table
 //!         ├ unit ──→ has to be that of the profile
 //!         └ point, position, value, forward, reverse ──→ a point of it
@@ -18,7 +19,8 @@ use self::table::{Draft, Whose};
 use crate::control::control_state::ControlState;
 use crate::control::controller::{Comments, DeclaredFacts, Factor, Field, Pattern, Said, Size};
 use crate::control::table::Tables;
-use crate::control::table::listed::{ListedTable, ListedTables, Point};
+use crate::control::table::listed::{ListedTable, ListedTables};
+use crate::quantity::axis::Axis;
 use crate::read::emulate::{Emulated, Emulator};
 use crate::read::family::{Family, KitText, ReadBack, own};
 use crate::read::generic;
@@ -76,7 +78,7 @@ pub(crate) fn read(
     let mut problems = Problems::none();
     let (mut all, mut set) = (Vec::<ListedTable>::new(), None);
     for (name, text) in texts {
-        let own = problems.take(file(name, text, facts)).unwrap_or_default();
+        let own = problems.take(file(name, text, facts, set.as_deref())).unwrap_or_default();
         set = set.or(own.set);
         for table in own.tables {
             if all.iter().any(|own| own.is_for(&table.base, &table.output)) {
@@ -97,12 +99,18 @@ pub(crate) fn read(
     problems.or_ok(ListedTables { set, ..ListedTables::of(all) })
 }
 
-/// The tables of one file.
-fn file(name: &str, text: &str, facts: &DeclaredFacts) -> Result<ListedTables, Problems> {
+/// The tables of one file, beside the set of a file before it. What they lack is told once every line was understood.
+fn file(
+    name: &str,
+    text: &str,
+    facts: &DeclaredFacts,
+    set_before: Option<&str>,
+) -> Result<ListedTables, Problems> {
     let mut reading = Reading {
         facts,
         axes: Axes::of_name(name, facts),
         set: None,
+        set_before,
         is_other: facts.has(Field::Set),
         drafts: Vec::new(),
         complaints: Vec::new(),
@@ -112,6 +120,9 @@ fn file(name: &str, text: &str, facts: &DeclaredFacts) -> Result<ListedTables, P
         if reading.complaints.len() >= MOST_COMPLAINTS {
             break;
         }
+    }
+    if !reading.complaints.is_empty() {
+        return Err(located(name, text, reading.complaints));
     }
     let drafts = std::mem::take(&mut reading.drafts);
     let mut tables = Vec::new();
@@ -155,19 +166,14 @@ fn acting(tables: &ListedTables, facts: &DeclaredFacts) -> ListedTables {
 /// ```
 fn chained(tables: &ListedTables, facts: &DeclaredFacts) -> ListedTables {
     let sense = facts.cross_sign.value.correction(1.0).um();
-    let factor = |base: &str, output: &str| {
-        let own = tables.tables.iter().find(|own| own.is_for(base, output));
-        own.and_then(|own| own.points.first()).map_or(0.0, |point| point.forward)
+    let names = Axis::ALL.map(Axis::key);
+    let whole = |[base, output]: [&str; 2]| {
+        let through = names.map(|own| tables.factor(base, own) * tables.factor(own, output));
+        let factor = tables.factor(base, output) + sense * through.iter().sum::<f64>();
+        ListedTable::of_factor([base, output], factor)
     };
-    let whole = |table: &ListedTable| {
-        let others = tables.tables.iter().filter(|other| other.output == table.output);
-        let through = others
-            .map(|other| factor(&other.base, &other.output) * factor(&table.base, &other.base));
-        let forward = factor(&table.base, &table.output) + sense * through.sum::<f64>();
-        let points = vec![Point { position: 0.0, forward, reverse: None }];
-        ListedTable { points, ..table.clone() }
-    };
-    ListedTables::of(tables.tables.iter().map(whole).collect())
+    let pairs = names.iter().flat_map(|output| names.map(|base| [base, output]));
+    ListedTables::of(pairs.map(whole).collect())
 }
 
 /// The axes that the lines are for.
@@ -228,6 +234,7 @@ struct Reading<'a> {
     axes: Axes,
     /// The set of tables that has begun, and where it says its name.
     set: Option<(String, Range<usize>)>,
+    set_before: Option<&'a str>,
     /// Whether the lines are of something else.
     is_other: bool,
     drafts: Vec<Draft>,
@@ -285,12 +292,12 @@ impl Reading<'_> {
                 Field::Table => name = Some(text[part].to_string()),
                 Field::Unit => self.check_unit(text, part),
                 Field::Other | Field::Whole => self.is_other = true,
+                Field::Set => self.begin(text[part.clone()].trim(), part),
                 Field::Value if self.facts.factors.is_some() && !is_factor(&text[part.clone()]) => {
                     let message =
                         format!("`{}`, expected a factor below 1", shown(&text[part.clone()]));
                     self.complain(part, message, "a factor is how far an axis leans, mm in a mm");
                 }
-                Field::Set => self.begin(text[part.clone()].trim(), part),
                 _ => fields.push((field, part)),
             }
         }
@@ -318,10 +325,11 @@ impl Reading<'_> {
 
     /// A set of tables begins.
     fn begin(&mut self, name: &str, span: Range<usize>) {
-        self.is_other = self.set.is_some();
-        match &self.set {
+        let first = self.set.as_ref().map(|(own, _)| own.as_str()).or(self.set_before);
+        self.is_other = first.is_some();
+        match first {
             None => self.set = Some((name.to_string(), span)),
-            Some((own, _)) => {
+            Some(own) => {
                 let message = format!("a second set beside `{}`, and one is loaded", shown(own));
                 self.complain(span, message, "name a file that holds the one that is loaded");
             }

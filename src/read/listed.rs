@@ -82,11 +82,10 @@ fn load_table(table: &ListedTable, own: (&str, &Form), base: &AxisState) -> Emul
 
 /// The line of a factor over the travel, in mm.
 fn line(table: &ListedTable, base: &AxisState) -> Vec<Point> {
-    let factor = table.points.first().map_or(0.0, |own| own.forward);
     let ends = [base.travel.0, base.travel.1];
     let point = |place: Millimetres| Point {
         position: place.mm(),
-        forward: factor * (place - base.reference).mm(),
+        forward: table.factor() * (place - base.reference).mm(),
         reverse: None,
     };
     ends.map(point).to_vec()

@@ -86,14 +86,15 @@ impl Family for DeclaredFacts {
     }
 
     fn compile(&self, task: Task<'_>, plan: &Plan) -> Result<Compiled, Problems> {
-        if self.factors.is_some() {
-            return self.compile_factors(task, plan);
-        }
-        Ok(Compiled {
-            preconditions: self.preconditions(task, plan),
-            notes: self.form_assumed().into_iter().map(Finding::from).collect(),
-            ..listed::compile(self, task, plan, |own| self.place(plan, own))?
-        })
+        let mut compiled = match self.factors.is_some() {
+            true => self.compile_factors(task, plan)?,
+            false => Compiled {
+                preconditions: self.preconditions(task, plan),
+                ..listed::compile(self, task, plan, |own| self.place(plan, own))?
+            },
+        };
+        compiled.notes.extend(self.form_assumed().map(Finding::from));
+        Ok(compiled)
     }
 
     fn uses(&self, mechanism: Mechanism, _plan: &Plan, tables: &Tables) -> bool {
@@ -181,7 +182,6 @@ impl DeclaredFacts {
         let has_table = |axis: &Axis| plan.of_axis(*axis).next().is_some();
         let is_set = |axis: &Axis| match self.replaces_backlash() {
             true => has_table(axis),
-            false if self.typed.is_some() => plan.backlash_um[*axis].is_some(),
             false => plan.sets_backlash(*axis),
         };
         let axes = Axis::ALL.into_iter().filter(is_set);
@@ -197,10 +197,13 @@ impl DeclaredFacts {
 
     /// What templates see.
     fn seen(&self, task: Task<'_>, tables: &[ListedTable]) -> Seen {
-        let listed = |is_own: bool| {
-            let own = tables.iter().filter(|table| table.is_own() == is_own);
-            own.map(|table| self.seen_table(table)).collect::<Vec<Seen>>()
+        let all = tables.iter().map(|table| (table, self.seen_table(table)));
+        let all: Vec<(&ListedTable, Seen)> = all.collect();
+        let of = |is_wanted: &dyn Fn(&ListedTable) -> bool| {
+            let own = all.iter().filter(|(table, _)| is_wanted(table));
+            own.map(|(_, seen)| seen.clone()).collect::<Vec<Seen>>()
         };
+        let listed = |is_own: bool| of(&|table| table.is_own() == is_own);
         let mut axes: Vec<&str> = Vec::new();
         for table in tables {
             if !axes.contains(&table.output.as_str()) {
@@ -208,16 +211,13 @@ impl DeclaredFacts {
             }
         }
         let axis = |name: &&str| {
-            let of_axis = |is_own: bool| {
-                let own = tables.iter().filter(|own| own.output == *name && own.is_own() == is_own);
-                own.map(|table| self.seen_table(table)).collect::<Vec<Seen>>()
-            };
+            let of_axis = |is_own: bool| of(&|own| own.output == *name && own.is_own() == is_own);
             seen! { "name": *name, "own": of_axis(true), "cross": of_axis(false) }
         };
         let sense = |is_own: bool| self.sign(is_own).value.words();
         let evidence = |is_own: bool| self.sign(is_own).evidence.of_sense();
         seen! {
-            "tables": tables.iter().map(|table| self.seen_table(table)).collect::<Vec<Seen>>(),
+            "tables": of(&|_| true),
             "own": listed(true),
             "cross": listed(false),
             "axes": axes.iter().map(axis).collect::<Vec<Seen>>(),

@@ -154,8 +154,10 @@ fn numbers(form: &Form, places: &[f64], deviations: &[Deviation]) -> Vec<f64> {
         let um = form.sign.table_um(*deviation);
         let amount = match form.rounding {
             Rounding::LastDecimal => rounded(um / form.value_um, form.value_decimals),
-            Rounding::Multiple(step) => rounded((um / step).round() * step, DUST_DECIMALS),
-            Rounding::None => um,
+            Rounding::Multiple(step) => {
+                rounded((um / step).round() * step / form.value_um, DUST_DECIMALS)
+            }
+            Rounding::None => um / form.value_um,
         };
         let last = before.replace(amount).unwrap_or(amount);
         0.0 + match form.value {

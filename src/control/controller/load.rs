@@ -48,9 +48,9 @@ fn text_of(page: &str, key: &str) -> Option<String> {
     Some(text.to_string())
 }
 
-/// What a page takes of the one below: what it does not state. Facts are taken one by one, whole;
-/// `mechanism`, which says what a fact belongs to, also by itself. Its `steps` and `preconditions` stand before the own ones; its examples
-/// hold with its own facts only.
+/// What a page takes of the one below: what it does not state. Facts are taken one by one, whole; `mechanism`, which
+/// says what a fact belongs to, also by itself. Its `steps` and `preconditions` stand before the own ones; its
+/// examples hold with its own facts only.
 fn lay_over<'a>(own: &mut DeTable<'a>, below: DeTable<'a>) {
     for (key, value) in below {
         let name: &str = key.get_ref();

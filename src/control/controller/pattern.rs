@@ -132,7 +132,7 @@ impl Pattern {
 
     /// Whether a line of it says anything of tables.
     pub(crate) fn has_fields(&self) -> bool {
-        self.fields().any(|field| field != Field::Other)
+        self.fields().any(|field| !matches!(field, Field::Other | Field::Whole))
     }
 
     /// What a line says, if it is of this pattern, of each table that it names.

@@ -44,6 +44,17 @@ impl ListedTable {
         self.points.iter().any(|point| point.reverse.is_some())
     }
 
+    /// A factor, which stands for a table of one point.
+    pub(crate) fn of_factor([base, output]: [&str; 2], factor: f64) -> ListedTable {
+        let points = vec![Point { position: 0.0, forward: factor, reverse: None }];
+        ListedTable { term: None, base: base.to_string(), output: output.to_string(), points }
+    }
+
+    /// The factor that it stands for.
+    pub(crate) fn factor(&self) -> f64 {
+        self.points.first().map_or(0.0, |point| point.forward)
+    }
+
     /// Whether all that stands in it is 0.
     pub(crate) fn is_zero(&self) -> bool {
         let mut values = self.points.iter().flat_map(|point| [Some(point.forward), point.reverse]);
@@ -82,6 +93,12 @@ impl ListedTables {
         let place = |name: &String| (name.len(), name.clone()); // 2 stands before 10
         tables.sort_by_cached_key(|own| (place(&own.output), place(&own.base)));
         ListedTables { tables, set: None }
+    }
+
+    /// The factor of axes; 0 = there is none.
+    pub(crate) fn factor(&self, base: &str, output: &str) -> f64 {
+        let own = self.tables.iter().find(|table| table.is_for(base, output));
+        own.map_or(0.0, ListedTable::factor)
     }
 
     /// No table.

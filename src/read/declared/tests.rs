@@ -3,11 +3,15 @@ use crate::control::controller::{Dialect, ProfileSource, builtin, load};
 use crate::control::table::listed::Point;
 use crate::text::document::Source;
 
-fn weihong() -> DeclaredFacts {
-    match builtin::profile("weihong").unwrap().dialect {
+fn facts_of(profile: &str) -> DeclaredFacts {
+    match builtin::profile(profile).unwrap().dialect {
         Dialect::Declared(facts) => facts,
         other => panic!("{other:?}"),
     }
+}
+
+fn weihong() -> DeclaredFacts {
+    facts_of("weihong")
 }
 
 /// The facts of a profile on top of `weihong`.
@@ -185,11 +189,13 @@ fn switches_and_patterns_that_do_not_fit_are_refused_with_their_place() {
     }
 }
 
+fn klipper() -> DeclaredFacts {
+    facts_of("klipper-skew")
+}
+
 /// The set and the factors of a text of Klipper.
 fn skew(text: &str) -> Result<(Option<String>, Vec<f64>), String> {
-    let Dialect::Declared(facts) = builtin::profile("klipper-skew").unwrap().dialect else {
-        panic!("it is declared");
-    };
+    let facts = klipper();
     let read = read(&[("printer.cfg", text)], &facts).map_err(|problems| problems.render())?;
     Ok((read.set, read.tables.iter().map(|own| own.points[0].forward).collect()))
 }
@@ -231,20 +237,10 @@ fn a_factor_of_0_needs_no_axis() {
     use crate::control::control_state::AxisState;
     use crate::quantity::axis::Direction;
     use crate::quantity::units::Millimetres;
-    let Dialect::Declared(facts) = builtin::profile("klipper-skew").unwrap().dialect else {
-        panic!("it is declared");
-    };
+    let facts = klipper();
     let axis = |name: &str| AxisState {
-        name: name.to_string(),
-        reference: Millimetres::new(0.0),
         reference_direction: Direction::Minus,
-        detection_unit_um: None,
-        backlash_um: 0.0,
-        bidirectional: false,
-        interpolated: false,
-        travel: (Millimetres::new(0.0), Millimetres::new(100.0)),
-        ends: (Millimetres::new(0.0), Millimetres::new(100.0)),
-        rest: Millimetres::new(0.0),
+        ..AxisState::plain(name, [0.0, 100.0])
     };
     let unit = crate::control::controller::ControlUnit::Millimetre;
     let state = ControlState { unit, axes: vec![axis("x"), axis("y")] };
@@ -257,6 +253,28 @@ fn a_factor_of_0_needs_no_axis() {
     let um = moved.correction(Millimetres::new(100.0)).um();
     assert!((um + 100.0).abs() < 1e-9, "{um}");
     assert!(facts.control(&of("0.002"), &state).is_err());
+}
+
+/// `y' = y − z·yz`, `x = x − y'·xy`: X follows Z though no factor of its own is for the two.
+#[test]
+fn an_axis_follows_another_one_through_a_third() {
+    let set = "[skew_correction a]\nxy_skew = 0.01\nxz_skew = 0\nyz_skew = 0.02\n";
+    let mut held = read(&[("printer.cfg", set)], &klipper()).unwrap();
+    held.tables.retain(|own| !own.is_zero());
+    let acting = acting(&held, &klipper());
+    assert!((acting.factor("z", "x") + 0.0002).abs() < 1e-12, "{acting:?}");
+    assert_eq!(acting.tables.len(), 3);
+}
+
+/// A configuration that loads nothing is none of the kit's, and of two files with a set the control loads one.
+#[test]
+fn a_configuration_beside_the_kit_is_of_concern_with_a_set() {
+    let set = "[printer]\n[skew_correction a]\nxy_skew = 0\nxz_skew = 0\nyz_skew = 0\n";
+    assert!(!klipper().may_obey("[printer]\nkinematics: corexy\n"));
+    assert!(klipper().may_obey(set));
+    let both = read(&[("a.cfg", set), ("printer.cfg", set)], &klipper()).unwrap_err().render();
+    assert!(both.contains("printer.cfg:2:18"), "{both}");
+    assert!(both.contains("a second set beside `a`"), "{both}");
 }
 
 #[test]
@@ -278,5 +296,9 @@ fn factors_that_are_lost_doubled_or_foreign_are_refused_at_their_place() {
     ] {
         let told = skew(&own.replace(from, to)).unwrap_err();
         assert!(told.contains(words), "{to}: {told}");
+    }
+    for wrong in ["1.5", "1e9", "1.2.3", "0,001"] {
+        let told = skew(&own.replace("0.001", wrong)).unwrap_err();
+        assert_eq!(told.matches("printer.cfg:").count(), 1, "one complaint is enough: {told}");
     }
 }

@@ -331,18 +331,7 @@ fn of_blocks(rows: &[String]) -> ListedTables {
 }
 
 fn state() -> ControlState {
-    let axis = |name: &str| AxisState {
-        name: name.to_string(),
-        reference: Millimetres::new(0.0),
-        reference_direction: Direction::Plus,
-        detection_unit_um: None,
-        backlash_um: 0.0,
-        bidirectional: false,
-        interpolated: false,
-        travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
-        ends: (Millimetres::new(0.0), Millimetres::new(1000.0)),
-        rest: Millimetres::new(0.0),
-    };
+    let axis = |name: &str| AxisState::plain(name, [0.0, 1000.0]);
     ControlState {
         unit: ControlUnit::Inch, // has no say
         axes: ["X", "Y"].map(axis).to_vec(),

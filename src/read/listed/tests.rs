@@ -37,16 +37,9 @@ fn state() -> ControlState {
     ControlState {
         unit: ControlUnit::Millimetre,
         axes: vec![AxisState {
-            name: "X".to_string(),
             reference: Millimetres::new(10.0),
-            reference_direction: Direction::Plus,
-            detection_unit_um: None,
             backlash_um: 4.0,
-            bidirectional: false,
-            interpolated: false,
-            travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
-            ends: (Millimetres::new(0.0), Millimetres::new(1000.0)),
-            rest: Millimetres::new(0.0),
+            ..AxisState::plain("X", [0.0, 1000.0])
         }],
     }
 }

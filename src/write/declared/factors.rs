@@ -7,7 +7,7 @@
 
 use crate::control::controller::{DeclaredFacts, Factor};
 use crate::control::table::Tables;
-use crate::control::table::listed::{ListedTable, ListedTables, Point};
+use crate::control::table::listed::{ListedTable, ListedTables};
 use crate::quantity::axis::{Axis, ErrorTerm};
 use crate::quantity::fit::{Nodes, residual};
 use crate::quantity::units::{Deviation, Millimetres, UM_PER_MM, power_of_ten, rounded};
@@ -56,9 +56,7 @@ impl DeclaredFacts {
         let table = |own: &Factor| {
             let factor = self.cross_sign.value.table_um(gain(own.term)) / UM_PER_MM;
             let forward = rounded(factor, self.value_decimals.value) + 0.0; // −0 is 0
-            let [base, output] = own.axes().map(str::to_string);
-            let points = vec![Point { position: 0.0, forward, reverse: None }];
-            ListedTable { term: None, base, output, points }
+            ListedTable::of_factor(own.axes(), forward)
         };
         let set = self.set_name.as_ref().map(|own| format!("{}{ending}", own.value));
         ListedTables { set, ..ListedTables::of(self.factors().iter().map(table).collect()) }
@@ -140,8 +138,7 @@ fn check_names(task: Task<'_>, plan: &Plan) -> Result<(), Problems> {
 /// What stands for a factor.
 fn number(tables: &ListedTables, own: &Factor) -> f64 {
     let [base, output] = own.axes();
-    let table = tables.tables.iter().find(|table| table.is_for(base, output));
-    table.and_then(|table| table.points.first()).map_or(0.0, |point| point.forward)
+    tables.factor(base, output)
 }
 
 /// The deviation that a term gains in a mm, between the ends of its curve.

@@ -18,18 +18,7 @@ const PLUS: [i32; 8] = [-1, 1, 1, 2, 1, 0, -1, -2];
 const MINUS: [i32; 8] = [-1, 0, 2, 1, 1, 1, -1, -2];
 
 fn axis_state(name: &str) -> AxisState {
-    AxisState {
-        name: name.to_string(),
-        reference: Millimetres::new(0.0),
-        reference_direction: Plus,
-        detection_unit_um: Some(1.0),
-        backlash_um: 0.0,
-        bidirectional: false,
-        interpolated: false,
-        travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
-        ends: (Millimetres::new(0.0), Millimetres::new(1000.0)),
-        rest: Millimetres::new(0.0),
-    }
+    AxisState { detection_unit_um: Some(1.0), ..AxisState::plain(name, [0.0, 1000.0]) }
 }
 
 fn state() -> ControlState {

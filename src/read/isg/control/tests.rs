@@ -25,16 +25,8 @@ fn facts(angle_sign: TableSign) -> IsgFacts {
 /// The axes 1, 2, 3, resting at 0, 200 and -300 mm.
 fn state() -> ControlState {
     let axis = |(name, rest): (&str, f64)| AxisState {
-        name: name.to_string(),
-        reference: Millimetres::new(0.0),
-        reference_direction: Direction::Plus,
-        detection_unit_um: None,
-        backlash_um: 0.0,
-        bidirectional: false,
-        interpolated: false,
-        travel: (Millimetres::new(-500.0), Millimetres::new(500.0)),
-        ends: (Millimetres::new(-500.0), Millimetres::new(500.0)),
         rest: Millimetres::new(rest),
+        ..AxisState::plain(name, [-500.0, 500.0])
     };
     ControlState {
         unit: ControlUnit::Inch, // has no say

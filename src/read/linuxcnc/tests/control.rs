@@ -18,18 +18,7 @@ fn control(comp: &str, kind: &str, unit: ControlUnit, backlash_um: f64) -> PairC
         "" => ListedTables::default(),
         _ => read(&texts, &facts).unwrap().tables,
     };
-    let axes = vec![AxisState {
-        name: "0".to_string(),
-        reference: Millimetres::new(0.0),
-        reference_direction: Direction::Plus,
-        detection_unit_um: None,
-        backlash_um,
-        bidirectional: false,
-        interpolated: false,
-        travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
-        ends: (Millimetres::new(0.0), Millimetres::new(1000.0)),
-        rest: Millimetres::new(0.0),
-    }];
+    let axes = vec![AxisState { backlash_um, ..AxisState::plain("0", [0.0, 1000.0]) }];
     let state = ControlState { unit, axes };
     crate::read::listed::control(&tables, &facts, &state).unwrap()
 }

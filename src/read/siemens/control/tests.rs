@@ -25,18 +25,7 @@ fn facts() -> SiemensFacts {
 }
 
 fn axis(name: &str) -> AxisState {
-    AxisState {
-        name: name.to_string(),
-        reference: Millimetres::new(0.0),
-        reference_direction: Direction::Plus,
-        detection_unit_um: None,
-        backlash_um: 0.0,
-        bidirectional: false,
-        interpolated: false,
-        travel: (Millimetres::new(0.0), Millimetres::new(1000.0)),
-        ends: (Millimetres::new(0.0), Millimetres::new(1000.0)),
-        rest: Millimetres::new(0.0),
-    }
+    AxisState::plain(name, [0.0, 1000.0])
 }
 
 fn state() -> ControlState {
