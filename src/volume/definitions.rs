@@ -167,14 +167,13 @@ pub fn definitions(model: &VolumeModel, map: &ErrorMap) -> Definitions {
 /// why    where each curve runs straight between neighbouring nodes, the error is a straight line
 ///        in each coordinate and |e(p) − e(q)| convex in it, so its largest value lies at nodes
 fn holds_everywhere(model: &VolumeModel, nodes: &Nodes) -> bool {
+    let own = model.own_nodes();
     Axis::ALL.into_iter().all(|axis| {
-        let (low, high) = model.range(axis);
         let is_node = |place: f64| {
             let next = nodes[axis].partition_point(|node| *node < place - SAME_PLACE_MM);
             nodes[axis].get(next).is_some_and(|n| *n <= place + SAME_PLACE_MM)
         };
-        let inside = model.bends(axis).into_iter().filter(|bend| *bend > low && *bend < high);
-        model.all_along(axis).all(ErrorCurve::is_straight) && inside.chain([low, high]).all(is_node)
+        model.all_along(axis).all(ErrorCurve::is_straight) && own[axis].iter().copied().all(is_node)
     })
 }
 

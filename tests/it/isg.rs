@@ -82,6 +82,23 @@ fn the_volume_is_left_without_what_the_angles_did() {
     assert!(after > 1.0, "{after}");
 }
 
+/// Tables of ECX every 80 mm from the reference at 100 mm. At 180 and 20 mm they say what was measured; at the ends
+/// -4 for -10 and 4.5 for 0 urad, so (6, 4.5) urad * 300 mm stay, seen along a diagonal times 200 / sqrt(170000).
+#[test]
+fn an_angle_of_the_tables_bends_at_its_own_places() {
+    let errors = "axis,position_mm,ex_um,ey_um,ez_um,ec_urad\nx,0,0,0,0,0\nx,100,0,0,0,30\nx,200,0,0,0,-10\n\
+        y,0,0,0,0,\ny,150,0,0,0,\ny,300,0,0,0,\nz,-200,0,0,0,\nz,-100,0,0,0,\nz,0,0,0,0,\n";
+    let rest = "offsets_mm = { x = 0.0, y = 0.0, z = 0.0 }";
+    let visit = kit(OFFSETS, rest);
+    visit.put("errors.csv", errors).edit("job.toml", "x.spacing_mm = 100", "x.spacing_mm = 80");
+    let left = visit.json("assess job.toml --with-tables")["after"]["definitions"].clone();
+    assert_eq!((number(&left["va_um"]), left["va_exact"].as_bool()), (1.8, Some(true)));
+    for (diagonal, left_um) in [("PPP", 1.8), ("NPP", 1.35), ("PNP", 1.35), ("PPN", 1.8)] {
+        let seen = number(&left["diagonals_um"][diagonal]);
+        assert!((seen - left_um * 200.0 / 170_000_f64.sqrt()).abs() < 1e-6, "{diagonal} {seen}");
+    }
+}
+
 #[test]
 fn every_chain_has_its_levers() {
     for chain in ["wXYZt", "wZYXt", "YwXZt", "XYwZt", "YXwZt", "XYZwt"] {

@@ -46,9 +46,8 @@ impl VolumeModel {
     pub fn own_nodes(&self) -> Nodes {
         PerAxis::from_fn(|axis| {
             let (low, high) = self.range(axis);
-            let knots = self.curves_along(axis).flat_map(|curve| curve.knots());
-            let nodes = knots.map(|knot| knot.mm()).chain([low, high]);
-            ascending(nodes.filter(|node| *node >= low && *node <= high))
+            let inside = self.bends(axis).into_iter().filter(|bend| *bend > low && *bend < high);
+            ascending(inside.chain([low, high]))
         })
     }
 
