@@ -33,14 +33,14 @@ pub(super) fn read(reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
         let tables = all.idle.clone();
         reading.tell(InControl::Idle { tables });
     }
-    let is_agreed = |datum: &&MachineDatum| !told.contrary.contains(&datum.variable);
+    let is_agreed = |datum: &&MachineDatum| !told.twice.contains(&datum.variable);
     let held = Held {
         tables: Tables::Siemens(all.tables.clone()),
         data: all.machine_data.iter().filter(is_agreed).cloned().collect(),
         without_grid: [&told.without_grid[..], &all.idle[..]].concat(),
     };
     let mut sorted = Sorted { reading, all, held };
-    for variable in told.twice.union(&told.contrary) {
+    for variable in &told.twice {
         sorted.several_values(variable);
     }
     sorted.tell_programs(&told, reads_programs);
@@ -369,12 +369,12 @@ mod tests {
     use crate::read::siemens::read;
 
     #[test]
-    fn a_switch_with_two_values_is_contrary() {
+    fn a_switch_of_two_files_has_two_values() {
         let on = "$MA_CEC_ENABLE[AX1]=1\n$MA_ENC_COMP_ENABLE[0,AX1]=TRUE\nM17\n";
         let off = "$MA_CEC_ENABLE[AX1]=0\n$MA_ENC_COMP_ENABLE[0,AX1]=1\nM17\n";
         let parts = [on, off, on].map(|text| read("part", text).unwrap());
         let all = merge(parts.to_vec()).unwrap();
-        assert!(all.read_out.contrary.iter().eq(["$MA_CEC_ENABLE[AX1]"]));
+        assert!(all.read_out.twice.iter().eq(["$MA_CEC_ENABLE[AX1]"]));
         assert_eq!(all.machine_data.len(), 2);
     }
 }

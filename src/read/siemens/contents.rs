@@ -36,10 +36,8 @@ pub struct ReadOut {
     pub programs: Vec<String>,
     /// Whether they write tables.
     pub programs_write_tables: bool,
-    /// Variables of concern that the file holds with two values.
+    /// Variables of concern that are held with two values, switches also those of several files.
     pub twice: BTreeSet<String>,
-    /// Switches that stand otherwise in another file.
-    pub contrary: BTreeSet<String>,
     /// The units that its data are in, where it says so (`METRIC`, `INCH`).
     pub units: Vec<ControlUnit>,
 }
@@ -51,7 +49,6 @@ impl ReadOut {
         self.programs.extend(other.programs);
         self.programs_write_tables |= other.programs_write_tables;
         self.twice.extend(other.twice);
-        self.contrary.extend(other.contrary);
         self.units.extend(other.units);
     }
 }
@@ -127,7 +124,7 @@ pub fn merge(contents: Vec<SiemensContents>) -> Result<SiemensContents, Problems
                 Some(known) if known.value == datum.value => {}
                 Some(known) if is_switch(&datum.variable) => {
                     known.value = datum.value;
-                    all.read_out.contrary.insert(datum.variable);
+                    all.read_out.twice.insert(datum.variable);
                 }
                 Some(_) => problems.push(conflict(&datum.variable)),
             }

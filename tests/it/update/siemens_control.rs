@@ -210,6 +210,19 @@ fn what_no_file_holds_is_left_to_a_person_and_named() {
 }
 
 #[test]
+fn a_switch_that_an_archive_holds_with_two_values_is_left_to_a_person() {
+    let (old, job, left) = old_and_new("siemens-840d-sl", SIEMENS_AXES, ("mean", "mean"));
+    let before = before(&old, "mean");
+    let set_back = |more: &str| {
+        let new = shown(kit::generate(&taken(&job, &left, &before.archive(more))));
+        let files = files_of(&new, Role::Rollback);
+        let texts = files.iter().map(|file| String::from_utf8_lossy(file.bytes));
+        texts.filter(|text| text.contains("$MA_ENC_COMP_ENABLE[0,AX1]=")).count()
+    };
+    assert_eq!([set_back(""), set_back("$MA_ENC_COMP_ENABLE[0,AX1]=0\n")], [1, 0]);
+}
+
+#[test]
 fn a_way_back_that_moves_an_axis_at_its_reference_says_so() {
     let (old, job, left) = old_and_new("siemens-840d-sl", SIEMENS_AXES, ("mean", "mean"));
     let mut before = before(&old, "mean");
