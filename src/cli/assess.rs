@@ -96,7 +96,7 @@ fn chain_word(text: &str) -> Result<Chain, String> {
 pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Problems> {
     let page = page(options, files)?;
     let outcome = options.print.outcome(|| text::screen(&page), || &page)?;
-    options.plot.beside(outcome, |locale| Ok(page.picture(locale)))
+    options.plot.beside(outcome, |locale| page.picture(locale))
 }
 
 fn page(options: &Options, files: &dyn Files) -> Result<Page, Problems> {

@@ -58,7 +58,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let outcome = options.output.deliver_files(outcome, own, (MANIFEST, &manifest), next_steps);
     let outcome = outcome.answering(kit.verdict == Verdict::Pass);
     options.plot.beside(outcome, options.output.force, |locale| {
-        Ok(show::nine_errors(locale, &inputs, Some(&kit.effect), None))
+        show::nine_errors(locale, &inputs, Some(&kit.effect), None)
     })
 }
 

@@ -311,14 +311,14 @@ impl Plot {
         &self,
         outcome: Outcome,
         force: bool,
-        picture: impl FnOnce(Locale<'_>) -> Result<Picture, Problems>,
+        picture: impl FnOnce(Locale<'_>) -> Picture,
     ) -> Result<Outcome, Problems> {
         let Some(place) = &self.plot else {
             return Ok(outcome);
         };
         let texts = Texts::english()?;
         let locale = Locale { texts: &texts, shown: Shown::Metric };
-        let bytes = picture(locale)?.svg(locale).into_bytes();
+        let bytes = picture(locale).svg(locale).into_bytes();
         let place = place.clone();
         Ok(outcome.writing(move |files| files.write(&place, &bytes, force)))
     }
@@ -329,7 +329,7 @@ impl PlotOnly {
     pub(super) fn beside(
         &self,
         outcome: Outcome,
-        picture: impl FnOnce(Locale<'_>) -> Result<Picture, Problems>,
+        picture: impl FnOnce(Locale<'_>) -> Picture,
     ) -> Result<Outcome, Problems> {
         self.plot.beside(outcome, self.force, picture)
     }

@@ -49,7 +49,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let next = format!(" ({} samples)", page.before.summary.samples);
     let output = &options.output;
     let outcome = output.deliver(content, || page.screen(), || page.document(), &next)?;
-    options.plot.beside(outcome, output.force, |locale| Ok(page.picture(locale)))
+    options.plot.beside(outcome, output.force, |locale| page.picture(locale))
 }
 
 /// The page, and the samples where a file of them is asked for.

@@ -179,7 +179,7 @@ fn with_tables(
     visit.is_measured = options.after.is_some();
     visit.grounds = page.grounds();
     visit.decides.clone_from(&page.decides);
-    visit.add("verify", &page.document(), ("curves", page.picture(locale)?))?;
+    visit.add("verify", &page.document(), ("curves", page.picture(locale)))?;
     match assess::for_report(inputs, Some(&page.verification.loaded)) {
         Ok(page) => visit.add("assess", &page, ("volume", page.picture(locale)))?,
         Err(problems) => visit.without_volume = problems.iter().map(words).collect(),

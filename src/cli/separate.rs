@@ -67,7 +67,7 @@ pub(super) fn run(options: &Options, files: &dyn Files) -> Result<Outcome, Probl
     let picture = |locale: Locale<'_>| {
         let words = locale.words("nine_errors_separated");
         let heading = format!("{}: {words}", campaign.job.machine.name);
-        Ok(separated(locale, &heading, &separation))
+        separated(locale, &heading, &separation)
     };
     options.plot.beside(outcome, output.force, picture)
 }

@@ -139,6 +139,6 @@ impl Options {
     fn axis(&self, name: &str, runs: &Runs, notes: Vec<Finding>) -> Result<Outcome, Problems> {
         let page = Page::of(name, runs, self.travel_mm, notes)?;
         let outcome = self.print.outcome(|| page.screen(), || page.document())?;
-        self.plot.beside(outcome, |locale| Ok(page.picture(locale)))
+        self.plot.beside(outcome, |locale| page.picture(locale))
     }
 }

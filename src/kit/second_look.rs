@@ -36,12 +36,12 @@ pub(crate) fn second_look(
     corrected: impl FnOnce() -> Result<Vec<Corrected>, Problems>,
 ) -> Result<SecondLook, Problems> {
     let Asked { inputs, plan, .. } = &verification.loaded.asked;
-    let (control, forecast) = (verification.loaded.effect().ok(), verification.forecast.as_ref());
+    let (control, forecast) = (verification.effect.as_ref(), verification.forecast.as_ref());
     let (machine, job) = (inputs.machine(), &inputs.job);
-    let comparison = compare(machine, plan, control.as_ref(), forecast, measured, job)?;
+    let comparison = compare(machine, plan, control, forecast, measured, job)?;
     let (mut diagnosis, mut lost_motion) = (None, None);
     let control = control.filter(|_| comparison.is_measured() && forecast.is_some());
-    if let Some(control) = &control {
+    if let Some(control) = control {
         let diagnosed = |measured: &AfterMeasurement, corrected: &[Corrected]| {
             diagnosed(&verification.loaded.asked, control, measured, corrected)
         };

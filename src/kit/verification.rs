@@ -6,6 +6,7 @@ use super::made::{as_read, doubts};
 use super::{Inputs, field};
 use crate::judge::active::ActiveControl;
 use crate::judge::conformity::Verdict;
+use crate::judge::field::Field;
 use crate::judge::findings::not_emulated;
 use crate::judge::forecast::Forecast;
 use crate::read::{KitFile, emulator};
@@ -17,7 +18,9 @@ use crate::write::emit;
 pub struct Verification<'a> {
     /// The control with the tables of the directory.
     pub(crate) loaded: Loaded<'a>,
-    /// What the tables will leave; absent where they cannot be emulated.
+    /// What the control adds with the tables; absent where they cannot be emulated.
+    pub(crate) effect: Option<Field>,
+    /// What that leaves.
     pub forecast: Option<Forecast>,
     /// How the tables differ from what the job asks for; what no file does and what to see to on the
     /// control instead; what acts in addition to the tables (doubts, whatever is measured).
@@ -68,16 +71,17 @@ impl<'a> Verification<'a> {
     /// The forecast of a control with the files, and the verdict.
     fn of(loaded: Loaded<'a>, mut findings: Vec<Finding>) -> Verification<'a> {
         let inputs = loaded.asked.inputs;
-        let forecast = loaded.control.as_deref().ok().and_then(|control| {
+        let effect = loaded.control.as_deref().ok().and_then(|control| {
             let effect = loaded.field(control);
-            let effect = effect.map_err(|reason| findings.push(not_emulated(reason)));
-            Some(loaded.forecast(&effect.ok()?))
+            effect.map_err(|reason| findings.push(not_emulated(reason))).ok()
         });
+        let forecast = effect.as_ref().map(|effect| loaded.forecast(effect));
         findings.dedup();
         let beside = of_severity(&findings, Severity::Doubt);
         let unread = loaded.unread.iter().cloned().collect();
         let mut verification = Verification {
             loaded,
+            effect,
             forecast,
             findings,
             doubts: [doubts(inputs), beside, unread].concat(),

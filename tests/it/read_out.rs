@@ -49,7 +49,9 @@ impl Control {
     /// `verify` of a folder ends with this verdict; `refused`: there is none.
     #[track_caller]
     fn verify(&self, tables: &str, verdict: &str) -> Ran {
-        let ran = self.0.run(&format!("verify job.toml --tables {tables}"));
+        // A picture is drawn whatever the verdict is.
+        let plot = "--plot curves.svg --force";
+        let ran = self.0.run(&format!("verify job.toml --tables {tables} {plot}"));
         match verdict {
             "refused" => ran.ends(2).omits(" (asked"),
             _ => {
@@ -117,6 +119,15 @@ fn the_backlash_parameter_is_judged_as_it_is_now() {
             cnc.is("", "pass", &format!("{name}: taken as the job asks, {asked} µm"));
         }
     }
+}
+
+#[test]
+fn a_table_that_multiplies_is_not_emulated_and_judged_all_the_same() {
+    let cnc = siemens("mean");
+    let by = |number: &str| format!("$AN_CEC_MULT_BY_TABLE[0]={number}");
+    let archive = replaced(&cnc.archive(""), &by("0"), &by("2"));
+    cnc.judge("fail", &[("all.txt", &archive)])
+        .says("is multiplied by $AN_CEC[1], which no file holds");
 }
 
 #[test]

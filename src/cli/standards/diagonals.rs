@@ -107,7 +107,7 @@ struct Page<'a> {
 impl Page<'_> {
     fn outcome(&self, print: Print, plot: &PlotOnly) -> Result<Outcome, Problems> {
         let outcome = print.outcome(|| self.screen(), || self.document())?;
-        plot.beside(outcome, |locale| Ok(self.picture(locale, self.name)))
+        plot.beside(outcome, |locale| self.picture(locale, self.name))
     }
 
     fn picture(&self, locale: Locale<'_>, heading: &str) -> Picture {

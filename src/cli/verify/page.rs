@@ -19,7 +19,6 @@ use crate::kit::{Inputs, Verification, remarks};
 use crate::machine::model::ErrorModel;
 use crate::page::{Locale, Picture};
 use crate::text::finding::{Finding, Severity, of_severity};
-use crate::text::problem::Problems;
 use crate::text::words::Named;
 use crate::visit::files::printed;
 use serde::Serialize;
@@ -141,14 +140,13 @@ impl Page<'_> {
     }
 
     /// The nine errors as found, as forecast, as left.
-    pub(in crate::cli) fn picture(&self, locale: Locale<'_>) -> Result<Picture, Problems> {
-        let loaded = &self.verification.loaded;
-        let effect = loaded.control.is_ok().then(|| loaded.effect()).transpose()?;
-        let mut picture = show::nine_errors(locale, self.inputs, effect.as_ref(), self.as_left());
+    pub(in crate::cli) fn picture(&self, locale: Locale<'_>) -> Picture {
+        let effect = self.verification.effect.as_ref();
+        let mut picture = show::nine_errors(locale, self.inputs, effect, self.as_left());
         if self.is_simulated() {
             picture.note = format!("{}; {}", locale.words("simulated"), picture.note);
         }
-        Ok(picture)
+        picture
     }
 
     /// `date` and protocol of the second measurement, as its job states them.
