@@ -70,7 +70,7 @@ pub fn errors(input: &[u8]) -> Answer {
 /// Runs of one axis, in every way that they can be stated, and the figures of the standards.
 pub fn target_runs(input: &[u8]) -> Answer {
     let mut answer = String::new();
-    for unit in [None, Some(LengthUnit::ALL[0]), Some(LengthUnit::ALL[1])] {
+    for unit in [None, Some(LengthUnit::Um), Some(LengthUnit::Mm)] {
         for values in [None, Some(Values::Positions), Some(Values::Deviations)] {
             let source = Source::from_bytes("runs.csv", input)?;
             match Runs::read(&source, StatedRuns { unit, values }) {

@@ -30,6 +30,7 @@ use crate::control::controller::Profile;
 use crate::inputs::kind::{has_column, head};
 use crate::inputs::refusals;
 use crate::quantity::axis::Axis;
+use crate::quantity::chain::Chain;
 use crate::text::document::{Key, Section, Source, read_page_for, read_page_over, states};
 use crate::text::problem::{Problem, Problems};
 
@@ -123,6 +124,14 @@ impl Job {
     /// A problem at a key of the job, by its dotted path.
     pub(crate) fn problem_at(&self, path: &str, message: impl Into<String>) -> Problem {
         self.source.problem_at(path, message)
+    }
+
+    /// The chain, without which nothing can be said of angles; `path` = the key that asks for them.
+    pub(crate) fn chain_for_angles(&self, path: &str) -> Result<Chain, Problem> {
+        self.machine.chain.ok_or_else(|| {
+            self.problem_at(path, "angles act through levers, which need the order of the axes: `machine.chain` is missing")
+                .help("state it, e.g. `chain = \"wXYZt\"`")
+        })
     }
 }
 

@@ -124,7 +124,7 @@ refusals! {
     no_first_target() => "the first row is not at an end of the targets, so the first target is not known", "sort the rows, beginning with target 1";
     other_first_target() => "these rows do not begin with the first target of the file", LEAVE_OUT;
     other_run(run) => "run {run} does not have the positions of the first run", LEAVE_OUT;
-    single_position(axis) => "axis {axis} has a single position, expected at least two", "one position makes no curve";
+    single_position(axis) => "axis {axis} has a single position, expected at least two", "one position makes no curve: give another one, or leave the axis out";
     no_order(here, before, way) => "position {here} comes after {before}, but the rows above {way}: expected one order in a run", "look for a sign between thousands; else map the number of the run (`…=run`), or sort the rows";
     position_twice(position) => "position {position} is given twice", "map the number of the run (`…=run`) or the direction of travel (`…=direction`), or leave one row out";
     // Lists of captures and their form.
@@ -160,7 +160,6 @@ refusals! {
     given_twice_along(position, unit, axis) => "position {position} {unit} of axis {axis} is given twice", "average repeated runs, or give them directions `+` and `-`";
     unordered(position, unit, axis, before) => "position {position} {unit} of axis {axis} comes after {before} {unit}, expected ascending positions", "sort the rows of each axis and direction by position";
     empty_in_one_row(name, axis) => "`{name}` is empty in one row of axis {axis}, expected a number as in its other rows", "a missing value is never filled in: measure it, or leave the whole column empty for this axis";
-    only_position(axis) => "axis {axis} has a single position, expected at least two", "one position makes no curve: give another one, or leave the axis out";
     holds_nothing() => "the table holds no deviation, expected ex, ey or ez of an axis", "fill in what was measured; angles alone make no table for a control";
     in_two_tables(names, one, two) => "{names} stands in two tables, `{one}` and `{two}`", "give each component of an axis in one table: the zeros of two measurements differ by what nobody measured";
     directed_in_one(axis) => "axis {axis} is given with directions in one table and without in another", "measure all components of an axis with `+` and `-`, or import them with `--direction both`";

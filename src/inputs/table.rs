@@ -13,6 +13,7 @@ use crate::text::document::Source;
 use crate::text::problem::{Notes, Problem, Problems, shown};
 use std::borrow::Cow;
 use std::fmt;
+use std::str::FromStr;
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -224,8 +225,8 @@ impl<'a> Table<'a> {
 pub(super) const RUN: (&str, &str) = ("a whole number from 1", "number the runs 1, 2, 3 …");
 
 /// A whole number from 1.
-pub(super) fn count(text: &str) -> Option<u32> {
-    text.parse().ok().filter(|count| *count > 0)
+pub(super) fn count<N: FromStr + PartialOrd + From<u8>>(text: &str) -> Option<N> {
+    text.parse().ok().filter(|count| *count >= N::from(1))
 }
 
 /// The cells of one row, while it is read.

@@ -19,7 +19,6 @@
 use crate::machine::separation::noise::NORMAL_ONE_SIDED;
 use crate::quantity::units::larger;
 use crate::text::words::words;
-use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::erf::erfc;
 
@@ -38,8 +37,7 @@ const SURE: f64 = 6.0;
 
 words! {
     /// Answer to the question whether a limit is kept; the worse one is the larger.
-    #[derive(PartialOrd, Ord, Serialize)]
-    #[serde(rename_all = "lowercase")]
+    #[derive(PartialOrd, Ord)]
     pub enum Verdict {
         /// The limit is kept, or none is stated.
         Pass = "pass",

@@ -1,6 +1,6 @@
 //! Files that were read out of a declared control, against a job and against a kit.
 
-use crate::control::controller::DeclaredFacts;
+use crate::control::controller::{DeclaredFacts, Listed};
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables};
 use crate::judge::active::{Found, ReadOutReader};
@@ -9,16 +9,12 @@ use crate::judge::disagreement::entries::Entries;
 use crate::judge::family::{Family, Side};
 use crate::judge::findings::InControl;
 use crate::judge::listed;
-use crate::read::declared::read;
-use crate::read::generic;
+use crate::read::declared::tables;
 use crate::text::problem::Problems;
 
 impl Family for DeclaredFacts {
     fn read_out(&self, reading: &mut ReadOutReader<'_>) -> Result<Found, Problems> {
-        let mut found = match self.typed.is_some() {
-            true => generic::tables(reading.texts, true)?,
-            false => read(reading.texts, self)?,
-        };
+        let mut found = tables(reading.texts, self, true)?;
         let held = Tables::Listed(found.clone());
         // A new list takes the place of the whole old one: an old table of another axis would be lost, and is
         // refused where it is emulated.
@@ -36,7 +32,10 @@ impl Family for DeclaredFacts {
                 && (self.typed.is_none() || one.has_two() == other.has_two())
         };
         let stays = |table: &&ListedTable| !new.iter().any(|new| is_same(new, table));
-        old.iter().filter(stays).map(|table| format!("the old {}", table.name())).collect()
+        old.iter()
+            .filter(stays)
+            .map(|table| format!("the old {}", self.table_name(table)))
+            .collect()
     }
 
     fn entries(&self, side: &Side<'_>) -> Entries {
@@ -56,7 +55,7 @@ impl DeclaredFacts {
         let mut others = listed::take_others(reading, found);
         others.retain(|table| self.factors.is_none() || !table.is_zero());
         for table in others {
-            let what = format!("the {}", table.name());
+            let what = format!("the {}", self.table_name(&table));
             let moving = table.base.clone();
             reading.tell(match reading.has(&table.output) {
                 true => InControl::Follows { what, moving },

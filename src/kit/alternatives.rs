@@ -8,7 +8,7 @@ use crate::kit::inputs::Inputs;
 use crate::kit::made::Made;
 use crate::quantity::axis::{Axis, PerAxis};
 use crate::text::problem::Problems;
-use crate::text::words::words;
+use crate::text::words::{Word, words};
 use serde::Serialize;
 
 /// The backlash policy of each axis.
@@ -150,8 +150,8 @@ pub fn compare(inputs: &Inputs) -> Vec<Compared> {
 
 /// The other policies that a job could state for all axes.
 fn for_all(own: &Policies) -> Vec<Policies> {
-    let all = BacklashPolicy::ALL.map(|policy| PerAxis::from_fn(|_| Some(policy)));
-    all.into_iter().filter(|other| other != own).collect()
+    let all = BacklashPolicy::WORDS.iter().map(|(_, policy)| PerAxis::from_fn(|_| Some(*policy)));
+    all.filter(|other| other != own).collect()
 }
 
 /// The policies that a job could state instead: of one for all axes every other one; of one for each axis
@@ -167,9 +167,9 @@ pub(super) fn other_policies(own: &Policies) -> Vec<Policies> {
 fn for_one(own: &Policies) -> Vec<Policies> {
     let stated = Axis::ALL.into_iter().filter(|axis| own[*axis].is_some());
     let with = |axis: Axis| {
-        BacklashPolicy::ALL.map(|policy| {
+        BacklashPolicy::WORDS.iter().map(move |(_, policy)| {
             let mut others = *own;
-            others[axis] = Some(policy);
+            others[axis] = Some(*policy);
             others
         })
     };

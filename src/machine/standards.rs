@@ -29,16 +29,12 @@ pub const DIAGONALS: &str = LIKELY;
 
 words! {
     /// Whether a condition of a standard is met.
-    #[derive(Serialize)]
     pub enum Met {
         /// The data meet it.
-        #[serde(rename = "met")]
         Yes = "met",
         /// The data do not meet it; figures are not according to the standard.
-        #[serde(rename = "not met")]
         No = "not met",
         /// The data cannot show it.
-        #[serde(rename = "not tested")]
         NotTested = "not tested",
     }
 }

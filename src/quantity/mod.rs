@@ -6,4 +6,5 @@ pub mod curve;
 pub mod diagonal;
 pub mod fit;
 pub mod pitch;
+pub mod plane;
 pub mod units;

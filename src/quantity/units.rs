@@ -15,6 +15,8 @@ use std::ops::{Add, Neg, Sub};
 pub const MM_PER_INCH: f64 = 25.4;
 /// Micrometres in one millimetre.
 pub const UM_PER_MM: f64 = 1000.0;
+/// Microradians in one second of arc.
+pub(crate) const URAD_PER_ARCSEC: f64 = std::f64::consts::PI / 648_000.0 * 1e6;
 /// Two computed positions nearer than this are one, mm: a picometre, what their rounding adds.
 pub(crate) const SAME_PLACE_MM: f64 = 1e-9;
 /// A position nearer than this to one that a file states is at it, mm: the last digit that files hold.

@@ -17,7 +17,9 @@ mod table;
 
 use self::table::{Draft, Whose};
 use crate::control::control_state::ControlState;
-use crate::control::controller::{Comments, DeclaredFacts, Factor, Field, Pattern, Said, Size};
+use crate::control::controller::{
+    Comments, DeclaredFacts, Factor, Field, Listed, Pattern, Said, Size,
+};
 use crate::control::table::Tables;
 use crate::control::table::listed::{ListedTable, ListedTables};
 use crate::quantity::axis::Axis;
@@ -32,11 +34,7 @@ use std::ops::Range;
 impl Family for DeclaredFacts {
     fn read_kit(&self, files: &[KitText<'_>]) -> Result<ReadBack, Problems> {
         let texts: Vec<(&str, &str)> = files.iter().map(|file| (file.path, file.text)).collect();
-        let tables = match self.typed.is_some() {
-            true => generic::tables(&texts, false)?,
-            false => read(&texts, self)?,
-        };
-        Ok(Tables::Listed(tables).into())
+        Ok(Tables::Listed(tables(&texts, self, false)?).into())
     }
 
     fn control(&self, tables: &Tables, state: &ControlState) -> Emulated<Box<dyn Emulator>> {
@@ -70,11 +68,20 @@ impl Family for DeclaredFacts {
     }
 }
 
-/// Reads files of a control, names and texts in any order; no two of them hold a table for the same axes.
-pub(crate) fn read(
+/// Reads files of a control, names and texts in any order; of typed lists, as they were asked for or as the control shows them.
+pub(crate) fn tables(
     texts: &[(&str, &str)],
     facts: &DeclaredFacts,
+    as_shown: bool,
 ) -> Result<ListedTables, Problems> {
+    match facts.typed.is_some() {
+        true => generic::tables(texts, as_shown),
+        false => read(texts, facts),
+    }
+}
+
+/// The same of files with lines of the profile; no two of them hold a table for the same axes.
+fn read(texts: &[(&str, &str)], facts: &DeclaredFacts) -> Result<ListedTables, Problems> {
     let mut problems = Problems::none();
     let (mut all, mut set) = (Vec::<ListedTable>::new(), None);
     for (name, text) in texts {
@@ -82,7 +89,8 @@ pub(crate) fn read(
         set = set.or(own.set);
         for table in own.tables {
             if all.iter().any(|own| own.is_for(&table.base, &table.output)) {
-                let message = format!("`{}` holds another {}", shown(name), table.name());
+                let message =
+                    format!("`{}` holds another {}", shown(name), facts.table_name(&table));
                 problems.push(
                     Problem::new(message).help("name the files that the control holds together"),
                 );

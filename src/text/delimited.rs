@@ -25,10 +25,6 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// All of them.
-    pub const ALL: [LengthUnit; 4] =
-        [LengthUnit::Um, LengthUnit::Mm, LengthUnit::In, LengthUnit::Uin];
-
     /// Its word in the names of columns and on the command line.
     pub const fn word(self) -> &'static str {
         match self {
@@ -335,7 +331,7 @@ fn refuse_other_first_line(header: &Line<'_>, help: &str) -> Result<(), Problem>
     } else {
         return Ok(());
     };
-    Err(refused::other_first_line(message, help).at(header.whole()))
+    Err(Problem::new(message).help(help).at(header.whole()))
 }
 
 /// What stands before the unit of a name.

@@ -17,7 +17,6 @@ refusals! {
     key_twice(key) => "`{key}` is given twice in its section", KEEP_ONE;
     escape() => "a backslash between double quotes begins an escape such as `\\n`, expected a text without it", r"write `/` in a path, which Windows takes as well, or single quotes around it: 'C:\data\x.csv'";
     comma_in_number(number) => "`,` in a number, expected a decimal point", format!("{number}; numbers of a list stand in brackets, as `[0, 500]`");
-    to_be_filled_in(message) => "{message}", "write the value in place of `\"\"`";
     // Keys.
     unexpected(path, found, expected, key) => "`{path}` is {found}, expected {expected}", format!("write `{key} = …` with {expected}");
     missing(place, expected, key) => "{place}, expected {expected}", format!("add `{key} = …`");
@@ -36,7 +35,6 @@ refusals! {
     open_quote() => "a quotation mark is opened but not closed in this row", "remove it; numbers need none";
     same_column(name, other) => "column `{name}` gives the same as column `{other}` before it", KEEP_ONE;
     many_columns(count, most, help) => "the first line has {count} columns, at most {most} are read", help.to_string();
-    other_first_line(message, help) => "{message}", help.to_string();
     column_unit(name, what, list) => "column `{name}` has {what}, expected {list}", "the unit is part of the column's name";
     unknown_column(name, help) => "unknown column `{name}`", help.to_string();
 }

@@ -43,6 +43,12 @@ macro_rules! words {
                 match self { $($name::$value => $word),+ }
             }
         }
+
+        impl serde::Serialize for $name {
+            fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+                to.serialize_str(self.word())
+            }
+        }
     };
 }
 pub(crate) use words;

@@ -26,10 +26,10 @@ pub use self::map::{ErrorMap, Nodes};
 pub use self::missing::{ERRORS, Missing};
 use crate::inputs::job::{Job, Levers, MachineAxis};
 use crate::machine::model::{ErrorModel, Measured};
-use crate::machine::separation::metric::Plane;
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use crate::quantity::chain::{Chain, displaced, unit};
 use crate::quantity::curve::{ErrorCurve, Interpolation};
+use crate::quantity::plane::Plane;
 use crate::quantity::units::{Deviation, Millimetres};
 use crate::text::finding::Finding;
 use crate::text::problem::Problems;
@@ -102,13 +102,9 @@ impl VolumeModel {
     /// The model of a job's measured errors. Angles need the chain.
     pub fn build(job: &Job, model: &ErrorModel) -> Result<VolumeModel, Problems> {
         let has_angles = model.rotations.iter().any(|(_, angle)| angle.is_some());
-        let Some(chain) =
-            job.machine.chain.or((!has_angles).then_some(Chain::ALL_AXES_MOVE_THE_TOOL))
-        else {
-            return Err(job
-                .problem_at("machine", "angles act through levers, which need the order of the axes: `machine.chain` is missing")
-                .help("state it, e.g. `chain = \"wXYZt\"`")
-                .into());
+        let chain = match (job.machine.chain, has_angles) {
+            (None, false) => Chain::ALL_AXES_MOVE_THE_TOOL,
+            _ => job.chain_for_angles("machine")?,
         };
         let levers = job.measurement.levers;
         check_optics(job, chain, levers)?;

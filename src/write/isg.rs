@@ -182,13 +182,10 @@ impl IsgFacts {
             });
             angles.push(Curve { parameter: Parameter::Angle(rotation), points: points.collect() });
         }
-        match angles.is_empty() || task.job.machine.chain.is_some() {
-            true => Ok(angles),
-            false => Err(task
-                .job
-                .problem_at("machine", "angles act through levers, which need the order of the axes: `machine.chain` is missing")
-                .help("state it, e.g. `chain = \"wXYZt\"`; or list `terms`, then no angles are written")),
+        if !angles.is_empty() {
+            task.job.chain_for_angles("machine")?;
         }
+        Ok(angles)
     }
 
     /// What there is to know of angles that are written, and of those that are not.

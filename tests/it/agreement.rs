@@ -6,10 +6,10 @@ use crate::support::diagonals::{
 };
 use crate::support::{term, words};
 use nonius::inputs::job::{AxisMaterial, Frame, Material, SetUp, StatedUncertainty};
-use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use nonius::quantity::diagonal::{Diagonal, Pass, Run};
+use nonius::quantity::plane::Plane;
 
 const SIGMA_UM: f64 = 0.3;
 

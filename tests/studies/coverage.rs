@@ -11,13 +11,13 @@ use nonius::inputs::job::{
 };
 use nonius::machine::separation::agreement::Agreement;
 use nonius::machine::separation::curves::{ReferenceLine, range};
-use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::monte_carlo::{Trials, simulate};
 use nonius::machine::separation::noise::{Noise, NoiseSource, coverage_factor};
 use nonius::machine::separation::reversal::{Estimate, Turn};
 use nonius::machine::separation::{MeasuredLine, SeparatedError, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Pass, PathKind, PerDiagonal, Volume};
+use nonius::quantity::plane::Plane;
 use rand_chacha::ChaCha8Rng;
 use std::collections::BTreeMap;
 

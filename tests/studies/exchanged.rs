@@ -9,9 +9,9 @@ use crate::support::diagonals::{
 };
 use crate::support::{in_parallel, is_held, is_whole, published, share, words};
 use nonius::machine::separation::Separation;
-use nonius::machine::separation::metric::Plane;
 use nonius::quantity::axis::{Axis, ErrorTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
+use nonius::quantity::plane::Plane;
 use rand_chacha::ChaCha8Rng;
 use std::fmt::Write;
 

@@ -8,11 +8,11 @@ use crate::support::{error_table, short_or, words};
 use nonius::inputs::job::{Frame, Levers, Reflector, SetUp};
 use nonius::machine::separation::corrections::AngleModel;
 use nonius::machine::separation::curves::Curve;
-use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm, Rotation};
 use nonius::quantity::chain::Chain;
 use nonius::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Run, Volume};
+use nonius::quantity::plane::Plane;
 use proptest::prelude::*;
 
 /// Sums of a few hundred readings of up to a millimetre.

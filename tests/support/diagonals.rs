@@ -2,10 +2,10 @@
 //! curves, a mirror with a normal of its own in each set-up, lost motion, noise.
 use nonius::inputs::job::{DiagonalMeasurement, Frame, Reflector, SetUp, StatedUncertainty};
 use nonius::machine::separation::corrections::AngleEffects;
-use nonius::machine::separation::metric::Plane;
 use nonius::machine::separation::{Campaign, MeasuredLine, Separation, separate};
 use nonius::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use nonius::quantity::diagonal::{Diagonal, Pass, PathKind, PerDiagonal, Run, Volume};
+use nonius::quantity::plane::Plane;
 use nonius::quantity::units::{Deviation, Millimetres};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -9,7 +9,6 @@ use crate::cli::show::{figure, um};
 use crate::inputs::job::SetUp;
 use crate::machine::separation::closure::Closure;
 use crate::machine::separation::curves::{ReferenceLine, range};
-use crate::machine::separation::metric::Plane;
 use crate::machine::separation::monte_carlo::{Figure as Simulation, Simulated};
 use crate::machine::separation::noise::{
     FALSE_DOUBT, Noise, NoiseSource, Outlier, coverage_factor,
@@ -21,6 +20,7 @@ use crate::machine::separation::solved::naive_squareness;
 use crate::machine::separation::{SeparatedError, Separation};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{Diagonal, Pass};
+use crate::quantity::plane::Plane;
 use crate::quantity::units::Figure;
 use crate::text::finding::joined;
 

@@ -7,9 +7,10 @@ use crate::cli::show::figure;
 use crate::machine::separation::Separation;
 use crate::machine::separation::agreement::Agreement;
 use crate::machine::separation::findings::CHECK;
-use crate::machine::separation::metric::{Metric, Plane};
+use crate::machine::separation::metric::Metric;
 use crate::machine::separation::monte_carlo::Simulated;
 use crate::quantity::axis::Axis;
+use crate::quantity::plane::Plane;
 use crate::quantity::units::Figure;
 use crate::text::finding::{Finding, Severity};
 

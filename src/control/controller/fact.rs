@@ -9,8 +9,6 @@ use std::ops::RangeBounds;
 
 words! {
     /// How well a fact is known.
-    #[derive(Serialize)]
-    #[serde(rename_all = "lowercase")]
     pub enum Evidence {
         /// Read in a manual of the maker, or in data that a real control wrote.
         Manual = "manual",

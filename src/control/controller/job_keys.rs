@@ -7,19 +7,14 @@ use serde::Serialize;
 
 words! {
     /// The section of a job that a key stands in, without the axis.
-    #[derive(Serialize)]
     pub enum JobSection {
         /// Each `[machine.axes.x]`.
-        #[serde(rename = "machine.axes")]
         MachineAxes = "machine.axes",
         /// `[measurement]`.
-        #[serde(rename = "measurement")]
         Measurement = "measurement",
         /// `[compensation]`.
-        #[serde(rename = "compensation")]
         Compensation = "compensation",
         /// Each `[compensation.axes.x]`.
-        #[serde(rename = "compensation.axes")]
         CompensationAxes = "compensation.axes",
     }
 }

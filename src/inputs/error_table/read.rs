@@ -5,7 +5,7 @@ use crate::inputs::error_table::component::{Component, Kind};
 use crate::inputs::refusals;
 use crate::inputs::table::{Column, Content, INCH, LENGTHS, MM, Row, Table, Unit, named};
 use crate::quantity::axis::{Axis, Direction, PerAxis};
-use crate::quantity::units::{Deviation, Millimetres};
+use crate::quantity::units::{Deviation, Millimetres, URAD_PER_ARCSEC};
 use crate::text::delimited::Line;
 use crate::text::document::Source;
 use crate::text::problem::{Notes, Place, Problems};
@@ -39,7 +39,7 @@ const WORDS: [&str; 3] = [
 const ANGLES: [Unit; 3] = [
     Unit { word: "urad", factor: 1.0 },
     Unit { word: "mrad", factor: 1000.0 },
-    Unit { word: "arcsec", factor: std::f64::consts::PI / (180.0 * 3600.0) * 1e6 },
+    Unit { word: "arcsec", factor: URAD_PER_ARCSEC },
 ];
 
 /// Every column that there may be, in the order in which they are written; of each quantity the first one is
@@ -190,21 +190,20 @@ impl Series {
         kinds.map(|kind| Component { kind, along: self.axis })
     }
 
-    /// Fills in a column of numbers, mm, µm or µrad; `None` = not measured.
-    pub(crate) fn put(&mut self, holds: Content, values: Option<Vec<f64>>) {
+    /// Fills in a column of numbers, mm, µm or µrad.
+    pub(crate) fn put(&mut self, holds: Content, values: Vec<f64>) {
         match holds {
             Content::Position => {
-                let mm = values.unwrap_or_default().into_iter();
-                self.positions = mm.map(Millimetres::new).collect();
+                self.positions = values.into_iter().map(Millimetres::new).collect();
             }
             Content::Value(Kind::Deviation(of)) => {
-                let um = values.map(|um| um.into_iter().map(Deviation::from_um));
-                self.deviations[of] = um.map(Iterator::collect);
+                let um = values.into_iter().map(Deviation::from_um);
+                self.deviations[of] = Some(um.collect());
             }
-            Content::Value(Kind::Angle(about)) => self.angles_urad[about] = values,
-            Content::Uncertainty(Kind::Deviation(of)) => self.uncertainties_um[of] = values,
+            Content::Value(Kind::Angle(about)) => self.angles_urad[about] = Some(values),
+            Content::Uncertainty(Kind::Deviation(of)) => self.uncertainties_um[of] = Some(values),
             Content::Uncertainty(Kind::Angle(about)) => {
-                self.angle_uncertainties_urad[about] = values;
+                self.angle_uncertainties_urad[about] = Some(values);
             }
             _ => {}
         }
@@ -262,7 +261,6 @@ fn series(axis: Axis, table: &Table<'_>, rows: &[&Record<'_>]) -> Series {
         let is_empty = |row: &&&Record<'_>| row.numbers[index].is_none();
         let empty = rows.iter().filter(is_empty);
         if empty.clone().count() == rows.len() {
-            series.put(column.content, None);
             continue;
         }
         for row in empty {
@@ -270,7 +268,9 @@ fn series(axis: Axis, table: &Table<'_>, rows: &[&Record<'_>]) -> Series {
             table.notes.refuse_with(|| problem().at(row.line.cell_place(index)));
         }
         let values = rows.iter().map(|row| Some(row.numbers[index]? * column.factor()));
-        series.put(column.content, values.collect());
+        if let Some(values) = values.collect() {
+            series.put(column.content, values);
+        }
     }
     series
 }
@@ -285,7 +285,7 @@ pub(super) fn refuse_single_positions(
         for series in series.iter().filter(|series| series.lines.len() == 1) {
             let mut records = records.iter();
             if let Some(record) = records.find(|own| series.lines == [own.line.number()]) {
-                table.notes.refuse(refusals::only_position(axis).at(record.line.whole()));
+                table.notes.refuse(refusals::single_position(axis).at(record.line.whole()));
             }
         }
     }

@@ -61,19 +61,14 @@ pub const SIMULATED: &str = "SIMULATED, not measured";
 words! {
     /// A cause of uncertainty that the readings of a separation cannot show, each with the key of the job that states
     /// it, the usual largest first: who is silent about it gets no pass.
-    #[derive(Serialize)]
     pub enum Cause {
         /// Pitch, yaw and roll without a measurement.
-        #[serde(rename = "angle_urad")]
         Angles = "angle_urad",
         /// A change of scale from one set-up to the next.
-        #[serde(rename = "setup_ppm")]
         SetUps = "setup_ppm",
         /// The slopes of linear axes and other beams.
-        #[serde(rename = "u_um_per_m")]
         Slopes = "u_um_per_m",
         /// The tilt of a mirror whose set-up is assumed perfect.
-        #[serde(rename = "tilt_arcsec")]
         Tilt = "tilt_arcsec",
         /// The squareness of axes whose straightness has no slope that could hold it.
         Squareness = "squareness_um_per_m",

@@ -200,7 +200,7 @@ impl<'a> Sheet<'a> {
                         _ => position * UM_PER_MM,
                     };
                     let value = (Content::Value(kind), number - zero);
-                    (own.direction.map(way).or(direction), own.run.unwrap_or(run), value)
+                    (own.direction.map(way).or(direction), own.run.map_or(run, u64::from), value)
                 }
                 (Content::Reading(_), _) => continue,
                 _ => (direction, run, (content, number)),

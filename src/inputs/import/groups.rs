@@ -18,7 +18,8 @@ pub(super) struct Row<'a> {
     pub(super) line: Line<'a>,
     pub(super) axis: Axis,
     pub(super) direction: Option<Direction>,
-    pub(super) run: u32,
+    /// As the file numbers it, also by a time stamp.
+    pub(super) run: u64,
     /// mm.
     pub(super) position: f64,
     /// What was measured there, µm or µrad; the same quantities in every row.
@@ -86,7 +87,7 @@ impl<'a, 'b> Group<'a, 'b> {
                 Some(component) => placing.put(&mut series, component, sign, &values),
                 None => {
                     let u: Vec<f64> = means(&values).iter().map(|(mean, _)| *mean).collect();
-                    series.put(*quantity, Some(placing.uncertainties(&u)));
+                    series.put(*quantity, placing.uncertainties(&u));
                 }
             }
         }
@@ -132,7 +133,7 @@ impl<'a, 'b> Group<'a, 'b> {
 
     /// The rows of each run, in the order of their positions; all runs at the same positions.
     fn runs(&self) -> Option<Vec<Vec<&'b Row<'a>>>> {
-        let mut runs: BTreeMap<u32, Vec<&'b Row<'a>>> = BTreeMap::new();
+        let mut runs: BTreeMap<u64, Vec<&'b Row<'a>>> = BTreeMap::new();
         for row in &self.rows {
             runs.entry(row.run).or_default().push(row);
         }

@@ -179,7 +179,7 @@ impl Placing {
         let figures = means(runs);
         let of_targets: Vec<f64> = figures.iter().map(|(mean, _)| *mean).collect();
         let deviations = self.deviations(&of_targets, component, sign);
-        series.put(Content::Value(component.kind), Some(deviations));
+        series.put(Content::Value(component.kind), deviations);
         let scatter: Option<Vec<f64>> = figures.iter().map(|(_, u)| *u).collect();
         if let (Kind::Deviation(of), Some(u)) = (component.kind, scatter) {
             let mean_square = u.iter().map(|u| u.squared()).sum::<f64>() / float(u.len());

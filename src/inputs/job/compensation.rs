@@ -9,7 +9,6 @@ use crate::text::document::keys::LIMITS;
 use crate::text::document::{LONGEST_MM, Section, section};
 use crate::text::problem::{did_you_mean, shown};
 use crate::text::words::{Word, words};
-use serde::Serialize;
 
 /// What is asked of a job: whether it needs `[compensation]`, and which empty keys have to be filled in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,8 +81,6 @@ pub enum WantedTerms {
 
 words! {
     /// What to do with the difference of the two directions of travel.
-    #[derive(Serialize)]
-    #[serde(rename_all = "kebab-case")]
     pub enum BacklashPolicy {
         /// One table with the mean of both directions.
         Mean = "mean",
@@ -94,16 +91,6 @@ words! {
         /// One table with the curve of the reference direction; −B goes to the backlash parameter.
         CurveAndParameter = "curve-and-parameter",
     }
-}
-
-impl BacklashPolicy {
-    /// All of them.
-    pub const ALL: [BacklashPolicy; 4] = [
-        BacklashPolicy::Mean,
-        BacklashPolicy::TwoTables,
-        BacklashPolicy::ForwardOnly,
-        BacklashPolicy::CurveAndParameter,
-    ];
 }
 
 /// Policies as a job states them: `"mean"`, or `{ x = "two-tables", y = "mean" }`.

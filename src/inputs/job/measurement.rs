@@ -7,6 +7,7 @@ use crate::inputs::job::machine::Axes;
 use crate::inputs::refusals;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::PerDiagonal;
+use crate::quantity::plane::Plane;
 use crate::quantity::units::Millimetres;
 use crate::text::document::{Section, section};
 use crate::text::finding::Finding;
@@ -302,11 +303,9 @@ fn error_tables(section: &Section<'_>) -> Option<Vec<String>> {
 fn squareness(measurement: &Section<'_>, key: &'static str) -> Vec<(ErrorTerm, f64)> {
     let is_table = !measurement.has("readings");
     measurement.only_with(key, is_table, "`errors`"); // readings measure the squareness themselves
-    let pairs = [("xy", Axis::X, Axis::Y), ("xz", Axis::X, Axis::Z), ("yz", Axis::Y, Axis::Z)];
     let read = |section: &Section<'_>| {
-        let given = pairs.into_iter();
-        let given = given
-            .filter_map(|(key, of, along)| Some((ErrorTerm { of, along }, section.number(key)?)));
+        let given = Plane::ALL.into_iter();
+        let given = given.filter_map(|own| Some((own.carrier(), section.number(own.key())?)));
         Some(given.collect())
     };
     measurement.sub(key, read).unwrap_or_default()

@@ -4,6 +4,7 @@ use super::{AFTER, AFTER_JOB, AGAIN, Begun, COMMENTS, after_job, error_table, qu
 use crate::inputs::error_table::{ErrorTable, Series};
 use crate::inputs::job::{ActiveTables, Job, LinearSlope, MeasuredData, UseOf};
 use crate::quantity::axis::Axis;
+use crate::quantity::plane::Plane;
 use crate::text::delimited::header_and_rows;
 use crate::text::document::Source;
 use crate::text::plain::line;
@@ -80,8 +81,8 @@ impl Earlier<'_> {
         for key in OF_THE_DAY {
             page.remove(&format!("measurement.{key}"), key);
         }
-        for key in ["xy", "xz", "yz"] {
-            page.set(&format!("measurement.squareness_um_per_m.{key}"), quoted(""));
+        for plane in Plane::ALL {
+            page.set(&format!("measurement.squareness_um_per_m.{}", plane.key()), quoted(""));
         }
         if let Some(angles) = &job.measurement.angles {
             page.set("measurement.angles", quoted(&rebased(angles)));

@@ -9,9 +9,9 @@ use crate::inputs::error_table::{Cause, ErrorTable};
 use crate::inputs::job::Job;
 use crate::machine::findings::ModelFinding;
 use crate::machine::separation::curves::{ReferenceLine, range};
-use crate::machine::separation::metric::Plane;
 use crate::quantity::axis::{Axis, ErrorTerm, PerTerm};
 use crate::quantity::curve::ErrorCurve;
+use crate::quantity::plane::Plane;
 use crate::quantity::units::Millimetres;
 use crate::text::problem::Problems;
 

@@ -328,12 +328,7 @@ pub fn angles(
     measurement: &DiagonalMeasurement,
     table: &ErrorTable,
 ) -> Result<AngleEffects, Problems> {
-    let Some(chain) = job.machine.chain else {
-        return Err(job
-            .problem_at("measurement.angles", "angles act through levers, which need the order of the axes: `machine.chain` is missing")
-            .help("state it, e.g. `chain = \"wXYZt\"`")
-            .into());
-    };
+    let chain = job.chain_for_angles("measurement.angles")?;
     let levers = job.measurement.levers;
     let (order, origin) = (chain.order(), levers.origin(&job.machine.axes));
     if let Some(problem) = no_angles(table) {

@@ -3,12 +3,12 @@
 use super::campaign::{Campaign, LinearReversal, LinearReversals};
 use super::curves::{ends, noise_gain};
 use super::findings::SeparationFinding as Found;
-use super::metric::Plane;
 use super::reversal::Turn;
 use super::solved::{Solved, naive_squareness};
 use super::uncertainty::Budget;
 use crate::inputs::job::{Frame, LinearSlope, SetUp};
 use crate::quantity::axis::{Axis, PerAxis};
+use crate::quantity::plane::Plane;
 use crate::quantity::units::{Figure, Squared, rounded};
 use crate::text::finding::{Finding, joined};
 

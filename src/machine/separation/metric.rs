@@ -30,10 +30,10 @@ use super::noise::Noise;
 use super::uncertainty::Uncertainty;
 use crate::quantity::axis::{Axis, ErrorTerm, PerAxis};
 use crate::quantity::diagonal::{PerDiagonal, Volume};
+use crate::quantity::plane::{PerPlane, Plane};
 use crate::quantity::units::Squared;
 use crate::text::finding::Finding;
 use nalgebra::{DMatrix, DVector, SymmetricEigen, Vector6};
-use serde::{Serialize, Serializer};
 
 /// Of the largest singular value: below this a direction of the unknowns is not measured.
 const RANK_TOLERANCE: f64 = 1e-9;
@@ -46,75 +46,6 @@ pub(super) const UM_PER_M: f64 = 1e-6;
 const NEGLECTED_UM_PER_M: f64 = 1e-3;
 /// Uncertainty that weighs totals where neither noise nor a statement gives one, µm/m.
 const WEIGHT_UM_PER_M: f64 = 1.0;
-
-/// A plane of two axes, for squareness.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Plane {
-    /// X and Y.
-    Xy,
-    /// X and Z.
-    Xz,
-    /// Y and Z.
-    Yz,
-}
-
-impl Plane {
-    /// The three planes, XY first.
-    pub const ALL: [Plane; 3] = [Plane::Xy, Plane::Xz, Plane::Yz];
-
-    /// Its key in documents.
-    pub const fn key(self) -> &'static str {
-        ["xy", "xz", "yz"][self as usize]
-    }
-
-    /// Its two axes.
-    pub const fn axes(self) -> (Axis, Axis) {
-        [(Axis::X, Axis::Y), (Axis::X, Axis::Z), (Axis::Y, Axis::Z)][self as usize]
-    }
-
-    /// The cross term that carries the squareness in the X-primary frame, and to which a stated one is added: EXY, EXZ,
-    /// EYZ.
-    pub(crate) const fn carrier(self) -> ErrorTerm {
-        let (of, along) = self.axes();
-        ErrorTerm { of, along }
-    }
-
-    /// Its two cross terms, the carrier first.
-    pub(super) const fn terms(self) -> [ErrorTerm; 2] {
-        [self.carrier(), self.carrier().twin()]
-    }
-}
-
-/// One value for each plane.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
-pub struct PerPlane<T>([T; 3]);
-
-impl<T> PerPlane<T> {
-    /// The value of each plane from a function of the plane.
-    pub(crate) fn from_fn(of: impl FnMut(Plane) -> T) -> PerPlane<T> {
-        PerPlane(Plane::ALL.map(of))
-    }
-}
-
-impl<T: Copy> PerPlane<T> {
-    /// The value of a plane.
-    pub const fn of(&self, plane: Plane) -> T {
-        self.0[plane as usize]
-    }
-
-    /// Another value for each plane.
-    pub fn map<U>(&self, to: impl Fn(T) -> U) -> PerPlane<U> {
-        PerPlane(self.0.map(to))
-    }
-}
-
-/// By the names of the planes; a plane without a figure is absent.
-impl Serialize for PerPlane<Option<f64>> {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let known = Plane::ALL.into_iter();
-        to.collect_map(known.filter_map(|plane| Some((plane.key(), self.of(plane)?))))
-    }
-}
 
 /// What is measured of a triad's metric: the scales of X, Y, Z, then the squareness of the planes.
 #[derive(Clone, Debug, PartialEq)]

@@ -11,10 +11,10 @@
 
 use super::curves::{ReferenceLine, mean, range};
 use super::joint::at;
-use super::metric::Plane;
 use super::noise::float;
 use super::separate::Separation;
 use crate::quantity::axis::ErrorTerm;
+use crate::quantity::plane::Plane;
 use crate::quantity::units::Squared;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;

@@ -9,15 +9,14 @@ use super::agreement::Agreement;
 use super::campaign::MeasuredLine;
 use super::curves::{Curve, ReferenceLine};
 use super::linear::{CurveRows, Model, Row, Variance};
-use super::metric::{Equations, Metric, PerPlane, Plane, UM_PER_M};
+use super::metric::{Equations, Metric, UM_PER_M};
 use super::uncertainty::{Budget, Uncertainty};
 use crate::inputs::job::{Frame, SetUp};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, PerTerm};
 use crate::quantity::diagonal::{Diagonal, PerDiagonal, Volume};
+use crate::quantity::plane::{PerPlane, Plane};
+use crate::quantity::units::URAD_PER_ARCSEC;
 use std::sync::Arc;
-
-/// Seconds of arc in one radian.
-const ARCSEC_PER_RADIAN: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
 /// Curves as rows over what was measured, and what their slopes come from.
 pub(super) struct Solved<'a> {
@@ -224,7 +223,7 @@ impl<'a> Solved<'a> {
             let eta = PerAxis::from_fn(|axis| self.ratios[diagonal][axis] - expected(axis));
             let size = eta.length();
             Tilt {
-                arcsec: size * ARCSEC_PER_RADIAN,
+                arcsec: size * 1e6 / URAD_PER_ARCSEC,
                 direction: PerAxis::from_fn(|a| if size > 0.0 { eta[a] / size } else { 0.0 }),
             }
         }))

@@ -20,11 +20,8 @@ use crate::inputs::job::{AxisMaterial, Material, SetUp, StatedUncertainty};
 use crate::quantity::axis::{Axis, Direction, ErrorTerm, PerAxis, Rotation};
 use crate::quantity::chain::{displaced, unit};
 use crate::quantity::diagonal::{Diagonal, Pass, PerDiagonal, Volume};
-use crate::quantity::units::Squared;
+use crate::quantity::units::{Squared, URAD_PER_ARCSEC};
 use std::sync::Arc;
-
-/// Radians of one second of arc, times 10⁶.
-const URAD_PER_ARCSEC: f64 = 1e6 * std::f64::consts::PI / (180.0 * 3600.0);
 
 /// A ramp below this share of the readings that make it is their rounding.
 const ROUNDING: f64 = 1e-9;

@@ -97,7 +97,7 @@ fn to_be_filled_in(source: &Source, mut empty: Vec<Range<usize>>) -> Problems {
         1 => "a key is empty, expected a value".to_string(),
         many => format!("{many} keys are empty, expected a value of each"),
     };
-    let mut problem = refused::to_be_filled_in(message).at(first);
+    let mut problem = Problem::new(message).help("write the value in place of `\"\"`").at(first);
     problem.also = lines;
     problem.into()
 }

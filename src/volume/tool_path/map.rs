@@ -117,7 +117,7 @@ impl PathMap {
         self.error_in(self.cell(place, [0; 3]), place, longer)
     }
 
-    /// The same in a cell that is known. **The only place where an error is computed.**
+    /// The same in a cell that is known.
     #[inline]
     pub(super) fn error_in(&self, cell: [usize; 3], place: Place, longer: f64) -> [f64; 3] {
         match self.is_linear {
